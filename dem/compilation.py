@@ -1,0 +1,52 @@
+"""How the kernels are compiled, and where the machine code is kept.
+
+Numba keeps machine code on disk, but its cache does not notice an edit in a file other than the
+one that holds a function, and two processes that save at the same moment can leave an index
+that points to the wrong code. Both are closed here: the folder is named after a hash of the
+sources, and every save holds a lock.
+"""
+
+import os
+from pathlib import Path
+
+import numba
+from filelock import FileLock
+from numba.core.caching import IndexDataCacheFile
+from platformdirs import user_cache_path
+
+from dem.provenance import source_hash
+
+# nnan and ninf stay off: they would remove the very tests that find a NaN.
+# reassoc stays off: a sum has one order, so a seed has one result.
+OPTIONS = {"error_model": "numpy", "fastmath": {"contract", "arcp", "nsz"}}
+
+
+def cache_folder() -> Path:
+    """Folder of the machine code of these sources: $NUMBA_CACHE_DIR or the user's cache folder."""
+    base = os.environ.get("NUMBA_CACHE_DIR") or user_cache_path("dem", appauthor=False)
+    return Path(base) / f"kernels-{source_hash()[:16]}"
+
+
+numba.config.CACHE_DIR = str(cache_folder())
+
+
+class _LockedCacheFile(IndexDataCacheFile):
+    """Numba's cache file, saved by one process at a time."""
+
+    def save(self, key, data):
+        with FileLock(self._index_path + ".lock"):
+            super().save(key, data)
+
+
+def compiled(function):
+    """Decorator: compile for each combination of argument types, and keep the code on disk."""
+    dispatcher = numba.njit(cache=True, nogil=True, **OPTIONS)(function)
+    cache_file = getattr(dispatcher._cache, "_cache_file", None)  # absent under NUMBA_DISABLE_CACHE
+    if cache_file is not None:
+        cache_file.__class__ = _LockedCacheFile
+    return dispatcher
+
+
+def inlined(function):
+    """Decorator for scalar helpers: always part of the kernel that calls them."""
+    return numba.njit(forceinline=True, **OPTIONS)(function)

@@ -1,0 +1,102 @@
+"""Disc: the cylindrical granule of the paper (cases c1 and c2)."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from dem.shapes.geometry import SEPARATED, register
+
+
+class Disc(NamedTuple):
+    """Discs; radius (n,) in m."""
+
+    radius: np.ndarray
+
+    @classmethod
+    def of_size(cls, diameter, aspect_ratio=1.0):
+        """Discs of the given diameter (n,) in m."""
+        return cls(0.5 * diameter)
+
+    @property
+    def area(self):
+        """Area (n,) in m2."""
+        return np.pi * self.radius**2
+
+    @property
+    def gyration_squared(self):
+        """Squared radius of gyration (n,) in m2: moment of inertia over mass."""
+        return 0.5 * self.radius**2
+
+    @property
+    def bounding_radius(self):
+        """Radius (n,) in m of the circle about the centre that holds the granule."""
+        return self.radius
+
+    @property
+    def part_radius(self):
+        """Radius (parts,) in m that enters Hertz's law; a disc is its own only part."""
+        return self.radius
+
+    @property
+    def part_bounding_radius(self):
+        """Radius (parts,) in m of the circle that holds the part."""
+        return self.radius
+
+    @property
+    def normal_lever(self):
+        """Greatest distance (n,) in m of a line of normal force from the centre."""
+        return np.zeros_like(self.radius)
+
+    def scaled(self, factor):
+        """The same granules, larger by the given factor."""
+        return Disc(self.radius * factor)
+
+    def boundary(self, points=64):
+        """Outlines (n, rings, points, 2) in m about the centre at angle zero, to draw or sample."""
+        turn = np.linspace(0.0, 2.0 * np.pi, points)
+        circle = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+        return self.radius[:, None, None, None] * circle
+
+
+TURNS = False  # a disc looks the same at every angle
+
+
+def outline(shape, part, frame):
+    return shape.radius[part]
+
+
+def round_outline(shape, radius):
+    return radius
+
+
+def support(shape, own, nx, ny):
+    return own, None, None
+
+
+def touch(shape, dx, dy, own, other, normals, p):
+    reach = own + other
+    squared = dx * dx + dy * dy
+    if squared >= reach * reach:
+        return SEPARATED, 1.0, 0.0, own, None, other, None, None
+    distance = math.sqrt(squared)
+    if distance == 0.0:  # concentric: any normal is as good
+        return reach, 1.0, 0.0, own - 0.5 * reach, None, other - 0.5 * reach, None, None
+    inverse = 1.0 / distance
+    overlap = reach - distance
+    half = 0.5 * overlap
+    return overlap, dx * inverse, dy * inverse, own - half, None, other - half, None, None
+
+
+def place(shape, bodies, frame, parts):
+    pass
+
+
+def collect(shape, part_force, frame, force):
+    pass
+
+
+register(
+    Disc, outline=outline, round_outline=round_outline, support=support, touch=touch,
+    place=place, collect=collect,
+)  # fmt: skip

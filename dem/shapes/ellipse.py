@@ -1,0 +1,119 @@
+"""Ellipse (paper section 2.3), with two ways of finding a contact and two radii for Hertz's law."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from dem.compilation import inlined
+from dem.shapes.common_normal import CommonNormal, half_width
+from dem.shapes.disc import collect, place
+from dem.shapes.geometric_potential import GeometricPotential
+from dem.shapes.geometry import meet, register
+
+
+class Ellipse(NamedTuple):
+    """Ellipses; semi-axes (n,) in m, the major one along x at angle zero.
+
+    method: CommonNormal() or GeometricPotential(), how contacts are found.
+    local_curvature: None takes sqrt(ab) as the radius R of Hertz's law, which conserves energy;
+    True takes the radius of curvature at the contact, which does not.
+    """
+
+    semi_major: np.ndarray
+    semi_minor: np.ndarray
+    method: CommonNormal | GeometricPotential = CommonNormal()
+    local_curvature: bool | None = None
+
+    @classmethod
+    def of_size(cls, diameter, aspect_ratio, method=CommonNormal(), local_curvature=None):
+        """Ellipses whose area is that of discs of the given diameter (n,) in m."""
+        root = math.sqrt(aspect_ratio)
+        return cls(0.5 * diameter * root, 0.5 * diameter / root, method, local_curvature)
+
+    @property
+    def area(self):
+        """Area (n,) in m2."""
+        return np.pi * self.semi_major * self.semi_minor
+
+    @property
+    def gyration_squared(self):
+        """Squared radius of gyration (n,) in m2."""
+        return 0.25 * (self.semi_major**2 + self.semi_minor**2)
+
+    @property
+    def bounding_radius(self):
+        """Radius (n,) in m of the circle about the centre that holds the granule."""
+        return self.semi_major
+
+    @property
+    def part_radius(self):
+        """Radius (n,) in m that enters Hertz's law; an ellipse is its own only part."""
+        return np.sqrt(self.semi_major * self.semi_minor)
+
+    @property
+    def part_bounding_radius(self):
+        """Radius (n,) in m of the circle that holds the part."""
+        return self.semi_major
+
+    @property
+    def normal_lever(self):
+        """Greatest distance (n,) in m of a line of normal force from the centre."""
+        return self.semi_major - self.semi_minor
+
+    def scaled(self, factor):
+        """The same granules, larger by the given factor."""
+        return self._replace(
+            semi_major=self.semi_major * factor, semi_minor=self.semi_minor * factor
+        )
+
+    def boundary(self, points=64):
+        """Outlines (n, 1, points, 2) in m about the centre at angle zero, to draw or sample."""
+        turn = np.linspace(0.0, 2.0 * np.pi, points)
+        x = self.semi_major[:, None] * np.cos(turn)
+        y = self.semi_minor[:, None] * np.sin(turn)
+        return np.stack([x, y], axis=-1)[:, None]
+
+
+TURNS = True
+
+
+def outline(shape, part, frame):
+    return frame[part, 0], frame[part, 1], shape.semi_major[part], shape.semi_minor[part]
+
+
+def round_outline(shape, radius):
+    return 1.0, 0.0, radius, radius
+
+
+@inlined
+def flat_radius(local_curvature, rho):
+    if local_curvature is None:
+        return None
+    return rho
+
+
+@inlined
+def effective_radius(local_curvature, rho1, rho2):
+    if local_curvature is None:
+        return None
+    return rho1 * rho2 / (rho1 + rho2)
+
+
+def support(shape, own, nx, ny):
+    h, q, rho = half_width(own, nx, ny)
+    return h, q, flat_radius(shape.local_curvature, rho)
+
+
+def touch(shape, dx, dy, own, other, normals, p):
+    overlap, nx, ny, n1, t1, n2, t2, rho1, rho2 = meet(
+        shape.method, dx, dy, own, other, normals, p
+    )
+    radius = effective_radius(shape.local_curvature, rho1, rho2)
+    return overlap, nx, ny, n1, t1, n2, t2, radius
+
+
+register(
+    Ellipse, outline=outline, round_outline=round_outline, support=support, touch=touch,
+    place=place, collect=collect,
+)  # fmt: skip

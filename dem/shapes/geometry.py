@@ -1,0 +1,80 @@
+"""What the kernels ask of a shape, answered by the file of that shape.
+
+A granule is made of one or more convex *parts*; contacts are between parts. A shape is a
+NamedTuple of arrays with one entry a granule; its class selects, while compiling, the answers to
+the questions below. Conventions of a contact between parts 1 and 2:
+
+* d = x2 - x1 (m); n is the unit normal from 1 to 2 and t = (-ny, nx) the tangent;
+* overlap (m) is positive where the parts touch;
+* the contact point lies midway between the two surfaces, on one line with both forces;
+* levers (m) lead from the centres to it: n1 n + t1 t for part 1 and -n2 n + t2 t for part 2.
+  A lever that a shape does not have is None, and so is all arithmetic with it.
+"""
+
+from numba.extending import overload
+
+from dem.compilation import OPTIONS
+
+SEPARATED = -1.0  # overlap of parts that do not touch
+
+
+def _question(stub):
+    """Turn a stub into a function whose compiled body is chosen by the class of its first argument."""
+    answers = {}
+
+    def choose(first, *rest):
+        return answers.get(getattr(first, "instance_class", None))
+
+    overload(stub, strict=False, jit_options=OPTIONS)(choose)
+    stub.answers = answers
+    return stub
+
+
+@_question
+def outline(shape, part, frame):
+    """Numbers that describe one part in the present orientation, as its shape likes them."""
+
+
+@_question
+def support(shape, own, nx, ny):
+    """Where a part touches a straight line with outward normal n: (h, q, radius).
+
+    h (m) is the distance of that line from the centre; q = dh/d(angle) (m) the coordinate along t
+    of the point that touches it, None for a disc; radius as in touch.
+    """
+
+
+@_question
+def touch(shape, dx, dy, own, other, normals, p):
+    """Contact of two parts: (overlap, nx, ny, n1, t1, n2, t2, radius).
+
+    `normals` (m, 2) is what a contact remembers of its geometry (or None), `p` its row there;
+    `radius` is the effective radius R* (m) at the contact, or None for the pair's constant.
+    """
+
+
+@_question
+def round_outline(shape, radius):
+    """Outline, in this shape's terms, of a circle (the cylinder)."""
+
+
+@_question
+def place(shape, bodies, frame, parts):
+    """Motion of the parts from that of the granules."""
+
+
+@_question
+def collect(shape, part_force, frame, force):
+    """Forces (N) and torques (N m) on the granules from those on their parts."""
+
+
+@_question
+def meet(method, dx, dy, own, other, normals, p):
+    """Contact of two ellipses by one of the methods: as touch, with both radii of curvature last."""
+
+
+def register(shape_class, **answers):
+    """Make a shape known to the kernels: one function a question, by name."""
+    questions = globals()
+    for name, answer in answers.items():
+        questions[name].answers[shape_class] = answer

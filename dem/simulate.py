@@ -1,0 +1,282 @@
+"""Run a scene: the documented call for a user's own arrays, and the object behind it.
+
+    result = dem.simulate(scene, state, duration=1e-3)
+
+Two discs that collide in empty space need no more than that; the paper's experiment
+(dem.drag) is the first user of the same object.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from dem.assembly import assemble, constants, relist
+from dem.columns import VX, VY, W
+from dem.contact_law import effective_modulus, impact_overlap
+from dem.errors import InputError, OverlapError, StateError
+from dem.integrate import advance
+from dem.kernel import forces
+from dem.scene import Scene, State
+from dem.survey import kinetic, survey
+
+SKIN = 0.2  # of the mean bounding radius; chosen by timing
+MARGIN = 0.9  # share of skin / 2 that a part may move before the lists are made anew
+STEP_FRACTION = 0.2  # of the critical time step
+LARGEST_OVERLAP = 0.3  # of the smaller radius
+LONGEST_FLIGHT = 0.02  # of the smallest radius, in one step
+
+
+class Glance(NamedTuple):
+    """The bed at one moment; coordination number: touching pairs of parts, twice, a granule."""
+
+    kinetic_energy: float  # J
+    fastest: float  # m/s
+    coordination_number: float
+    max_overlap: float  # over the smaller radius
+    critical_time_step: float  # s
+
+
+class Result(NamedTuple):
+    """What simulate returns: f frames of n granules and w walls, and the last state.
+
+    time (f,) in s; position (f, n, 2) in m; angle (f, n) in rad; velocity (f, n, 2) in m/s;
+    angular_velocity (f, n) in rad/s; cylinder_force (f, 2) and wall_force (f, w) in N: the mean
+    force on the cylinder and the mean normal force on each wall since the frame before (at the
+    first frame that at the start). time_step (s): the shortest step taken.
+    """
+
+    time: np.ndarray
+    position: np.ndarray
+    angle: np.ndarray
+    velocity: np.ndarray
+    angular_velocity: np.ndarray
+    cylinder_force: np.ndarray
+    wall_force: np.ndarray
+    state: State
+    time_step: float
+
+
+class Simulation:
+    """A scene in motion: advances in place, to be read and changed between calls.
+
+    time_step (s): fixed, or None to take at each call of advance `step_fraction` of the critical
+    step of the bed as it then is. max_overlap: greatest allowed overlap over the smaller radius.
+    skin: of the contact lists, over the mean bounding radius.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        state: State,
+        time_step: float | None = None,
+        step_fraction: float = STEP_FRACTION,
+        max_overlap: float = LARGEST_OVERLAP,
+        skin: float = SKIN,
+    ):
+        if time_step is not None and not (math.isfinite(time_step) and time_step > 0.0):
+            raise InputError(f"time_step is {time_step!r}; it must be a positive number (s).")
+        self.scene = scene
+        self.time_step = time_step
+        self.step_fraction = step_fraction
+        self.max_overlap = max_overlap
+        self.time = 0.0
+        self.steps = 0
+        self._parts = constants(scene, skin)
+        self._room = MARGIN * 0.5 * self._parts.skin
+        self.world = assemble(scene, state.checked(scene.granules), self._parts)
+        self._relist()
+        self.clear_forces()
+        forces(self.world, 0.0)
+
+    # What can be read between calls
+
+    @property
+    def state(self) -> State:
+        """Copies of position (m), velocity (m/s), angle (rad) and angular velocity (rad/s)."""
+        bodies = self.world.bodies
+        return State(
+            bodies[:, :2].copy(),
+            bodies[:, [VX, VY]],
+            self.world.angle.copy(),
+            bodies[:, W].copy(),
+        )
+
+    @property
+    def cylinder_force(self):
+        """Force on the cylinder summed over steps (2, 2) in N: normal parts, tangential parts."""
+        roller = self.world.roller
+        return np.zeros((2, 2)) if roller is None else roller.force.reshape(2, 2).copy()
+
+    @property
+    def wall_force(self):
+        """Normal force on each wall summed over steps (w,) in N."""
+        walls = self.world.walls
+        return np.zeros(0) if walls is None else walls.force.copy()
+
+    def clear_forces(self):
+        """Begin the sums over steps of the forces on cylinder and walls anew."""
+        for barrier in (self.world.roller, self.world.walls):
+            if barrier is not None:
+                barrier.force[:] = 0.0
+
+    def look(self) -> Glance:
+        """Energy, contacts and greatest overlap of the bed as it is, and its critical time step.
+
+        The critical step 2 / omega_max is a lower bound, by the stiffness of all contacts; pairs
+        that are near but do not touch count with the overlap of a collision at the greatest
+        present speed. Raises OverlapError where the guard on overlaps trips.
+        """
+        world, parts = self.world, self._parts
+        energy, fastest = kinetic(world)
+        least = self._impact(fastest)
+        touching, overlap, part, bound = survey(
+            _unremembered(world), parts.radius, parts.per, least, parts.wn, parts.wt
+        )
+        if not overlap <= self.max_overlap:
+            raise OverlapError(
+                f"granule {part // parts.per} overlaps by {overlap:.3g} of the smaller radius "
+                f"{self._when()}; the limit is {self.max_overlap:g}: take a smaller time step, a "
+                "stiffer material or a lower packing fraction."
+            )
+        alone = 4.0 * effective_modulus(self.scene.material, self.scene.material) * math.sqrt(
+            parts.radius.max() * least
+        ) * np.max(parts.wt) ** 2  # a granule that meets its like
+        return Glance(
+            energy, fastest, 2.0 * touching / self.scene.granules, overlap,
+            2.0 / math.sqrt(max(bound, alone)),
+        )  # fmt: skip
+
+    def _impact(self, speed):
+        """Overlap (m) of a collision of mean granules at the greatest speed (m/s) around."""
+        parts, roller = self._parts, self.world.roller
+        if roller is not None:
+            speed = max(speed, math.hypot(roller.motion[0, VX], roller.motion[0, VY]))
+        modulus = effective_modulus(self.scene.material, self.scene.material)
+        radius = 0.5 * parts.radius.mean()
+        overlap = impact_overlap(0.5 * parts.mass.mean(), radius, modulus, speed)
+        return max(overlap, 1e-8 * radius)
+
+    # Motion
+
+    def advance(self, duration: float) -> int:
+        """Advance by a duration (s), in equal steps; returns their number.
+
+        Raises StateError or OverlapError (both RunError), naming step, time and granule.
+        """
+        if self.time_step is not None:
+            longest = self.time_step
+        else:
+            glance = self.look()
+            flight = LONGEST_FLIGHT * self._parts.radius.min()
+            longest = min(
+                self.step_fraction * glance.critical_time_step,
+                flight / max(glance.fastest, 1e-300),
+            )
+        steps = max(1, math.ceil(duration / longest * (1.0 - 1e-9)))
+        dt = duration / steps
+        start, left = self.time, steps
+        while left > 0:
+            done, moved = advance(self.world, dt, left, self._room)
+            left -= done
+            self.steps += done
+            self.time = start + (steps - left) * dt
+            if moved > self._room or not math.isfinite(moved):
+                self._check(moved)
+                self._relist()
+        return steps
+
+    # Guards: between two lists no part moves by more than half the skin, so that checks at a new
+    # list see every overlap before it has grown by more than the skin.
+
+    def _when(self):
+        return f"at step {self.steps}, time {self.time:.6g} s"
+
+    def _check(self, moved):
+        self._check_motion()
+        if moved > 0.5 * self._parts.skin:
+            raise StateError(
+                f"a granule moved {moved:.3g} m before its contacts were listed again "
+                f"{self._when()}; it may move {0.5 * self._parts.skin:.3g} m: take a smaller "
+                "time step."
+            )
+        self.look()
+
+    def _check_motion(self):
+        bodies = self.world.bodies
+        lost = ~np.isfinite(bodies).all(axis=1)
+        if lost.any():
+            raise StateError(
+                f"the motion of granule {lost.argmax()} is not a number {self._when()}: take a "
+                "smaller time step."
+            )
+
+    def _relist(self):
+        walls, bodies = self.world.walls, self.world.bodies
+        if walls is not None:
+            beyond = bodies[:, :2] @ walls.planes[:, :2].T - walls.planes[:, 2]
+            granule, wall = np.unravel_index(beyond.argmax(), beyond.shape)
+            if beyond[granule, wall] > 0.0:
+                raise StateError(
+                    f"granule {granule} has its centre {beyond[granule, wall]:.3g} m behind wall "
+                    f"{wall} {self._when()}: put it inside, or take a smaller time step."
+                )
+        self.world = relist(self.scene, self._parts, self.world)
+
+
+def _unremembered(world):
+    """The world with copies of what contacts remember, so that a look changes nothing."""
+
+    def copied(contacts):
+        if contacts.normals is None:
+            return contacts
+        return contacts._replace(normals=contacts.normals.copy())
+
+    world = world._replace(pairs=copied(world.pairs))
+    if world.roller is not None:
+        roller = world.roller._replace(contacts=copied(world.roller.contacts))
+        world = world._replace(roller=roller)
+    return world
+
+
+def simulate(
+    scene: Scene,
+    state: State,
+    duration: float,
+    time_step: float | None = None,
+    frames: int = 1,
+    **options,
+) -> Result:
+    """Simulate a scene from a state for a duration (s) and return arrays.
+
+    time_step (s): None to choose it from the stiffness of the contacts (recommended). frames:
+    number of equal intervals after each of which the state is kept. Further options as for
+    Simulation. Raises InputError for values that can not be used and RunError (StateError,
+    OverlapError) where a run fails.
+    """
+    if not (math.isfinite(duration) and duration > 0.0):
+        raise InputError(f"duration is {duration!r}; it must be a positive number (s).")
+    if not (isinstance(frames, int) and frames > 0):
+        raise InputError(f"frames is {frames!r}; it must be a positive whole number.")
+    run = Simulation(scene, state, time_step, **options)
+    run.look()
+    history = [(0.0, run.state, run.cylinder_force.sum(axis=0), run.wall_force)]
+    shortest = math.inf
+    for _ in range(frames):
+        run.clear_forces()
+        steps = run.advance(duration / frames)
+        shortest = min(shortest, duration / frames / steps)
+        force = run.cylinder_force.sum(axis=0) / steps
+        history.append((run.time, run.state, force, run.wall_force / steps))
+    times, states, cylinder_force, wall_force = zip(*history, strict=True)
+    return Result(
+        np.array(times),
+        np.stack([s.position for s in states]),
+        np.stack([s.angle for s in states]),
+        np.stack([s.velocity for s in states]),
+        np.stack([s.angular_velocity for s in states]),
+        np.stack(cylinder_force),
+        np.stack(wall_force),
+        states[-1],
+        shortest,
+    )

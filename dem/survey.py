@@ -1,0 +1,158 @@
+"""One look at the bed, between steps: energy, contacts, greatest overlap, bound on the stiffness."""
+
+import math
+
+import numpy as np
+
+from dem.columns import VX, VY, W, X, Y
+from dem.compilation import compiled, inlined
+from dem.kernel import stiffness_at
+from dem.shapes.geometry import outline, round_outline, support, touch
+
+
+@inlined
+def spin_energy(inverse_inertia, i, spin):
+    if inverse_inertia is None:
+        return 0.0
+    return 0.5 * spin * spin / inverse_inertia[i]
+
+
+@compiled
+def kinetic(world):
+    """Kinetic energy (J) and greatest speed (m/s); NaN wins."""
+    energy, fastest = 0.0, 0.0
+    for i in range(world.bodies.shape[0]):
+        squared = world.bodies[i, VX] ** 2 + world.bodies[i, VY] ** 2
+        energy += 0.5 * squared / world.inverse_mass[i]
+        energy += spin_energy(world.inverse_inertia, i, world.bodies[i, W])
+        if not squared <= fastest:
+            fastest = squared
+    return energy, math.sqrt(fastest)
+
+
+@inlined
+def stiff(tangent, stiffness, root):
+    """Normal and tangential stiffness (N/m) of a contact of overlap root^2."""
+    normal = 1.5 * stiffness * root
+    if tangent is None:
+        return normal, 0.0
+    return normal, tangent.stiffness_ratio * stiffness * root
+
+
+@inlined
+def add_stiffness(rows, i, j, kn, kt, wn, wt):
+    rows[i] += kn * wn[i] * (wn[i] + wn[j]) + kt * wt[i] * (wt[i] + wt[j])
+    rows[j] += kn * wn[j] * (wn[i] + wn[j]) + kt * wt[j] * (wt[i] + wt[j])
+
+
+@inlined
+def deeper(worst, overlap, i, size):
+    """Greater of two relative overlaps, each with the granule it belongs to; NaN wins."""
+    relative = overlap / size
+    if not relative <= worst[0]:
+        return relative, i
+    return worst
+
+
+@compiled
+def survey_pairs(shape, parts, frame, contacts, tangent, radius, per, least, wn, wt, rows):
+    first, other = contacts.first, contacts.other
+    touching = 0
+    worst = (0.0, 0)
+    for i in range(parts.shape[0]):
+        own = outline(shape, i, frame)
+        for p in range(first[i], first[i + 1]):
+            j = other[p]
+            dx, dy = parts[j, X] - parts[i, X], parts[j, Y] - parts[i, Y]
+            hit = touch(shape, dx, dy, own, outline(shape, j, frame), contacts.normals, p)
+            overlap = hit[0]
+            if not overlap <= 0.0:
+                touching += 1
+                worst = deeper(worst, overlap, i, min(radius[i], radius[j]))
+            stiffness = stiffness_at(contacts.stiffness[p], contacts.modulus, hit[7])
+            kn, kt = stiff(tangent, stiffness, math.sqrt(max(overlap, least)))
+            add_stiffness(rows, i // per, j // per, kn, kt, wn, wt)
+    return touching, worst
+
+
+@compiled
+def survey_listed(world, barrier, overlaps, radius, per, least, wn, wt, rows, worst):
+    """Walls or cylinder: `overlaps` (m,) in m has been filled by one of the two functions below."""
+    contacts = barrier.contacts
+    for p in range(contacts.part.shape[0]):
+        i = contacts.part[p]
+        if not overlaps[p] <= 0.0:
+            worst = deeper(worst, overlaps[p], np.int64(i), radius[i])
+        root = math.sqrt(max(overlaps[p], least))
+        kn, kt = stiff(barrier.tangent, contacts.stiffness[p], root)
+        g = i // per
+        rows[g] += kn * wn[g] * wn[g] + kt * wt[g] * wt[g]
+    return worst
+
+
+@compiled
+def wall_overlaps(shape, parts, frame, walls):
+    """Overlap (m) of each listed contact with a wall, negative where there is a gap."""
+    contacts = walls.contacts
+    overlaps = np.empty(contacts.part.shape[0])
+    for p in range(overlaps.shape[0]):
+        i, k = contacts.part[p], contacts.other[p]
+        nx, ny = walls.planes[k, 0], walls.planes[k, 1]
+        reach, _, _ = support(shape, outline(shape, i, frame), nx, ny)
+        overlaps[p] = reach + parts[i, X] * nx + parts[i, Y] * ny - walls.planes[k, 2]
+    return overlaps
+
+
+@compiled
+def roller_overlaps(shape, parts, frame, roller):
+    """Overlap (m) of each listed contact with the cylinder, negative where there is a gap."""
+    contacts = roller.contacts
+    overlaps = np.empty(contacts.part.shape[0])
+    circle = round_outline(shape, roller.radius)
+    for p in range(overlaps.shape[0]):
+        i = contacts.part[p]
+        dx, dy = roller.motion[0, X] - parts[i, X], roller.motion[0, Y] - parts[i, Y]
+        hit = touch(shape, dx, dy, outline(shape, i, frame), circle, contacts.normals, p)
+        overlaps[p] = hit[0]
+    return overlaps
+
+
+@compiled
+def survey_walls(world, radius, per, least, wn, wt, rows, worst):
+    walls = world.walls
+    if walls is None:
+        return worst
+    overlaps = wall_overlaps(world.shape, world.parts, world.frame, walls)
+    return survey_listed(world, walls, overlaps, radius, per, least, wn, wt, rows, worst)
+
+
+@compiled
+def survey_roller(world, radius, per, least, wn, wt, rows, worst):
+    roller = world.roller
+    if roller is None:
+        return worst
+    overlaps = roller_overlaps(world.shape, world.parts, world.frame, roller)
+    return survey_listed(world, roller, overlaps, radius, per, least, wn, wt, rows, worst)
+
+
+@compiled
+def survey(world, radius, per, least, wn, wt):
+    """Look at the whole bed.
+
+    radius (parts,): of each part (m); per: parts a granule; least (m): overlap that a pair in
+    the lists counts with, at least, as to stiffness; wn, wt (n,): norms (kg^-0.5) of the
+    mass-weighted normal and tangential motion at a contact, sqrt(1/m + lever^2/I).
+
+    Returns the number of touching pairs of parts, the greatest overlap over the smaller radius
+    with the part it belongs to, and a bound on the squared greatest eigenfrequency (1/s2): each
+    contact adds to the mass-weighted stiffness matrix a block of known norm, and no eigenvalue
+    exceeds the largest sum of norms in a row (Gershgorin's theorem for blocks).
+    """
+    rows = np.zeros(world.bodies.shape[0])
+    touching, worst = survey_pairs(
+        world.shape, world.parts, world.frame, world.pairs, world.tangent,
+        radius, per, least, wn, wt, rows,
+    )  # fmt: skip
+    worst = survey_walls(world, radius, per, least, wn, wt, rows, worst)
+    worst = survey_roller(world, radius, per, least, wn, wt, rows, worst)
+    return touching, worst[0], worst[1], rows.max()

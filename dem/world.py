@@ -1,0 +1,93 @@
+"""The arrays that one compiled step works on; what a scene lacks is None and never compiled."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Tangent(NamedTuple):
+    """Friction of one kind of contact.
+
+    coefficient: Coulomb's mu; stiffness_ratio: 8 G* over 4/3 E*; damping_ratio: tangential over
+    normal damping, sqrt(k_t/k_n).
+    """
+
+    coefficient: float
+    stiffness_ratio: float
+    damping_ratio: float
+
+
+class Contacts(NamedTuple):
+    """Pairs near enough to touch before the list is built anew, m in all.
+
+    first (parts + 1,): the partners of part i stand in rows first[i] to first[i + 1], each pair
+    once; None for walls and cylinder, where `part` (m,) names the part instead.
+    other (m,): partner: part with the higher index, or wall. stiffness (m,): 4/3 E* sqrt(R*),
+    N m^-1.5. modulus: 4/3 E*, Pa. damping (m,): alpha sqrt(m* k), or None. spring (m, 2): what a
+    frictional contact remembers, the tangential spring force (N) and the last sqrt(overlap)
+    (m^0.5), or None. normals (m, 2): last normal of two ellipses, or None.
+    """
+
+    first: np.ndarray | None
+    part: np.ndarray | None
+    other: np.ndarray
+    stiffness: np.ndarray
+    modulus: float
+    damping: np.ndarray | None
+    spring: np.ndarray | None
+    normals: np.ndarray | None
+
+
+class Walls(NamedTuple):
+    """Straight walls: planes (w, 3) rows (nx, ny, offset), solid where n.x > offset.
+
+    force (w,): sum over steps of the normal force on each wall (N).
+    """
+
+    planes: np.ndarray
+    motion: np.ndarray
+    contacts: Contacts
+    tangent: Tangent | None
+    force: np.ndarray
+
+
+class Roller(NamedTuple):
+    """The cylinder: radius (m), motion (1, 8) as in dem.columns, prescribed.
+
+    reference (2,): position (m) at which the contact lists were made. force (4,): sum over steps of the force on it (N): x and y of the normal parts, then of the
+    tangential parts.
+    """
+
+    radius: float
+    motion: np.ndarray
+    reference: np.ndarray
+    contacts: Contacts
+    tangent: Tangent | None
+    force: np.ndarray
+
+
+class World(NamedTuple):
+    """Everything that moves, with its contacts.
+
+    bodies (n, 8) and force (n, 4): rows of dem.columns for the granules; parts and part_force
+    the same for their parts (the same arrays where a granule is its own only part). angle (n,)
+    in rad; frame (n, 2): its cosine and sine, None for discs. inverse_mass (n,) in 1/kg,
+    inverse_inertia (n,) in 1/(kg m2), None where nothing turns. gravity (2,) in m/s2, or None.
+    reference (parts, 2): positions (m) at which the contact lists were made.
+    """
+
+    shape: tuple
+    bodies: np.ndarray
+    angle: np.ndarray
+    frame: np.ndarray | None
+    inverse_mass: np.ndarray
+    inverse_inertia: np.ndarray | None
+    force: np.ndarray
+    parts: np.ndarray
+    part_force: np.ndarray
+    reference: np.ndarray
+    pairs: Contacts
+    tangent: Tangent | None
+    walls: Walls | None
+    roller: Roller | None
+    gravity: np.ndarray | None
