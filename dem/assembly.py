@@ -146,6 +146,8 @@ def _contacts(scene, parts, indices, radius, mass, friction, normals, old):
 
 def relist(scene: Scene, parts: Constants, world: World) -> World:
     """The world with contact lists made anew for the present positions."""
+    if world.frame is not None:
+        world.frame[:, 0], world.frame[:, 1] = np.cos(world.angle), np.sin(world.angle)
     place_parts(world.shape, world.bodies, world.frame, world.parts)
     rows, radius, mass, skin = world.parts, parts.radius, parts.mass, parts.skin
     first, other = neighbors.near_pairs(rows, parts.bounding, skin, parts.per)

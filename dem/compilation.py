@@ -19,6 +19,7 @@ from dem.provenance import source_hash
 # nnan and ninf stay off: they would remove the very tests that find a NaN.
 # reassoc stays off: a sum has one order, so a seed has one result.
 OPTIONS = {"error_model": "numpy", "fastmath": {"contract", "arcp", "nsz"}}
+INLINED = {"forceinline": True, **OPTIONS}
 
 
 def cache_folder() -> Path:
@@ -49,4 +50,4 @@ def compiled(function):
 
 def inlined(function):
     """Decorator for scalar helpers: always part of the kernel that calls them."""
-    return numba.njit(forceinline=True, **OPTIONS)(function)
+    return numba.njit(**INLINED)(function)

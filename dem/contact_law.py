@@ -34,9 +34,8 @@ def mindlin(spring, root, last_root, stiffness, slip):
     (Thornton, Cummins and Cleary 2013, Powder Technol. 233, 30). In both directions the stored
     energy spring^2 / (2 k_t) can only fall when the overlap changes, so no contact makes energy.
     """
-    if root < last_root:
-        spring = spring * (root / last_root)
-    return spring - stiffness * root * slip
+    kept = min(root / last_root, 1.0)  # without a branch; infinite, so 1, for a new contact
+    return spring * kept - stiffness * root * slip
 
 
 @inlined

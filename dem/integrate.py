@@ -9,33 +9,37 @@ half-step velocity is of first order).
 import math
 
 from dem.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
-from dem.compilation import compiled, inlined
+from dem.compilation import compiled
 from dem.kernel import forces
+from dem.optional import optional, plus
+from dem.shapes.common_normal import turned
 
 
-@inlined
+@optional
 def rotate(inverse_inertia, frame, angle, bodies, force, i, kick, half, dt):
-    if inverse_inertia is not None:
-        alpha = force[i, TAU] * inverse_inertia[i]
-        spin = bodies[i, W] + kick * alpha
-        bodies[i, W] = spin
-        bodies[i, DW] = half * alpha
-        angle[i] += dt * spin
-        reorient(frame, i, angle[i])
+    alpha = force[i, TAU] * inverse_inertia[i]
+    spin = bodies[i, W] + kick * alpha
+    bodies[i, W] = spin
+    bodies[i, DW] = half * alpha
+    angle[i] += dt * spin
+    reorient(frame, i, angle[i], dt * spin)
 
 
-@inlined
-def reorient(frame, i, angle):
-    if frame is not None:
-        frame[i, 0] = math.cos(angle)
-        frame[i, 1] = math.sin(angle)
+@optional
+def reorient(frame, i, angle, step):
+    """Cosine and sine (frame) after a last turn by `step` (rad): without trigonometry if small.
+
+    Rounding then adds up, some 1e-16 a step, until dem.assembly.relist takes them anew.
+    """
+    if abs(step) < 1e-3:
+        frame[i, 0], frame[i, 1] = turned(frame[i, 0], frame[i, 1], step)
+    else:
+        frame[i, 0], frame[i, 1] = math.cos(angle), math.sin(angle)
 
 
-@inlined
-def fall(gravity, axis, acceleration):
-    if gravity is None:
-        return acceleration
-    return acceleration + gravity[axis]
+@optional
+def fall(gravity, axis):
+    return gravity[axis]
 
 
 @compiled
@@ -44,8 +48,8 @@ def drift(world, kick, dt):
     bodies, force = world.bodies, world.force
     half = 0.5 * dt
     for i in range(bodies.shape[0]):
-        ax = fall(world.gravity, 0, force[i, FX] * world.inverse_mass[i])
-        ay = fall(world.gravity, 1, force[i, FY] * world.inverse_mass[i])
+        ax = plus(force[i, FX] * world.inverse_mass[i], fall(world.gravity, 0))
+        ay = plus(force[i, FY] * world.inverse_mass[i], fall(world.gravity, 1))
         vx = bodies[i, VX] + kick * ax
         vy = bodies[i, VY] + kick * ay
         bodies[i, VX] = vx

@@ -9,37 +9,29 @@ import math
 from dem.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
 from dem.compilation import compiled, inlined
 from dem.contact_law import capped, damped, hertz, mindlin
-from dem.optional import minus, plus, times
+from dem.optional import either, minus, optional, plus, times
 from dem.shapes.geometry import collect, outline, place, round_outline, support, touch
 
 
-@inlined
-def stiffness_at(constant, modulus, radius):
-    """The pair's constant, or that of the radius of curvature at the contact."""
-    if radius is None:
-        return constant
+@optional
+def local_stiffness(radius, modulus):
+    """4/3 E* sqrt(R) (N m^-1.5) for the radius of curvature at the contact."""
     return modulus * math.sqrt(radius)
 
 
-@inlined
-def normal_force(damping, p, elastic, root, rate):
-    if damping is None:
-        return elastic
+@optional
+def damped_force(damping, p, elastic, root, rate):
     return damped(elastic, root, damping[p], rate)
 
 
-@inlined
+@optional
 def dashpot(damping, p, ratio, root, slip_rate):
-    if damping is None:
-        return None
     return ratio * damping[p] * math.sqrt(root) * slip_rate
 
 
-@inlined
+@optional
 def tangential_force(tangent, contacts, p, normal, stiffness, root, slip, slip_rate):
     """Spring and dashpot, each within Coulomb's cap: neither can then feed energy to the slip."""
-    if tangent is None:
-        return None
     spring = contacts.spring
     limit = tangent.coefficient * normal
     force = mindlin(spring[p, 0], root, spring[p, 1], tangent.stiffness_ratio * stiffness, slip)
@@ -50,13 +42,29 @@ def tangential_force(tangent, contacts, p, normal, stiffness, root, slip, slip_r
     return capped(minus(force, drag), limit)
 
 
-@inlined
+@optional
 def forget(spring, p):
     """Parts that have come apart remember nothing."""
-    if spring is not None:
-        if spring[p, 1] != 0.0:
-            spring[p, 0] = 0.0
-            spring[p, 1] = 0.0
+    if spring[p, 1] != 0.0:
+        spring[p, 0] = 0.0
+        spring[p, 1] = 0.0
+
+
+@optional
+def remembered(normals, p):
+    """The normal that contact p had last."""
+    return normals[p, 0], normals[p, 1]
+
+
+@optional
+def remember(normals, p, nx, ny):
+    normals[p, 0] = nx
+    normals[p, 1] = ny
+
+
+@optional
+def twist(torque, force, i):
+    force[i, TAU] += torque
 
 
 @inlined
@@ -79,19 +87,14 @@ def respond(contacts, tangent, p, one, i, two, j, hit, dt):
     along, across = approach(one, i, two, j, nx, ny, n1, t1, n2, t2, VX, VY, W)
     d_along, d_across = approach(one, i, two, j, nx, ny, n1, t1, n2, t2, DVX, DVY, DW)
     root = math.sqrt(overlap)
-    stiffness = stiffness_at(contacts.stiffness[p], contacts.modulus, radius)
+    stiffness = either(local_stiffness(radius, contacts.modulus), contacts.stiffness[p])
     elastic = hertz(overlap, root, stiffness)
-    normal = normal_force(contacts.damping, p, elastic, root, -(along + d_along))
+    rate = -(along + d_along)
+    normal = either(damped_force(contacts.damping, p, elastic, root, rate), elastic)
     tangential = tangential_force(
         tangent, contacts, p, normal, stiffness, root, across * dt, across + d_across
     )
     return normal, tangential
-
-
-@inlined
-def turn(force, i, torque):
-    if torque is not None:
-        force[i, TAU] += torque
 
 
 @compiled
@@ -108,8 +111,9 @@ def pair_contacts(shape, parts, frame, contacts, tangent, force, dt):
             j = other[p]
             hit = touch(
                 shape, parts[j, X] - x, parts[j, Y] - y, own, outline(shape, j, frame),
-                contacts.normals, p,
+                remembered(contacts.normals, p),
             )  # fmt: skip
+            remember(contacts.normals, p, hit[1], hit[2])
             if hit[0] <= 0.0:
                 forget(contacts.spring, p)
                 continue
@@ -122,7 +126,7 @@ def pair_contacts(shape, parts, frame, contacts, tangent, force, dt):
             torque = plus(torque, minus(times(t1, n), times(n1, t)))
             force[j, FX] += gx
             force[j, FY] += gy
-            turn(force, j, minus(minus(None, times(n2, t)), times(t2, n)))
+            twist(minus(minus(None, times(n2, t)), times(t2, n)), force, j)
         force[i, FX] += fx
         force[i, FY] += fy
         force[i, TAU] += torque
@@ -146,7 +150,7 @@ def wall_contacts(shape, parts, frame, walls, force, dt):
         n, t = respond(contacts, walls.tangent, p, parts, i, walls.motion, 0, hit, dt)
         force[i, FX] -= minus(n * nx, times(t, ny))
         force[i, FY] -= plus(n * ny, times(t, nx))
-        turn(force, i, minus(times(t1, n), times(n1, t)))
+        twist(minus(times(t1, n), times(n1, t)), force, i)
         walls.force[k] += n
 
 
@@ -159,7 +163,9 @@ def roller_contacts(shape, parts, frame, roller, force, dt):
     for p in range(contacts.part.shape[0]):
         i = contacts.part[p]
         dx, dy = roller.motion[0, X] - parts[i, X], roller.motion[0, Y] - parts[i, Y]
-        hit = touch(shape, dx, dy, outline(shape, i, frame), circle, contacts.normals, p)
+        guess = remembered(contacts.normals, p)
+        hit = touch(shape, dx, dy, outline(shape, i, frame), circle, guess)
+        remember(contacts.normals, p, hit[1], hit[2])
         if hit[0] <= 0.0:
             forget(contacts.spring, p)
             continue
@@ -167,17 +173,16 @@ def roller_contacts(shape, parts, frame, roller, force, dt):
         _, nx, ny, n1, t1, _, _, _ = hit
         force[i, FX] -= minus(n * nx, times(t, ny))
         force[i, FY] -= plus(n * ny, times(t, nx))
-        turn(force, i, minus(times(t1, n), times(n1, t)))
-        tally_roller(roller.force, n, t, nx, ny)
+        twist(minus(times(t1, n), times(n1, t)), force, i)
+        roller.force[0] += n * nx
+        roller.force[1] += n * ny
+        tally_tangential(t, roller.force, nx, ny)
 
 
-@inlined
-def tally_roller(total, n, t, nx, ny):
-    total[0] += n * nx
-    total[1] += n * ny
-    if t is not None:
-        total[2] -= t * ny
-        total[3] += t * nx
+@optional
+def tally_tangential(t, total, nx, ny):
+    total[2] -= t * ny
+    total[3] += t * nx
 
 
 @compiled

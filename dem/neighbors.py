@@ -50,7 +50,7 @@ def near_pairs(parts, radius, skin, parts_per_granule):
     n = parts.shape[0]
     where, members, start, columns = cells(parts, 2.0 * radius.max() + skin)
     rows = (start.shape[0] - 1) // columns
-    first = np.zeros(n + 1, np.int64)
+    first = np.zeros(n + 1, np.uint32)
     other = np.empty(8 * n + 8, np.uint32)
     count = 0
     for i in range(n):

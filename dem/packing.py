@@ -14,11 +14,12 @@ import numpy as np
 
 from dem.assembly import assemble, constants, relist
 from dem.columns import FX, FY, TAU, VX, VY, W, X, Y
-from dem.compilation import compiled, inlined
+from dem.compilation import compiled
 from dem.contact_law import effective_modulus
 from dem.errors import InputError, PackingError
 from dem.integrate import farthest, reorient
 from dem.kernel import forces
+from dem.optional import either, optional
 from dem.scene import Cylinder, Material, Scene, State, box
 from dem.survey import survey
 
@@ -55,24 +56,20 @@ def box_height(shape, fraction: float, width: float, diameter: float) -> float:
     return (shape.area.sum() / fraction + 0.25 * math.pi * diameter**2) / width
 
 
-@inlined
+@optional
 def push_spin(inverse_inertia, bodies, force, i, dt):
-    if inverse_inertia is not None:
-        bodies[i, W] += dt * force[i, TAU] * inverse_inertia[i]
+    bodies[i, W] += dt * force[i, TAU] * inverse_inertia[i]
 
 
-@inlined
+@optional
 def turn(inverse_inertia, frame, angle, bodies, i, dt):
-    if inverse_inertia is not None:
-        angle[i] += dt * bodies[i, W]
-        reorient(frame, i, angle[i])
+    angle[i] += dt * bodies[i, W]
+    reorient(frame, i, angle[i], dt * bodies[i, W])
 
 
-@inlined
-def spin_scale(inverse_inertia, inverse_mass, i):
+@optional
+def gyration(inverse_inertia, inverse_mass, i):
     """Inertia over mass (m2), which puts torques and spins on the scale of forces and speeds."""
-    if inverse_inertia is None:
-        return 0.0
     return inverse_mass[i] / inverse_inertia[i]
 
 
@@ -82,7 +79,7 @@ def powers(world):
     force, bodies = world.force, world.bodies
     power, speed, push, largest = 0.0, 0.0, 0.0, 0.0
     for i in range(bodies.shape[0]):
-        g2 = spin_scale(world.inverse_inertia, world.inverse_mass, i)
+        g2 = either(gyration(world.inverse_inertia, world.inverse_mass, i), 0.0)
         fx, fy, torque = force[i, FX], force[i, FY], force[i, TAU]
         vx, vy, w = bodies[i, VX], bodies[i, VY], bodies[i, W]
         power += fx * vx + fy * vy + torque * w
@@ -102,7 +99,7 @@ def mix(world, share, speed, push):
     factor = share * math.sqrt(speed / push) if push > 0.0 else 0.0
     force, bodies = world.force, world.bodies
     for i in range(bodies.shape[0]):
-        g2 = spin_scale(world.inverse_inertia, world.inverse_mass, i)
+        g2 = either(gyration(world.inverse_inertia, world.inverse_mass, i), 0.0)
         bodies[i, VX] = (1.0 - share) * bodies[i, VX] + factor * force[i, FX]
         bodies[i, VY] = (1.0 - share) * bodies[i, VY] + factor * force[i, FY]
         if g2 > 0.0:

@@ -6,14 +6,13 @@ import numpy as np
 
 from dem.columns import VX, VY, W, X, Y
 from dem.compilation import compiled, inlined
-from dem.kernel import stiffness_at
+from dem.kernel import local_stiffness, remembered
+from dem.optional import either, optional, plus
 from dem.shapes.geometry import outline, round_outline, support, touch
 
 
-@inlined
+@optional
 def spin_energy(inverse_inertia, i, spin):
-    if inverse_inertia is None:
-        return 0.0
     return 0.5 * spin * spin / inverse_inertia[i]
 
 
@@ -24,19 +23,21 @@ def kinetic(world):
     for i in range(world.bodies.shape[0]):
         squared = world.bodies[i, VX] ** 2 + world.bodies[i, VY] ** 2
         energy += 0.5 * squared / world.inverse_mass[i]
-        energy += spin_energy(world.inverse_inertia, i, world.bodies[i, W])
+        energy = plus(energy, spin_energy(world.inverse_inertia, i, world.bodies[i, W]))
         if not squared <= fastest:
             fastest = squared
     return energy, math.sqrt(fastest)
 
 
+@optional
+def tangential_stiffness(tangent, stiffness, root):
+    return tangent.stiffness_ratio * stiffness * root
+
+
 @inlined
 def stiff(tangent, stiffness, root):
     """Normal and tangential stiffness (N/m) of a contact of overlap root^2."""
-    normal = 1.5 * stiffness * root
-    if tangent is None:
-        return normal, 0.0
-    return normal, tangent.stiffness_ratio * stiffness * root
+    return 1.5 * stiffness * root, either(tangential_stiffness(tangent, stiffness, root), 0.0)
 
 
 @inlined
@@ -64,12 +65,13 @@ def survey_pairs(shape, parts, frame, contacts, tangent, radius, per, least, wn,
         for p in range(first[i], first[i + 1]):
             j = other[p]
             dx, dy = parts[j, X] - parts[i, X], parts[j, Y] - parts[i, Y]
-            hit = touch(shape, dx, dy, own, outline(shape, j, frame), contacts.normals, p)
+            guess = remembered(contacts.normals, p)
+            hit = touch(shape, dx, dy, own, outline(shape, j, frame), guess)
             overlap = hit[0]
             if not overlap <= 0.0:
                 touching += 1
                 worst = deeper(worst, overlap, i, min(radius[i], radius[j]))
-            stiffness = stiffness_at(contacts.stiffness[p], contacts.modulus, hit[7])
+            stiffness = either(local_stiffness(hit[7], contacts.modulus), contacts.stiffness[p])
             kn, kt = stiff(tangent, stiffness, math.sqrt(max(overlap, least)))
             add_stiffness(rows, i // per, j // per, kn, kt, wn, wt)
     return touching, worst
@@ -112,7 +114,8 @@ def roller_overlaps(shape, parts, frame, roller):
     for p in range(overlaps.shape[0]):
         i = contacts.part[p]
         dx, dy = roller.motion[0, X] - parts[i, X], roller.motion[0, Y] - parts[i, Y]
-        hit = touch(shape, dx, dy, outline(shape, i, frame), circle, contacts.normals, p)
+        guess = remembered(contacts.normals, p)
+        hit = touch(shape, dx, dy, outline(shape, i, frame), circle, guess)
         overlaps[p] = hit[0]
     return overlaps
 

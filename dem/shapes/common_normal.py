@@ -58,62 +58,83 @@ def widest(dx, dy, own, other):
 
 @inlined
 def turned(nx, ny, angle):
-    """The normal turned by a small angle (rad), of unit length again."""
+    """A unit vector turned by a small angle (rad): exact to rounding below 1e-3, unit anyway."""
     tangent = angle * (1.0 + angle * angle / 3.0)
     x, y = nx - tangent * ny, ny + tangent * nx
     scale = 1.0 / math.sqrt(x * x + y * y)
     return x * scale, y * scale
 
 
-def common_normal(method, dx, dy, own, other, normals, p):
-    reach = own[2] + other[2]
-    squared = dx * dx + dy * dy
-    if squared >= reach * reach:
-        return SEPARATED, 1.0, 0.0, reach, reach, reach, reach, reach, reach
-    nx, ny = normals[p, 0], normals[p, 1]
+@inlined
+def gap_along(dx, dy, own, other, nx, ny):
+    """Gap s (m), slope s' and bend s'' along n, and h, q, rho of both ellipses."""
+    h1, q1, rho1 = half_width(own, nx, ny)
+    h2, q2, rho2 = half_width(other, nx, ny)
+    gap = nx * dx + ny * dy - h1 - h2
+    return gap, nx * dy - ny * dx - q1 - q2, -gap - rho1 - rho2, h1, q1, rho1, h2, q2, rho2
+
+
+@compiled
+def settle(dx, dy, own, other, nx, ny, tolerance):
+    """Newton's method for the common normal, from any start, to within tolerance (rad).
+
+    Returns a normal with a positive gap as soon as one is met; NaN if none of ITERATIONS helps.
+    """
     searched = False
     for iteration in range(ITERATIONS):
-        h1, q1, rho1 = half_width(own, nx, ny)
-        h2, q2, rho2 = half_width(other, nx, ny)
-        gap = nx * dx + ny * dy - h1 - h2
+        gap, slope, bend, _, _, _, _, _, _ = gap_along(dx, dy, own, other, nx, ny)
         if gap > 0.0:
-            if iteration > 0:
-                normals[p, 0], normals[p, 1] = nx, ny
-            return SEPARATED, 1.0, 0.0, reach, reach, reach, reach, reach, reach
-        slope = nx * dy - ny * dx - q1 - q2
-        bend = -gap - rho1 - rho2
-        lost = bend >= 0.0 or iteration == ITERATIONS // 2
-        deep = (
-            -2.0 * gap * own[2] > own[3] * own[3] or -2.0 * gap * other[2] > other[3] * other[3]
-        )  # by half the least radius of curvature: the gap may have several maxima
-        if (lost or deep) and not searched:
-            searched = True
+            return nx, ny
+        if not searched and (bend >= 0.0 or iteration > 10 or deep(gap, own, other)):
+            searched = True  # there may be several maxima of the gap
             nx, ny = widest(dx, dy, own, other)
-            continue
-        if bend >= 0.0:  # near a minimum of the gap: climb
+        elif bend >= 0.0:  # near a minimum of the gap: climb
             nx, ny = turned(nx, ny, math.copysign(0.1, slope))
-            continue
-        inverse = 1.0 / bend
-        turn = -slope * inverse
-        if abs(turn) > method.tolerance:
+        else:
+            turn = -slope / bend
+            if abs(turn) <= tolerance:
+                return nx, ny
             nx, ny = turned(nx, ny, min(max(turn, -LARGEST_TURN), LARGEST_TURN))
-            continue
-        drho1 = -3.0 * rho1 * q1 / h1
-        drho2 = -3.0 * rho2 * q2 / h2
-        twist = -slope - drho1 - drho2
-        turn -= 0.5 * twist * inverse * turn * turn
-        gap += turn * (slope + 0.5 * turn * (bend + turn * twist / 3.0))
-        nx, ny = turned(nx, ny, turn)
-        normals[p, 0], normals[p, 1] = nx, ny
-        half = -0.5 * gap
-        square = 0.5 * turn * turn
-        n1 = h1 + turn * q1 + square * (rho1 - h1) - half
-        n2 = h2 + turn * q2 + square * (rho2 - h2) - half
-        t1 = q1 + turn * (rho1 - h1) + square * (drho1 - q1)
-        t2 = -(q2 + turn * (rho2 - h2) + square * (drho2 - q2))
-        return -gap, nx, ny, n1, t1, n2, t2, rho1 + turn * drho1, rho2 + turn * drho2
-    normals[p, 0], normals[p, 1] = math.nan, math.nan
-    return math.nan, nx, ny, reach, reach, reach, reach, reach, reach
+    return math.nan, math.nan
+
+
+@inlined
+def deep(gap, own, other):
+    """Overlap beyond half the least radius of curvature of either ellipse."""
+    return -2.0 * gap * own[2] > own[3] * own[3] or -2.0 * gap * other[2] > other[3] * other[3]
+
+
+def common_normal(method, dx, dy, own, other, guess):
+    reach = own[2] + other[2]
+    apart = SEPARATED, guess[0], guess[1], reach, reach, reach, reach, reach, reach
+    if dx * dx + dy * dy >= reach * reach:
+        return apart
+    nx, ny = guess
+    gap, slope, bend, h1, q1, rho1, h2, q2, rho2 = gap_along(dx, dy, own, other, nx, ny)
+    if gap > 0.0:
+        return apart
+    if not abs(slope) <= -method.tolerance * bend or deep(gap, own, other):
+        nx, ny = settle(dx, dy, own, other, nx, ny, method.tolerance)
+        gap, slope, bend, h1, q1, rho1, h2, q2, rho2 = gap_along(dx, dy, own, other, nx, ny)
+        if gap > 0.0:
+            return SEPARATED, nx, ny, reach, reach, reach, reach, reach, reach
+    inverse = 1.0 / bend
+    turn = -slope * inverse
+    drho1 = -3.0 * rho1 * q1 / h1
+    drho2 = -3.0 * rho2 * q2 / h2
+    twist = -slope - drho1 - drho2
+    turn -= 0.5 * twist * inverse * turn * turn
+    gap += turn * (slope + 0.5 * turn * (bend + turn * twist / 3.0))
+    tangent = turn * (1.0 + turn * turn / 3.0)
+    x, y = nx - tangent * ny, ny + tangent * nx
+    scale = 1.5 - 0.5 * (x * x + y * y)  # 1/length to rounding, for turns within tolerance
+    half = -0.5 * gap
+    square = 0.5 * turn * turn
+    n1 = h1 + turn * q1 + square * (rho1 - h1) - half
+    n2 = h2 + turn * q2 + square * (rho2 - h2) - half
+    t1 = q1 + turn * (rho1 - h1) + square * (drho1 - q1)
+    t2 = -(q2 + turn * (rho2 - h2) + square * (drho2 - q2))
+    return -gap, x * scale, y * scale, n1, t1, n2, t2, rho1 + turn * drho1, rho2 + turn * drho2
 
 
 register(CommonNormal, meet=common_normal)

@@ -74,7 +74,7 @@ def support(shape, own, nx, ny):
     return own, None, None
 
 
-def touch(shape, dx, dy, own, other, normals, p):
+def touch(shape, dx, dy, own, other, guess):
     reach = own + other
     squared = dx * dx + dy * dy
     if squared >= reach * reach:

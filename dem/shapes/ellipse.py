@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.compilation import inlined
+from dem.optional import optional
 from dem.shapes.common_normal import CommonNormal, half_width
 from dem.shapes.disc import collect, place
 from dem.shapes.geometric_potential import GeometricPotential
@@ -86,17 +86,13 @@ def round_outline(shape, radius):
     return 1.0, 0.0, radius, radius
 
 
-@inlined
+@optional
 def flat_radius(local_curvature, rho):
-    if local_curvature is None:
-        return None
     return rho
 
 
-@inlined
+@optional
 def effective_radius(local_curvature, rho1, rho2):
-    if local_curvature is None:
-        return None
     return rho1 * rho2 / (rho1 + rho2)
 
 
@@ -105,9 +101,9 @@ def support(shape, own, nx, ny):
     return h, q, flat_radius(shape.local_curvature, rho)
 
 
-def touch(shape, dx, dy, own, other, normals, p):
+def touch(shape, dx, dy, own, other, guess):
     overlap, nx, ny, n1, t1, n2, t2, rho1, rho2 = meet(
-        shape.method, dx, dy, own, other, normals, p
+        shape.method, dx, dy, own, other, guess
     )
     radius = effective_radius(shape.local_curvature, rho1, rho2)
     return overlap, nx, ny, n1, t1, n2, t2, radius

@@ -64,7 +64,7 @@ def deepest(dx, dy, own, other, tolerance):
     return rx * rx + ry * ry - 1.0, c1 * x - s1 * y, s1 * x + c1 * y, rho
 
 
-def chord(method, dx, dy, own, other, normals, p):
+def chord(method, dx, dy, own, other, guess):
     reach = own[2] + other[2]
     if dx * dx + dy * dy >= reach * reach:
         return SEPARATED, 1.0, 0.0, reach, reach, reach, reach, reach, reach

@@ -13,7 +13,7 @@ the questions below. Conventions of a contact between parts 1 and 2:
 
 from numba.extending import overload
 
-from dem.compilation import OPTIONS
+from dem.compilation import INLINED
 
 SEPARATED = -1.0  # overlap of parts that do not touch
 
@@ -25,7 +25,7 @@ def _question(stub):
     def choose(first, *rest):
         return answers.get(getattr(first, "instance_class", None))
 
-    overload(stub, strict=False, jit_options=OPTIONS)(choose)
+    overload(stub, strict=False, jit_options=INLINED)(choose)
     stub.answers = answers
     return stub
 
@@ -45,11 +45,11 @@ def support(shape, own, nx, ny):
 
 
 @_question
-def touch(shape, dx, dy, own, other, normals, p):
+def touch(shape, dx, dy, own, other, guess):
     """Contact of two parts: (overlap, nx, ny, n1, t1, n2, t2, radius).
 
-    `normals` (m, 2) is what a contact remembers of its geometry (or None), `p` its row there;
-    `radius` is the effective radius R* (m) at the contact, or None for the pair's constant.
+    `guess` is a normal near the right one, what the contact remembers (None for discs); `radius`
+    the effective radius R* (m) at the contact, or None for the pair's constant.
     """
 
 
@@ -69,7 +69,7 @@ def collect(shape, part_force, frame, force):
 
 
 @_question
-def meet(method, dx, dy, own, other, normals, p):
+def meet(method, dx, dy, own, other, guess):
     """Contact of two ellipses by one of the methods: as touch, with both radii of curvature last."""
 
 
