@@ -151,7 +151,7 @@ def wall_contacts(shape, parts, frame, walls, force, dt):
         force[i, FX] -= minus(n * nx, times(t, ny))
         force[i, FY] -= plus(n * ny, times(t, nx))
         twist(minus(times(t1, n), times(n1, t)), force, i)
-        walls.force[k] += n
+        walls.impulse[k] += n * dt
 
 
 @compiled
@@ -174,20 +174,20 @@ def roller_contacts(shape, parts, frame, roller, force, dt):
         force[i, FX] -= minus(n * nx, times(t, ny))
         force[i, FY] -= plus(n * ny, times(t, nx))
         twist(minus(times(t1, n), times(n1, t)), force, i)
-        roller.force[0] += n * nx
-        roller.force[1] += n * ny
-        tally_tangential(t, roller.force, nx, ny)
+        roller.impulse[0] += n * nx * dt
+        roller.impulse[1] += n * ny * dt
+        tally_tangential(t, roller.impulse, nx, ny, dt)
 
 
 @optional
-def tally_tangential(t, total, nx, ny):
-    total[2] -= t * ny
-    total[3] += t * nx
+def tally_tangential(t, impulse, nx, ny, dt):
+    impulse[2] -= t * ny * dt
+    impulse[3] += t * nx * dt
 
 
 @compiled
 def forces(world, dt):
-    """Fill world.force (N, N m) for the present positions; dt (s) is the slip's share of time."""
+    """Fill world.force (N, N m) for the present positions, at the end of a step of dt (s)."""
     place(world.shape, world.bodies, world.frame, world.parts)
     world.part_force[:] = 0.0
     pair_contacts(

@@ -188,8 +188,6 @@ def relax(world, scene, parts, memory, longest, iterations, enough):
     room = 0.45 * parts.skin
     world = relist(scene, parts, world)
     forces(world, 0.0)
-    for barrier in (world.roller, world.walls):
-        barrier.force[:] = 0.0
     left, largest = iterations, math.inf
     while left > 0:
         done, moved, largest = fire(world, memory, longest, left, room, enough)
@@ -264,9 +262,7 @@ def _bed(scene, parts, world, width, height, net_force, fraction, seed):
             f" overlaps by {overlap:.2g} of its radius, more than {DEEPEST:g}: the fraction is too "
             "high for this shape."
         )
-    for barrier in (world.roller, world.walls):
-        barrier.force[:] = 0.0
-    forces(world, 0.0)
+    forces(world, 1.0)  # nothing has been summed before: the impulse over one second
     modulus = effective_modulus(scene.material, scene.material)
     return Bed(
         position=world.bodies[:, :2].copy(),
@@ -274,7 +270,7 @@ def _bed(scene, parts, world, width, height, net_force, fraction, seed):
         width=width,
         height=height,
         net_force=net_force,
-        pressure=world.walls.force.sum() / (2.0 * (width + height)) / modulus,
+        pressure=world.walls.impulse.sum() / (2.0 * (width + height)) / modulus,
         coordination_number=2.0 * touching / scene.granules,
         max_overlap=overlap,
     )

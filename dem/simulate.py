@@ -21,7 +21,7 @@ from dem.scene import Scene, State
 from dem.survey import kinetic, survey
 
 SKIN = 0.2  # of the mean bounding radius; chosen by timing
-MARGIN = 0.9  # share of skin / 2 that a part may move before the lists are made anew
+MARGIN = 0.8  # share of skin / 2 that a part may move before the lists are made anew
 STEP_FRACTION = 0.2  # of the critical time step
 LARGEST_OVERLAP = 0.8  # of the smaller radius
 LONGEST_FLIGHT = 0.02  # of the smallest radius, in one step
@@ -42,8 +42,8 @@ class Result(NamedTuple):
 
     time (f,) in s; position (f, n, 2) in m; angle (f, n) in rad; velocity (f, n, 2) in m/s;
     angular_velocity (f, n) in rad/s; cylinder_force (f, 2) and wall_force (f, w) in N: the mean
-    force on the cylinder and the mean normal force on each wall since the frame before (at the
-    first frame that at the start). time_step (s): the shortest step taken.
+    force on the cylinder and the mean normal force on each wall since the frame before (NaN in
+    the first frame). time_step (s): the shortest step taken.
     """
 
     time: np.ndarray
@@ -86,7 +86,6 @@ class Simulation:
         self._room = MARGIN * 0.5 * self._parts.skin
         self.world = assemble(scene, state.checked(scene.granules), self._parts)
         self._relist()
-        self.clear_forces()
         forces(self.world, 0.0)
 
     # What can be read between calls
@@ -102,23 +101,18 @@ class Simulation:
             bodies[:, W].copy(),
         )
 
-    @property
-    def cylinder_force(self):
-        """Force on the cylinder summed over steps (2, 2) in N: normal parts, tangential parts."""
-        roller = self.world.roller
-        return np.zeros((2, 2)) if roller is None else roller.force.reshape(2, 2).copy()
+    def collect_impulses(self):
+        """Impulses since the last call, in N s: on the cylinder (2, 2), on the walls (w,).
 
-    @property
-    def wall_force(self):
-        """Normal force on each wall summed over steps (w,) in N."""
-        walls = self.world.walls
-        return np.zeros(0) if walls is None else walls.force.copy()
-
-    def clear_forces(self):
-        """Begin the sums over steps of the forces on cylinder and walls anew."""
-        for barrier in (self.world.roller, self.world.walls):
+        Rows of the first: of the normal parts and of the tangential parts; of the second: normal.
+        """
+        roller, walls = self.world.roller, self.world.walls
+        on_cylinder = np.zeros((2, 2)) if roller is None else roller.impulse.reshape(2, 2).copy()
+        on_walls = np.zeros(0) if walls is None else walls.impulse.copy()
+        for barrier in (roller, walls):
             if barrier is not None:
-                barrier.force[:] = 0.0
+                barrier.impulse[:] = 0.0
+        return on_cylinder, on_walls
 
     def look(self) -> Glance:
         """Energy, contacts and greatest overlap of the bed as it is, and its critical time step.
@@ -159,32 +153,33 @@ class Simulation:
 
     # Motion
 
-    def advance(self, duration: float) -> int:
-        """Advance by a duration (s), in equal steps; returns their number.
+    def advance(self, duration: float) -> float:
+        """Advance by a duration (s); returns the shortest time step taken (s).
 
-        Raises StateError or OverlapError (both RunError), naming step, time and granule.
+        The step is chosen at the start and again whenever the contacts are listed anew. Raises
+        StateError or OverlapError (both RunError), naming step, time and granule.
         """
-        if self.time_step is not None:
-            longest = self.time_step
-        else:
-            glance = self.look()
-            flight = LONGEST_FLIGHT * self._parts.radius.min()
-            longest = min(
-                self.step_fraction * glance.critical_time_step,
-                flight / max(glance.fastest, 1e-300),
-            )
-        steps = max(1, math.ceil(duration / longest * (1.0 - 1e-9)))
-        dt = duration / steps
-        start, left = self.time, steps
-        while left > 0:
+        end, shortest = self.time + duration, math.inf
+        longest = self._longest_step(self.look())
+        while True:
+            left = max(1, math.ceil((end - self.time) / longest * (1.0 - 1e-9)))
+            dt = (end - self.time) / left
+            shortest = min(shortest, dt)
             done, moved = advance(self.world, dt, left, self._room)
-            left -= done
             self.steps += done
-            self.time = start + (steps - left) * dt
-            if moved > self._room or not math.isfinite(moved):
-                self._check(moved)
+            self.time = end if done == left else self.time + done * dt
+            if not moved <= self._room:
+                self._check_motion(moved)
+                longest = self._longest_step(self.look())
                 self._relist()
-        return steps
+            if done == left:
+                return shortest
+
+    def _longest_step(self, glance):
+        if self.time_step is not None:
+            return self.time_step
+        flight = LONGEST_FLIGHT * self._parts.radius.min() / max(glance.fastest, 1e-300)
+        return min(self.step_fraction * glance.critical_time_step, flight)
 
     # Guards: between two lists no part moves by more than half the skin, so that checks at a new
     # list see every overlap before it has grown by more than the skin.
@@ -192,23 +187,18 @@ class Simulation:
     def _when(self):
         return f"at step {self.steps}, time {self.time:.6g} s"
 
-    def _check(self, moved):
-        self._check_motion()
+    def _check_motion(self, moved):
+        lost = ~np.isfinite(self.world.bodies).all(axis=1)
+        if lost.any():
+            raise StateError(
+                f"the motion of granule {lost.argmax()} is not a number {self._when()}: take a "
+                "smaller time step."
+            )
         if moved > 0.5 * self._parts.skin:
             raise StateError(
                 f"a granule moved {moved:.3g} m before its contacts were listed again "
                 f"{self._when()}; it may move {0.5 * self._parts.skin:.3g} m: take a smaller "
                 "time step."
-            )
-        self.look()
-
-    def _check_motion(self):
-        bodies = self.world.bodies
-        lost = ~np.isfinite(bodies).all(axis=1)
-        if lost.any():
-            raise StateError(
-                f"the motion of granule {lost.argmax()} is not a number {self._when()}: take a "
-                "smaller time step."
             )
 
     def _relist(self):
@@ -245,14 +235,14 @@ def simulate(
         raise InputError(f"frames is {frames!r}; it must be a positive whole number.")
     run = Simulation(scene, state, time_step, **options)
     run.look()
-    history = [(0.0, run.state, run.cylinder_force.sum(axis=0), run.wall_force)]
-    shortest = math.inf
+    nothing = np.full(2, np.nan), np.full(len(run.collect_impulses()[1]), np.nan)
+    history = [(0.0, run.state, *nothing)]
+    shortest, interval = math.inf, duration / frames
     for _ in range(frames):
-        run.clear_forces()
-        steps = run.advance(duration / frames)
-        shortest = min(shortest, duration / frames / steps)
-        force = run.cylinder_force.sum(axis=0) / steps
-        history.append((run.time, run.state, force, run.wall_force / steps))
+        shortest = min(shortest, run.advance(interval))
+        on_cylinder, on_walls = run.collect_impulses()
+        force = on_cylinder.sum(axis=0) / interval
+        history.append((run.time, run.state, force, on_walls / interval))
     times, states, cylinder_force, wall_force = zip(*history, strict=True)
     return Result(
         np.array(times),

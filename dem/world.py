@@ -41,21 +41,21 @@ class Contacts(NamedTuple):
 class Walls(NamedTuple):
     """Straight walls: planes (w, 3) rows (nx, ny, offset), solid where n.x > offset.
 
-    force (w,): sum over steps of the normal force on each wall (N).
+    impulse (w,): normal force on each wall, summed over time (N s).
     """
 
     planes: np.ndarray
     motion: np.ndarray
     contacts: Contacts
     tangent: Tangent | None
-    force: np.ndarray
+    impulse: np.ndarray
 
 
 class Roller(NamedTuple):
     """The cylinder: radius (m), motion (1, 8) as in dem.columns, prescribed.
 
-    reference (2,): position (m) at which the contact lists were made. force (4,): sum over steps of the force on it (N): x and y of the normal parts, then of the
-    tangential parts.
+    reference (2,): position (m) at which the contact lists were made. impulse (4,): force on it
+    summed over time (N s): x and y of the normal parts, then of the tangential parts.
     """
 
     radius: float
@@ -63,7 +63,7 @@ class Roller(NamedTuple):
     reference: np.ndarray
     contacts: Contacts
     tangent: Tangent | None
-    force: np.ndarray
+    impulse: np.ndarray
 
 
 class World(NamedTuple):
