@@ -1,0 +1,330 @@
+"""The one schema: a configuration file is a sweep, a sweep expands to replicates.
+
+SI units throughout. Workflow, command line and library read configurations only through here;
+whatever can not be simulated is refused with one sentence a fault, naming key and value.
+"""
+
+import json
+import math
+import re
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+import yaml
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationError,
+    model_validator,
+)
+
+from dem.errors import InputError
+
+
+def _number(value):
+    """A number, also one like 3.9e3 that YAML 1.1 takes for text; not a truth value."""
+    if isinstance(value, str):
+        try:
+            return float(value)
+        except ValueError:
+            pass
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ValueError("it must be a number")
+    return value
+
+
+def _label(value: str) -> str:
+    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_-]{0,31}", value):
+        raise ValueError("a label is a letter followed by letters, digits, - and _")
+    return value
+
+
+def _folder(value: str) -> str:
+    if not re.fullmatch(r"results(/[A-Za-z0-9][A-Za-z0-9._-]*)*", value):
+        raise ValueError("it must be results or a folder below it, such as results/mine")
+    return value
+
+
+Number = Annotated[float, BeforeValidator(_number), Field(allow_inf_nan=False)]
+Positive = Annotated[Number, Field(gt=0)]
+NotNegative = Annotated[Number, Field(ge=0)]
+Whole = Annotated[int, Field(strict=True)]
+Label = Annotated[str, AfterValidator(_label)]
+
+
+class Section(BaseModel):
+    """Part of a configuration: unknown keys are errors, values do not change."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, validate_default=True)
+
+
+class CylinderSection(Section):
+    diameter: Positive  # m
+    velocity: Positive  # m/s, upwards
+    start: Annotated[Number, Field(gt=0, lt=1)]  # height of the axis over that of the box
+    stroke: Positive  # m
+
+
+class PackingSection(Section):
+    fraction: Annotated[Number, Field(gt=0, lt=1)]  # V_f
+    size_spread: Annotated[Number, Field(ge=0, lt=1)]  # diameters uniform within +- this share
+
+
+class MaterialSection(Section):
+    young_modulus: Positive  # Pa
+    poisson_ratio: Annotated[Number, Field(gt=-1, le=0.5)]
+    restitution: Annotated[Number, Field(gt=0, le=1)]
+    thickness: Positive | None = None  # m out of the plane, for the mass; None: mean diameter
+
+
+class FrictionSection(Section):
+    granule: NotNegative
+    wall: NotNegative
+    cylinder: NotNegative
+
+
+class EllipseSection(Section):
+    contact: Literal["common_normal", "geometric_potential"] = "common_normal"
+    curvature: Literal["volume", "local"] = "volume"
+
+
+class RecordSection(Section):
+    bins: Annotated[Whole, Field(ge=1, le=100_000)]
+    window: tuple[NotNegative, Positive]  # m, displacements between which the drag is averaged
+    snapshots: Annotated[Whole, Field(ge=2, le=10_000)]  # of all granules, first and last included
+
+    @model_validator(mode="after")
+    def _check(self):
+        if not self.window[0] < self.window[1]:
+            raise ValueError(f"window {list(self.window)} must run from less to more")
+        if self.bins % (self.snapshots - 1):
+            raise ValueError(
+                f"bins ({self.bins}) must be a multiple of snapshots - 1 ({self.snapshots - 1}), "
+                "so that every snapshot falls on the end of a bin"
+            )
+        return self
+
+
+class NumericsSection(Section):
+    step_fraction: Annotated[Number, Field(gt=0, lt=1)] = 0.2  # of the critical time step
+    time_step: Positive | None = None  # s, fixed; None: from the bed's stiffness
+    max_overlap: Annotated[Number, Field(gt=0, le=1.5)] = 0.8  # over the smaller radius
+
+
+class ShapeSection(Section):
+    kind: Literal["disc", "dumbbell", "ellipse"]
+    diameter: Positive  # m, mean volume diameter
+    granules: Annotated[Whole, Field(ge=1, le=10_000_000)]
+    aspect_ratio: Annotated[Number, Field(ge=1)] | None = None
+
+    @model_validator(mode="after")
+    def _check(self):
+        if self.kind == "ellipse" and self.aspect_ratio is None:
+            raise ValueError("aspect_ratio is missing; an ellipse needs one")
+        natural = {"disc": 1.0, "dumbbell": 2.0}.get(self.kind)
+        if natural and self.aspect_ratio not in (None, natural):
+            raise ValueError(
+                f"aspect_ratio is {self.aspect_ratio:g}; that of a {self.kind} is {natural:g}, "
+                "leave it out"
+            )
+        return self
+
+    @property
+    def ratio(self) -> float:
+        """Length over width."""
+        return self.aspect_ratio or {"disc": 1.0, "dumbbell": 2.0}[self.kind]
+
+
+class CaseSection(Section):
+    shape: Label
+    density: Positive  # kg/m3
+
+
+class Sweep(Section):
+    """A whole configuration file."""
+
+    title: str = "Slow drag of a cylinder through a bed of granules"
+    results: Annotated[str, AfterValidator(_folder)]
+    seeds: Annotated[tuple[Annotated[Whole, Field(ge=0, lt=2**31)], ...], Field(min_length=1)]
+    box_width: Positive  # m
+    cylinder: CylinderSection
+    packing: PackingSection
+    material: MaterialSection
+    friction: FrictionSection
+    gravity: NotNegative = 0.0  # m/s2, downwards
+    ellipse: EllipseSection = EllipseSection()
+    shapes: Annotated[dict[Label, ShapeSection], Field(min_length=1)]
+    cases: Annotated[dict[Label, CaseSection], Field(min_length=1)]
+    record: RecordSection
+    numerics: NumericsSection = NumericsSection()
+
+    @model_validator(mode="after")
+    def _check(self):
+        if len(set(self.seeds)) < len(self.seeds):
+            raise ValueError("seeds has a seed twice; each must stand once")
+        if self.record.window[1] > self.cylinder.stroke:
+            raise ValueError(
+                f"record.window ends at {self.record.window[1]:g} m, beyond cylinder.stroke, "
+                f"{self.cylinder.stroke:g} m"
+            )
+        seen = {}
+        for label, case in self.cases.items():
+            if case.shape not in self.shapes:
+                raise ValueError(
+                    f"cases.{label}.shape is {case.shape!r}, which is not one of shapes: "
+                    + ", ".join(self.shapes)
+                )
+            twin = seen.setdefault((case.shape, density_label(case.density)), label)
+            if twin != label:
+                raise ValueError(f"cases.{label} repeats cases.{twin}")
+        for label in self.shapes:
+            for seed in self.seeds:
+                _check_room(self, label, seed)
+        return self
+
+    def replicate(self, shape: str, density: float, seed: int) -> "Replicate":
+        """One run; raises InputError for a shape that the configuration does not have."""
+        if shape not in self.shapes:
+            raise InputError(
+                f"shape is {shape!r}; the configuration has " + ", ".join(self.shapes) + "."
+            )
+        if not (math.isfinite(density) and density > 0):
+            raise InputError(f"density is {density!r}; it must be a positive number (kg/m3).")
+        if seed < 0:
+            raise InputError(f"seed is {seed}; it must not be negative.")
+        _check_room(self, shape, seed)
+        return Replicate(sweep=self, label=shape, density=density, seed=seed)
+
+
+class Replicate(Section):
+    """One run of the sweep: a shape at a density with a seed."""
+
+    sweep: Sweep
+    label: str
+    density: float
+    seed: int
+
+    @property
+    def shape(self) -> ShapeSection:
+        return self.sweep.shapes[self.label]
+
+    def bed_key(self) -> str:
+        """All that the bed depends on, as text: the packing is made anew when it changes."""
+        s = self.sweep
+        cylinder = (s.cylinder.diameter, s.cylinder.start)
+        return json.dumps(
+            [self.shape.model_dump(), s.packing.model_dump(), s.box_width, cylinder, self.seed]
+        )
+
+    def run_key(self) -> str:
+        """All that the run depends on, as text."""
+        common = self.sweep.model_dump(exclude={"title", "results", "seeds", "shapes", "cases"})
+        return json.dumps([self.shape.model_dump(), common, self.density, self.seed])
+
+
+def density_label(density: float) -> str:
+    """A density (kg/m3) as it stands in paths."""
+    return f"{density:.10g}"
+
+
+def sample_diameters(shape: ShapeSection, spread: float, seed: int) -> np.ndarray:
+    """Volume diameters (n,) in m: uniform within +- spread of the mean."""
+    rng = np.random.default_rng([seed, 0])
+    return shape.diameter * rng.uniform(1.0 - spread, 1.0 + spread, shape.granules)
+
+
+def height_of_box(sweep: Sweep, diameters: np.ndarray) -> float:
+    """Height (m) for granules of the sampled diameters, V_f = V_g / (W H - V_c) (equation 18)."""
+    granules = 0.25 * math.pi * np.sum(diameters**2)
+    cylinder = 0.25 * math.pi * sweep.cylinder.diameter**2
+    return (granules / sweep.packing.fraction + cylinder) / sweep.box_width
+
+
+def _check_room(sweep: Sweep, label: str, seed: int) -> None:
+    """Raise ValueError where cylinder or granules do not fit into the box."""
+    shape, cylinder = sweep.shapes[label], sweep.cylinder
+    diameters = sample_diameters(shape, sweep.packing.size_spread, seed)
+    height = height_of_box(sweep, diameters)
+    half = 0.5 * cylinder.diameter
+    bottom, top = cylinder.start * height - half, cylinder.start * height + cylinder.stroke + half
+    where = f"with shapes.{label} the box is {sweep.box_width:.4g} m by {height:.4g} m"
+    if cylinder.diameter >= sweep.box_width:
+        raise ValueError(
+            f"cylinder.diameter is {cylinder.diameter:g} m; it must be less than box_width, "
+            f"{sweep.box_width:g} m"
+        )
+    if bottom < 0:
+        raise ValueError(
+            f"cylinder.start is {cylinder.start:g}: {where}, and the cylinder would begin below "
+            "its floor"
+        )
+    if top > height:
+        raise ValueError(
+            f"cylinder.stroke is {cylinder.stroke:g} m: {where}, and the cylinder would leave it "
+            f"during its stroke; at most {cylinder.stroke + height - top:.3g} m fit"
+        )
+    length = diameters.max() * math.sqrt(shape.ratio)
+    if length > min(sweep.box_width, height):
+        raise ValueError(
+            f"shapes.{label}.diameter is {shape.diameter:g} m: {where}, and a granule of length "
+            f"{length:.3g} m cannot fit"
+        )
+
+
+def parse(data, source: str = "configuration") -> Sweep:
+    """Sweep from the content of a file; raises InputError with one sentence a fault."""
+    if not isinstance(data, dict):
+        raise InputError(f"{source}: it must hold keys with values, see config/paper.yaml.")
+    try:
+        return Sweep.model_validate(data)
+    except ValidationError as error:
+        sentences = dict.fromkeys(_sentence(source, e) for e in error.errors())
+        raise InputError("\n".join(sentences)) from None
+
+
+def load(path: Path) -> Sweep:
+    """Sweep from a YAML file; raises InputError."""
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: it can not be read ({error}).") from None
+    try:
+        data = yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        place = getattr(error, "problem_mark", None)
+        line = f", line {place.line + 1}" if place else ""
+        raise InputError(f"{path}{line}: it is not YAML.") from None
+    return parse(data, str(path))
+
+
+_WORDS = {
+    "input should be": "it must be",
+    "a valid tuple": "a list",
+    "a valid list": "a list",
+    "a valid integer": "a whole number",
+    "a valid string": "text",
+    "a valid dictionary": "a group of keys",
+    "tuple should have at least 1 item after validation, not 0": "it must not be empty",
+}
+
+
+def _sentence(source, error) -> str:
+    parts = [str(part) for part in error["loc"]]
+    key = ".".join(part for part in parts if not part.startswith(("function-", "[key]")))
+    message = error["msg"].removeprefix("Value error, ").rstrip(".")
+    if error["type"] == "missing":
+        return f"{source}: {key} is missing."
+    if error["type"] == "extra_forbidden":
+        return f"{source}: {key} is not a known key."
+    if error["type"] == "value_error" and isinstance(error["input"], dict | BaseModel):
+        return f"{source}: {key + ': ' if key else ''}{message}."
+    shown = repr(error["input"])
+    shown = shown if len(shown) <= 60 else shown[:57] + "..."
+    message = message[0].lower() + message[1:].split(" or instance of")[0]
+    for theirs, ours in _WORDS.items():
+        message = message.replace(theirs, ours)
+    return f"{source}: {key} is {shown}; {message}."

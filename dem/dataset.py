@@ -1,0 +1,132 @@
+"""The layout of every netCDF file, in one table; writing is atomic, reading is checked.
+
+CF-1.11, SI units. A replicate holds one run over `displacement`; drag.nc holds the same
+variables over (case, seed, displacement).
+"""
+
+import os
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+
+from dem.errors import InputError
+
+# name: (dimensions in a replicate or packing, units, long name)
+VARIABLES = {
+    "displacement": (("displacement",), "m", "displacement of the cylinder, middle of the bin"),
+    "displacement_bounds": (("displacement", "bound"), None, None),
+    "drag": (("displacement",), "N", "drag: force of the granules on the cylinder against its motion"),
+    "drag_normal": (("displacement",), "N", "part of the drag from normal contact forces"),
+    "drag_tangential": (("displacement",), "N", "part of the drag from tangential contact forces"),
+    "transverse_force": (("displacement",), "N", "force on the cylinder across its motion, to the right"),
+    "wall_force": (("wall", "displacement"), "N", "normal force of the granules on a wall, outwards"),
+    "kinetic_energy": (("displacement",), "J", "kinetic energy of the granules, end of the bin"),
+    "coordination_number": (("displacement",), "1", "contacts between granules, twice, over the number of granules, end of the bin"),
+    "max_overlap": (("displacement",), "1", "greatest overlap over the smaller granule radius, end of the bin"),
+    "time_step": (("displacement",), "s", "shortest time step in the bin"),
+    "wall": (("wall",), None, "wall of the box"),
+    "snapshot_displacement": (("snapshot",), "m", "displacement of the cylinder at the snapshot"),
+    "cylinder_y": (("snapshot",), "m", "height of the axis of the cylinder above the floor"),
+    "granule_x": (("snapshot", "granule"), "m", "distance of the granule's centre from the left wall"),
+    "granule_y": (("snapshot", "granule"), "m", "height of the granule's centre above the floor"),
+    "granule_angle": (("snapshot", "granule"), "rad", "angle of the granule, anticlockwise"),
+    "granule_diameter": (("granule",), "m", "volume diameter: diameter of the disc of equal area"),
+    "position_x": (("granule",), "m", "distance of the granule's centre from the left wall"),
+    "position_y": (("granule",), "m", "height of the granule's centre above the floor"),
+    "angle": (("granule",), "rad", "angle of the granule, anticlockwise"),
+    "box_height": ((), "m", "height of the box"),
+    "packing_pressure": ((), "Pa", "mean normal stress on the walls before the cylinder moves"),
+    "packing_coordination_number": ((), "1", "contacts between granules, twice, over the number of granules, before the cylinder moves"),
+    "packing_net_force": ((), "1", "greatest net force on a granule in the bed at rest over E* R^2"),
+    "packing_max_overlap": ((), "1", "greatest overlap over the smaller granule radius, before the cylinder moves"),
+    "packing_pressure_over_modulus": ((), "m", "mean normal stress on the walls, unit thickness, over E*"),
+    "run_time": ((), "s", "processor time of the run, kernels compiled"),
+    "steps": ((), "1", "number of time steps of the run"),
+    "case": ((), None, "case: a shape at a density, labels of Tables 1 and 2"),
+    "seed": ((), "1", "seed of the replicate"),
+    "shape": ((), None, "label of the shape, Table 1"),
+    "kind": ((), None, "kind of granule"),
+    "aspect_ratio": ((), "1", "length over width of a granule"),
+    "density": ((), "kg m-3", "density of the granules"),
+    "diameter": ((), "m", "mean volume diameter of the granules"),
+    "granules": ((), "1", "number of granules"),
+}  # fmt: skip
+
+WALLS = ("left", "right", "bottom", "top")
+MEANS = ("drag", "drag_normal", "drag_tangential", "transverse_force", "wall_force")
+
+
+def attributes(name: str) -> dict:
+    """CF attributes of a variable."""
+    _, units, long_name = VARIABLES[name]
+    found = {"long_name": long_name, "units": units}
+    if name == "displacement":
+        found["bounds"] = "displacement_bounds"
+    elif name == "seed":
+        found["standard_name"] = "realization"
+    elif name in MEANS:
+        found["cell_methods"] = "displacement: mean"
+    return {key: value for key, value in found.items() if value is not None}
+
+
+def global_attributes(title: str, source: str, **more) -> dict:
+    """Attributes every file has; more of them by name, in SI units."""
+    now = datetime.now(UTC).isoformat(timespec="seconds")
+    return {
+        "Conventions": "CF-1.11",
+        "title": title,
+        "source": source,
+        "history": f"{now} {source}",
+        "references": "Zhou, Advani and Wetzel: slow drag of a cylinder through a confined "
+        "pressurized bed of dumbbell and elliptically cylindrical granules",
+        **more,
+    }
+
+
+@contextmanager
+def atomic(path: Path):
+    """A path to write to beside `path`; it takes the place of `path` only when all went well."""
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        yield part
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def write(path: Path, values: dict, attrs: dict) -> None:
+    """Write one packing or replicate: values by the names of VARIABLES, atomically."""
+    with atomic(path) as part, netCDF4.Dataset(part, "w") as file:
+        file.setncatts(attrs)
+        for name, value in values.items():
+            dims = VARIABLES[name][0]
+            array = np.asarray(value)
+            for dim, size in zip(dims, array.shape, strict=True):
+                if dim not in file.dimensions:
+                    file.createDimension(dim, size)
+            kind = str if array.dtype.kind == "U" else array.dtype
+            options = {} if not dims or kind is str else {"zlib": True, "shuffle": True}
+            variable = file.createVariable(name, kind, dims, **options)
+            variable.setncatts(attributes(name))
+            if kind is str:
+                variable[...] = array.astype(object) if dims else str(array)
+            else:
+                variable[...] = array
+
+
+def read(path: Path, names: tuple[str, ...]) -> dict:
+    """Arrays of the given variables; raises InputError for a file that does not hold them."""
+    try:
+        with netCDF4.Dataset(path) as file:
+            file.set_auto_mask(False)
+            missing = [name for name in names if name not in file.variables]
+            if missing:
+                raise InputError(f"{path}: it has no variable {missing[0]}; is it another file?")
+            return {name: file.variables[name][...] for name in names}
+    except OSError as error:
+        raise InputError(f"{path}: it is not a readable netCDF file ({error}).") from None

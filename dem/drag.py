@@ -1,0 +1,196 @@
+"""The paper's experiment: a bed at rest, a cylinder drawn upwards through it, the forces on it."""
+
+import json
+import time
+
+import numpy as np
+
+from dem import provenance
+from dem.config import Replicate, density_label, height_of_box, sample_diameters
+from dem.contact_law import effective_modulus
+from dem.dataset import WALLS, global_attributes
+from dem.packing import Bed, pack
+from dem.scene import Cylinder, Friction, Material, Scene, State, box
+from dem.shapes import SHAPES, CommonNormal, Ellipse, GeometricPotential
+from dem.simulate import Simulation
+
+METHODS = {"common_normal": CommonNormal, "geometric_potential": GeometricPotential}
+
+
+def diameters(replicate: Replicate) -> np.ndarray:
+    """Volume diameters (n,) in m of the granules of this seed."""
+    return sample_diameters(
+        replicate.shape, replicate.sweep.packing.size_spread, replicate.seed
+    )
+
+
+def granules(replicate: Replicate):
+    """Shape of all granules of this seed, contacts as the configuration asks."""
+    shape = SHAPES[replicate.shape.kind][0].of_size(diameters(replicate), replicate.shape.ratio)
+    if isinstance(shape, Ellipse):
+        wanted = replicate.sweep.ellipse
+        local = True if wanted.curvature == "local" else None
+        shape = shape._replace(method=METHODS[wanted.contact](), local_curvature=local)
+    return shape
+
+
+def cylinder(replicate: Replicate, height: float) -> Cylinder:
+    """The cylinder at its start in a box of the given height (m)."""
+    wanted, width = replicate.sweep.cylinder, replicate.sweep.box_width
+    return Cylinder(wanted.diameter, (0.5 * width, wanted.start * height), (0.0, wanted.velocity))
+
+
+def make_bed(replicate: Replicate) -> Bed:
+    """Pack the bed; ellipses always by common normal, which alone has an energy to minimise."""
+    sizes = diameters(replicate)
+    shape = SHAPES[replicate.shape.kind][0].of_size(sizes, replicate.shape.ratio)
+    height = height_of_box(replicate.sweep, sizes)
+    return pack(
+        shape, replicate.sweep.packing.fraction, replicate.sweep.box_width,
+        cylinder(replicate, height), height, replicate.seed,
+    )  # fmt: skip
+
+
+def make_scene(replicate: Replicate, bed: Bed) -> Scene:
+    """The scene of the run."""
+    sweep = replicate.sweep
+    material = sweep.material
+    return Scene(
+        shape=granules(replicate),
+        material=Material(
+            replicate.density, material.young_modulus, material.poisson_ratio, material.restitution
+        ),
+        friction=Friction(**sweep.friction.model_dump()),
+        walls=box(bed.width, bed.height),
+        cylinder=cylinder(replicate, bed.height),
+        gravity=(0.0, -sweep.gravity) if sweep.gravity > 0.0 else None,
+        thickness=material.thickness or replicate.shape.diameter,
+    )
+
+
+def run(replicate: Replicate, bed: Bed, progress=lambda done: None) -> dict:
+    """Draw the cylinder over its stroke; returns the variables of a replicate by name.
+
+    progress is called with the number of bins done. Raises RunError where the run fails.
+    """
+    sweep, record = replicate.sweep, replicate.sweep.record
+    scene = make_scene(replicate, bed)
+    numerics = sweep.numerics
+    simulation = Simulation(
+        scene, State(bed.position, angle=bed.angle),
+        numerics.time_step, numerics.step_fraction, numerics.max_overlap,
+    )  # fmt: skip
+    interval = sweep.cylinder.stroke / sweep.cylinder.velocity / record.bins
+    every = record.bins // (record.snapshots - 1)
+    rows, states = [], [simulation.state]
+    started = time.process_time()
+    for done in range(1, record.bins + 1):
+        step = simulation.advance(interval)
+        on_cylinder, on_walls = simulation.collect_impulses()
+        rows.append((on_cylinder / interval, on_walls / interval, simulation.look(), step))
+        if done % every == 0:
+            states.append(simulation.state)
+        progress(done)
+    spent = time.process_time() - started
+    values = _records(sweep, rows) | _snapshots(sweep, states, bed)
+    modulus = effective_modulus(scene.material, scene.material)
+    return values | {
+        "granule_diameter": diameters(replicate),
+        "box_height": bed.height,
+        "packing_pressure": bed.pressure * modulus / scene.thickness,
+        "packing_coordination_number": bed.coordination_number,
+        "packing_net_force": bed.net_force,
+        "packing_max_overlap": bed.max_overlap,
+        "run_time": spent,
+        "steps": np.int64(simulation.steps),
+        **labels(replicate),
+    }
+
+
+def _records(sweep, rows) -> dict:
+    edges = np.linspace(0.0, sweep.cylinder.stroke, sweep.record.bins + 1)
+    on_cylinder, on_walls, glances, steps = zip(*rows, strict=True)
+    normal, tangential = np.moveaxis(np.array(on_cylinder), 1, 0)  # each (bins, 2)
+    total = normal + tangential
+    return {
+        "displacement": 0.5 * (edges[1:] + edges[:-1]),
+        "displacement_bounds": np.column_stack([edges[:-1], edges[1:]]),
+        "drag": -total[:, 1],
+        "drag_normal": -normal[:, 1],
+        "drag_tangential": -tangential[:, 1],
+        "transverse_force": total[:, 0],
+        "wall": np.array(WALLS),
+        "wall_force": np.array(on_walls).T,
+        "kinetic_energy": np.array([g.kinetic_energy for g in glances]),
+        "coordination_number": np.array([g.coordination_number for g in glances]),
+        "max_overlap": np.array([g.max_overlap for g in glances]),
+        "time_step": np.array(steps),
+    }
+
+
+def _snapshots(sweep, states, bed) -> dict:
+    moved = np.linspace(0.0, sweep.cylinder.stroke, sweep.record.snapshots)
+    position = np.stack([state.position for state in states])
+    return {
+        "snapshot_displacement": moved,
+        "cylinder_y": sweep.cylinder.start * bed.height + moved,
+        "granule_x": position[:, :, 0],
+        "granule_y": position[:, :, 1],
+        "granule_angle": np.stack([state.angle for state in states]),
+    }
+
+
+def labels(replicate: Replicate) -> dict:
+    """What tells this replicate from others."""
+    return {
+        "shape": np.array(replicate.label),
+        "kind": np.array(replicate.shape.kind),
+        "aspect_ratio": replicate.shape.ratio,
+        "density": replicate.density,
+        "diameter": replicate.shape.diameter,
+        "granules": np.int64(replicate.shape.granules),
+        "seed": np.int64(replicate.seed),
+    }
+
+
+def replicate_attributes(replicate: Replicate) -> dict:
+    """Global attributes of a replicate's file: all that is needed to make it again."""
+    return global_attributes(
+        f"{replicate.sweep.title}: {replicate.label} at {density_label(replicate.density)} "
+        f"kg m-3, seed {replicate.seed}",
+        "dem simulate",
+        configuration=json.dumps(replicate.sweep.model_dump()),
+        run_key=replicate.run_key(),
+        source_hash=provenance.source_hash(),
+        versions=provenance.versions(),
+        git_revision=provenance.git_revision(),
+    )
+
+
+def bed_values(replicate: Replicate, bed: Bed) -> dict:
+    """The variables of a packing's file."""
+    return {
+        "position_x": bed.position[:, 0],
+        "position_y": bed.position[:, 1],
+        "angle": bed.angle,
+        "granule_diameter": diameters(replicate),
+        "box_height": bed.height,
+        "packing_pressure_over_modulus": bed.pressure,
+        "packing_coordination_number": bed.coordination_number,
+        "packing_net_force": bed.net_force,
+        "packing_max_overlap": bed.max_overlap,
+    }
+
+
+def bed_from_values(replicate: Replicate, values: dict) -> Bed:
+    """The bed of a packing's file."""
+    return Bed(
+        position=np.column_stack([values["position_x"], values["position_y"]]),
+        angle=values["angle"],
+        width=replicate.sweep.box_width,
+        height=float(values["box_height"]),
+        net_force=float(values["packing_net_force"]),
+        pressure=float(values["packing_pressure_over_modulus"]),
+        coordination_number=float(values["packing_coordination_number"]),
+        max_overlap=float(values["packing_max_overlap"]),
+    )
