@@ -14,7 +14,7 @@ from filelock import FileLock
 from numba.core.caching import IndexDataCacheFile
 from platformdirs import user_cache_path
 
-from dem.provenance import source_hash
+from dem.provenance import compiled_hash
 
 # nnan and ninf stay off: they would remove the very tests that find a NaN.
 # reassoc stays off: a sum has one order, so a seed has one result.
@@ -25,7 +25,7 @@ INLINED = {"forceinline": True, **OPTIONS}
 def cache_folder() -> Path:
     """Folder of the machine code of these sources: $NUMBA_CACHE_DIR or the user's cache folder."""
     base = os.environ.get("NUMBA_CACHE_DIR") or user_cache_path("dem", appauthor=False)
-    return Path(base) / f"kernels-{source_hash()[:16]}"
+    return Path(base) / f"kernels-{compiled_hash()[:16]}"
 
 
 numba.config.CACHE_DIR = str(cache_folder())

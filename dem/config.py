@@ -6,6 +6,7 @@ whatever can not be simulated is refused with one sentence a fault, naming key a
 
 import json
 import math
+import os
 import re
 from pathlib import Path
 from typing import Annotated, Literal
@@ -299,6 +300,17 @@ def load(path: Path) -> Sweep:
         line = f", line {place.line + 1}" if place else ""
         raise InputError(f"{path}{line}: it is not YAML.") from None
     return parse(data, str(path))
+
+
+def save(sweep: Sweep, path: Path) -> None:
+    """Write the configuration as resolved, so that `load` gives the same sweep again."""
+    text = yaml.safe_dump(json.loads(sweep.model_dump_json()), sort_keys=False)
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if not path.exists() or path.read_text(encoding="utf-8") != text:
+        part = path.with_name(f".{path.name}.{os.getpid()}.part")
+        part.write_text(text, encoding="utf-8")
+        os.replace(part, path)
 
 
 _WORDS = {

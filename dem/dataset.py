@@ -119,14 +119,15 @@ def write(path: Path, values: dict, attrs: dict) -> None:
                 variable[...] = array
 
 
-def read(path: Path, names: tuple[str, ...]) -> dict:
-    """Arrays of the given variables; raises InputError for a file that does not hold them."""
+def read(path: Path, names: tuple[str, ...]) -> tuple[dict, dict]:
+    """The named variables and all global attributes; raises InputError if they are not there."""
     try:
         with netCDF4.Dataset(path) as file:
             file.set_auto_mask(False)
-            missing = [name for name in names if name not in file.variables]
-            if missing:
-                raise InputError(f"{path}: it has no variable {missing[0]}; is it another file?")
-            return {name: file.variables[name][...] for name in names}
+            for name in names:
+                if name not in file.variables:
+                    raise InputError(f"{path}: it has no variable {name}; is it another file?")
+            values = {name: file.variables[name][...] for name in names}
+            return values, {name: file.getncattr(name) for name in file.ncattrs()}
     except OSError as error:
         raise InputError(f"{path}: it is not a readable netCDF file ({error}).") from None

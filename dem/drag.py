@@ -2,17 +2,19 @@
 
 import json
 import time
+from pathlib import Path
 
 import numpy as np
 
 from dem import provenance
 from dem.config import Replicate, density_label, height_of_box, sample_diameters
 from dem.contact_law import effective_modulus
-from dem.dataset import WALLS, global_attributes
+from dem.dataset import WALLS, global_attributes, read, write
+from dem.errors import InputError
 from dem.packing import Bed, pack
 from dem.scene import Cylinder, Friction, Material, Scene, State, box
 from dem.shapes import SHAPES, CommonNormal, Ellipse, GeometricPotential
-from dem.simulate import Simulation
+from dem.simulation import Simulation
 
 METHODS = {"common_normal": CommonNormal, "geometric_potential": GeometricPotential}
 
@@ -45,10 +47,8 @@ def make_bed(replicate: Replicate) -> Bed:
     sizes = diameters(replicate)
     shape = SHAPES[replicate.shape.kind][0].of_size(sizes, replicate.shape.ratio)
     height = height_of_box(replicate.sweep, sizes)
-    return pack(
-        shape, replicate.sweep.packing.fraction, replicate.sweep.box_width,
-        cylinder(replicate, height), height, replicate.seed,
-    )  # fmt: skip
+    width = replicate.sweep.box_width
+    return pack(shape, width, height, cylinder(replicate, height), replicate.seed)
 
 
 def make_scene(replicate: Replicate, bed: Bed) -> Scene:
@@ -153,9 +153,38 @@ def labels(replicate: Replicate) -> dict:
     }
 
 
-def replicate_attributes(replicate: Replicate) -> dict:
-    """Global attributes of a replicate's file: all that is needed to make it again."""
-    return global_attributes(
+BED = ("position_x", "position_y", "angle", "box_height", "packing_net_force",
+       "packing_pressure_over_modulus", "packing_coordination_number", "packing_max_overlap")  # fmt: skip
+
+
+def write_bed(path: Path, replicate: Replicate, bed: Bed) -> None:
+    """Write the file of a packing."""
+    values = (
+        *bed.position.T, bed.angle, bed.height, bed.net_force,
+        bed.pressure, bed.coordination_number, bed.max_overlap,
+    )  # fmt: skip
+    title = f"{replicate.sweep.title}: bed of {replicate.label}, seed {replicate.seed}"
+    attrs = global_attributes(title, "dem pack", bed_key=replicate.bed_key())
+    sizes = {"granule_diameter": diameters(replicate)}
+    write(path, dict(zip(BED, values, strict=True)) | sizes, attrs)
+
+
+def read_bed(path: Path, replicate: Replicate) -> Bed:
+    """The bed in the file of a packing; raises InputError if it is not that of the replicate."""
+    values, attrs = read(path, BED)
+    if attrs.get("bed_key") != replicate.bed_key():
+        raise InputError(
+            f"{path}: it is not the bed of {replicate.label}, seed {replicate.seed}, in this "
+            "configuration; make it again with dem pack."
+        )
+    x, y, angle, height, *measures = (values[name] for name in BED)
+    position, width = np.column_stack([x, y]), replicate.sweep.box_width
+    return Bed(position, angle, width, float(height), *map(float, measures))
+
+
+def write_replicate(path: Path, replicate: Replicate, values: dict) -> None:
+    """Write the file of a replicate, with all that is needed to make it again."""
+    attrs = global_attributes(
         f"{replicate.sweep.title}: {replicate.label} at {density_label(replicate.density)} "
         f"kg m-3, seed {replicate.seed}",
         "dem simulate",
@@ -165,32 +194,4 @@ def replicate_attributes(replicate: Replicate) -> dict:
         versions=provenance.versions(),
         git_revision=provenance.git_revision(),
     )
-
-
-def bed_values(replicate: Replicate, bed: Bed) -> dict:
-    """The variables of a packing's file."""
-    return {
-        "position_x": bed.position[:, 0],
-        "position_y": bed.position[:, 1],
-        "angle": bed.angle,
-        "granule_diameter": diameters(replicate),
-        "box_height": bed.height,
-        "packing_pressure_over_modulus": bed.pressure,
-        "packing_coordination_number": bed.coordination_number,
-        "packing_net_force": bed.net_force,
-        "packing_max_overlap": bed.max_overlap,
-    }
-
-
-def bed_from_values(replicate: Replicate, values: dict) -> Bed:
-    """The bed of a packing's file."""
-    return Bed(
-        position=np.column_stack([values["position_x"], values["position_y"]]),
-        angle=values["angle"],
-        width=replicate.sweep.box_width,
-        height=float(values["box_height"]),
-        net_force=float(values["packing_net_force"]),
-        pressure=float(values["packing_pressure_over_modulus"]),
-        coordination_number=float(values["packing_coordination_number"]),
-        max_overlap=float(values["packing_max_overlap"]),
-    )
+    write(path, values, attrs)

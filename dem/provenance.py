@@ -9,19 +9,35 @@ from pathlib import Path
 
 PACKAGE = Path(__file__).parent
 
-# Edits to these can not change a replicate; everything else in the package can.
-_NOT_PHYSICS = ("figures", "cli.py", "combine.py", "info.py", "calibrate.py", "expansion.py")
+# What can not change a replicate, and what holds no compiled code; all else counts.
+_NOT_PHYSICS = {
+    "figures", "calibrate.py", "cli.py", "combine.py", "info.py", "statistics.py",
+}  # fmt: skip
+_NOT_COMPILED = _NOT_PHYSICS | {
+    "__init__.py", "config.py", "dataset.py", "drag.py", "errors.py", "packing.py", "provenance.py",
+    "scene.py", "simulation.py", "warmup.py",
+}  # fmt: skip
+
+
+def _hash_without(names) -> str:
+    digest = hashlib.sha256()
+    for path in sorted(PACKAGE.rglob("*.py")):
+        name = path.relative_to(PACKAGE)
+        if name.parts[0] not in names:
+            digest.update(str(name).encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()
 
 
 @cache
 def source_hash() -> str:
     """SHA-256 of the sources that a replicate depends on."""
-    digest = hashlib.sha256()
-    for path in sorted(PACKAGE.rglob("*.py")):
-        name = path.relative_to(PACKAGE)
-        if name.parts[0] not in _NOT_PHYSICS:
-            digest.update(str(name).encode() + b"\0" + path.read_bytes() + b"\0")
-    return digest.hexdigest()
+    return _hash_without(_NOT_PHYSICS)
+
+
+@cache
+def compiled_hash() -> str:
+    """SHA-256 of the sources that the compiled kernels depend on."""
+    return _hash_without(_NOT_COMPILED)
 
 
 def versions() -> str:

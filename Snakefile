@@ -1,0 +1,58 @@
+"""The paper from one configuration file: kernels, beds, replicates, drag.nc, figures.
+
+    snakemake -j2                                         config/paper.yaml into results/
+    snakemake -j2 --configfile config/smoke.yaml          another sweep into its own folder
+    snakemake -j2 figures                                 draw again, simulate nothing
+"""
+
+import sys
+
+from dem import config as schema
+from dem.errors import InputError
+from dem.provenance import source_hash
+
+if not workflow.overwrite_configfiles:
+
+    configfile: "config/paper.yaml"
+
+
+try:
+    SWEEP = schema.parse(config, ", ".join(map(str, workflow.overwrite_configfiles)) or "config/paper.yaml")
+except InputError as error:
+    print(error, file=sys.stderr)
+    sys.exit(2)
+
+RESULTS = SWEEP.results
+CONFIG = f"{RESULTS}/config.yaml"  # the configuration as resolved, written when the run starts
+SOURCES = source_hash()
+FIGURES = ["figure07", "figure08", "figure13", "figure14"]
+
+
+wildcard_constraints:
+    shape="[A-Za-z][A-Za-z0-9_-]*",
+    density="[0-9.e+-]+",
+    seed="[0-9]+",
+    figure="figure[0-9]+",
+
+
+localrules:
+    all,
+    figures,
+
+
+rule all:
+    input:
+        f"{RESULTS}/drag.nc",
+        expand(f"{RESULTS}/figures/{{figure}}.{{kind}}", figure=FIGURES, kind=["svg", "png"]),
+    default_target: True
+
+
+include: "rules/kernels.smk"
+include: "rules/pack.smk"
+include: "rules/simulate.smk"
+include: "rules/combine.smk"
+include: "rules/figures.smk"
+
+
+onstart:
+    schema.save(SWEEP, CONFIG)

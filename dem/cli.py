@@ -1,0 +1,162 @@
+"""Command line: a verb a stage. Exit status 0, 1 (a run failed) or 2 (bad input)."""
+
+import sys
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from dem.errors import InputError, RunError
+
+app = typer.Typer(
+    help="Slow drag of a cylinder through a bed of discs, dumbbells and ellipses (2-D DEM).",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+ConfigOption = Annotated[Path, typer.Option("--config", help="Configuration file (YAML).")]
+ShapeOption = Annotated[str, typer.Option("--shape", help="Shape label of the configuration.")]
+DensityOption = Annotated[float, typer.Option("--density", help="Density of the granules, kg/m3.")]
+SeedOption = Annotated[int, typer.Option("--seed", help="Seed of the replicate.")]
+OutputOption = Annotated[Path, typer.Option("-o", "--output", help="netCDF file to write.")]
+PAPER = Path("config/paper.yaml")
+
+
+@contextmanager
+def reported():
+    """One sentence and an exit status instead of a traceback."""
+    try:
+        yield
+    except InputError as error:
+        typer.echo(str(error), err=True)
+        raise typer.Exit(2) from None
+    except (RunError, OSError) as error:
+        typer.echo(f"{type(error).__name__}: {error}", err=True)
+        raise typer.Exit(1) from None
+    except KeyboardInterrupt:
+        typer.echo("Interrupted; no half-written file is left.", err=True)
+        raise typer.Exit(130) from None
+
+
+@contextmanager
+def bar(label: str, total: int):
+    """A progress bar with the time left on a terminal, nothing in a log; yields its update."""
+    if not sys.stderr.isatty():
+        yield lambda done: None
+        return
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True)) as progress:
+        task = progress.add_task(label, total=total)
+        yield lambda done: progress.update(task, completed=done)
+
+
+@app.command()
+def compile(config: ConfigOption = PAPER, shape: ShapeOption = "c1"):
+    """Compile the kernels that a shape needs and keep them on disk."""
+    with reported():
+        from dem.config import load
+        from dem.warmup import compile_kernels
+
+        sweep = load(config)
+        sweep.replicate(shape, 1.0, sweep.seeds[0])
+        compile_kernels(sweep, shape)
+
+
+@app.command()
+def pack(shape: ShapeOption, seed: SeedOption, output: OutputOption, config: ConfigOption = PAPER):
+    """Make the bed of one shape and seed, at rest."""
+    with reported():
+        from dem import drag
+        from dem.config import load
+
+        replicate = load(config).replicate(shape, 1.0, seed)
+        drag.write_bed(output, replicate, drag.make_bed(replicate))
+
+
+@app.command()
+def simulate(
+    shape: ShapeOption,
+    density: DensityOption,
+    seed: SeedOption,
+    output: OutputOption,
+    config: ConfigOption = PAPER,
+    bed: Annotated[Path | None, typer.Option(help="Bed from dem pack; packed anew if absent.")] = None,
+):  # fmt: skip
+    """Draw the cylinder through one bed and record the forces on it."""
+    with reported():
+        from dem import drag
+        from dem.config import load
+
+        replicate = load(config).replicate(shape, density, seed)
+        at_rest = drag.read_bed(bed, replicate) if bed else drag.make_bed(replicate)
+        with bar(f"{shape}, {density:g} kg/m3, seed {seed}", replicate.sweep.record.bins) as update:
+            values = drag.run(replicate, at_rest, update)
+        drag.write_replicate(output, replicate, values)
+
+
+@app.command()
+def combine(
+    files: Annotated[list[Path], typer.Argument(help="Replicates of all cases and seeds.")],
+    output: OutputOption,
+    config: ConfigOption = PAPER,
+):
+    """Combine replicates into one file over case, seed and displacement."""
+    with reported():
+        from dem.combine import combine as combined
+        from dem.combine import write_combined
+        from dem.config import load
+
+        write_combined(combined(files, load(config)), output)
+
+
+@app.command()
+def figure(
+    name: Annotated[str, typer.Argument(help="figure07, figure08, figure13, figure14 or all.")],
+    data: Annotated[Path, typer.Argument(help="drag.nc")],
+    output: Annotated[Path | None, typer.Option("-o", help="Folder; figures/ beside the data.")] = None,
+):  # fmt: skip
+    """Draw a figure from drag.nc, as SVG and PNG."""
+    with reported():
+        from dem.figures import draw
+
+        draw(name, data, output or data.parent / "figures")
+
+
+@app.command()
+def info(data: Annotated[Path, typer.Argument(help="drag.nc or a replicate.")]):
+    """Print what a file holds: cases, mean drag, scatter and intervals."""
+    with reported():
+        from rich.console import Console
+
+        from dem.info import summary
+
+        console = Console(width=None if sys.stdout.isatty() else 120)
+        console.print(summary(data))
+
+
+@app.command()
+def calibrate(
+    config: ConfigOption = PAPER,
+    shape: ShapeOption = "c1",
+    density: DensityOption = 3.9e3,
+    target: Annotated[float, typer.Option(help="Mean drag to meet, N (paper, section 3.2).")] = 1295.0,
+    seeds: Annotated[int, typer.Option(min=2, help="Seeds a modulus, none of the sweep's.")] = 40,
+    jobs: Annotated[int, typer.Option("-j", min=1, help="Processes.")] = 2,
+):  # fmt: skip
+    """Fit Young's modulus to a mean drag: the one calibrated number."""
+    with reported():
+        from dem.calibrate import calibrate as fit
+        from dem.config import load
+
+        sweep = load(config)
+        with bar("calibrating", 5 * seeds) as update:
+            result = fit(sweep, shape, density, target, seeds, jobs, update)
+        typer.echo(result.sentence())
+
+
+if __name__ == "__main__":
+    app()

@@ -1,0 +1,27 @@
+"""Combine all replicates into one file over case, seed and displacement.
+
+REQUIRED INPUTS
+    {RESULTS}/replicates/{shape}/density{density}/seed{seed}.nc, for all cases and seeds
+OUTPUTS
+    {RESULTS}/drag.nc
+"""
+
+
+rule combine:
+    message:
+        "Combine the replicates into {output}"
+    input:
+        replicates=[
+            f"{RESULTS}/replicates/{case.shape}/density{schema.density_label(case.density)}/seed{seed}.nc"
+            for case in SWEEP.cases.values()
+            for seed in SWEEP.seeds
+        ],
+        code="dem/combine.py",
+    output:
+        RESULTS + "/drag.nc",
+    log:
+        RESULTS + "/logs/combine.log",
+    benchmark:
+        RESULTS + "/benchmarks/combine.tsv"
+    shell:
+        "dem combine --config {CONFIG} -o {output} {input.replicates} 2> {log}"

@@ -1,0 +1,30 @@
+"""Compile the kernels of each kind of granule once, before many processes need them.
+
+REQUIRED INPUTS
+    none; the machine code itself is kept in the cache folder of dem.compilation
+OUTPUTS
+    {RESULTS}/kernels/{kind}.done
+"""
+
+SHAPE_OF_KIND = {section.kind: label for label, section in SWEEP.shapes.items()}
+
+
+rule kernels:
+    message:
+        "Compile the kernels of the {wildcards.kind}"
+    output:
+        touch(RESULTS + "/kernels/{kind}.done"),
+    params:
+        sources=SOURCES,
+        shape=lambda w: SHAPE_OF_KIND[w.kind],
+    log:
+        RESULTS + "/logs/kernels/{kind}.log",
+    benchmark:
+        RESULTS + "/benchmarks/kernels/{kind}.tsv"
+    shell:
+        "dem compile --config {CONFIG} --shape {params.shape} 2> {log}"
+
+
+def kernels_of(wildcards):
+    """The mark that the kernels of this shape's kind are compiled."""
+    return f"{RESULTS}/kernels/{SWEEP.shapes[wildcards.shape].kind}.done"
