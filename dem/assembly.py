@@ -163,7 +163,7 @@ def relist(scene: Scene, parts: Constants, world: World) -> World:
         part, other = neighbors.near_planes(rows, parts.bounding, skin, walls.planes)
         near = _contacts(
             scene, parts, (None, part, other), radius[part], mass[part],
-            walls.tangent, walls.planes[other, :2], walls.contacts,
+            walls.tangent, None, walls.contacts,
         )  # fmt: skip
         walls = walls._replace(contacts=near)
     if roller is not None:

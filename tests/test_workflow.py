@@ -1,0 +1,202 @@
+"""The workflow's promises, kept by a run of config/smoke.yaml in a copy of the repository."""
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).parent.parent
+SMOKE = "config/smoke.yaml"
+NOT_COMPARED = {"run_time"}
+
+
+@pytest.fixture(scope="module")
+def copy(tmp_path_factory):
+    """A copy of the sources in an empty folder."""
+    folder = tmp_path_factory.mktemp("clone")
+    for name in ("dem", "rules", "config", "profiles"):
+        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy(ROOT / "Snakefile", folder)
+    return folder
+
+
+def snakemake(folder, *arguments, configfile=SMOKE):
+    """Run snakemake on the sources of the folder."""
+    command = [sys.executable, "-m", "snakemake", *arguments, "--configfile", configfile]
+    return subprocess.run(command, cwd=folder, env=environment(folder), text=True, capture_output=True)
+
+
+def environment(folder):
+    bin_folder = Path(sys.executable).parent
+    return os.environ | {"PYTHONPATH": str(folder), "PATH": f"{bin_folder}:{os.environ['PATH']}"}
+
+
+def planned(folder, *arguments, configfile=SMOKE):
+    """Number of jobs of each rule that a dry run announces."""
+    run = snakemake(folder, *arguments, "-n", configfile=configfile)
+    assert run.returncode == 0, run.stderr
+    table = re.search(r"\ncount\n|\njob +count\n-+ +-+\n(.*?)\ntotal", run.stdout + run.stderr, re.S)
+    return {} if table is None else {k: int(n) for k, n in re.findall(r"(\w+) +(\d+)", table[1])}
+
+
+@pytest.fixture(scope="module")
+def finished(copy):
+    """The copy after one run of the smoke sweep."""
+    run = snakemake(copy, "-j2")
+    assert run.returncode == 0, run.stdout + run.stderr
+    return copy
+
+
+def contents(path):
+    with netCDF4.Dataset(path) as file:
+        return {n: np.array(v[...]) for n, v in file.variables.items() if n not in NOT_COMPARED}
+
+
+def test_everything_is_there(finished):
+    """One command leaves drag.nc, a file a replicate and the four figures."""
+    results = finished / "results/smoke"
+    assert len(list((results / "replicates").rglob("seed*.nc"))) == 5 * 2
+    for figure in ("figure07", "figure08", "figure13", "figure14"):
+        for kind in ("svg", "png"):
+            assert (results / f"figures/{figure}.{kind}").stat().st_size > 5000
+    assert not list(results.rglob("*.part"))
+
+
+def test_a_second_run_does_nothing(finished):
+    """What is up to date is left alone."""
+    assert planned(finished) == {}
+
+
+def test_drag_is_that_of_the_replicates(finished):
+    """drag.nc holds, for each case and seed, the very numbers of the replicate."""
+    results = finished / "results/smoke"
+    with netCDF4.Dataset(results / "drag.nc") as file:
+        assert file["drag"].dimensions == ("case", "seed", "displacement")
+        assert list(file["case"][:]) == ["c1", "d1", "e0", "e3", "c12"]
+        assert list(file["seed"][:]) == [1, 2]
+        for case, (shape, density) in enumerate(zip(file["shape"][:], file["density"][:], strict=True)):
+            for k, seed in enumerate(file["seed"][:]):
+                one = contents(results / f"replicates/{shape}/density{density:g}/seed{seed}.nc")
+                for name in ("drag", "transverse_force", "wall_force", "time_step"):
+                    np.testing.assert_array_equal(file[name][case, k], one[name])
+
+
+def test_bits_do_not_depend_on_the_number_of_jobs(finished):
+    """The same seed gives the same bits, one job at a time or two."""
+    text = (finished / SMOKE).read_text().replace("results/smoke", "results/alone")
+    (finished / "config/alone.yaml").write_text(text)
+    paths = [f"replicates/{shape}/density3900/seed1.nc" for shape in ("c1", "d1", "e3")]
+    targets = [f"results/alone/{path}" for path in paths]
+    run = snakemake(finished, *targets, "-j1", configfile="config/alone.yaml")
+    assert run.returncode == 0, run.stderr
+    for path in paths:
+        one, two = (contents(finished / "results" / f / path) for f in ("smoke", "alone"))
+        assert one.keys() == two.keys()
+        for name, values in one.items():
+            np.testing.assert_array_equal(values, two[name], err_msg=f"{path}: {name}")
+
+
+def test_one_more_seed_runs_only_that_seed(finished):
+    """Replicates that exist stay as they are when the sweep grows."""
+    text = (finished / SMOKE).read_text().replace("seeds: [1, 2]", "seeds: [1, 2, 3]")
+    (finished / "config/more.yaml").write_text(text)
+    jobs = planned(finished, configfile="config/more.yaml")
+    assert (jobs["pack"], jobs["simulate"]) == (4, 5)
+
+
+def test_a_changed_value_reruns_what_depends_on_it(finished):
+    """Friction changes the runs but not the beds."""
+    text = (finished / SMOKE).read_text().replace("granule: 0.3", "granule: 0.31")
+    (finished / "config/rough.yaml").write_text(text)
+    jobs = planned(finished, configfile="config/rough.yaml")
+    assert jobs["simulate"] == 10 and "pack" not in jobs
+
+
+def test_an_edit_reruns_what_depends_on_it(finished):
+    """An edit of a figure draws that figure again, one of the kernel runs all replicates again."""
+    for name, expected in (("figures/figure13.py", {"figure": 1}), ("kernel.py", {"simulate": 10})):
+        path = finished / "dem" / name
+        before, stamp = path.read_text(), path.stat()
+        path.write_text(before + "\n# edited\n")
+        jobs = planned(finished)
+        path.write_text(before)
+        os.utime(path, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))
+        for rule, count in expected.items():
+            assert jobs[rule] == count, jobs
+        assert ("simulate" in jobs) == (name == "kernel.py")
+
+
+def test_figures_are_drawn_without_simulating(finished, tmp_path):
+    """The target figures needs drag.nc and nothing else."""
+    folder = tmp_path / "only"
+    shutil.copytree(finished, folder, ignore=shutil.ignore_patterns("replicates", "packings", ".snakemake"))
+    shutil.rmtree(folder / "results/smoke/figures")
+    run = snakemake(folder, "figures", "-j1")
+    assert run.returncode == 0, run.stderr
+    assert len(list((folder / "results/smoke/figures").iterdir())) == 8
+    assert not (folder / "results/smoke/replicates").exists()
+
+
+def test_a_killed_run_is_taken_up_again(finished):
+    """After SIGKILL in the middle the same command finishes, and no half-written file is left."""
+    text = (finished / SMOKE).read_text().replace("results/smoke", "results/killed")
+    (finished / "config/killed.yaml").write_text(text)
+    command = [
+        sys.executable, "-m", "snakemake", "-j2", "--configfile", "config/killed.yaml", "--nolock",
+    ]  # fmt: skip
+    victim = subprocess.Popen(
+        command, cwd=finished, env=environment(finished), start_new_session=True,
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    results = finished / "results/killed"
+    for _ in range(600):
+        if len(list(results.rglob("replicates/**/*.nc"))) >= 2 or victim.poll() is not None:
+            break
+        time.sleep(0.1)
+    os.killpg(victim.pid, signal.SIGKILL)
+    victim.wait()
+    assert not (results / "drag.nc").exists()
+    run = snakemake(finished, "-j2", "--nolock", configfile="config/killed.yaml")
+    assert run.returncode == 0, run.stderr
+    same = contents(results / "drag.nc")
+    for name, values in contents(finished / "results/smoke/drag.nc").items():
+        np.testing.assert_array_equal(values, same[name], err_msg=name)
+
+
+def test_a_wrong_configuration_writes_nothing(copy):
+    """Bad input: one sentence with key and value, exit status 2, no results."""
+    text = (copy / SMOKE).read_text().replace("results/smoke", "results/wrong")
+    (copy / "config/wrong.yaml").write_text(text.replace("wall: 0.3", "wall: -0.3"))
+    run = snakemake(copy, "-j1", configfile="config/wrong.yaml")
+    assert run.returncode == 2
+    assert "friction.wall is -0.3" in run.stderr
+    assert not (copy / "results/wrong").exists()
+
+
+@pytest.mark.parametrize("name", ["drag.nc", "replicates/e3/density3900/seed1.nc", "packings/d1/seed2.nc"])
+def test_files_follow_the_cf_conventions(finished, name):
+    """Every netCDF file passes the checker for CF-1.11."""
+    run = subprocess.run(
+        ["compliance-checker", "--test=cf:1.11", str(finished / "results/smoke" / name)],
+        text=True, capture_output=True, env=environment(finished),
+    )  # fmt: skip
+    assert run.returncode == 0, run.stdout
+
+
+def test_info_shows_every_case(finished):
+    """dem info prints a line a case with its mean drag."""
+    run = subprocess.run(
+        [sys.executable, "-m", "dem.cli", "info", "results/smoke/drag.nc"],
+        cwd=finished, env=environment(finished), text=True, capture_output=True,
+    )  # fmt: skip
+    assert run.returncode == 0, run.stderr
+    for case in ("c1", "d1", "e0", "e3", "c12"):
+        assert re.search(rf"\b{case}\b.*\d", run.stdout)
