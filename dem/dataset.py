@@ -111,12 +111,14 @@ def write(path: Path, values: dict, attrs: dict) -> None:
                     file.createDimension(dim, size)
             kind = str if array.dtype.kind == "U" else array.dtype
             options = {} if not dims or kind is str else {"zlib": True, "shuffle": True}
+            if kind is str and dims:  # labels of an axis are characters: CF keeps strings off it
+                file.createDimension(f"{name}_length", array.dtype.itemsize // 4)
+                kind, dims = "S1", (*dims, f"{name}_length")
             variable = file.createVariable(name, kind, dims, **options)
             variable.setncatts(attributes(name))
-            if kind is str:
-                variable[...] = array.astype(object) if dims else str(array)
-            else:
-                variable[...] = array
+            if kind == "S1":
+                variable._Encoding = "utf-8"
+            variable[...] = str(array) if kind is str else array
 
 
 def read(path: Path, names: tuple[str, ...]) -> tuple[dict, dict]:

@@ -120,20 +120,14 @@ def roller_overlaps(shape, parts, frame, roller):
     return overlaps
 
 
-@compiled
-def survey_walls(world, radius, per, least, wn, wt, rows, worst):
-    walls = world.walls
-    if walls is None:
-        return worst
+@optional
+def survey_walls(walls, world, radius, per, least, wn, wt, rows, worst):
     overlaps = wall_overlaps(world.shape, world.parts, world.frame, walls)
     return survey_listed(world, walls, overlaps, radius, per, least, wn, wt, rows, worst)
 
 
-@compiled
-def survey_roller(world, radius, per, least, wn, wt, rows, worst):
-    roller = world.roller
-    if roller is None:
-        return worst
+@optional
+def survey_roller(roller, world, radius, per, least, wn, wt, rows, worst):
     overlaps = roller_overlaps(world.shape, world.parts, world.frame, roller)
     return survey_listed(world, roller, overlaps, radius, per, least, wn, wt, rows, worst)
 
@@ -156,6 +150,7 @@ def survey(world, radius, per, least, wn, wt):
         world.shape, world.parts, world.frame, world.pairs, world.tangent,
         radius, per, least, wn, wt, rows,
     )  # fmt: skip
-    worst = survey_walls(world, radius, per, least, wn, wt, rows, worst)
-    worst = survey_roller(world, radius, per, least, wn, wt, rows, worst)
+    look = world, radius, per, least, wn, wt, rows
+    worst = either(survey_walls(world.walls, *look, worst), worst)
+    worst = either(survey_roller(world.roller, *look, worst), worst)
     return touching, worst[0], worst[1], rows.max()

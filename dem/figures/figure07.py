@@ -1,0 +1,82 @@
+"""Figure 7: drag against displacement, one panel a shape, the first shape for comparison."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from dem.errors import InputError
+from dem.figures import style
+from dem.statistics import edges_of_bins, half_interval, running_mean, summarise, table1
+
+COLUMNS = 3
+
+
+@style.styled
+def plot(dataset: xr.Dataset) -> Figure:
+    """Mean drag over the seeds at every displacement, smoothed and raw, with its interval."""
+    labels = table1(dataset)
+    if not labels:
+        raise InputError("there is no case of Table 1 in the data.")
+    columns = min(COLUMNS, len(labels))
+    rows = -(-len(labels) // columns)
+    figure = Figure(figsize=(style.WIDTH, 1.5 + 2.3 * rows))
+    panels = list(figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).flat)
+    means = summarise(dataset)
+    curves = {label: _curve(dataset, label) for label in labels}
+    for axes, label in zip(panels, labels, strict=False):
+        if label != labels[0]:
+            _compare(axes, dataset, curves[labels[0]], labels[0])
+        _panel(axes, dataset.sel(case=label), means.sel(case=label), curves[label])
+    for axes in panels[len(labels) :]:
+        axes.remove()
+    for axes in panels[max(0, len(labels) - columns) : len(labels)]:
+        axes.tick_params(labelbottom=True)
+        axes.set_xlabel("Displacement (mm)")
+    _finish(figure, dataset, curves)
+    return figure
+
+
+def _curve(dataset, label):
+    """Raw mean, smoothed mean and half its interval, each (displacement,) in N, of one case."""
+    drag = dataset["drag"].sel(case=label)
+    smooth = running_mean(drag, edges_of_bins(dataset), style.SMOOTHING)
+    return drag.mean("seed").values, smooth.mean("seed").values, half_interval(smooth).values
+
+
+def _panel(axes, case, means, curve) -> None:
+    x, color = style.millimetres(case["displacement"]), style.LOOKS["disc"].color
+    raw, smooth, half = curve
+    style.mark_window(axes, case)
+    if np.isfinite(half).all():
+        axes.fill_between(
+            x, smooth - half, smooth + half, color=color, alpha=0.22, linewidth=0.0,
+            label="95 % interval of the running mean",
+        )  # fmt: skip
+    axes.plot(x, raw, label=f"mean of {style.runs(case)} in every bin", **style.RAW)
+    axes.plot(x, smooth, color=color, label=f"running mean of {style.runs(case)}")
+    axes.set_title(f"{case['case'].values}: {style.describe(case)}", loc="left")
+    middle = style.millimetres(0.5 * (case.attrs["window_start"] + case.attrs["window_stop"]))
+    axes.text(
+        middle, 0.97, f"mean {float(means['mean']):.0f} N", ha="center", va="top",
+        transform=axes.get_xaxis_transform(), bbox={"color": "white", "alpha": 0.7, "pad": 2.0},
+    )  # fmt: skip
+
+
+def _compare(axes, dataset, curve, label) -> None:
+    x = style.millimetres(dataset["displacement"])
+    axes.plot(x, curve[1], label=f"running mean of {label}", **style.REFERENCE)
+
+
+def _finish(figure, dataset, curves) -> None:
+    """Common axes, title and legend; no more than half the height is given to intervals."""
+    axes = figure.axes[-1]
+    drawn = np.array([[*raw, *smooth] for raw, smooth, _ in curves.values()])
+    widest = max(np.nanmax(smooth + np.nan_to_num(half)) for _, smooth, half in curves.values())
+    axes.set_ylim(min(0.0, drawn.min()), 1.05 * min(max(widest, drawn.max()), 2.0 * drawn.max()))
+    axes.set_xlim(0.0, style.millimetres(edges_of_bins(dataset)[-1]))
+    figure.supylabel(
+        f"Drag (N), running mean over {1e3 * style.SMOOTHING:g} mm",
+        fontsize=style.RC["axes.labelsize"],
+    )
+    figure.suptitle("Drag of the cylinder against its displacement")
+    style.legend(figure, axes, "outside lower center", ncols=2)

@@ -1,0 +1,87 @@
+"""Figure 8: the ellipse code at aspect ratio 1 against the disc code, beside the paper's means."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from dem.errors import InputError
+from dem.figures import style
+from dem.statistics import edges_of_bins, find, half_interval, running_mean, summarise
+
+CODES = {"c1": "disc code", "e0": "ellipse code"}  # by shape
+PAPER = {"c1": (1295.0, 0.18), "e0": (1405.0, 0.17)}  # section 3.2: mean (N), deviation over it
+
+
+@style.styled
+def plot(dataset: xr.Dataset) -> Figure:
+    """Curves with intervals on the left, means within the window on the right."""
+    found = {shape: find(dataset, shape) for shape in CODES}
+    found = {shape: label for shape, label in found.items() if label}
+    if not found:
+        raise InputError("there is no case of shape c1 or e0 in the data.")
+    figure = Figure(figsize=(style.WIDTH, 5.0))
+    curves, means = figure.subplots(1, 2, sharey=True, width_ratios=(1.7, 1.0))
+    style.mark_window(curves, dataset)
+    numbers = summarise(dataset)
+    for place, (shape, label) in enumerate(found.items()):
+        _curve(curves, dataset.sel(case=label), shape)
+        _means(means, numbers.sel(case=label), place, PAPER[shape])
+    _finish(figure, dataset, found)
+    return figure
+
+
+def _curve(axes, case, shape) -> None:
+    look, x = style.look(case), style.millimetres(case["displacement"])
+    smooth = running_mean(case["drag"], edges_of_bins(case), style.SMOOTHING)
+    mean, half = smooth.mean("seed").values, half_interval(smooth).values
+    if np.isfinite(half).all():
+        axes.fill_between(
+            x, mean - half, mean + half, color=look.color, alpha=0.25, linewidth=0.0,
+            label="95 % interval of the mean",
+        )  # fmt: skip
+    axes.plot(
+        x, mean, color=look.color, linestyle=look.line,
+        label=f"{CODES[shape]} ({case['case'].values}), mean of {style.runs(case)}",
+    )  # fmt: skip
+
+
+def _means(axes, numbers, place, paper) -> None:
+    """Mean with its interval (thick) and the deviation over the run (thin), and the paper's."""
+    look, mean = style.look(numbers), float(numbers["mean"])
+    axes.errorbar(
+        place - 0.18, mean, float(numbers["sd_over_run"]), label="standard deviation over the run",
+        color="0.35", linestyle="none", elinewidth=1.0, capsize=3,
+    )  # fmt: skip
+    axes.errorbar(
+        place - 0.18, mean, float(numbers["half_interval"]), color=look.color, marker=look.marker,
+        markersize=8, linestyle="none", elinewidth=4.0, label="mean, 95 % interval of the mean",
+        zorder=4,
+    )  # fmt: skip
+    style.show_runs(axes, place + 0.02, numbers["run_mean"], 0.1)
+    axes.errorbar(
+        place + 0.25, paper[0], paper[0] * paper[1], label="paper, mean and standard deviation",
+        color="black", marker="*", markersize=11, markerfacecolor="white", linestyle="none",
+        elinewidth=1.0, capsize=3,
+    )  # fmt: skip
+
+
+def _finish(figure, dataset, found) -> None:
+    """Axes, title and legends."""
+    curves, means = figure.axes
+    numbers = summarise(dataset)
+    ticks = []
+    for shape, label in found.items():
+        own = numbers.sel(case=label)
+        value = style.pm(float(own["mean"]), float(own["half_interval"]))
+        ticks.append(f"{CODES[shape]}\n{value} N\npaper: {PAPER[shape][0]:.0f} N")
+    means.set_xticks(range(len(found)), ticks)
+    means.set_xlim(-0.5, len(found) - 0.5)
+    means.set_title(f"Mean, {style.window_text(dataset)}", loc="left")
+    curves.set_title("Against displacement", loc="left")
+    curves.set_xlabel("Displacement of the cylinder (mm)")
+    curves.set_ylabel(f"Drag (N), running mean over {1e3 * style.SMOOTHING:g} mm")
+    curves.set_xlim(0.0, style.millimetres(edges_of_bins(dataset)[-1]))
+    curves.set_ylim(bottom=0.0)
+    figure.suptitle("Drag by the disc code and by the ellipse code at aspect ratio 1")
+    for axes, place in ((curves, "outside lower left"), (means, "outside lower right")):
+        style.legend(figure, axes, place, grey="95 %")

@@ -1,0 +1,39 @@
+"""Figure 13: mean drag within the window, by shape."""
+
+import xarray as xr
+from matplotlib.figure import Figure
+
+from dem.errors import InputError
+from dem.figures import style
+from dem.statistics import summarise, table1
+
+
+@style.styled
+def plot(dataset: xr.Dataset) -> Figure:
+    """A bar a shape with its interval, its single runs and its value."""
+    labels = table1(dataset)
+    if not labels:
+        raise InputError("there is no case of Table 1 in the data.")
+    numbers = summarise(dataset).sel(case=labels)
+    figure = Figure(figsize=(style.WIDTH, 5.2))
+    axes = figure.subplots()
+    for place, label in enumerate(labels):
+        _bar(axes, place, numbers.sel(case=label))
+    ticks = [
+        f"{label}\n" + style.describe(numbers.sel(case=label)).replace(", ", "\n")
+        for label in labels
+    ]
+    style.finish_bars(figure, axes, ticks, dataset)
+    figure.suptitle("Mean drag by shape of the granules")
+    style.legend(figure, axes, "outside lower center", grey="mean", ncols=3)
+    return figure
+
+
+def _bar(axes, place, numbers) -> None:
+    look, name = style.look(numbers), f"mean of {style.runs(numbers)}"
+    top = style.bar(
+        axes, place, 0.62, numbers,
+        color=look.fill, edgecolor=look.color, hatch=look.hatch, label=name,
+    )  # fmt: skip
+    value = style.pm(float(numbers["mean"]), float(numbers["half_interval"]))
+    style.write_above(axes, place, top, f"{value} N")

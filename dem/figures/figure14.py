@@ -1,0 +1,54 @@
+"""Figure 14: mean drag within the window, by density of the granules."""
+
+import xarray as xr
+from matplotlib.figure import Figure
+
+from dem.errors import InputError
+from dem.figures import style
+from dem.statistics import change, densities, summarise
+
+PAPER = 21.8  # %, greatest change from the lower to the higher density (section 3.4)
+FILLS = (("#dfe8f2", ""), ("#8fb0d6", "///"), ("#4a6f9c", "xx"))  # colour and hatch by density
+
+
+@style.styled
+def plot(dataset: xr.Dataset) -> Figure:
+    """Bars side by side for the densities of one shape, with the change over the lowest."""
+    groups = densities(dataset)
+    if not groups:
+        raise InputError("there is no shape at two densities in the data.")
+    numbers = summarise(dataset)
+    figure = Figure(figsize=(style.WIDTH, 5.2))
+    axes = figure.subplots()
+    for place, labels in enumerate(groups.values()):
+        _group(axes, place, labels, numbers)
+    ticks = [
+        f"{', '.join(labels)}\n" + style.describe(numbers.sel(case=labels[0])).replace(", ", "\n")
+        for labels in groups.values()
+    ]
+    style.finish_bars(figure, axes, ticks, dataset)
+    axes.set_title(
+        f"Above each group: change with density and its 95 % interval; paper: at most {PAPER} %",
+        loc="left",
+    )
+    figure.suptitle("Mean drag by density of the granules")
+    style.legend(figure, axes, "outside lower center", ncols=2)
+    return figure
+
+
+def _group(axes, place, labels, numbers) -> None:
+    width = 0.8 / len(labels)
+    tops = []
+    for number, label in enumerate(labels):
+        middle = place + width * (number - 0.5 * (len(labels) - 1))
+        fill, hatch = FILLS[min(number, len(FILLS) - 1)]
+        own = numbers.sel(case=label)
+        name = f"mean of {style.runs(own)} at {float(own['density']):g} kg/m³"
+        tops.append(
+            style.bar(
+                axes, middle, width, own, color=fill, edgecolor="black", hatch=hatch, label=name
+            )
+        )
+    changes = [change(numbers["run_mean"], labels[0], label) for label in labels[1:]]
+    text = "\n".join(f"{style.pm(100.0 * share, 100.0 * half, '+.1f')} %" for share, half in changes)
+    style.write_above(axes, place, max(tops), text)

@@ -1,0 +1,162 @@
+"""The look that all figures share: legible at half size and without colour."""
+
+from pathlib import Path
+from typing import NamedTuple
+
+import matplotlib
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from dem.dataset import atomic
+
+RC = {
+    "font.family": "DejaVu Sans",
+    "font.size": 11.0,
+    "axes.titlesize": 10.5,
+    "axes.labelsize": 11.5,
+    "figure.titlesize": 13.0,
+    "xtick.labelsize": 11.0,
+    "ytick.labelsize": 11.0,
+    "legend.fontsize": 10.0,
+    "legend.frameon": False,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.grid.axis": "y",
+    "axes.axisbelow": True,
+    "grid.color": "0.88",
+    "grid.linewidth": 0.7,
+    "lines.linewidth": 1.8,
+    "hatch.linewidth": 0.8,
+    "figure.constrained_layout.use": True,
+    "svg.hashsalt": "dem",
+    "svg.fonttype": "path",
+}
+styled = matplotlib.rc_context(RC)  # decorator of plot functions
+WIDTH = 8.0  # inches
+DPI = 200
+WINDOW = {"color": "0.93", "linewidth": 0.0, "zorder": 0}  # shade of the averaging window
+RAW = {"color": "0.45", "linewidth": 0.5}
+REFERENCE = {"color": "black", "linewidth": 1.1, "linestyle": (0, (1.5, 1.5))}
+RUN = {"marker": "o", "markersize": 4.5, "markerfacecolor": "white", "markeredgecolor": "0.15",
+       "linestyle": "none", "zorder": 5}  # fmt: skip
+INTERVAL = {"ecolor": "black", "linestyle": "none", "capsize": 5, "elinewidth": 1.6,
+            "capthick": 1.6, "zorder": 4}  # fmt: skip
+SMOOTHING = 0.2e-3  # m, length of the running mean of curves
+
+
+class Look(NamedTuple):
+    """Of one kind of granule: colours of line and fill, and what tells it apart in grey."""
+
+    color: str
+    fill: str
+    line: str
+    marker: str
+    hatch: str
+
+
+LOOKS = {
+    "disc": Look("#1f5fa8", "#a9c8ea", "-", "o", ""),
+    "dumbbell": Look("#b34700", "#f5c49a", (0, (5, 1.5)), "s", "///"),
+    "ellipse": Look("#1d7a46", "#d5eedd", (0, (3, 1, 1, 1)), "D", "..."),
+}
+
+
+def look(case: xr.Dataset) -> Look:
+    """Look of one case, by the kind of its granules."""
+    return LOOKS[str(case["kind"].values)]
+
+
+def describe(case: xr.Dataset) -> str:
+    """What the granules of one case are: kind, aspect ratio of ellipses and mean diameter."""
+    kind, ratio = str(case["kind"].values), float(case["aspect_ratio"])
+    shape = f"{kind} {ratio:g}:1" if kind == "ellipse" else kind
+    return f"{shape}, {1e6 * float(case['diameter']):.4g} µm"
+
+
+def runs(dataset: xr.Dataset) -> str:
+    """How many runs stand behind a number: "5 runs"."""
+    count = dataset.sizes["seed"]
+    return f"{count} runs" if count > 1 else "one run"
+
+
+def millimetres(lengths) -> np.ndarray:
+    """Lengths for an axis, from m to mm."""
+    return 1e3 * np.asarray(lengths)
+
+
+def window_text(dataset: xr.Dataset) -> str:
+    """The averaging window in words: "1 mm to 5 mm"."""
+    start, stop = dataset.attrs["window_start"], dataset.attrs["window_stop"]
+    return f"{1e3 * start:g} mm to {1e3 * stop:g} mm"
+
+
+def mark_window(axes, dataset: xr.Dataset):
+    """Shade the averaging window; returns the patch for a legend."""
+    edges = millimetres([dataset.attrs["window_start"], dataset.attrs["window_stop"]])
+    return axes.axvspan(*edges, label=f"averaging window, {window_text(dataset)}", **WINDOW)
+
+
+def show_runs(axes, middle: float, values, width: float) -> Line2D:
+    """One dot a run (seed,), side by side about `middle`; returns the dots for a legend."""
+    values = np.ravel(values)
+    offsets = np.linspace(-0.5, 0.5, len(values)) * width if len(values) > 1 else np.zeros(1)
+    return axes.plot(middle + offsets, values, label="single runs", **RUN)[0]
+
+
+def bar(axes, middle: float, width: float, numbers: xr.Dataset, **options) -> float:
+    """Bar of a mean with its interval and its runs; returns the height of the highest of them."""
+    mean, half = float(numbers["mean"]), float(numbers["half_interval"])
+    axes.bar(middle, mean, width, linewidth=1.2, **options)
+    top = max(mean, float(numbers["run_mean"].max()))
+    if np.isfinite(half):
+        axes.errorbar(middle, mean, half, label="95 % interval of the mean", **INTERVAL)
+        top = max(top, mean + half)
+    show_runs(axes, middle, numbers["run_mean"], 0.6 * width)
+    return top
+
+
+def write_above(axes, middle: float, top: float, text: str) -> None:
+    """Text centred just above the height `top` in data units."""
+    axes.annotate(text, (middle, top), (0, 6), textcoords="offset points", ha="center")
+
+
+def finish_bars(figure: Figure, axes, ticks: list[str], dataset: xr.Dataset) -> None:
+    """Axes of a bar chart of mean drag, one tick a group of bars."""
+    axes.set_xticks(range(len(ticks)), ticks)
+    axes.set_xlim(-0.6, len(ticks) - 0.4)
+    axes.tick_params(axis="x", length=0)
+    axes.set_ylim(0.0, 1.1 * axes.dataLim.ymax)
+    axes.set_ylabel(f"Mean drag from {window_text(dataset)} (N)")
+
+
+def legend(figure: Figure, axes, place: str, grey: str = "", **options) -> None:
+    """Legend of the figure from the labels of one of its axes, each once.
+
+    The patch of the label that begins with `grey` stands for several colours: it is shown in none.
+    """
+    handles, names = axes.get_legend_handles_labels()
+    unique = dict(zip(names, handles, strict=True))
+    made = figure.legend(unique.values(), unique.keys(), loc=place, **options)
+    for name, patch in zip(unique, made.legend_handles, strict=True):
+        if grey and name.startswith(grey):
+            patch.set(facecolor="0.8", edgecolor="0.3", hatch="")
+
+
+def pm(mean: float, half: float, form: str = ".0f") -> str:
+    """Mean and half its interval as text; without the interval where there is none."""
+    text = format(mean, form) + (f" ± {half:{form.lstrip('+')}}" if np.isfinite(half) else "")
+    return text.replace("-", "\N{MINUS SIGN}")
+
+
+def save(figure: Figure, stem: Path) -> list[Path]:
+    """Write stem.svg and stem.png atomically; the same figure gives the same bytes."""
+    files = []
+    for suffix, metadata in ((".svg", {"Date": None}), (".png", {"Software": None})):
+        path = Path(f"{stem}{suffix}")
+        with matplotlib.rc_context(RC), atomic(path) as part:
+            figure.savefig(part, format=suffix[1:], dpi=DPI, metadata=metadata)
+        files.append(path)
+    return files

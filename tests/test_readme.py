@@ -1,0 +1,35 @@
+"""The README's examples run as they stand."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+BLOCKS = re.findall(r"```python\n(.*?)```", (Path(__file__).parent.parent / "README.md").read_text(), re.S)
+LIBRARY = [block for block in BLOCKS if "import dem" in block]
+
+
+def run(block):
+    names = {}
+    exec(compile(block, "README.md", "exec"), names)
+    return names
+
+
+def test_discs_part_with_the_coefficient_of_restitution():
+    """The first example: two discs collide in empty space."""
+    velocity = run(LIBRARY[0])["result"].state.velocity[:, 0]
+    assert velocity == pytest.approx([-0.5, 0.5], rel=0.01)
+
+
+def test_the_floor_carries_the_weight():
+    """The second example: ellipses settle in a box."""
+    names = run(LIBRARY[1])
+    weight = 9.81 * names["scene"].mass.sum()
+    assert names["result"].wall_force[-1, 2] == pytest.approx(weight, rel=0.02)
+
+
+def test_a_bed_resists_the_cylinder():
+    """The third example: a cylinder in a packed bed; there are no more."""
+    names = run(LIBRARY[2])
+    assert -names["result"].cylinder_force[1:, 1].mean() > 0.0
+    assert len(LIBRARY) == 3
