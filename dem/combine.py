@@ -80,16 +80,14 @@ def _load(path: Path, sweep: Sweep) -> tuple[dict, dict]:
         raise InputError(f"{path}: there is no such file.")
     try:
         values, attrs = read(path, (*AXIS, *SERIES, *SCALARS, *LABELS))
-    except RuntimeError as error:
+    except (RuntimeError, AttributeError) as error:
         raise InputError(f"{path}: it is damaged ({error}).") from None
     for name in (*PROVENANCE, "run_key"):
         if name not in attrs:
             raise InputError(f"{path}: it has no attribute {name}; is it another file?")
     label = str(values["shape"])
-    expected = label in sweep.shapes and Replicate(
-        sweep=sweep, label=label, density=float(values["density"]), seed=int(values["seed"])
-    ).run_key()
-    if attrs["run_key"] != expected:
+    run = {"label": label, "density": float(values["density"]), "seed": int(values["seed"])}
+    if label not in sweep.shapes or attrs["run_key"] != Replicate(sweep=sweep, **run).run_key():
         raise InputError(f"{path}: it was made with another configuration; simulate it again.")
     sizes = {"displacement": sweep.record.bins, "bound": 2, "wall": len(WALLS)}
     for name in (*AXIS, *SERIES, *SCALARS):
@@ -153,10 +151,11 @@ def open_combined(path: Path) -> xr.Dataset:
     Raises InputError for any other file.
     """
     dataset = open_lazily(path)
-    needed = {"drag", "displacement_bounds", "shape", "kind", "density"}
-    if not {"case", "seed"} <= set(dataset.dims) or not needed <= set(dataset.variables):
+    try:
+        require(dataset, path, ("case", *LABELS, *AXIS, "kind", "drag"), ("window_start",))
+    except InputError:
         dataset.close()
-        raise InputError(f"{path}: it is not a drag.nc, as dem combine writes it.")
+        raise
     return dataset
 
 
@@ -168,3 +167,11 @@ def open_lazily(path: Path) -> xr.Dataset:
         return xr.open_dataset(path, engine="netcdf4", chunks={})
     except (OSError, ValueError, RuntimeError) as error:
         raise InputError(f"{path}: it is not a readable netCDF file ({error}).") from None
+
+
+def require(dataset: xr.Dataset, path: Path, variables, attributes=()) -> None:
+    """Raise InputError unless the file has these variables and attributes."""
+    absent = [f"variable {name}" for name in variables if name not in dataset.variables]
+    absent += [f"attribute {name}" for name in attributes if name not in dataset.attrs]
+    if absent:
+        raise InputError(f"{path}: it has no {absent[0]}; is it another file?")

@@ -103,26 +103,26 @@ def edges_of_bins(dataset: xr.Dataset) -> np.ndarray:
 
 def table1(dataset: xr.Dataset) -> list[str]:
     """Labels of the cases to compare by shape: at the density of the first, the check left out."""
-    return [
-        label
-        for label, shape, density in _cases(dataset)
-        if density == float(dataset["density"][0]) and shape != CHECK
-    ]
+    cases = _cases(dataset)
+    return [c for c, shape, density in cases if density == cases[0][2] and shape != CHECK]
 
 
 def find(dataset: xr.Dataset, shape: str) -> str | None:
     """Label of the case of this shape at the density of the first case, None if there is none."""
-    density = float(dataset["density"][0])
-    return next((c for c, s, d in _cases(dataset) if s == shape and d == density), None)
+    cases = _cases(dataset)
+    return next((c for c, s, density in cases if s == shape and density == cases[0][2]), None)
 
 
 def densities(dataset: xr.Dataset) -> dict[str, list[str]]:
     """Shapes at more than one density: labels of their cases, from the lowest to the highest."""
     found = {}
-    for label, shape, density in sorted(_cases(dataset), key=lambda case: case[2]):
-        found.setdefault(shape, []).append(label)
-    order = dict.fromkeys(shape for _, shape, _ in _cases(dataset))
-    return {shape: found[shape] for shape in order if len(found[shape]) > 1}
+    for label, shape, density in _cases(dataset):
+        found.setdefault(shape, []).append((density, label))
+    return {
+        shape: [label for _, label in sorted(cases)]
+        for shape, cases in found.items()
+        if len(cases) > 1
+    }
 
 
 def _cases(dataset) -> list[tuple[str, str, float]]:

@@ -24,9 +24,12 @@ def plot(dataset: xr.Dataset) -> Figure:
     means = summarise(dataset)
     curves = {label: _curve(dataset, label) for label in labels}
     for axes, label in zip(panels, labels, strict=False):
+        _panel(axes, dataset.sel(case=label), means.sel(case=label), curves[label])
         if label != labels[0]:
             _compare(axes, dataset, curves[labels[0]], labels[0])
-        _panel(axes, dataset.sel(case=label), means.sel(case=label), curves[label])
+        style.mark_window(axes, dataset)
+    for axes in panels[::columns]:
+        axes.set_ylabel(f"Drag (N), running\nmean over {1e3 * style.SMOOTHING:g} mm")
     for axes in panels[len(labels) :]:
         axes.remove()
     for axes in panels[max(0, len(labels) - columns) : len(labels)]:
@@ -44,16 +47,15 @@ def _curve(dataset, label):
 
 
 def _panel(axes, case, means, curve) -> None:
-    x, color = style.millimetres(case["displacement"]), style.LOOKS["disc"].color
+    x = style.millimetres(case["displacement"])
     raw, smooth, half = curve
-    style.mark_window(axes, case)
+    axes.plot(x, smooth, color=style.CURVE, zorder=3, label=f"running mean of {style.runs(case)}")
     if np.isfinite(half).all():
         axes.fill_between(
-            x, smooth - half, smooth + half, color=color, alpha=0.22, linewidth=0.0,
+            x, smooth - half, smooth + half, color=style.CURVE, alpha=0.22, linewidth=0.0,
             label="95 % interval of the running mean",
         )  # fmt: skip
     axes.plot(x, raw, label=f"mean of {style.runs(case)} in every bin", **style.RAW)
-    axes.plot(x, smooth, color=color, label=f"running mean of {style.runs(case)}")
     axes.set_title(f"{case['case'].values}: {style.describe(case)}", loc="left")
     middle = style.millimetres(0.5 * (case.attrs["window_start"] + case.attrs["window_stop"]))
     axes.text(
@@ -74,9 +76,5 @@ def _finish(figure, dataset, curves) -> None:
     widest = max(np.nanmax(smooth + np.nan_to_num(half)) for _, smooth, half in curves.values())
     axes.set_ylim(min(0.0, drawn.min()), 1.05 * min(max(widest, drawn.max()), 2.0 * drawn.max()))
     axes.set_xlim(0.0, style.millimetres(edges_of_bins(dataset)[-1]))
-    figure.supylabel(
-        f"Drag (N), running mean over {1e3 * style.SMOOTHING:g} mm",
-        fontsize=style.RC["axes.labelsize"],
-    )
     figure.suptitle("Drag of the cylinder against its displacement")
     style.legend(figure, axes, "outside lower center", ncols=2)

@@ -6,9 +6,10 @@ from matplotlib.figure import Figure
 
 from dem.errors import InputError
 from dem.figures import style
-from dem.statistics import edges_of_bins, find, half_interval, running_mean, summarise
+from dem.statistics import change, edges_of_bins, find, half_interval, running_mean, summarise
 
 CODES = {"c1": "disc code", "e0": "ellipse code"}  # by shape
+WIDTHS = {"c1": 3.6, "e0": 1.8}  # of the curves, so that one shows below the other
 PAPER = {"c1": (1295.0, 0.18), "e0": (1405.0, 0.17)}  # section 3.2: mean (N), deviation over it
 
 
@@ -21,12 +22,12 @@ def plot(dataset: xr.Dataset) -> Figure:
         raise InputError("there is no case of shape c1 or e0 in the data.")
     figure = Figure(figsize=(style.WIDTH, 5.0))
     curves, means = figure.subplots(1, 2, sharey=True, width_ratios=(1.7, 1.0))
-    style.mark_window(curves, dataset)
     numbers = summarise(dataset)
     for place, (shape, label) in enumerate(found.items()):
         _curve(curves, dataset.sel(case=label), shape)
         _means(means, numbers.sel(case=label), place, PAPER[shape])
-    _finish(figure, dataset, found)
+    style.mark_window(curves, dataset)
+    _finish(figure, dataset, numbers, found)
     return figure
 
 
@@ -34,15 +35,15 @@ def _curve(axes, case, shape) -> None:
     look, x = style.look(case), style.millimetres(case["displacement"])
     smooth = running_mean(case["drag"], edges_of_bins(case), style.SMOOTHING)
     mean, half = smooth.mean("seed").values, half_interval(smooth).values
-    if np.isfinite(half).all():
-        axes.fill_between(
-            x, mean - half, mean + half, color=look.color, alpha=0.25, linewidth=0.0,
-            label="95 % interval of the mean",
-        )  # fmt: skip
     axes.plot(
-        x, mean, color=look.color, linestyle=look.line,
+        x, mean, color=look.color, linestyle=look.line, linewidth=WIDTHS[shape], zorder=3,
         label=f"{CODES[shape]} ({case['case'].values}), mean of {style.runs(case)}",
     )  # fmt: skip
+    if np.isfinite(half).all():
+        axes.fill_between(
+            x, mean - half, mean + half, color=look.color, alpha=0.22, linewidth=0.0,
+            label="95 % interval of the mean",
+        )  # fmt: skip
 
 
 def _means(axes, numbers, place, paper) -> None:
@@ -65,18 +66,20 @@ def _means(axes, numbers, place, paper) -> None:
     )  # fmt: skip
 
 
-def _finish(figure, dataset, found) -> None:
+def _finish(figure, dataset, numbers, found) -> None:
     """Axes, title and legends."""
     curves, means = figure.axes
-    numbers = summarise(dataset)
     ticks = []
     for shape, label in found.items():
         own = numbers.sel(case=label)
-        value = style.pm(float(own["mean"]), float(own["half_interval"]))
-        ticks.append(f"{CODES[shape]}\n{value} N\npaper: {PAPER[shape][0]:.0f} N")
+        value = style.value(float(own["mean"]), float(own["half_interval"]), "N")
+        ticks.append(f"{CODES[shape]}\n{value}\npaper: {PAPER[shape][0]:.0f} N")
     means.set_xticks(range(len(found)), ticks)
     means.set_xlim(-0.5, len(found) - 0.5)
-    means.set_title(f"Mean, {style.window_text(dataset)}", loc="left")
+    means.set_title(f"Mean{style.its_interval(dataset)}", loc="left")
+    if len(found) == len(CODES):
+        difference = change(numbers["run_mean"], *found.values())
+        means.set_xlabel(f"ellipse against disc: {style.percent(*difference)}")
     curves.set_title("Against displacement", loc="left")
     curves.set_xlabel("Displacement of the cylinder (mm)")
     curves.set_ylabel(f"Drag (N), running mean over {1e3 * style.SMOOTHING:g} mm")

@@ -19,11 +19,9 @@ def plot(dataset: xr.Dataset) -> Figure:
     axes = figure.subplots()
     for place, label in enumerate(labels):
         _bar(axes, place, numbers.sel(case=label))
-    ticks = [
-        f"{label}\n" + style.describe(numbers.sel(case=label)).replace(", ", "\n")
-        for label in labels
-    ]
+    ticks = [f"{label}\n" + style.describe(numbers.sel(case=label), "\n") for label in labels]
     style.finish_bars(figure, axes, ticks, dataset)
+    axes.set_title(f"Above each bar: mean drag{style.its_interval(dataset)}", loc="left")
     figure.suptitle("Mean drag by shape of the granules")
     style.legend(figure, axes, "outside lower center", grey="mean", ncols=3)
     return figure
@@ -35,5 +33,5 @@ def _bar(axes, place, numbers) -> None:
         axes, place, 0.62, numbers,
         color=look.fill, edgecolor=look.color, hatch=look.hatch, label=name,
     )  # fmt: skip
-    value = style.pm(float(numbers["mean"]), float(numbers["half_interval"]))
-    style.write_above(axes, place, top, f"{value} N")
+    value = style.value(float(numbers["mean"]), float(numbers["half_interval"]), "N")
+    style.write_above(axes, place, top, value)

@@ -23,12 +23,13 @@ def plot(dataset: xr.Dataset) -> Figure:
     for place, labels in enumerate(groups.values()):
         _group(axes, place, labels, numbers)
     ticks = [
-        f"{', '.join(labels)}\n" + style.describe(numbers.sel(case=labels[0])).replace(", ", "\n")
+        f"{', '.join(labels)}\n" + style.describe(numbers.sel(case=labels[0]), "\n")
         for labels in groups.values()
     ]
     style.finish_bars(figure, axes, ticks, dataset)
     axes.set_title(
-        f"Above each group: change with density and its 95 % interval; paper: at most {PAPER} %",
+        f"Above each group: change with density{style.its_interval(dataset)}; "
+        f"paper: at most {PAPER} %",
         loc="left",
     )
     figure.suptitle("Mean drag by density of the granules")
@@ -50,5 +51,5 @@ def _group(axes, place, labels, numbers) -> None:
             )
         )
     changes = [change(numbers["run_mean"], labels[0], label) for label in labels[1:]]
-    text = "\n".join(f"{style.pm(100.0 * share, 100.0 * half, '+.1f')} %" for share, half in changes)
+    text = "\n".join(style.percent(*each) for each in changes)
     style.write_above(axes, place, max(tops), text)

@@ -37,13 +37,15 @@ RC = {
 styled = matplotlib.rc_context(RC)  # decorator of plot functions
 WIDTH = 8.0  # inches
 DPI = 200
+CURVE = "#17457d"  # where one colour is enough
 WINDOW = {"color": "0.93", "linewidth": 0.0, "zorder": 0}  # shade of the averaging window
-RAW = {"color": "0.45", "linewidth": 0.5}
+RAW = {"color": "0.6", "linewidth": 0.5}
 REFERENCE = {"color": "black", "linewidth": 1.1, "linestyle": (0, (1.5, 1.5))}
 RUN = {"marker": "o", "markersize": 4.5, "markerfacecolor": "white", "markeredgecolor": "0.15",
        "linestyle": "none", "zorder": 5}  # fmt: skip
 INTERVAL = {"ecolor": "black", "linestyle": "none", "capsize": 5, "elinewidth": 1.6,
             "capthick": 1.6, "zorder": 4}  # fmt: skip
+FEW = 3  # groups of bars: fewer are not drawn wider
 SMOOTHING = 0.2e-3  # m, length of the running mean of curves
 
 
@@ -58,9 +60,9 @@ class Look(NamedTuple):
 
 
 LOOKS = {
-    "disc": Look("#1f5fa8", "#a9c8ea", "-", "o", ""),
+    "disc": Look("#2f7fd1", "#a9c8ea", "-", "o", ""),
     "dumbbell": Look("#b34700", "#f5c49a", (0, (5, 1.5)), "s", "///"),
-    "ellipse": Look("#1d7a46", "#d5eedd", (0, (3, 1, 1, 1)), "D", "..."),
+    "ellipse": Look("#0f5a30", "#d5eedd", (0, (3, 1, 1, 1)), "D", "..."),
 }
 
 
@@ -69,17 +71,22 @@ def look(case: xr.Dataset) -> Look:
     return LOOKS[str(case["kind"].values)]
 
 
-def describe(case: xr.Dataset) -> str:
-    """What the granules of one case are: kind, aspect ratio of ellipses and mean diameter."""
+def describe(case: xr.Dataset, separator: str = ", ") -> str:
+    """What the granules of one case are: kind, mean diameter and the aspect ratio of ellipses."""
     kind, ratio = str(case["kind"].values), float(case["aspect_ratio"])
-    shape = f"{kind} {ratio:g}:1" if kind == "ellipse" else kind
-    return f"{shape}, {1e6 * float(case['diameter']):.4g} µm"
+    parts = [kind, f"{1e6 * float(case['diameter']):.4g} µm"]
+    return separator.join(parts + [f"{ratio:g}:1"] * (kind == "ellipse"))
 
 
 def runs(dataset: xr.Dataset) -> str:
     """How many runs stand behind a number: "5 runs"."""
     count = dataset.sizes["seed"]
     return f"{count} runs" if count > 1 else "one run"
+
+
+def its_interval(dataset: xr.Dataset) -> str:
+    """Words for a title: nothing for single runs, which have no interval."""
+    return " and its 95 % interval" if dataset.sizes["seed"] > 1 else ""
 
 
 def millimetres(lengths) -> np.ndarray:
@@ -126,7 +133,8 @@ def write_above(axes, middle: float, top: float, text: str) -> None:
 def finish_bars(figure: Figure, axes, ticks: list[str], dataset: xr.Dataset) -> None:
     """Axes of a bar chart of mean drag, one tick a group of bars."""
     axes.set_xticks(range(len(ticks)), ticks)
-    axes.set_xlim(-0.6, len(ticks) - 0.4)
+    room = 0.6 + max(0.0, 0.5 * (FEW - len(ticks)))
+    axes.set_xlim(-room, len(ticks) - 1 + room)
     axes.tick_params(axis="x", length=0)
     axes.set_ylim(0.0, 1.1 * axes.dataLim.ymax)
     axes.set_ylabel(f"Mean drag from {window_text(dataset)} (N)")
@@ -145,10 +153,15 @@ def legend(figure: Figure, axes, place: str, grey: str = "", **options) -> None:
             patch.set(facecolor="0.8", edgecolor="0.3", hatch="")
 
 
-def pm(mean: float, half: float, form: str = ".0f") -> str:
+def value(mean: float, half: float, unit: str, form: str = "z.0f") -> str:
     """Mean and half its interval as text; without the interval where there is none."""
     text = format(mean, form) + (f" ± {half:{form.lstrip('+')}}" if np.isfinite(half) else "")
-    return text.replace("-", "\N{MINUS SIGN}")
+    return text.replace("-", "\N{MINUS SIGN}") + f" {unit}"
+
+
+def percent(share: float, half: float) -> str:
+    """A change over something and half its interval, both as shares, as text in per cent."""
+    return value(100.0 * share, 100.0 * half, "%", "+z.1f")
 
 
 def save(figure: Figure, stem: Path) -> list[Path]:
