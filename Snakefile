@@ -9,6 +9,7 @@ import sys
 
 from dem import config as schema
 from dem.errors import InputError
+from dem.figures import FIGURES
 from dem.provenance import source_hash
 
 if not workflow.overwrite_configfiles:
@@ -25,7 +26,6 @@ except InputError as error:
 RESULTS = SWEEP.results
 CONFIG = f"{RESULTS}/config.yaml"  # the configuration as resolved, written when the run starts
 SOURCES = source_hash()
-FIGURES = ["figure07", "figure08", "figure13", "figure14"]
 
 
 wildcard_constraints:

@@ -14,6 +14,7 @@ from dem.config import Replicate, Sweep, density_label
 from dem.dataset import VARIABLES, WALLS, atomic, attributes, global_attributes, read
 from dem.errors import InputError
 
+# What a replicate records along its stroke, once a run, and on the axis that all runs share.
 SERIES = tuple(
     name
     for name, (dims, _, _) in VARIABLES.items()
@@ -24,58 +25,66 @@ SCALARS = (
     "packing_max_overlap", "run_time", "steps",
 )  # fmt: skip
 AXIS = ("displacement", "displacement_bounds")
+# Which run a replicate holds, and the attributes that say what it was made from.
 LABELS = ("shape", "density", "seed")
 PROVENANCE = ("versions", "git_revision", "source_hash")
 
 
 def combine(paths: list[Path], sweep: Sweep) -> xr.Dataset:
-    """All runs of a sweep, in the order of its cases, seeds ascending.
+    """All runs of a sweep, in the order of its cases, seeds ascending as CF wants an axis.
 
-    The replicates may come in any order; each says itself which run it holds. Raises InputError
-    for a file that is missing, damaged or of another configuration, and for a run without file.
+    The replicates may come in any order; each says itself which run it holds. The attributes tell
+    the provenance of the replicates, all of it where they differ. Raises InputError for a file
+    that is missing, damaged or of another configuration, and for a run that no file holds.
     """
-    cases, seeds = list(sweep.cases), sorted(sweep.seeds)
-    numbers = {
-        (case.shape, density_label(case.density)): number
-        for number, case in enumerate(sweep.cases.values())
-    }
+    places = _places(sweep)
+    size = len(sweep.cases), len(sweep.seeds)
     values, origins, provenance = {}, {}, {name: {} for name in PROVENANCE}
     for path in paths:
-        run, made_from = _load(path, sweep)
-        run_of = (str(run["shape"]), density_label(float(run["density"])))
-        seed = int(run["seed"])
-        if run_of not in numbers or seed not in seeds:
+        run, attrs = _load(path, sweep)
+        key = _key(run["shape"], run["density"], run["seed"])
+        if key not in places:
             raise InputError(
-                f"{path}: it holds {run_of[0]} at {run_of[1]} kg/m3, seed {seed}, which the "
+                f"{path}: it holds {key[0]} at {key[1]} kg/m3, seed {key[2]}, which the "
                 "configuration does not ask for."
             )
-        place = numbers[run_of], seeds.index(seed)
-        if place in origins:
-            raise InputError(f"{path}: it holds the same run as {origins[place]}.")
-        origins[place] = path
+        if key in origins:
+            raise InputError(f"{path}: it holds the same run as {origins[key]}.")
+        origins[key] = path
         for name in PROVENANCE:
-            provenance[name][made_from[name]] = None
-        for name in (*AXIS, *SERIES, *SCALARS):
-            _put(values, name, run[name], place, (len(cases), len(seeds)))
-    for case, label in enumerate(cases):
-        for number, seed in enumerate(seeds):
-            if (case, number) not in origins:
-                raise InputError(f"No file among {len(paths)} holds case {label}, seed {seed}.")
-    return _dataset(values, sweep, seeds, {k: "; ".join(v) for k, v in provenance.items()})
+            provenance[name][attrs[name]] = None
+        for name in (*SERIES, *SCALARS):
+            if name not in values:
+                values[name] = np.empty((*size, *run[name].shape), run[name].dtype)
+            values[name][places[key]] = run[name]
+        values |= {name: run[name] for name in AXIS}
+    for shape, density, seed in places:
+        if (shape, density, seed) not in origins:
+            raise InputError(
+                f"{shape} at {density} kg/m3, seed {seed}, is in none of the {len(paths)} files."
+            )
+    return _dataset(values, sweep, {name: "; ".join(kept) for name, kept in provenance.items()})
 
 
-def _put(values, name, array, place, size) -> None:
-    """Put what a run recorded into its place in the array over (case, seed, ...)."""
-    if name in AXIS:
-        values[name] = array
-        return
-    if name not in values:
-        values[name] = np.empty((*size, *array.shape), array.dtype)
-    values[name][place] = array
+def _key(shape, density, seed) -> tuple[str, str, int]:
+    """A run as its file and the configuration both name it."""
+    return str(shape), density_label(float(density)), int(seed)
+
+
+def _places(sweep: Sweep) -> dict[tuple, tuple[int, int]]:
+    """Place (case, seed) in the result of every run that the configuration asks for."""
+    return {
+        _key(case.shape, case.density, seed): (row, column)
+        for row, case in enumerate(sweep.cases.values())
+        for column, seed in enumerate(sorted(sweep.seeds))
+    }
 
 
 def _load(path: Path, sweep: Sweep) -> tuple[dict, dict]:
-    """Variables and provenance of a replicate that was made with this configuration."""
+    """Variables and attributes of a replicate that was made with this configuration.
+
+    Its run_key holds all that its run depended on: it must be what the sweep would write today.
+    """
     if not Path(path).is_file():
         raise InputError(f"{path}: there is no such file.")
     try:
@@ -96,8 +105,12 @@ def _load(path: Path, sweep: Sweep) -> tuple[dict, dict]:
     return values, attrs
 
 
-def _dataset(values, sweep, seeds, provenance) -> xr.Dataset:
-    """Arrays by name, with coordinates and attributes."""
+def _dataset(values, sweep, provenance) -> xr.Dataset:
+    """Arrays by name, with coordinates and attributes.
+
+    The averaging window and the cylinder's velocity stand in the attributes, so that figures need
+    nothing but the Dataset.
+    """
     shapes = [sweep.shapes[case.shape] for case in sweep.cases.values()]
     on_case = {
         "case": list(sweep.cases),
@@ -109,9 +122,9 @@ def _dataset(values, sweep, seeds, provenance) -> xr.Dataset:
         "granules": [shape.granules for shape in shapes],
     }
     coordinates = {name: ("case", found, attributes(name)) for name, found in on_case.items()}
-    for name, found in {"seed": seeds, "wall": list(WALLS), "displacement": None}.items():
-        found = values.pop(name) if found is None else found
-        coordinates[name] = (name, found, attributes(name))
+    displacement = values.pop("displacement")
+    axes = {"seed": sorted(sweep.seeds), "wall": list(WALLS), "displacement": displacement}
+    coordinates |= {name: (name, found, attributes(name)) for name, found in axes.items()}
     variables = {}
     for name, array in values.items():
         own = VARIABLES[name][0]
@@ -133,7 +146,10 @@ def _dataset(values, sweep, seeds, provenance) -> xr.Dataset:
 
 
 def write_combined(dataset: xr.Dataset, path: Path) -> None:
-    """Write what `combine` returned, atomically and without loss."""
+    """Write what `combine` returned, atomically and without loss.
+
+    No variable has a fill value: there are no gaps.
+    """
     encoding = {}
     for name, variable in dataset.variables.items():
         if np.issubdtype(variable.dtype, np.number):

@@ -113,7 +113,7 @@ class RecordSection(Section):
 class NumericsSection(Section):
     step_fraction: Annotated[Number, Field(gt=0, lt=1)] = 0.3  # of the critical time step
     time_step: Positive | None = None  # s, fixed; None: from the bed's stiffness
-    max_overlap: Annotated[Number, Field(gt=0, le=1.5)] = 0.8  # over the smaller radius
+    max_overlap: Annotated[Number, Field(gt=0, le=1.5)] = 1.2  # over the smaller radius
 
 
 class ShapeSection(Section):

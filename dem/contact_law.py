@@ -52,8 +52,7 @@ def effective_modulus(*materials):
 def effective_shear_modulus(*materials):
     """G* (Pa), 1/G* = sum of 2 (2 - nu)(1 + nu) / E over the elastic materials that meet."""
     return 1.0 / sum(
-        2.0 * (2.0 - m.poisson_ratio) * (1.0 + m.poisson_ratio) / m.young_modulus
-        for m in materials
+        2.0 * (2.0 - m.poisson_ratio) * (1.0 + m.poisson_ratio) / m.young_modulus for m in materials
     )
 
 

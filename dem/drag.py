@@ -21,9 +21,7 @@ METHODS = {"common_normal": CommonNormal, "geometric_potential": GeometricPotent
 
 def diameters(replicate: Replicate) -> np.ndarray:
     """Volume diameters (n,) in m of the granules of this seed."""
-    return sample_diameters(
-        replicate.shape, replicate.sweep.packing.size_spread, replicate.seed
-    )
+    return sample_diameters(replicate.shape, replicate.sweep.packing.size_spread, replicate.seed)
 
 
 def granules(replicate: Replicate):

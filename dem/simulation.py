@@ -23,7 +23,7 @@ from dem.survey import kinetic, survey
 SKIN = 0.3  # of the mean bounding radius; timings are flat from 0.1 to 0.5
 MARGIN = 0.8  # share of skin / 2 that a part may move before the lists are made anew
 STEP_FRACTION = 0.3  # of the critical time step
-LARGEST_OVERLAP = 0.8  # of the smaller radius
+LARGEST_OVERLAP = 1.2  # of the smaller radius
 LONGEST_FLIGHT = 0.02  # of the smallest radius, in one step
 
 
@@ -136,9 +136,12 @@ class Simulation:
                 f"{self._when()}; the limit is {self.max_overlap:g}: take a smaller time step, a "
                 "stiffer material or a lower packing fraction."
             )
-        alone = 4.0 * effective_modulus(self.scene.material, self.scene.material) * math.sqrt(
-            parts.radius.max() * least
-        ) * np.max(parts.wt) ** 2  # a granule that meets its like
+        alone = (
+            4.0
+            * effective_modulus(self.scene.material, self.scene.material)
+            * math.sqrt(parts.radius.max() * least)
+            * np.max(parts.wt) ** 2
+        )  # a granule that meets its like
         self._glance = Glance(
             energy, fastest, 2.0 * touching / self.scene.granules, overlap,
             2.0 / math.sqrt(max(bound, alone)),

@@ -1,4 +1,8 @@
-"""Figure 7: drag against displacement, one panel a shape, the first shape for comparison."""
+"""Figure 7: drag against displacement, one panel a shape, the first shape for comparison.
+
+All panels have the same axes. Curves are running means, intervals those of the running mean: at
+each displacement by Student's t over the runs. The means in words are those within the window.
+"""
 
 import numpy as np
 import xarray as xr
@@ -13,13 +17,16 @@ COLUMNS = 3
 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
-    """Mean drag over the seeds at every displacement, smoothed and raw, with its interval."""
+    """Mean drag over the seeds at every displacement, smoothed and raw, with its interval.
+
+    Raises InputError when no case is to be compared by shape.
+    """
     labels = table1(dataset)
     if not labels:
         raise InputError("there is no case of Table 1 in the data.")
     columns = min(COLUMNS, len(labels))
     rows = -(-len(labels) // columns)
-    figure = Figure(figsize=(style.WIDTH, 1.5 + 2.3 * rows))
+    figure = Figure(figsize=(style.WIDTH, 1.5 + 2.5 * rows))
     panels = list(figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).flat)
     means = summarise(dataset)
     curves = {label: _curve(dataset, label) for label in labels}
@@ -47,6 +54,7 @@ def _curve(dataset, label):
 
 
 def _panel(axes, case, means, curve) -> None:
+    """One case: its curves, their interval (none for a single run) and its mean in words."""
     x = style.millimetres(case["displacement"])
     raw, smooth, half = curve
     axes.plot(x, smooth, color=style.CURVE, zorder=3, label=f"running mean of {style.runs(case)}")
@@ -65,12 +73,16 @@ def _panel(axes, case, means, curve) -> None:
 
 
 def _compare(axes, dataset, curve, label) -> None:
+    """The smoothed curve of another case."""
     x = style.millimetres(dataset["displacement"])
     axes.plot(x, curve[1], label=f"running mean of {label}", **style.REFERENCE)
 
 
 def _finish(figure, dataset, curves) -> None:
-    """Common axes, title and legend; no more than half the height is given to intervals."""
+    """Common axes, title and legend.
+
+    With two or three runs an interval can be many times the mean; it is cut at twice the curves.
+    """
     axes = figure.axes[-1]
     drawn = np.array([[*raw, *smooth] for raw, smooth, _ in curves.values()])
     widest = max(np.nanmax(smooth + np.nan_to_num(half)) for _, smooth, half in curves.values())

@@ -1,4 +1,8 @@
-"""Figure 8: the ellipse code at aspect ratio 1 against the disc code, beside the paper's means."""
+"""Figure 8: the ellipse code at aspect ratio 1 against the disc code, beside the paper's means.
+
+The paper gives a standard deviation without saying of what; the deviation over a run stands
+beside it. Runs with the same seed start from the same bed, so the change is one of pairs.
+"""
 
 import numpy as np
 import xarray as xr
@@ -9,13 +13,16 @@ from dem.figures import style
 from dem.statistics import change, edges_of_bins, find, half_interval, running_mean, summarise
 
 CODES = {"c1": "disc code", "e0": "ellipse code"}  # by shape
-WIDTHS = {"c1": 3.6, "e0": 1.8}  # of the curves, so that one shows below the other
+WIDTHS = {"c1": 3.2, "e0": 1.8}  # of the curves, so that one shows below the other
 PAPER = {"c1": (1295.0, 0.18), "e0": (1405.0, 0.17)}  # section 3.2: mean (N), deviation over it
 
 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
-    """Curves with intervals on the left, means within the window on the right."""
+    """Curves with intervals on the left, means within the window on the right.
+
+    One of the two cases is enough; raises InputError when both are missing.
+    """
     found = {shape: find(dataset, shape) for shape in CODES}
     found = {shape: label for shape, label in found.items() if label}
     if not found:
@@ -32,6 +39,7 @@ def plot(dataset: xr.Dataset) -> Figure:
 
 
 def _curve(axes, case, shape) -> None:
+    """Running mean of the drag over the runs, with its interval at every displacement."""
     look, x = style.look(case), style.millimetres(case["displacement"])
     smooth = running_mean(case["drag"], edges_of_bins(case), style.SMOOTHING)
     mean, half = smooth.mean("seed").values, half_interval(smooth).values
@@ -55,8 +63,8 @@ def _means(axes, numbers, place, paper) -> None:
     )  # fmt: skip
     axes.errorbar(
         place - 0.18, mean, float(numbers["half_interval"]), color=look.color, marker=look.marker,
-        markersize=8, linestyle="none", elinewidth=4.0, label="mean, 95 % interval of the mean",
-        zorder=4,
+        markersize=8, linestyle="none", elinewidth=4.0, zorder=4,
+        label=f"mean{style.its_interval(numbers)}",
     )  # fmt: skip
     style.show_runs(axes, place + 0.02, numbers["run_mean"], 0.1)
     axes.errorbar(
@@ -67,7 +75,7 @@ def _means(axes, numbers, place, paper) -> None:
 
 
 def _finish(figure, dataset, numbers, found) -> None:
-    """Axes, title and legends."""
+    """Axes, title and legends; the values stand below the means."""
     curves, means = figure.axes
     ticks = []
     for shape, label in found.items():
@@ -78,8 +86,9 @@ def _finish(figure, dataset, numbers, found) -> None:
     means.set_xlim(-0.5, len(found) - 0.5)
     means.set_title(f"Mean{style.its_interval(dataset)}", loc="left")
     if len(found) == len(CODES):
-        difference = change(numbers["run_mean"], *found.values())
-        means.set_xlabel(f"ellipse against disc: {style.percent(*difference)}")
+        disc, ellipse = found.values()
+        difference = style.percent(*change(numbers["run_mean"], disc, ellipse))
+        means.set_xlabel(f"{ellipse} against {disc}: {difference}")
     curves.set_title("Against displacement", loc="left")
     curves.set_xlabel("Displacement of the cylinder (mm)")
     curves.set_ylabel(f"Drag (N), running mean over {1e3 * style.SMOOTHING:g} mm")

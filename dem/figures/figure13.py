@@ -1,4 +1,4 @@
-"""Figure 13: mean drag within the window, by shape."""
+"""Figure 13: mean drag within the window, by shape, at the density of the first case."""
 
 import xarray as xr
 from matplotlib.figure import Figure
@@ -10,7 +10,10 @@ from dem.statistics import summarise, table1
 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
-    """A bar a shape with its interval, its single runs and its value."""
+    """A bar a shape with its interval, its single runs and its value.
+
+    Raises InputError when no case is to be compared by shape.
+    """
     labels = table1(dataset)
     if not labels:
         raise InputError("there is no case of Table 1 in the data.")
@@ -28,6 +31,7 @@ def plot(dataset: xr.Dataset) -> Figure:
 
 
 def _bar(axes, place, numbers) -> None:
+    """One case, coloured and hatched by the kind of its granules."""
     look, name = style.look(numbers), f"mean of {style.runs(numbers)}"
     top = style.bar(
         axes, place, 0.62, numbers,

@@ -1,4 +1,7 @@
-"""Figure 14: mean drag within the window, by density of the granules."""
+"""Figure 14: mean drag within the window, by density of the granules.
+
+A seed means one bed at all densities, so the interval of a change is one of pairs of runs.
+"""
 
 import xarray as xr
 from matplotlib.figure import Figure
@@ -13,7 +16,10 @@ FILLS = (("#dfe8f2", ""), ("#8fb0d6", "///"), ("#4a6f9c", "xx"))  # colour and h
 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
-    """Bars side by side for the densities of one shape, with the change over the lowest."""
+    """Bars side by side for the densities of one shape, with the change over the lowest.
+
+    Raises InputError when no shape is there at two densities.
+    """
     groups = densities(dataset)
     if not groups:
         raise InputError("there is no shape at two densities in the data.")
@@ -38,6 +44,7 @@ def plot(dataset: xr.Dataset) -> Figure:
 
 
 def _group(axes, place, labels, numbers) -> None:
+    """The cases of one shape, from the lowest density to the highest, side by side."""
     width = 0.8 / len(labels)
     tops = []
     for number, label in enumerate(labels):

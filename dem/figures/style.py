@@ -64,18 +64,19 @@ LOOKS = {
     "dumbbell": Look("#b34700", "#f5c49a", (0, (5, 1.5)), "s", "///"),
     "ellipse": Look("#0f5a30", "#d5eedd", (0, (3, 1, 1, 1)), "D", "..."),
 }
+OTHER = Look("#5b4a8a", "#d9d2ea", (0, (1, 1)), "^", "xx")  # any kind that is not named here
 
 
 def look(case: xr.Dataset) -> Look:
     """Look of one case, by the kind of its granules."""
-    return LOOKS[str(case["kind"].values)]
+    return LOOKS.get(str(case["kind"].values), OTHER)
 
 
 def describe(case: xr.Dataset, separator: str = ", ") -> str:
-    """What the granules of one case are: kind, mean diameter and the aspect ratio of ellipses."""
+    """What the granules of one case are: kind, mean diameter and, if it is free, aspect ratio."""
     kind, ratio = str(case["kind"].values), float(case["aspect_ratio"])
     parts = [kind, f"{1e6 * float(case['diameter']):.4g} µm"]
-    return separator.join(parts + [f"{ratio:g}:1"] * (kind == "ellipse"))
+    return separator.join(parts + [f"{ratio:g}:1"] * (kind not in ("disc", "dumbbell")))
 
 
 def runs(dataset: xr.Dataset) -> str:

@@ -102,9 +102,7 @@ def support(shape, own, nx, ny):
 
 
 def touch(shape, dx, dy, own, other, guess):
-    overlap, nx, ny, n1, t1, n2, t2, rho1, rho2 = meet(
-        shape.method, dx, dy, own, other, guess
-    )
+    overlap, nx, ny, n1, t1, n2, t2, rho1, rho2 = meet(shape.method, dx, dy, own, other, guess)
     radius = effective_radius(shape.local_curvature, rho1, rho2)
     return overlap, nx, ny, n1, t1, n2, t2, radius
 
