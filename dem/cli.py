@@ -54,10 +54,18 @@ def bar(label: str, total: int):
         yield lambda done: progress.update(task, completed=done)
 
 
+def start_lean():
+    """Load the kernels without what they do not need."""
+    from dem.compilation import spare_blas
+
+    spare_blas()
+
+
 @app.command()
 def compile(config: ConfigOption = PAPER, shape: ShapeOption = "c1"):
     """Compile the kernels that a shape needs and keep them on disk."""
     with reported():
+        start_lean()
         from dem.config import load
         from dem.warmup import compile_kernels
 
@@ -70,6 +78,7 @@ def compile(config: ConfigOption = PAPER, shape: ShapeOption = "c1"):
 def pack(shape: ShapeOption, seed: SeedOption, output: OutputOption, config: ConfigOption = PAPER):
     """Make the bed of one shape and seed, at rest."""
     with reported():
+        start_lean()
         from dem import drag
         from dem.config import load
 
@@ -88,6 +97,7 @@ def simulate(
 ):  # fmt: skip
     """Draw the cylinder through one bed and record the forces on it."""
     with reported():
+        start_lean()
         from dem import drag
         from dem.config import load
 

@@ -39,6 +39,20 @@ class _LockedCacheFile(IndexDataCacheFile):
             super().save(key, data)
 
 
+def spare_blas():
+    """Keep Numba from importing scipy.linalg: it looks for a BLAS that no kernel here uses.
+
+    That search is a sixth of the time in which a short process starts. For processes of our own:
+    a user's Numba code might want BLAS.
+    """
+    import numba.np.linalg
+
+    def absent():
+        raise ImportError("not looked for, see dem.compilation.spare_blas")
+
+    numba.np.linalg.ensure_blas = absent
+
+
 def compiled(function):
     """Decorator: compile for each combination of argument types, and keep the code on disk."""
     dispatcher = numba.njit(cache=True, nogil=True, **OPTIONS)(function)
