@@ -6,7 +6,8 @@ OUTPUTS
     {RESULTS}/kernels/{kind}.done
 """
 
-SHAPE_OF_KIND = {section.kind: label for label, section in SWEEP.shapes.items()}
+# the first shape of each kind, so that a further shape does not compile (and run) all anew
+SHAPE_OF_KIND = {section.kind: label for label, section in reversed(SWEEP.shapes.items())}
 
 
 rule kernels:

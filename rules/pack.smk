@@ -11,7 +11,7 @@ rule pack:
     message:
         "Pack {wildcards.shape}, seed {wildcards.seed}"
     input:
-        kernels=ancient(kernels_of),
+        kernels=kernels_of,
     output:
         RESULTS + "/packings/{shape}/seed{seed}.nc",
     params:

@@ -43,7 +43,7 @@ def planned(folder, *arguments, configfile=SMOKE):
     """Number of jobs of each rule that a dry run announces."""
     run = snakemake(folder, *arguments, "-n", configfile=configfile)
     assert run.returncode == 0, run.stderr
-    table = re.search(r"\ncount\n|\njob +count\n-+ +-+\n(.*?)\ntotal", run.stdout + run.stderr, re.S)
+    table = re.search(r"\njob +count\n-+ +-+\n(.*?)\ntotal", run.stdout + run.stderr, re.S)
     return {} if table is None else {k: int(n) for k, n in re.findall(r"(\w+) +(\d+)", table[1])}
 
 
