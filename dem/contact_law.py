@@ -78,6 +78,17 @@ def restitution_from_damping(alpha):
     return math.exp(-2.0 * u / math.tanh(u)) if u > 0.0 else math.exp(-2.0)
 
 
+def damped_step(alpha):
+    """Critical time step with the dashpot over that without.
+
+    A contact's damping ratio is zeta = alpha / sqrt(6) at any overlap. The dashpot's velocity is
+    extrapolated over half a step, which by itself is stable up to dt = 1 / (2 zeta omega); the
+    expression joins that limit to 2 / omega without damping.
+    """
+    twice = 2.0 * alpha / math.sqrt(6.0)
+    return math.sqrt(1.0 + twice * twice) - twice
+
+
 def damping_from_restitution(restitution):
     """alpha for a coefficient of restitution in (0, 1]; the inverse of the function above."""
     if restitution == 1.0:

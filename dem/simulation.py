@@ -13,7 +13,7 @@ import numpy as np
 
 from dem.assembly import assemble, constants, relist
 from dem.columns import VX, VY, W
-from dem.contact_law import effective_modulus, impact_overlap
+from dem.contact_law import damped_step, effective_modulus, impact_overlap
 from dem.errors import InputError, OverlapError, StateError
 from dem.integrate import advance
 from dem.kernel import forces
@@ -23,6 +23,7 @@ from dem.survey import kinetic, survey
 SKIN = 0.3  # of the mean bounding radius; timings are flat from 0.1 to 0.5
 MARGIN = 0.8  # share of skin / 2 that a part may move before the lists are made anew
 STEP_FRACTION = 0.3  # of the critical time step
+DAMPED_FRACTION = 0.5  # at most, of the critical time step with damping
 LARGEST_OVERLAP = 1.2  # of the smaller radius
 LONGEST_FLIGHT = 0.02  # of the smallest radius, in one step
 
@@ -60,8 +61,8 @@ class Result(NamedTuple):
 class Simulation:
     """A scene in motion: advances in place, to be read between calls.
 
-    time_step (s): fixed, or None to take at each call of advance `step_fraction` of the critical
-    step of the bed as it then is. max_overlap: greatest allowed overlap over the smaller radius.
+    time_step (s): fixed, or None to take `step_fraction` of the critical step of the bed as it is
+    at each call of advance and each new contact list, less where damping is strong. max_overlap: greatest allowed overlap over the smaller radius.
     skin: of the contact lists, over the mean bounding radius.
     """
 
@@ -118,15 +119,15 @@ class Simulation:
     def look(self) -> Glance:
         """Energy, contacts and greatest overlap of the bed as it is, and its critical time step.
 
-        The critical step 2 / omega_max is a lower bound, by the stiffness of all contacts; pairs
-        that are near but do not touch count with the overlap of a collision at the greatest
-        present speed. Raises OverlapError where the guard on overlaps trips.
+        The critical step is 2 / omega_max without damping, bounded from below by the stiffness of
+        all contacts; pairs that are near but do not touch count with the overlap of a collision
+        at the greatest speed to be expected. Raises OverlapError where the guard on overlaps trips.
         """
         if self._glance is not None:
             return self._glance
         world, parts = self.world, self._parts
         energy, fastest = kinetic(world)
-        least = self._impact(fastest)
+        least = self._impact(self._speed(fastest))
         touching, overlap, part, bound = survey(
             world, parts.radius, parts.per, least, parts.wn, parts.wt
         )
@@ -148,11 +149,18 @@ class Simulation:
         )  # fmt: skip
         return self._glance
 
+    def _speed(self, fastest):
+        """Greatest speed (m/s) before the lists are made anew: of granules, cylinder, and a fall."""
+        speed, world = fastest, self.world
+        if world.roller is not None:
+            speed = max(speed, math.hypot(*world.roller.motion[0, [VX, VY]]))
+        if world.gravity is not None:
+            speed = math.sqrt(speed**2 + 2.0 * math.hypot(*world.gravity) * self._parts.skin)
+        return speed
+
     def _impact(self, speed):
-        """Overlap (m) of a collision of mean granules at the greatest speed (m/s) around."""
-        parts, roller = self._parts, self.world.roller
-        if roller is not None:
-            speed = max(speed, math.hypot(roller.motion[0, VX], roller.motion[0, VY]))
+        """Overlap (m) of a collision of mean granules at a speed (m/s)."""
+        parts = self._parts
         modulus = effective_modulus(self.scene.material, self.scene.material)
         radius = 0.5 * parts.radius.mean()
         overlap = impact_overlap(0.5 * parts.mass.mean(), radius, modulus, speed)
@@ -186,8 +194,10 @@ class Simulation:
     def _longest_step(self, glance):
         if self.time_step is not None:
             return self.time_step
-        flight = LONGEST_FLIGHT * self._parts.radius.min() / max(glance.fastest, 1e-300)
-        return min(self.step_fraction * glance.critical_time_step, flight)
+        speed = max(self._speed(glance.fastest), 1e-300)
+        flight = LONGEST_FLIGHT * self._parts.radius.min() / speed
+        fraction = min(self.step_fraction, DAMPED_FRACTION * damped_step(self._parts.alpha))
+        return min(fraction * glance.critical_time_step, flight)
 
     # Guards: between two lists no part moves by more than half the skin, so that checks at a new
     # list see every overlap before it has grown by more than the skin.
