@@ -50,7 +50,8 @@ def _folder(value: str) -> str:
     return value
 
 
-Number = Annotated[float, BeforeValidator(_number), Field(allow_inf_nan=False)]
+# the bounds keep squares and products of values finite
+Number = Annotated[float, BeforeValidator(_number), Field(allow_inf_nan=False, ge=-1e15, le=1e15)]
 Positive = Annotated[Number, Field(gt=0)]
 NotNegative = Annotated[Number, Field(ge=0)]
 Whole = Annotated[int, Field(strict=True)]
@@ -281,7 +282,8 @@ def parse(data, source: str = "configuration") -> Sweep:
     if not isinstance(data, dict):
         raise InputError(f"{source}: it must hold keys with values, see config/paper.yaml.")
     try:
-        return Sweep.model_validate(data)
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            return Sweep.model_validate(data)
     except ValidationError as error:
         sentences = dict.fromkeys(_sentence(source, e) for e in error.errors())
         raise InputError("\n".join(sentences)) from None
@@ -295,10 +297,10 @@ def load(path: Path) -> Sweep:
         raise InputError(f"{path}: it can not be read ({error}).") from None
     try:
         data = yaml.safe_load(text)
-    except yaml.YAMLError as error:
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
         place = getattr(error, "problem_mark", None)
         line = f", line {place.line + 1}" if place else ""
-        raise InputError(f"{path}{line}: it is not YAML.") from None
+        raise InputError(f"{path}{line}: it is not YAML that can be read.") from None
     return parse(data, str(path))
 
 
@@ -310,7 +312,7 @@ def save(sweep: Sweep, path: Path) -> None:
     if not path.exists() or path.read_text(encoding="utf-8") != text:
         part = path.with_name(f".{path.name}.{os.getpid()}.part")
         part.write_text(text, encoding="utf-8")
-        os.replace(part, path)
+        part.replace(path)
 
 
 _WORDS = {

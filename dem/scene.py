@@ -109,24 +109,35 @@ class Scene:
 
     def __post_init__(self):
         _positive("thickness", self.thickness, "m")
-        for name, sizes in zip(self.shape._fields, self.shape, strict=True):
-            if isinstance(sizes, np.ndarray) and (
-                sizes.ndim != 1 or sizes.size == 0 or not (np.isfinite(sizes) & (sizes > 0)).all()
+        for name in (k for k, kind in self.shape.__annotations__.items() if kind is np.ndarray):
+            size = getattr(self.shape, name)
+            if not (
+                isinstance(size, np.ndarray)
+                and size.dtype == float
+                and size.shape == (self.granules,)
+                and (np.isfinite(size) & (size > 0)).all()
             ):
-                raise InputError(f"{name} of the shape must be a list of positive numbers (m).")
+                raise InputError(
+                    f"{name} of the shape must be an array of {self.granules} positive numbers "
+                    "(m), one a granule."
+                )
+        fault = getattr(self.shape, "fault", None)
+        if fault:
+            raise InputError(fault)
         if self.walls is not None:
             walls = np.asarray(self.walls, float)
             if walls.ndim != 2 or walls.shape[1] != 3 or not np.isfinite(walls).all():
                 raise InputError("walls must be rows of three finite numbers: nx, ny, offset.")
             if not np.allclose(np.hypot(walls[:, 0], walls[:, 1]), 1.0, rtol=1e-9):
                 raise InputError("the normal (nx, ny) of each wall must have length 1.")
-        if self.gravity is not None and not np.isfinite(np.asarray(self.gravity)).all():
+        gravity = np.zeros(2) if self.gravity is None else np.asarray(self.gravity, float)
+        if gravity.shape != (2,) or not np.isfinite(gravity).all():
             raise InputError(f"gravity is {self.gravity!r}; it must be two finite numbers (m/s2).")
 
     @property
     def granules(self) -> int:
         """Number of granules n."""
-        return len(self.shape.area)
+        return np.size(self.shape[0])
 
     @property
     def mass(self):

@@ -77,6 +77,10 @@ class Simulation:
     ):
         if time_step is not None and not (math.isfinite(time_step) and time_step > 0.0):
             raise InputError(f"time_step is {time_step!r}; it must be a positive number (s).")
+        limits = {"step_fraction": (step_fraction, 1.0), "max_overlap": (max_overlap, 1.5)}
+        for name, (value, most) in (limits | {"skin": (skin, 100.0)}).items():
+            if not 0.0 < value <= most:
+                raise InputError(f"{name} is {value!r}; it must lie above 0 and up to {most:g}.")
         self.scene = scene
         self.time_step = time_step
         self.step_fraction = step_fraction
@@ -174,6 +178,10 @@ class Simulation:
         The step is chosen at the start and again whenever the contacts are listed anew. Raises
         StateError or OverlapError (both RunError), naming step, time and granule.
         """
+        if not 0.0 <= duration < math.inf:
+            raise InputError(
+                f"duration is {duration!r}; it must be a finite time (s), not negative."
+            )
         end, shortest = self.time + duration, math.inf
         longest = self._longest_step(self.look())
         while True:

@@ -7,7 +7,17 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-RUN = ("simulate", "--config", "config/smoke.yaml", "--shape", "c1", "--density", "3900", "--seed", "1")
+RUN = (
+    "simulate",
+    "--config",
+    "config/smoke.yaml",
+    "--shape",
+    "c1",
+    "--density",
+    "3900",
+    "--seed",
+    "1",
+)
 
 
 def dem(*arguments):
@@ -15,7 +25,9 @@ def dem(*arguments):
     return subprocess.run(command, cwd=ROOT, text=True, capture_output=True)
 
 
-@pytest.mark.parametrize("verb", ["compile", "pack", "simulate", "combine", "figure", "info", "calibrate"])
+@pytest.mark.parametrize(
+    "verb", ["compile", "pack", "simulate", "combine", "figure", "info", "calibrate"]
+)
 def test_every_verb_has_help(verb):
     """--help explains each verb."""
     run = dem(verb, "--help")

@@ -1,6 +1,7 @@
 """The compiled kernels are never stale."""
 
 import re
+import shutil
 
 from dem import provenance
 
@@ -18,8 +19,6 @@ def test_every_file_with_compiled_code_counts():
 
 def test_an_edit_changes_the_hash(monkeypatch, tmp_path):
     """A copy of the package with one edited kernel has another hash; an edited figure has not."""
-    import shutil
-
     shutil.copytree(provenance.PACKAGE, tmp_path / "dem")
     monkeypatch.setattr(provenance, "PACKAGE", tmp_path / "dem")
 
@@ -28,12 +27,12 @@ def test_an_edit_changes_the_hash(monkeypatch, tmp_path):
         return tuple(provenance._hash_without(left_out) for left_out in names)
 
     before = hashes()
-    with open(tmp_path / "dem/figures/style.py", "a") as file:
+    with (tmp_path / "dem/figures/style.py").open("a") as file:
         file.write("# edited\n")
     assert hashes() == before
-    with open(tmp_path / "dem/simulation.py", "a") as file:
+    with (tmp_path / "dem/simulation.py").open("a") as file:
         file.write("# edited\n")
     assert hashes()[0] != before[0] and hashes()[1] == before[1]
-    with open(tmp_path / "dem/kernel.py", "a") as file:
+    with (tmp_path / "dem/kernel.py").open("a") as file:
         file.write("# edited\n")
     assert hashes()[1] != before[1]

@@ -31,7 +31,9 @@ def copy(tmp_path_factory):
 def snakemake(folder, *arguments, configfile=SMOKE):
     """Run snakemake on the sources of the folder."""
     command = [sys.executable, "-m", "snakemake", *arguments, "--configfile", configfile]
-    return subprocess.run(command, cwd=folder, env=environment(folder), text=True, capture_output=True)
+    return subprocess.run(
+        command, cwd=folder, env=environment(folder), text=True, capture_output=True
+    )
 
 
 def environment(folder):
@@ -82,7 +84,9 @@ def test_drag_is_that_of_the_replicates(finished):
         assert file["drag"].dimensions == ("case", "seed", "displacement")
         assert list(file["case"][:]) == ["c1", "d1", "e0", "e3", "c12"]
         assert list(file["seed"][:]) == [1, 2]
-        for case, (shape, density) in enumerate(zip(file["shape"][:], file["density"][:], strict=True)):
+        for case, (shape, density) in enumerate(
+            zip(file["shape"][:], file["density"][:], strict=True)
+        ):
             for k, seed in enumerate(file["seed"][:]):
                 one = contents(results / f"replicates/{shape}/density{density:g}/seed{seed}.nc")
                 for name in ("drag", "transverse_force", "wall_force", "time_step"):
@@ -137,7 +141,9 @@ def test_an_edit_reruns_what_depends_on_it(finished):
 def test_figures_are_drawn_without_simulating(finished, tmp_path):
     """The target figures needs drag.nc and nothing else."""
     folder = tmp_path / "only"
-    shutil.copytree(finished, folder, ignore=shutil.ignore_patterns("replicates", "packings", ".snakemake"))
+    shutil.copytree(
+        finished, folder, ignore=shutil.ignore_patterns("replicates", "packings", ".snakemake")
+    )
     shutil.rmtree(folder / "results/smoke/figures")
     run = snakemake(folder, "figures", "-j1")
     assert run.returncode == 0, run.stderr
@@ -181,7 +187,9 @@ def test_a_wrong_configuration_writes_nothing(copy):
     assert not (copy / "results/wrong").exists()
 
 
-@pytest.mark.parametrize("name", ["drag.nc", "replicates/e3/density3900/seed1.nc", "packings/d1/seed2.nc"])
+@pytest.mark.parametrize(
+    "name", ["drag.nc", "replicates/e3/density3900/seed1.nc", "packings/d1/seed2.nc"]
+)
 def test_files_follow_the_cf_conventions(finished, name):
     """Every netCDF file passes the checker for CF-1.11."""
     run = subprocess.run(

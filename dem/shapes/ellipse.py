@@ -11,6 +11,8 @@ from dem.shapes.disc import collect, place
 from dem.shapes.geometric_potential import GeometricPotential
 from dem.shapes.geometry import meet, register
 
+COMMON_NORMAL = CommonNormal()
+
 
 class Ellipse(NamedTuple):
     """Ellipses; semi-axes (n,) in m, the major one along x at angle zero.
@@ -22,14 +24,23 @@ class Ellipse(NamedTuple):
 
     semi_major: np.ndarray
     semi_minor: np.ndarray
-    method: CommonNormal | GeometricPotential = CommonNormal()
+    method: CommonNormal | GeometricPotential = COMMON_NORMAL
     local_curvature: bool | None = None
 
     @classmethod
-    def of_size(cls, diameter, aspect_ratio, method=CommonNormal(), local_curvature=None):
+    def of_size(cls, diameter, aspect_ratio, method=COMMON_NORMAL, local_curvature=None):
         """Ellipses whose area is that of discs of the given diameter (n,) in m."""
         root = math.sqrt(aspect_ratio)
         return cls(0.5 * diameter * root, 0.5 * diameter / root, method, local_curvature)
+
+    @property
+    def fault(self):
+        """Why these are no ellipses, or None."""
+        if np.any(self.semi_minor > self.semi_major):
+            return (
+                "semi_minor must not exceed semi_major: turn the granule by a right angle instead."
+            )
+        return None
 
     @property
     def area(self):

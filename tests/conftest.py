@@ -1,0 +1,62 @@
+"""The small beds that several tests share, and how hypothesis searches."""
+
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+import hypothesis
+import numpy as np
+import pytest
+
+import dem
+from dem.config import height_of_box, load, sample_diameters
+from dem.shapes import SHAPES
+
+# Compiling takes seconds, so no deadlines; the same examples each time, so no surprises.
+hypothesis.settings.register_profile("suite", deadline=None, derandomize=True, max_examples=100)
+hypothesis.settings.load_profile("suite")
+
+CONFIG = Path(__file__).parent.parent / "config"
+LABELS = {"disc": "c1", "dumbbell": "d1", "ellipse": "e3"}  # of config/smoke.yaml
+
+
+class Small(NamedTuple):
+    """A packed bed of 60 granules, with the sizes (m) and the shape that it was made from."""
+
+    diameters: np.ndarray
+    shape: tuple
+    cylinder: dem.Cylinder
+    bed: dem.Bed
+
+    def scene(self, **changes):
+        """Scene with friction, damping, walls and cylinder: one compilation a kind of granule."""
+        usual = {
+            "friction": dem.Friction(), "walls": dem.box(self.bed.width, self.bed.height),
+            "cylinder": self.cylinder, "thickness": 1e-3,
+        }  # fmt: skip
+        return dem.Scene(self.shape, **usual | changes)
+
+    @property
+    def state(self):
+        return dem.State(self.bed.position.copy(), angle=self.bed.angle.copy())
+
+
+@cache
+def make_small_bed(kind, seed=1, fraction=0.84, aspect_ratio=None):
+    sweep = load(CONFIG / "smoke.yaml")
+    section = sweep.shapes[LABELS[kind]]
+    sweep = sweep.model_copy(
+        update={"packing": sweep.packing.model_copy(update={"fraction": fraction})}
+    )
+    diameters = sample_diameters(section, sweep.packing.size_spread, seed)
+    height = height_of_box(sweep, diameters)
+    shape = SHAPES[kind][0].of_size(diameters, aspect_ratio or section.ratio)
+    axis = 0.5 * sweep.box_width, sweep.cylinder.start * height
+    cylinder = dem.Cylinder(sweep.cylinder.diameter, axis, (0.0, sweep.cylinder.velocity))
+    return Small(diameters, shape, cylinder, dem.pack(shape, 8e-3, height, cylinder, seed))
+
+
+@pytest.fixture(scope="session")
+def small_bed():
+    """Function that packs a bed of a kind of granule, each bed once a session."""
+    return make_small_bed

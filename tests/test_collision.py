@@ -1,0 +1,305 @@
+"""Collisions in empty space and with a floor, against closed forms and conservation laws."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from reference import contact_force
+from scipy.integrate import solve_ivp
+
+from dem import (
+    CommonNormal,
+    Disc,
+    Dumbbell,
+    Ellipse,
+    Friction,
+    GeometricPotential,
+    InputError,
+    Material,
+    Scene,
+    Simulation,
+    State,
+    box,
+    simulate,
+)
+
+SLIPPERY = Friction(0.5, 0.5, 0.5)
+
+
+def head_on(radii, speeds, gap=0.0, **properties):
+    """Pairs of discs about to collide, far from each other; speeds (m/s) of approach."""
+    radii, speeds = np.asarray(radii, float), np.asarray(speeds, float)
+    rows = 10.0 * radii.max() * np.arange(len(radii))
+    x = np.column_stack([-radii[:, 0], radii[:, 1] + gap])
+    position = np.stack([x, np.broadcast_to(rows[:, None], x.shape)], axis=-1)
+    velocity = np.zeros_like(position)
+    velocity[:, 0, 0], velocity[:, 1, 0] = 0.5 * speeds, -0.5 * speeds
+    scene = Scene(Disc(radii.ravel()), **properties)
+    return scene, State(position.reshape(-1, 2), velocity.reshape(-1, 2))
+
+
+def approach(velocity):
+    """Speed (m/s) at which the discs of each pair approach each other."""
+    return velocity[..., 0::2, 0] - velocity[..., 1::2, 0]
+
+
+def followed(scene, state, duration, steps):
+    """Time, overlap (m) and approach (m/s) of each pair at every step."""
+    run = simulate(scene, state, duration, time_step=duration / steps, frames=int(steps))
+    x, r = run.position[..., 0], scene.shape.radius
+    return run.time, r[0::2] + r[1::2] - (x[:, 1::2] - x[:, 0::2]), approach(run.velocity)
+
+
+def leaving(time, overlap):
+    """Moment (s) at which an overlap falls back to zero, between two steps."""
+    last = np.flatnonzero(overlap > 0.0)[-1]
+    return np.interp(0.0, -overlap[last : last + 2], time[last : last + 2])
+
+
+def energy(scene, state):
+    """Kinetic energy (J) of each granule."""
+    return 0.5 * scene.mass * (state.velocity**2).sum(axis=1) + (
+        0.5 * scene.inertia * state.angular_velocity**2
+    )
+
+
+def volley(shape, seed, spin, **properties):
+    """Random oblique impacts of granule n + i on granule i, all pairs far from each other."""
+    rng = np.random.default_rng(seed)
+    reach = shape.bounding_radius
+    n = len(reach) // 2
+    angle, turn = rng.uniform(0.0, 2.0 * np.pi, n), 0.5 * np.pi * rng.uniform(-0.99, 0.99, n)
+    out = np.column_stack([np.cos(angle), np.sin(angle)])
+    way = np.column_stack([np.cos(angle + turn), np.sin(angle + turn)])
+    here = np.column_stack([np.zeros(n), 30.0 * reach.max() * np.arange(n)])
+    position = np.concatenate([here, here + 1.001 * (reach[:n] + reach[n:])[:, None] * out])
+    velocity = np.concatenate([np.zeros((n, 2)), -way * rng.uniform(0.5, 2.0, n)[:, None]])
+    state = State(
+        position, velocity, rng.uniform(0.0, 2.0 * np.pi, 2 * n), rng.uniform(-spin, spin, 2 * n)
+    )
+    return Scene(shape, **properties), state
+
+
+def gains(scene, state, step_fraction):
+    """Relative gain of kinetic energy of each pair of a volley that has met."""
+    after = simulate(scene, state, 6e-3, step_fraction=step_fraction).state
+    before, now = (energy(scene, s).reshape(2, -1).sum(axis=0) for s in (state, after))
+    met = np.hypot(*after.velocity[: len(before)].T) > 0.0
+    assert met.sum() > len(before) // 2
+    return (now / before - 1.0)[met]
+
+
+def sizes(n, seed=0):
+    return 1e-3 * np.random.default_rng(seed).uniform(0.5, 1.0, n)
+
+
+SHAPES = {
+    "disc": Disc,
+    "dumbbell": Dumbbell,
+    "ellipse": lambda r: Ellipse(1.5 * r, r),
+}
+
+
+def test_published_benchmark_of_two_spheres():
+    """Two spheres of 10 mm at +-10 m/s reach the published overlap, force and contact time."""
+    radius = 10e-3
+    material = Material(density=2800.0, young_modulus=48e9, poisson_ratio=0.2, restitution=1.0)
+    scene, state = head_on(
+        [[radius, radius]], [20.0], material=material, thickness=4.0 * radius / 3.0
+    )
+    time, overlap, speed = followed(scene, state, 5e-5, 4000)
+    assert_allclose(scene.mass[0], 2800.0 * 4.0 / 3.0 * np.pi * radius**3)
+    force = -0.5 * scene.mass[0] * np.gradient(speed[:, 0], time)
+    assert_allclose(overlap.max(), 2.7411e-4, rtol=1e-4)
+    assert_allclose(force.max(), 10696.9, rtol=1e-4)
+    assert_allclose(leaving(time, overlap[:, 0]), 4.0339e-5, rtol=1e-4)
+
+
+def test_hertz_contact_time_and_overlap():
+    """Contact time and greatest overlap of elastic collisions of unequal discs follow Hertz."""
+    radii = np.array([[1.0, 1.0], [1.0, 3.0], [0.5, 4.0], [2.0, 0.3]]) * 1e-3
+    speeds = np.array([1.0, 0.3, 3.0, 0.1])
+    material = Material(restitution=1.0)
+    scene, state = head_on(radii, speeds, material=material)
+    modulus = material.young_modulus / (1.0 - material.poisson_ratio**2) / 2.0
+    radius, mass = (np.prod(a, 1) / np.sum(a, 1) for a in (radii, scene.mass.reshape(-1, 2)))
+    expected = 2.868266 * (mass**2 / (radius * modulus**2 * speeds)) ** 0.2
+    time, overlap, speed = followed(scene, state, 1.1 * expected.max(), 6000)
+    assert_allclose([leaving(time, o) for o in overlap.T], expected, rtol=1e-4)
+    assert_allclose(overlap.max(axis=0), expected * speeds / 2.943275, rtol=1e-4)
+    assert_allclose(speed[-1], -speeds, rtol=1e-6)
+
+
+def errors(restitution, depth):
+    """Relative errors of speed and overlap within a contact, in ever smaller steps."""
+    scene, state = head_on(
+        [[1e-3, 1e-3]], [1.0], -depth, material=Material(restitution=restitution),
+        friction=None if restitution == 1.0 else SLIPPERY,
+    )  # fmt: skip
+    mass = 0.5 * scene.mass[0]
+
+    def motion(t, y):
+        args = scene, False, 0.0, 0.5e-3, mass, max(y[0], 0.0), np.array([1.0, 0.0])
+        return y[1], -contact_force(*args, np.array([-y[1], 0.0]), 0.0)[0] / mass
+
+    duration, steps = 6e-5, 2 ** np.arange(6, 11)
+    exact = solve_ivp(motion, (0.0, duration), (depth, 1.0), "DOP853", rtol=1e-12, atol=1e-16)
+    final = [followed(scene, state, duration, n) for n in steps]
+    return steps, [np.abs([f[k][-1, 0] / exact.y[k - 1, -1] - 1.0 for f in final]) for k in (1, 2)]
+
+
+@pytest.mark.parametrize(
+    ("restitution", "depth", "order"),
+    [(1.0, 0.0, 2.0), (1.0, 3e-6, 2.0), (0.5, 3e-6, 2.0), (0.5, 0.0, 1.25)],
+)
+def test_order_of_convergence(restitution, depth, order):
+    """Second order in the time step, elastic and damped; an impact with a dashpot is of order 5/4,
+    because its force begins like the fourth root of time."""
+    steps, wrong = errors(restitution, depth)
+    for error in wrong:
+        slope = -np.polyfit(np.log(steps), np.log(error), 1)[0]
+        assert_allclose(slope, order, atol=0.12)
+
+
+@pytest.mark.parametrize("restitution", [0.9, 0.5, 0.1])
+def test_restitution_is_as_asked_for_at_any_speed(restitution):
+    """Rebound over approach is the coefficient asked for, whatever the speed and the masses."""
+    radii = np.array([[1.0, 1.0], [1.0, 1.0], [1.0, 1.0], [0.5, 2.0]]) * 1e-3
+    speeds = np.array([0.02, 0.3, 5.0, 1.0])
+    scene, state = head_on(
+        radii, speeds, material=Material(restitution=restitution), friction=SLIPPERY
+    )
+    after = simulate(scene, state, 1e-3, step_fraction=0.01).state
+    assert_allclose(-approach(after.velocity) / speeds, restitution, rtol=3e-3)
+
+
+@pytest.mark.parametrize("restitution", [0.9, 0.5, 0.1, 0.02, 0.01, 0.001])
+def test_restitution_holds_at_the_default_time_step(restitution):
+    """At the library's own step restitution is met to 0.01, or was refused as too small."""
+    try:
+        material = Material(restitution=restitution)
+    except InputError:
+        assert restitution < 0.1
+        return
+    scene, state = head_on(
+        [[1e-3, 1e-3]] * 5, [1.0] * 5, np.arange(5) * 2e-8, material=material, friction=SLIPPERY
+    )
+    after = simulate(scene, state, 5e-3).state
+    assert_allclose(-approach(after.velocity), restitution, atol=0.01)
+
+
+def floor(**properties):
+    """Scene of one disc of 5 mm above a floor, with gravity."""
+    return Scene(
+        Disc(np.array([5e-3])), walls=box(10.0, 1.0), gravity=(0.0, -9.81), thickness=1e-2,
+        **properties,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("partner", ["disc", "floor"])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_oblique_impact_in_gross_sliding(partner, sign):
+    """Impulse mu (1 + e) m v_n along the contact: velocity and spin after a sliding impact."""
+    e, mu, vn, vt = 0.5, 0.2, 0.1, sign * 0.15
+    properties = {"material": Material(restitution=e), "friction": Friction(mu, mu, mu)}
+    if partner == "floor":
+        scene, radius = floor(**properties), 5e-3
+        state = State([[5.0, radius]], [[vt, -vn]])
+    else:
+        radius = 1e-3
+        scene, state = head_on([[radius, radius]], [2.0 * vn], thickness=1e-3, **properties)
+        state.velocity[:, 1] = -vt, vt  # the left disc slides along its right side
+    after = simulate(scene, state, 5e-4, step_fraction=0.01).state
+    tangential = after.velocity[0, 0] if partner == "floor" else -after.velocity[0, 1]
+    impulse = sign * mu * (1.0 + e) * vn
+    assert_allclose(tangential, vt - impulse, rtol=2e-3)
+    turning = -1.0 if partner == "floor" else 1.0
+    assert_allclose(radius * after.angular_velocity, turning * 2.0 * impulse, rtol=5e-3)
+
+
+def test_sliding_disc_ends_rolling():
+    """A disc that slides on a floor slows down by mu g and rolls on at 2/3 of its speed."""
+    mu, speed, gravity = 0.3, 0.1, 9.81
+    scene = floor(
+        material=Material(density=2500.0, young_modulus=1e8, restitution=0.1),
+        friction=Friction(mu, mu, mu),
+    )
+    still = simulate(scene, State([[1.0, 5e-3]]), 0.02, time_step=1e-5).state
+    rolling = speed / (3.0 * mu * gravity)
+    still.velocity[0, 0] = speed
+    run = simulate(scene, still, 2.0 * rolling, time_step=1e-5, frames=40)
+    expected = np.maximum(speed - mu * gravity * run.time, 2.0 / 3.0 * speed)
+    assert_allclose(run.velocity[:, 0, 0], expected, atol=2e-3 * speed)
+    assert_allclose(run.angular_velocity[-1] * 5e-3, -run.velocity[-1, 0, 0], rtol=2e-3)
+
+
+def test_disc_at_rest_on_a_floor_stays_there():
+    """A disc laid on a floor under gravity does not jump, at the step that the library chooses."""
+    material = Material(density=2500.0, young_modulus=1e8)
+    run = simulate(floor(material=material, friction=SLIPPERY), State([[1.0, 5e-3]]), 0.1, frames=9)
+    assert np.abs(run.position - run.position[0]).max() < 1e-5
+
+
+@pytest.mark.parametrize("kind", SHAPES)
+def test_momentum_and_angular_momentum_are_conserved(kind):
+    """A swarm that collides with friction and damping keeps both momenta to rounding."""
+    rng = np.random.default_rng(3)
+    n, pitch = 36, 3.1e-3
+    grid = pitch * np.stack(np.meshgrid(np.arange(6.0), np.arange(6.0)), -1).reshape(-1, 2)
+    velocity = rng.normal(size=(n, 2)) - 200.0 * (grid - grid.mean(axis=0))
+    state = State(grid, velocity, rng.uniform(0.0, 7.0, n), rng.normal(scale=500.0, size=n))
+    scene = Scene(SHAPES[kind](sizes(n)), friction=SLIPPERY)
+    after = simulate(scene, state, 8e-3).state
+    m = scene.mass[:, None]
+
+    def angular(s):
+        (x, y), (vx, vy) = s.position.T, s.velocity.T
+        return scene.mass * (x * vy - y * vx) + scene.inertia * s.angular_velocity
+
+    assert energy(scene, after).sum() < 0.6 * energy(scene, state).sum()
+    total = np.abs(m * velocity).sum()
+    assert_allclose((m * (after.velocity - velocity)).sum(axis=0), 0.0, atol=1e-12 * total)
+    total = np.abs(angular(state)).sum()
+    assert abs((angular(after) - angular(state)).sum()) < 1e-12 * total
+
+
+@pytest.mark.parametrize(
+    ("kind", "restitution"),
+    [("disc", 1.0), ("disc", 0.9), ("dumbbell", 0.9), ("ellipse", 0.9)],
+)
+def test_oblique_impact_makes_no_energy(kind, restitution):
+    """Random frictional impacts, most of them grazing, never gain kinetic energy."""
+    scene, state = volley(
+        SHAPES[kind](sizes(400)), 1, 1000.0,
+        material=Material(restitution=restitution), friction=SLIPPERY,
+    )  # fmt: skip
+    gain = gains(scene, state, 0.05)
+    assert gain.max() < 1e-5
+    assert gain.min() < -0.3  # some do lose much
+
+
+def bounces(method):
+    """Frictionless bounces of ellipses of many aspect ratios."""
+    r = sizes(400)
+    root = np.sqrt(np.resize([1.125, 1.25, 1.375, 2.0], r.size))
+    shape = Ellipse(r * root, r / root, method)
+    return gains(*volley(shape, 2, 300.0, material=Material(restitution=1.0)), 0.0125)
+
+
+def test_ellipses_bounce_without_loss():
+    """A frictionless elastic bounce of ellipses by their common normal conserves energy."""
+    assert np.abs(bounces(CommonNormal())).max() < 1e-6
+
+
+def test_the_chord_of_the_paper_makes_energy():
+    """The paper's contact normal, the chord of the two deepest points, does not conserve energy."""
+    gain = bounces(GeometricPotential())
+    assert gain.max() > 0.1 and np.sqrt(np.mean(gain**2)) > 0.01
+
+
+def test_two_bodies_know_each_other_from_both_sides():
+    """The forces on two granules that touch are opposite, whatever their order."""
+    scene, state = volley(Ellipse(1.4 * sizes(2), sizes(2)), 5, 300.0, friction=SLIPPERY)
+    state.position[1] = state.position[0] + 0.8 * (state.position[1] - state.position[0])
+    force = Simulation(scene, state).world.force
+    assert np.abs(force[0, :2]).max() > 0.0
+    assert_allclose(force[0, :2], -force[1, :2], rtol=1e-12)

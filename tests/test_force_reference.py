@@ -1,0 +1,59 @@
+"""All forces of small random beds, against loops over all pairs in plain numpy."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from reference import bed_forces
+
+from dem import Cylinder, Disc, Dumbbell, Friction, Material, Scene, Simulation, State, box
+from dem.kernel import forces
+
+
+def random_bed(kind, seed):
+    """Granules thrown into a box without looking: many overlap each other, walls and cylinder."""
+    rng = np.random.default_rng(seed)
+    n, width, height = 24, 8e-3, 6e-3
+    scene = Scene(
+        kind(rng.uniform(0.3e-3, 0.9e-3, n)),
+        material=Material(2.5e3, 3e9, 0.3, 0.5),
+        friction=Friction(0.2, 0.4, 0.7),
+        walls=box(width, height),
+        cylinder=Cylinder(2e-3, (4e-3, 2e-3), (1.0, 2.0)),
+        thickness=1e-3,
+    )
+    state = State(
+        rng.random((n, 2)) * [width, height], rng.normal(size=(n, 2)),
+        rng.uniform(0.0, 7.0, n), rng.normal(scale=1e3, size=n),
+    )  # fmt: skip
+    return scene, state
+
+
+@pytest.mark.parametrize(("dt", "steps"), [(0.0, 1), (1e-8, 1), (1e-6, 1), (1e-8, 5)])
+@pytest.mark.parametrize("kind", [Disc, Dumbbell])
+def test_forces_of_a_random_bed(kind, dt, steps):
+    """Forces and torques of pairs, walls and cylinder, after slips that the contacts remember."""
+    for seed in range(3):
+        scene, state = random_bed(kind, seed)
+        run = Simulation(scene, state)
+        for _ in range(steps):  # all granules stay where they are
+            forces(run.world, dt)
+        force, torque = bed_forces(scene, state, steps * dt)
+        found = run.world.force
+        assert_allclose(found[:, :2], force, rtol=1e-10, atol=1e-10 * np.abs(force).max())
+        assert_allclose(found[:, 2], torque, rtol=1e-10, atol=1e-10 * np.abs(torque).max())
+        assert (np.hypot(*force.T) > 0.0).sum() > 15
+
+
+@pytest.mark.parametrize("kind", [Disc, Dumbbell])
+def test_forces_on_walls_and_cylinder_balance_those_on_granules(kind):
+    """What the granules feel in all is what walls and cylinder give, impulse for impulse."""
+    scene, state = random_bed(kind, 3)
+    scene = Scene(scene.shape, scene.material, Friction(0.2, 1e-30, 0.7), scene.walls,
+                  scene.cylinder)  # fmt: skip
+    run = Simulation(scene, state)
+    dt = 1e-7
+    run.collect_impulses()
+    forces(run.world, dt)
+    on_cylinder, on_walls = run.collect_impulses()
+    given = on_cylinder.sum(axis=0) + on_walls @ scene.walls[:, :2]
+    assert_allclose(run.world.force[:, :2].sum(axis=0) * dt, -given, rtol=1e-10)

@@ -1,0 +1,91 @@
+"""Contact lists are complete and exact, and nothing is forgotten when they are made anew."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+
+from dem import Simulation
+from dem.assembly import constants, relist
+from dem.neighbors import near_circle, near_pairs, near_planes
+
+
+@st.composite
+def parts(draw):
+    """Rows of parts, bounding radii of a ratio up to 1:20 and a skin, at random places."""
+    seed = draw(st.integers(0, 2**32 - 1))
+    n = draw(st.integers(1, 60))
+    spread = draw(st.sampled_from([0.0, 1.0, 10.0, 1e4]))
+    skin = draw(st.sampled_from([0.0, 1e-3, 0.3, 5.0]))
+    flat = draw(st.sampled_from([(1.0, 1.0), (1.0, 0.0), (1.0, 1e3)]))
+    rng = np.random.default_rng(seed)
+    rows = np.zeros((n, 8))
+    rows[:, :2] = spread * rng.normal(size=(n, 2)) * flat + rng.normal(scale=100.0, size=2)
+    return rows, rng.choice([0.05, 0.3, 1.0], n), skin
+
+
+@given(parts(), st.sampled_from([1, 2]))
+def test_pairs_are_those_of_an_all_pairs_search(bed, per):
+    """Every pair closer than the skin stands in the list once, in order, and no other."""
+    rows, radius, skin = bed
+    n = len(rows)
+    first, other = near_pairs(rows, radius, skin, per)
+    listed = [(i, j) for i in range(n) for j in other[first[i] : first[i + 1]]]
+    distance = np.hypot(*(rows[:, None, :2] - rows[None, :, :2]).transpose(2, 0, 1))
+    expected = [
+        (i, j) for i in range(n) for j in range(i + 1, n)
+        if i // per != j // per and distance[i, j] < radius[i] + radius[j] + skin
+    ]  # fmt: skip
+    assert listed == expected
+
+
+@given(parts(), st.floats(0.0, 7.0), st.floats(0.01, 30.0))
+def test_walls_and_cylinder_list_every_part_near_them(bed, angle, size):
+    """The lists of walls and cylinder hold the parts within the skin, and no other."""
+    rows, radius, skin = bed
+    here = rows[:, :2]
+    planes = np.array([[np.cos(angle), np.sin(angle), 1.0], [0.0, -1.0, -3.0]])
+    gaps = planes[:, 2] - here @ planes[:, :2].T - radius[:, None]
+    part, wall = near_planes(rows, radius, skin, planes)
+    assert list(zip(part, wall, strict=True)) == [tuple(row) for row in np.argwhere(gaps < skin)]
+    x, y = here[0] + 0.5
+    part, other = near_circle(rows, radius, skin, x, y, size)
+    gaps = np.hypot(here[:, 0] - x, here[:, 1] - y) - radius - size
+    assert list(part) == list(np.flatnonzero(gaps < skin)) and not other.any()
+
+
+def memory(contacts):
+    """What frictional contacts remember, by the pair."""
+    owner = contacts.part
+    if owner is None:
+        owner = np.repeat(np.arange(len(contacts.first) - 1), np.diff(contacts.first))
+    pairs = zip(owner, contacts.other, strict=True)
+    return {pair: tuple(row) for pair, row in zip(pairs, contacts.spring, strict=True) if any(row)}
+
+
+@pytest.mark.parametrize("kind", ["disc", "dumbbell", "ellipse"])
+def test_springs_survive_a_new_list(small_bed, kind):
+    """Every spring is carried to the same pair, whether the new list is longer or shorter."""
+    small = small_bed(kind)
+    run = Simulation(small.scene(), small.state)
+    run.advance(3e-5)
+    barriers = run.world, run.world.walls, run.world.roller
+    before = [memory(getattr(b, "pairs", None) or b.contacts) for b in barriers]
+    assert all(len(springs) > 2 for springs in before)
+    for skin in (1.0, 0.01):
+        world = relist(run.scene, constants(run.scene, skin), run.world)
+        after = [memory(c) for c in (world.pairs, world.walls.contacts, world.roller.contacts)]
+        assert after == before
+
+
+@pytest.mark.parametrize("kind", ["disc", "dumbbell", "ellipse"])
+def test_the_skin_changes_nothing(small_bed, kind):
+    """Lists made every few steps and lists made hardly ever lead to the same motion."""
+    small = small_bed(kind)
+    runs = [Simulation(small.scene(), small.state, 4e-8, skin=skin) for skin in (0.004, 0.5)]
+    for run in runs:
+        run.advance(600 * 4e-8)
+    moved = np.abs(runs[0].state.position - small.state.position).max()
+    assert moved > 0.02 * small.diameters.mean()
+    assert_allclose(runs[0].state.position, runs[1].state.position, rtol=0.0, atol=1e-9 * moved)

@@ -1,0 +1,133 @@
+"""Beds: what was asked for, at rest, nothing outside, nothing interlocked."""
+
+import math
+
+import numpy as np
+import pytest
+from conftest import make_small_bed
+from numpy.testing import assert_allclose
+from reference import bed_forces, parting
+
+import dem
+
+# At 0.84 ellipses are below jamming and touch nothing; at 0.88 they press on each other.
+BEDS = [("disc", 0.84), ("dumbbell", 0.84), ("ellipse", 0.84), ("ellipse", 0.88)]
+
+
+@pytest.fixture(params=BEDS, ids=lambda bed: f"{bed[0]} at {bed[1]}")
+def small(request):
+    kind, fraction = request.param
+    return make_small_bed(kind, fraction=fraction)
+
+
+@pytest.mark.parametrize(("kind", "fraction"), BEDS)
+def test_packing_fraction_is_exact(kind, fraction):
+    """Sampled areas over the free area of the returned box are the fraction asked for."""
+    small = make_small_bed(kind, fraction=fraction)
+    bed = small.bed
+    free = bed.width * bed.height - 0.25 * np.pi * small.cylinder.diameter**2
+    assert_allclose(0.25 * np.pi * (small.diameters**2).sum() / free, fraction, rtol=1e-12)
+    assert_allclose(small.shape.area.sum() / free, fraction, rtol=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["disc", "dumbbell"])
+def test_bed_is_at_rest(kind):
+    """No granule feels a net force or torque, by a sum over all pairs, walls and the cylinder."""
+    small = make_small_bed(kind)
+    soft = dem.Material(density=1.0, young_modulus=1.0, poisson_ratio=0.0, restitution=1.0)
+    still = dem.Cylinder(small.cylinder.diameter, small.cylinder.position)
+    scene = small.scene(material=soft, friction=dem.Friction(0.0, 0.0, 0.0), cylinder=still)
+    force, torque = bed_forces(scene, small.state.checked(scene.granules), 0.0)
+    radius = small.shape.part_radius.mean()
+    unit = 0.5 * radius**2  # E* R^2
+    assert np.hypot(*force.T).max() < 1.5e-9 * unit
+    assert np.abs(torque).max() < 3e-9 * unit * radius
+    assert small.bed.pressure > 1e-7 * radius  # there are forces to balance
+
+
+def test_no_centre_outside_or_in_the_cylinder(small):
+    """All centres lie in the box and outside of the cylinder, and overlaps are moderate."""
+    position, bed = small.bed.position, small.bed
+    assert ((position > 0.0) & (position < [bed.width, bed.height])).all()
+    distance = np.hypot(*(position - small.cylinder.position).T)
+    assert (distance > 0.5 * small.cylinder.diameter).all()
+    assert 0.0 <= bed.max_overlap < 0.2
+    assert len(position) == len(small.diameters) and np.isfinite(position).all()
+
+
+def crosses(a, b, c, d):
+    """Whether the segments ab and cd cross."""
+
+    def side(p, q, r):
+        return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]) > 0.0
+
+    return side(a, b, c) != side(a, b, d) and side(c, d, a) != side(c, d, b)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_dumbbells_never_interlock(seed):
+    """The lines that join the two discs of a dumbbell never cross."""
+    small = make_small_bed("dumbbell", seed)
+    arm = small.shape.radius[:, None] * np.column_stack(
+        [np.cos(small.bed.angle), np.sin(small.bed.angle)]
+    )
+    ends = list(zip(small.bed.position + arm, small.bed.position - arm, strict=True))
+    for i, one in enumerate(ends):
+        assert not any(crosses(*one, *other) for other in ends[:i])
+
+
+def test_overlaps_of_ellipses_are_as_reported():
+    """The greatest overlap and the number of contacts are those of sampled outlines."""
+    small = make_small_bed("ellipse", fraction=0.88)
+    bed, shape = small.bed, small.shape
+    granules = list(zip(np.cos(bed.angle), np.sin(bed.angle), shape.semi_major, shape.semi_minor,
+                        strict=True))  # fmt: skip
+    overlaps = []
+    for i, own in enumerate(granules):
+        for j in range(i):
+            d = bed.position[j] - bed.position[i]
+            if np.hypot(*d) < own[2] + granules[j][2]:
+                depth, _ = parting(d, own, granules[j], 300)
+                size = math.sqrt(min(own[2] * own[3], granules[j][2] * granules[j][3]))
+                overlaps.append(depth / size)
+    overlaps = np.array(overlaps)
+    touching = (overlaps > 1e-6).sum()
+    assert abs(touching - 0.5 * bed.coordination_number * len(granules)) <= 2
+    assert touching > len(granules)
+    assert overlaps.max() <= bed.max_overlap * (1.0 + 1e-4)
+
+
+def test_same_seed_same_bits_other_seed_other_bed(small):
+    """A bed follows from its seed, to the last bit, and from nothing else."""
+    again, other = (
+        dem.pack(small.shape, small.bed.width, small.bed.height, small.cylinder, seed)
+        for seed in (1, 2)
+    )
+    assert (again.position == small.bed.position).all() and (again.angle == small.bed.angle).all()
+    moved = np.hypot(*(other.position - small.bed.position).T)
+    assert np.median(moved) > small.diameters.mean()
+
+
+@pytest.mark.parametrize(
+    ("kind", "fraction"), [("disc", 0.97), ("dumbbell", 0.97), ("ellipse", 0.99)]
+)
+def test_impossible_fraction_is_refused(kind, fraction):
+    """A fraction that no bed can have ends in a PackingError that names it."""
+    with pytest.raises(dem.PackingError, match=f"packing fraction {fraction}"):
+        make_small_bed(kind, fraction=fraction)
+
+
+def test_box_too_small_to_scatter_is_refused():
+    """Granules longer than the box find no place, which is an error with a name."""
+    shape = dem.Ellipse(np.full(9, 6e-3), np.full(9, 1e-3))
+    with pytest.raises(dem.PackingError):
+        dem.pack(shape, 8e-3, 8e-3, dem.Cylinder(1e-3, (4e-3, 4e-3)), 1)
+
+
+def test_bed_stays_at_rest_with_friction(small):
+    """With friction switched on and the cylinder held still nothing moves."""
+    still = dem.Cylinder(small.cylinder.diameter, small.cylinder.position)
+    run = dem.Simulation(small.scene(cylinder=still), small.state)
+    run.advance(2e-4)
+    moved = np.abs(run.state.position - small.bed.position).max()
+    assert moved < 1e-6 * small.diameters.mean()

@@ -1,0 +1,251 @@
+"""The library call: what it refuses, where it stops, and what its time step promises."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+import dem
+from dem.kernel import forces
+
+NAN = float("nan")
+KINDS = [("disc", 0.84), ("dumbbell", 0.84), ("ellipse", 0.88)]
+
+
+def two_discs(**changes):
+    """Two discs of 1 mm, 3 mm apart."""
+    usual = {"shape": dem.Disc(np.full(2, 1e-3)), "friction": dem.Friction()}
+    return dem.Scene(**usual | changes)
+
+
+def call(scene=None, position=((0.0, 0.0), (3e-3, 0.0)), duration=1e-6, **options):
+    names = "velocity", "angle", "angular_velocity"
+    state = dem.State(position, **{k: options.pop(k) for k in names if k in options})
+    return dem.simulate(scene or two_discs(), state, duration, **options)
+
+
+WRONG = {
+    "position of granule 1 is not finite": lambda: call(position=[[0.0, 0.0], [NAN, 0.0]]),
+    "position has shape": lambda: call(position=[[0.0, 0.0]]),
+    "position must hold numbers": lambda: call(position=[["left", 0.0], [0.0, 0.0]]),
+    "velocity has shape": lambda: call(velocity=[0.0, 0.0]),
+    "velocity of granule 0 is not finite": lambda: call(velocity=[[math.inf, 0.0], [0.0, 0.0]]),
+    "angle of granule 1 is not finite": lambda: call(angle=[0.0, NAN]),
+    "angular_velocity has shape": lambda: call(angular_velocity=[[0.0, 0.0]]),
+    "duration is -1.0": lambda: call(duration=-1.0),
+    "duration is 0.0": lambda: call(duration=0.0),
+    "duration is nan": lambda: call(duration=NAN),
+    "time_step is -1e-08": lambda: call(time_step=-1e-8),
+    "time_step is inf": lambda: call(time_step=math.inf),
+    "frames is 0": lambda: call(frames=0),
+    "frames is 2.5": lambda: call(frames=2.5),
+    "radius": lambda: two_discs(shape=dem.Disc(np.array([1e-3, -1e-3]))),
+    "semi_minor": lambda: two_discs(shape=dem.Ellipse(np.ones(2), np.array([1.0, NAN]))),
+    "thickness is 0.0": lambda: two_discs(thickness=0.0),
+    "gravity": lambda: two_discs(gravity=(0.0, NAN)),
+    "walls must be rows": lambda: two_discs(walls=[[1.0, 0.0]]),
+    "length 1": lambda: two_discs(walls=[[1.0, 1.0, 0.0]]),
+    "box width is -1.0": lambda: dem.box(-1.0, 1.0),
+    "density is 0.0": lambda: dem.Material(density=0.0),
+    "young_modulus is nan": lambda: dem.Material(young_modulus=NAN),
+    "poisson_ratio is 0.6": lambda: dem.Material(poisson_ratio=0.6),
+    "restitution is 0.0": lambda: dem.Material(restitution=0.0),
+    "restitution is 1.1": lambda: dem.Material(restitution=1.1),
+    "friction wall is -0.1": lambda: dem.Friction(0.3, -0.1, 0.3),
+    "cylinder diameter is 0.0": lambda: dem.Cylinder(0.0, (0.0, 0.0)),
+    "cylinder position": lambda: dem.Cylinder(1.0, (0.0, NAN)),
+    "cylinder velocity": lambda: dem.Cylinder(1.0, (0.0, 0.0), (1.0, 2.0, 3.0)),
+    "skin is -1.0": lambda: call(skin=-1.0),
+    "step_fraction is 0.0": lambda: call(step_fraction=0.0),
+    "step_fraction is nan": lambda: call(step_fraction=NAN),
+    "max_overlap is nan": lambda: call(max_overlap=NAN),
+    "does not fit": lambda: dem.pack(
+        dem.Disc(np.full(2, 1e-3)), 1e-2, 1e-2, dem.Cylinder(1e-3, (0.0, 5e-3)), 1
+    ),
+}
+
+
+@pytest.mark.parametrize("sentence", WRONG)
+def test_wrong_input_is_named(sentence):
+    """A value that can not be used is refused before anything runs, in one sentence."""
+    with pytest.raises(dem.InputError) as error:
+        WRONG[sentence]()
+    assert sentence in str(error.value) and "\n" not in str(error.value)
+    assert str(error.value).endswith(".")
+
+
+@pytest.mark.parametrize("semi_minor", [[2e-3, 1e-3], [1e-3]])
+def test_axes_of_ellipses_that_make_no_sense_are_refused(semi_minor):
+    """A minor axis longer than the major one, or lists of unequal lengths, can not be simulated."""
+    with pytest.raises(dem.InputError):
+        two_discs(shape=dem.Ellipse(np.full(2, 1.5e-3), np.array(semi_minor)))
+
+
+@pytest.mark.parametrize("gravity", [9.81, (0.0, 0.0, -9.81)])
+def test_gravity_that_is_no_vector_of_the_plane_is_refused(gravity):
+    """Gravity is two numbers, neither one nor three."""
+    with pytest.raises(dem.InputError, match="gravity"):
+        two_discs(gravity=gravity)
+
+
+@pytest.mark.parametrize("duration", [-1e-6, NAN, math.inf])
+def test_only_time_that_passes_can_be_simulated(duration):
+    """A simulation advances by a finite time that is not negative."""
+    run = dem.Simulation(two_discs(), dem.State([[0.0, 0.0], [3e-3, 0.0]]))
+    with pytest.raises(dem.InputError, match="duration"):
+        run.advance(duration)
+
+
+def test_result_has_the_shapes_it_promises(small_bed):
+    """Frames, granules and walls stand where the documentation says; no forces at the start."""
+    small = small_bed("disc")
+    run = dem.simulate(small.scene(), small.state, 1e-6, frames=3)
+    n = len(small.diameters)
+    assert_allclose(run.time, np.arange(4) * 1e-6 / 3.0)
+    assert run.position.shape == run.velocity.shape == (4, n, 2)
+    assert run.angle.shape == run.angular_velocity.shape == (4, n)
+    assert run.cylinder_force.shape == (4, 2) and run.wall_force.shape == (4, 4)
+    assert np.isnan(run.cylinder_force[0]).all() and np.isfinite(run.wall_force[1:]).all()
+    assert_array_equal(run.position[0], small.bed.position)
+    assert_array_equal(run.position[-1], run.state.position)
+
+
+@pytest.mark.parametrize(("kind", "fraction"), KINDS)
+def test_forces_on_boundaries_are_the_change_of_momentum(small_bed, kind, fraction):
+    """The momentum that granules lose goes into the reported forces on cylinder and walls."""
+    small = small_bed(kind, fraction=fraction)
+    scene = small.scene(friction=dem.Friction(0.3, 1e-30, 0.3))  # walls report normal forces only
+    duration = 2e-4
+    run = dem.simulate(scene, small.state, duration)
+    gained = scene.mass @ run.state.velocity
+    forces_in_all = run.cylinder_force[1] + run.wall_force[1] @ scene.walls[:, :2]
+    scale = np.abs(run.wall_force[1]).sum() * duration
+    assert_allclose(-forces_in_all * duration, gained, atol=3e-3 * scale)
+    assert (run.wall_force[1] >= 0.0).all()
+    assert run.cylinder_force[1, 1] < 0.0  # against the motion of the cylinder
+
+
+def test_granule_behind_a_wall_is_an_error(small_bed):
+    """A centre outside of the box is refused with granule and wall."""
+    small = small_bed("disc")
+    state = small.state
+    state.position[7, 0] = small.bed.width + 1e-3
+    with pytest.raises(dem.StateError, match=r"granule 7 .* behind wall 1 at step 0"):
+        dem.simulate(small.scene(), state, 1e-6)
+
+
+@pytest.mark.parametrize("kind", ["disc", "dumbbell", "ellipse"])
+def test_overlap_guard_names_granule_and_step(small_bed, kind):
+    """Where granules overlap by more than the limit the run stops, before and during the motion."""
+    small = small_bed(kind)
+    state = small.state
+    away = np.hypot(*(state.position - state.position[20]).T)
+    near = np.argsort(away)[1]
+    state.position[20] = state.position[near] + 1e-5
+    with pytest.raises(dem.OverlapError, match=rf"granule ({near}|20) .* step 0, .* limit is 0\.9"):
+        dem.simulate(small.scene(), state, 1e-6, max_overlap=0.9)
+    limit = small.bed.max_overlap + 0.02
+    with pytest.raises(dem.OverlapError, match=r"granule \d+ overlaps .* step [1-9]\d*, time "):
+        dem.simulate(small.scene(), small.state, 1e-3, max_overlap=limit)
+
+
+@pytest.mark.parametrize("factor", [3.0, 10.0, 1e3, 1e6])
+@pytest.mark.parametrize("kind", ["disc", "dumbbell", "ellipse"])
+def test_too_large_a_time_step_is_an_error_with_a_name(small_bed, kind, factor):
+    """A fixed step far beyond the critical one ends in a RunError, not in numbers."""
+    small = small_bed(kind, fraction=0.88 if kind == "ellipse" else 0.84)
+    run = dem.Simulation(small.scene(), small.state)
+    step = factor * run.look().critical_time_step
+    with pytest.raises(dem.RunError, match="step"):
+        dem.simulate(small.scene(), small.state, 300 * step, time_step=step)
+
+
+def stiffness(run):
+    """Change of all forces and torques with all coordinates, the contacts sliding nowhere.
+
+    Each granule is moved and turned in turn; the slip of that motion is fed to the tangential
+    springs as a velocity over a step so long that dashpots do not count.
+    """
+    world, step, h = run.world, 1e6, 1e-9 * run.world.bodies[:, :2].max()
+    n, size = len(world.bodies), math.sqrt((run.scene.inertia / run.scene.mass).mean())
+    contacts = world.pairs, world.walls.contacts, world.roller.contacts
+    place, springs = world.bodies.copy(), [c.spring.copy() for c in contacts]
+    angles = world.angle.copy()
+    columns = []
+    for unit in np.eye(3 * n):
+        d = h * unit.reshape(n, 3) / [1.0, 1.0, size]
+        pushes = []
+        for sign in (1.0, -1.0):
+            for c, spring in zip(contacts, springs, strict=True):
+                c.spring[:] = spring
+            world.bodies[:] = place
+            world.bodies[:, :2] += sign * d[:, :2]
+            world.bodies[:, 2:5] = sign * d / step
+            if world.frame is not None:
+                turned = angles + sign * d[:, 2]
+                world.frame[:] = np.column_stack([np.cos(turned), np.sin(turned)])
+            forces(world, step)
+            pushes.append(world.force[:, :3] / [1.0, 1.0, size])
+        columns.append((pushes[1] - pushes[0]).ravel() / (2.0 * h))
+    mass = np.column_stack([run.scene.mass] * 2 + [run.scene.inertia / size**2]).ravel()
+    return np.array(columns).T / np.sqrt(np.outer(mass, mass))
+
+
+@pytest.mark.parametrize(("kind", "fraction"), KINDS)
+def test_critical_time_step_is_a_bound_and_a_close_one(small_bed, kind, fraction):
+    """2 / omega of the stiffest mode of a frictional bed is above the critical step, within 3."""
+    small = small_bed(kind, fraction=fraction)
+    still = dem.Cylinder(small.cylinder.diameter, small.cylinder.position)
+    run = dem.Simulation(small.scene(cylinder=still), small.state)
+    critical = run.look().critical_time_step
+    frequency = math.sqrt(np.linalg.eigvals(stiffness(run)).real.max())
+    assert 1.0 <= 2.0 / frequency / critical < 3.0
+
+
+def test_round_ellipses_follow_discs(small_bed):
+    """The ellipse code at aspect ratio 1 moves a bed as the disc code does."""
+    small = small_bed("disc")
+    ellipses = dem.Ellipse(small.shape.radius, small.shape.radius)
+    runs = [
+        dem.Simulation(scene, small.state, 4e-8)
+        for scene in (small.scene(), small._replace(shape=ellipses).scene())
+    ]
+    for run in runs:
+        run.advance(500 * 4e-8)
+    assert np.abs(runs[0].state.position - small.bed.position).max() > 1e-2 * 1e-3
+    for a, b in zip(*(r.state.position for r in runs), strict=True):
+        assert_allclose(a, b, rtol=0.0, atol=1e-9 * small.shape.radius.mean())
+    spin = [r.state.angular_velocity for r in runs]
+    assert_allclose(*spin, rtol=0.0, atol=1e-7 * np.abs(spin[0]).max())
+
+
+@pytest.mark.parametrize("kind", ["disc", "dumbbell", "ellipse"])
+def test_looking_changes_nothing_and_runs_repeat(small_bed, kind):
+    """A run has the same bits with and without looks in between, and every time."""
+    small = small_bed(kind)
+
+    def run(look):
+        simulation = dem.Simulation(small.scene(), small.state)
+        for _ in range(8):
+            if look:
+                simulation.look()
+            simulation.advance(5e-6)
+        return simulation.state, simulation.collect_impulses()
+
+    (first, forces_first), *others = run(False), run(False), run(True)
+    assert np.abs(first.velocity).max() > 0.0
+    for state, impulses in others:
+        for name in ("position", "velocity", "angle", "angular_velocity"):
+            assert_array_equal(getattr(state, name), getattr(first, name))
+        for a, b in zip(impulses, forces_first, strict=True):
+            assert_array_equal(a, b)
+
+
+def test_a_run_leaves_its_input_alone(small_bed):
+    """The arrays that a user hands over are not changed."""
+    small = small_bed("disc")
+    state = small.state
+    dem.simulate(small.scene(), state, 1e-6)
+    assert_array_equal(state.position, small.bed.position)
+    assert state.velocity is None

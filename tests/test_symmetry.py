@@ -1,0 +1,95 @@
+"""The world has no preferred direction and no preferred order: whole scenes seen in a mirror."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from dem import Cylinder, Scene, Simulation, State
+
+STEP, STEPS = 4e-8, 500
+SHAPES = ["disc", "dumbbell", "ellipse"]
+
+
+def run(scene, state):
+    """Final state and mean forces on cylinder (x, y) and walls."""
+    simulation = Simulation(scene, state, STEP)
+    simulation.advance(STEP * STEPS)
+    on_cylinder, on_walls = simulation.collect_impulses()
+    return simulation.state, on_cylinder.sum(axis=0), on_walls
+
+
+def start(small):
+    """A bed with friction that the cylinder disturbs askew, all granules with velocity and spin."""
+    rng = np.random.default_rng(4)
+    n = len(small.diameters)
+    cylinder = Cylinder(small.cylinder.diameter, small.cylinder.position, (0.7, 2.0))
+    state = State(small.bed.position, rng.normal(size=(n, 2)), small.bed.angle,
+                  rng.normal(scale=1e3, size=n))  # fmt: skip
+    return small.scene(cylinder=cylinder), state
+
+
+def mapped(scene, state, matrix):
+    """Scene and state seen through an orthogonal matrix."""
+    matrix = np.array(matrix)
+    hand = np.linalg.det(matrix)
+    walls = np.column_stack([scene.walls[:, :2] @ matrix.T, scene.walls[:, 2]])
+    cylinder = Cylinder(
+        scene.cylinder.diameter,
+        *(tuple(matrix @ np.array(v)) for v in (scene.cylinder.position, scene.cylinder.velocity)),
+    )
+    new = Scene(scene.shape, scene.material, scene.friction, walls, cylinder,
+                thickness=scene.thickness)  # fmt: skip
+    return new, map_state(state, matrix, hand)
+
+
+def map_state(state, matrix, hand):
+    turn = np.arctan2(matrix[1, 0], matrix[0, 0])
+    return State(
+        state.position @ matrix.T, state.velocity @ matrix.T,
+        turn + hand * state.angle, hand * state.angular_velocity,
+    )  # fmt: skip
+
+
+def agree(state, expected, size):
+    """Positions to 1e-9 of a radius; velocities and angles accordingly."""
+    assert_allclose(state.position, expected.position, rtol=0.0, atol=1e-9 * size)
+    assert_allclose(state.velocity, expected.velocity, rtol=0.0, atol=1e-7)
+    assert_allclose(state.angle, expected.angle, rtol=0.0, atol=1e-8)
+    scale = np.abs(expected.angular_velocity).max()
+    assert_allclose(state.angular_velocity, expected.angular_velocity, atol=1e-7 * scale)
+
+
+@pytest.mark.parametrize("kind", SHAPES)
+@pytest.mark.parametrize(
+    "matrix", [[[-1, 0], [0, 1]], [[0, -1], [1, 0]], [[0, 1], [1, 0]]],
+    ids=["mirror", "quarter turn", "diagonal mirror"],
+)  # fmt: skip
+def test_mirrors_and_quarter_turns(small_bed, kind, matrix):
+    """A mirrored or turned scene moves as the mirror image of the scene, forces included."""
+    small = small_bed(kind)
+    scene, state = start(small)
+    after, on_cylinder, on_walls = run(scene, state)
+    seen, seen_on_cylinder, seen_on_walls = run(*mapped(scene, state, matrix))
+    hand = np.linalg.det(matrix)
+    agree(seen, map_state(after, np.array(matrix), hand), small.diameters.mean())
+    assert_allclose(seen_on_cylinder, np.array(matrix) @ on_cylinder, rtol=1e-6)
+    assert_allclose(seen_on_walls, on_walls, rtol=1e-6)
+
+
+@pytest.mark.parametrize("kind", SHAPES)
+def test_the_order_of_granules_does_not_matter(small_bed, kind):
+    """Granules listed in another order move as before."""
+    small = small_bed(kind)
+    scene, state = start(small)
+    after, *_ = run(scene, state)
+    order = np.random.default_rng(5).permutation(len(small.diameters))
+    shape = scene.shape._replace(
+        **{k: v[order] for k, v in scene.shape._asdict().items() if isinstance(v, np.ndarray)}
+    )
+    fields = "position", "velocity", "angle", "angular_velocity"
+    shuffled = State(**{name: getattr(state, name)[order] for name in fields})
+    other = Scene(shape, scene.material, scene.friction, scene.walls, scene.cylinder,
+                  thickness=scene.thickness)  # fmt: skip
+    found, *_ = run(other, shuffled)
+    expected = State(**{name: getattr(after, name)[order] for name in fields})
+    agree(found, expected, small.diameters.mean())
