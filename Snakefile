@@ -9,7 +9,7 @@ import sys
 
 from dem import config as schema
 from dem.errors import InputError
-from dem.figures import FIGURES
+from dem.figures import possible
 from dem.provenance import source_hash
 
 if not workflow.overwrite_configfiles:
@@ -43,7 +43,7 @@ localrules:
 rule all:
     input:
         f"{RESULTS}/drag.nc",
-        expand(f"{RESULTS}/figures/{{figure}}.{{kind}}", figure=FIGURES, kind=["svg", "png"]),
+        expand(f"{RESULTS}/figures/{{figure}}.{{kind}}", figure=possible(SWEEP), kind=["svg", "png"]),
     default_target: True
 
 

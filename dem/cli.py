@@ -159,11 +159,12 @@ def calibrate(
 ):  # fmt: skip
     """Fit Young's modulus to a mean drag: the one calibrated number."""
     with reported():
+        from dem.calibrate import MODULI
         from dem.calibrate import calibrate as fit
         from dem.config import load
 
         sweep = load(config)
-        with bar("calibrating", 5 * seeds) as update:
+        with bar("calibrating", len(MODULI) * seeds) as update:
             result = fit(sweep, shape, density, target, seeds, jobs, update)
         typer.echo(result.sentence())
 

@@ -79,7 +79,7 @@ class PackingSection(Section):
 class MaterialSection(Section):
     young_modulus: Positive  # Pa
     poisson_ratio: Annotated[Number, Field(gt=-1, le=0.5)]
-    restitution: Annotated[Number, Field(gt=0, le=1)]
+    restitution: Annotated[Number, Field(ge=1e-3, le=1)]
     thickness: Positive | None = None  # m out of the plane, for the mass; None: mean diameter
 
 
@@ -173,6 +173,12 @@ class Sweep(Section):
                 f"record.window ends at {self.record.window[1]:g} m, beyond cylinder.stroke, "
                 f"{self.cylinder.stroke:g} m"
             )
+        middles = (np.arange(self.record.bins) + 0.5) / self.record.bins * self.cylinder.stroke
+        if not ((middles >= self.record.window[0]) & (middles <= self.record.window[1])).any():
+            raise ValueError(
+                f"record.window {list(self.record.window)} holds no bin; each is "
+                f"{self.cylinder.stroke / self.record.bins:.3g} m wide"
+            )
         seen = {}
         for label, case in self.cases.items():
             if case.shape not in self.shapes:
@@ -224,7 +230,11 @@ class Replicate(Section):
 
     def run_key(self) -> str:
         """All that the run depends on, as text."""
-        common = self.sweep.model_dump(exclude={"title", "results", "seeds", "shapes", "cases"})
+        unread = {"title": True, "results": True, "seeds": True, "shapes": True, "cases": True}
+        unread["record"] = {"window"}
+        if self.shape.kind != "ellipse":
+            unread["ellipse"] = True
+        common = self.sweep.model_dump(exclude=unread)
         return json.dumps([self.shape.model_dump(), common, self.density, self.seed])
 
 

@@ -86,11 +86,11 @@ def damped_step(alpha):
     expression joins that limit to 2 / omega without damping.
     """
     twice = 2.0 * alpha / math.sqrt(6.0)
-    return math.sqrt(1.0 + twice * twice) - twice
+    return 1.0 / (math.sqrt(1.0 + twice * twice) + twice)
 
 
 def damping_from_restitution(restitution):
-    """alpha for a coefficient of restitution in (0, 1]; the inverse of the function above."""
+    """alpha for a coefficient of restitution in (0, 1]: inverse of restitution_from_damping."""
     if restitution == 1.0:
         return 0.0
     low, high = 0.0, 1.0

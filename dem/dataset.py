@@ -69,6 +69,8 @@ def attributes(name: str) -> dict:
         found["standard_name"] = "realization"
     elif name in MEANS:
         found["cell_methods"] = "displacement: mean"
+    elif name == "time_step":
+        found["cell_methods"] = "displacement: minimum"
     return {key: value for key, value in found.items() if value is not None}
 
 

@@ -113,7 +113,13 @@ def _bed(scene, parts, world, width, height, net_force, seed):
     position = world.bodies[:, :2].copy()
     inside = np.hypot(*(position - axis).T) < radius
     outside = ((position < 0.0) | (position > [width, height])).any(axis=1)
-    if overlap > DEEPEST or inside.any() or outside.any():
+    lost = inside | outside
+    if lost.any():
+        raise PackingError(
+            f"{name} cannot be made: the centre of granule {lost.argmax()} was pushed into the "
+            "cylinder or out of the box: ask for a lower packing fraction."
+        )
+    if overlap > DEEPEST:
         raise PackingError(
             f"{name} cannot be made: granule {part // parts.per} overlaps by {overlap:.2g} of the "
             f"smaller radius, at most {DEEPEST:g} is allowed: ask for a lower packing fraction."

@@ -50,6 +50,8 @@ def versions() -> str:
 @cache
 def git_revision() -> str:
     """Revision of the checkout, "-dirty" if edited, "unknown" outside a repository."""
+    if not (PACKAGE.parent / ".git").exists():  # some other project's repository may lie above
+        return "unknown"
     command = ["git", "-C", str(PACKAGE), "describe", "--always", "--dirty", "--abbrev=12"]
     try:
         return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()

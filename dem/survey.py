@@ -78,15 +78,15 @@ def survey_pairs(shape, parts, frame, contacts, tangent, radius, per, least, wn,
 
 
 @compiled
-def survey_listed(world, barrier, overlaps, radius, per, least, wn, wt, rows, worst):
-    """Walls or cylinder: `overlaps` (m,) in m has been filled by one of the two functions below."""
+def survey_listed(barrier, overlaps, stiffness, radius, per, least, wn, wt, rows, worst):
+    """Walls or cylinder, with overlaps (m,) in m and stiffness (m,) from one of the two below."""
     contacts = barrier.contacts
     for p in range(contacts.part.shape[0]):
         i = contacts.part[p]
         if not overlaps[p] <= 0.0:
             worst = deeper(worst, overlaps[p], np.int64(i), radius[i])
         root = math.sqrt(max(overlaps[p], least))
-        kn, kt = stiff(barrier.tangent, contacts.stiffness[p], root)
+        kn, kt = stiff(barrier.tangent, stiffness[p], root)
         g = i // per
         rows[g] += kn * wn[g] * wn[g] + kt * wt[g] * wt[g]
     return worst
@@ -94,42 +94,46 @@ def survey_listed(world, barrier, overlaps, radius, per, least, wn, wt, rows, wo
 
 @compiled
 def wall_overlaps(shape, parts, frame, walls):
-    """Overlap (m) of each listed contact with a wall, negative where there is a gap."""
+    """Overlap (m; negative: a gap) and stiffness (N m^-1.5) of each listed contact with a wall."""
     contacts = walls.contacts
     overlaps = np.empty(contacts.part.shape[0])
+    stiffness = contacts.stiffness.copy()
     for p in range(overlaps.shape[0]):
         i, k = contacts.part[p], contacts.other[p]
         nx, ny = walls.planes[k, 0], walls.planes[k, 1]
-        reach, _, _ = support(shape, outline(shape, i, frame), nx, ny)
+        reach, _, rho = support(shape, outline(shape, i, frame), nx, ny)
+        stiffness[p] = either(local_stiffness(rho, contacts.modulus), stiffness[p])
         overlaps[p] = reach + parts[i, X] * nx + parts[i, Y] * ny - walls.planes[k, 2]
-    return overlaps
+    return overlaps, stiffness
 
 
 @compiled
 def roller_overlaps(shape, parts, frame, roller):
-    """Overlap (m) of each listed contact with the cylinder, negative where there is a gap."""
+    """Overlap (m) and stiffness (N m^-1.5) of each listed contact with the cylinder."""
     contacts = roller.contacts
     overlaps = np.empty(contacts.part.shape[0])
+    stiffness = contacts.stiffness.copy()
     circle = round_outline(shape, roller.radius)
     for p in range(overlaps.shape[0]):
         i = contacts.part[p]
         dx, dy = roller.motion[0, X] - parts[i, X], roller.motion[0, Y] - parts[i, Y]
         guess = remembered(contacts.normals, p)
         hit = touch(shape, dx, dy, outline(shape, i, frame), circle, guess)
+        stiffness[p] = either(local_stiffness(hit[7], contacts.modulus), stiffness[p])
         overlaps[p] = hit[0]
-    return overlaps
+    return overlaps, stiffness
 
 
 @optional
 def survey_walls(walls, world, radius, per, least, wn, wt, rows, worst):
-    overlaps = wall_overlaps(world.shape, world.parts, world.frame, walls)
-    return survey_listed(world, walls, overlaps, radius, per, least, wn, wt, rows, worst)
+    overlaps, stiffness = wall_overlaps(world.shape, world.parts, world.frame, walls)
+    return survey_listed(walls, overlaps, stiffness, radius, per, least, wn, wt, rows, worst)
 
 
 @optional
 def survey_roller(roller, world, radius, per, least, wn, wt, rows, worst):
-    overlaps = roller_overlaps(world.shape, world.parts, world.frame, roller)
-    return survey_listed(world, roller, overlaps, radius, per, least, wn, wt, rows, worst)
+    overlaps, stiffness = roller_overlaps(world.shape, world.parts, world.frame, roller)
+    return survey_listed(roller, overlaps, stiffness, radius, per, least, wn, wt, rows, worst)
 
 
 @compiled

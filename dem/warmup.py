@@ -13,7 +13,8 @@ def compile_kernels(sweep: Sweep, label: str) -> None:
     few = sweep.shapes[label].model_copy(update={"granules": 3})
     sweep = sweep.model_copy(update={"shapes": {label: few}})
     replicate = Replicate.model_construct(sweep=sweep, label=label, density=1e3, seed=0)
-    height = 4.0 * (sweep.cylinder.diameter + few.diameter) / sweep.cylinder.start
+    start = sweep.cylinder.start
+    height = 4.0 * (sweep.cylinder.diameter + few.diameter) / min(start, 1.0 - start)
     shape = SHAPES[few.kind][0].of_size(diameters(replicate), few.ratio)
     bed = pack(shape, sweep.box_width, height, cylinder(replicate, height), seed=0)
     scene = make_scene(replicate, bed)

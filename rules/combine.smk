@@ -19,6 +19,8 @@ rule combine:
         code="dem/combine.py",
     output:
         RESULTS + "/drag.nc",
+    params:
+        sweep=SWEEP.model_dump_json(include={"title", "seeds", "shapes", "cases", "record"}),
     log:
         RESULTS + "/logs/combine.log",
     benchmark:

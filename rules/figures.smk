@@ -31,5 +31,9 @@ rule figures:
         "Draw all figures again from {params.data}"
     params:
         data=RESULTS + "/drag.nc",
+    log:
+        RESULTS + "/logs/figures/all.log",
+    benchmark:
+        RESULTS + "/benchmarks/figures/all.tsv"
     shell:
-        "dem figure all {params.data}"
+        "dem figure all {params.data} 2> {log}"

@@ -10,6 +10,13 @@ OUTPUTS
 SHAPE_OF_KIND = {section.kind: label for label, section in reversed(SWEEP.shapes.items())}
 
 
+def features(kind):
+    """What the scenes of this sweep have or lack, which selects the code to compile."""
+    ellipse = SWEEP.ellipse.model_dump() if kind == "ellipse" else {}
+    friction = [value > 0 for value in SWEEP.friction.model_dump().values()]
+    return [*friction, SWEEP.material.restitution < 1, SWEEP.gravity > 0, *ellipse.values()]
+
+
 rule kernels:
     message:
         "Compile the kernels of the {wildcards.kind}"
@@ -17,6 +24,7 @@ rule kernels:
         touch(RESULTS + "/kernels/{kind}.done"),
     params:
         sources=SOURCES,
+        features=lambda w: features(w.kind),
         shape=lambda w: SHAPE_OF_KIND[w.kind],
     log:
         RESULTS + "/logs/kernels/{kind}.log",

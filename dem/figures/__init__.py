@@ -5,18 +5,39 @@ from pathlib import Path
 
 from dem.errors import InputError
 
+
+def _some_shape(cases):
+    return any(shape != "e0" and density == cases[0][1] for shape, density in cases)
+
+
+def _both_codes(cases):
+    return {("c1", cases[0][1]), ("e0", cases[0][1])} <= set(cases)
+
+
+def _two_densities(cases):
+    shapes = [shape for shape, _ in cases]
+    return len(set(shapes)) < len(shapes)
+
+
+# name: (what it shows, whether cases, a list of (shape label, density), suffice for it)
 FIGURES = {
-    "figure07": "Drag against displacement for every shape",
-    "figure08": "Ellipse code at aspect ratio 1 against the disc code",
-    "figure13": "Mean drag by shape",
-    "figure14": "Mean drag by density of the granules",
+    "figure07": ("Drag against displacement for every shape", _some_shape),
+    "figure08": ("Ellipse code at aspect ratio 1 against the disc code", _both_codes),
+    "figure13": ("Mean drag by shape", _some_shape),
+    "figure14": ("Mean drag by density of the granules", _two_densities),
 }
+
+
+def possible(sweep) -> list[str]:
+    """Names of the figures that the cases of a sweep suffice for."""
+    cases = [(case.shape, case.density) for case in sweep.cases.values()]
+    return [name for name, (_, suffices) in FIGURES.items() if suffices(cases)]
 
 
 def draw(name: str, data: Path, folder: Path) -> list[Path]:
     """Draw a figure, or "all", from drag.nc into a folder; returns the files, SVG and PNG.
 
-    Of all, those that can be drawn are; raises InputError naming what could not.
+    Of all, those that the cases suffice for. Raises InputError if there is nothing to draw.
     """
     from dem.combine import open_combined
     from dem.figures.style import save
@@ -32,6 +53,6 @@ def draw(name: str, data: Path, folder: Path) -> list[Path]:
                 faults.append(f"{data}: {each} can not be drawn: {error}")
                 continue
             files += save(figure, Path(folder) / each)
-    if faults:
+    if not files:
         raise InputError("\n".join(faults))
     return files
