@@ -41,6 +41,7 @@ class Contacts(NamedTuple):
 class Walls(NamedTuple):
     """Straight walls: planes (w, 3) rows (nx, ny, offset), solid where n.x > offset.
 
+    motion (1, 8): rows of dem.columns like those of granules, all zero: walls stand still.
     impulse (w,): normal force on each wall, summed over time (N s).
     """
 

@@ -152,7 +152,7 @@ def test_figures_are_drawn_without_simulating(finished, tmp_path):
 
 
 def test_a_killed_run_is_taken_up_again(finished):
-    """After SIGKILL in the middle the same command finishes, and no half-written file is left."""
+    """After SIGKILL in the middle the same command finishes, with the bits of an undisturbed run."""
     text = (finished / SMOKE).read_text().replace("results/smoke", "results/killed")
     (finished / "config/killed.yaml").write_text(text)
     command = [
