@@ -1,17 +1,15 @@
-"""From a scene and a state to the arrays of the kernels, and the contact lists between steps."""
+"""From a scene and a state to the arrays of the kernels."""
 
 import math
 from typing import NamedTuple
 
 import numpy as np
 
-from dem import neighbors
-from dem.columns import VX, VY, W, X, Y
-from dem.compilation import compiled
+from dem.columns import VX, VY, W, X, Y, rows
 from dem.contact_law import damping_from_restitution, effective_modulus, effective_shear_modulus
+from dem.lanes import make_lanes
 from dem.scene import Scene, State
-from dem.shapes import SHAPES, Ellipse
-from dem.shapes.geometry import place
+from dem.shapes import SHAPES
 from dem.world import Contacts, Roller, Tangent, Walls, World
 
 
@@ -19,8 +17,9 @@ class Constants(NamedTuple):
     """What the lists and the surveys need of the granules and does not change.
 
     per: parts a granule; radius, bounding (parts,) in m: for Hertz's law, and of the circle that
-    holds the part; mass (parts,) in kg: of the whole granule; wn, wt (n,): see dem.survey.survey;
-    skin (m); alpha: dashpot constant.
+    holds the part; mass (parts,) in kg: of the whole granule; wn, wt (n,): norms (kg^-0.5) of the
+    mass-weighted normal and tangential motion at a contact, sqrt(1/m + lever^2/I); skin (m);
+    alpha: dashpot constant; modulus: E* of two granules (Pa); mean_radius (m), mean_mass (kg).
     """
 
     per: int
@@ -31,9 +30,9 @@ class Constants(NamedTuple):
     wt: np.ndarray
     skin: float
     alpha: float
-
-
-NOTHING = Contacts(None, None, np.empty(0, np.uint32), np.empty(0), 0.0, None, None, None)
+    modulus: float
+    mean_radius: float
+    mean_mass: float
 
 
 def constants(scene: Scene, skin: float) -> Constants:
@@ -48,8 +47,11 @@ def constants(scene: Scene, skin: float) -> Constants:
         mass=np.repeat(scene.mass, per),
         wn=np.sqrt(inverse_mass + shape.normal_lever**2 * inverse_inertia),
         wt=np.sqrt(inverse_mass + shape.bounding_radius**2 * inverse_inertia),
-        skin=skin * bounding.mean(),
+        skin=float(skin * bounding.mean()),
         alpha=damping_from_restitution(scene.material.restitution),
+        modulus=effective_modulus(scene.material, scene.material),
+        mean_radius=float(shape.part_radius.mean()),
+        mean_mass=float(scene.mass.mean()),
     )
 
 
@@ -73,9 +75,28 @@ def tangent(scene: Scene, kind: str) -> Tangent | None:
 def motion(position, velocity, spin):
     """Rows (n, 8) of dem.columns."""
     position = np.atleast_2d(np.asarray(position, float))
-    rows = np.zeros((len(position), 8))
-    rows[:, [X, Y]], rows[:, [VX, VY]], rows[:, W] = position, velocity, spin
-    return rows
+    motion = rows(len(position), 8)
+    motion[:, [X, Y]], motion[:, [VX, VY]], motion[:, W] = position, velocity, spin
+    return motion
+
+
+def contacts(scene: Scene, parts: Constants, kind: str) -> Contacts:
+    """The contacts of one kind (granule, wall or cylinder), none yet: dem.listing fills them."""
+    index, numbers = np.empty(0, np.uint32), np.empty(0)
+    memory = numbers if tangent(scene, kind) else None
+    guesses = numbers if kind != "wall" and getattr(scene.shape, "guesses", False) else None
+    return Contacts(
+        first=np.zeros(len(parts.radius) + 1, np.uint32) if kind == "granule" else None,
+        part=index,
+        other=index,
+        stiffness=numbers,
+        modulus=4.0 / 3.0 * effective_modulus(*partners(scene, boundary=kind != "granule")),
+        damping=numbers if parts.alpha > 0.0 else None,
+        spring=memory,
+        root=memory,
+        normal_x=guesses,
+        normal_y=guesses,
+    )
 
 
 def assemble(scene: Scene, state: State, parts: Constants) -> World:
@@ -84,16 +105,22 @@ def assemble(scene: Scene, state: State, parts: Constants) -> World:
     turns = next(turns for kind, turns in SHAPES.values() if isinstance(scene.shape, kind))
     tangents = {kind: tangent(scene, kind) for kind in ("granule", "wall", "cylinder")}
     turning = any(tangents.values()) or bool(np.any(scene.shape.normal_lever > 0.0))
-    bodies, force = motion(state.position, state.velocity, state.angular_velocity), np.zeros((n, 4))
+    bodies, force = motion(state.position, state.velocity, state.angular_velocity), rows(n, 4)
     alone = parts.per == 1
     walls = roller = None
     if scene.walls is not None:
         planes = np.ascontiguousarray(scene.walls, float)
-        walls = Walls(planes, np.zeros((1, 8)), NOTHING, tangents["wall"], np.zeros(len(planes)))
+        walls = Walls(
+            planes, rows(len(planes), 8), contacts(scene, parts, "wall"), tangents["wall"],
+            np.zeros(len(planes)),
+        )  # fmt: skip
     if scene.cylinder is not None:
         axis = motion(scene.cylinder.position, scene.cylinder.velocity, 0.0)
         radius = 0.5 * scene.cylinder.diameter
-        roller = Roller(radius, axis, np.zeros(2), NOTHING, tangents["cylinder"], np.zeros(4))
+        roller = Roller(
+            radius, axis, np.zeros(2), contacts(scene, parts, "cylinder"), tangents["cylinder"],
+            np.zeros(4),
+        )  # fmt: skip
     return World(
         shape=scene.shape,
         bodies=bodies,
@@ -102,79 +129,13 @@ def assemble(scene: Scene, state: State, parts: Constants) -> World:
         inverse_mass=1.0 / scene.mass,
         inverse_inertia=1.0 / scene.inertia if turning else None,
         force=force,
-        parts=bodies if alone else np.zeros((n * parts.per, 8)),
-        part_force=force if alone else np.zeros((n * parts.per, 4)),
+        parts=bodies if alone else rows(n * parts.per, 8),
+        part_force=force if alone else rows(n * parts.per, 4),
         reference=np.zeros((n * parts.per, 2)),
-        pairs=NOTHING,
+        pairs=contacts(scene, parts, "granule"),
         tangent=tangents["granule"],
         walls=walls,
         roller=roller,
         gravity=None if scene.gravity is None else np.array(scene.gravity, float),
+        lanes=make_lanes(),
     )
-
-
-@compiled
-def place_parts(shape, bodies, frame, parts):
-    """Bring the parts to where their granules are."""
-    place(shape, bodies, frame, parts)
-
-
-def _unit(d):
-    length = np.hypot(d[:, 0], d[:, 1])[:, None]
-    return np.where(length > 0.0, d / np.where(length > 0.0, length, 1.0), [1.0, 0.0])
-
-
-def _contacts(scene, parts, indices, radius, mass, friction, normals, old):
-    """Contacts with their constants (R* in m, m* in kg) and what the old list remembers of them."""
-    first, part, other = indices
-    modulus = 4.0 / 3.0 * effective_modulus(*partners(scene, boundary=part is not None))
-    stiffness = modulus * np.sqrt(radius)
-    new = Contacts(
-        first, part, other, stiffness, modulus,
-        damping=parts.alpha * np.sqrt(mass * stiffness) if parts.alpha > 0.0 else None,
-        spring=np.zeros((len(other), 2)) if friction is not None else None,
-        normals=normals if isinstance(scene.shape, Ellipse) else None,
-    )  # fmt: skip
-    if old is not NOTHING:
-        carry = neighbors.carry_pairs if part is None else neighbors.carry_listed
-        start, old_start = (first, old.first) if part is None else (part, old.part)
-        for memory, old_memory in ((new.spring, old.spring), (new.normals, old.normals)):
-            if memory is not None:
-                carry(start, other, memory, old_start, old.other, old_memory)
-    return new
-
-
-def relist(scene: Scene, parts: Constants, world: World) -> World:
-    """The world with contact lists made anew for the present positions."""
-    if world.frame is not None:
-        world.frame[:, 0], world.frame[:, 1] = np.cos(world.angle), np.sin(world.angle)
-    place_parts(world.shape, world.bodies, world.frame, world.parts)
-    rows, radius, mass, skin = world.parts, parts.radius, parts.mass, parts.skin
-    first, other = neighbors.near_pairs(rows, parts.bounding, skin, parts.per)
-    i = np.repeat(np.arange(len(radius)), np.diff(first))
-    pairs = _contacts(
-        scene, parts, (first, None, other),
-        radius[i] * radius[other] / (radius[i] + radius[other]),
-        mass[i] * mass[other] / (mass[i] + mass[other]),
-        world.tangent, _unit(rows[other, :2] - rows[i, :2]), world.pairs,
-    )  # fmt: skip
-    walls, roller = world.walls, world.roller
-    if walls is not None:
-        part, other = neighbors.near_planes(rows, parts.bounding, skin, walls.planes)
-        near = _contacts(
-            scene, parts, (None, part, other), radius[part], mass[part],
-            walls.tangent, None, walls.contacts,
-        )  # fmt: skip
-        walls = walls._replace(contacts=near)
-    if roller is not None:
-        axis = roller.motion[0, :2]
-        part, other = neighbors.near_circle(rows, parts.bounding, skin, *axis, roller.radius)
-        near = _contacts(
-            scene, parts, (None, part, other),
-            radius[part] * roller.radius / (radius[part] + roller.radius), mass[part],
-            roller.tangent, _unit(axis - rows[part, :2]), roller.contacts,
-        )  # fmt: skip
-        roller = roller._replace(contacts=near)
-        roller.reference[:] = axis
-    world.reference[:] = rows[:, :2]
-    return world._replace(pairs=pairs, walls=walls, roller=roller)

@@ -5,5 +5,15 @@ the change of each over the coming half step, by which a dashpot sees the veloci
 Force: force (N) and torque about the centre (N m).
 """
 
+import numpy as np
+
 X, Y, VX, VY, W, DVX, DVY, DW = range(8)
 FX, FY, TAU = range(3)
+
+
+def rows(count, columns):
+    """Zeros (count, columns) that begin on a cache line: a granule's row then never straddles two."""
+    size = count * columns
+    room = np.zeros(size + 8)
+    start = -room.ctypes.data % 64 // 8
+    return room[start : start + size].reshape(count, columns)

@@ -10,7 +10,11 @@ damping c = alpha sqrt(m* k), E* and G* the effective moduli (Pa), R* and m* the
 
 import math
 
+from numba.extending import register_jitable
+
 from dem.compilation import inlined
+
+TINY = 1e-300
 
 
 @inlined
@@ -34,7 +38,7 @@ def mindlin(spring, root, last_root, stiffness, slip):
     (Thornton, Cummins and Cleary 2013, Powder Technol. 233, 30). In both directions the stored
     energy spring^2 / (2 k_t) can only fall when the overlap changes, so no contact makes energy.
     """
-    kept = min(root / last_root, 1.0)  # without a branch; infinite, so 1, for a new contact
+    kept = min(root / max(last_root, TINY), 1.0)  # without a branch; 1 for a new contact
     return spring * kept - stiffness * root * slip
 
 
@@ -56,6 +60,7 @@ def effective_shear_modulus(*materials):
     )
 
 
+@register_jitable
 def impact_overlap(mass, radius, modulus, speed):
     """Greatest overlap (m) of an elastic collision: (15 m* v^2 / (16 E* sqrt(R*)))^(2/5)."""
     return (15.0 * mass * speed**2 / (16.0 * modulus * math.sqrt(radius))) ** 0.4

@@ -14,8 +14,9 @@ from dem.errors import InputError
 from dem.packing import Bed, pack
 from dem.scene import Cylinder, Friction, Material, Scene, State, box
 from dem.shapes import SHAPES, CommonNormal, Ellipse, GeometricPotential
-from dem.simulation import Simulation
+from dem.simulation import Record, Simulation
 
+BINS_A_CALL = 20  # between two signs of progress
 METHODS = {"common_normal": CommonNormal, "geometric_potential": GeometricPotential}
 
 
@@ -80,17 +81,17 @@ def run(replicate: Replicate, bed: Bed, progress=lambda done: None) -> dict:
     )  # fmt: skip
     interval = sweep.cylinder.stroke / sweep.cylinder.velocity / record.bins
     every = record.bins // (record.snapshots - 1)
-    rows, states = [], [simulation.state]
+    records, states, done = [], [simulation.state], 0
     started = time.process_time()
-    for done in range(1, record.bins + 1):
-        step = simulation.advance(interval)
-        on_cylinder, on_walls = simulation.collect_impulses()
-        rows.append((on_cylinder / interval, on_walls / interval, simulation.look(), step))
+    while done < record.bins:
+        some = min(every - done % every, BINS_A_CALL)
+        records.append(simulation.record(interval, some))
+        done += some
         if done % every == 0:
             states.append(simulation.state)
         progress(done)
     spent = time.process_time() - started
-    values = _records(sweep, rows) | _snapshots(sweep, states, bed)
+    values = _records(sweep, records) | _snapshots(sweep, states, bed)
     modulus = effective_modulus(scene.material, scene.material)
     return values | {
         "granule_diameter": diameters(replicate),
@@ -105,24 +106,23 @@ def run(replicate: Replicate, bed: Bed, progress=lambda done: None) -> dict:
     }
 
 
-def _records(sweep, rows) -> dict:
+def _records(sweep, records) -> dict:
     edges = np.linspace(0.0, sweep.cylinder.stroke, sweep.record.bins + 1)
-    on_cylinder, on_walls, glances, steps = zip(*rows, strict=True)
-    normal, tangential = np.moveaxis(np.array(on_cylinder), 1, 0)  # each (bins, 2)
-    total = normal + tangential
+    record = Record(*map(np.concatenate, zip(*records, strict=True)))
+    total = record.normal_force + record.tangential_force
     return {
         "displacement": 0.5 * (edges[1:] + edges[:-1]),
         "displacement_bounds": np.column_stack([edges[:-1], edges[1:]]),
         "drag": -total[:, 1],
-        "drag_normal": -normal[:, 1],
-        "drag_tangential": -tangential[:, 1],
+        "drag_normal": -record.normal_force[:, 1],
+        "drag_tangential": -record.tangential_force[:, 1],
         "transverse_force": total[:, 0],
         "wall": np.array(WALLS),
-        "wall_force": np.array(on_walls).T,
-        "kinetic_energy": np.array([g.kinetic_energy for g in glances]),
-        "coordination_number": np.array([g.coordination_number for g in glances]),
-        "max_overlap": np.array([g.max_overlap for g in glances]),
-        "time_step": np.array(steps),
+        "wall_force": record.wall_force.T,
+        "kinetic_energy": record.kinetic_energy,
+        "coordination_number": record.coordination_number,
+        "max_overlap": record.max_overlap,
+        "time_step": record.time_step,
     }
 
 

@@ -10,13 +10,14 @@ import math
 
 import numpy as np
 
-from dem.assembly import Constants, relist
+from dem.assembly import Constants
 from dem.columns import FX, FY, TAU, VX, VY, W, X, Y
 from dem.compilation import compiled
 from dem.contact_law import effective_modulus
 from dem.errors import PackingError
 from dem.integrate import farthest, reorient
 from dem.kernel import forces
+from dem.listing import relist
 from dem.optional import either, optional
 from dem.survey import survey
 from dem.world import World
@@ -134,7 +135,7 @@ def longest_step(scene, parts: Constants, world: World) -> float:
     """Largest time step (s) of the minimiser: stable at overlaps of 2 % of the radius."""
     radius, modulus = parts.radius.mean(), effective_modulus(scene.material, scene.material)
     least = 0.02 * radius
-    bound = survey(world, parts.radius, parts.per, least, parts.wn, parts.wt)[3]
+    bound = survey(world, parts, least)[3]
     alone = 8.0 * modulus * math.sqrt(radius * least) * np.max(parts.wn) ** 2
     return 1.0 / math.sqrt(max(bound, alone))
 
@@ -146,7 +147,7 @@ def minimise(scene, parts: Constants, world: World, iterations: int, enough: flo
     not suffice. Raises PackingError if a position becomes infinite.
     """
     room = 0.45 * parts.skin
-    world = relist(scene, parts, world)
+    world = relist(world, parts)
     forces(world, 0.0)
     longest = longest_step(scene, parts, world)
     memory = np.array([0.1 * longest, MIXING, 0.0])
@@ -157,5 +158,5 @@ def minimise(scene, parts: Constants, world: World, iterations: int, enough: flo
         if not moved <= room:
             if not np.isfinite(world.bodies).all():
                 raise PackingError("a position became infinite while the bed was relaxed.")
-            world = relist(scene, parts, world)
+            world = relist(world, parts)
     return world, largest

@@ -8,7 +8,7 @@ positions alone. What a contact remembers is carried from the old list to the ne
 import numpy as np
 
 from dem.columns import X, Y
-from dem.compilation import compiled
+from dem.compilation import compiled, inlined
 
 
 @compiled
@@ -40,9 +40,20 @@ def cells(parts, size):
     return where, members, start, columns
 
 
+@inlined
+def sort_few(values, start, stop):
+    """Sort values[start:stop] in place, by insertion: a row of a list is short."""
+    for p in range(start + 1, stop):
+        value, q = values[p], p
+        while q > start and values[q - 1] > value:
+            values[q] = values[q - 1]
+            q -= 1
+        values[q] = value
+
+
 @compiled
 def near_pairs(parts, radius, skin, parts_per_granule):
-    """Pairs of parts of different granules closer than skin (m): (first, other) of Contacts.
+    """Pairs of parts of different granules closer than skin (m): (first, part, other) of Contacts.
 
     radius (parts,): bounding radius (m). Each pair stands once, under its lower index, partners
     in ascending order.
@@ -71,9 +82,12 @@ def near_pairs(parts, radius, skin, parts_per_granule):
                 if dx * dx + dy * dy < reach * reach:
                     other[count] = j
                     count += 1
-        other[first[i] : count].sort()
+        sort_few(other, first[i], count)
         first[i + 1] = count
-    return first, other[:count].copy()
+    part = np.empty(count, np.uint32)
+    for i in range(n):
+        part[first[i] : first[i + 1]] = i
+    return first, part, other[:count].copy()
 
 
 @compiled
@@ -106,20 +120,23 @@ def near_circle(parts, radius, skin, x, y, size):
 
 
 @compiled
-def carry_pairs(first, other, memory, old_first, old_other, old_memory):
-    """Copy what each pair remembers (rows of memory) from the old list into the new one."""
+def match_pairs(first, other, old_first, old_other):
+    """Row of each pair in the old list, -1 for a new pair."""
+    source = np.full(other.shape[0], -1, np.int64)
     for i in range(first.shape[0] - 1):
         q = old_first[i]
         for p in range(first[i], first[i + 1]):
             while q < old_first[i + 1] and old_other[q] < other[p]:
                 q += 1
             if q < old_first[i + 1] and old_other[q] == other[p]:
-                memory[p, 0], memory[p, 1] = old_memory[q, 0], old_memory[q, 1]
+                source[p] = q
+    return source
 
 
 @compiled
-def carry_listed(part, other, memory, old_part, old_other, old_memory):
+def match_listed(part, other, old_part, old_other):
     """The same for the lists of walls and cylinder."""
+    source = np.full(part.shape[0], -1, np.int64)
     q = 0
     for p in range(part.shape[0]):
         while q < old_part.shape[0] and (
@@ -127,4 +144,5 @@ def carry_listed(part, other, memory, old_part, old_other, old_memory):
         ):
             q += 1
         if q < old_part.shape[0] and old_part[q] == part[p] and old_other[q] == other[p]:
-            memory[p, 0], memory[p, 1] = old_memory[q, 0], old_memory[q, 1]
+            source[p] = q
+    return source

@@ -109,7 +109,7 @@ def _bed(scene, parts, world, width, height, net_force, seed):
             f"{name} is not at rest after {LONGEST} iterations: net force {net_force:.2g} E* R^2, "
             f"asked for {REST:g}."
         )
-    touching, overlap, part, _ = survey(world, parts.radius, parts.per, 0.0, parts.wn, parts.wt)
+    touching, overlap, part, _ = survey(world, parts, 0.0)
     position = world.bodies[:, :2].copy()
     inside = np.hypot(*(position - axis).T) < radius
     outside = ((position < 0.0) | (position > [width, height])).any(axis=1)

@@ -11,31 +11,40 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.assembly import assemble, constants, relist
+from dem.assembly import assemble, constants
 from dem.columns import VX, VY, W
-from dem.contact_law import damped_step, effective_modulus, impact_overlap
+from dem.contact_law import damped_step
 from dem.errors import InputError, OverlapError, StateError
-from dem.integrate import advance
 from dem.kernel import forces
+from dem.listing import relist
+from dem.march import LOST, OUTSIDE, TOO_DEEP, Rules, march, outside
 from dem.scene import Scene, State
-from dem.survey import kinetic, survey
+from dem.survey import Glance, look
 
-SKIN = 0.3  # of the mean bounding radius; timings are flat from 0.1 to 0.5
-MARGIN = 0.8  # share of skin / 2 that a part may move before the lists are made anew
+SKIN = 0.12  # of the mean bounding radius; timings are flat from 0.1 to 0.2
+MARGIN = 0.75  # share of skin / 2 that a part may move before the lists are made anew
 STEP_FRACTION = 0.3  # of the critical time step
 DAMPED_FRACTION = 0.5  # at most, of the critical time step with damping
 LARGEST_OVERLAP = 1.2  # of the smaller radius
 LONGEST_FLIGHT = 0.02  # of the smallest radius, in one step
 
 
-class Glance(NamedTuple):
-    """The bed at one moment; coordination number: touching pairs of parts, twice, a granule."""
+class Record(NamedTuple):
+    """What Simulation.record measures, a row for each of c intervals.
 
-    kinetic_energy: float  # J
-    fastest: float  # m/s
-    coordination_number: float
-    max_overlap: float  # over the smaller radius
-    critical_time_step: float  # s
+    normal_force, tangential_force (c, 2): mean force on the cylinder (N), its parts normal and
+    tangential to it; wall_force (c, w): mean normal force on each wall (N); kinetic_energy (c,) in
+    J, coordination_number (c,) and max_overlap (c,), over the smaller radius, at the end of the
+    interval; time_step (c,): the shortest taken (s).
+    """
+
+    normal_force: np.ndarray
+    tangential_force: np.ndarray
+    wall_force: np.ndarray
+    kinetic_energy: np.ndarray
+    coordination_number: np.ndarray
+    max_overlap: np.ndarray
+    time_step: np.ndarray
 
 
 class Result(NamedTuple):
@@ -62,7 +71,8 @@ class Simulation:
     """A scene in motion: advances in place, to be read between calls.
 
     time_step (s): fixed, or None to take `step_fraction` of the critical step of the bed as it is
-    at each call of advance and each new contact list, less where damping is strong. max_overlap: greatest allowed overlap over the smaller radius.
+    at each call of advance and each new contact list, less where damping is strong. max_overlap:
+    greatest allowed overlap over the smaller radius.
     skin: of the contact lists, over the mean bounding radius.
     """
 
@@ -87,12 +97,23 @@ class Simulation:
         self.max_overlap = max_overlap
         self.time = 0.0
         self.steps = 0
-        self._glance = None  # what look found, until something moves
         self._parts = constants(scene, skin)
-        self._room = MARGIN * 0.5 * self._parts.skin
+        self._rules = self._make_rules()
         self.world = assemble(scene, state.checked(scene.granules), self._parts)
-        self._relist()
+        self._check_inside()
+        self.world = relist(self.world, self._parts)
         forces(self.world, 0.0)
+
+    def _make_rules(self) -> Rules:
+        reach = 0.5 * self._parts.skin
+        return Rules(
+            time_step=float(self.time_step or 0.0),
+            fraction=min(self.step_fraction, DAMPED_FRACTION * damped_step(self._parts.alpha)),
+            flight=float(min(LONGEST_FLIGHT * self._parts.radius.min(), (1.0 - MARGIN) * reach)),
+            max_overlap=float(self.max_overlap),
+            room=MARGIN * reach,
+            reach=reach,
+        )
 
     # What can be read between calls
 
@@ -123,52 +144,12 @@ class Simulation:
     def look(self) -> Glance:
         """Energy, contacts and greatest overlap of the bed as it is, and its critical time step.
 
-        The critical step is 2 / omega_max without damping, bounded from below by the stiffness of
-        all contacts; pairs that are near but do not touch count with the overlap of a collision
-        at the greatest speed to be expected. Raises OverlapError where the guard on overlaps trips.
+        Raises OverlapError where the guard on overlaps trips.
         """
-        if self._glance is not None:
-            return self._glance
-        world, parts = self.world, self._parts
-        energy, fastest = kinetic(world)
-        least = self._impact(self._speed(fastest))
-        touching, overlap, part, bound = survey(
-            world, parts.radius, parts.per, least, parts.wn, parts.wt
-        )
-        if not overlap <= self.max_overlap:
-            raise OverlapError(
-                f"granule {part // parts.per} overlaps by {overlap:.3g} of the smaller radius "
-                f"{self._when()}; the limit is {self.max_overlap:g}: take a smaller time step, a "
-                "stiffer material or a lower packing fraction."
-            )
-        alone = (
-            4.0
-            * effective_modulus(self.scene.material, self.scene.material)
-            * math.sqrt(parts.radius.max() * least)
-            * np.max(parts.wt) ** 2
-        )  # a granule that meets its like
-        self._glance = Glance(
-            energy, fastest, 2.0 * touching / self.scene.granules, overlap,
-            2.0 / math.sqrt(max(bound, alone)),
-        )  # fmt: skip
-        return self._glance
-
-    def _speed(self, fastest):
-        """Greatest speed (m/s) before the lists are made anew: of granules, cylinder, and a fall."""
-        speed, world = fastest, self.world
-        if world.roller is not None:
-            speed = max(speed, math.hypot(*world.roller.motion[0, [VX, VY]]))
-        if world.gravity is not None:
-            speed = math.sqrt(speed**2 + 2.0 * math.hypot(*world.gravity) * self._parts.skin)
-        return speed
-
-    def _impact(self, speed):
-        """Overlap (m) of a collision of mean granules at a speed (m/s)."""
-        parts = self._parts
-        modulus = effective_modulus(self.scene.material, self.scene.material)
-        radius = 0.5 * parts.radius.mean()
-        overlap = impact_overlap(0.5 * parts.mass.mean(), radius, modulus, speed)
-        return max(overlap, 1e-8 * radius)
+        glance = look(self.world, self._parts)
+        if not glance.max_overlap <= self.max_overlap:
+            self._fail(TOO_DEEP, glance.max_overlap, glance.deepest)
+        return glance
 
     # Motion
 
@@ -182,62 +163,63 @@ class Simulation:
             raise InputError(
                 f"duration is {duration!r}; it must be a finite time (s), not negative."
             )
-        end, shortest = self.time + duration, math.inf
-        longest = self._longest_step(self.look())
-        while True:
-            left = max(1, math.ceil((end - self.time) / longest * (1.0 - 1e-9)))
-            dt = (end - self.time) / left
-            shortest = min(shortest, dt)
-            done, moved = advance(self.world, dt, left, self._room)
-            self._glance = None
-            self.steps += done
-            self.time = end if done == left else self.time + done * dt
-            if not moved <= self._room:
-                self._check_motion(moved)
-                longest = self._longest_step(self.look())
-                self._relist()
-            if done == left:
-                return shortest
+        return self._march(duration, 1, None)
 
-    def _longest_step(self, glance):
-        if self.time_step is not None:
-            return self.time_step
-        speed = max(self._speed(glance.fastest), 1e-300)
-        flight = LONGEST_FLIGHT * self._parts.radius.min() / speed
-        fraction = min(self.step_fraction, DAMPED_FRACTION * damped_step(self._parts.alpha))
-        return min(fraction * glance.critical_time_step, flight)
+    def record(self, interval: float, count: int) -> Record:
+        """Advance over `count` intervals (s) and measure in each; raises as advance does.
+
+        Impulses collected before are not counted, and none are left to collect.
+        """
+        self.collect_impulses()
+        walls = 0 if self.scene.walls is None else len(self.scene.walls)
+        rows = np.zeros((count, 8 + walls))
+        self._march(interval, count, rows)
+        energy, contacts, overlap, step = rows[:, :4].T
+        return Record(rows[:, 4:6], rows[:, 6:8], rows[:, 8:], energy, contacts, overlap, step)
+
+    def _march(self, interval, count, rows):
+        self.world, report = march(
+            self.world, self._parts, self._rules, self.time, interval, count, rows
+        )
+        self.time = report.time
+        self.steps += report.steps
+        if report.outcome:
+            self._fail(report.outcome, report.value, report.granule)
+        return report.shortest
 
     # Guards: between two lists no part moves by more than half the skin, so that checks at a new
     # list see every overlap before it has grown by more than the skin.
 
-    def _when(self):
-        return f"at step {self.steps}, time {self.time:.6g} s"
-
-    def _check_motion(self, moved):
+    def _fail(self, outcome, value, granule):
+        when = f"at step {self.steps}, time {self.time:.6g} s"
         lost = ~np.isfinite(self.world.bodies).all(axis=1)
         if lost.any():
             raise StateError(
-                f"the motion of granule {lost.argmax()} is not a number {self._when()}: take a "
-                "smaller time step."
-            )
-        if moved > 0.5 * self._parts.skin:
-            raise StateError(
-                f"a granule moved {moved:.3g} m before its contacts were listed again "
-                f"{self._when()}; it may move {0.5 * self._parts.skin:.3g} m: take a smaller "
+                f"the motion of granule {lost.argmax()} is not a number {when}: take a smaller "
                 "time step."
             )
+        if outcome == LOST:
+            raise StateError(
+                f"a granule moved {value:.3g} m before its contacts were listed again {when}; it "
+                f"may move {self._rules.reach:.3g} m: take a smaller time step."
+            )
+        if outcome == OUTSIDE:
+            walls = self.world.walls.planes
+            beyond = walls[:, :2] @ self.world.bodies[granule, :2] - walls[:, 2]
+            raise StateError(
+                f"granule {granule} has its centre {beyond.max():.3g} m behind wall "
+                f"{beyond.argmax()} {when}: put it inside, or take a smaller time step."
+            )
+        raise OverlapError(
+            f"granule {granule} overlaps by {value:.3g} of the smaller radius {when}; the limit is "
+            f"{self.max_overlap:g}: take a smaller time step, a stiffer material or a lower "
+            "packing fraction."
+        )
 
-    def _relist(self):
-        walls, bodies = self.world.walls, self.world.bodies
-        if walls is not None:
-            beyond = bodies[:, :2] @ walls.planes[:, :2].T - walls.planes[:, 2]
-            granule, wall = np.unravel_index(beyond.argmax(), beyond.shape)
-            if beyond[granule, wall] > 0.0:
-                raise StateError(
-                    f"granule {granule} has its centre {beyond[granule, wall]:.3g} m behind wall "
-                    f"{wall} {self._when()}: put it inside, or take a smaller time step."
-                )
-        self.world = relist(self.scene, self._parts, self.world)
+    def _check_inside(self):
+        lost = outside(self.world.walls, self.world.bodies)
+        if lost >= 0:
+            self._fail(OUTSIDE, 0.0, lost)
 
 
 def simulate(

@@ -1,14 +1,27 @@
 """One look at the bed, between steps: energy, contacts, greatest overlap, bound on the stiffness."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from dem.columns import VX, VY, W, X, Y
 from dem.compilation import compiled, inlined
+from dem.contact_law import impact_overlap
 from dem.kernel import local_stiffness, remembered
 from dem.optional import either, optional, plus
 from dem.shapes.geometry import outline, round_outline, support, touch
+
+
+class Glance(NamedTuple):
+    """The bed at one moment; coordination number: touching pairs of parts, twice, a granule."""
+
+    kinetic_energy: float  # J
+    fastest: float  # m/s
+    coordination_number: float
+    max_overlap: float  # over the smaller radius
+    deepest: int  # the granule it belongs to
+    critical_time_step: float  # s
 
 
 @optional
@@ -65,7 +78,7 @@ def survey_pairs(shape, parts, frame, contacts, tangent, radius, per, least, wn,
         for p in range(first[i], first[i + 1]):
             j = other[p]
             dx, dy = parts[j, X] - parts[i, X], parts[j, Y] - parts[i, Y]
-            guess = remembered(contacts.normals, p)
+            guess = remembered(contacts.normal_x, contacts.normal_y, p)
             hit = touch(shape, dx, dy, own, outline(shape, j, frame), guess)
             overlap = hit[0]
             if not overlap <= 0.0:
@@ -117,7 +130,7 @@ def roller_overlaps(shape, parts, frame, roller):
     for p in range(overlaps.shape[0]):
         i = contacts.part[p]
         dx, dy = roller.motion[0, X] - parts[i, X], roller.motion[0, Y] - parts[i, Y]
-        guess = remembered(contacts.normals, p)
+        guess = remembered(contacts.normal_x, contacts.normal_y, p)
         hit = touch(shape, dx, dy, outline(shape, i, frame), circle, guess)
         stiffness[p] = either(local_stiffness(hit[7], contacts.modulus), stiffness[p])
         overlaps[p] = hit[0]
@@ -137,18 +150,18 @@ def survey_roller(roller, world, radius, per, least, wn, wt, rows, worst):
 
 
 @compiled
-def survey(world, radius, per, least, wn, wt):
+def survey(world, parts, least):
     """Look at the whole bed.
 
-    radius (parts,): of each part (m); per: parts a granule; least (m): overlap that a pair in
-    the lists counts with, at least, as to stiffness; wn, wt (n,): norms (kg^-0.5) of the
-    mass-weighted normal and tangential motion at a contact, sqrt(1/m + lever^2/I).
+    parts: dem.assembly.Constants; least (m): overlap that a pair in the lists counts with, at
+    least, as to stiffness.
 
     Returns the number of touching pairs of parts, the greatest overlap over the smaller radius
     with the part it belongs to, and a bound on the squared greatest eigenfrequency (1/s2): each
     contact adds to the mass-weighted stiffness matrix a block of known norm, and no eigenvalue
     exceeds the largest sum of norms in a row (Gershgorin's theorem for blocks).
     """
+    radius, per, wn, wt = parts.radius, parts.per, parts.wn, parts.wt
     rows = np.zeros(world.bodies.shape[0])
     touching, worst = survey_pairs(
         world.shape, world.parts, world.frame, world.pairs, world.tangent,
@@ -158,3 +171,42 @@ def survey(world, radius, per, least, wn, wt):
     worst = either(survey_walls(world.walls, *look, worst), worst)
     worst = either(survey_roller(world.roller, *look, worst), worst)
     return touching, worst[0], worst[1], rows.max()
+
+
+@optional
+def fall_squared(gravity, distance):
+    """Square of the speed (m/s) that a fall over a distance (m) adds."""
+    return 2.0 * distance * math.sqrt(gravity[0] ** 2 + gravity[1] ** 2)
+
+
+@optional
+def roller_squared(roller):
+    return roller.motion[0, VX] ** 2 + roller.motion[0, VY] ** 2
+
+
+@compiled
+def expected_speed(world, parts, fastest):
+    """Greatest speed (m/s) before the lists are made anew: of granules, cylinder, and a fall."""
+    squared = max(fastest * fastest, either(roller_squared(world.roller), 0.0))
+    return math.sqrt(plus(squared, fall_squared(world.gravity, parts.skin)))
+
+
+@compiled
+def look(world, parts):
+    """Glance at the bed and its critical time step.
+
+    The critical step is 2 / omega_max without damping, bounded from below by the stiffness of all
+    contacts; pairs that are near but do not touch count with the overlap of a collision at the
+    greatest speed to be expected, and so does a granule that meets its like.
+    """
+    energy, fastest = kinetic(world)
+    speed = expected_speed(world, parts, fastest)
+    radius, mass = 0.5 * parts.mean_radius, 0.5 * parts.mean_mass
+    least = max(impact_overlap(mass, radius, parts.modulus, speed), 1e-8 * radius)
+    touching, overlap, part, bound = survey(world, parts, least)
+    alone = 4.0 * parts.modulus * math.sqrt(parts.radius.max() * least) * parts.wt.max() ** 2
+    granules = world.bodies.shape[0]
+    return Glance(
+        energy, fastest, 2.0 * touching / granules, overlap, part // parts.per,
+        2.0 / math.sqrt(max(bound, alone)),
+    )  # fmt: skip

@@ -4,6 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dem.lanes import Lanes
+
 
 class Tangent(NamedTuple):
     """Friction of one kind of contact.
@@ -20,28 +22,30 @@ class Tangent(NamedTuple):
 class Contacts(NamedTuple):
     """Pairs near enough to touch before the list is built anew, m in all.
 
-    first (parts + 1,): the partners of part i stand in rows first[i] to first[i + 1], each pair
-    once; None for walls and cylinder, where `part` (m,) names the part instead.
-    other (m,): partner: part with the higher index, or wall. stiffness (m,): 4/3 E* sqrt(R*),
-    N m^-1.5. modulus: 4/3 E*, Pa. damping (m,): alpha sqrt(m* k), or None. spring (m, 2): what a
-    frictional contact remembers, the tangential spring force (N) and the last sqrt(overlap)
-    (m^0.5), or None. normals (m, 2): last normal of two ellipses, or None.
+    part, other (m,): the part, and its partner: a part with a higher index, a wall, or 0 for the
+    cylinder. first (parts + 1,): the pairs of part i stand in rows first[i] to first[i + 1]; None
+    for walls and cylinder. stiffness (m,): 4/3 E* sqrt(R*), N m^-1.5. modulus: 4/3 E*, Pa.
+    damping (m,): alpha sqrt(m* k), or None. What a frictional contact remembers, or None: spring
+    (m,), the tangential spring force (N), and root (m,), the last sqrt(overlap) (m^0.5).
+    normal_x, normal_y (m,): last normal of two ellipses, or None.
     """
 
     first: np.ndarray | None
-    part: np.ndarray | None
+    part: np.ndarray
     other: np.ndarray
     stiffness: np.ndarray
     modulus: float
     damping: np.ndarray | None
     spring: np.ndarray | None
-    normals: np.ndarray | None
+    root: np.ndarray | None
+    normal_x: np.ndarray | None
+    normal_y: np.ndarray | None
 
 
 class Walls(NamedTuple):
     """Straight walls: planes (w, 3) rows (nx, ny, offset), solid where n.x > offset.
 
-    motion (1, 8): rows of dem.columns like those of granules, all zero: walls stand still.
+    motion (w, 8): rows of dem.columns like those of granules, all zero: walls stand still.
     impulse (w,): normal force on each wall, summed over time (N s).
     """
 
@@ -74,7 +78,7 @@ class World(NamedTuple):
     the same for their parts (the same arrays where a granule is its own only part). angle (n,)
     in rad; frame (n, 2): its cosine and sine, None for discs. inverse_mass (n,) in 1/kg,
     inverse_inertia (n,) in 1/(kg m2), None where nothing turns. gravity (2,) in m/s2, or None.
-    reference (parts, 2): positions (m) at which the contact lists were made.
+    reference (parts, 2): positions (m) at which the contact lists were made. lanes: scratch.
     """
 
     shape: tuple
@@ -92,3 +96,4 @@ class World(NamedTuple):
     walls: Walls | None
     roller: Roller | None
     gravity: np.ndarray | None
+    lanes: Lanes

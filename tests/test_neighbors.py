@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 
 from dem import Simulation
-from dem.assembly import constants, relist
+from dem.assembly import constants
+from dem.listing import relist
 from dem.neighbors import near_circle, near_pairs, near_planes
 
 
@@ -30,7 +31,8 @@ def test_pairs_are_those_of_an_all_pairs_search(bed, per):
     """Every pair closer than the skin stands in the list once, in order, and no other."""
     rows, radius, skin = bed
     n = len(rows)
-    first, other = near_pairs(rows, radius, skin, per)
+    first, part, other = near_pairs(rows, radius, skin, per)
+    assert_array_equal(part, np.repeat(np.arange(n), np.diff(first)))
     listed = [(i, j) for i in range(n) for j in other[first[i] : first[i + 1]]]
     distance = np.hypot(*(rows[:, None, :2] - rows[None, :, :2]).transpose(2, 0, 1))
     expected = [
@@ -57,11 +59,9 @@ def test_walls_and_cylinder_list_every_part_near_them(bed, angle, size):
 
 def memory(contacts):
     """What frictional contacts remember, by the pair."""
-    owner = contacts.part
-    if owner is None:
-        owner = np.repeat(np.arange(len(contacts.first) - 1), np.diff(contacts.first))
-    pairs = zip(owner, contacts.other, strict=True)
-    return {pair: tuple(row) for pair, row in zip(pairs, contacts.spring, strict=True) if any(row)}
+    pairs = zip(contacts.part, contacts.other, strict=True)
+    remembered = zip(contacts.spring, contacts.root, strict=True)
+    return {pair: row for pair, row in zip(pairs, remembered, strict=True) if any(row)}
 
 
 @pytest.mark.parametrize("kind", ["disc", "dumbbell", "ellipse"])
@@ -74,7 +74,7 @@ def test_springs_survive_a_new_list(small_bed, kind):
     before = [memory(getattr(b, "pairs", None) or b.contacts) for b in barriers]
     assert all(len(springs) > 2 for springs in before)
     for skin in (1.0, 0.01):
-        world = relist(run.scene, constants(run.scene, skin), run.world)
+        world = relist(run.world, constants(run.scene, skin))
         after = [memory(c) for c in (world.pairs, world.walls.contacts, world.roller.contacts)]
         assert after == before
 

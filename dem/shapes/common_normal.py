@@ -105,19 +105,12 @@ def deep(gap, own, other):
 
 
 def common_normal(method, dx, dy, own, other, guess):
-    reach = own[2] + other[2]
-    apart = SEPARATED, guess[0], guess[1], reach, reach, reach, reach, reach, reach
-    if dx * dx + dy * dy >= reach * reach:
-        return apart
     nx, ny = guess
     gap, slope, bend, h1, q1, rho1, h2, q2, rho2 = gap_along(dx, dy, own, other, nx, ny)
-    if gap > 0.0:
-        return apart
-    if not abs(slope) <= -method.tolerance * bend or deep(gap, own, other):
-        nx, ny = settle(dx, dy, own, other, nx, ny, method.tolerance)
-        gap, slope, bend, h1, q1, rho1, h2, q2, rho2 = gap_along(dx, dy, own, other, nx, ny)
-        if gap > 0.0:
-            return SEPARATED, nx, ny, reach, reach, reach, reach, reach, reach
+    reach = own[2] + other[2]
+    apart = gap > 0.0 or dx * dx + dy * dy >= reach * reach
+    near = abs(slope) <= -method.tolerance * bend
+    sure = apart or (near and not deep(gap, own, other))
     inverse = 1.0 / bend
     turn = -slope * inverse
     drho1 = -3.0 * rho1 * q1 / h1
@@ -125,6 +118,8 @@ def common_normal(method, dx, dy, own, other, guess):
     twist = -slope - drho1 - drho2
     turn -= 0.5 * twist * inverse * turn * turn
     gap += turn * (slope + 0.5 * turn * (bend + turn * twist / 3.0))
+    turn = turn if near and not apart else 0.0  # else the normal stays what it was
+    gap = -SEPARATED if apart else gap
     tangent = turn * (1.0 + turn * turn / 3.0)
     x, y = nx - tangent * ny, ny + tangent * nx
     scale = 1.5 - 0.5 * (x * x + y * y)  # 1/length to rounding, for turns within tolerance
@@ -134,7 +129,13 @@ def common_normal(method, dx, dy, own, other, guess):
     n2 = h2 + turn * q2 + square * (rho2 - h2) - half
     t1 = q1 + turn * (rho1 - h1) + square * (drho1 - q1)
     t2 = -(q2 + turn * (rho2 - h2) + square * (drho2 - q2))
-    return -gap, x * scale, y * scale, n1, t1, n2, t2, rho1 + turn * drho1, rho2 + turn * drho2
+    rho1 += turn * drho1
+    rho2 += turn * drho2
+    return (-gap, x * scale, y * scale, n1, t1, n2, t2, rho1, rho2), sure
 
 
-register(CommonNormal, meet=common_normal)
+def settled(method, dx, dy, own, other, guess):
+    return settle(dx, dy, own, other, guess[0], guess[1], method.tolerance)
+
+
+register(CommonNormal, meet=common_normal, find_normal=settled)

@@ -5,7 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.shapes.geometry import SEPARATED, register
+from dem.lanes import N1, N2, NX, NY, OVERLAP
+from dem.shapes.geometry import register
 
 
 class Disc(NamedTuple):
@@ -59,6 +60,7 @@ class Disc(NamedTuple):
         return self.radius[:, None, None, None] * circle
 
 
+TINY = 1e-300  # m, in place of a distance of zero
 TURNS = False  # a disc looks the same at every angle
 
 
@@ -74,18 +76,28 @@ def support(shape, own, nx, ny):
     return own, None, None
 
 
-def touch(shape, dx, dy, own, other, guess):
-    reach = own + other
-    squared = dx * dx + dy * dy
-    if squared >= reach * reach:
-        return SEPARATED, 1.0, 0.0, own, None, other, None, None
-    distance = math.sqrt(squared)
-    if distance == 0.0:  # concentric: any normal is as good
-        return reach, 1.0, 0.0, own - 0.5 * reach, None, other - 0.5 * reach, None, None
-    inverse = 1.0 / distance
-    overlap = reach - distance
+def probe(shape, dx, dy, own, other, guess):
+    distance = math.sqrt(dx * dx + dy * dy)
+    inverse = 1.0 / max(distance, TINY)
+    overlap = own + other - distance
     half = 0.5 * overlap
-    return overlap, dx * inverse, dy * inverse, own - half, None, other - half, None, None
+    nx = dx * inverse if distance > 0.0 else 1.0  # concentric: any normal is as good
+    return (overlap, nx, dy * inverse, own - half, None, other - half, None, None), None
+
+
+def save(shape, own, values, at):
+    values[at] = own
+
+
+def load(shape, values, at):
+    return values[at]
+
+
+def recall(shape, values, k):
+    return (
+        values[OVERLAP + k], values[NX + k], values[NY + k],
+        values[N1 + k], None, values[N2 + k], None, None,
+    )  # fmt: skip
 
 
 def place(shape, bodies, frame, parts):
@@ -97,6 +109,6 @@ def collect(shape, part_force, frame, force):
 
 
 register(
-    Disc, outline=outline, round_outline=round_outline, support=support, touch=touch,
-    place=place, collect=collect,
+    Disc, outline=outline, round_outline=round_outline, support=support, probe=probe,
+    save=save, load=load, recall=recall, place=place, collect=collect,
 )  # fmt: skip

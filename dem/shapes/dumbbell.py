@@ -106,5 +106,6 @@ def collect(shape, part_force, frame, force):
 
 register(
     Dumbbell, outline=outline, round_outline=disc.round_outline, support=disc.support,
-    touch=disc.touch, place=place, collect=collect,
+    probe=disc.probe, save=disc.save, load=disc.load, recall=disc.recall,
+    place=place, collect=collect,
 )  # fmt: skip

@@ -5,11 +5,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dem.lanes import N1, N2, NX, NY, OVERLAP, RADIUS, ROW, T1, T2
 from dem.optional import optional
 from dem.shapes.common_normal import CommonNormal, half_width
 from dem.shapes.disc import collect, place
 from dem.shapes.geometric_potential import GeometricPotential
-from dem.shapes.geometry import meet, register
+from dem.shapes.geometry import find_normal, meet, register
 
 COMMON_NORMAL = CommonNormal()
 
@@ -32,6 +33,11 @@ class Ellipse(NamedTuple):
         """Ellipses whose area is that of discs of the given diameter (n,) in m."""
         root = math.sqrt(aspect_ratio)
         return cls(0.5 * diameter * root, 0.5 * diameter / root, method, local_curvature)
+
+    @property
+    def guesses(self):
+        """Whether a contact remembers its normal."""
+        return isinstance(self.method, CommonNormal)
 
     @property
     def fault(self):
@@ -112,13 +118,43 @@ def support(shape, own, nx, ny):
     return h, q, flat_radius(shape.local_curvature, rho)
 
 
-def touch(shape, dx, dy, own, other, guess):
-    overlap, nx, ny, n1, t1, n2, t2, rho1, rho2 = meet(shape.method, dx, dy, own, other, guess)
+def probe(shape, dx, dy, own, other, guess):
+    hit, sure = meet(shape.method, dx, dy, own, other, guess)
+    overlap, nx, ny, n1, t1, n2, t2, rho1, rho2 = hit
     radius = effective_radius(shape.local_curvature, rho1, rho2)
-    return overlap, nx, ny, n1, t1, n2, t2, radius
+    return (overlap, nx, ny, n1, t1, n2, t2, radius), sure
+
+
+def seek(shape, dx, dy, own, other, guess):
+    return find_normal(shape.method, dx, dy, own, other, guess)
+
+
+def save(shape, own, values, at):
+    values[at] = own[0]
+    values[at + ROW] = own[1]
+    values[at + ROW + ROW] = own[2]
+    values[at + ROW + ROW + ROW] = own[3]
+
+
+def load(shape, values, at):
+    return (
+        values[at], values[at + ROW], values[at + ROW + ROW], values[at + ROW + ROW + ROW],
+    )  # fmt: skip
+
+
+@optional
+def local_radius(local_curvature, values, k):
+    return values[RADIUS + k]
+
+
+def recall(shape, values, k):
+    return (
+        values[OVERLAP + k], values[NX + k], values[NY + k], values[N1 + k], values[T1 + k],
+        values[N2 + k], values[T2 + k], local_radius(shape.local_curvature, values, k),
+    )  # fmt: skip
 
 
 register(
-    Ellipse, outline=outline, round_outline=round_outline, support=support, touch=touch,
-    place=place, collect=collect,
+    Ellipse, outline=outline, round_outline=round_outline, support=support, probe=probe,
+    seek=seek, save=save, load=load, recall=recall, place=place, collect=collect,
 )  # fmt: skip

@@ -66,23 +66,25 @@ def deepest(dx, dy, own, other, tolerance):
 
 def chord(method, dx, dy, own, other, guess):
     reach = own[2] + other[2]
+    apart = SEPARATED, 1.0, 0.0, reach, reach, reach, reach, reach, reach
     if dx * dx + dy * dy >= reach * reach:
-        return SEPARATED, 1.0, 0.0, reach, reach, reach, reach, reach, reach
+        return apart, None
     g1, x1, y1, rho1 = deepest(dx, dy, own, other, method.tolerance)
     if g1 >= 0.0:
-        return SEPARATED, 1.0, 0.0, reach, reach, reach, reach, reach, reach
+        return apart, None
     _, x2, y2, rho2 = deepest(-dx, -dy, other, own, method.tolerance)
     ex, ey = x1 - dx - x2, y1 - dy - y2  # from the point of 2 inside 1 to that of 1 inside 2
     overlap = math.sqrt(ex * ex + ey * ey)
     if overlap == 0.0:
-        return SEPARATED, 1.0, 0.0, reach, reach, reach, reach, reach, reach
+        return apart, None
     nx, ny = ex / overlap, ey / overlap
     rx, ry = x1 - 0.5 * ex, y1 - 0.5 * ey  # contact point from centre 1
     sx, sy = rx - dx, ry - dy  # and from centre 2
-    return (
+    hit = (
         overlap, nx, ny, rx * nx + ry * ny, ry * nx - rx * ny,
         -(sx * nx + sy * ny), sy * nx - sx * ny, rho1, rho2,
     )  # fmt: skip
+    return hit, None
 
 
 register(GeometricPotential, meet=chord)

@@ -13,7 +13,8 @@ the questions below. Conventions of a contact between parts 1 and 2:
 
 from numba.extending import overload
 
-from dem.compilation import INLINED
+from dem.compilation import INLINED, inlined
+from dem.optional import either, optional
 
 SEPARATED = -1.0  # overlap of parts that do not touch
 
@@ -40,17 +41,39 @@ def support(shape, own, nx, ny):
     """Where a part touches a straight line with outward normal n: (h, q, radius).
 
     h (m) is the distance of that line from the centre; q = dh/d(angle) (m) the coordinate along t
-    of the point that touches it, None for a disc; radius as in touch.
+    of the point that touches it, None for a disc; radius as in probe.
     """
 
 
 @_question
-def touch(shape, dx, dy, own, other, guess):
-    """Contact of two parts: (overlap, nx, ny, n1, t1, n2, t2, radius).
+def probe(shape, dx, dy, own, other, guess):
+    """Contact of two parts, without a branch: (hit, sure).
 
-    `guess` is a normal near the right one, what the contact remembers (None for discs); `radius`
-    the effective radius R* (m) at the contact, or None for the pair's constant.
+    hit is (overlap, nx, ny, n1, t1, n2, t2, radius), the overlap negative where the parts do not
+    touch; `guess` a normal near the right one, what the contact remembers (None for discs);
+    `radius` the effective radius R* (m) at the contact, or None for the pair's constant. `sure`
+    is False where the guess was too far off, None where that can not be.
     """
+
+
+@_question
+def seek(shape, dx, dy, own, other, guess):
+    """A guess near enough for probe, from any other."""
+
+
+@_question
+def save(shape, own, values, at):
+    """Write an outline to values[at], values[at + ROW] ... (dem.lanes)."""
+
+
+@_question
+def load(shape, values, at):
+    """The outline that save has written."""
+
+
+@_question
+def recall(shape, values, k):
+    """The hit of lane k (dem.lanes), as probe has found it."""
 
 
 @_question
@@ -70,7 +93,26 @@ def collect(shape, part_force, frame, force):
 
 @_question
 def meet(method, dx, dy, own, other, guess):
-    """Contact of two ellipses by one of the methods: as touch, with both radii of curvature last."""
+    """Contact of two ellipses by one of the methods: as probe, with both radii of curvature last."""
+
+
+@_question
+def find_normal(method, dx, dy, own, other, guess):
+    """A guess near enough for meet, from any other."""
+
+
+@inlined
+def touch(shape, dx, dy, own, other, guess):
+    """Contact of two parts: the hit of probe, from any guess."""
+    hit, sure = probe(shape, dx, dy, own, other, guess)
+    return either(_again(sure, hit, shape, dx, dy, own, other, guess), hit)
+
+
+@optional
+def _again(sure, hit, shape, dx, dy, own, other, guess):
+    if sure:
+        return hit
+    return probe(shape, dx, dy, own, other, seek(shape, dx, dy, own, other, guess))[0]
 
 
 def register(shape_class, **answers):
