@@ -10,7 +10,7 @@ from dem.contact_law import damping_from_restitution, effective_modulus, effecti
 from dem.lanes import make_lanes
 from dem.scene import Scene, State
 from dem.shapes import SHAPES
-from dem.world import Contacts, Roller, Tangent, Walls, World
+from dem.world import CHUNK, Chunks, Contacts, Roller, Tangent, Walls, World
 
 
 class Constants(NamedTuple):
@@ -89,6 +89,7 @@ def contacts(scene: Scene, parts: Constants, kind: str) -> Contacts:
         first=np.zeros(len(parts.radius) + 1, np.uint32) if kind == "granule" else None,
         part=index,
         other=index,
+        slot=index,
         stiffness=numbers,
         modulus=4.0 / 3.0 * effective_modulus(*partners(scene, boundary=kind != "granule")),
         damping=numbers if parts.alpha > 0.0 else None,
@@ -101,7 +102,7 @@ def contacts(scene: Scene, parts: Constants, kind: str) -> Contacts:
 
 def assemble(scene: Scene, state: State, parts: Constants) -> World:
     """All arrays of the kernels, with empty contact lists."""
-    n = scene.granules
+    n, index = scene.granules, np.empty(0, np.uint32)
     turns = next(turns for kind, turns in SHAPES.values() if isinstance(scene.shape, kind))
     tangents = {kind: tangent(scene, kind) for kind in ("granule", "wall", "cylinder")}
     turning = any(tangents.values()) or bool(np.any(scene.shape.normal_lever > 0.0))
@@ -138,4 +139,5 @@ def assemble(scene: Scene, state: State, parts: Constants) -> World:
         roller=roller,
         gravity=None if scene.gravity is None else np.array(scene.gravity, float),
         lanes=make_lanes(),
+        chunks=Chunks(index, index, np.zeros(0, np.int64)) if n > CHUNK else None,
     )

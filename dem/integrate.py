@@ -10,17 +10,25 @@ import math
 
 from dem.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
 from dem.compilation import compiled
-from dem.kernel import forces
-from dem.optional import optional, plus
+from dem.kernel import add_forces, greater
+from dem.optional import either, optional, plus
 from dem.shapes.common_normal import turned
+from dem.shapes.geometry import collect, place
+from dem.team import LINE, follows, portion, wait
+from dem.world import granules_of, number_of_chunks
 
 
 @optional
-def rotate(inverse_inertia, frame, angle, bodies, force, i, kick, half, dt):
+def spin_up(inverse_inertia, bodies, force, i, kick, half):
+    """New angular velocity (rad/s) of granule i."""
     alpha = force[i, TAU] * inverse_inertia[i]
-    spin = bodies[i, W] + kick * alpha
-    bodies[i, W] = spin
+    bodies[i, W] += kick * alpha
     bodies[i, DW] = half * alpha
+    return bodies[i, W]
+
+
+@optional
+def turn(spin, frame, angle, i, dt):
     angle[i] += dt * spin
     reorient(frame, i, angle[i], dt * spin)
 
@@ -29,7 +37,7 @@ def rotate(inverse_inertia, frame, angle, bodies, force, i, kick, half, dt):
 def reorient(frame, i, angle, step):
     """Cosine and sine (frame) after a last turn by `step` (rad): without trigonometry if small.
 
-    Rounding then adds up, some 1e-16 a step, until dem.assembly.relist takes them anew.
+    Rounding then adds up, some 1e-16 a step, until dem.listing.relist takes them anew.
     """
     if abs(step) < 1e-3:
         frame[i, 0], frame[i, 1] = turned(frame[i, 0], frame[i, 1], step)
@@ -43,13 +51,17 @@ def fall(gravity, axis):
 
 
 @compiled
-def drift(world, kick, dt):
-    """Kick all velocities over the time `kick` (s), move all granules over dt (s)."""
-    bodies, force = world.bodies, world.force
-    half = 0.5 * dt
-    for i in range(bodies.shape[0]):
-        ax = plus(force[i, FX] * world.inverse_mass[i], fall(world.gravity, 0))
-        ay = plus(force[i, FY] * world.inverse_mass[i], fall(world.gravity, 1))
+def drift(world, kick, dt, low, high):
+    """Kick granules low to high over the time `kick` (s), then move them over dt (s).
+
+    The last kick of all comes with dt = 0: velocities are then those of a full step.
+    """
+    bodies, force, half = world.bodies, world.force, 0.5 * dt
+    inverse_mass, gravity = world.inverse_mass, world.gravity
+    collect(world.shape, world.part_force, world.frame, force, low, high)
+    for i in range(low, high):
+        ax = plus(force[i, FX] * inverse_mass[i], fall(gravity, 0))
+        ay = plus(force[i, FY] * inverse_mass[i], fall(gravity, 1))
         vx = bodies[i, VX] + kick * ax
         vy = bodies[i, VY] + kick * ay
         bodies[i, VX] = vx
@@ -58,7 +70,9 @@ def drift(world, kick, dt):
         bodies[i, Y] += dt * vy
         bodies[i, DVX] = half * ax
         bodies[i, DVY] = half * ay
-        rotate(world.inverse_inertia, world.frame, world.angle, bodies, force, i, kick, half, dt)
+        spin = spin_up(world.inverse_inertia, bodies, force, i, kick, half)
+        turn(spin, world.frame, world.angle, i, dt)
+    place(world.shape, bodies, world.frame, world.parts, low, high)
 
 
 @compiled
@@ -73,34 +87,48 @@ def move_roller(roller, dt):
     return dx * dx + dy * dy
 
 
-@compiled
-def farthest(parts, reference, largest):
-    """Largest squared displacement (m2) since the lists were made; NaN wins."""
-    for i in range(parts.shape[0]):
-        dx = parts[i, X] - reference[i, 0]
-        dy = parts[i, Y] - reference[i, 1]
-        squared = dx * dx + dy * dy
-        if not squared <= largest:
-            largest = squared
+@optional
+def tell(team, moved):
+    """Let the others of the team know how far the own granules have moved."""
+    team.moved[LINE * team.me] = moved
+
+
+@optional
+def told(team):
+    """How far those of any have."""
+    largest = 0.0
+    for member in range(team.size):
+        largest = greater(largest, team.moved[LINE * member])
     return largest
 
 
 @compiled
-def advance(world, dt, steps, room):
+def advance(world, dt, steps, room, team):
     """Take up to `steps` steps of dt (s); stop when a part has moved farther than `room` (m).
 
+    team: None, or this thread's place among those that call this at the same time (dem.team).
     Returns the number of steps done and the largest displacement (m).
     """
-    half = 0.5 * dt
-    kick = half
-    done, moved = 0, 0.0
+    leads = not either(follows(team), False)
+    granules = world.bodies.shape[0]
+    chunks = number_of_chunks(world.chunks, granules)
+    begin, end = either(portion(team, chunks), (0, chunks))
+    kick, done, moved = 0.5 * dt, 0, 0.0
     while done < steps and moved <= room * room:
-        drift(world, kick, dt)
-        moved = move_roller(world.roller, dt)
-        forces(world, dt)
+        for chunk in range(begin, end):
+            low, high = granules_of(world.chunks, granules, chunk)
+            drift(world, kick, dt, low, high)
+        moved = move_roller(world.roller, dt) if leads else 0.0
+        wait(team)
+        moved = greater(moved, add_forces(world, dt, begin, end, leads, team))
+        tell(team, moved)
+        wait(team)
+        moved = either(told(team), moved)
         kick = dt
-        moved = farthest(world.parts, world.reference, moved)
         done += 1
     if done > 0:
-        drift(world, half, 0.0)
+        for chunk in range(begin, end):
+            low, high = granules_of(world.chunks, granules, chunk)
+            drift(world, 0.5 * dt, 0.0, low, high)
+    wait(team)
     return done, math.sqrt(moved)

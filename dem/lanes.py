@@ -30,7 +30,7 @@ def _offsets(count, step, group=1):
 # motion[offset + 4 k]: position and velocity of parts 1 and 2, spin and changes of both
 (X1, Y1, VX1, VY1, X2, Y2, VX2, VY2,
  W1, DVX1, DVY1, DW1, W2, DVX2, DVY2, DW2) = _offsets(16, 4 * BLOCK + LINE, group=4)  # fmt: skip
-ONE, TWO, THREE, FOUR, EIGHT = map(np.uint64, (1, 2, 3, 4, 8))
+ZERO, ONE, TWO, THREE, FOUR, EIGHT = map(np.uint64, (0, 1, 2, 3, 4, 8))
 
 # values[offset + k]: outlines (up to four numbers each), the contact, the forces
 (OWN, _, _, _, OTHER, _, _, _, OVERLAP, NX, NY, N1, T1, N2, T2, RADIUS, DOUBT,

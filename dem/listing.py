@@ -7,9 +7,9 @@ import numpy as np
 from dem.columns import X, Y
 from dem.compilation import compiled, inlined
 from dem.neighbors import match_listed, match_pairs, near_circle, near_pairs, near_planes
-from dem.optional import optional
+from dem.optional import either, optional
 from dem.shapes.geometry import place
-from dem.world import Contacts, Roller, Walls, World
+from dem.world import CHUNK, Chunks, Contacts, Roller, Walls, World
 
 
 @optional
@@ -47,7 +47,7 @@ def renewed(old, first, part, other, source):
     """Contacts of a new list; stiffness and damping still to be filled."""
     count = part.shape[0]
     return Contacts(
-        first, part, other, np.empty(count), old.modulus, fresh(old.damping, count),
+        first, part, other, other, np.empty(count), old.modulus, fresh(old.damping, count),
         carried(old.spring, source), carried(old.root, source),
         carried(old.normal_x, source), carried(old.normal_y, source),
     )  # fmt: skip
@@ -108,6 +108,47 @@ def refresh(frame, angle):
         frame[i, 0], frame[i, 1] = math.cos(angle[i]), math.sin(angle[i])
 
 
+@inlined
+def parcel(pairs, granules, per):
+    """Rows for the forces of pairs of two chunks: slot (m,) of dem.world.Contacts, and Chunks."""
+    parts, chunks = granules * per, (granules + CHUNK - 1) // CHUNK
+    slot = pairs.other.copy()
+    size = CHUNK * per
+    target = np.empty(slot.shape[0], np.uint32)
+    first = np.zeros(chunks + 1, np.int64)
+    count = 0
+    for p in range(slot.shape[0]):
+        home = pairs.other[p] // size
+        if home != pairs.part[p] // size:
+            slot[p], target[count] = parts + count, pairs.other[p]
+            first[home + 1] += 1
+            count += 1
+    for c in range(chunks):
+        first[c + 1] += first[c]
+    inbox, filled = np.empty(count, np.uint32), first[:-1].copy()
+    for s in range(count):
+        home = target[s] // size
+        inbox[filled[home]] = s
+        filled[home] += 1
+    return slot, Chunks(target[:count].copy(), inbox, first)
+
+
+@optional
+def chunked(old, pairs, world):
+    """Pairs, forces and chunks of a bed in pieces."""
+    granules, parts = world.bodies.shape[0], world.parts.shape[0]
+    slot, chunks = parcel(pairs, granules, parts // granules)
+    force, rows = world.part_force, parts + chunks.target.shape[0]
+    if force.shape[0] < rows:
+        force = np.zeros((rows + rows // 8, 4))
+        force[:parts] = world.part_force[:parts]
+    pairs = Contacts(
+        pairs.first, pairs.part, pairs.other, slot, pairs.stiffness, pairs.modulus, pairs.damping,
+        pairs.spring, pairs.root, pairs.normal_x, pairs.normal_y,
+    )  # fmt: skip
+    return pairs, force, chunks
+
+
 @compiled
 def relist(world, parts):
     """The world with contact lists made anew for the present positions.
@@ -116,13 +157,17 @@ def relist(world, parts):
     """
     refresh(world.frame, world.angle)
     rows = world.parts
-    place(world.shape, world.bodies, world.frame, rows)
+    place(world.shape, world.bodies, world.frame, rows, 0, world.bodies.shape[0])
     for i in range(rows.shape[0]):
         world.reference[i, 0], world.reference[i, 1] = rows[i, X], rows[i, Y]
+    pairs = list_pairs(world.pairs, rows, parts)
+    whole = pairs, world.part_force, None
+    pairs, part_force, chunks = either(chunked(world.chunks, pairs, world), whole)
+    force = part_force if parts.per == 1 else world.force  # one array where a granule is one part
     return World(
         world.shape, world.bodies, world.angle, world.frame, world.inverse_mass,
-        world.inverse_inertia, world.force, rows, world.part_force, world.reference,
-        list_pairs(world.pairs, rows, parts), world.tangent,
+        world.inverse_inertia, force, rows, part_force, world.reference,
+        pairs, world.tangent,
         list_walls(world.walls, rows, parts), list_roller(world.roller, rows, parts),
-        world.gravity, world.lanes,
+        world.gravity, world.lanes, chunks,
     )  # fmt: skip

@@ -3,12 +3,14 @@
 import math
 from typing import NamedTuple
 
+from numba.extending import overload
+
 from dem.columns import X, Y
-from dem.compilation import compiled, inlined
+from dem.compilation import INLINED, compiled, inlined
 from dem.integrate import advance
 from dem.listing import relist
 from dem.optional import optional
-from dem.survey import expected_speed, look
+from dem.survey import look
 
 FINE, LOST, TOO_DEEP, OUTSIDE = range(4)
 
@@ -41,11 +43,11 @@ class Report(NamedTuple):
 
 
 @inlined
-def longest_step(world, parts, rules, glance):
+def longest_step(rules, glance):
     if rules.time_step > 0.0:
         return rules.time_step
-    speed = max(expected_speed(world, parts, glance.fastest), 1e-300)
-    return min(rules.fraction * glance.critical_time_step, rules.flight / speed)
+    flight = rules.flight / max(glance.fastest, 1e-300)
+    return min(rules.fraction * glance.critical_time_step, flight)
 
 
 @compiled
@@ -64,54 +66,67 @@ def outside(walls, bodies):
 @optional
 def take_impulses(barrier, row, at, interval):
     """Mean forces (N) on walls or cylinder into row[at] ..., their sums back to zero."""
+    rate = 1.0 / interval
     for k in range(barrier.impulse.shape[0]):
-        row[at + k] = barrier.impulse[k] / interval
+        row[at + k] = barrier.impulse[k] * rate
         barrier.impulse[k] = 0.0
 
 
 @optional
-def measure(record, n, world, glance, interval, shortest):
+def measure(record, n, roller, walls, glance, interval, shortest):
     """Row n of the record: see Simulation.record."""
     row = record[n]
     row[0], row[1] = glance.kinetic_energy, glance.coordination_number
     row[2], row[3] = glance.max_overlap, shortest
-    take_impulses(world.roller, row, 4, interval)
-    take_impulses(world.walls, row, 8, interval)
+    take_impulses(roller, row, 4, interval)
+    take_impulses(walls, row, 8, interval)
+
+
+def step_on(crew, world, dt, steps, room):
+    """dem.integrate.advance, by a crew of threads or alone."""
+    return crew.advance(world, dt, steps, room)
+
+
+@overload(step_on, jit_options=INLINED)
+def _step_alone(crew, world, dt, steps, room):
+    return lambda crew, world, dt, steps, room: advance(world, dt, steps, room, None)
 
 
 @compiled
-def march(world, parts, rules, time, interval, intervals, record):
+def march(world, parts, rules, time, interval, intervals, record, crew):
     """Advance over a number of equal intervals (s); returns the world and a Report.
 
-    record: an array with a row for each interval, or None. The step is chosen at the start of
+    record: an array with a row for each interval, or None. crew: None, or the threads that take
+    the steps (dem.crew.Crew; this function then runs as it stands here, uncompiled). The step is chosen at the start of
     each interval and whenever the contacts are listed anew.
     """
-    steps, shortest = 0, math.inf
+    outcome, value, granule = FINE, 0.0, -1
+    steps, done, n, shortest, least = 0, 0, 0, math.inf, math.inf
+    end = time + interval
     glance = look(world, parts)
-    for n in range(intervals):
-        end, least = time + interval, math.inf
-        while time < end:
-            if not glance.max_overlap <= rules.max_overlap:
-                stop = Report(
-                    TOO_DEEP, glance.max_overlap, glance.deepest, time, steps, n, shortest
-                )
-                return world, stop
-            longest = longest_step(world, parts, rules, glance)
-            left = max(1, math.ceil((end - time) / longest * (1.0 - 1e-9)))
-            dt = (end - time) / left
-            least = min(least, dt)
-            done, moved = advance(world, dt, left, rules.room)
-            steps += done
-            time = end if done == left else time + done * dt
-            if not moved <= rules.room:
-                if not moved <= rules.reach:
-                    return world, Report(LOST, moved, -1, time, steps, n, shortest)
-                lost = outside(world.walls, world.bodies)
-                if lost >= 0:
-                    return world, Report(OUTSIDE, moved, lost, time, steps, n, shortest)
-                world = relist(world, parts)
-                glance = look(world, parts)
-        shortest = min(shortest, least)
+    while n < intervals and outcome == FINE:
+        if not glance.max_overlap <= rules.max_overlap:
+            outcome, value, granule = TOO_DEEP, glance.max_overlap, glance.deepest
+            break
+        longest = longest_step(rules, glance)
+        left = max(1, math.ceil((end - time) / longest * (1.0 - 1e-9)))
+        dt = (end - time) / left
+        least = min(least, dt)
+        done, moved = step_on(crew, world, dt, left, rules.room)
+        steps += done
+        time = end if done == left else time + done * dt
+        if not moved <= rules.room:
+            lost = outside(world.walls, world.bodies)
+            if not moved <= rules.reach:
+                outcome, value = LOST, moved
+                break
+            if lost >= 0:
+                outcome, granule = OUTSIDE, lost
+                break
+            world = relist(world, parts)
         glance = look(world, parts)
-        measure(record, n, world, glance, interval, least)
-    return world, Report(FINE, 0.0, -1, time, steps, intervals, shortest)
+        if done == left:
+            measure(record, n, world.roller, world.walls, glance, interval, least)
+            shortest = min(shortest, least)
+            n, end, least = n + 1, time + interval, math.inf
+    return world, Report(outcome, value, granule, time, steps, n, shortest)

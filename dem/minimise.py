@@ -15,7 +15,7 @@ from dem.columns import FX, FY, TAU, VX, VY, W, X, Y
 from dem.compilation import compiled
 from dem.contact_law import effective_modulus
 from dem.errors import PackingError
-from dem.integrate import farthest, reorient
+from dem.integrate import reorient
 from dem.kernel import forces
 from dem.listing import relist
 from dem.optional import either, optional
@@ -124,8 +124,7 @@ def fire(world, memory, longest, steps, room, enough):
         _, speed, push, _ = powers(world)
         mix(world, share, speed, push)
         shift(world, dt)
-        forces(world, 0.0)
-        moved = farthest(world.parts, world.reference, 0.0)
+        moved = forces(world, 0.0)
         done += 1
     memory[0], memory[1], memory[2] = dt, share, downhill
     return done, math.sqrt(moved), largest

@@ -19,8 +19,11 @@ def cells(parts, size):
     members (cells + 1,), and the number of columns. Cells never outnumber the parts fourfold.
     """
     n = parts.shape[0]
-    left, bottom = parts[:, X].min(), parts[:, Y].min()
-    width, height = parts[:, X].max() - left, parts[:, Y].max() - bottom
+    left, bottom, right, top = parts[0, X], parts[0, Y], parts[0, X], parts[0, Y]
+    for i in range(n):
+        left, right = min(left, parts[i, X]), max(right, parts[i, X])
+        bottom, top = min(bottom, parts[i, Y]), max(top, parts[i, Y])
+    width, height = right - left, top - bottom
     while (width / size + 1.0) * (height / size + 1.0) > 4.0 * n + 16.0:
         size *= 2.0
     columns = int(width / size) + 1
@@ -86,7 +89,8 @@ def near_pairs(parts, radius, skin, parts_per_granule):
         first[i + 1] = count
     part = np.empty(count, np.uint32)
     for i in range(n):
-        part[first[i] : first[i + 1]] = i
+        for p in range(first[i], first[i + 1]):
+            part[p] = i
     return first, part, other[:count].copy()
 
 
@@ -122,10 +126,11 @@ def near_circle(parts, radius, skin, x, y, size):
 @compiled
 def match_pairs(first, other, old_first, old_other):
     """Row of each pair in the old list, -1 for a new pair."""
-    source = np.full(other.shape[0], -1, np.int64)
+    source = np.empty(other.shape[0], np.int64)
     for i in range(first.shape[0] - 1):
         q = old_first[i]
         for p in range(first[i], first[i + 1]):
+            source[p] = -1
             while q < old_first[i + 1] and old_other[q] < other[p]:
                 q += 1
             if q < old_first[i + 1] and old_other[q] == other[p]:
@@ -136,9 +141,10 @@ def match_pairs(first, other, old_first, old_other):
 @compiled
 def match_listed(part, other, old_part, old_other):
     """The same for the lists of walls and cylinder."""
-    source = np.full(part.shape[0], -1, np.int64)
+    source = np.empty(part.shape[0], np.int64)
     q = 0
     for p in range(part.shape[0]):
+        source[p] = -1
         while q < old_part.shape[0] and (
             old_part[q] < part[p] or (old_part[q] == part[p] and old_other[q] < other[p])
         ):

@@ -5,6 +5,8 @@ a quantity is ``None``: its type is known while compiling, so the terms with it 
 compiled at all (a float 0.0 would stay, since 0.0 * x is not 0.0 for every x).
 """
 
+import functools
+
 from numba.core import types
 from numba.extending import overload
 
@@ -20,8 +22,12 @@ def optional(function):
     def choose(first, *rest):
         return absent if isinstance(first, types.NoneType) else function
 
-    overload(function, strict=False, jit_options=INLINED)(choose)
-    return function
+    @functools.wraps(function)
+    def present(first, *rest):
+        return None if first is None else function(first, *rest)
+
+    overload(present, strict=False, jit_options=INLINED)(choose)
+    return present
 
 
 def _by_presence(stub):

@@ -49,18 +49,29 @@ class Bed(NamedTuple):
 
 
 def scatter(shape, width, height, cylinder, rng):
-    """Random sequential addition of the bounding circles: positions (n, 2) in m."""
+    """Random sequential addition of the bounding circles: positions (n, 2) in m.
+
+    A grid of squares, none smaller than the largest circle is wide, tells who is near: the work
+    is proportional to the number of granules.
+    """
     radius = shape.bounding_radius
-    axis = np.array(cylinder.position)
+    size = max(2.0 * radius.max(), math.sqrt(width * height / len(radius)))
+    grid = {}
     position = np.empty((len(radius), 2))
     for i, r in enumerate(radius):
         for _ in range(1000):
             trial = r + (np.array([width, height]) - 2.0 * r) * rng.random(2)
-            if np.hypot(*(trial - axis)) < r + 0.5 * cylinder.diameter:
+            column, row = int(trial[0] // size), int(trial[1] // size)
+            if _blocked(trial, r, cylinder):
                 continue
-            gap = position[:i] - trial
-            if (np.einsum("ij,ij->i", gap, gap) >= (r + radius[:i]) ** 2).all():
+            near = [
+                j for c in range(column - 1, column + 2) for k in range(row - 1, row + 2)
+                for j in grid.get((c, k), ())
+            ]  # fmt: skip
+            gap = position[near] - trial
+            if (np.einsum("ij,ij->i", gap, gap) >= (r + radius[near]) ** 2).all():
                 position[i] = trial
+                grid.setdefault((column, row), []).append(i)
                 break
         else:
             raise PackingError(
@@ -70,21 +81,29 @@ def scatter(shape, width, height, cylinder, rng):
     return position
 
 
-def pack(shape, width: float, height: float, cylinder: Cylinder, seed: int) -> Bed:
+def _blocked(place, radius, cylinder):
+    if cylinder is None:
+        return False
+    return math.dist(place, cylinder.position) < radius + 0.5 * cylinder.diameter
+
+
+def pack(shape, width: float, height: float, cylinder: Cylinder | None, seed: int) -> Bed:
     """Random bed at rest of all granules of `shape` in a box of width and height (m).
 
-    The packing fraction follows from the height: see dem.config.height_of_box. Raises
+    cylinder: room is left for it; None for a bed without. The packing fraction follows from the height: see dem.config.height_of_box. Raises
     PackingError when no bed at rest is found and InputError when the cylinder does not fit.
     """
-    (x, y), half = cylinder.position, 0.5 * cylinder.diameter
-    if not (half < x < width - half and half < y < height - half):
-        raise InputError(f"the cylinder at {cylinder.position} m does not fit into the box.")
+    still, half = None, 0.0
+    if cylinder is not None:
+        (x, y), half = cylinder.position, 0.5 * cylinder.diameter
+        if not (half < x < width - half and half < y < height - half):
+            raise InputError(f"the cylinder at {cylinder.position} m does not fit into the box.")
+        still = Cylinder(cylinder.diameter, cylinder.position)
     rng = np.random.default_rng([seed, 1])
     room = width * height - math.pi * half**2
     factor = min(1.0, math.sqrt(LOOSE * room / (np.pi * (shape.bounding_radius**2).sum())))
     position = scatter(shape.scaled(factor), width, height, cylinder, rng)
     state = State(position, angle=rng.uniform(0.0, 2.0 * np.pi, len(position)))
-    still = Cylinder(cylinder.diameter, cylinder.position)
     while True:
         last = factor == 1.0
         scene = Scene(shape.scaled(factor), SOFT, walls=box(width, height), cylinder=still)
@@ -101,7 +120,8 @@ def pack(shape, width: float, height: float, cylinder: Cylinder, seed: int) -> B
 
 def _bed(scene, parts, world, width, height, net_force, seed):
     """The finished bed, if it is one."""
-    radius, axis = 0.5 * scene.cylinder.diameter, scene.cylinder.position
+    cylinder = scene.cylinder
+    radius = 0.0 if cylinder is None else 0.5 * cylinder.diameter
     fraction = scene.shape.area.sum() / (width * height - math.pi * radius**2)
     name = f"the bed at packing fraction {fraction:.4g} (seed {seed})"
     if not net_force <= REST:
@@ -111,9 +131,9 @@ def _bed(scene, parts, world, width, height, net_force, seed):
         )
     touching, overlap, part, _ = survey(world, parts, 0.0)
     position = world.bodies[:, :2].copy()
-    inside = np.hypot(*(position - axis).T) < radius
-    outside = ((position < 0.0) | (position > [width, height])).any(axis=1)
-    lost = inside | outside
+    lost = ((position < 0.0) | (position > [width, height])).any(axis=1)
+    if cylinder is not None:
+        lost |= np.hypot(*(position - cylinder.position).T) < radius
     if lost.any():
         raise PackingError(
             f"{name} cannot be made: the centre of granule {lost.argmax()} was pushed into the "

@@ -14,10 +14,12 @@ import numpy as np
 from dem.assembly import assemble, constants
 from dem.columns import VX, VY, W
 from dem.contact_law import damped_step
+from dem.crew import Crew
 from dem.errors import InputError, OverlapError, StateError
 from dem.kernel import forces
 from dem.listing import relist
 from dem.march import LOST, OUTSIDE, TOO_DEEP, Rules, march, outside
+from dem.ordering import order_of, ordered
 from dem.scene import Scene, State
 from dem.survey import Glance, look
 
@@ -84,6 +86,7 @@ class Simulation:
         step_fraction: float = STEP_FRACTION,
         max_overlap: float = LARGEST_OVERLAP,
         skin: float = SKIN,
+        threads: int = 1,
     ):
         if time_step is not None and not (math.isfinite(time_step) and time_step > 0.0):
             raise InputError(f"time_step is {time_step!r}; it must be a positive number (s).")
@@ -91,15 +94,22 @@ class Simulation:
         for name, (value, most) in (limits | {"skin": (skin, 100.0)}).items():
             if not 0.0 < value <= most:
                 raise InputError(f"{name} is {value!r}; it must lie above 0 and up to {most:g}.")
+        if not (isinstance(threads, int) and threads > 0):
+            raise InputError(f"threads is {threads!r}; it must be a positive whole number.")
         self.scene = scene
+        self._crew = Crew(threads) if threads > 1 else None
         self.time_step = time_step
         self.step_fraction = step_fraction
         self.max_overlap = max_overlap
         self.time = 0.0
         self.steps = 0
+        state = state.checked(scene.granules)
+        self._order = order_of(scene, state)
+        if self._order is not None:
+            scene, state = ordered(scene, state, self._order)
         self._parts = constants(scene, skin)
         self._rules = self._make_rules()
-        self.world = assemble(scene, state.checked(scene.granules), self._parts)
+        self.world = assemble(scene, state, self._parts)
         self._check_inside()
         self.world = relist(self.world, self._parts)
         forces(self.world, 0.0)
@@ -120,13 +130,11 @@ class Simulation:
     @property
     def state(self) -> State:
         """Copies of position (m), velocity (m/s), angle (rad) and angular velocity (rad/s)."""
-        bodies = self.world.bodies
-        return State(
-            bodies[:, :2].copy(),
-            bodies[:, [VX, VY]],
-            self.world.angle.copy(),
-            bodies[:, W].copy(),
-        )
+        bodies, angle = self.world.bodies, self.world.angle
+        if self._order is not None:
+            back = np.argsort(self._order)
+            bodies, angle = bodies[back], angle[back]
+        return State(bodies[:, :2].copy(), bodies[:, [VX, VY]], angle.copy(), bodies[:, W].copy())
 
     def collect_impulses(self):
         """Impulses since the last call, in N s: on the cylinder (2, 2), on the walls (w,).
@@ -149,7 +157,7 @@ class Simulation:
         glance = look(self.world, self._parts)
         if not glance.max_overlap <= self.max_overlap:
             self._fail(TOO_DEEP, glance.max_overlap, glance.deepest)
-        return glance
+        return glance._replace(deepest=self._name(glance.deepest))
 
     # Motion
 
@@ -178,8 +186,9 @@ class Simulation:
         return Record(rows[:, 4:6], rows[:, 6:8], rows[:, 8:], energy, contacts, overlap, step)
 
     def _march(self, interval, count, rows):
-        self.world, report = march(
-            self.world, self._parts, self._rules, self.time, interval, count, rows
+        run = march if self._crew is None else march.py_func
+        self.world, report = run(
+            self.world, self._parts, self._rules, self.time, interval, count, rows, self._crew
         )
         self.time = report.time
         self.steps += report.steps
@@ -190,12 +199,16 @@ class Simulation:
     # Guards: between two lists no part moves by more than half the skin, so that checks at a new
     # list see every overlap before it has grown by more than the skin.
 
+    def _name(self, granule):
+        """The user's number of a granule."""
+        return granule if self._order is None else int(self._order[granule])
+
     def _fail(self, outcome, value, granule):
         when = f"at step {self.steps}, time {self.time:.6g} s"
         lost = ~np.isfinite(self.world.bodies).all(axis=1)
         if lost.any():
             raise StateError(
-                f"the motion of granule {lost.argmax()} is not a number {when}: take a smaller "
+                f"the motion of granule {self._name(lost.argmax())} is not a number {when}: take a smaller "
                 "time step."
             )
         if outcome == LOST:
@@ -207,11 +220,11 @@ class Simulation:
             walls = self.world.walls.planes
             beyond = walls[:, :2] @ self.world.bodies[granule, :2] - walls[:, 2]
             raise StateError(
-                f"granule {granule} has its centre {beyond.max():.3g} m behind wall "
+                f"granule {self._name(granule)} has its centre {beyond.max():.3g} m behind wall "
                 f"{beyond.argmax()} {when}: put it inside, or take a smaller time step."
             )
         raise OverlapError(
-            f"granule {granule} overlaps by {value:.3g} of the smaller radius {when}; the limit is "
+            f"granule {self._name(granule)} overlaps by {value:.3g} of the smaller radius {when}; the limit is "
             f"{self.max_overlap:g}: take a smaller time step, a stiffer material or a lower "
             "packing fraction."
         )

@@ -5,11 +5,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dem.blocks import remembered
 from dem.columns import VX, VY, W, X, Y
 from dem.compilation import compiled, inlined
 from dem.contact_law import impact_overlap
-from dem.kernel import local_stiffness, remembered
+from dem.kernel import greater
 from dem.optional import either, optional, plus
+from dem.response import local_stiffness
 from dem.shapes.geometry import outline, round_outline, support, touch
 
 
@@ -17,7 +19,7 @@ class Glance(NamedTuple):
     """The bed at one moment; coordination number: touching pairs of parts, twice, a granule."""
 
     kinetic_energy: float  # J
-    fastest: float  # m/s
+    fastest: float  # m/s: the greatest speed to be expected, of granules and cylinder
     coordination_number: float
     max_overlap: float  # over the smaller radius
     deepest: int  # the granule it belongs to
@@ -30,15 +32,14 @@ def spin_energy(inverse_inertia, i, spin):
 
 
 @compiled
-def kinetic(world):
+def kinetic(bodies, inverse_mass, inverse_inertia):
     """Kinetic energy (J) and greatest speed (m/s); NaN wins."""
     energy, fastest = 0.0, 0.0
-    for i in range(world.bodies.shape[0]):
-        squared = world.bodies[i, VX] ** 2 + world.bodies[i, VY] ** 2
-        energy += 0.5 * squared / world.inverse_mass[i]
-        energy = plus(energy, spin_energy(world.inverse_inertia, i, world.bodies[i, W]))
-        if not squared <= fastest:
-            fastest = squared
+    for i in range(bodies.shape[0]):
+        squared = bodies[i, VX] ** 2 + bodies[i, VY] ** 2
+        energy += 0.5 * squared / inverse_mass[i]
+        energy = plus(energy, spin_energy(inverse_inertia, i, bodies[i, W]))
+        fastest = greater(fastest, squared)
     return energy, math.sqrt(fastest)
 
 
@@ -63,9 +64,9 @@ def add_stiffness(rows, i, j, kn, kt, wn, wt):
 def deeper(worst, overlap, i, size):
     """Greater of two relative overlaps, each with the granule it belongs to; NaN wins."""
     relative = overlap / size
-    if not relative <= worst[0]:
-        return relative, i
-    return worst
+    if relative <= worst[0] or worst[0] != worst[0]:
+        return worst
+    return relative, i
 
 
 @compiled
@@ -184,11 +185,11 @@ def roller_squared(roller):
     return roller.motion[0, VX] ** 2 + roller.motion[0, VY] ** 2
 
 
-@compiled
-def expected_speed(world, parts, fastest):
+@inlined
+def expected_speed(roller, gravity, skin, fastest):
     """Greatest speed (m/s) before the lists are made anew: of granules, cylinder, and a fall."""
-    squared = max(fastest * fastest, either(roller_squared(world.roller), 0.0))
-    return math.sqrt(plus(squared, fall_squared(world.gravity, parts.skin)))
+    squared = max(fastest * fastest, either(roller_squared(roller), 0.0))
+    return math.sqrt(plus(squared, fall_squared(gravity, skin)))
 
 
 @compiled
@@ -199,14 +200,14 @@ def look(world, parts):
     contacts; pairs that are near but do not touch count with the overlap of a collision at the
     greatest speed to be expected, and so does a granule that meets its like.
     """
-    energy, fastest = kinetic(world)
-    speed = expected_speed(world, parts, fastest)
+    energy, fastest = kinetic(world.bodies, world.inverse_mass, world.inverse_inertia)
+    speed = expected_speed(world.roller, world.gravity, parts.skin, fastest)
     radius, mass = 0.5 * parts.mean_radius, 0.5 * parts.mean_mass
     least = max(impact_overlap(mass, radius, parts.modulus, speed), 1e-8 * radius)
     touching, overlap, part, bound = survey(world, parts, least)
     alone = 4.0 * parts.modulus * math.sqrt(parts.radius.max() * least) * parts.wt.max() ** 2
     granules = world.bodies.shape[0]
     return Glance(
-        energy, fastest, 2.0 * touching / granules, overlap, part // parts.per,
+        energy, speed, 2.0 * touching / granules, overlap, part // parts.per,
         2.0 / math.sqrt(max(bound, alone)),
     )  # fmt: skip

@@ -4,7 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dem.compilation import inlined
 from dem.lanes import Lanes
+from dem.optional import either, optional
+
+CHUNK = 1024  # granules: what a chunk needs fits into the second-level cache
 
 
 class Tangent(NamedTuple):
@@ -23,7 +27,7 @@ class Contacts(NamedTuple):
     """Pairs near enough to touch before the list is built anew, m in all.
 
     part, other (m,): the part, and its partner: a part with a higher index, a wall, or 0 for the
-    cylinder. first (parts + 1,): the pairs of part i stand in rows first[i] to first[i + 1]; None
+    cylinder. slot (m,): where the force on the partner is added, see Chunks. first (parts + 1,): the pairs of part i stand in rows first[i] to first[i + 1]; None
     for walls and cylinder. stiffness (m,): 4/3 E* sqrt(R*), N m^-1.5. modulus: 4/3 E*, Pa.
     damping (m,): alpha sqrt(m* k), or None. What a frictional contact remembers, or None: spring
     (m,), the tangential spring force (N), and root (m,), the last sqrt(overlap) (m^0.5).
@@ -33,6 +37,7 @@ class Contacts(NamedTuple):
     first: np.ndarray | None
     part: np.ndarray
     other: np.ndarray
+    slot: np.ndarray
     stiffness: np.ndarray
     modulus: float
     damping: np.ndarray | None
@@ -71,6 +76,21 @@ class Roller(NamedTuple):
     impulse: np.ndarray
 
 
+class Chunks(NamedTuple):
+    """A bed in pieces of CHUNK granules, each of which one thread works on.
+
+    A pair of two chunks leaves the force on the second part in a row of its own behind those of
+    the parts in World.part_force, so that no two threads write to one place and sums have one
+    order, whatever the number of threads. target (h,): the part that each of these rows is for;
+    inbox (h,): the rows sorted by the chunk of that part; first (chunks + 1,): where in inbox
+    each chunk begins.
+    """
+
+    target: np.ndarray
+    inbox: np.ndarray
+    first: np.ndarray
+
+
 class World(NamedTuple):
     """Everything that moves, with its contacts.
 
@@ -79,6 +99,7 @@ class World(NamedTuple):
     in rad; frame (n, 2): its cosine and sine, None for discs. inverse_mass (n,) in 1/kg,
     inverse_inertia (n,) in 1/(kg m2), None where nothing turns. gravity (2,) in m/s2, or None.
     reference (parts, 2): positions (m) at which the contact lists were made. lanes: scratch.
+    chunks: None for a bed of one.
     """
 
     shape: tuple
@@ -97,3 +118,26 @@ class World(NamedTuple):
     roller: Roller | None
     gravity: np.ndarray | None
     lanes: Lanes
+    chunks: Chunks | None
+
+
+@optional
+def _chunked(chunks, granules):
+    return (granules + CHUNK - 1) // CHUNK
+
+
+@inlined
+def number_of_chunks(chunks, granules):
+    """chunks: that of the World."""
+    return either(_chunked(chunks, granules), 1)
+
+
+@optional
+def _members(chunks, granules, chunk):
+    return CHUNK * chunk, min(CHUNK * (chunk + 1), granules)
+
+
+@inlined
+def granules_of(chunks, granules, chunk):
+    """First and last (excluded) granule of a chunk."""
+    return either(_members(chunks, granules, chunk), (0, granules))

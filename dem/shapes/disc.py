@@ -100,11 +100,11 @@ def recall(shape, values, k):
     )  # fmt: skip
 
 
-def place(shape, bodies, frame, parts):
+def place(shape, bodies, frame, parts, low, high):
     pass
 
 
-def collect(shape, part_force, frame, force):
+def collect(shape, part_force, frame, force, low, high):
     pass
 
 

@@ -71,8 +71,8 @@ def outline(shape, part, frame):
     return shape.radius[part // 2]
 
 
-def place(shape, bodies, frame, parts):
-    for g in range(bodies.shape[0]):
+def place(shape, bodies, frame, parts, low, high):
+    for g in range(low, high):
         ox = shape.radius[g] * frame[g, 0]
         oy = shape.radius[g] * frame[g, 1]
         spin, dspin = bodies[g, W], bodies[g, DW]
@@ -90,8 +90,8 @@ def place(shape, bodies, frame, parts):
             parts[row, DW] = dspin
 
 
-def collect(shape, part_force, frame, force):
-    for g in range(force.shape[0]):
+def collect(shape, part_force, frame, force, low, high):
+    for g in range(low, high):
         ox = shape.radius[g] * frame[g, 0]
         oy = shape.radius[g] * frame[g, 1]
         a, b = 2 * g, 2 * g + 1

@@ -82,13 +82,13 @@ def round_outline(shape, radius):
 
 
 @_question
-def place(shape, bodies, frame, parts):
-    """Motion of the parts from that of the granules."""
+def place(shape, bodies, frame, parts, low, high):
+    """Motion of the parts of granules low to high from that of the granules."""
 
 
 @_question
-def collect(shape, part_force, frame, force):
-    """Forces (N) and torques (N m) on the granules from those on their parts."""
+def collect(shape, part_force, frame, force, low, high):
+    """Forces (N) and torques (N m) on granules low to high from those on their parts."""
 
 
 @_question

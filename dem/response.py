@@ -1,0 +1,72 @@
+"""The response of one contact: from its geometry and its slip to the forces N and T.
+
+A contact acts from part 1 to body 2 (a part, a wall or the cylinder) with N n + T t on body 2,
+n and t as in dem.shapes.geometry; N >= 0 pushes them apart, T opposes the slip.
+"""
+
+import math
+
+from dem.compilation import inlined
+from dem.contact_law import capped, damped, hertz, mindlin
+from dem.optional import either, minus, optional, plus, times
+
+
+@optional
+def local_stiffness(radius, modulus):
+    """4/3 E* sqrt(R) (N m^-1.5) for the radius of curvature at the contact."""
+    return modulus * math.sqrt(radius)
+
+
+@optional
+def damped_force(damping, p, elastic, root, rate):
+    return damped(elastic, root, damping[p], rate)
+
+
+@optional
+def dashpot(damping, p, ratio, root, slip_rate):
+    return ratio * damping[p] * math.sqrt(root) * slip_rate
+
+
+@optional
+def tangential_force(tangent, contacts, p, normal, stiffness, root, slip, slip_rate):
+    """Spring and dashpot, each within Coulomb's cap: neither can then feed energy to the slip."""
+    limit = tangent.coefficient * normal
+    stiffness = tangent.stiffness_ratio * stiffness
+    force = mindlin(contacts.spring[p], root, contacts.root[p], stiffness, slip)
+    force = capped(force, limit)
+    contacts.spring[p] = force
+    contacts.root[p] = root
+    drag = dashpot(contacts.damping, p, tangent.damping_ratio, root, slip_rate)
+    return capped(minus(force, drag), limit)
+
+
+@inlined
+def approach(one, two, hit):
+    """Velocity of body 2 relative to body 1 at the contact, along n and along t.
+
+    one, two: velocity x, y (m/s) and spin (rad/s), or their changes to the full step.
+    """
+    _, nx, ny, n1, t1, n2, t2, _ = hit
+    gx, gy = two[0] - one[0], two[1] - one[1]
+    along = plus(minus(gx * nx + gy * ny, times(t2, two[2])), times(t1, one[2]))
+    across = minus(minus(gy * nx - gx * ny, times(n2, two[2])), times(n1, one[2]))
+    return along, across
+
+
+@inlined
+def respond(contacts, tangent, p, hit, velocity, change, dt):
+    """Forces N and T (N) of contact p; T is None without friction.
+
+    velocity, change: from approach. Parts that are apart feel nothing and remember nothing: the
+    root of their overlap counts as zero, and the law does the rest.
+    """
+    overlap, radius = max(hit[0], 0.0), hit[7]
+    root = math.sqrt(overlap)
+    stiffness = either(local_stiffness(radius, contacts.modulus), contacts.stiffness[p])
+    elastic = hertz(overlap, root, stiffness)
+    rate = -(velocity[0] + change[0])
+    normal = either(damped_force(contacts.damping, p, elastic, root, rate), elastic)
+    tangential = tangential_force(
+        tangent, contacts, p, normal, stiffness, root, velocity[1] * dt, velocity[1] + change[1]
+    )
+    return normal, tangential
