@@ -3,9 +3,11 @@
     snakemake -j2                                         config/paper.yaml into results/
     snakemake -j2 --configfile config/smoke.yaml          another sweep into its own folder
     snakemake -j2 figures                                 draw again, simulate nothing
+    snakemake -j1 benchmark                               time the kernels, beside other codes
 """
 
 import sys
+from pathlib import Path
 
 from dem import config as schema
 from dem.errors import InputError
@@ -52,6 +54,7 @@ include: "rules/pack.smk"
 include: "rules/simulate.smk"
 include: "rules/combine.smk"
 include: "rules/figures.smk"
+include: "rules/benchmark.smk"
 
 
 onstart:

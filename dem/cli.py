@@ -94,6 +94,7 @@ def simulate(
     output: OutputOption,
     config: ConfigOption = PAPER,
     bed: Annotated[Path | None, typer.Option(help="Bed from dem pack; packed anew if absent.")] = None,
+    threads: Annotated[int, typer.Option(min=1, help="Useful from some thousand granules; the result stays the same.")] = 1,
 ):  # fmt: skip
     """Draw the cylinder through one bed and record the forces on it."""
     with reported():
@@ -104,7 +105,7 @@ def simulate(
         replicate = load(config).replicate(shape, density, seed)
         at_rest = drag.read_bed(bed, replicate) if bed else drag.make_bed(replicate)
         with bar(f"{shape}, {density:g} kg/m3, seed {seed}", replicate.sweep.record.bins) as update:
-            values = drag.run(replicate, at_rest, update)
+            values = drag.run(replicate, at_rest, update, threads)
         drag.write_replicate(output, replicate, values)
 
 
@@ -124,12 +125,25 @@ def combine(
 
 
 @app.command()
+def benchmark(output: OutputOption, config: ConfigOption = PAPER):
+    """Time the kernels, alone and beside other codes, on beds of the configuration."""
+    with reported():
+        from dem.benchmark.measure import measure, write_benchmark
+        from dem.config import load
+
+        sweep = load(config)
+        with bar("benchmark", 1.0) as update:
+            values = measure(sweep, progress=update)
+        write_benchmark(output, sweep, values)
+
+
+@app.command()
 def figure(
-    name: Annotated[str, typer.Argument(help="figure07, figure08, figure13, figure14 or all.")],
-    data: Annotated[Path, typer.Argument(help="drag.nc")],
+    name: Annotated[str, typer.Argument(help="figure07, figure08, figure13, figure14, all, or benchmark.")],
+    data: Annotated[Path, typer.Argument(help="drag.nc, or benchmark.nc")],
     output: Annotated[Path | None, typer.Option("-o", help="Folder; figures/ beside the data.")] = None,
 ):  # fmt: skip
-    """Draw a figure from drag.nc, as SVG and PNG."""
+    """Draw a figure from drag.nc or benchmark.nc, as SVG and PNG."""
     with reported():
         from dem.figures import draw
 
@@ -137,7 +151,7 @@ def figure(
 
 
 @app.command()
-def info(data: Annotated[Path, typer.Argument(help="drag.nc or a replicate.")]):
+def info(data: Annotated[Path, typer.Argument(help="drag.nc, a replicate or benchmark.nc.")]):
     """Print what a file holds: cases, mean drag, scatter and intervals."""
     with reported():
         from rich.console import Console

@@ -67,7 +67,7 @@ def make_scene(replicate: Replicate, bed: Bed) -> Scene:
     )
 
 
-def run(replicate: Replicate, bed: Bed, progress=lambda done: None) -> dict:
+def run(replicate: Replicate, bed: Bed, progress=lambda done: None, threads: int = 1) -> dict:
     """Draw the cylinder over its stroke; returns the variables of a replicate by name.
 
     progress is called with the number of bins done. Raises RunError where the run fails.
@@ -77,7 +77,7 @@ def run(replicate: Replicate, bed: Bed, progress=lambda done: None) -> dict:
     numerics = sweep.numerics
     simulation = Simulation(
         scene, State(bed.position, angle=bed.angle),
-        numerics.time_step, numerics.step_fraction, numerics.max_overlap,
+        numerics.time_step, numerics.step_fraction, numerics.max_overlap, threads=threads,
     )  # fmt: skip
     interval = sweep.cylinder.stroke / sweep.cylinder.velocity / record.bins
     every = record.bins // (record.snapshots - 1)

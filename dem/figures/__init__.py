@@ -27,6 +27,8 @@ FIGURES = {
     "figure14": ("Mean drag by density of the granules", _two_densities),
 }
 
+BENCHMARK = "benchmark"  # drawn from benchmark.nc, all others from drag.nc
+
 
 def possible(sweep) -> list[str]:
     """Names of the figures that the cases of a sweep suffice for."""
@@ -37,13 +39,18 @@ def possible(sweep) -> list[str]:
 def draw(name: str, data: Path, folder: Path) -> list[Path]:
     """Draw a figure, or "all", from drag.nc into a folder; returns the files, SVG and PNG.
 
-    Of all, those that the cases suffice for. Raises InputError if there is nothing to draw.
+    Of all, those that the cases suffice for; not "benchmark", which is drawn from benchmark.nc.
+    Raises InputError if there is nothing to draw.
     """
     from dem.combine import open_combined
     from dem.figures.style import save
 
+    if name == BENCHMARK:
+        return _draw_benchmark(data, Path(folder))
     if name != "all" and name not in FIGURES:
-        raise InputError(f"figure is {name!r}; there are {', '.join(FIGURES)} and all.")
+        raise InputError(
+            f"figure is {name!r}; there are {', '.join(FIGURES)}, {BENCHMARK} and all."
+        )
     files, faults = [], []
     with open_combined(data) as dataset:
         for each in FIGURES if name == "all" else (name,):
@@ -56,3 +63,13 @@ def draw(name: str, data: Path, folder: Path) -> list[Path]:
     if not files:
         raise InputError("\n".join(faults))
     return files
+
+
+def _draw_benchmark(data, folder):
+    from dem.combine import open_lazily, require
+    from dem.figures.benchmark import plot
+    from dem.figures.style import save
+
+    with open_lazily(data) as dataset:
+        require(dataset, data, ("granule_steps_per_second", "variant_step_time"))
+        return save(plot(dataset.load()), folder / BENCHMARK)

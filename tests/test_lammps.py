@@ -1,0 +1,96 @@
+"""LAMMPS and this code move the same granules alike; the benchmark measures what it says."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import dem
+from dem.benchmark import lammps
+from dem.benchmark.measure import (
+    Plan,
+    compare_codes,
+    compare_motion,
+    compare_scenes,
+    write_benchmark,
+)
+from dem.benchmark.scenes import FULL, make_case
+from dem.benchmark.sizes import compare_sizes
+from dem.config import load
+
+pytestmark = pytest.mark.skipif(lammps.available() is not None, reason=str(lammps.available()))
+CONFIG = Path(__file__).parent.parent / "config/smoke.yaml"
+ELASTIC = dem.Material(restitution=1.0)
+
+
+def apart(small, steps, speed=1.0, **changes):
+    """Greatest distance between the codes over the mean radius, and that moved, after some steps."""
+    scene = small.scene(material=ELASTIC, **changes)
+    velocity = speed * np.random.default_rng(1).normal(size=small.bed.position.shape)
+    state = dem.State(small.bed.position, velocity, small.bed.angle)
+    step = 0.3 * dem.Simulation(scene, state).look().critical_time_step
+    ours = dem.Simulation(scene, state, time_step=step)
+    ours.advance(steps * step)
+    with lammps.Run(scene, state, step) as theirs:
+        theirs.advance(steps)
+        here, there = ours.state.position, theirs.position
+    size = scene.shape.bounding_radius.mean()
+    return np.abs(here - there).max() / size, np.abs(here - state.position).max() / size
+
+
+@pytest.mark.parametrize(("kind", "rounding"), [("disc", 1e-12), ("dumbbell", 1e-9)])
+def test_without_friction_and_damping_motion_agrees_to_rounding(small_bed, kind, rounding):
+    """Same equations, same method: discs differ by rounding, dumbbells by that of their angles."""
+    distance, moved = apart(small_bed(kind), 100, friction=None)
+    assert moved > 1e-3
+    assert distance < rounding
+
+
+@pytest.mark.parametrize("kind", ["disc", "dumbbell"])
+def test_with_friction_motion_differs_a_little(small_bed, kind):
+    """LAMMPS has another arm of the tangential force, and another spring when a contact unloads."""
+    distance, moved = apart(small_bed(kind), 100)
+    assert distance < 0.2 * moved
+
+
+def test_a_collision_returns_the_coefficient_of_restitution():
+    """The dashpot that LAMMPS gets is the one for which discs part at e times the speed they met."""
+    size = 1e-3
+    scene = dem.Scene(dem.Disc(np.full(2, size)), dem.Material(restitution=0.5), thickness=size)
+    state = dem.State([[0.0, 0.0], [2.001 * size, 0.0]], [[0.5, 0.0], [-0.5, 0.0]])
+    with lammps.Run(scene, state, 1e-9) as run:
+        run.advance(20_000)
+        assert run.velocity[:, 0] == pytest.approx([-0.25, 0.25], rel=1e-3)
+
+
+def test_what_lammps_has_no_equivalent_for_is_refused(small_bed):
+    """Ellipses have no Hertzian contact there."""
+    small = small_bed("ellipse")
+    with pytest.raises(dem.InputError, match="ellipse"):
+        lammps.Run(small.scene(), small.state, 1e-9)
+
+
+def test_the_benchmark_fills_its_file(small_bed, tmp_path):
+    """Every code and scene has its numbers; dem info shows them; a missing code is named."""
+    small, plan = small_bed("disc"), Plan(repeats=2, warm=2, steps=20, compared=(10,))
+    cases = {"disc": make_case(small.scene(), small.state)}
+    values = compare_codes(cases, plan)
+    rates = dict(zip(values["code"], values["granule_steps_per_second"][0], strict=True))
+    status = dict(zip(values["code"], values["code_status"], strict=True))
+    assert (rates["dem"] > 0.0).all() and (rates["LAMMPS"] > 0.0).all()
+    for code, found in rates.items():
+        assert np.isfinite(found).all() == (status[code] == "run")
+    values |= compare_scenes({FULL: cases["disc"]}, plan) | compare_motion(cases, plan)
+    values |= compare_sizes(load(CONFIG), 1, threads=(1,), tiles=(1,))
+    assert values["variant_code_size"][0] > 1000
+    assert values["trajectory_difference"][0, 0] < 1e-12
+    path = tmp_path / "benchmark.nc"
+    write_benchmark(path, load(CONFIG), values)
+    run = subprocess.run(
+        [sys.executable, "-m", "dem.cli", "info", str(path)], text=True, capture_output=True
+    )
+    assert run.returncode == 0, run.stderr
+    for word in ("LAMMPS", FULL, "YADE: not run"):
+        assert word in run.stdout

@@ -1,0 +1,84 @@
+"""Large beds: threads, the order in memory and mirrored tiles change nothing that matters."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from dem import Disc, Friction, Material, Scene, Simulation, State, box, pack
+from dem.ordering import order_of
+from dem.tiling import tiled
+from dem.world import CHUNK
+
+KINDS = {"disc": Disc}
+PITCH = 1e-3  # m
+
+
+def swarm(kind, side=40, seed=1):
+    """More granules than a chunk holds, on a grid, that fly about and collide in a box."""
+    rng = np.random.default_rng(seed)
+    n = side * side
+    assert n > CHUNK
+    grid = PITCH * (np.stack(np.meshgrid(*2 * [np.arange(side)]), -1).reshape(-1, 2) + 0.5)
+    scene = Scene(KINDS[kind](rng.uniform(0.3, 0.49, n) * PITCH), Material(2500.0, 1e9, 0.3, 0.7),
+                  Friction(), box(side * PITCH, side * PITCH), thickness=PITCH)  # fmt: skip
+    return scene, State(grid, rng.normal(size=(n, 2)), angular_velocity=rng.normal(size=n))
+
+
+def test_the_number_of_threads_changes_no_bit():
+    """One, two and three threads give the same states and the same measurements."""
+    scene, state = swarm("disc")
+    found = []
+    for threads in (1, 2, 3):
+        run = Simulation(scene, state, threads=threads)
+        record = run.record(4e-5, 5)
+        found.append((*vars(run.state).values(), *record, run.steps))
+    assert found[0][-1] > 50 and np.abs(found[0][0] - state.position).max() > 0.1 * PITCH
+    for other in found[1:]:
+        for first, second in zip(found[0], other, strict=True):
+            assert_array_equal(first, second)
+
+
+def test_a_large_bed_keeps_momentum_and_the_order_of_its_granules():
+    """Pairs of two chunks push both granules alike; results stand in the order of the input."""
+    scene, state = swarm("disc")
+    free = Scene(scene.shape, Material(2500.0, 1e9, 0.3, 1.0), Friction(), thickness=PITCH)
+    run = Simulation(free, state)
+    run.advance(1e-4)
+    m, after = free.mass[:, None], run.state
+    assert (np.abs(after.velocity - state.velocity) > 0.1).any(axis=1).sum() > 100
+    total = np.abs(m * state.velocity).sum()
+    assert_allclose((m * (after.velocity - state.velocity)).sum(axis=0), 0.0, atol=1e-12 * total)
+    order = np.random.default_rng(2).permutation(free.granules)
+    shape = Disc(free.shape.radius[order])
+    fields = (value[order] for value in vars(state.checked(free.granules)).values())
+    other = Simulation(Scene(shape, free.material, Friction(), thickness=PITCH), State(*fields))
+    other.advance(1e-4)
+    assert_allclose(other.state.position, after.position[order], rtol=0.0, atol=1e-9 * PITCH)
+
+
+def test_the_order_of_memory_is_compact():
+    """Granules that follow each other in memory are near each other, however they were given."""
+    scene, state = swarm("disc", side=64)
+    state = state.checked(scene.granules)
+    shuffle = np.random.default_rng(3).permutation(scene.granules)
+    state.position[:] = state.position[shuffle]
+    order = order_of(scene, state)
+    assert_array_equal(np.sort(order), np.arange(scene.granules))
+    step = np.linalg.norm(np.diff(state.position, axis=0), axis=1).mean()
+    assert step > 20.0 * PITCH
+    step = np.linalg.norm(np.diff(state.position[order], axis=0), axis=1).mean()
+    assert step < 2.5 * PITCH
+
+
+@pytest.mark.parametrize("tiles", [(2, 1), (3, 2)])
+def test_tiles_of_a_bed_at_rest_are_at_rest(tiles):
+    """Where mirror images meet, a granule feels what it felt from the wall."""
+    sizes = np.random.default_rng(5).uniform(0.8e-3, 1.2e-3, 40)
+    height = Disc.of_size(sizes).area.sum() / 0.86 / 6e-3
+    bed = pack(Disc.of_size(sizes), 6e-3, height, None, 1)
+    shape, state, wide, high = tiled(Disc.of_size(sizes), bed, *tiles)
+    scene = Scene(shape, Material(restitution=1.0), walls=box(wide, high))
+    world = Simulation(scene, state).world
+    typical = np.abs(world.pairs.stiffness).mean() * (bed.max_overlap * 5e-4) ** 1.5
+    assert bed.coordination_number > 3.0
+    assert np.abs(world.force[:, :2]).max() < 1e-5 * typical
