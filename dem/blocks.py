@@ -84,6 +84,12 @@ def put(number, array, k):
 
 
 @optional
+def put_for(needed, number, array, k):
+    """Without friction nobody asks for the slip, without damping nobody for the rate."""
+    array[k] = number
+
+
+@optional
 def remembered(normal_x, normal_y, p):
     """The normal that contact p had last."""
     return normal_x[p], normal_y[p]
@@ -115,8 +121,10 @@ def keep(hit, contacts, p, lanes, k):
     put(t1, values, row.T1 + k)
     put(t2, values, row.T2 + k)
     put(radius, values, row.RADIUS + k)
-    values[row.ALONG + k], values[row.ACROSS + k] = velocity
-    values[row.D_ALONG + k], values[row.D_ACROSS + k] = change
+    put_for(contacts.damping, velocity[0], values, row.ALONG + k)
+    put_for(contacts.spring, velocity[1], values, row.ACROSS + k)
+    put_for(contacts.damping, change[0], values, row.D_ALONG + k)
+    put_for(contacts.spring, change[1], values, row.D_ACROSS + k)
     remember(contacts.normal_x, contacts.normal_y, p, nx, ny)
 
 

@@ -96,4 +96,4 @@ def _scenes(axes, times) -> None:
     axes.grid(axis="x", visible=True)
     axes.set_xlim(0.0, limit)
     axes.set_xlabel("Time of one step of one granule (ns)")
-    axes.set_title("This code: a scene pays only for what it contains", loc="left")
+    axes.set_title("This code, with more and with less in the scene", loc="left")
