@@ -26,7 +26,8 @@ def dem(*arguments):
 
 
 @pytest.mark.parametrize(
-    "verb", ["compile", "pack", "simulate", "combine", "figure", "info", "calibrate"]
+    "verb",
+    ["compile", "pack", "simulate", "combine", "benchmark", "figure", "info", "calibrate"],
 )
 def test_every_verb_has_help(verb):
     """--help explains each verb."""
