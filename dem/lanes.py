@@ -17,7 +17,7 @@ LINE = 8  # numbers between rows, so that they do not all fall on the same place
 
 
 class Lanes(NamedTuple):
-    """motion (16 BLOCK,) and values (25 BLOCK,): see the offsets below."""
+    """motion and values: rows of BLOCK lanes and a LINE of padding, see the offsets below."""
 
     motion: np.ndarray
     values: np.ndarray

@@ -75,7 +75,9 @@ class Simulation:
     time_step (s): fixed, or None to take `step_fraction` of the critical step of the bed as it is
     at each call of advance and each new contact list, less where damping is strong. max_overlap:
     greatest allowed overlap over the smaller radius.
-    skin: of the contact lists, over the mean bounding radius.
+    skin: of the contact lists, over the mean bounding radius. threads: for beds of thousands of
+    granules; the result does not depend on it. world: the arrays of the kernels, in their order
+    (dem.ordering); all else stands in the order of the scene.
     """
 
     def __init__(
@@ -167,25 +169,26 @@ class Simulation:
         The step is chosen at the start and again whenever the contacts are listed anew. Raises
         StateError or OverlapError (both RunError), naming step, time and granule.
         """
-        if not 0.0 <= duration < math.inf:
-            raise InputError(
-                f"duration is {duration!r}; it must be a finite time (s), not negative."
-            )
-        return self._march(duration, 1, None)
+        return self._march("duration", duration, 1, None)
 
     def record(self, interval: float, count: int) -> Record:
         """Advance over `count` intervals (s) and measure in each; raises as advance does.
 
         Impulses collected before are not counted, and none are left to collect.
         """
+        if interval == 0.0:
+            raise InputError("interval is 0; it must be a positive time (s).")
         self.collect_impulses()
         walls = 0 if self.scene.walls is None else len(self.scene.walls)
         rows = np.zeros((count, 8 + walls))
-        self._march(interval, count, rows)
+        self._march("interval", interval, count, rows)
+        self.look()  # the guard on overlaps, also for the end of the last interval
         energy, contacts, overlap, step = rows[:, :4].T
         return Record(rows[:, 4:6], rows[:, 6:8], rows[:, 8:], energy, contacts, overlap, step)
 
-    def _march(self, interval, count, rows):
+    def _march(self, name, interval, count, rows):
+        if not 0.0 <= interval < math.inf:
+            raise InputError(f"{name} is {interval!r}; it must be a finite time (s), not negative.")
         run = march if self._crew is None else march.py_func
         self.world, report = run(
             self.world, self._parts, self._rules, self.time, interval, count, rows, self._crew

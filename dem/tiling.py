@@ -26,6 +26,8 @@ def tiled(shape, bed: Bed, columns: int, rows: int):
             positions.append(corner + sign * bed.position)
             angles.append(bed.angle * sign[0] * sign[1])
     copies = columns * rows
-    fields = {k: np.tile(v, copies) for k, v in shape._asdict().items() if np.ndim(v)}
+    fields = {
+        k: np.tile(v, copies) for k, v in shape._asdict().items() if isinstance(v, np.ndarray)
+    }
     state = State(np.concatenate(positions), angle=np.concatenate(angles))
     return shape._replace(**fields), state, bed.width * columns, bed.height * rows

@@ -95,7 +95,8 @@ class World(NamedTuple):
     """Everything that moves, with its contacts.
 
     bodies (n, 8) and force (n, 4): rows of dem.columns for the granules; parts and part_force
-    the same for their parts (the same arrays where a granule is its own only part). angle (n,)
+    the same for their parts (the same arrays where a granule is its own only part); with chunks there are
+    more rows of forces than parts, see Chunks. angle (n,)
     in rad; frame (n, 2): its cosine and sine, None for discs. inverse_mass (n,) in 1/kg,
     inverse_inertia (n,) in 1/(kg m2), None where nothing turns. gravity (2,) in m/s2, or None.
     reference (parts, 2): positions (m) at which the contact lists were made. lanes: scratch.

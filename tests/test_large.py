@@ -4,29 +4,28 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from dem import Disc, Friction, Material, Scene, Simulation, State, box, pack
+from dem import Bed, Disc, Ellipse, Friction, Material, Scene, Simulation, State, box, pack
 from dem.ordering import order_of
 from dem.tiling import tiled
 from dem.world import CHUNK
 
-KINDS = {"disc": Disc}
 PITCH = 1e-3  # m
 
 
-def swarm(kind, side=40, seed=1):
+def swarm(side=40, seed=1):
     """More granules than a chunk holds, on a grid, that fly about and collide in a box."""
     rng = np.random.default_rng(seed)
     n = side * side
     assert n > CHUNK
     grid = PITCH * (np.stack(np.meshgrid(*2 * [np.arange(side)]), -1).reshape(-1, 2) + 0.5)
-    scene = Scene(KINDS[kind](rng.uniform(0.3, 0.49, n) * PITCH), Material(2500.0, 1e9, 0.3, 0.7),
+    scene = Scene(Disc(rng.uniform(0.3, 0.49, n) * PITCH), Material(2500.0, 1e9, 0.3, 0.7),
                   Friction(), box(side * PITCH, side * PITCH), thickness=PITCH)  # fmt: skip
     return scene, State(grid, rng.normal(size=(n, 2)), angular_velocity=rng.normal(size=n))
 
 
 def test_the_number_of_threads_changes_no_bit():
     """One, two and three threads give the same states and the same measurements."""
-    scene, state = swarm("disc")
+    scene, state = swarm()
     found = []
     for threads in (1, 2, 3):
         run = Simulation(scene, state, threads=threads)
@@ -40,7 +39,7 @@ def test_the_number_of_threads_changes_no_bit():
 
 def test_a_large_bed_keeps_momentum_and_the_order_of_its_granules():
     """Pairs of two chunks push both granules alike; results stand in the order of the input."""
-    scene, state = swarm("disc")
+    scene, state = swarm()
     free = Scene(scene.shape, Material(2500.0, 1e9, 0.3, 1.0), Friction(), thickness=PITCH)
     run = Simulation(free, state)
     run.advance(1e-4)
@@ -58,7 +57,7 @@ def test_a_large_bed_keeps_momentum_and_the_order_of_its_granules():
 
 def test_the_order_of_memory_is_compact():
     """Granules that follow each other in memory are near each other, however they were given."""
-    scene, state = swarm("disc", side=64)
+    scene, state = swarm(side=64)
     state = state.checked(scene.granules)
     shuffle = np.random.default_rng(3).permutation(scene.granules)
     state.position[:] = state.position[shuffle]
@@ -68,6 +67,15 @@ def test_the_order_of_memory_is_compact():
     assert step > 20.0 * PITCH
     step = np.linalg.norm(np.diff(state.position[order], axis=0), axis=1).mean()
     assert step < 2.5 * PITCH
+
+
+def test_tiles_keep_the_way_contacts_are_found():
+    """Of an ellipse, the sizes are repeated and nothing else."""
+    shape = Ellipse.of_size(np.full(3, 1e-3), 1.25)
+    bed = Bed(np.full((3, 2), 1e-3), np.arange(3.0), 2e-3, 2e-3, 0.0, 0.0, 0.0, 0.0)
+    large, state, *_ = tiled(shape, bed, 2, 2)
+    assert large.method == shape.method and len(large.semi_minor) == len(state.position) == 12
+    assert_array_equal(state.angle[3:6], -np.arange(3.0))
 
 
 @pytest.mark.parametrize("tiles", [(2, 1), (3, 2)])

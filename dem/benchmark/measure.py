@@ -1,6 +1,6 @@
 """The benchmark: codes side by side on the same beds, scenes that lack things, motion compared.
 
-Everything runs on one core, one after the other, in turns, so that a slow moment of the computer
+All but the comparison of threads runs on one core, one after the other, in turns, so that a slow moment of the computer
 meets all alike; every repeat starts from the same state.
 """
 
