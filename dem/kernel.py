@@ -181,6 +181,7 @@ def forces(world, dt):
     granules = world.bodies.shape[0]
     place(world.shape, world.bodies, world.frame, world.parts, 0, granules)
     chunks = number_of_chunks(world.chunks, granules)
-    moved = add_forces(world, dt, 0, chunks, True, None)
+    begin = np.int64(0)  # of the type that advance has: else all is compiled twice
+    moved = add_forces(world, dt, begin, chunks, begin == 0, None)
     collect(world.shape, world.part_force, world.frame, world.force, 0, granules)
     return moved

@@ -61,7 +61,7 @@ def set_constants(contacts, p, radius, mass, alpha):
     put_damping(contacts.damping, p, alpha, mass, stiffness)
 
 
-@compiled
+@compiled(allocates=True)
 def list_pairs(old, rows, parts):
     radius, mass = parts.radius, parts.mass
     first, part, other = near_pairs(rows, parts.bounding, parts.skin, parts.per)
@@ -149,7 +149,7 @@ def chunked(old, pairs, world):
     return pairs, force, chunks
 
 
-@compiled
+@compiled(allocates=True)
 def relist(world, parts):
     """The world with contact lists made anew for the present positions.
 

@@ -92,7 +92,7 @@ def _step_alone(crew, world, dt, steps, room):
     return lambda crew, world, dt, steps, room: advance(world, dt, steps, room, None)
 
 
-@compiled
+@compiled(allocates=True)
 def march(world, parts, rules, time, interval, intervals, record, crew):
     """Advance over a number of equal intervals (s); returns the world and a Report.
 
@@ -102,9 +102,15 @@ def march(world, parts, rules, time, interval, intervals, record, crew):
     """
     outcome, value, granule = FINE, 0.0, -1
     steps, done, n, shortest, least = 0, 0, 0, math.inf, math.inf
-    end = time + interval
-    glance = look(world, parts)
-    while n < intervals and outcome == FINE:
+    end, finished = time + interval, False
+    while True:
+        glance = look(world, parts)
+        if finished:
+            measure(record, n, world.roller, world.walls, glance, interval, least)
+            shortest = min(shortest, least)
+            n, end, least = n + 1, time + interval, math.inf
+        if n == intervals:
+            break
         if not glance.max_overlap <= rules.max_overlap:
             outcome, value, granule = TOO_DEEP, glance.max_overlap, glance.deepest
             break
@@ -114,19 +120,15 @@ def march(world, parts, rules, time, interval, intervals, record, crew):
         least = min(least, dt)
         done, moved = step_on(crew, world, dt, left, rules.room)
         steps += done
-        time = end if done == left else time + done * dt
+        finished = done == left
+        time = end if finished else time + done * dt
         if not moved <= rules.room:
-            lost = outside(world.walls, world.bodies)
+            granule = outside(world.walls, world.bodies)
             if not moved <= rules.reach:
                 outcome, value = LOST, moved
                 break
-            if lost >= 0:
-                outcome, granule = OUTSIDE, lost
+            if granule >= 0:
+                outcome = OUTSIDE
                 break
             world = relist(world, parts)
-        glance = look(world, parts)
-        if done == left:
-            measure(record, n, world.roller, world.walls, glance, interval, least)
-            shortest = min(shortest, least)
-            n, end, least = n + 1, time + interval, math.inf
     return world, Report(outcome, value, granule, time, steps, n, shortest)

@@ -11,7 +11,7 @@ from dem.columns import X, Y
 from dem.compilation import compiled, inlined
 
 
-@compiled
+@compiled(allocates=True)
 def cells(parts, size):
     """Sort parts into square cells of the given size (m): counting sort.
 
@@ -54,7 +54,7 @@ def sort_few(values, start, stop):
         values[q] = value
 
 
-@compiled
+@compiled(allocates=True)
 def near_pairs(parts, radius, skin, parts_per_granule):
     """Pairs of parts of different granules closer than skin (m): (first, part, other) of Contacts.
 
@@ -94,7 +94,7 @@ def near_pairs(parts, radius, skin, parts_per_granule):
     return first, part, other[:count].copy()
 
 
-@compiled
+@compiled(allocates=True)
 def near_planes(parts, radius, skin, planes):
     """Parts closer than skin (m) to each wall: (part, other) of Contacts, by part, then by wall."""
     part = np.empty(parts.shape[0] * planes.shape[0], np.uint32)
@@ -109,7 +109,7 @@ def near_planes(parts, radius, skin, planes):
     return part[:count].copy(), other[:count].copy()
 
 
-@compiled
+@compiled(allocates=True)
 def near_circle(parts, radius, skin, x, y, size):
     """Parts closer than skin (m) to a circle of radius size (m) at x, y: (part, other)."""
     part = np.empty(parts.shape[0], np.uint32)
@@ -123,7 +123,7 @@ def near_circle(parts, radius, skin, x, y, size):
     return part[:count].copy(), np.zeros(count, np.uint32)
 
 
-@compiled
+@compiled(allocates=True)
 def match_pairs(first, other, old_first, old_other):
     """Row of each pair in the old list, -1 for a new pair."""
     source = np.empty(other.shape[0], np.int64)
@@ -138,7 +138,7 @@ def match_pairs(first, other, old_first, old_other):
     return source
 
 
-@compiled
+@compiled(allocates=True)
 def match_listed(part, other, old_part, old_other):
     """The same for the lists of walls and cylinder."""
     source = np.empty(part.shape[0], np.int64)

@@ -106,7 +106,7 @@ def survey_listed(barrier, overlaps, stiffness, radius, per, least, wn, wt, rows
     return worst
 
 
-@compiled
+@compiled(allocates=True)
 def wall_overlaps(shape, parts, frame, walls):
     """Overlap (m; negative: a gap) and stiffness (N m^-1.5) of each listed contact with a wall."""
     contacts = walls.contacts
@@ -121,7 +121,7 @@ def wall_overlaps(shape, parts, frame, walls):
     return overlaps, stiffness
 
 
-@compiled
+@compiled(allocates=True)
 def roller_overlaps(shape, parts, frame, roller):
     """Overlap (m) and stiffness (N m^-1.5) of each listed contact with the cylinder."""
     contacts = roller.contacts
@@ -150,7 +150,7 @@ def survey_roller(roller, world, radius, per, least, wn, wt, rows, worst):
     return survey_listed(roller, overlaps, stiffness, radius, per, least, wn, wt, rows, worst)
 
 
-@compiled
+@compiled(allocates=True)
 def survey(world, parts, least):
     """Look at the whole bed.
 
@@ -192,7 +192,7 @@ def expected_speed(roller, gravity, skin, fastest):
     return math.sqrt(plus(squared, fall_squared(gravity, skin)))
 
 
-@compiled
+@compiled(allocates=True)
 def look(world, parts):
     """Glance at the bed and its critical time step.
 
