@@ -1,7 +1,8 @@
-"""The layout of every netCDF file, in one table; writing is atomic, reading is checked.
+"""netCDF files: the layout of replicates, in one table; writing is atomic, reading is checked.
 
 CF-1.11, SI units. A replicate holds one run over `displacement`; drag.nc holds the same
-variables over (case, seed, displacement).
+variables over (case, seed, displacement). Studies keep tables of the same form beside them
+(dem.benchmark.layout, dem.accuracy.layout).
 """
 
 import os
@@ -53,36 +54,15 @@ VARIABLES = {
     "density": ((), "kg m-3", "density of the granules"),
     "diameter": ((), "m", "mean volume diameter of the granules"),
     "granules": ((), "1", "number of granules"),
-    # dem benchmark
-    "scene": (("scene",), None, "granules of the bed that the codes run side by side"),
-    "code": (("code",), None, "program"),
-    "code_status": (("code",), None, "whether the program ran, or why not"),
-    "granule_steps_per_second": (("scene", "code", "repeat"), "s-1", "granules times time steps over the time taken, on one core"),
-    "time_per_contact": (("scene", "code"), "s", "median time of a step over the number of touching pairs of parts"),
-    "scene_granules": (("scene",), "1", "number of granules"),
-    "scene_contacts": (("scene",), "1", "number of touching pairs of parts of granules at the start"),
-    "scene_pairs": (("scene",), "1", "number of pairs in our contact list at the start"),
-    "scene_time_step": (("scene",), "s", "time step of all programs"),
-    "variant": (("variant",), None, "what the scene holds"),
-    "variant_step_time": (("variant", "repeat"), "s", "time of one step of one granule, contacts held as they are"),
-    "variant_ratio": (("variant",), "1", "median of that time over that of the first scene"),
-    "variant_code_size": (("variant",), "1", "bytes of machine code of one step with all that it calls"),
-    "size": (("size",), "1", "number of discs of a bed of mirrored tiles, with friction and damping, without a cylinder"),
-    "threads": (("threads",), "1", "number of threads"),
-    "size_step_time": (("size", "threads", "repeat"), "s", "time of one step of one granule, contacts listed anew as needed"),
-    "size_memory": (("size",), "byte", "memory of all arrays of the kernels over the number of granules"),
-    "comparison": (("comparison",), None, "undamped bed that two programs move from the same start"),
-    "comparison_steps": (("comparison_steps",), "1", "time steps from the start"),
-    "trajectory_difference": (("comparison", "comparison_steps"), "1", "greatest distance of a granule between LAMMPS and ours over the mean radius"),
 }  # fmt: skip
 
 WALLS = ("left", "right", "bottom", "top")
 MEANS = ("drag", "drag_normal", "drag_tangential", "transverse_force", "wall_force")
 
 
-def attributes(name: str) -> dict:
+def attributes(name: str, layout: dict = VARIABLES) -> dict:
     """CF attributes of a variable."""
-    _, units, long_name = VARIABLES[name]
+    _, units, long_name = layout[name]
     found = {"long_name": long_name, "units": units}
     if name == "displacement":
         found["bounds"] = "displacement_bounds"
@@ -122,12 +102,12 @@ def atomic(path: Path):
         part.unlink(missing_ok=True)
 
 
-def write(path: Path, values: dict, attrs: dict) -> None:
-    """Write one packing or replicate: values by the names of VARIABLES, atomically."""
+def write(path: Path, values: dict, attrs: dict, layout: dict = VARIABLES) -> None:
+    """Write one file: values by the names of a table like VARIABLES, atomically."""
     with atomic(path) as part, netCDF4.Dataset(part, "w") as file:
         file.setncatts(attrs)
         for name, value in values.items():
-            dims = VARIABLES[name][0]
+            dims = layout[name][0]
             array = np.asarray(value)
             for dim, size in zip(dims, array.shape, strict=True):
                 if dim not in file.dimensions:
@@ -138,7 +118,7 @@ def write(path: Path, values: dict, attrs: dict) -> None:
                 file.createDimension(f"{name}_length", array.dtype.itemsize // 4)
                 kind, dims = "S1", (*dims, f"{name}_length")
             variable = file.createVariable(name, kind, dims, **options)
-            variable.setncatts(attributes(name))
+            variable.setncatts(attributes(name, layout))
             if kind == "S1":
                 variable._Encoding = "utf-8"
             variable[...] = str(array) if kind is str else array

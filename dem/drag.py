@@ -67,18 +67,23 @@ def make_scene(replicate: Replicate, bed: Bed) -> Scene:
     )
 
 
+def start(replicate: Replicate, bed: Bed, threads: int = 1) -> Simulation:
+    """The bed at rest with the cylinder at its start; raises RunError where that can not be."""
+    numerics = replicate.sweep.numerics
+    return Simulation(
+        make_scene(replicate, bed), State(bed.position, angle=bed.angle),
+        numerics.time_step, numerics.step_fraction, numerics.max_overlap, threads=threads,
+    )  # fmt: skip
+
+
 def run(replicate: Replicate, bed: Bed, progress=lambda done: None, threads: int = 1) -> dict:
     """Draw the cylinder over its stroke; returns the variables of a replicate by name.
 
     progress is called with the number of bins done. Raises RunError where the run fails.
     """
     sweep, record = replicate.sweep, replicate.sweep.record
-    scene = make_scene(replicate, bed)
-    numerics = sweep.numerics
-    simulation = Simulation(
-        scene, State(bed.position, angle=bed.angle),
-        numerics.time_step, numerics.step_fraction, numerics.max_overlap, threads=threads,
-    )  # fmt: skip
+    simulation = start(replicate, bed, threads)
+    material = simulation.scene.material
     interval = sweep.cylinder.stroke / sweep.cylinder.velocity / record.bins
     every = record.bins // (record.snapshots - 1)
     records, states, done = [], [simulation.state], 0
@@ -92,11 +97,11 @@ def run(replicate: Replicate, bed: Bed, progress=lambda done: None, threads: int
         progress(done)
     spent = time.process_time() - started
     values = _records(sweep, records) | _snapshots(sweep, states, bed)
-    modulus = effective_modulus(scene.material, scene.material)
+    modulus = effective_modulus(material, material)
     return values | {
         "granule_diameter": diameters(replicate),
         "box_height": bed.height,
-        "packing_pressure": bed.pressure * modulus / scene.thickness,
+        "packing_pressure": bed.pressure * modulus / simulation.scene.thickness,
         "packing_coordination_number": bed.coordination_number,
         "packing_net_force": bed.net_force,
         "packing_max_overlap": bed.max_overlap,

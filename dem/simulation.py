@@ -75,6 +75,7 @@ class Simulation:
     time_step (s): fixed, or None to take `step_fraction` of the critical step of the bed as it is
     at each call of advance and each new contact list, less where damping is strong. max_overlap:
     greatest allowed overlap over the smaller radius.
+    rules: how steps are chosen and where a run stops (dem.march.Rules), made from these options.
     skin: of the contact lists, over the mean bounding radius. threads: for beds of thousands of
     granules; the result does not depend on it. world: the arrays of the kernels, in their order
     (dem.ordering); all else stands in the order of the scene.
@@ -96,7 +97,7 @@ class Simulation:
         for name, (value, most) in (limits | {"skin": (skin, 100.0)}).items():
             if not 0.0 < value <= most:
                 raise InputError(f"{name} is {value!r}; it must lie above 0 and up to {most:g}.")
-        if not (isinstance(threads, int) and threads > 0):
+        if not (isinstance(threads, int | np.integer) and threads > 0):
             raise InputError(f"threads is {threads!r}; it must be a positive whole number.")
         self.scene = scene
         self._crew = Crew(threads) if threads > 1 else None
@@ -110,7 +111,7 @@ class Simulation:
         if self._order is not None:
             scene, state = ordered(scene, state, self._order)
         self._parts = constants(scene, skin)
-        self._rules = self._make_rules()
+        self.rules = self._make_rules()
         self.world = assemble(scene, state, self._parts)
         self._check_inside()
         self.world = relist(self.world, self._parts)
@@ -191,7 +192,7 @@ class Simulation:
             raise InputError(f"{name} is {interval!r}; it must be a finite time (s), not negative.")
         run = march if self._crew is None else march.py_func
         self.world, report = run(
-            self.world, self._parts, self._rules, self.time, interval, count, rows, self._crew
+            self.world, self._parts, self.rules, self.time, interval, count, rows, self._crew
         )
         self.time = report.time
         self.steps += report.steps
@@ -217,7 +218,7 @@ class Simulation:
         if outcome == LOST:
             raise StateError(
                 f"a granule moved {value:.3g} m before its contacts were listed again {when}; it "
-                f"may move {self._rules.reach:.3g} m: take a smaller time step."
+                f"may move {self.rules.reach:.3g} m: take a smaller time step."
             )
         if outcome == OUTSIDE:
             walls = self.world.walls.planes

@@ -15,6 +15,7 @@ import numpy as np
 from dem import provenance
 from dem.benchmark.check import checks, differences
 from dem.benchmark.code_size import code_size
+from dem.benchmark.layout import VARIABLES
 from dem.benchmark.peers import CODES, our_seconds
 from dem.benchmark.scenes import FULL, Case, beds, variants
 from dem.benchmark.sizes import TILES, compare_sizes
@@ -149,7 +150,7 @@ def write_benchmark(path: Path, sweep: Sweep, values: dict) -> None:
         source_hash=provenance.source_hash(),
         processor=processor(),
     )
-    write(path, values, attrs)
+    write(path, values, attrs, VARIABLES)
 
 
 def processor() -> str:

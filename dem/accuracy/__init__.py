@@ -1,0 +1,1 @@
+"""Error against run time: contacts, time steps, the mean drag, replicates."""
