@@ -17,8 +17,9 @@ class Constants(NamedTuple):
     """What the lists and the surveys need of the granules and does not change.
 
     per: parts a granule; radius, bounding (parts,) in m: for Hertz's law, and of the circle that
-    holds the part; mass (parts,) in kg: of the whole granule; wn, wt (n,): norms (kg^-0.5) of the
-    mass-weighted normal and tangential motion at a contact, sqrt(1/m + lever^2/I); skin (m);
+    holds the part; mass (parts,) in kg: of the whole granule; lightest: greatest
+    1/m + lever^2/I (1/kg) of a contact; bend (n,) in 1/(kg m): how much, at most, the force 2/3 k
+    delta at a contact of normal stiffness k stiffens the rotation, over k delta; skin (m);
     alpha: dashpot constant; modulus: E* of two granules (Pa); mean_radius (m), mean_mass (kg).
     """
 
@@ -26,8 +27,8 @@ class Constants(NamedTuple):
     radius: np.ndarray
     bounding: np.ndarray
     mass: np.ndarray
-    wn: np.ndarray
-    wt: np.ndarray
+    lightest: float
+    bend: np.ndarray
     skin: float
     alpha: float
     modulus: float
@@ -45,8 +46,8 @@ def constants(scene: Scene, skin: float) -> Constants:
         radius=shape.part_radius,
         bounding=bounding,
         mass=np.repeat(scene.mass, per),
-        wn=np.sqrt(inverse_mass + shape.normal_lever**2 * inverse_inertia),
-        wt=np.sqrt(inverse_mass + shape.bounding_radius**2 * inverse_inertia),
+        lightest=float((inverse_mass + shape.bounding_radius**2 * inverse_inertia).max()),
+        bend=2.0 / 3.0 * shape.normal_bend * inverse_inertia,
         skin=float(skin * bounding.mean()),
         alpha=damping_from_restitution(scene.material.restitution),
         modulus=effective_modulus(scene.material, scene.material),
@@ -100,8 +101,8 @@ def contacts(scene: Scene, parts: Constants, kind: str) -> Contacts:
     )
 
 
-def assemble(scene: Scene, state: State, parts: Constants) -> World:
-    """All arrays of the kernels, with empty contact lists."""
+def assemble(scene: Scene, state: State, parts: Constants, accounted: bool = False) -> World:
+    """All arrays of the kernels, with empty contact lists; accounted: keep an energy ledger."""
     n, index = scene.granules, np.empty(0, np.uint32)
     turns = next(turns for kind, turns in SHAPES.values() if isinstance(scene.shape, kind))
     tangents = {kind: tangent(scene, kind) for kind in ("granule", "wall", "cylinder")}
@@ -138,6 +139,6 @@ def assemble(scene: Scene, state: State, parts: Constants) -> World:
         walls=walls,
         roller=roller,
         gravity=None if scene.gravity is None else np.array(scene.gravity, float),
-        lanes=make_lanes(),
+        lanes=make_lanes(accounted),
         chunks=Chunks(index, index, np.zeros(0, np.int64)) if n > CHUNK else None,
     )

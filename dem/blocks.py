@@ -33,7 +33,7 @@ def copy_rates(needed, rows, i, motion, k):
 @inlined
 def gather(one, two, contacts, start, stop, lanes):
     """Motion of both bodies of each contact, from rows of dem.columns one after the other."""
-    motion, _ = lanes
+    motion = lanes.motion
     rates = either(contacts.damping, contacts.spring)
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
@@ -104,7 +104,7 @@ def remember(normal_x, normal_y, p, nx, ny):
 @inlined
 def keep(hit, contacts, p, lanes, k):
     """Write contact p to lane k: the hit, and the velocity and its change at the contact."""
-    motion, values = lanes
+    motion, values = lanes.motion, lanes.values
     at = FOUR * k
     overlap, nx, ny, n1, t1, n2, t2, radius = hit
     velocity = approach(
@@ -130,7 +130,7 @@ def keep(hit, contacts, p, lanes, k):
 
 @inlined
 def inspect(shape, contacts, start, stop, lanes):
-    motion, values = lanes
+    motion, values = lanes.motion, lanes.values
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         dx, dy = spacing(motion, k)
@@ -143,7 +143,7 @@ def inspect(shape, contacts, start, stop, lanes):
 
 @inlined
 def inspect_planes(shape, contacts, start, stop, lanes):
-    motion, values = lanes
+    motion, values = lanes.motion, lanes.values
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         nx, ny = values[row.NX + k], values[row.NY + k]
@@ -162,7 +162,7 @@ def doubt(sure):
 
 @optional
 def inspect_again(normal_x, shape, contacts, start, stop, lanes):
-    motion, values = lanes
+    motion, values = lanes.motion, lanes.values
     for p in range(start, stop):
         k = np.uint64(p - start)
         if values[row.DOUBT + k] != 0.0:
@@ -180,12 +180,28 @@ def push(shape, contacts, tangent, start, stop, dt, lanes):
         hit = recall(shape, values, k)
         velocity = values[row.ALONG + k], values[row.ACROSS + k]
         change = values[row.D_ALONG + k], values[row.D_ACROSS + k]
-        n, t = respond(contacts, tangent, p, hit, velocity, change, dt)
+        n, t, damped, slid = respond(contacts, tangent, p, hit, velocity, change, dt, lanes.account)
+        put(damped, values, row.DAMPED + k)
+        put(slid, values, row.SLID + k)
         _, nx, ny, n1, t1, n2, t2, _ = hit
         values[row.PUSH_X + k] = minus(n * nx, times(t, ny))
         values[row.PUSH_Y + k] = plus(n * ny, times(t, nx))
         put(minus(times(t1, n), times(n1, t)), values, row.TWIST1 + k)
         put(minus(minus(None, times(n2, t)), times(t2, n)), values, row.TWIST2 + k)
+
+
+@optional
+def settle_account(account, damping, tangent, start, stop, values):
+    """Add up what a block of contacts has lost."""
+    for q in range(stop - start):
+        k = np.uint64(q)
+        take_loss(either(damping, tangent), account, row.LOST_DAMPED, values, row.DAMPED + k)
+        take_loss(tangent, account, row.LOST_SLID, values, row.SLID + k)
+
+
+@optional
+def take_loss(present, account, kind, values, k):
+    account[kind] += values[k]
 
 
 @optional

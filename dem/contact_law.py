@@ -34,12 +34,12 @@ def mindlin(spring, root, last_root, stiffness, slip):
     """Tangential spring force (N) after a further slip (m), against the slip.
 
     The force is what a contact remembers. Its increment is k_t slip with k_t = stiffness * root
-    = 8 G* sqrt(R* delta); while the contact unloads, the force shrinks with the contact radius
+    = 8 G* sqrt(R* delta), the mean of both ends of the step, which makes it of second order; while the contact unloads, the force shrinks with the contact radius
     (Thornton, Cummins and Cleary 2013, Powder Technol. 233, 30). In both directions the stored
     energy spring^2 / (2 k_t) can only fall when the overlap changes, so no contact makes energy.
     """
     kept = min(root / max(last_root, TINY), 1.0)  # without a branch; 1 for a new contact
-    return spring * kept - stiffness * root * slip
+    return spring * kept - stiffness * 0.5 * (root + kept * last_root) * slip
 
 
 @inlined
@@ -83,15 +83,10 @@ def restitution_from_damping(alpha):
     return math.exp(-2.0 * u / math.tanh(u)) if u > 0.0 else math.exp(-2.0)
 
 
-def damped_step(alpha):
-    """Critical time step with the dashpot over that without.
-
-    A contact's damping ratio is zeta = alpha / sqrt(6) at any overlap. The dashpot's velocity is
-    extrapolated over half a step, which by itself is stable up to dt = 1 / (2 zeta omega); the
-    expression joins that limit to 2 / omega without damping.
-    """
-    twice = 2.0 * alpha / math.sqrt(6.0)
-    return 1.0 / (math.sqrt(1.0 + twice * twice) + twice)
+@register_jitable
+def damping_ratio(alpha):
+    """Damping ratio zeta of a Hertz contact for small motion about any overlap."""
+    return alpha / math.sqrt(6.0)
 
 
 def damping_from_restitution(restitution):

@@ -13,10 +13,11 @@ from dem.blocks import (
     push,
     reaction,
     scatter,
+    settle_account,
 )  # fmt: skip
-from dem.columns import FX, FY, TAU, X, Y
+from dem.columns import FX, FY, TAU, VX, VY, X, Y
 from dem.compilation import compiled, inlined
-from dem.lanes import BLOCK, EIGHT, FOUR, ONE, TWO, ZERO
+from dem.lanes import BLOCK, EIGHT, FOUR, ONE, TWO, WORK, ZERO
 from dem.optional import optional
 from dem.prefetch import prefetch
 from dem.shapes.geometry import collect, place
@@ -62,6 +63,7 @@ def pair_contacts(
         inspect(shape, contacts, start, stop, lanes)
         inspect_again(contacts.normal_x, shape, contacts, start, stop, lanes)
         push(shape, contacts, tangent, start, stop, dt, lanes)
+        settle_account(lanes.account, contacts.damping, tangent, start, stop, lanes.values)
         scatter(contacts, start, stop, lanes.values, turns, pushes)
 
 
@@ -78,6 +80,7 @@ def wall_contacts(shape, parts, frame, walls, turns, force, dt, lanes):
         gather_planes(shape, walls.planes, frame, contacts, start, stop, lanes.values)
         inspect_planes(shape, contacts, start, stop, lanes)
         push(shape, contacts, walls.tangent, start, stop, dt, lanes)
+        settle_account(lanes.account, contacts.damping, walls.tangent, start, stop, lanes.values)
         for p in range(start, stop):
             k = np.uint64(p - start)
             wall, normal, _ = reaction(contacts, p, k, lanes.values, turns, pushes)
@@ -98,11 +101,20 @@ def roller_contacts(shape, parts, frame, roller, turns, force, dt, lanes):
         inspect(shape, contacts, start, stop, lanes)
         inspect_again(contacts.normal_x, shape, contacts, start, stop, lanes)
         push(shape, contacts, roller.tangent, start, stop, dt, lanes)
+        settle_account(lanes.account, contacts.damping, roller.tangent, start, stop, lanes.values)
         for p in range(start, stop):
             k = np.uint64(p - start)
             _, _, shares = reaction(contacts, p, k, lanes.values, turns, pushes)
             for c in range(4):
                 roller.impulse[c] += shares[c] * dt
+            put_work(lanes.account, roller.motion, shares, dt)
+
+
+@optional
+def put_work(account, motion, shares, dt):
+    """Work (J) of the cylinder on a granule: shares (N), see dem.blocks.reaction, act on it."""
+    fx, fy = shares[0] + shares[2], shares[1] + shares[3]
+    account[WORK] -= (fx * motion[0, VX] + fy * motion[0, VY]) * dt
 
 
 @optional

@@ -17,10 +17,14 @@ LINE = 8  # numbers between rows, so that they do not all fall on the same place
 
 
 class Lanes(NamedTuple):
-    """motion and values: rows of BLOCK lanes and a LINE of padding, see the offsets below."""
+    """motion and values: rows of BLOCK lanes and a LINE of padding, see the offsets below.
+
+    account: where energies (J) are summed over time (dem.energy), or None where nobody asks.
+    """
 
     motion: np.ndarray
     values: np.ndarray
+    account: np.ndarray | None
 
 
 def _offsets(count, step, group=1):
@@ -34,9 +38,15 @@ ZERO, ONE, TWO, THREE, FOUR, EIGHT = map(np.uint64, (0, 1, 2, 3, 4, 8))
 
 # values[offset + k]: outlines (up to four numbers each), the contact, the forces
 (OWN, _, _, _, OTHER, _, _, _, OVERLAP, NX, NY, N1, T1, N2, T2, RADIUS, DOUBT,
- ALONG, ACROSS, D_ALONG, D_ACROSS, PUSH_X, PUSH_Y, TWIST1, TWIST2) = _offsets(25, BLOCK + LINE)  # fmt: skip
+ ALONG, ACROSS, D_ALONG, D_ACROSS, PUSH_X, PUSH_Y, TWIST1, TWIST2,
+ DAMPED, SLID) = _offsets(27, BLOCK + LINE)  # fmt: skip
 ROW = np.uint64(BLOCK + LINE)  # from one number of an outline to the next
 
 
-def make_lanes() -> Lanes:
-    return Lanes(rows(1, 16 * (BLOCK + LINE))[0], rows(1, 25 * (BLOCK + LINE))[0])
+# account: energy (J) lost in dashpots, by sliding; work of the cylinder on the granules
+LOST_DAMPED, LOST_SLID, WORK = 0, 1, 2
+
+
+def make_lanes(accounted: bool = False) -> Lanes:
+    account = rows(1, 3)[0] if accounted else None
+    return Lanes(rows(1, 16 * (BLOCK + LINE))[0], rows(1, 27 * (BLOCK + LINE))[0], account)

@@ -134,9 +134,9 @@ def longest_step(scene, parts: Constants, world: World) -> float:
     """Largest time step (s) of the minimiser: stable at overlaps of 2 % of the radius."""
     radius, modulus = parts.radius.mean(), effective_modulus(scene.material, scene.material)
     least = 0.02 * radius
-    bound = survey(world, parts, least)[3]
-    alone = 8.0 * modulus * math.sqrt(radius * least) * np.max(parts.wn) ** 2
-    return 1.0 / math.sqrt(max(bound, alone))
+    critical = survey(world, parts, least)[3]
+    alone = 8.0 * modulus * math.sqrt(radius * least) * parts.lightest
+    return min(0.5 * critical, 1.0 / math.sqrt(alone))
 
 
 def minimise(scene, parts: Constants, world: World, iterations: int, enough: float):

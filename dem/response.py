@@ -7,7 +7,7 @@ n and t as in dem.shapes.geometry; N >= 0 pushes them apart, T opposes the slip.
 import math
 
 from dem.compilation import inlined
-from dem.contact_law import capped, damped, hertz, mindlin
+from dem.contact_law import TINY, capped, damped, hertz, mindlin
 from dem.optional import either, minus, optional, plus, times
 
 
@@ -28,16 +28,44 @@ def dashpot(damping, p, ratio, root, slip_rate):
 
 
 @optional
-def tangential_force(tangent, contacts, p, normal, stiffness, root, slip, slip_rate):
-    """Spring and dashpot, each within Coulomb's cap: neither can then feed energy to the slip."""
+def tangential_force(tangent, contacts, p, normal, stiffness, root, slip, slip_rate, account, dt):
+    """Spring and dashpot, each within Coulomb's cap: neither can then feed energy to the slip.
+
+    Returns the force (N) and the energies (J) that dashpot and sliding took, None if nobody asks.
+    """
     limit = tangent.coefficient * normal
     stiffness = tangent.stiffness_ratio * stiffness
+    stored = spring_energy(account, contacts.spring[p], stiffness * contacts.root[p])
     force = mindlin(contacts.spring[p], root, contacts.root[p], stiffness, slip)
     force = capped(force, limit)
     contacts.spring[p] = force
     contacts.root[p] = root
     drag = dashpot(contacts.damping, p, tangent.damping_ratio, root, slip_rate)
-    return capped(minus(force, drag), limit)
+    total = capped(minus(force, drag), limit)
+    left = spring_energy(account, force, stiffness * root)
+    gone = minus(stored, left)
+    return (
+        total, lost(account, total - force, slip_rate, dt),
+        plus(lost(account, force, slip_rate, dt), gone),
+    )  # fmt: skip
+
+
+@optional
+def spring_energy(account, force, stiffness):
+    """Energy (J) of a tangential spring."""
+    return 0.5 * force * force / max(stiffness, TINY)
+
+
+@optional
+def lost(account, force, rate, dt):
+    """Energy (J) that a force takes in a step: minus its work on what moves at `rate` (m/s)."""
+    return -force * rate * dt
+
+
+@optional
+def lost_normal(damping, account, excess, rate, dt):
+    """Energy (J) that the normal dashpot takes: what the force exceeds the elastic one by."""
+    return lost(account, excess, -rate, dt)
 
 
 @inlined
@@ -54,8 +82,9 @@ def approach(one, two, hit):
 
 
 @inlined
-def respond(contacts, tangent, p, hit, velocity, change, dt):
-    """Forces N and T (N) of contact p; T is None without friction.
+def respond(contacts, tangent, p, hit, velocity, change, dt, account):
+    """Forces N and T (N) of contact p, T None without friction, and energies (J) lost in dashpots
+    and by sliding, None if nobody asks.
 
     velocity, change: from approach. Parts that are apart feel nothing and remember nothing: the
     root of their overlap counts as zero, and the law does the rest.
@@ -66,7 +95,12 @@ def respond(contacts, tangent, p, hit, velocity, change, dt):
     elastic = hertz(overlap, root, stiffness)
     rate = -(velocity[0] + change[0])
     normal = either(damped_force(contacts.damping, p, elastic, root, rate), elastic)
-    tangential = tangential_force(
-        tangent, contacts, p, normal, stiffness, root, velocity[1] * dt, velocity[1] + change[1]
-    )
-    return normal, tangential
+    damped_away = lost_normal(contacts.damping, account, normal - elastic, rate, dt)
+    tangential, damped_too, slid = either(
+        tangential_force(
+            tangent, contacts, p, normal, stiffness, root, velocity[1] * dt,
+            velocity[1] + change[1], account, dt,
+        ),
+        (None, None, None),
+    )  # fmt: skip
+    return normal, tangential, plus(damped_away, damped_too), slid

@@ -8,7 +8,19 @@ import numpy as np
 from dem.blocks import remembered
 from dem.columns import VX, VY, W, X, Y
 from dem.compilation import compiled, inlined
-from dem.contact_law import impact_overlap
+from dem.contact_law import damping_ratio, impact_overlap
+from dem.critical import (
+    COLUMNS,
+    anchor,
+    couple,
+    critical_step,
+    normal_damping,
+    share,
+    shortest,
+    stiffen,
+    tangential_damping,
+    tangential_stiffness,
+)
 from dem.kernel import greater
 from dem.optional import either, optional, plus
 from dem.response import local_stiffness
@@ -43,23 +55,6 @@ def kinetic(bodies, inverse_mass, inverse_inertia):
     return energy, math.sqrt(fastest)
 
 
-@optional
-def tangential_stiffness(tangent, stiffness, root):
-    return tangent.stiffness_ratio * stiffness * root
-
-
-@inlined
-def stiff(tangent, stiffness, root):
-    """Normal and tangential stiffness (N/m) of a contact of overlap root^2."""
-    return 1.5 * stiffness * root, either(tangential_stiffness(tangent, stiffness, root), 0.0)
-
-
-@inlined
-def add_stiffness(rows, i, j, kn, kt, wn, wt):
-    rows[i] += kn * wn[i] * (wn[i] + wn[j]) + kt * wt[i] * (wt[i] + wt[j])
-    rows[j] += kn * wn[j] * (wn[i] + wn[j]) + kt * wt[j] * (wt[i] + wt[j])
-
-
 @inlined
 def deeper(worst, overlap, i, size):
     """Greater of two relative overlaps, each with the granule it belongs to; NaN wins."""
@@ -69,85 +64,138 @@ def deeper(worst, overlap, i, size):
     return relative, i
 
 
+@inlined
+def levers(bodies, parts, g, i, nx, ny, along, across):
+    """Levers (m) of the normal and of the tangential force about the centre of granule g.
+
+    The contact lies at along n + across t from the centre of part i.
+    """
+    x = parts[i, X] - bodies[g, X] + along * nx - across * ny
+    y = parts[i, Y] - bodies[g, Y] + along * ny + across * nx
+    return x * ny - y * nx, x * nx + y * ny
+
+
+@optional
+def couple_tangent(tangent, blocks, g, h, stiffness, root, damping, nx, ny, one, two):
+    k = tangential_stiffness(tangent, stiffness, root)
+    couple(blocks, g, h, k, tangential_damping(damping, tangent), -ny, nx, one, two)
+
+
+@optional
+def anchor_tangent(tangent, blocks, g, stiffness, root, damping, nx, ny, one):
+    k = tangential_stiffness(tangent, stiffness, root)
+    anchor(blocks, g, k, tangential_damping(damping, tangent), -ny, nx, one)
+
+
 @compiled
-def survey_pairs(shape, parts, frame, contacts, tangent, radius, per, least, wn, wt, rows):
+def survey_pairs(
+    shape, bodies, parts, frame, contacts, tangent, light, turns, constants, least, blocks
+):
+    """light, turns: inverse masses and inverse moments of inertia."""
     first, other = contacts.first, contacts.other
+    radius, per, bend = constants.radius, constants.per, constants.bend
     touching = 0
     worst = (0.0, 0)
     for i in range(parts.shape[0]):
         own = outline(shape, i, frame)
         for p in range(first[i], first[i + 1]):
-            j = other[p]
+            j = np.int64(other[p])
             dx, dy = parts[j, X] - parts[i, X], parts[j, Y] - parts[i, Y]
             guess = remembered(contacts.normal_x, contacts.normal_y, p)
             hit = touch(shape, dx, dy, own, outline(shape, j, frame), guess)
-            overlap = hit[0]
+            overlap, nx, ny, n1, t1, n2, t2, rho = hit
             if not overlap <= 0.0:
                 touching += 1
                 worst = deeper(worst, overlap, i, min(radius[i], radius[j]))
-            stiffness = either(local_stiffness(hit[7], contacts.modulus), contacts.stiffness[p])
-            kn, kt = stiff(tangent, stiffness, math.sqrt(max(overlap, least)))
-            add_stiffness(rows, i // per, j // per, kn, kt, wn, wt)
+            stiffness = either(local_stiffness(rho, contacts.modulus), contacts.stiffness[p])
+            root, g, h = math.sqrt(max(overlap, least)), i // per, j // per
+            apart = 0.5 * min(overlap, 0.0)  # the surfaces, not the middle of a gap
+            mine = levers(bodies, parts, g, i, nx, ny, n1 + apart, either(t1, 0.0))
+            theirs = levers(bodies, parts, h, j, nx, ny, -n2 - apart, either(t2, 0.0))
+            damping = normal_damping(contacts.damping, p, root)
+            k = 1.5 * stiffness * root
+            one, two = share(light, turns, g, mine[0]), share(light, turns, h, theirs[0])
+            couple(blocks, g, h, k, damping, nx, ny, one, two)
+            one, two = share(light, turns, g, mine[1]), share(light, turns, h, theirs[1])
+            couple_tangent(tangent, blocks, g, h, stiffness, root, damping, nx, ny, one, two)
+            stiffen(blocks, g, k, overlap, bend)
+            stiffen(blocks, h, k, overlap, bend)
     return touching, worst
 
 
 @compiled
-def survey_listed(barrier, overlaps, stiffness, radius, per, least, wn, wt, rows, worst):
-    """Walls or cylinder, with overlaps (m,) in m and stiffness (m,) from one of the two below."""
-    contacts = barrier.contacts
+def survey_listed(barrier, hits, bodies, parts, light, turns, constants, least, blocks, worst):
+    """Walls or cylinder, with hits (m, 6) from one of the two functions below."""
+    contacts, radius = barrier.contacts, constants.radius
     for p in range(contacts.part.shape[0]):
-        i = contacts.part[p]
-        if not overlaps[p] <= 0.0:
-            worst = deeper(worst, overlaps[p], np.int64(i), radius[i])
-        root = math.sqrt(max(overlaps[p], least))
-        kn, kt = stiff(barrier.tangent, stiffness[p], root)
-        g = i // per
-        rows[g] += kn * wn[g] * wn[g] + kt * wt[g] * wt[g]
+        i = np.int64(contacts.part[p])
+        g = i // constants.per
+        overlap, nx, ny, along, across, stiffness = hits[p]
+        if not overlap <= 0.0:
+            worst = deeper(worst, overlap, i, radius[i])
+        root = math.sqrt(max(overlap, least))
+        along += 0.5 * min(overlap, 0.0)
+        normal, tangential = levers(bodies, parts, g, i, nx, ny, along, across)
+        damping = normal_damping(contacts.damping, p, root)
+        k = 1.5 * stiffness * root
+        anchor(blocks, g, k, damping, nx, ny, share(light, turns, g, normal))
+        one = share(light, turns, g, tangential)
+        anchor_tangent(barrier.tangent, blocks, g, stiffness, root, damping, nx, ny, one)
+        stiffen(blocks, g, k, overlap, constants.bend)
     return worst
 
 
 @compiled(allocates=True)
-def wall_overlaps(shape, parts, frame, walls):
-    """Overlap (m; negative: a gap) and stiffness (N m^-1.5) of each listed contact with a wall."""
+def wall_hits(shape, parts, frame, walls):
+    """Rows (m, 6), one a listed contact with a wall.
+
+    Overlap (m; negative: a gap), normal, place of the contact from the part's centre along normal
+    and tangent (m), and stiffness (N m^-1.5).
+    """
     contacts = walls.contacts
-    overlaps = np.empty(contacts.part.shape[0])
-    stiffness = contacts.stiffness.copy()
-    for p in range(overlaps.shape[0]):
+    hits = np.empty((contacts.part.shape[0], 6))
+    for p in range(hits.shape[0]):
         i, k = contacts.part[p], contacts.other[p]
         nx, ny = walls.planes[k, 0], walls.planes[k, 1]
-        reach, _, rho = support(shape, outline(shape, i, frame), nx, ny)
-        stiffness[p] = either(local_stiffness(rho, contacts.modulus), stiffness[p])
-        overlaps[p] = reach + parts[i, X] * nx + parts[i, Y] * ny - walls.planes[k, 2]
-    return overlaps, stiffness
+        reach, across, rho = support(shape, outline(shape, i, frame), nx, ny)
+        overlap = reach + parts[i, X] * nx + parts[i, Y] * ny - walls.planes[k, 2]
+        stiffness = either(local_stiffness(rho, contacts.modulus), contacts.stiffness[p])
+        hits[p] = overlap, nx, ny, reach - 0.5 * overlap, either(across, 0.0), stiffness
+    return hits
 
 
 @compiled(allocates=True)
-def roller_overlaps(shape, parts, frame, roller):
-    """Overlap (m) and stiffness (N m^-1.5) of each listed contact with the cylinder."""
+def roller_hits(shape, parts, frame, roller):
+    """The same of the contacts with the cylinder."""
     contacts = roller.contacts
-    overlaps = np.empty(contacts.part.shape[0])
-    stiffness = contacts.stiffness.copy()
+    hits = np.empty((contacts.part.shape[0], 6))
     circle = round_outline(shape, roller.radius)
-    for p in range(overlaps.shape[0]):
+    for p in range(hits.shape[0]):
         i = contacts.part[p]
         dx, dy = roller.motion[0, X] - parts[i, X], roller.motion[0, Y] - parts[i, Y]
         guess = remembered(contacts.normal_x, contacts.normal_y, p)
         hit = touch(shape, dx, dy, outline(shape, i, frame), circle, guess)
-        stiffness[p] = either(local_stiffness(hit[7], contacts.modulus), stiffness[p])
-        overlaps[p] = hit[0]
-    return overlaps, stiffness
+        stiffness = either(local_stiffness(hit[7], contacts.modulus), contacts.stiffness[p])
+        hits[p] = hit[0], hit[1], hit[2], hit[3], either(hit[4], 0.0), stiffness
+    return hits
 
 
 @optional
-def survey_walls(walls, world, radius, per, least, wn, wt, rows, worst):
-    overlaps, stiffness = wall_overlaps(world.shape, world.parts, world.frame, walls)
-    return survey_listed(walls, overlaps, stiffness, radius, per, least, wn, wt, rows, worst)
+def survey_walls(walls, world, constants, least, blocks, worst):
+    hits = wall_hits(world.shape, world.parts, world.frame, walls)
+    return survey_listed(
+        walls, hits, world.bodies, world.parts, world.inverse_mass, world.inverse_inertia,
+        constants, least, blocks, worst,
+    )  # fmt: skip
 
 
 @optional
-def survey_roller(roller, world, radius, per, least, wn, wt, rows, worst):
-    overlaps, stiffness = roller_overlaps(world.shape, world.parts, world.frame, roller)
-    return survey_listed(roller, overlaps, stiffness, radius, per, least, wn, wt, rows, worst)
+def survey_roller(roller, world, constants, least, blocks, worst):
+    hits = roller_hits(world.shape, world.parts, world.frame, roller)
+    return survey_listed(
+        roller, hits, world.bodies, world.parts, world.inverse_mass, world.inverse_inertia,
+        constants, least, blocks, worst,
+    )  # fmt: skip
 
 
 @compiled(allocates=True)
@@ -155,23 +203,17 @@ def survey(world, parts, least):
     """Look at the whole bed.
 
     parts: dem.assembly.Constants; least (m): overlap that a pair in the lists counts with, at
-    least, as to stiffness.
-
-    Returns the number of touching pairs of parts, the greatest overlap over the smaller radius
-    with the part it belongs to, and a bound on the squared greatest eigenfrequency (1/s2): each
-    contact adds to the mass-weighted stiffness matrix a block of known norm, and no eigenvalue
-    exceeds the largest sum of norms in a row (Gershgorin's theorem for blocks).
+    least, as to stiffness. Returns the number of touching pairs of parts, the greatest overlap over
+    the smaller radius with the part it belongs to, and the bound on the critical time step (s).
     """
-    radius, per, wn, wt = parts.radius, parts.per, parts.wn, parts.wt
-    rows = np.zeros(world.bodies.shape[0])
+    blocks = np.zeros((world.bodies.shape[0], COLUMNS))
     touching, worst = survey_pairs(
-        world.shape, world.parts, world.frame, world.pairs, world.tangent,
-        radius, per, least, wn, wt, rows,
+        world.shape, world.bodies, world.parts, world.frame, world.pairs, world.tangent,
+        world.inverse_mass, world.inverse_inertia, parts, least, blocks,
     )  # fmt: skip
-    look = world, radius, per, least, wn, wt, rows
-    worst = either(survey_walls(world.walls, *look, worst), worst)
-    worst = either(survey_roller(world.roller, *look, worst), worst)
-    return touching, worst[0], worst[1], rows.max()
+    worst = either(survey_walls(world.walls, world, parts, least, blocks, worst), worst)
+    worst = either(survey_roller(world.roller, world, parts, least, blocks, worst), worst)
+    return touching, worst[0], worst[1], shortest(blocks)
 
 
 @optional
@@ -196,18 +238,19 @@ def expected_speed(roller, gravity, skin, fastest):
 def look(world, parts):
     """Glance at the bed and its critical time step.
 
-    The critical step is 2 / omega_max without damping, bounded from below by the stiffness of all
-    contacts; pairs that are near but do not touch count with the overlap of a collision at the
-    greatest speed to be expected, and so does a granule that meets its like.
+    The critical step is bounded from below by stiffness and damping of all contacts; pairs that
+    are near but do not touch count with the overlap of a collision at the greatest speed to be
+    expected, and so does a granule that meets its like.
     """
     energy, fastest = kinetic(world.bodies, world.inverse_mass, world.inverse_inertia)
     speed = expected_speed(world.roller, world.gravity, parts.skin, fastest)
     radius, mass = 0.5 * parts.mean_radius, 0.5 * parts.mean_mass
     least = max(impact_overlap(mass, radius, parts.modulus, speed), 1e-8 * radius)
-    touching, overlap, part, bound = survey(world, parts, least)
-    alone = 4.0 * parts.modulus * math.sqrt(parts.radius.max() * least) * parts.wt.max() ** 2
+    touching, overlap, part, step = survey(world, parts, least)
+    stiffness = 4.0 * parts.modulus * math.sqrt(parts.radius.max() * least) * parts.lightest
+    damping = 2.0 * damping_ratio(parts.alpha) * math.sqrt(2.0 * stiffness)
     granules = world.bodies.shape[0]
     return Glance(
         energy, speed, 2.0 * touching / granules, overlap, part // parts.per,
-        2.0 / math.sqrt(max(bound, alone)),
+        min(step, critical_step(stiffness, damping)),
     )  # fmt: skip

@@ -9,7 +9,7 @@ from dem.config import Sweep, height_of_box, sample_diameters
 from dem.packing import pack
 from dem.scene import Friction, Material, Scene, box
 from dem.shapes import Disc
-from dem.simulation import Simulation
+from dem.simulation import STEP_FRACTION, Simulation
 from dem.tiling import tiled
 
 TILES = (1, 4, 16, 50)  # along each side of a bed: of 400 granules, to a million
@@ -58,7 +58,7 @@ def compare_sizes(sweep: Sweep, repeats: int, threads=(1, 2), tiles=TILES) -> di
                 spent = 0.0
                 for _ in range(runs):
                     run = Simulation(scene, state, threads=number)
-                    step = 0.3 * run.look().critical_time_step
+                    step = STEP_FRACTION * run.look().critical_time_step
                     started = time.perf_counter()
                     run.advance(STEPS * step)
                     spent += (time.perf_counter() - started) / run.steps

@@ -49,6 +49,11 @@ class Disc(NamedTuple):
         """Greatest distance (n,) in m of a line of normal force from the centre."""
         return np.zeros_like(self.radius)
 
+    @property
+    def normal_bend(self):
+        """Greatest second derivative (n,) in m of the support distance with the granule's angle."""
+        return np.zeros_like(self.radius)
+
     def scaled(self, factor):
         """The same granules, larger by the given factor."""
         return Disc(self.radius * factor)

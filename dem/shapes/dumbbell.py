@@ -52,6 +52,11 @@ class Dumbbell(NamedTuple):
         """Greatest distance (n,) in m of a line of normal force from the joint."""
         return self.radius
 
+    @property
+    def normal_bend(self):
+        """Greatest second derivative (n,) in m of the support distance with the granule's angle."""
+        return self.radius
+
     def scaled(self, factor):
         """The same granules, larger by the given factor."""
         return Dumbbell(self.radius * factor)

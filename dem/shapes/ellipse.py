@@ -78,6 +78,11 @@ class Ellipse(NamedTuple):
         """Greatest distance (n,) in m of a line of normal force from the centre."""
         return self.semi_major - self.semi_minor
 
+    @property
+    def normal_bend(self):
+        """Greatest second derivative (n,) in m of the support distance with the granule's angle."""
+        return self.semi_major**2 / self.semi_minor - self.semi_minor
+
     def scaled(self, factor):
         """The same granules, larger by the given factor."""
         return self._replace(

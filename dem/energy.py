@@ -1,0 +1,126 @@
+"""The energy ledger: what a bed holds, what it was given, what it lost; only where asked for.
+
+The kernels add up three things over time (dem.lanes): what dashpots took, what sliding took, and
+the work of the cylinder. Sliding takes what the slip does against the tangential spring beyond what
+the spring then holds; the energy that a spring gives away when its contact unloads counts to it.
+Kinetic and elastic energies are taken from the state. Forces and velocities of full steps are
+multiplied, so that the sums are of second order in the time step, like the motion.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from dem.blocks import remembered
+from dem.columns import X, Y
+from dem.compilation import compiled
+from dem.lanes import LOST_DAMPED, LOST_SLID, WORK
+from dem.optional import either, optional
+from dem.response import local_stiffness, spring_energy
+from dem.shapes.geometry import outline, touch
+from dem.survey import kinetic, roller_hits, wall_hits
+
+
+class Ledger(NamedTuple):
+    """Energies in J. Gained and lost count from the start of the simulation.
+
+    kinetic, elastic_normal, elastic_tangential: held by the bed now; damped, slid: lost in dashpots
+    and by sliding; work: of the cylinder on the granules; fallen: of gravity on the granules;
+    before: what the bed held at the start.
+    """
+
+    kinetic: float
+    elastic_normal: float
+    elastic_tangential: float
+    damped: float
+    slid: float
+    work: float
+    fallen: float
+    before: float
+
+    @property
+    def held(self) -> float:
+        """Energy (J) of the bed now."""
+        return self.kinetic + self.elastic_normal + self.elastic_tangential
+
+    @property
+    def residual(self) -> float:
+        """What does not add up over the greatest of the energies held, worked and lost."""
+        change = self.held - self.before
+        gained, gone = self.work + self.fallen, self.damped + self.slid
+        scale = max(self.held, self.before, abs(self.work), abs(self.fallen), abs(gone))
+        return abs(change - gained + gone) / scale if scale > 0.0 else 0.0
+
+
+@optional
+def held_by_spring(tangent, contacts, p, stiffness):
+    """Energy (J) of the tangential spring of contact p."""
+    return spring_energy(
+        tangent, contacts.spring[p], tangent.stiffness_ratio * stiffness * contacts.root[p]
+    )
+
+
+@compiled(allocates=True)
+def pairs_hold(shape, parts, frame, contacts, tangent):
+    """Normal and tangential elastic energy (J) of the pairs."""
+    normal, tangential = 0.0, 0.0
+    for p in range(contacts.part.shape[0]):
+        i, j = contacts.part[p], contacts.other[p]
+        dx, dy = parts[j, X] - parts[i, X], parts[j, Y] - parts[i, Y]
+        guess = remembered(contacts.normal_x, contacts.normal_y, p)
+        hit = touch(shape, dx, dy, outline(shape, i, frame), outline(shape, j, frame), guess)
+        stiffness = either(local_stiffness(hit[7], contacts.modulus), contacts.stiffness[p])
+        normal += stored_normal(hit[0], stiffness)
+        tangential += either(held_by_spring(tangent, contacts, p, stiffness), 0.0)
+    return normal, tangential
+
+
+@compiled
+def stored_normal(overlap, stiffness):
+    """Elastic energy (J) of Hertz's law, 2/5 k delta^2.5."""
+    return 0.4 * stiffness * overlap**2 * math.sqrt(overlap) if overlap > 0.0 else 0.0
+
+
+@compiled(allocates=True)
+def listed_hold(hits, contacts, tangent):
+    """The same of contacts with walls or cylinder, from dem.survey.wall_hits or roller_hits."""
+    normal, tangential = 0.0, 0.0
+    for p in range(hits.shape[0]):
+        normal += stored_normal(hits[p, 0], hits[p, 5])
+        tangential += either(held_by_spring(tangent, contacts, p, hits[p, 5]), 0.0)
+    return normal, tangential
+
+
+def balance(world) -> tuple[float, float, float]:
+    """Kinetic, normal elastic and tangential elastic energy (J) of the bed."""
+    shape, parts, frame = world.shape, world.parts, world.frame
+    held = [pairs_hold(shape, parts, frame, world.pairs, world.tangent)]
+    for barrier, measure in ((world.walls, wall_hits), (world.roller, roller_hits)):
+        if barrier is not None:
+            hits = measure(shape, parts, frame, barrier)
+            held.append(listed_hold(hits, barrier.contacts, barrier.tangent))
+    moving = kinetic(world.bodies, world.inverse_mass, world.inverse_inertia)[0]
+    return moving, sum(each[0] for each in held), sum(each[1] for each in held)
+
+
+def height(world) -> float:
+    """Minus the potential energy (J) of the granules in gravity."""
+    if world.gravity is None:
+        return 0.0
+    return float(np.sum((world.bodies[:, :2] @ world.gravity) / world.inverse_mass))
+
+
+class Bookkeeper:
+    """Keeps the ledger of one simulation from the state that it starts with."""
+
+    def __init__(self, world):
+        self._before, self._height = sum(balance(world)), height(world)
+
+    def ledger(self, world) -> Ledger:
+        """The ledger now."""
+        account = world.lanes.account
+        return Ledger(
+            *balance(world), float(account[LOST_DAMPED]), float(account[LOST_SLID]),
+            float(account[WORK]), height(world) - self._height, self._before,
+        )  # fmt: skip
