@@ -4,6 +4,7 @@
     snakemake -j2 --configfile config/smoke.yaml          another sweep into its own folder
     snakemake -j2 figures                                 draw again, simulate nothing
     snakemake -j1 benchmark                               time the kernels, beside other codes
+    snakemake -j2 accuracy                                error against run time
 """
 
 import sys
@@ -35,6 +36,8 @@ wildcard_constraints:
     density="[0-9.e+-]+",
     seed="[0-9]+",
     figure="figure[0-9]+",
+    group="[0-9]+",
+    part="[a-z]+",
 
 
 localrules:
@@ -55,6 +58,7 @@ include: "rules/simulate.smk"
 include: "rules/combine.smk"
 include: "rules/figures.smk"
 include: "rules/benchmark.smk"
+include: "rules/accuracy.smk"
 
 
 onstart:

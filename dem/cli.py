@@ -139,11 +139,11 @@ def benchmark(output: OutputOption, config: ConfigOption = PAPER):
 
 @app.command()
 def figure(
-    name: Annotated[str, typer.Argument(help="figure07, figure08, figure13, figure14, all, or benchmark.")],
-    data: Annotated[Path, typer.Argument(help="drag.nc, or benchmark.nc")],
+    name: Annotated[str, typer.Argument(help="figure07, figure08, figure13, figure14 or all; benchmark; accuracy_...")],
+    data: Annotated[Path, typer.Argument(help="drag.nc, or the file of a study")],
     output: Annotated[Path | None, typer.Option("-o", help="Folder; figures/ beside the data.")] = None,
 ):  # fmt: skip
-    """Draw a figure from drag.nc or benchmark.nc, as SVG and PNG."""
+    """Draw a figure from drag.nc or the file of a study, as SVG and PNG."""
     with reported():
         from dem.figures import draw
 
@@ -151,7 +151,11 @@ def figure(
 
 
 @app.command()
-def info(data: Annotated[Path, typer.Argument(help="drag.nc, a replicate or benchmark.nc.")]):
+def info(
+    data: Annotated[
+        Path, typer.Argument(help="drag.nc, a replicate, benchmark.nc or accuracy.nc.")
+    ],
+):
     """Print what a file holds: cases, mean drag, scatter and intervals."""
     with reported():
         from rich.console import Console
@@ -182,6 +186,14 @@ def calibrate(
             result = fit(sweep, shape, density, target, seeds, jobs, update)
         typer.echo(result.sentence())
 
+
+def _add_studies():
+    from dem.accuracy.commands import app as accuracy
+
+    app.add_typer(accuracy, name="accuracy")
+
+
+_add_studies()
 
 if __name__ == "__main__":
     app()

@@ -7,61 +7,16 @@ whatever can not be simulated is refused with one sentence a fault, naming key a
 import json
 import math
 import os
-import re
 from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
 import yaml
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    ValidationError,
-    model_validator,
-)
+from pydantic import BaseModel, Field, ValidationError, model_validator
 
+from dem.accuracy.plan import AccuracySection
 from dem.errors import InputError
-
-
-def _number(value):
-    """A number, also one like 3.9e3 that YAML 1.1 takes for text; not a truth value."""
-    if isinstance(value, str):
-        try:
-            return float(value)
-        except ValueError:
-            pass
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError("it must be a number")
-    return value
-
-
-def _label(value: str) -> str:
-    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_-]{0,31}", value):
-        raise ValueError("a label is a letter followed by letters, digits, - and _")
-    return value
-
-
-def _folder(value: str) -> str:
-    if not re.fullmatch(r"results(/[A-Za-z0-9][A-Za-z0-9._-]*)*", value):
-        raise ValueError("it must be results or a folder below it, such as results/mine")
-    return value
-
-
-# the bounds keep squares and products of values finite
-Number = Annotated[float, BeforeValidator(_number), Field(allow_inf_nan=False, ge=-1e15, le=1e15)]
-Positive = Annotated[Number, Field(gt=0)]
-NotNegative = Annotated[Number, Field(ge=0)]
-Whole = Annotated[int, Field(strict=True)]
-Label = Annotated[str, AfterValidator(_label)]
-
-
-class Section(BaseModel):
-    """Part of a configuration: unknown keys are errors, values do not change."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, validate_default=True)
+from dem.schema import Folder, Label, NotNegative, Number, Positive, Section, Seed, Whole
 
 
 class CylinderSection(Section):
@@ -112,7 +67,7 @@ class RecordSection(Section):
 
 
 class NumericsSection(Section):
-    step_fraction: Annotated[Number, Field(gt=0, lt=1)] = 0.3  # of the critical time step
+    step_fraction: Annotated[Number, Field(gt=0, lt=1)] = 0.5  # of the critical time step
     time_step: Positive | None = None  # s, fixed; None: from the bed's stiffness
     max_overlap: Annotated[Number, Field(gt=0, le=1.5)] = 1.2  # over the smaller radius
 
@@ -150,8 +105,8 @@ class Sweep(Section):
     """A whole configuration file."""
 
     title: str = "Slow drag of a cylinder through a bed of granules"
-    results: Annotated[str, AfterValidator(_folder)]
-    seeds: Annotated[tuple[Annotated[Whole, Field(ge=0, lt=2**31)], ...], Field(min_length=1)]
+    results: Folder
+    seeds: Annotated[tuple[Seed, ...], Field(min_length=1)]
     box_width: Positive  # m
     cylinder: CylinderSection
     packing: PackingSection
@@ -163,6 +118,7 @@ class Sweep(Section):
     cases: Annotated[dict[Label, CaseSection], Field(min_length=1)]
     record: RecordSection
     numerics: NumericsSection = NumericsSection()
+    accuracy: AccuracySection | None = None  # of the study of error against run time
 
     @model_validator(mode="after")
     def _check(self):
@@ -192,6 +148,8 @@ class Sweep(Section):
         for label in self.shapes:
             for seed in self.seeds:
                 _check_room(self, label, seed)
+        if self.accuracy:
+            self.accuracy.check(self)
         return self
 
     def replicate(self, shape: str, density: float, seed: int) -> "Replicate":
@@ -204,7 +162,10 @@ class Sweep(Section):
             raise InputError(f"density is {density!r}; it must be a positive number (kg/m3).")
         if seed < 0:
             raise InputError(f"seed is {seed}; it must not be negative.")
-        _check_room(self, shape, seed)
+        try:
+            _check_room(self, shape, seed)
+        except ValueError as error:
+            raise InputError(f"{error}.") from None
         return Replicate(sweep=self, label=shape, density=density, seed=seed)
 
 
@@ -231,6 +192,7 @@ class Replicate(Section):
     def run_key(self) -> str:
         """All that the run depends on, as text."""
         unread = {"title": True, "results": True, "seeds": True, "shapes": True, "cases": True}
+        unread["accuracy"] = True
         unread["record"] = {"window"}
         if self.shape.kind != "ellipse":
             unread["ellipse"] = True

@@ -10,6 +10,7 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
+from dem.accuracy import report as accuracy
 from dem.benchmark import report as benchmark
 from dem.combine import open_lazily, require
 from dem.errors import InputError
@@ -31,10 +32,12 @@ SWEEP = ("window_start", "window_stop", "cylinder_velocity")
 
 
 def summary(path: Path) -> Group:
-    """Renderable summary of drag.nc, a replicate or benchmark.nc; raises InputError for other files."""
+    """Renderable summary of drag.nc, a replicate or the file of a study; raises InputError for other files."""
     with open_lazily(path) as dataset:
         if "granule_steps_per_second" in dataset:
             return benchmark.summary(dataset)
+        if "trial_drag" in dataset:
+            return accuracy.summary(dataset.load())
         if "displacement" not in dataset.dims:
             raise InputError(f"{path}: it is neither drag.nc nor a replicate: it holds no drag.")
         whole = "case" in dataset.dims

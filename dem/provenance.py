@@ -16,7 +16,7 @@ _NOT_PHYSICS = {
 }  # fmt: skip
 _NOT_COMPILED = _NOT_PHYSICS | {
     "__init__.py", "config.py", "dataset.py", "drag.py", "errors.py", "packing.py", "provenance.py",
-    "scene.py", "simulation.py", "warmup.py",
+    "scene.py", "schema.py", "simulation.py", "warmup.py",
 }  # fmt: skip
 
 

@@ -16,6 +16,17 @@ from dem.shapes import SHAPES
 hypothesis.settings.register_profile("suite", deadline=None, derandomize=True, max_examples=100)
 hypothesis.settings.load_profile("suite")
 
+KINDS = ("dumbbell", "ellipse", "disc")
+
+
+def pytest_collection_modifyitems(items):
+    """Tests of one kind of granule on one processor: its kernels are then compiled but once."""
+    for item in items:
+        parameters = item.name.lower().partition("[")[2]
+        group = next((kind for kind in KINDS if kind in parameters), item.path.stem)
+        item.add_marker(pytest.mark.xdist_group(group))
+
+
 CONFIG = Path(__file__).parent.parent / "config"
 LABELS = {"disc": "c1", "dumbbell": "d1", "ellipse": "e3"}  # of config/smoke.yaml
 

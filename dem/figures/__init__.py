@@ -27,7 +27,14 @@ FIGURES = {
     "figure14": ("Mean drag by density of the granules", _two_densities),
 }
 
-BENCHMARK = "benchmark"  # drawn from benchmark.nc, all others from drag.nc
+# drawn from a study's own file, each with variables that the file must hold
+ACCURACY = {
+    "accuracy_contacts": ("contact_method",),
+    "accuracy_steps": ("integrator",),
+    "accuracy_drag": ("trial_drag",),
+    "accuracy_replicates": ("replicate_drag",),
+}
+STUDIES = {"benchmark": ("granule_steps_per_second", "variant_step_time")} | ACCURACY
 
 
 def possible(sweep) -> list[str]:
@@ -37,20 +44,19 @@ def possible(sweep) -> list[str]:
 
 
 def draw(name: str, data: Path, folder: Path) -> list[Path]:
-    """Draw a figure, or "all", from drag.nc into a folder; returns the files, SVG and PNG.
+    """Draw a figure, or "all", into a folder; returns the files, SVG and PNG.
 
-    Of all, those that the cases suffice for; not "benchmark", which is drawn from benchmark.nc.
-    Raises InputError if there is nothing to draw.
+    All are those from drag.nc that its cases suffice for; a figure of STUDIES is drawn from the
+    file of its study. Raises InputError if there is nothing to draw.
     """
     from dem.combine import open_combined
     from dem.figures.style import save
 
-    if name == BENCHMARK:
-        return _draw_benchmark(data, Path(folder))
+    if name in STUDIES:
+        return _draw_study(name, data, Path(folder))
     if name != "all" and name not in FIGURES:
-        raise InputError(
-            f"figure is {name!r}; there are {', '.join(FIGURES)}, {BENCHMARK} and all."
-        )
+        names = ", ".join([*FIGURES, *STUDIES])
+        raise InputError(f"figure is {name!r}; there are {names} and all.")
     files, faults = [], []
     with open_combined(data) as dataset:
         for each in FIGURES if name == "all" else (name,):
@@ -65,11 +71,10 @@ def draw(name: str, data: Path, folder: Path) -> list[Path]:
     return files
 
 
-def _draw_benchmark(data, folder):
+def _draw_study(name, data, folder):
     from dem.combine import open_lazily, require
-    from dem.figures.benchmark import plot
     from dem.figures.style import save
 
     with open_lazily(data) as dataset:
-        require(dataset, data, ("granule_steps_per_second", "variant_step_time"))
-        return save(plot(dataset.load()), folder / BENCHMARK)
+        require(dataset, data, STUDIES[name])
+        return save(import_module(f"dem.figures.{name}").plot(dataset.load()), folder / name)
