@@ -63,6 +63,31 @@ def outside(walls, bodies):
     return -1
 
 
+@compiled
+def nearing(world):
+    """Most by which two bodies can have come nearer since the lists were made (m)."""
+    first, second = displacement(world.roller), 0.0
+    for i in range(world.parts.shape[0]):
+        dx = world.parts[i, X] - world.reference[i, 0]
+        dy = world.parts[i, Y] - world.reference[i, 1]
+        moved = math.sqrt(dx * dx + dy * dy)
+        if not moved <= first:
+            first, second = moved, first
+        elif moved > second:
+            second = moved
+    return first + second
+
+
+@compiled
+def displacement(roller):
+    """How far the cylinder has moved since the lists were made (m)."""
+    if roller is None:
+        return 0.0
+    dx = roller.motion[0, X] - roller.reference[0]
+    dy = roller.motion[0, Y] - roller.reference[1]
+    return math.sqrt(dx * dx + dy * dy)
+
+
 @optional
 def take_impulses(barrier, row, at, interval):
     """Mean forces (N) on walls or cylinder into row[at] ..., their sums back to zero."""
@@ -124,7 +149,7 @@ def march(world, parts, rules, time, interval, intervals, record, crew):
         time = end if finished else time + done * dt
         if not moved <= rules.room:
             granule = outside(world.walls, world.bodies)
-            if not moved <= rules.reach:
+            if not (moved <= rules.reach or nearing(world) <= 2.0 * rules.reach):
                 outcome, value = LOST, moved
                 break
             if granule >= 0:

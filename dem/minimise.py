@@ -135,7 +135,8 @@ def longest_step(scene, parts: Constants, world: World) -> float:
     radius, modulus = parts.radius.mean(), effective_modulus(scene.material, scene.material)
     least = 0.02 * radius
     critical = survey(world, parts, least)[3]
-    alone = 8.0 * modulus * math.sqrt(radius * least) * parts.lightest
+    light = np.max(1.0 / scene.mass + scene.shape.normal_lever**2 / scene.inertia)
+    alone = 8.0 * modulus * math.sqrt(radius * least) * light
     return min(0.5 * critical, 1.0 / math.sqrt(alone))
 
 
