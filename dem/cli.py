@@ -1,13 +1,13 @@
 """Command line: a verb a stage. Exit status 0, 1 (a run failed) or 2 (bad input)."""
 
 import sys
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from dem.errors import InputError, RunError
+from dem.accuracy.commands import app as accuracy
+from dem.terminal import PAPER, ConfigOption, OutputOption, bar, reported, start_lean
 
 app = typer.Typer(
     help="Slow drag of a cylinder through a bed of discs, dumbbells and ellipses (2-D DEM).",
@@ -16,49 +16,11 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-ConfigOption = Annotated[Path, typer.Option("--config", help="Configuration file (YAML).")]
+app.add_typer(accuracy, name="accuracy")
+
 ShapeOption = Annotated[str, typer.Option("--shape", help="Shape label of the configuration.")]
 DensityOption = Annotated[float, typer.Option("--density", help="Density of the granules, kg/m3.")]
 SeedOption = Annotated[int, typer.Option("--seed", help="Seed of the replicate.")]
-OutputOption = Annotated[Path, typer.Option("-o", "--output", help="netCDF file to write.")]
-PAPER = Path("config/paper.yaml")
-
-
-@contextmanager
-def reported():
-    """One sentence and an exit status instead of a traceback."""
-    try:
-        yield
-    except InputError as error:
-        typer.echo(str(error), err=True)
-        raise typer.Exit(2) from None
-    except (RunError, OSError) as error:
-        typer.echo(f"{type(error).__name__}: {error}", err=True)
-        raise typer.Exit(1) from None
-    except KeyboardInterrupt:
-        typer.echo("Interrupted; no half-written file is left.", err=True)
-        raise typer.Exit(130) from None
-
-
-@contextmanager
-def bar(label: str, total: int):
-    """A progress bar with the time left on a terminal, nothing in a log; yields its update."""
-    if not sys.stderr.isatty():
-        yield lambda done: None
-        return
-    from rich.console import Console
-    from rich.progress import Progress
-
-    with Progress(console=Console(stderr=True)) as progress:
-        task = progress.add_task(label, total=total)
-        yield lambda done: progress.update(task, completed=done)
-
-
-def start_lean():
-    """Load the kernels without what they do not need."""
-    from dem.compilation import spare_blas
-
-    spare_blas()
 
 
 @app.command()
@@ -186,14 +148,6 @@ def calibrate(
             result = fit(sweep, shape, density, target, seeds, jobs, update)
         typer.echo(result.sentence())
 
-
-def _add_studies():
-    from dem.accuracy.commands import app as accuracy
-
-    app.add_typer(accuracy, name="accuracy")
-
-
-_add_studies()
 
 if __name__ == "__main__":
     app()

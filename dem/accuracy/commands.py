@@ -5,8 +5,8 @@ from typing import Annotated
 
 import typer
 
-from dem.cli import PAPER, ConfigOption, OutputOption, bar, reported, start_lean
 from dem.errors import InputError
+from dem.terminal import PAPER, ConfigOption, OutputOption, bar, reported, start_lean
 
 app = typer.Typer(help="Error against run time: the parts of the study.", no_args_is_help=True)
 
