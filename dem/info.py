@@ -10,7 +10,6 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
-from dem.accuracy import report as accuracy
 from dem.benchmark import report as benchmark
 from dem.combine import open_lazily, require
 from dem.errors import InputError
@@ -37,7 +36,10 @@ def summary(path: Path) -> Group:
         if "granule_steps_per_second" in dataset:
             return benchmark.summary(dataset)
         if "trial_drag" in dataset:
-            return accuracy.summary(dataset.load())
+            from dem.accuracy import report
+
+            require(dataset, path, ("contact_method", "integrator", "replicate_drag"))
+            return report.summary(dataset.load())
         if "displacement" not in dataset.dims:
             raise InputError(f"{path}: it is neither drag.nc nor a replicate: it holds no drag.")
         whole = "case" in dataset.dims

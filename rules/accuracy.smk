@@ -12,6 +12,7 @@ OUTPUTS
     {RESULTS}/figures/accuracy_{figure}.svg, {RESULTS}/figures/accuracy_{figure}.png
 """
 
+from dem.accuracy.plan import density_of
 from dem.figures import ACCURACY
 
 STUDY = f"{RESULTS}/accuracy"
@@ -21,7 +22,8 @@ def accuracy_parts(wildcards):
     """The files of all jobs."""
     plan = SWEEP.accuracy
     if plan is None:
-        raise ValueError("accuracy is missing in the configuration; see config/paper.yaml")
+        print("accuracy is missing in the configuration; see config/paper.yaml.", file=sys.stderr)
+        sys.exit(2)
     drag = [
         f"{STUDY}/drag/{shape}/{group}.nc"
         for shape in plan.steps
@@ -39,6 +41,12 @@ def study_code(*names):
 def plan_of(*keys):
     """What a job depends on in the configuration, as text."""
     return SWEEP.accuracy.model_dump_json(include=set(keys)) if SWEEP.accuracy else ""
+
+
+def run_of(shape):
+    """What the run of a shape depends on, with its density and the window, as text."""
+    key = SWEEP.replicate(shape, density_of(SWEEP, shape), SWEEP.seeds[0]).run_key()
+    return f"{key} {SWEEP.record.window}"
 
 
 localrules:
@@ -73,11 +81,13 @@ rule accuracy_steps:
         "Time steps and integrators: error against time, alone on the computer"
     input:
         code=study_code("steps", "integrators", "collisions", "step_runs"),
+        peers="dem/benchmark/lammps.py",
     output:
         STUDY + "/steps.nc",
     params:
         sources=SOURCES,
         plan=plan_of("size"),
+        sweep=SWEEP.model_dump_json(exclude={"title", "results", "record", "accuracy"}),
     threads: workflow.cores
     log:
         RESULTS + "/logs/accuracy/steps.log",
@@ -95,8 +105,8 @@ rule accuracy_drag:
         STUDY + "/drag/{shape}/{group}.nc",
     params:
         sources=SOURCES,
-        plan=plan_of("steps", "first_seed", "group"),
-        run=lambda w: SWEEP.replicate(w.shape, 1.0, SWEEP.seeds[0]).run_key(),
+        plan=lambda w: str(SWEEP.accuracy.share(int(w.group), w.shape)),
+        run=lambda w: run_of(w.shape),
     log:
         RESULTS + "/logs/accuracy/drag/{shape}/{group}.log",
     benchmark:
@@ -117,9 +127,7 @@ rule accuracy_replicates:
     params:
         sources=SOURCES,
         plan=plan_of("replicates", "first_seed", "group"),
-        run=lambda w: SWEEP.replicate(
-            SWEEP.accuracy.replicates.shape, 1.0, SWEEP.seeds[0]
-        ).run_key(),
+        run=lambda w: run_of(SWEEP.accuracy.replicates.shape),
     log:
         RESULTS + "/logs/accuracy/replicates/{group}.log",
     benchmark:
@@ -147,7 +155,7 @@ rule accuracy_table:
         "Write {output}"
     input:
         data=RESULTS + "/accuracy.nc",
-        code=study_code("report", "bias", "replicates"),
+        code=study_code("report", "bias", "replicates", "contacts"),
     output:
         RESULTS + "/accuracy.txt",
     log:
@@ -162,7 +170,7 @@ rule accuracy_figure:
     input:
         data=RESULTS + "/accuracy.nc",
         code="dem/figures/accuracy_{part}.py",
-        common=["dem/figures/style.py", *study_code("bias", "replicates")],
+        common=["dem/figures/style.py", *study_code("bias", "replicates", "contacts")],
     output:
         RESULTS + "/figures/accuracy_{part}.svg",
         RESULTS + "/figures/accuracy_{part}.png",

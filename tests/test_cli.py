@@ -27,7 +27,17 @@ def dem(*arguments):
 
 @pytest.mark.parametrize(
     "verb",
-    ["compile", "pack", "simulate", "combine", "benchmark", "figure", "info", "calibrate"],
+    [
+        "compile",
+        "pack",
+        "simulate",
+        "combine",
+        "benchmark",
+        "figure",
+        "info",
+        "calibrate",
+        "accuracy",
+    ],
 )
 def test_every_verb_has_help(verb):
     """--help explains each verb."""

@@ -208,3 +208,13 @@ def test_info_shows_every_case(finished):
     assert run.returncode == 0, run.stderr
     for case in ("c1", "d1", "e0", "e3", "c12"):
         assert re.search(rf"\b{case}\b.*\d", run.stdout)
+
+
+def test_the_study_of_accuracy_runs(finished):
+    """`snakemake accuracy` makes its file, its table and its figures."""
+    run = snakemake(finished, "accuracy", "-j2")
+    assert run.returncode == 0, run.stdout + run.stderr
+    results = finished / "results/smoke"
+    assert "bias of the default step" in (results / "accuracy.txt").read_text()
+    for name in ("contacts", "steps", "drag", "replicates"):
+        assert (results / f"figures/accuracy_{name}.png").stat().st_size > 10_000

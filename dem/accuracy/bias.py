@@ -6,11 +6,10 @@ import numpy as np
 import xarray as xr
 from scipy.stats import t
 
+from dem.accuracy.plan import LARGEST
 from dem.statistics import LEVEL
 
-# Steps over the critical one that the bias is fitted to: the bound guarantees that a bed is stable
-# up to 1, and where it is not, what one sees is no error of the method but its end.
-LARGEST = 1.0
+FAILED = 0.02  # share of failed runs up to which a step counts: those that fail are not any
 
 
 class Bias(NamedTuple):
@@ -65,10 +64,10 @@ def change(grid: xr.DataArray, default: float) -> xr.Dataset:
     )
 
 
-def fitted(grid: xr.DataArray, default: float) -> np.ndarray:
-    """Steps that the bias is taken from."""
-    fractions = grid["fraction"].values
-    return fractions[fractions <= LARGEST]
+def fitted(dataset: xr.Dataset, shape: str) -> list[float]:
+    """Steps that the bias is taken from: surely stable, and hardly any run failed."""
+    failed = failures(dataset, shape)
+    return [step for step, share in failed.items() if step <= LARGEST and share <= FAILED]
 
 
 def bias(dataset: xr.Dataset, shape: str) -> Bias:
@@ -81,7 +80,7 @@ def bias(dataset: xr.Dataset, shape: str) -> Bias:
     """
     default = float(dataset.attrs["default_fraction"])
     grid = table(dataset, shape)
-    grid = grid.sel(fraction=fitted(grid, default))
+    grid = grid.sel(fraction=fitted(dataset, shape))
     values = grid.values
     x = np.where(np.isfinite(values), grid["fraction"].values[:, None], np.nan)
     x = x - np.nanmean(x, axis=0)

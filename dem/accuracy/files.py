@@ -56,7 +56,14 @@ def join(paths: list[Path]) -> xr.Dataset:
                 )
             )
     joined += [part for part in parts if not set(CONCATENATED) & set(part.dims)]
-    return xr.merge(joined, combine_attrs="drop_conflicts")
+    for name in ("default_fraction", "window_start", "window_stop"):
+        values = {float(part.attrs[name]) for part in parts}
+        if len(values) > 1:
+            raise InputError(f"{name} differs between the files: {sorted(values)}; make them anew.")
+    whole = xr.merge(joined, combine_attrs="drop_conflicts")
+    for name in ("versions", "git_revision", "source_hash"):
+        whole.attrs[name] = "; ".join(dict.fromkeys(part.attrs[name] for part in parts))
+    return whole.assign_attrs(history=parts[-1].attrs["history"] + ", combined")
 
 
 def write_joined(path: Path, dataset: xr.Dataset) -> None:

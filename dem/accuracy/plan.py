@@ -4,10 +4,18 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from dem.errors import InputError
 from dem.schema import Label, Positive, Section, Seed, Whole
 
 Count = Annotated[Whole, Field(ge=2, le=100_000)]
 Fraction = Annotated[Positive, Field(le=10)]
+LARGEST = 1.0  # step over the critical one up to which the bound says that a bed is stable
+
+
+def density_of(sweep, shape: str) -> float:
+    """Density (kg/m3) of the first case of a shape, or of the first case of all."""
+    cases = list(sweep.cases.values())
+    return next((case.density for case in cases if case.shape == shape), cases[0].density)
 
 
 class ReplicatesSection(Section):
@@ -31,7 +39,29 @@ class AccuracySection(Section):
     replicates: ReplicatesSection
 
     def check(self, sweep) -> None:
-        """Raise ValueError where the sweep has no such shape."""
+        """Raise ValueError where the study can not be made of this sweep."""
+        default, window = sweep.numerics.step_fraction, sweep.record.window
+        if sweep.numerics.time_step is not None:
+            raise ValueError(
+                f"numerics.time_step is {sweep.numerics.time_step:g} s; with the section accuracy, "
+                "which varies it, it must be left out"
+            )
+        if self.first_seed <= max(sweep.seeds):
+            raise ValueError(
+                f"accuracy.first_seed is {self.first_seed}; it must be greater than all of seeds, so "
+                "that the study has beds of its own"
+            )
+        if not window[1] <= self.replicates.stroke:
+            raise ValueError(
+                f"accuracy.replicates.stroke is {self.replicates.stroke:g} m; it must reach to the end "
+                f"of record.window, {window[1]:g} m"
+            )
+        for label, steps in self.steps.items():
+            if default not in steps or len([f for f in steps if f <= LARGEST]) < 2:
+                raise ValueError(
+                    f"accuracy.steps.{label} is for {list(steps)}; it must have numerics.step_fraction, "
+                    f"{default:g}, and another step up to {LARGEST:g}"
+                )
         for key, label in [
             *(("steps", label) for label in self.steps),
             ("replicates", self.replicates.shape),
@@ -52,7 +82,17 @@ class AccuracySection(Section):
 
     def members(self, number: int, count: int) -> list[int]:
         """Seeds of one job out of `count`."""
+        if number >= self.groups(count):
+            raise InputError(f"group is {number}; there are {self.groups(count)}, from 0.")
         return self.seeds(count)[number * self.group : (number + 1) * self.group]
+
+    def share(self, number: int, shape: str) -> dict[float, list[int]]:
+        """Seeds that one job runs at each step of a shape."""
+        mine = self.members(number, self.most(shape))
+        return {
+            step: [seed for seed in mine if seed < self.first_seed + count]
+            for step, count in self.steps[shape].items()
+        }
 
     def most(self, shape: str) -> int:
         """Number of seeds of a shape at the step that has most of them."""

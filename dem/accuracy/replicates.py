@@ -35,13 +35,15 @@ def replicates(dataset: xr.Dataset) -> Replicates:
     means = window_means(dataset, dataset.attrs["window_start"], dataset.attrs["window_stop"])
     scatter = means.std(ddof=1) / means.mean()
 
-    def expected(n):
-        return t.ppf(0.5 + 0.5 * LEVEL, n - 1) * scatter / np.sqrt(n)
+    runs = np.arange(2, max(len(means), 10) + 1)
+    needed = next(n for n in range(2, 10**6) if not expected(scatter, n) > TARGET)
+    time = float(np.median(dataset["replicate_time"]))
+    return Replicates(means.mean(), scatter, runs, expected(scatter, runs), needed, time)
 
-    runs = np.arange(2, max(len(means), 3) + 1)
-    needed = next(n for n in range(2, 10**6) if expected(n) <= TARGET)
-    time = float(np.mean(dataset["replicate_time"]))
-    return Replicates(means.mean(), scatter, runs, expected(runs), needed, time)
+
+def expected(scatter, n):
+    """Half the interval of the mean of n runs, over the mean, from the scatter of one."""
+    return t.ppf(0.5 + 0.5 * LEVEL, n - 1) * scatter / np.sqrt(n)
 
 
 def subsets(
@@ -71,10 +73,13 @@ def autocorrelation(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
 
 
 def correlation_length(dataset: xr.Dataset) -> float:
-    """Integral of the autocorrelation up to its first zero (m), both sides: a run's drag over a
-    length L counts as L over this many independent values."""
+    """Integral of the autocorrelation, both sides (m): there is one independent value in so much.
+
+    Up to where the autocorrelation can no longer be told from zero, 2 over the square root of the
+    number of runs.
+    """
     lags, values = autocorrelation(dataset)
-    below = np.flatnonzero(values <= 0.0)
+    below = np.flatnonzero(values <= 2.0 / np.sqrt(dataset.sizes["replicate"]))
     end = below[0] if len(below) else len(values)
     return float((lags[1] - lags[0]) * (2.0 * values[:end].sum() - 1.0))
 
@@ -87,3 +92,11 @@ def windows(dataset: xr.Dataset, count: int = 24) -> tuple[np.ndarray, np.ndarra
     lengths = np.geomspace(max(longest / 50.0, 2.0 * (middle[1] - middle[0])), longest, count)
     means = [window_means(dataset, start, start + length) for length in lengths]
     return lengths, np.array([m.std(ddof=1) / m.mean() for m in means])
+
+
+def drift(dataset: xr.Dataset) -> float:
+    """Mean drag over all of the stroke past the window's start over that in the window, less one."""
+    start, stop = dataset.attrs["window_start"], dataset.attrs["window_stop"]
+    longest = dataset["replicate_displacement"].values[-1]
+    means = [window_means(dataset, start, end).mean() for end in (longest, stop)]
+    return float(means[0] / means[1] - 1.0)

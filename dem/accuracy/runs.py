@@ -8,15 +8,10 @@ import time
 import numpy as np
 
 from dem import drag
+from dem.accuracy.plan import density_of
 from dem.config import Replicate, Sweep
 from dem.errors import RunError
 from dem.simulation import Simulation
-
-
-def density_of(sweep: Sweep, shape: str) -> float:
-    """Density (kg/m3) of the first case of a shape, or of the first case of all."""
-    cases = list(sweep.cases.values())
-    return next((case.density for case in cases if case.shape == shape), cases[0].density)
 
 
 def shortened(sweep: Sweep, stroke: float) -> Sweep:
@@ -28,10 +23,9 @@ def shortened(sweep: Sweep, stroke: float) -> Sweep:
     return sweep.model_copy(update={"cylinder": cylinder, "record": record})
 
 
-def draw(simulation: Simulation, sweep: Sweep):
-    """Draw the cylinder over the stroke; returns the drag (bins,) in N and the record."""
-    bins = sweep.record.bins
-    interval = sweep.cylinder.stroke / sweep.cylinder.velocity / bins
+def draw(simulation: Simulation, sweep: Sweep, bins: int):
+    """Draw the cylinder over some bins; returns the drag (bins,) in N and the record."""
+    interval = sweep.cylinder.stroke / sweep.cylinder.velocity / sweep.record.bins
     record = simulation.record(interval, bins)
     return -(record.normal_force + record.tangential_force)[:, 1], record
 
@@ -49,17 +43,17 @@ def vary_step(sweep: Sweep, shape: str, group: int, progress=lambda done: None) 
     NaN and says why: where runs break is part of the question.
     """
     plan = sweep.accuracy
-    seeds = plan.members(group, plan.most(shape))
+    wanted = plan.share(group, shape)
+    total = sum(map(len, wanted.values()))
     sweep = shortened(sweep, sweep.record.window[1])
     trials = []
-    for done, seed in enumerate(seeds):
+    for seed in plan.members(group, plan.most(shape)):
         replicate = sweep.replicate(shape, density_of(sweep, shape), seed)
         bed = drag.make_bed(replicate)
         load_kernels(replicate, bed, bool(trials))
-        for fraction, count in plan.steps[shape].items():
-            if seed in plan.seeds(count):
-                trials.append((shape, seed, fraction, *one_step(replicate, bed, fraction)))
-            progress((done + fraction / 100.0) / len(seeds))
+        for fraction in (fraction for fraction, seeds in wanted.items() if seed in seeds):
+            trials.append((shape, seed, fraction, *one_step(replicate, bed, fraction)))
+            progress(len(trials) / total)
     names = ("shape", "seed", "fraction", "drag", "time_step", "time", "status")
     return {
         f"trial_{name}": np.array(column)
@@ -77,11 +71,11 @@ def one_step(replicate: Replicate, bed, fraction: float):
     """Mean drag (N), median step (s), processor time (s) and status of a run at one step."""
     sweep = replicate.sweep
     simulation = drag.start(replicate, bed)
-    # no limit for damping: the study goes on to where the method breaks
+    # a Simulation takes no step above the critical one: the study goes on to where the method breaks
     simulation.rules = simulation.rules._replace(fraction=fraction)
     started = time.process_time()
     try:
-        force, record = draw(simulation, sweep)
+        force, record = draw(simulation, sweep, sweep.record.bins)
     except RunError as error:
         return np.nan, np.nan, time.process_time() - started, type(error).__name__
     spent = time.process_time() - started
@@ -94,6 +88,8 @@ def many_replicates(sweep: Sweep, group: int, progress=lambda done: None) -> dic
     wanted = plan.replicates
     seeds = plan.members(group, wanted.seeds)
     sweep = shortened(sweep, wanted.stroke)
+    bins, window = sweep.record.bins, sweep.record.window
+    before = min(bins, int(np.ceil(window[1] / sweep.cylinder.stroke * bins - 1e-9)))
     forces, times = [], []
     for done, seed in enumerate(seeds):
         replicate = sweep.replicate(wanted.shape, density_of(sweep, wanted.shape), seed)
@@ -101,8 +97,10 @@ def many_replicates(sweep: Sweep, group: int, progress=lambda done: None) -> dic
         load_kernels(replicate, bed, bool(forces))
         simulation = drag.start(replicate, bed)
         started = time.process_time()
-        forces.append(draw(simulation, sweep)[0])
+        first = draw(simulation, sweep, before)[0]
         times.append(time.process_time() - started)
+        rest = [draw(simulation, sweep, bins - before)[0]] if before < bins else []
+        forces.append(np.concatenate([first, *rest]))
         progress((done + 1) / len(seeds))
     middle = (np.arange(sweep.record.bins) + 0.5) * sweep.cylinder.stroke / sweep.record.bins
     return {

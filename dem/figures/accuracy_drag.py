@@ -37,7 +37,10 @@ def sentence(dataset: xr.Dataset) -> str:
     found = [bias(dataset, shape) for shape in shapes_of(dataset)]
     worst = max(abs(b.value) + b.half for b in found)
     default = float(dataset.attrs["default_fraction"])
-    return f"The default step, {default:g} of the critical, changes the mean drag by less than {100 * worst:.1f} %"
+    return (
+        f"Default step, {default:g} of the critical: the mean drag is biased by less than "
+        f"{100 * worst:.1f} % (95 %)"
+    )
 
 
 def _changes(axes, dataset, shape, default) -> None:

@@ -28,7 +28,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     left, right = below.subplots(1, 2)
     _memory(left, dataset)
     _windows(right, dataset)
-    figure.suptitle("Runs are cheap: what more of them, or longer ones, buy")
+    figure.suptitle("What more runs buy, and what longer ones")
     return figure
 
 
@@ -59,7 +59,7 @@ def _intervals(axes, dataset) -> None:
     second.set_xlabel("Processor time (s)")
     plain(second.xaxis)
     axes.legend(loc="lower left")
-    own = np.interp(PAPER, found.runs, found.half)
+    own = replicates.expected(found.scatter, PAPER)
     axes.set_title(
         f"The paper's {PAPER} runs give ± {100 * own:.0f} %, and ± {100 * replicates.TARGET:.0f} % "
         f"takes {found.needed}", loc="left",
@@ -74,7 +74,7 @@ def _memory(axes, dataset) -> None:
     axes.axhline(0.0, color="0.4", linewidth=0.8)
     axes.set_xlabel("Distance along the stroke (mm)")
     axes.set_ylabel("Autocorrelation of the drag")
-    axes.set_title(f"The drag forgets itself within {1e3 * length:.2f} mm", loc="left")
+    axes.set_title(f"One independent value every {1e3 * length:.2f} mm", loc="left")
 
 
 def _windows(axes, dataset) -> None:
@@ -91,7 +91,9 @@ def _windows(axes, dataset) -> None:
     axes.set_ylabel("Scatter of one run (%)")
     plain(axes.xaxis)
     plain(axes.yaxis)
-    at = float(np.interp(used, lengths, scatter))
-    axes.set_title(f"A window of {1e3 * lengths[-1]:.0f} mm scatters {at / scatter[-1]:.1f} times less than {1e3 * used:.0f} mm",
-                   loc="left")  # fmt: skip
+    shift = 100.0 * replicates.drift(dataset)
+    axes.set_title(
+        f"A window of {1e3 * lengths[-1]:.0f} mm: {100 * scatter[-1]:.0f} %, but another mean ({shift:+.0f} %)",
+        loc="left",
+    )
     axes.legend(loc="lower left")

@@ -1,0 +1,82 @@
+"""The energy ledger adds up, and says where the energy of a collision went."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import dem
+
+FAR = 1.0  # m: walls and cylinder that nothing meets, so that one compilation serves all
+
+
+def pair(small, velocity, restitution=0.5):
+    """Two equal discs that meet, anywhere but near the walls."""
+    shape = dem.Disc(np.full(2, 0.5e-3))
+    scene = replace(
+        small.scene(), shape=shape, material=dem.Material(restitution=restitution),
+        walls=dem.box(FAR, FAR), cylinder=dem.Cylinder(1e-3, (0.9 * FAR, 0.9 * FAR)),
+    )  # fmt: skip
+    middle = 0.5 * FAR
+    place = [[middle, middle], [middle + 1.01e-3, middle]]
+    return dem.Simulation(scene, dem.State(place, velocity), ledger=True, step_fraction=0.05)
+
+
+def test_a_bed_adds_up(small_bed):
+    """Work of the cylinder is energy held, damped and lost by sliding, to a thousandth of it."""
+    small = small_bed("disc")
+    run = dem.Simulation(small.scene(), small.state, ledger=True)
+    for _ in range(20):
+        run.record(5e-6, 1)
+        ledger = run.ledger()
+        assert ledger.residual < 1e-3
+    assert min(ledger.work, ledger.damped, ledger.slid, ledger.elastic_tangential) > 0.0
+    assert ledger.work == pytest.approx(
+        ledger.held - ledger.before + ledger.damped + ledger.slid, rel=5e-3
+    )
+
+
+def test_a_ledger_changes_nothing(small_bed):
+    """A run moves alike, to rounding, whether it is accounted for or not."""
+    small = small_bed("disc")
+    runs = [dem.Simulation(small.scene(), small.state, ledger=kept) for kept in (False, True)]
+    for run in runs:
+        run.advance(2e-5)
+    first, second = (run.state.position for run in runs)
+    assert np.abs(first - small.bed.position).max() > 1e-6
+    np.testing.assert_allclose(first, second, rtol=0.0, atol=1e-15)
+
+
+@pytest.mark.parametrize("restitution", [0.2, 0.5, 0.9])
+def test_a_head_on_collision_loses_what_restitution_says(small_bed, restitution):
+    """The dashpot takes (1 - e^2) of the energy of the impact, and nothing slides."""
+    run = pair(small_bed("disc"), [[1.0, 0.0], [-1.0, 0.0]], restitution)
+    run.advance(60e-6)
+    ledger = run.ledger()
+    assert ledger.elastic_normal == 0.0
+    assert ledger.damped / ledger.before == pytest.approx(1.0 - restitution**2, rel=2e-3)
+    assert abs(ledger.slid) < 1e-12 * ledger.before
+    assert ledger.residual < 1e-3
+
+
+def test_gross_sliding_loses_friction_times_slip(small_bed):
+    """Friction takes mu J times the mean slip: both ends of it follow from the impulse J."""
+    run = pair(small_bed("disc"), [[1.0, 5.0], [-1.0, -5.0]], restitution=0.9)
+    mass = run.scene.mass[0]
+    run.advance(60e-6)
+    state, ledger = run.state, run.ledger()
+    push = mass * abs(state.velocity[0, 0] - 1.0)  # normal impulse
+    # both discs slow down and spin up: 1/m + r^2/I on each side
+    slowed = run.scene.friction.granule * push * 2.0 * 3.0 / mass
+    assert ledger.slid == pytest.approx(
+        run.scene.friction.granule * push * (10.0 - 0.5 * slowed), rel=0.02
+    )
+
+
+def test_a_ledger_that_is_not_kept(small_bed):
+    """Asking for what was not kept, or for threads with it, is refused in words."""
+    small = small_bed("disc")
+    with pytest.raises(dem.InputError, match="ledger"):
+        dem.Simulation(small.scene(), small.state).ledger()
+    with pytest.raises(dem.InputError, match="threads"):
+        dem.Simulation(small.scene(), small.state, threads=2, ledger=True)
