@@ -19,6 +19,7 @@ hypothesis.settings.load_profile("suite")
 KINDS = ("dumbbell", "ellipse", "disc")
 
 
+@pytest.hookimpl(tryfirst=True)  # before pytest-xdist reads the groups
 def pytest_collection_modifyitems(items):
     """Tests of one kind of granule on one processor: its kernels are then compiled but once."""
     for item in items:
