@@ -34,9 +34,10 @@ def mindlin(spring, root, last_root, stiffness, slip):
     """Tangential spring force (N) after a further slip (m), against the slip.
 
     The force is what a contact remembers. Its increment is k_t slip with k_t = stiffness * root
-    = 8 G* sqrt(R* delta), the mean of both ends of the step, which makes it of second order; while the contact unloads, the force shrinks with the contact radius
-    (Thornton, Cummins and Cleary 2013, Powder Technol. 233, 30). In both directions the stored
-    energy spring^2 / (2 k_t) can only fall when the overlap changes, so no contact makes energy.
+    = 8 G* sqrt(R* delta), the mean of both ends of a step while the overlap grows, so that the
+    increment is of second order; while the contact unloads, the force shrinks with the contact
+    radius (Thornton, Cummins and Cleary 2013, Powder Technol. 233, 30). In both directions the
+    stored energy spring^2 / (2 k_t) can only fall when the overlap changes: no contact makes energy.
     """
     kept = min(root / max(last_root, TINY), 1.0)  # without a branch; 1 for a new contact
     return spring * kept - stiffness * 0.5 * (root + kept * last_root) * slip

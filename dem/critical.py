@@ -1,4 +1,4 @@
-"""A lower bound of the critical time step: guaranteed, and from the bed as it is.
+"""A lower bound of the critical time step, proved for small motions of the bed as it is.
 
 A contact resists the relative motion of two granules along its normal and along its tangent. In
 mass-weighted coordinates each adds k g g^T to the matrix of stiffness and c g g^T to that of
@@ -10,7 +10,8 @@ granule 1. For any s > 0
 so that both matrices are bounded by blocks of three by three, one a granule, and their greatest
 eigenvalues by those of the blocks; s = |g2| / |g1|. The force at a contact lowers the stiffness,
 but where it acts off the centre of a granule that turns: that part is bounded by Constants.bend.
-Contacts that slide are softer than those that stick, as all are taken to do.
+All contacts are taken to stick. Not in the bound: that contacts grow stiffer until the next look,
+and that the dashpot of a contact changes with its overlap.
 """
 
 import math

@@ -1,10 +1,11 @@
 """The energy ledger: what a bed holds, what it was given, what it lost; only where asked for.
 
 The kernels add up three things over time (dem.lanes): what dashpots took, what sliding took, and
-the work of the cylinder. Sliding takes what the slip does against the tangential spring beyond what
-the spring then holds; the energy that a spring gives away when its contact unloads counts to it.
-Kinetic and elastic energies are taken from the state. Forces and velocities of full steps are
-multiplied, so that the sums are of second order in the time step, like the motion.
+the work of the cylinder. What the slip does against a tangential spring beyond what the spring then
+holds counts as slid; so does what a spring gives away when the overlap changes, without any sliding.
+Kinetic and elastic energies are taken from the state. The force at the end of each step counts for
+the whole of it, so that the sums are off by half a step's power at the end less that at the start:
+of first order in the time step, and small against the work of a long run.
 """
 
 import math

@@ -25,7 +25,7 @@ from dem.survey import Glance, look
 
 SKIN = 0.12  # of the mean bounding radius; timings are flat from 0.1 to 0.2
 MARGIN = 0.75  # share of skin / 2 that a part may move before the lists are made anew
-STEP_FRACTION = 0.5  # of the guaranteed bound on the critical time step
+STEP_FRACTION = 0.5  # of the bound on the critical time step
 LARGEST_OVERLAP = 1.2  # of the smaller radius
 LONGEST_FLIGHT = 0.02  # of the smallest radius, in one step
 

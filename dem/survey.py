@@ -1,4 +1,4 @@
-"""One look at the bed, between steps: energy, contacts, greatest overlap, bound on the stiffness."""
+"""One look at the bed, between steps: energy, contacts, greatest overlap, critical time step."""
 
 import math
 from typing import NamedTuple

@@ -65,13 +65,13 @@ def change(grid: xr.DataArray, default: float) -> xr.Dataset:
 
 
 def fitted(dataset: xr.Dataset, shape: str) -> list[float]:
-    """Steps that the bias is taken from: surely stable, and hardly any run failed."""
+    """Steps that the bias is taken from: within the bound, and hardly any run failed."""
     failed = failures(dataset, shape)
     return [step for step, share in failed.items() if step <= LARGEST and share <= FAILED]
 
 
 def bias(dataset: xr.Dataset, shape: str) -> Bias:
-    """Bias of the mean drag at the default step, from all steps that are surely stable.
+    """Bias of the mean drag at the default step, from all steps within the bound.
 
     The error of a scheme of first order or better grows at least in proportion to the step, so
     that a straight line through the steps, with a level of its own for every bed, bounds the bias

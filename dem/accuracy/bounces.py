@@ -1,4 +1,4 @@
-"""Part 2: total energy over thousands of frictionless elastic bounces, by method of contact.
+"""Total energy over thousands of frictionless elastic bounces, by method of contact.
 
 A few granules fly about in a box. Nothing takes or gives energy, so that it stays what it was,
 but for the integrator's error and for whatever the forces are not the gradient of a potential.

@@ -1,4 +1,4 @@
-"""Part 1: error of a contact against the time to find it, by method.
+"""Error of a contact against the time to find it, by method.
 
 Every method meets the same pairs of ellipses with known contacts. Its error is taken apart: that
 of the solver against what its own definition gives in extended precision, and that of the

@@ -2,7 +2,6 @@
 
 import numpy as np
 import xarray as xr
-from rich import box
 from rich.console import Group
 from rich.table import Table
 from rich.text import Text
@@ -11,6 +10,7 @@ from dem.accuracy import replicates
 from dem.accuracy.bias import bias, change, failures, shapes_of, table
 from dem.accuracy.contacts import BED_OVERLAPS, BED_RATIO, in_the_beds
 from dem.accuracy.plan import LARGEST
+from dem.tables import numbers
 
 LEGENDS = {
     "contacts": f"""\
@@ -38,16 +38,9 @@ def summary(dataset: xr.Dataset) -> Group:
     return Group(*parts, Text("\n".join([*biases(dataset), *runs(dataset)])))
 
 
-def _table(*columns):
-    made = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
-    for number, column in enumerate(columns):
-        made.add_column(column, justify="left" if number == 0 else "right", no_wrap=True)
-    return made
-
-
 def contacts(dataset: xr.Dataset) -> Table:
     """A row a method and start."""
-    made = _table(
+    made = numbers(
         "contact of two ellipses", "start", "ns", "overlap,\nsolver", "normal,\nsolver",
         "overlap,\ndefinition", "normal,\ndefinition", "failures",
     )  # fmt: skip
@@ -72,7 +65,7 @@ def contacts(dataset: xr.Dataset) -> Table:
 
 def steps(dataset: xr.Dataset) -> Table:
     """A row a scene and integrator."""
-    made = _table("scene", "integrator", "error at default", "time, us", "order")
+    made = numbers("scene", "integrator", "error at default", "time, us", "order")
     default = float(dataset["step_default"])
     for scene in dataset["step_scene"].values:
         here = dataset.sel(step_scene=scene)
@@ -89,7 +82,7 @@ def steps(dataset: xr.Dataset) -> Table:
 
 def drag(dataset: xr.Dataset) -> Table:
     """A row a shape and step."""
-    made = _table("mean drag", "step over critical", "beds", "change", "failed", "s a run")
+    made = numbers("mean drag", "step over critical", "beds", "change", "failed", "s a run")
     default = float(dataset.attrs["default_fraction"])
     for shape in shapes_of(dataset):
         found, failed = change(table(dataset, shape), default), failures(dataset, shape)

@@ -2,10 +2,11 @@
 
 import numpy as np
 import xarray as xr
-from rich import box
 from rich.console import Group
 from rich.table import Table
 from rich.text import Text
+
+from dem.tables import numbers
 
 LEGEND = """\
 medians of the repeats; contact: touching pair of parts of granules. Damping of the other codes has
@@ -33,16 +34,9 @@ def summary(dataset: xr.Dataset) -> Group:
     return Group(*parts)
 
 
-def _table(*columns):
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
-    for number, column in enumerate(columns):
-        table.add_column(column, justify="left" if number == 0 else "right", no_wrap=True)
-    return table
-
-
 def codes(dataset: xr.Dataset) -> Table:
     """A row a bed and code that ran."""
-    table = _table(
+    table = numbers(
         "bed", "code", "million granule-\nsteps a second", "lowest, highest", "against\nours",
         "ns a\ncontact", "contacts", "pairs\nlisted",
     )  # fmt: skip
@@ -64,7 +58,7 @@ def codes(dataset: xr.Dataset) -> Table:
 
 def scenes(dataset: xr.Dataset) -> Table:
     """A row a scene."""
-    table = _table("scene", "ns a granule-step", "lowest, highest", "against full", "code, bytes")
+    table = numbers("scene", "ns a granule-step", "lowest, highest", "against full", "code, bytes")
     for variant in dataset["variant"].values:
         here = dataset.sel(variant=variant)
         times = 1e9 * here["variant_step_time"].values
@@ -77,7 +71,7 @@ def scenes(dataset: xr.Dataset) -> Table:
 
 def sizes(dataset: xr.Dataset) -> Table:
     """A row a size of bed and number of threads."""
-    table = _table(
+    table = numbers(
         "discs", "threads", "ns a granule-step", "lowest, highest", "against\nsmallest",
         "against\none thread", "bytes a granule",
     )  # fmt: skip
@@ -99,7 +93,7 @@ def sizes(dataset: xr.Dataset) -> Table:
 def motion(dataset: xr.Dataset) -> Table:
     """A row a comparison."""
     steps = dataset["comparison_steps"].values
-    table = _table("undamped bed", *(f"after {count} steps" for count in steps))
+    table = numbers("undamped bed", *(f"after {count} steps" for count in steps))
     for name in dataset["comparison"].values:
         apart = dataset["trajectory_difference"].sel(comparison=name).values
         table.add_row(str(name), *(f"{value:.1e}" for value in apart))

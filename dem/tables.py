@@ -1,0 +1,12 @@
+"""Tables for the terminal that all summaries share."""
+
+from rich import box
+from rich.table import Table
+
+
+def numbers(*columns: str) -> Table:
+    """An empty table with these headings: words on the left, numbers to the right of them."""
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+    for number, column in enumerate(columns):
+        table.add_column(column, justify="left" if number == 0 else "right", no_wrap=True)
+    return table
