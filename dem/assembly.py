@@ -17,7 +17,7 @@ class Constants(NamedTuple):
     """What the lists and the surveys need of the granules and does not change.
 
     per: parts a granule; radius, bounding (parts,) in m: for Hertz's law, and of the circle that
-    holds the part; mass (parts,) in kg: of the whole granule; lightest: greatest
+    holds the part; mass (parts,) in kg: of the whole granule; mobility: greatest
     1/m + lever^2/I (1/kg) of a contact; bend (n,) in 1/(kg m): how much, at most, the force 2/3 k
     delta at a contact of normal stiffness k stiffens the rotation, over k delta; skin (m);
     alpha: dashpot constant; modulus: E* of two granules (Pa); mean_radius (m), mean_mass (kg).
@@ -27,7 +27,7 @@ class Constants(NamedTuple):
     radius: np.ndarray
     bounding: np.ndarray
     mass: np.ndarray
-    lightest: float
+    mobility: float
     bend: np.ndarray
     skin: float
     alpha: float
@@ -46,7 +46,7 @@ def constants(scene: Scene, skin: float) -> Constants:
         radius=shape.part_radius,
         bounding=bounding,
         mass=np.repeat(scene.mass, per),
-        lightest=float((inverse_mass + shape.bounding_radius**2 * inverse_inertia).max()),
+        mobility=float((inverse_mass + shape.bounding_radius**2 * inverse_inertia).max()),
         bend=2.0 / 3.0 * shape.normal_bend * inverse_inertia,
         skin=float(skin * bounding.mean()),
         alpha=damping_from_restitution(scene.material.restitution),

@@ -58,6 +58,7 @@ VARIABLES = {
 
 WALLS = ("left", "right", "bottom", "top")
 MEANS = ("drag", "drag_normal", "drag_tangential", "transverse_force", "wall_force")
+SEEDS = ("seed", "trial_seed", "replicate")
 
 
 def attributes(name: str, layout: dict = VARIABLES) -> dict:
@@ -66,10 +67,12 @@ def attributes(name: str, layout: dict = VARIABLES) -> dict:
     found = {"long_name": long_name, "units": units}
     if name == "displacement":
         found["bounds"] = "displacement_bounds"
-    elif name == "seed":
+    elif name in SEEDS:
         found["standard_name"] = "realization"
     elif name in MEANS:
         found["cell_methods"] = "displacement: mean"
+    elif name == "replicate_drag":
+        found["cell_methods"] = "replicate_displacement: mean"
     elif name == "time_step":
         found["cell_methods"] = "displacement: minimum"
     return {key: value for key, value in found.items() if value is not None}

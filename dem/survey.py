@@ -247,7 +247,7 @@ def look(world, parts):
     radius, mass = 0.5 * parts.mean_radius, 0.5 * parts.mean_mass
     least = max(impact_overlap(mass, radius, parts.modulus, speed), 1e-8 * radius)
     touching, overlap, part, step = survey(world, parts, least)
-    stiffness = 4.0 * parts.modulus * math.sqrt(parts.radius.max() * least) * parts.lightest
+    stiffness = 4.0 * parts.modulus * math.sqrt(parts.radius.max() * least) * parts.mobility
     damping = 2.0 * damping_ratio(parts.alpha) * math.sqrt(2.0 * stiffness)
     granules = world.bodies.shape[0]
     return Glance(

@@ -65,18 +65,19 @@ def change(grid: xr.DataArray, default: float) -> xr.Dataset:
 
 
 def fitted(dataset: xr.Dataset, shape: str) -> list[float]:
-    """Steps that the bias is taken from: within the bound, and hardly any run failed."""
+    """Steps that the bias is taken from: up to LARGEST, and hardly any run failed."""
     failed = failures(dataset, shape)
     return [step for step, share in failed.items() if step <= LARGEST and share <= FAILED]
 
 
 def bias(dataset: xr.Dataset, shape: str) -> Bias:
-    """Bias of the mean drag at the default step, from all steps within the bound.
+    """Bias of the mean drag at the default step, from all steps up to LARGEST.
 
     The error of a scheme of first order or better grows at least in proportion to the step, so
     that a straight line through the steps, with a level of its own for every bed, bounds the bias
-    of the default. Seeds are independent and the runs of one are not: the standard error is taken
-    over the seeds' shares in the slope.
+    of the default. The longest steps tell most for their time; a bed near its limit errs by more
+    than in proportion. Seeds are independent and the runs of one are not: the standard error is
+    taken over the seeds' shares in the slope.
     """
     default = float(dataset.attrs["default_fraction"])
     grid = table(dataset, shape)

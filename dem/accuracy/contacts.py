@@ -21,6 +21,7 @@ WRONG_NORMAL = 0.1  # or whose normal is by more than this (rad), has failed
 COLD = "cold"
 DEFAULT = trials.common_normal(CommonNormal().tolerance).name
 BED_RATIO = 1.375  # greatest aspect ratio in the beds of the paper
+SLIGHT = 0.01  # excess of an aspect ratio over 1 that no bed has, unless it is 0
 BED_OVERLAPS = (1e-6, 0.3)  # what their contacts pass through, over b
 PARTS = ("overlap", "normal", "point")
 
@@ -174,6 +175,7 @@ def measure(plan: Plan = USUAL, progress=lambda done: None) -> dict:
         "contact_reject_time": np.moveaxis(np.array(rejected), 1, 0),
         "contact_method": np.array([method.name for method in plan.methods]),
         "contact_kind": np.array([method.kind for method in plan.methods]),
+        "contact_remembers": np.array([method.remembers for method in plan.methods], np.int8),
         "contact_aspect_ratio": np.array(plan.ratios),
         "contact_overlap": np.array(plan.overlaps),
         "contact_start": np.array(labels),
@@ -187,8 +189,9 @@ def in_the_beds(dataset: xr.Dataset) -> xr.Dataset:
     """The strata that the beds of the paper visit, with carried normals."""
     ratio, overlap = dataset["contact_aspect_ratio"].values, dataset["contact_overlap"].values
     low, high = BED_OVERLAPS
+    visited = (ratio <= BED_RATIO) & ((ratio == 1.0) | (ratio > 1.0 + SLIGHT))
     return dataset.isel(
-        contact_aspect_ratio=np.flatnonzero(ratio <= BED_RATIO),
+        contact_aspect_ratio=np.flatnonzero(visited),
         contact_overlap=np.flatnonzero((low <= overlap) & (overlap <= high)),
         contact_start=np.flatnonzero(dataset["contact_start"].values != COLD),
     )

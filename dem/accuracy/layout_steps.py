@@ -4,7 +4,7 @@
 VARIABLES = {
     "step_scene": (("step_scene",), None, "what is integrated"),
     "integrator": (("integrator",), None, "time integrator"),
-    "step_default": ((), "1", "default time step over the critical one"),
+    "step_default": ((), "1", "time step over the critical one that a simulation takes unless told"),
     "step_critical": (("step_scene",), "s", "lower bound of the critical time step"),
     "step_contact_time": (("step_scene",), "s", "duration of an elastic head-on collision of like discs at that speed"),
     "step_fraction": (("step_scene", "step_level"), "1", "time step over the critical one"),

@@ -9,7 +9,7 @@ from dem.schema import Label, Positive, Section, Seed, Whole
 
 Count = Annotated[Whole, Field(ge=2, le=100_000)]
 Fraction = Annotated[Positive, Field(le=10)]
-LARGEST = 1.0  # step over the critical one up to which the bound says that a bed is stable
+LARGEST = 1.2  # step over the bound on the critical one up to which no bed has been seen to break
 
 
 def density_of(sweep, shape: str) -> float:

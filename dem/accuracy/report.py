@@ -49,7 +49,7 @@ def contacts(dataset: xr.Dataset) -> Table:
         for start in beds["contact_start"].values:
             here = beds.sel(contact_method=method, contact_start=start)
             time = 1e9 * float(here["contact_time"].median())
-            carries = str(method).startswith(("common normal", "polygon"))  # the others begin anew
+            carries = bool(here["contact_remembers"])
             if not np.isfinite(time) or not (carries or start == beds["contact_start"].values[0]):
                 continue
             made.add_row(

@@ -5,6 +5,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from dem.accuracy.bias import bias, change, failures, shapes_of, table
+from dem.accuracy.plan import LARGEST
 from dem.figures import style
 
 SHOWN = 0.15  # change of the mean drag at which the axis ends
@@ -56,7 +57,7 @@ def _changes(axes, dataset, shape, default) -> None:
     steps = np.linspace(0.0, line.fractions.max(), 50)
     share = (steps - default) / default
     axes.plot(steps, 100 * line.value * share, color="0.15", linewidth=1.2,
-              label="straight line, up to the critical step")  # fmt: skip
+              label=f"straight line through the steps up to {LARGEST:g}")  # fmt: skip
     low, high = ((line.value + sign * line.half) * share for sign in (-1.0, 1.0))
     axes.fill_between(steps, 100 * low, 100 * high, color="0.82", linewidth=0.0, zorder=1,
                       label="its 95 % interval")  # fmt: skip

@@ -166,9 +166,11 @@ def _cheapest(here):
     wanted = LESS * curves[0][1][_usual(here)].mean()
     costs = np.array([_cost(*curve, wanted) for curve in curves])
     costs[here["step_order"].values < STALLED] = np.nan
-    if not np.isfinite(costs[0]):
+    if not np.isfinite(costs).any():
         return "", np.inf
     best = int(np.nanargmin(costs))
+    if not np.isfinite(costs[0]):
+        return _name(here["integrator"].values[best]), 0.0
     return _name(here["integrator"].values[best]), costs[best] / costs[0]
 
 
@@ -182,6 +184,8 @@ def _reading(here):
         if order < STALLED:
             return f"{words}, {_name(name)} stalls at {_share(error[np.isfinite(error)][-1])}"
     name, share = _cheapest(here)
+    if share == 0.0:
+        return f"{words}; only {name} gets {LESS_WORDS} of it"
     if share < SOONER:
         return f"{words}; {LESS_WORDS} of it takes {name} {share:.2f} of {_name(names[0])}'s time"
     return f"{words}; none gets {LESS_WORDS} of it sooner"
