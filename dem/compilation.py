@@ -7,12 +7,13 @@ sources, and every save holds a lock.
 """
 
 import functools
+import hashlib
 import os
 from pathlib import Path
 
 import numba
 from filelock import FileLock
-from numba.core.caching import IndexDataCacheFile
+from numba.core.caching import CacheImpl, IndexDataCacheFile, _CacheLocator
 from platformdirs import user_cache_path
 
 from dem.provenance import compiled_hash
@@ -29,7 +30,44 @@ def cache_folder() -> Path:
     return Path(base) / f"kernels-{compiled_hash()[:16]}"
 
 
-numba.config.CACHE_DIR = str(cache_folder())
+class KernelLocator(_CacheLocator):
+    """Where Numba finds a kernel: by its module and the content of its file, not by where that lies
+    or when it was written, so that all copies of the same sources share their machine code."""
+
+    def __init__(self, function, file):
+        self._folder = cache_folder() / function.__module__
+        self._stamp = content_hash(file)
+        self._line = function.__code__.co_firstlineno
+
+    @classmethod
+    def from_function(cls, function, file):
+        """Only for functions of `compiled`; others are kept where Numba would keep them."""
+        return cls(function, file) if hasattr(function, MARK) else None
+
+    def get_cache_path(self):
+        return str(self._folder)
+
+    def get_source_stamp(self):
+        return self._stamp
+
+    def get_disambiguator(self):
+        return str(self._line)
+
+
+@functools.cache
+def content_hash(file) -> str:
+    """SHA-256 of a file."""
+    return hashlib.sha256(Path(file).read_bytes()).hexdigest()
+
+
+MARK = "_is_a_kernel"
+numba.config.CACHE_LOCATOR_CLASSES = ",".join(
+    [f"{__name__}.{KernelLocator.__name__}"]
+    + [
+        numba.config.CACHE_LOCATOR_CLASSES
+        or ",".join(c.__name__ for c in CacheImpl._locator_classes)
+    ]
+)
 
 
 class _LockedCacheFile(IndexDataCacheFile):
@@ -62,6 +100,7 @@ def compiled(function=None, *, allocates=False):
     """
     if function is None:
         return functools.partial(compiled, allocates=allocates)
+    setattr(function, MARK, True)
     dispatcher = numba.njit(cache=True, nogil=True, _nrt=allocates, **OPTIONS)(function)
     cache_file = getattr(dispatcher._cache, "_cache_file", None)  # absent under NUMBA_DISABLE_CACHE
     if cache_file is not None:
