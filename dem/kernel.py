@@ -17,7 +17,7 @@ from dem.blocks import (
 )  # fmt: skip
 from dem.columns import FX, FY, TAU, VX, VY, X, Y
 from dem.compilation import compiled, inlined
-from dem.lanes import BLOCK, EIGHT, FOUR, ONE, TWO, WORK, ZERO
+from dem.lanes import ACCOUNTS, BLOCK, EIGHT, FOUR, ONE, TWO, WORK, ZERO
 from dem.optional import optional
 from dem.prefetch import prefetch
 from dem.shapes.geometry import collect, place
@@ -111,6 +111,13 @@ def roller_contacts(shape, parts, frame, roller, turns, force, dt, lanes):
 
 
 @optional
+def turn_page(account):
+    """Keep what the account holds before a step."""
+    for kind in range(ACCOUNTS):
+        account[ACCOUNTS + kind] = account[kind]
+
+
+@optional
 def put_work(account, motion, shares, dt):
     """Work (J) of the cylinder on a granule: shares (N), see dem.blocks.reaction, act on it."""
     fx, fy = shares[0] + shares[2], shares[1] + shares[3]
@@ -165,6 +172,7 @@ def add_forces(world, dt, begin, end, leads, team):
     turns, lanes, pairs = world.inverse_inertia, world.lanes, world.pairs
     granules = world.bodies.shape[0]
     per, moved = parts.shape[0] // granules, 0.0
+    turn_page(lanes.account)
     for chunk in range(begin, end):
         low, high = granules_of(world.chunks, granules, chunk)
         low, high = per * low, per * high

@@ -19,7 +19,8 @@ LINE = 8  # numbers between rows, so that they do not all fall on the same place
 class Lanes(NamedTuple):
     """motion and values: rows of BLOCK lanes and a LINE of padding, see the offsets below.
 
-    account: where energies (J) are summed over time (dem.energy), or None where nobody asks.
+    account (6,): three energies (J) summed over time (dem.energy), and what they were before the
+    last step; None where nobody asks.
     """
 
     motion: np.ndarray
@@ -44,9 +45,9 @@ ROW = np.uint64(BLOCK + LINE)  # from one number of an outline to the next
 
 
 # account: energy (J) lost in dashpots, by sliding; work of the cylinder on the granules
-LOST_DAMPED, LOST_SLID, WORK = 0, 1, 2
+LOST_DAMPED, LOST_SLID, WORK, ACCOUNTS = 0, 1, 2, 3
 
 
 def make_lanes(accounted: bool = False) -> Lanes:
-    account = rows(1, 3)[0] if accounted else None
+    account = rows(1, 2 * ACCOUNTS)[0] if accounted else None
     return Lanes(rows(1, 16 * (BLOCK + LINE))[0], rows(1, 27 * (BLOCK + LINE))[0], account)

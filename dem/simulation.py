@@ -12,7 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.assembly import assemble, constants
-from dem.columns import VX, VY, W
+from dem.checkpoint import named_arrays, replaced
+from dem.columns import VX, VY, W, X, Y
 from dem.crew import Crew
 from dem.energy import Bookkeeper, Ledger
 from dem.errors import InputError, OverlapError, StateError
@@ -21,7 +22,7 @@ from dem.listing import relist
 from dem.march import LOST, OUTSIDE, TOO_DEEP, Rules, march, outside
 from dem.ordering import order_of, ordered
 from dem.scene import Scene, State
-from dem.survey import Glance, look
+from dem.survey import Glance, look, pair_hits, roller_hits, wall_hits
 
 SKIN = 0.12  # of the mean bounding radius; timings are flat from 0.1 to 0.2
 MARGIN = 0.75  # share of skin / 2 that a part may move before the lists are made anew
@@ -66,6 +67,22 @@ class Result(NamedTuple):
     wall_force: np.ndarray
     state: State
     time_step: float
+
+
+class Touching(NamedTuple):
+    """Contacts of a bed, m in all, seen from a granule.
+
+    granule, partner (m,): a granule's number, and that of the other, -1 for the cylinder, -2 for
+    the first wall, -3 for the second, and so on. point (m, 2): place of the contact (m); normal
+    (m, 2): away from the granule; overlap (m,) in m; force (m,): elastic normal force (N).
+    """
+
+    granule: np.ndarray
+    partner: np.ndarray
+    point: np.ndarray
+    normal: np.ndarray
+    overlap: np.ndarray
+    force: np.ndarray
 
 
 class Simulation:
@@ -166,11 +183,56 @@ class Simulation:
             self._fail(TOO_DEEP, glance.max_overlap, glance.deepest)
         return glance._replace(deepest=self._name(glance.deepest))
 
+    def contacts(self) -> Touching:
+        """All contacts of the bed as it is."""
+        world, per = self.world, self._parts.per
+        shape, parts, frame = world.shape, world.parts, world.frame
+        some = [(world.pairs, pair_hits(shape, parts, frame, world.pairs), "pair")]
+        if world.roller is not None:
+            some.append((world.roller.contacts, roller_hits(shape, parts, frame, world.roller), -1))
+        if world.walls is not None:
+            some.append((world.walls.contacts, wall_hits(shape, parts, frame, world.walls), -2))
+        found = []
+        names = np.arange(self.scene.granules) if self._order is None else self._order
+        for listed, hits, kind in some:
+            other = listed.other.astype(np.int64)
+            partner = names[other // per] if kind == "pair" else kind - other
+            overlap, nx, ny, along, across, stiffness = hits.T
+            x = parts[listed.part, X] + along * nx - across * ny
+            y = parts[listed.part, Y] + along * ny + across * nx
+            point, normal = np.column_stack([x, y]), np.column_stack([nx, ny])
+            force = stiffness * np.maximum(overlap, 0.0) ** 1.5
+            rows = names[listed.part // per], partner, point, normal, overlap, force
+            found.append([column[overlap > 0.0] for column in rows])
+        return Touching(*map(np.concatenate, zip(*found, strict=True)))
+
     def ledger(self) -> Ledger:
         """What the bed holds, was given and lost so far; only of a simulation with ledger=True."""
         if self._bookkeeper is None:
             raise InputError("ledger is False; make the Simulation with ledger=True.")
         return self._bookkeeper.ledger(self.world)
+
+    # Saved and gone on with
+
+    def checkpoint(self) -> dict[str, np.ndarray]:
+        """All that moves, remembers or counts, as arrays by name (for np.savez)."""
+        order = np.arange(self.scene.granules) if self._order is None else self._order
+        saved = named_arrays(self.world) | {"order": order}
+        return saved | {"time": np.array(self.time), "steps": np.array(self.steps)}
+
+    def restore(self, saved: dict[str, np.ndarray]) -> None:
+        """Go on from a checkpoint of a simulation that began with the same scene and state.
+
+        The motion that follows has the same bits as without interruption, if it is advanced in the
+        same pieces. Raises InputError for a checkpoint of another scene.
+        """
+        order = np.arange(self.scene.granules) if self._order is None else self._order
+        if not np.array_equal(saved.get("order"), order):
+            raise InputError("order is not that of the checkpoint; is it of another scene?")
+        shared = self.world.force is self.world.part_force  # where a granule is its own only part
+        world = replaced(self.world, saved)
+        self.world = world._replace(force=world.part_force) if shared else world
+        self.time, self.steps = float(saved["time"]), int(saved["steps"])
 
     # Motion
 
@@ -226,9 +288,11 @@ class Simulation:
                 "time step."
             )
         if outcome == LOST:
+            moved = np.linalg.norm(self.world.parts[:, :2] - self.world.reference, axis=1)
+            farthest = int(moved.argmax()) // self._parts.per
             raise StateError(
-                f"a granule moved {value:.3g} m before its contacts were listed again {when}; it "
-                f"may move {self.rules.reach:.3g} m: take a smaller time step."
+                f"granule {self._name(farthest)} moved {value:.3g} m before its contacts were listed "
+                f"again {when}; it may move {self.rules.reach:.3g} m: take a smaller time step."
             )
         if outcome == OUTSIDE:
             walls = self.world.walls.planes

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.blocks import remembered
-from dem.columns import VX, VY, W, X, Y
+from dem.columns import FX, FY, TAU, VX, VY, W, X, Y
 from dem.compilation import compiled, inlined
 from dem.contact_law import damping_ratio, impact_overlap
 from dem.critical import (
@@ -31,7 +31,7 @@ class Glance(NamedTuple):
     """The bed at one moment; coordination number: touching pairs of parts, twice, a granule."""
 
     kinetic_energy: float  # J
-    fastest: float  # m/s: the greatest speed to be expected, of granules and cylinder
+    fastest: float  # m/s: greatest speed to be expected before the lists are made anew
     coordination_number: float
     max_overlap: float  # over the smaller radius
     deepest: int  # the granule it belongs to
@@ -146,6 +146,20 @@ def survey_listed(barrier, hits, bodies, parts, light, turns, constants, least, 
 
 
 @compiled(allocates=True)
+def pair_hits(shape, parts, frame, contacts):
+    """Rows (m, 6), one a listed pair, seen from its first part; see wall_hits."""
+    hits = np.empty((contacts.part.shape[0], 6))
+    for p in range(hits.shape[0]):
+        i, j = contacts.part[p], contacts.other[p]
+        dx, dy = parts[j, X] - parts[i, X], parts[j, Y] - parts[i, Y]
+        guess = remembered(contacts.normal_x, contacts.normal_y, p)
+        hit = touch(shape, dx, dy, outline(shape, i, frame), outline(shape, j, frame), guess)
+        stiffness = either(local_stiffness(hit[7], contacts.modulus), contacts.stiffness[p])
+        hits[p] = hit[0], hit[1], hit[2], hit[3], either(hit[4], 0.0), stiffness
+    return hits
+
+
+@compiled(allocates=True)
 def wall_hits(shape, parts, frame, walls):
     """Rows (m, 6), one a listed contact with a wall.
 
@@ -223,6 +237,22 @@ def fall_squared(gravity, distance):
 
 
 @optional
+def swing(inverse_inertia, i, torque, lever):
+    return abs(torque) * inverse_inertia[i] * lever
+
+
+@compiled
+def greatest_acceleration(force, inverse_mass, inverse_inertia, parts):
+    """Of any part (m/s2), from the forces on its granule; gravity not counted."""
+    greatest = 0.0
+    for i in range(inverse_mass.shape[0]):
+        push = math.sqrt(force[i, FX] ** 2 + force[i, FY] ** 2) * inverse_mass[i]
+        lever = parts.radius[i * parts.per] if parts.per > 1 else 0.0
+        greatest = greater(greatest, plus(push, swing(inverse_inertia, i, force[i, TAU], lever)))
+    return greatest
+
+
+@optional
 def roller_squared(roller):
     return roller.motion[0, VX] ** 2 + roller.motion[0, VY] ** 2
 
@@ -250,7 +280,8 @@ def look(world, parts):
     stiffness = 4.0 * parts.modulus * math.sqrt(parts.radius.max() * least) * parts.mobility
     damping = 2.0 * damping_ratio(parts.alpha) * math.sqrt(2.0 * stiffness)
     granules = world.bodies.shape[0]
+    push = greatest_acceleration(world.force, world.inverse_mass, world.inverse_inertia, parts)
     return Glance(
-        energy, speed, 2.0 * touching / granules, overlap, part // parts.per,
+        energy, math.sqrt(speed * speed + 2.0 * parts.skin * push), 2.0 * touching / granules, overlap, part // parts.per,
         min(step, critical_step(stiffness, damping)),
     )  # fmt: skip
