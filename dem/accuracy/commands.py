@@ -34,12 +34,12 @@ def _run(config, output, label, work):
     """Do a part with a progress bar and write its file."""
     with reported():
         start_lean()
-        from dem.accuracy.files import write_part
+        from dem.accuracy.files import STUDY
 
         sweep = _planned(config)
         with bar(label, 1.0) as update:
             values = work(sweep, update)
-        write_part(output, sweep, values)
+        STUDY.write_part(output, sweep, values)
 
 
 @app.command()
@@ -107,6 +107,6 @@ def combine(
 ):
     """All parts into accuracy.nc."""
     with reported():
-        from dem.accuracy.files import join, write_joined
+        from dem.accuracy.files import STUDY
 
-        write_joined(output, join(files))
+        STUDY.write_joined(output, STUDY.join(files))

@@ -58,6 +58,16 @@ def _methods(dataset, kind):
     return dataset["contact_method"].values[dataset["contact_kind"].values == kind]
 
 
+def _starts(here, kind, method):
+    """Starts that are shown: all but the exact one for the common normal, one as in runs for others
+    that start from a normal, and any for those that begin anew."""
+    starts = here["contact_start"].values
+    if kind == "common normal":
+        return starts[1:]
+    remembers = bool(here["contact_remembers"].sel(contact_method=method))
+    return starts[1:2] if remembers else starts[:1]
+
+
 def _speed(axes, dataset) -> None:
     """A large marker a method: median time, worst error; small ones: single overlaps."""
     low, high = BED_OVERLAPS
@@ -67,11 +77,11 @@ def _speed(axes, dataset) -> None:
         1e9 * here["contact_time"].median("contact_repeat"),
         here["contact_overlap_error"],
     )
-    starts, middles = here["contact_start"].values, []
+    middles = []
     for kind, (color, marker, _) in KINDS.items():
         look = {"color": color, "marker": marker, "linestyle": "none"}
         for method in _methods(dataset, kind):
-            for start in starts[1:] if kind == "common normal" else starts[:1]:
+            for start in _starts(here, kind, method):
                 place = {"contact_method": method, "contact_start": start}
                 x, y = times.sel(place).values, np.maximum(errors.sel(place).values, LEAST)
                 axes.plot(x, y, markersize=4, alpha=0.5, markeredgewidth=0.0, **look)

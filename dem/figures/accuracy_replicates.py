@@ -93,7 +93,7 @@ def _windows(axes, dataset) -> None:
     plain(axes.yaxis)
     shift = 100.0 * replicates.drift(dataset)
     axes.set_title(
-        f"A window of {1e3 * lengths[-1]:.0f} mm: {100 * scatter[-1]:.0f} %, but another mean ({shift:+.0f} %)",
+        f"A window of {1e3 * lengths[-1]:.0f} mm: {100 * scatter[-1]:.0f} %,\nbut another mean ({shift:+.0f} %)",
         loc="left",
     )
     axes.legend(loc="lower left")

@@ -1,0 +1,82 @@
+"""The files of a study: one a job, and one with all of them."""
+
+from pathlib import Path
+from typing import NamedTuple
+
+import xarray as xr
+
+from dem import provenance
+from dem.combine import open_lazily
+from dem.config import Sweep
+from dem.dataset import atomic, global_attributes, write
+from dem.errors import InputError
+
+SAME = ("default_fraction", "window_start", "window_stop")  # attributes that all parts must share
+
+
+class Study(NamedTuple):
+    """What a study is about, the command that makes its parts, its layout as in dem.dataset, and
+    the dimensions along which jobs are put one after another."""
+
+    about: str
+    command: str
+    variables: dict
+    concatenated: tuple[str, ...]
+
+    def write_part(self, path: Path, sweep: Sweep, values: dict) -> None:
+        """Write the variables that one job has made."""
+        low, high = sweep.record.window
+        attrs = global_attributes(
+            f"{sweep.title}: {self.about}",
+            self.command,
+            versions=provenance.versions(),
+            git_revision=provenance.git_revision(),
+            source_hash=provenance.source_hash(),
+            default_fraction=sweep.numerics.step_fraction,
+            window_start=low,
+            window_stop=high,
+        )
+        write(path, values, attrs, self.variables)
+
+    def read_part(self, path: Path) -> xr.Dataset:
+        """What one job has made; raises InputError for another file."""
+        with open_lazily(path) as dataset:
+            if not set(dataset.variables) <= set(self.variables):
+                raise InputError(f"{path}: it is no part of the study: {self.about}.")
+            return dataset.load()
+
+    def join(self, paths: list[Path]) -> xr.Dataset:
+        """All parts in one; what many jobs share out is put one after another."""
+        parts = [self.read_part(path) for path in paths]
+        joined = [part.drop_dims(self.concatenated, errors="ignore") for part in parts]
+        for dim in self.concatenated:
+            some = [_along(part, dim) for part in parts if dim in part.dims]
+            if some:
+                joined.append(xr.concat(
+                    some, dim, data_vars="minimal", coords="minimal", compat="override",
+                    join="override",
+                ))  # fmt: skip
+        for name in SAME:
+            values = {float(part.attrs[name]) for part in parts}
+            if len(values) > 1:
+                raise InputError(
+                    f"{name} differs between the files: {sorted(values)}; make them anew."
+                )
+        whole = xr.merge(joined, combine_attrs="drop_conflicts")
+        for name in ("versions", "git_revision", "source_hash"):
+            whole.attrs[name] = "; ".join(dict.fromkeys(part.attrs[name] for part in parts))
+        return whole.assign_attrs(history=parts[-1].attrs["history"] + ", combined")
+
+    def write_joined(self, path: Path, dataset: xr.Dataset) -> None:
+        """Write the file of the whole study, atomically."""
+        numbers = [
+            name for name, v in dataset.variables.items() if v.dtype.kind in "fiu" and v.dims
+        ]
+        encoding = {name: {"zlib": True, "shuffle": True} for name in numbers}
+        with atomic(path) as part:
+            dataset.to_netcdf(part, engine="netcdf4", encoding=encoding)
+
+
+def _along(part: xr.Dataset, dim: str) -> xr.Dataset:
+    """The variables of a part that have a dimension."""
+    return part[[name for name in part.data_vars if dim in part[name].dims]]
