@@ -257,8 +257,12 @@ def parse(data, source: str = "configuration") -> Sweep:
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             return Sweep.model_validate(data)
     except ValidationError as error:
-        sentences = dict.fromkeys(_sentence(source, e) for e in error.errors())
-        raise InputError("\n".join(sentences)) from None
+        raise InputError(sentences(source, error)) from None
+
+
+def sentences(source: str, error: ValidationError) -> str:
+    """One sentence a fault of what a file holds."""
+    return "\n".join(dict.fromkeys(_sentence(source, e) for e in error.errors()))
 
 
 def load(path: Path) -> Sweep:

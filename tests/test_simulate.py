@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import dem
-from dem.kernel import forces
+from dem.stability import linear
 
 NAN = float("nan")
 KINDS = [("disc", 0.84), ("dumbbell", 0.84), ("ellipse", 0.88)]
@@ -161,52 +161,6 @@ def test_too_large_a_time_step_is_an_error_with_a_name(small_bed, kind, factor):
         dem.simulate(small.scene(), small.state, 300 * step, time_step=step)
 
 
-def linearised(run):
-    """Mass-weighted matrices of stiffness (1/s2) and of damping (1/s), no contact sliding.
-
-    Each granule is moved and turned in turn; the slip of that motion is fed to the tangential
-    springs as a velocity over a step so long that dashpots do not count. Velocities that no step
-    follows then leave the springs as they are, and give the dashpots alone.
-    """
-    world, step, h = run.world, 1e6, 1e-9 * run.world.bodies[:, :2].max()
-    n, size = len(world.bodies), math.sqrt((run.scene.inertia / run.scene.mass).mean())
-    contacts = world.pairs, world.walls.contacts, world.roller.contacts
-    place, springs = world.bodies.copy(), [(c.spring.copy(), c.root.copy()) for c in contacts]
-    angles = world.angle.copy()
-
-    def push(moved, velocity, dt):
-        for c, (spring, root) in zip(contacts, springs, strict=True):
-            c.spring[:], c.root[:] = spring, root
-        world.bodies[:] = place
-        world.bodies[:, :2] += moved[:, :2]
-        world.bodies[:, 2:5] = velocity
-        if world.frame is not None:
-            turned = angles + moved[:, 2]
-            world.frame[:] = np.column_stack([np.cos(turned), np.sin(turned)])
-        forces(world, dt)
-        return world.force[:, :3] / [1.0, 1.0, size]
-
-    still, columns = np.zeros((n, 3)), ([], [])
-    for unit in np.eye(3 * n):
-        d = h * unit.reshape(n, 3) / [1.0, 1.0, size]
-        moved = push(-d, -d / step, step) - push(d, d / step, step)
-        slow = 1e3 * d
-        pushed = push(still, -slow, 0.0) - push(still, slow, 0.0)
-        columns[0].append(moved.ravel() / (2.0 * h))
-        columns[1].append(pushed.ravel() / (2.0 * 1e3 * h))
-    mass = np.column_stack([run.scene.mass] * 2 + [run.scene.inertia / size**2]).ravel()
-    return [np.array(each).T / np.sqrt(np.outer(mass, mass)) for each in columns]
-
-
-def growth(stiffness, damping, dt):
-    """Greatest factor by which a small motion about the bed grows in one step."""
-    k, c, one = dt**2 * stiffness, dt * damping, np.eye(len(stiffness))
-    push = np.hstack([-k, -c, -0.5 * c])  # of displacement, step and last change of step
-    keep = np.hstack([np.zeros_like(one), one, np.zeros_like(one)])
-    place = np.hstack([one, np.zeros_like(one), np.zeros_like(one)])
-    return np.abs(np.linalg.eigvals(np.vstack([place + keep + push, keep + push, push]))).max()
-
-
 @pytest.mark.parametrize(("kind", "fraction"), KINDS)
 def test_critical_time_step_is_a_bound_and_a_close_one(small_bed, kind, fraction):
     """No motion of a frictional, damped bed grows at the critical step, and some do at twice it."""
@@ -214,9 +168,9 @@ def test_critical_time_step_is_a_bound_and_a_close_one(small_bed, kind, fraction
     still = dem.Cylinder(small.cylinder.diameter, small.cylinder.position)
     run = dem.Simulation(small.scene(cylinder=still), small.state)
     critical = run.look().critical_time_step
-    matrices = linearised(run)
-    assert growth(*matrices, critical) < 1.0 + 1e-6
-    assert growth(*matrices, 2.0 * critical) > 1.1
+    matrices = linear.matrices(run)
+    assert linear.growth(*matrices, critical) < 1.0 + 1e-6
+    assert linear.growth(*matrices, 2.0 * critical) > 1.1
 
 
 def test_round_ellipses_follow_discs(small_bed):

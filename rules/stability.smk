@@ -1,0 +1,104 @@
+"""Stiff and extreme cases, the map of the time step, the paper's cases with an energy ledger.
+
+    snakemake -j2 stability
+
+REQUIRED INPUTS
+    config/stability.yaml
+OUTPUTS
+    {RESULTS}/stability/{part}/{shape}.nc, {RESULTS}/stability.nc, {RESULTS}/stability.txt
+    {RESULTS}/figures/stability_{figure}.svg, {RESULTS}/figures/stability_{figure}.png
+"""
+
+from dem.figures import STABILITY
+
+CATALOGUE = config.get("catalogue", "config/stability.yaml")
+
+
+def stability_parts(wildcards):
+    """The files of all jobs."""
+    from dem.stability import catalogue, study
+
+    try:
+        cases = catalogue.load(CATALOGUE)
+        study.check(SWEEP, cases)
+    except InputError as error:
+        print(error, file=sys.stderr)
+        sys.exit(2)
+    jobs = [("catalogue", shape) for shape in cases.shapes]
+    jobs += [("map", shape) for shape in cases.map.shapes]
+    jobs += [("paper", shape) for shape in dict.fromkeys(c.shape for c in SWEEP.cases.values())]
+    return [f"{RESULTS}/stability/{part}/{shape}.nc" for part, shape in jobs]
+
+
+localrules:
+    stability,
+
+
+rule stability:
+    input:
+        RESULTS + "/stability.txt",
+        expand(RESULTS + "/figures/{figure}.{kind}", figure=STABILITY, kind=["svg", "png"]),
+
+
+rule stability_part:
+    message:
+        "Stability of {wildcards.shape}: {wildcards.part}"
+    input:
+        catalogue=CATALOGUE,
+        code=[f"dem/stability/{name}.py" for name in ("study", "beds", "bodies", "scenes", "watching", "linear")],
+    output:
+        RESULTS + "/stability/{part}/{shape}.nc",
+    params:
+        sources=SOURCES,
+        sweep=SWEEP.model_dump_json(exclude={"title", "results", "record", "accuracy"}),
+    log:
+        RESULTS + "/logs/stability/{part}/{shape}.log",
+    benchmark:
+        RESULTS + "/benchmarks/stability/{part}/{shape}.tsv"
+    shell:
+        "dem stability {wildcards.part} --config {CONFIG} --catalogue {input.catalogue}"
+        " --shape {wildcards.shape} -o {output} 2> {log}"
+
+
+rule stability_join:
+    message:
+        "Combine the study into {output}"
+    input:
+        parts=stability_parts,
+        code=["dem/study.py", "dem/stability/layout.py"],
+    output:
+        RESULTS + "/stability.nc",
+    log:
+        RESULTS + "/logs/stability/join.log",
+    shell:
+        "dem stability combine -o {output} {input.parts} 2> {log}"
+
+
+rule stability_table:
+    message:
+        "Write {output}"
+    input:
+        data=RESULTS + "/stability.nc",
+        code="dem/stability/report.py",
+    output:
+        RESULTS + "/stability.txt",
+    log:
+        RESULTS + "/logs/stability/table.log",
+    shell:
+        "dem info {input.data} > {output} 2> {log}"
+
+
+rule stability_figure:
+    message:
+        "Draw stability_{wildcards.part}"
+    input:
+        data=RESULTS + "/stability.nc",
+        code="dem/figures/stability_{part}.py",
+        common="dem/figures/style.py",
+    output:
+        RESULTS + "/figures/stability_{part}.svg",
+        RESULTS + "/figures/stability_{part}.png",
+    log:
+        RESULTS + "/logs/figures/stability_{part}.log",
+    shell:
+        "dem figure stability_{wildcards.part} {input.data} 2> {log}"

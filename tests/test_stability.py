@@ -1,0 +1,175 @@
+"""The study of stability: what it measures is there, and its verdicts can go either way."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+import dem
+from dem.config import load
+from dem.figures import STABILITY, draw
+from dem.info import summary
+from dem.stability import catalogue, study
+from dem.stability.layout import STUDY
+from dem.stability.watching import friction_excess, momenta, unlisted
+
+CONFIG = Path(__file__).parent.parent / "config"
+KINDS = ["disc", "dumbbell", "ellipse"]
+SHORT = {
+    "paper": {"experiment": "draw", "shapes": ["c1"], "change": {"displacement": 5e-5},
+              "limits": {"residual": 1e-2, "excess": 1e-14}},
+    "impossible": {"experiment": "draw", "shapes": ["c1"], "change": {"displacement": 5e-5},
+                   "limits": {"residual": 0}},
+    "soft_step": {"experiment": "follow", "shapes": ["c1"], "change": {"density": 10},
+                  "limits": {"scaling": 0.1}},
+    "restart": {"experiment": "restart", "shapes": ["c1"], "change": {"displacement": 5e-5},
+                "limits": {"difference": 0}},
+    "full": {"experiment": "draw", "shapes": ["c1"], "change": {"fraction": 1.6},
+             "expect": "PackingError"},
+    "harmless": {"experiment": "draw", "shapes": ["c1"], "change": {"displacement": 5e-5},
+                 "expect": "OverlapError"},
+}  # fmt: skip
+MAP = {
+    "shapes": ["c1"], "fractions": [0.5, 3.0], "restitutions": [0.5], "stiffness": [1.0],
+    "displacement": 5e-5, "limited": 60,
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def sweep():
+    return load(CONFIG / "smoke.yaml")
+
+
+def written(folder, cases=SHORT, **more):
+    file = folder / "catalogue.yaml"
+    file.write_text(yaml.safe_dump({"cases": cases, "map": MAP | more}))
+    return file
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_run_goes_on_from_a_checkpoint_with_the_same_bits(small_bed, tmp_path, kind):
+    """Saved to disk and loaded into another simulation, a run continues as if never interrupted."""
+    small = small_bed(kind)
+    whole, second = (dem.Simulation(small.scene(), small.state) for _ in range(2))
+    whole.advance(3e-5)
+    np.savez(tmp_path / "saved.npz", **whole.checkpoint())
+    with np.load(tmp_path / "saved.npz") as saved:
+        second.restore(saved)
+    records = [run.record(5e-6, 4) for run in (whole, second)]
+    for first, other in zip(*records, strict=True):
+        np.testing.assert_array_equal(first, other)
+    np.testing.assert_array_equal(whole.state.position, second.state.position)
+    assert (whole.time, whole.steps) == (second.time, second.steps)
+    assert records[0].tangential_force.any()
+
+
+def test_a_checkpoint_of_another_scene_is_refused(small_bed):
+    """The bed of another kind of granule, or of other contents, is named as such."""
+    disc, ellipse = small_bed("disc"), small_bed("ellipse")
+    saved = dem.Simulation(disc.scene(), disc.state).checkpoint()
+    with pytest.raises(dem.InputError, match="another scene"):
+        dem.Simulation(ellipse.scene(), ellipse.state).restore(saved)
+
+
+def test_friction_beyond_the_cap_is_seen(small_bed):
+    """Friction stays within mu N; against half of mu, it exceeds."""
+    small = small_bed("disc")
+    run = dem.Simulation(small.scene(), small.state)
+    run.advance(5e-5)
+    assert abs(friction_excess(run)) < 1e-14
+    tangent = run.world.roller.tangent
+    half = tangent._replace(coefficient=0.5 * tangent.coefficient)
+    run.world = run.world._replace(roller=run.world.roller._replace(tangent=half))
+    assert friction_excess(run) > 0.01
+
+
+def test_pairs_that_are_not_listed_are_counted(small_bed):
+    """A bed's list is complete; a granule put onto another without a new list is missed."""
+    small = small_bed("disc")
+    run = dem.Simulation(small.scene(), small.state)
+    assert unlisted(run) == 0
+    far = np.linalg.norm(run.world.bodies[:, :2] - run.world.bodies[0, :2], axis=1).argmax()
+    run.world.bodies[0, :2] = run.world.bodies[far, :2]
+    assert unlisted(run) > 0
+
+
+def test_momenta_of_a_known_motion(small_bed):
+    """Two discs that circle each other: no momentum, and 2 m r v of angular momentum plus spin."""
+    shape = dem.Disc(np.full(2, 1e-3))
+    state = dem.State(
+        [[1e-2, 0.0], [-1e-2, 0.0]], [[0.0, 3.0], [0.0, -3.0]], angular_velocity=[5.0, 5.0]
+    )
+    run = dem.Simulation(
+        replace(small_bed("disc").scene(walls=None, cylinder=None), shape=shape), state
+    )
+    mass = run.scene.mass[0]
+    momentum, turning, sizes = momenta(run)
+    assert np.abs(momentum).max() < 1e-15 * sizes[0]
+    assert turning == pytest.approx(2.0 * mass * (1e-2 * 3.0 + 0.5 * 1e-6 * 5.0), rel=1e-12)
+    assert sizes == pytest.approx((6.0 * mass, turning), rel=1e-12)
+
+
+def test_verdicts_follow_limits(sweep, tmp_path):
+    """Cases pass or fail by what is measured; a refusal counts where it is expected, and only there."""
+    found = study.run_catalogue(sweep, catalogue.load(written(tmp_path)), "c1")
+    passed = dict(zip(found["check_case"], found["check_passed"], strict=True))
+    assert passed == {
+        "paper": 1, "impossible": 0, "soft_step": 1, "restart": 1, "full": 1, "harmless": 0,
+    }  # fmt: skip
+    words = dict(zip(found["check_case"], found["check_message"], strict=True))
+    assert "packing" in words["full"] and not words["paper"]
+
+
+def test_the_map_tells_sound_steps_from_broken_ones(sweep, tmp_path):
+    """At the default step energy adds up, at three times the bound it does not."""
+    wanted = catalogue.load(written(tmp_path)).map
+    found = study.run_map(sweep, wanted, "c1")
+    sound, broken = found["map_residual"].ravel()
+    assert sound < 1e-3 and not broken < 1e-2
+    assert found["limit_growth_bound"][0] < 1.0 + 1e-6 < found["limit_growth_above"][0]
+    assert found["limit_bound"][0] < found["limit_limit"][0]
+
+
+def test_the_study_end_to_end(sweep, tmp_path):
+    """Parts of two jobs make one file, which is summarised and drawn."""
+    cases = catalogue.load(written(tmp_path, {"paper": SHORT["paper"], "full": SHORT["full"]}))
+    study.check(sweep, cases)
+    work = {
+        "catalogue": study.run_catalogue(sweep, cases, "c1"),
+        "map": study.run_map(sweep, cases.map, "c1"),
+        "paper": study.run_paper(sweep, "c1"),
+    }
+    files = [tmp_path / f"{name}.nc" for name in work]
+    for file, values in zip(files, work.values(), strict=True):
+        STUDY.write_part(file, sweep, values)
+    whole = tmp_path / "stability.nc"
+    STUDY.write_joined(whole, STUDY.join(files))
+    assert "3 of 3 checks passed" in str(summary(whole).renderables[-1])
+    for name in STABILITY:
+        assert all(file.stat().st_size > 10_000 for file in draw(name, whole, tmp_path))
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"experiment": "dance"}, "cases.paper.experiment"),
+        ({"shapes": ["z9"]}, "z9"),
+        ({"limits": {"beauty": 1.0}}, "beauty"),
+        ({"limits": {}}, "limits or an error"),
+        ({"change": {"stiffness": -1.0}}, "stiffness"),
+    ],
+)
+def test_a_wrong_catalogue_is_refused_in_words(sweep, tmp_path, change, words):
+    """A sentence names what is wrong."""
+    file = written(tmp_path, {"paper": SHORT["paper"] | change})
+    with pytest.raises(dem.InputError, match=words):
+        study.check(sweep, catalogue.load(file))
+
+
+def test_the_released_catalogue_fits_the_released_configurations():
+    """Every case names an experiment and shapes that are there, and every experiment is used."""
+    cases = catalogue.load(CONFIG / "stability.yaml")
+    study.check(load(CONFIG / "paper.yaml"), cases)
+    assert {case.experiment for case in cases.cases.values()} == set(study.EXPERIMENTS)
