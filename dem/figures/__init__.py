@@ -19,6 +19,10 @@ def _two_densities(cases):
     return len(set(shapes)) < len(shapes)
 
 
+def _one_of(*shapes):
+    return lambda cases: any(shape in shapes for shape, _ in cases)
+
+
 # name: (what it shows, whether cases, a list of (shape label, density), suffice for it)
 FIGURES = {
     "figure07": ("Drag against displacement for every shape", _some_shape),
@@ -27,20 +31,43 @@ FIGURES = {
     "figure14": ("Mean drag by density of the granules", _two_densities),
 }
 
-# drawn from a study's own file, each with variables that the file must hold
+# the same, drawn from flow.nc
+FLOW = {
+    "figure09": ("Beds of discs, dumbbells and small discs, the granules ahead of the cylinder shaded", _one_of("c1", "d1", "c2")),
+    "figure10": ("Beds of discs, dumbbells and small discs in layers", _one_of("c1", "d1", "c2")),
+    "figure11": ("Beds of ellipses, the granules ahead of the cylinder shaded", _one_of("e1", "e2", "e3")),
+    "figure12": ("Beds of ellipses in layers", _one_of("e1", "e2", "e3")),
+    "irregularity": ("How irregular the flow is, by shape: four measures against displacement", _some_shape),
+}  # fmt: skip
+
+# drawn from a study's own file: (what it shows, variables that the file must hold)
 ACCURACY = {
-    "accuracy_contacts": ("contact_method",),
-    "accuracy_steps": ("integrator",),
-    "accuracy_drag": ("trial_drag",),
-    "accuracy_replicates": ("replicate_drag",),
-}
-STUDIES = {"benchmark": ("granule_steps_per_second", "variant_step_time")} | ACCURACY
+    "accuracy_contacts": ("Contacts of ellipses: error against time, and energy over many bounces", ("contact_method",)),
+    "accuracy_steps": ("Time integrators: error against processor time", ("integrator",)),
+    "accuracy_drag": ("What the time step costs in mean drag and in processor time", ("trial_drag",)),
+    "accuracy_replicates": ("What replicates and a longer stroke buy", ("replicate_drag",)),
+}  # fmt: skip
+STABILITY = {
+    "stability_catalogue": ("Stiff and extreme cases, each against its limits", ("check_value", "paper_residual")),
+    "stability_map": ("Where energy stops adding up: time step, restitution, stiffness, shape", ("map_residual",)),
+}  # fmt: skip
+BENCHMARK = {"benchmark": ("Speed beside other codes", ("granule_steps_per_second", "variant_step_time"))}  # fmt: skip
+STUDIES = (
+    {name: (words, ("bed_x", "non_affine")) for name, (words, _) in FLOW.items()}
+    | ACCURACY | STABILITY | BENCHMARK
+)  # fmt: skip
 
 
-def possible(sweep) -> list[str]:
-    """Names of the figures that the cases of a sweep suffice for."""
+def captions() -> dict[str, str]:
+    """What each figure shows, by name, in the order of the paper, studies last."""
+    paper = dict(sorted((FIGURES | FLOW).items()))
+    return {name: words for name, (words, _) in (paper | STUDIES).items()}
+
+
+def possible(sweep, figures=FIGURES) -> list[str]:
+    """Names of the figures of FIGURES or FLOW that the cases of a sweep suffice for."""
     cases = [(case.shape, case.density) for case in sweep.cases.values()]
-    return [name for name, (_, suffices) in FIGURES.items() if suffices(cases)]
+    return [name for name, (_, suffices) in figures.items() if suffices(cases)]
 
 
 def draw(name: str, data: Path, folder: Path) -> list[Path]:
@@ -76,5 +103,9 @@ def _draw_study(name, data, folder):
     from dem.figures.style import save
 
     with open_lazily(data) as dataset:
-        require(dataset, data, STUDIES[name])
-        return save(import_module(f"dem.figures.{name}").plot(dataset.load()), folder / name)
+        require(dataset, data, STUDIES[name][1])
+        try:
+            figure = import_module(f"dem.figures.{name}").plot(dataset.load())
+        except InputError as error:
+            raise InputError(f"{data}: {name} can not be drawn: {error}") from None
+        return save(figure, folder / name)

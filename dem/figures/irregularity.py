@@ -1,0 +1,52 @@
+"""How irregular the flow is, by shape: four measures against displacement."""
+
+import xarray as xr
+from matplotlib.figure import Figure
+
+from dem.figures import style
+from dem.flow.layout import MEASURES
+from dem.flow.verdict import compared, mean_and_half
+from dem.statistics import CHECK
+
+LABELS = {
+    "non_affine": "D²min over the squared\ndiameter (1)",
+    "fluctuation": "Motion apart from neighbours\nover that of the cylinder (1)",
+    "mixing": "Pairs of different layers,\ngained since the start (1)",
+    "contacts_lost": "Share of contacts lost (1)",
+}
+COLORS = ("#2f7fd1", "#b34700", "#5b4a8a", "#6fae8a", "#2f7d4f", "#0f5a30", "black")
+LINES = ("-", (0, (5, 1.5)), (0, (1, 1)), (0, (3, 1, 1, 1)), (0, (6, 1, 1, 1)), "-", "--")
+
+
+@style.styled
+def plot(dataset: xr.Dataset) -> Figure:
+    """A panel a measure, a line a case at the density of the first, with 95 % bands."""
+    first = float(dataset["density"][0])
+    here = dataset.sel(case=(dataset["density"] == first) & (dataset["shape"] != CHECK))
+    figure = Figure(figsize=(style.WIDTH, 7.2))
+    grid = figure.subplots(2, 2, sharex=True).ravel()
+    x = style.millimetres(here["displacement"])
+    for axes, name in zip(grid, MEASURES, strict=True):
+        for number, case in enumerate(here["case"].values):
+            mean, half = mean_and_half(here[name].sel(case=case))
+            look = {"color": COLORS[number % 7], "linestyle": LINES[number % 7]}
+            axes.plot(x, mean, linewidth=1.6, label=str(case), **look)
+            axes.fill_between(x, mean - half, mean + half, color=look["color"], alpha=0.13,
+                              linewidth=0.0)  # fmt: skip
+        axes.set_ylabel(LABELS[name])
+        axes.set_title(_reading(dataset, name), loc="left")
+        axes.set_ylim(bottom=0.0)
+    for axes in grid[2:]:
+        axes.set_xlabel("Displacement of the cylinder (mm)")
+    lag = style.millimetres(dataset.attrs["lag"])
+    figure.suptitle(f"Irregularity of the flow by shape, motions over {lag:g} mm, 95 % bands")
+    style.legend(figure, grid[0], "outside lower center", ncols=7)
+    return figure
+
+
+def _reading(dataset, name) -> str:
+    """The two cases that the paper compares, in words."""
+    found = compared(dataset, name)
+    if found is None:
+        return MEASURES[name]
+    return f"e3 over c1: {found.ratio:.2f} ± {found.half:.2f}"

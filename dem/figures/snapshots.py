@@ -1,0 +1,54 @@
+"""Figures 9 to 12: beds at equal displacements of the cylinder, a row a case."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from dem.errors import InputError
+from dem.figures import bed, style
+
+SHARES = (0.0, 0.5, 1.0)  # of the stroke: displacements that are shown
+
+
+def beds(dataset: xr.Dataset, cases: tuple[str, ...], colors: str, title: str) -> Figure:
+    """A row a case, a column a displacement; colors: "cluster" or "layers".
+
+    Raises InputError when none of the cases is in the data.
+    """
+    there = [case for case in cases if case in dataset["case"].values]
+    if not there:
+        raise InputError(f"there is none of the cases {', '.join(cases)} in the data.")
+    shown = [dataset["displacement"].values[-1] * share for share in SHARES]
+    snapshots = [int(np.abs(dataset["displacement"].values - x).argmin()) for x in shown]
+    figure = Figure(figsize=(style.WIDTH, 0.9 + 3.05 * len(there)))
+    grid = figure.subplots(len(there), len(snapshots), squeeze=False)
+    for row, case in zip(grid, there, strict=True):
+        _row(row, dataset.sel(case=case), snapshots, colors, dataset.attrs)
+        row[0].annotate(
+            f"{case}: {style.describe(dataset.sel(case=case))}", (-0.04, 0.5), rotation=90,
+            xycoords="axes fraction", ha="right", va="center", fontsize=11,
+        )  # fmt: skip
+    for axes, snapshot in zip(grid[0], snapshots, strict=True):
+        moved = style.millimetres(dataset["displacement"].values[snapshot])
+        axes.set_title(f"after {moved:.1f} mm" if moved else "at the start")
+    figure.suptitle(title)
+    return figure
+
+
+def _row(row, here, snapshots, colors, attrs) -> None:
+    """One case at several displacements."""
+    known = np.isfinite(here["bed_diameter"].values)
+    sizes, height = here["bed_diameter"].values[known], float(here["bed_height"])
+    rings = bed.outlines(str(here["kind"].values), sizes, float(here["aspect_ratio"]))
+    width, diameter = float(attrs["box_width"]), float(attrs["cylinder_diameter"])
+    place = np.stack([here["bed_x"].values, here["bed_y"].values], axis=-1)[:, known]
+    axis = 0.5 * width, float(here["bed_cylinder_y"][0])
+    paint = (
+        bed.cluster_colors(place[0], axis, diameter) if colors == "cluster"
+        else bed.layer_colors(place[0], height, int(attrs["layers"]))
+    )  # fmt: skip
+    for axes, snapshot in zip(row, snapshots, strict=True):
+        drawn = bed.Bed(axes, rings, width, height, diameter)
+        angle = here["bed_angle"].values[snapshot, known]
+        drawn.move(place[snapshot], angle, float(here["bed_cylinder_y"][snapshot]))
+        drawn.paint(paint)

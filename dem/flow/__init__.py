@@ -1,0 +1,1 @@
+"""How a bed moves: its snapshots, measures of them, pictures and films."""

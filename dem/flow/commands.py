@@ -1,0 +1,83 @@
+"""Command line: how beds move. `dem flow`, `dem film`, `dem picture`, `dem export`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from dem.terminal import PAPER, ConfigOption, OutputOption, bar, reported, start_lean
+
+ReplicateArgument = Annotated[Path, typer.Argument(help="A replicate, results/replicates/...nc.")]
+ColorOption = Annotated[str, typer.Option(help="speed, force, layer or cluster.")]
+ForcesOption = Annotated[bool, typer.Option("--forces", help="Contact forces as lines of their width.")]  # fmt: skip
+
+
+def flow(
+    files: Annotated[list[Path], typer.Argument(help="Replicates of all cases and seeds.")],
+    output: OutputOption,
+    config: ConfigOption = PAPER,
+):
+    """Measure how irregularly all beds move, and keep the snapshots of one run a case."""
+    with reported():
+        start_lean()
+        from dem.config import load
+        from dem.flow.collect import collect, write_flow
+
+        sweep = load(config)
+        with bar("flow", 1.0) as update:
+            values = collect(files, sweep, update)
+        write_flow(output, sweep, values)
+
+
+def film(
+    replicate: ReplicateArgument,
+    output: Annotated[Path, typer.Option("-o", "--output", help=".mp4, or .gif.")],
+    color: ColorOption = "speed",
+    forces: ForcesOption = False,
+):
+    """Film a replicate; one with many frames needs record.snapshots in its configuration."""
+    with reported():
+        start_lean()
+        from dem.flow.film import film as make
+        from dem.flow.motion import read_motion
+
+        motion = read_motion(replicate)
+        with bar("film", 1.0) as update:
+            written = make(motion, output, color, forces, update)
+        if written != output:
+            typer.echo(
+                f"There is no encoder: {written} instead (pip install imageio-ffmpeg).", err=True
+            )
+
+
+def picture(
+    replicate: ReplicateArgument,
+    output: Annotated[Path, typer.Option("-o", "--output", help=".png, .svg or .pdf.")],
+    displacement: Annotated[float, typer.Option(help="Of the cylinder, m.")] = 3e-3,
+    color: ColorOption = "layer",
+    forces: ForcesOption = False,
+):
+    """Draw a replicate at one displacement."""
+    with reported():
+        start_lean()
+        from dem.flow.film import picture as make
+        from dem.flow.motion import read_motion
+
+        make(read_motion(replicate), output, displacement, color, forces)
+
+
+def export(
+    replicate: ReplicateArgument,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Folder for VTK files.")],
+):
+    """Write the snapshots of a replicate for ParaView (open bed.pvd)."""
+    with reported():
+        from dem.flow.export import export as make
+        from dem.flow.motion import read_motion
+
+        motion = read_motion(replicate)
+        with bar("export", 1.0) as update:
+            typer.echo(make(motion, output, update))
+
+
+VERBS = (flow, film, picture, export)

@@ -1,0 +1,71 @@
+"""How irregular a flow is: numbers a snapshot, from the motion since a lag before it.
+
+All are means over the granules of the bed; lengths in m.
+"""
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+NEAR = 1.5  # mean diameters: centres of granules that are beside each other
+AROUND = 2.5  # mean diameters: the neighbourhood that a granule's motion is compared with
+LAYERS = 8
+
+
+def pairs_within(position, distance):
+    """Pairs (m, 2) of granules whose centres are nearer than a distance, each once."""
+    return cKDTree(position).query_pairs(distance, output_type="ndarray")
+
+
+def both_ways(pairs):
+    """Every pair from both sides: granules (2 m,) and their neighbours (2 m,)."""
+    return np.concatenate([pairs[:, 0], pairs[:, 1]]), np.concatenate([pairs[:, 1], pairs[:, 0]])
+
+
+def sums(values, index, count):
+    """Sums (count, ...) of values (m, ...) by index (m,)."""
+    total = np.zeros((count, *values.shape[1:]))
+    np.add.at(total, index, values)
+    return total
+
+
+def non_affine(before, after, diameter: float) -> np.ndarray:
+    """Falk and Langer's D2min (n,) over the squared diameter; NaN with fewer than 3 neighbours.
+
+    The mean squared distance of the neighbours from where the best affine motion of the
+    neighbourhood would have brought them (Phys. Rev. E 57, 7192, 1998).
+    """
+    i, j = both_ways(pairs_within(before, AROUND * diameter))
+    old, new, n = before[j] - before[i], after[j] - after[i], len(before)
+    crossed = sums(new[:, :, None] * old[:, None, :], i, n)
+    squared = sums(old[:, :, None] * old[:, None, :], i, n)
+    count = np.bincount(i, minlength=n)
+    enough = count >= 3
+    affine = np.full((n, 2, 2), np.nan)
+    affine[enough] = crossed[enough] @ np.linalg.inv(squared[enough])
+    left = new - np.einsum("mab,mb->ma", affine[i], old)
+    return sums((left**2).sum(axis=1), i, n) / np.maximum(count, 1) / diameter**2
+
+
+def fluctuation(before, after, diameter: float) -> np.ndarray:
+    """Size (n,) in m of a granule's displacement less the mean of its neighbours'."""
+    i, j = both_ways(pairs_within(before, AROUND * diameter))
+    moved, n = after - before, len(before)
+    count = np.bincount(i, minlength=n)
+    around = sums(moved[j], i, n) / np.maximum(count, 1)[:, None]
+    return np.where(count > 0, np.linalg.norm(moved - around, axis=1), np.nan)
+
+
+def layers_of(start, height: float) -> np.ndarray:
+    """Layer (n,) of each granule, from the floor up, by where it starts."""
+    return np.clip((start[:, 1] / height * LAYERS).astype(int), 0, LAYERS - 1)
+
+
+def mixing(layers, position, diameter: float) -> float:
+    """Share of the pairs of granules beside each other that are of different layers."""
+    pairs = pairs_within(position, NEAR * diameter)
+    return float((layers[pairs[:, 0]] != layers[pairs[:, 1]]).mean())
+
+
+def lost(before: set, after: set) -> float:
+    """Share of contacts, as sets of pairs, that are no more; NaN where there were none."""
+    return len(before - after) / len(before) if before else np.nan

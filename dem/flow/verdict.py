@@ -1,0 +1,64 @@
+"""Is the flow of case e3 more irregular than that of c1, as the paper says from pictures?"""
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from scipy.stats import t
+
+from dem.flow.layout import MEASURES
+from dem.statistics import LEVEL
+
+CASES = "e3", "c1"
+
+
+class Ratio(NamedTuple):
+    """Mean of one case over that of another, and half its interval at LEVEL; runs of each."""
+
+    ratio: float
+    half: float
+    runs: int
+
+
+def mean_and_half(values: xr.DataArray):
+    """Mean over seeds (snapshot,) and half its interval, 0 for a single run."""
+    count = values.sizes["seed"]
+    mean = values.mean("seed").values
+    if count < 2:
+        return mean, np.zeros_like(mean)
+    return mean, t.ppf(0.5 + 0.5 * LEVEL, count - 1) * values.std(
+        "seed", ddof=1
+    ).values / count**0.5
+
+
+def in_window(dataset: xr.Dataset, name: str) -> xr.DataArray:
+    """Mean of a measure within the averaging window, one value a run (case, seed)."""
+    moved = dataset["displacement"]
+    inside = (moved >= dataset.attrs["window_start"]) & (moved <= dataset.attrs["window_stop"])
+    return dataset[name].isel(snapshot=np.flatnonzero(inside.values)).mean("snapshot")
+
+
+def compared(dataset: xr.Dataset, name: str) -> Ratio | None:
+    """Ratio of the means of both cases within the window; None if one is absent or has one run.
+
+    Runs are independent: Welch's interval, of the logarithm by the delta method.
+    """
+    if not set(CASES) <= set(dataset["case"].values.tolist()) or dataset.sizes["seed"] < 2:
+        return None
+    runs = [in_window(dataset, name).sel(case=case).values for case in CASES]
+    means = [run.mean() for run in runs]
+    parts = [run.var(ddof=1) / len(run) / mean**2 for run, mean in zip(runs, means, strict=True)]
+    freedom = sum(parts) ** 2 / sum(p**2 / (len(r) - 1) for p, r in zip(parts, runs, strict=True))
+    ratio = means[0] / means[1]
+    return Ratio(ratio, ratio * t.ppf(0.5 + 0.5 * LEVEL, freedom) * sum(parts) ** 0.5, len(runs[0]))
+
+
+def sentences(dataset: xr.Dataset) -> list[str]:
+    """What the measures say, a sentence each."""
+    found = {name: compared(dataset, name) for name in MEASURES}
+    return [
+        f"{words}: e3 over c1 {found[name].ratio:.2f} +- {found[name].half:.2f} "
+        f"({found[name].runs} runs each)."
+        for name, words in MEASURES.items()
+        if found[name] is not None
+    ]
