@@ -5,6 +5,8 @@
     snakemake -j2 figures                                 draw again, simulate nothing
     snakemake -j1 benchmark                               time the kernels, beside other codes
     snakemake -j2 accuracy                                error against run time
+    snakemake -j2 stability                               stiff and extreme cases
+    snakemake -j2 report                                  one page of everything
 """
 
 import sys
@@ -12,7 +14,7 @@ from pathlib import Path
 
 from dem import config as schema
 from dem.errors import InputError
-from dem.figures import possible
+from dem.figures import FLOW, possible
 from dem.provenance import source_hash
 
 if not workflow.overwrite_configfiles:
@@ -29,6 +31,12 @@ except InputError as error:
 RESULTS = SWEEP.results
 CONFIG = f"{RESULTS}/config.yaml"  # the configuration as resolved, written when the run starts
 SOURCES = source_hash()
+REPLICATES = [
+    f"{RESULTS}/replicates/{case.shape}/density{schema.density_label(case.density)}/seed{seed}.nc"
+    for case in SWEEP.cases.values()
+    for seed in SWEEP.seeds
+]
+FIGURES = possible(SWEEP) + possible(SWEEP, FLOW)
 
 
 wildcard_constraints:
@@ -48,7 +56,7 @@ localrules:
 rule all:
     input:
         f"{RESULTS}/drag.nc",
-        expand(f"{RESULTS}/figures/{{figure}}.{{kind}}", figure=possible(SWEEP), kind=["svg", "png"]),
+        expand(f"{RESULTS}/figures/{{figure}}.{{kind}}", figure=FIGURES, kind=["svg", "png"]),
     default_target: True
 
 
@@ -57,8 +65,11 @@ include: "rules/pack.smk"
 include: "rules/simulate.smk"
 include: "rules/combine.smk"
 include: "rules/figures.smk"
+include: "rules/flow.smk"
 include: "rules/benchmark.smk"
 include: "rules/accuracy.smk"
+include: "rules/stability.smk"
+include: "rules/report.smk"
 
 
 onstart:

@@ -7,6 +7,9 @@ from typing import Annotated
 import typer
 
 from dem.accuracy.commands import app as accuracy
+from dem.flow.commands import VERBS as moving
+from dem.report.commands import report
+from dem.stability.commands import app as stability
 from dem.terminal import PAPER, ConfigOption, OutputOption, bar, reported, start_lean
 
 app = typer.Typer(
@@ -17,6 +20,9 @@ app = typer.Typer(
 )
 
 app.add_typer(accuracy, name="accuracy")
+app.add_typer(stability, name="stability")
+for verb in (*moving, report):
+    app.command()(verb)
 
 ShapeOption = Annotated[str, typer.Option("--shape", help="Shape label of the configuration.")]
 DensityOption = Annotated[float, typer.Option("--density", help="Density of the granules, kg/m3.")]
@@ -101,7 +107,7 @@ def benchmark(output: OutputOption, config: ConfigOption = PAPER):
 
 @app.command()
 def figure(
-    name: Annotated[str, typer.Argument(help="figure07, figure08, figure13, figure14 or all; benchmark; accuracy_...")],
+    name: Annotated[str, typer.Argument(help="figure07, figure08, figure13, figure14 or all; or one from the file of a study.")],
     data: Annotated[Path, typer.Argument(help="drag.nc, or the file of a study")],
     output: Annotated[Path | None, typer.Option("-o", help="Folder; figures/ beside the data.")] = None,
 ):  # fmt: skip
@@ -114,9 +120,7 @@ def figure(
 
 @app.command()
 def info(
-    data: Annotated[
-        Path, typer.Argument(help="drag.nc, a replicate, benchmark.nc or accuracy.nc.")
-    ],
+    data: Annotated[Path, typer.Argument(help="drag.nc, a replicate, or the file of a study.")],
 ):
     """Print what a file holds: cases, mean drag, scatter and intervals."""
     with reported():

@@ -40,6 +40,11 @@ def summary(path: Path) -> Group:
 
             require(dataset, path, ("contact_method", "integrator", "replicate_drag"))
             return report.summary(dataset.load())
+        if "check_value" in dataset:
+            from dem.stability import report
+
+            require(dataset, path, ("map_residual", "paper_residual"))
+            return report.summary(dataset.load())
         if "displacement" not in dataset.dims:
             raise InputError(f"{path}: it is neither drag.nc nor a replicate: it holds no drag.")
         whole = "case" in dataset.dims

@@ -11,9 +11,8 @@ PACKAGE = Path(__file__).parent
 
 # What can not change a replicate, and what holds no compiled code; all else counts.
 _NOT_PHYSICS = {
-    "accuracy", "benchmark", "figures", "calibrate.py", "cli.py", "combine.py", "info.py", "statistics.py", "tables.py",
-    "terminal.py",
-    "tiling.py",
+    "accuracy", "benchmark", "figures", "flow", "report", "stability", "calibrate.py", "cli.py", "combine.py", "info.py",
+    "statistics.py", "study.py", "tables.py", "terminal.py", "tiling.py",
 }  # fmt: skip
 _NOT_COMPILED = _NOT_PHYSICS | {
     "__init__.py", "config.py", "dataset.py", "drag.py", "errors.py", "packing.py", "provenance.py",

@@ -11,11 +11,7 @@ rule combine:
     message:
         "Combine the replicates into {output}"
     input:
-        replicates=[
-            f"{RESULTS}/replicates/{case.shape}/density{schema.density_label(case.density)}/seed{seed}.nc"
-            for case in SWEEP.cases.values()
-            for seed in SWEEP.seeds
-        ],
+        replicates=REPLICATES,
         code="dem/combine.py",
     output:
         RESULTS + "/drag.nc",

@@ -1,0 +1,149 @@
+"""results/report.html from the files of results and the README."""
+
+import base64
+import json
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markdown_it import MarkdownIt
+from markupsafe import Markup
+
+from dem.combine import open_combined
+from dem.dataset import atomic
+from dem.errors import InputError
+from dem.figures import captions
+from dem.flow.verdict import sentences
+from dem.report.interactive import beds, chart
+from dem.statistics import change, summarise
+
+OPEN = "## What the paper leaves open"  # section of the README that the report repeats
+STUDIES = ("accuracy", "stability", "benchmark")  # shown where their files are there
+
+
+def build(drag: Path, flow: Path, readme: Path, output: Path) -> None:
+    """Write the report of a folder of results, atomically; raises InputError for other files.
+
+    Figures and the tables of studies are those that lie beside drag.nc.
+    """
+    folder = Path(drag).parent
+    with open_combined(drag) as dataset, xr.open_dataset(flow) as moves:
+        page = _page().render(
+            title=dataset.attrs["title"],
+            made=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+            cases=cases(dataset),
+            densities=densities(dataset),
+            figures=figures(folder / "figures"),
+            irregularity=sentences(moves),
+            chart=Markup(chart(dataset)),
+            beds=Markup(json.dumps(beds(moves))),
+            open=Markup(section(readme, OPEN)),
+            runs=runs(dataset),
+            studies=[(name, text) for name in STUDIES if (text := study(folder, name))],
+            provenance="provenance.html" if (folder / "provenance.html").is_file() else "",
+        )
+    with atomic(output) as part:
+        part.write_text(page, encoding="utf-8")
+
+
+def _page():
+    loader = PackageLoader("dem.report", "page")
+    return Environment(loader=loader, autoescape=True, undefined=StrictUndefined,
+                       trim_blocks=True, lstrip_blocks=True).get_template("page.html")  # fmt: skip
+
+
+def number(value: float, digits: int = 0) -> str:
+    """A number in words of the table; a dash where there is none."""
+    return f"{value:.{digits}f}" if np.isfinite(value) else "\N{EN DASH}"
+
+
+def cases(dataset: xr.Dataset) -> list[dict]:
+    """Rows of the table of cases."""
+    found, rows = summarise(dataset), []
+    for case in dataset["case"].values:
+        one, about = found.sel(case=case), dataset.sel(case=case)
+        rows.append({
+            "case": str(case), "kind": str(about["kind"].values),
+            "ratio": f"{float(about['aspect_ratio']):g}",
+            "diameter": f"{1e6 * float(about['diameter']):.0f}",
+            "granules": int(about["granules"]), "density": f"{float(about['density']):g}",
+            "mean": number(float(one["mean"])), "half": number(float(one["half_interval"])),
+            "between": number(float(one["sd_between_runs"])),
+            "over": number(float(one["sd_over_run"])),
+            "overlap": number(float(about["max_overlap"].max()), 2),
+        })  # fmt: skip
+    return rows
+
+
+def densities(dataset: xr.Dataset) -> list[str]:
+    """What ten times the density does, a sentence a shape."""
+    run_mean, found = summarise(dataset)["run_mean"], []
+    shapes = dataset["shape"].values.astype(str)
+    for shape in dict.fromkeys(shapes):
+        names = dataset["case"].values[shapes == shape]
+        for other in names[1:]:
+            value, half = change(run_mean, str(names[0]), str(other))
+            found.append(
+                f"{names[0]} to {other}: {100 * value:+.1f} ± {100 * half:.1f} %".replace(
+                    "-", "\N{MINUS SIGN}"
+                )
+            )
+    return found
+
+
+def figures(folder: Path) -> list[dict]:
+    """All figures that are there, in the order of dem.figures, as embedded pictures."""
+    found = []
+    for name, words in captions().items():
+        file = folder / f"{name}.png"
+        if file.is_file():
+            data = base64.b64encode(_smaller(file)).decode()
+            found.append({"name": name, "caption": words, "data": data})
+    if not found:
+        raise InputError(f"{folder}: there are no figures; draw them first.")
+    return found
+
+
+def _smaller(file: Path, width: int = 1280) -> bytes:
+    """A PNG with a palette, no wider than needed on a screen."""
+    import io
+
+    from PIL import Image
+
+    with Image.open(file) as picture:
+        height = round(picture.height * width / picture.width)
+        small = picture.convert("RGB").resize((width, height), Image.Resampling.LANCZOS)
+        buffer = io.BytesIO()
+        small.quantize(128).save(buffer, "PNG", optimize=True)
+        return buffer.getvalue()
+
+
+def section(readme: Path, heading: str) -> str:
+    """One section of a Markdown file, up to the next of its level, as HTML."""
+    try:
+        text = Path(readme).read_text(encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"{readme}: it can not be read ({error}).") from None
+    _, found, rest = text.partition(heading + "\n")
+    if not found:
+        raise InputError(f"{readme}: it has no section {heading!r}.")
+    return MarkdownIt("commonmark").enable("table").render(rest.partition("\n## ")[0])
+
+
+def study(folder: Path, name: str) -> str:
+    """The table of a study as text, "" where it was not made."""
+    file = folder / f"{name}.txt"
+    return file.read_text(encoding="utf-8") if file.is_file() else ""
+
+
+def runs(dataset: xr.Dataset) -> dict:
+    """Run times, versions and where all came from."""
+    spent = dataset["run_time"].values
+    return {
+        "count": spent.size, "total": f"{spent.sum():.0f}", "median": f"{np.median(spent):.1f}",
+        "steps": f"{int(dataset['steps'].sum()):,}",
+        "versions": dataset.attrs["versions"], "revision": dataset.attrs["git_revision"],
+        "references": dataset.attrs["references"],
+    }  # fmt: skip

@@ -1,0 +1,21 @@
+"""Command line: `dem report`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from dem.terminal import OutputOption, reported
+
+
+def report(
+    data: Annotated[Path, typer.Argument(help="drag.nc; figures and tables beside it are shown.")],
+    output: OutputOption,
+    flow: Annotated[Path | None, typer.Option(help="flow.nc; beside drag.nc.")] = None,
+    readme: Annotated[Path, typer.Option(help="Where assumptions and slips stand.")] = Path("README.md"),
+):  # fmt: skip
+    """Make one page of the results, that opens without a network."""
+    with reported():
+        from dem.report.build import build
+
+        build(data, flow or data.parent / "flow.nc", readme, output)

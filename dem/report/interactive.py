@@ -1,0 +1,71 @@
+"""What moves on the page: the drag by plotly, and the beds as numbers that its script draws."""
+
+import base64
+
+import numpy as np
+import plotly.graph_objects as go
+import xarray as xr
+from plotly.io import to_html
+
+from dem.statistics import edges_of_bins, running_mean
+
+COLORS = ("#2f7fd1", "#b34700", "#5b4a8a", "#6fae8a", "#2f7d4f", "#0f5a30", "#222222")
+DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot", "solid")
+SHOWN = ("c1", "d1", "e3")  # cases that the page begins with
+EVERY = 2  # bins between two points of a curve
+LENGTH = 0.1e-3  # m, of the running mean
+STEPS = 32767  # of coordinates
+
+
+def chart(dataset: xr.Dataset) -> str:
+    """Drag against displacement: a curve a run, named by case and seed, as HTML with its library."""
+    figure, x = go.Figure(), 1e3 * dataset["displacement"].values
+    smooth = running_mean(dataset["drag"], edges_of_bins(dataset), LENGTH)
+    for number, case in enumerate(dataset["case"].values):
+        look = {"color": COLORS[number % 7], "dash": DASHES[number % 7], "width": 1.6}
+        for seed in dataset["seed"].values:
+            y = smooth.sel(case=case, seed=seed).values
+            figure.add_scatter(
+                x=np.round(x[::EVERY], 4).tolist(), y=np.round(y[::EVERY], 1).tolist(), mode="lines",
+                name=f"{case}, seed {seed}", legendgroup=str(case), line=look,
+                meta=[str(case), int(seed)],
+                visible=bool(case in SHOWN and seed == dataset["seed"].values[0]),
+                hovertemplate="%{x:.2f} mm: %{y:.0f} N<extra>%{fullData.name}</extra>",
+            )  # fmt: skip
+    start, stop = (1e3 * dataset.attrs[f"window_{end}"] for end in ("start", "stop"))
+    figure.add_vrect(start, stop, fillcolor="#eeeeee", line_width=0, layer="below")
+    figure.update_layout(
+        xaxis_title="Displacement of the cylinder (mm)", yaxis_title="Drag (N)", template="simple_white",
+        showlegend=False, hovermode="closest", margin={"l": 70, "r": 10, "t": 10, "b": 55}, height=430,
+    )  # fmt: skip
+    options = {"displaylogo": False, "responsive": True}
+    return to_html(figure, include_plotlyjs=True, full_html=False, div_id="drag", config=options)
+
+
+def _packed(values, largest: float) -> str:
+    """Numbers from 0 to `largest` as 16-bit integers in base64; those that are absent as -1."""
+    steps = np.where(np.isfinite(values), np.round(values / largest * STEPS), -1)
+    return base64.b64encode(steps.astype("<i2").tobytes()).decode()
+
+
+def beds(flow: xr.Dataset) -> dict:
+    """Snapshots of one run a case, as integers: the script of the page knows how to read them."""
+    width, found = float(flow.attrs["box_width"]), {}
+    for case in flow["case"].values:
+        one = flow.sel(case=case)
+        known = np.isfinite(one["bed_diameter"].values)
+        x, y, angle = (one[f"bed_{name}"].values[:, known] for name in ("x", "y", "angle"))
+        scale = 1.2 * max(width, float(one["bed_height"]))
+        found[str(case)] = {
+            "kind": str(one["kind"].values), "ratio": float(one["aspect_ratio"]),
+            "height": float(one["bed_height"]), "scale": scale,
+            "granules": int(known.sum()), "diameter": one["bed_diameter"].values[known].round(9).tolist(),
+            "x": _packed(x, scale), "y": _packed(y, scale),
+            "angle": _packed(np.mod(angle, 2.0 * np.pi), 2.0 * np.pi),
+            "axis": one["bed_cylinder_y"].values.tolist(),
+        }  # fmt: skip
+    moved = (1e3 * flow["displacement"].values).tolist()
+    return {
+        "width": width, "cylinder": float(flow.attrs["cylinder_diameter"]), "displacement": moved,
+        "layers": int(flow.attrs["layers"]), "steps": STEPS, "cases": found,
+    }  # fmt: skip

@@ -1,0 +1,147 @@
+"""The page of results: it opens anywhere, without a network, and can be read."""
+
+import re
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from dem import drag
+from dem.combine import combine, write_combined
+from dem.config import load
+from dem.errors import InputError
+from dem.figures import FLOW, draw, possible
+from dem.flow.collect import collect, write_flow
+from dem.report.build import build, section
+
+ROOT = Path(__file__).parent.parent
+BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")
+DRIVER = shutil.which("chromedriver")
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    """The report of two cases and two seeds of the smoke sweep."""
+    folder, sweep = tmp_path_factory.mktemp("report"), load(ROOT / "config/smoke.yaml")
+    sweep = sweep.model_copy(update={"cases": {name: sweep.cases[name] for name in ("c1", "e3")}})
+    files = []
+    for case in sweep.cases.values():
+        for seed in sweep.seeds:
+            replicate = sweep.replicate(case.shape, case.density, seed)
+            files.append(folder / f"{case.shape}{seed}.nc")
+            drag.write_replicate(
+                files[-1], replicate, drag.run(replicate, drag.make_bed(replicate))
+            )
+    write_combined(combine(files, sweep), folder / "drag.nc")
+    write_flow(folder / "flow.nc", sweep, collect(files, sweep))
+    for name in ("figure13", *possible(sweep, FLOW)):
+        draw(name, folder / ("drag.nc" if name == "figure13" else "flow.nc"), folder / "figures")
+    (folder / "stability.txt").write_text("a table of <b>stability</b>")
+    build(folder / "drag.nc", folder / "flow.nc", ROOT / "README.md", folder / "report.html")
+    return folder / "report.html"
+
+
+def test_nothing_is_fetched_and_all_is_there(page):
+    """No tag asks for another file; figures have words; tables and sections are there, text is text."""
+    text = page.read_text()
+    assert page.stat().st_size < 15e6
+    body = re.sub(r"<script.*?</script>", "", text, flags=re.S)
+    assert not re.findall(
+        r"""<(?:script|link|img|iframe)[^>]*(?:src|href)=["'](?!data:)[^"']+""", body
+    )
+    pictures = re.findall(r"<img [^>]*>", body)
+    assert len(pictures) >= 4 and all(re.search(r'alt="[^"]{10,}"', tag) for tag in pictures)
+    assert "a table of &lt;b&gt;stability&lt;/b&gt;" in body
+    assert "Slips in the paper" in body and "<table>" in section(
+        ROOT / "README.md", "## What the paper leaves open"
+    )
+
+
+def test_its_table_holds_the_means(page):
+    """The mean drag of each case, as it follows from drag.nc."""
+    import xarray as xr
+
+    with xr.open_dataset(page.parent / "drag.nc") as data:
+        window = data["drag"].sel(displacement=slice(data.window_start, data.window_stop))
+        means = window.mean(("displacement", "seed")).to_series()
+    body = page.read_text().partition("<tbody>")[2].partition("</tbody>")[0]
+    rows = dict(re.findall(r"<tr><th>(\w+)</th>.*?<b>(\d+)</b>", body, flags=re.S))
+    assert {case: round(mean) for case, mean in means.items()} == {
+        k: int(v) for k, v in rows.items()
+    }
+
+
+def test_a_readme_without_the_section_is_refused(page, tmp_path):
+    """The section is named."""
+    (tmp_path / "README.md").write_text("# nothing\n")
+    with pytest.raises(InputError, match="What the paper leaves open"):
+        build(
+            page.parent / "drag.nc",
+            page.parent / "flow.nc",
+            tmp_path / "README.md",
+            tmp_path / "r.html",
+        )
+    assert not (tmp_path / "r.html").exists()
+
+
+@pytest.fixture(scope="module")
+def browser():
+    from selenium import webdriver
+    from selenium.webdriver.chrome.service import Service
+
+    options = webdriver.ChromeOptions()
+    options.binary_location = BROWSER
+    for flag in ("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-sync",
+                 "--disable-background-networking", "--disable-component-update"):  # fmt: skip
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    driver = webdriver.Chrome(options, Service(DRIVER))
+    yield driver
+    driver.quit()
+
+
+@pytest.mark.skipif(not (BROWSER and DRIVER), reason="there is no chromium with its driver")
+@pytest.mark.parametrize("width", [1280, 400])
+def test_in_a_browser(page, browser, width):
+    """No request leaves, no script fails, nothing is cut; boxes and pointer do what they say."""
+    browser.execute_cdp_cmd(
+        "Emulation.setDeviceMetricsOverride",
+        {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False},
+    )
+    browser.get(page.as_uri())
+    asked = [
+        line["message"] for line in browser.get_log("performance")
+        if "Network.requestWillBeSent" in line["message"]
+    ]  # fmt: skip
+    assert asked and all('"url":"file:' in one or '"url":"data:' in one for one in asked)
+    assert not [line for line in browser.get_log("browser") if line["level"] == "SEVERE"]
+    inside = "return document.documentElement.scrollWidth"
+    assert browser.execute_script(inside) <= width
+    shown = "return chart.data.filter((run) => run.visible).length"
+    before = browser.execute_script(shown)
+    browser.execute_script("document.querySelectorAll('#choice-seed input')[1].click()")
+    assert browser.execute_script(shown) == 2 * before
+    browser.execute_script("slider.value = slider.max; slider.dispatchEvent(new Event('input'))")
+    assert "1.20 mm" in browser.execute_script(
+        "return document.getElementById('where').textContent"
+    )
+    painted = """
+        const bed = document.getElementById("bed");
+        const data = bed.getContext("2d").getImageData(0, 0, bed.width, bed.height).data;
+        return new Set(new Uint32Array(data.buffer)).size"""
+    assert browser.execute_script(painted) > 10
+    assert np.isfinite(browser.execute_script("return performance.timing.domComplete"))
+
+
+def test_the_notebook_runs_on_a_drag_nc(page, tmp_path):
+    """Every cell of the example, from results/drag.nc alone."""
+    import nbformat
+    from nbclient import NotebookClient
+
+    (tmp_path / "results").mkdir()
+    shutil.copy(page.parent / "drag.nc", tmp_path / "results/drag.nc")
+    notebook = nbformat.read(ROOT / "examples/drag.ipynb", as_version=4)
+    NotebookClient(notebook, resources={"metadata": {"path": str(tmp_path)}}, timeout=120).execute()
+    tables = [cell.outputs[-1].data for cell in notebook.cells if cell.cell_type == "code"]
+    assert "c1" in tables[1]["text/plain"] and any("image/png" in data for data in tables)
