@@ -26,8 +26,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     rows[0, 0].set_ylabel("Change of the mean drag\nagainst the default step (%)")
     rows[1, 0].set_ylabel("Processor time\nof a run (s)")
     rows[0, 0].set_ylim(-100.0 * SHOWN, 100.0 * SHOWN)
-    for axes in rows[1]:
-        axes.set_xlabel("Time step over the critical one")
+    rows[1, len(shapes) // 2].set_xlabel("Time step over the bound of the critical one")
     figure.suptitle(sentence(dataset))
     style.legend(figure, rows[0, 0], "outside lower center", ncols=2)
     return figure
