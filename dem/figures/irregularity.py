@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from dem.figures import style
 from dem.flow.layout import MEASURES
-from dem.flow.verdict import compared, mean_and_half
+from dem.flow.verdict import CASES, compared, mean_and_half, verdict
 from dem.statistics import CHECK
 
 LABELS = {
@@ -30,16 +30,18 @@ def plot(dataset: xr.Dataset) -> Figure:
         for number, case in enumerate(here["case"].values):
             mean, half = mean_and_half(here[name].sel(case=case))
             look = {"color": COLORS[number % 7], "linestyle": LINES[number % 7]}
-            axes.plot(x, mean, linewidth=1.6, label=str(case), **look)
-            axes.fill_between(x, mean - half, mean + half, color=look["color"], alpha=0.13,
-                              linewidth=0.0)  # fmt: skip
+            told = case in CASES or not set(CASES) <= set(here["case"].values)
+            axes.plot(x, mean, linewidth=2.0 if told else 1.0, label=str(case), **look)
+            if told:
+                axes.fill_between(x, mean - half, mean + half, color=look["color"], alpha=0.16,
+                                  linewidth=0.0)  # fmt: skip
         axes.set_ylabel(LABELS[name])
         axes.set_title(_reading(dataset, name), loc="left")
         axes.set_ylim(bottom=0.0)
     for axes in grid[2:]:
         axes.set_xlabel("Displacement of the cylinder (mm)")
     lag = style.millimetres(dataset.attrs["lag"])
-    figure.suptitle(f"Irregularity of the flow by shape, motions over {lag:g} mm, 95 % bands")
+    figure.suptitle(f"{verdict(dataset)}\n(motions over {lag:g} mm; bands: 95 %)")
     style.legend(figure, grid[0], "outside lower center", ncols=7)
     return figure
 

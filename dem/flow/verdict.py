@@ -53,6 +53,18 @@ def compared(dataset: xr.Dataset, name: str) -> Ratio | None:
     return Ratio(ratio, ratio * t.ppf(0.5 + 0.5 * LEVEL, freedom) * sum(parts) ** 0.5, len(runs[0]))
 
 
+def verdict(dataset: xr.Dataset) -> str:
+    """The paper's sentence and the measures, in one sentence."""
+    found = [ratio for ratio in (compared(dataset, name) for name in MEASURES) if ratio]
+    if not found:
+        return "Irregularity of the flow by shape"
+    more = sum(r.ratio - r.half > 1.0 for r in found)
+    less = sum(r.ratio + r.half < 1.0 for r in found)
+    counts = {"more irregular": more, "less irregular": less, "undecided": len(found) - more - less}
+    words = ", ".join(f"{word} by {count}" for word, count in counts.items() if count)
+    return f"Flow of {CASES[0]} against {CASES[1]}: {words} of {len(found)} measures"
+
+
 def sentences(dataset: xr.Dataset) -> list[str]:
     """What the measures say, a sentence each."""
     found = {name: compared(dataset, name) for name in MEASURES}
