@@ -37,6 +37,9 @@ class Scene:
         self.map = self._scale(left)
         self._drag(right)
         self.figure.suptitle(self._title(), fontsize=15)
+        self.show(0)
+        self.figure.draw_without_rendering()
+        self.figure.set_layout_engine("none")  # laid out once: that takes as long as drawing
 
     def _title(self):
         run = self.motion.replicate
@@ -67,7 +70,7 @@ class Scene:
                  xlim=(0.0, style.millimetres(motion.displacement[-1])))  # fmt: skip
         axes.set_ylim(bottom=min(0.0, motion.drag.min()))
         self.mark = axes.axvline(0.0, color="black", linewidth=1.6)
-        self.caption = axes.set_title("", loc="left", fontsize=13)
+        self.caption = axes.set_title(" ", loc="left", fontsize=13)
 
     def show(self, snapshot: int) -> None:
         """Draw one snapshot."""

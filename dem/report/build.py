@@ -106,7 +106,7 @@ def figures(folder: Path) -> list[dict]:
     return found
 
 
-def _smaller(file: Path, width: int = 1280) -> bytes:
+def _smaller(file: Path, width: int = 1200) -> bytes:
     """A PNG with a palette, no wider than needed on a screen."""
     import io
 

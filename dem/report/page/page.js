@@ -85,6 +85,8 @@ function boxes(place, names, checked) {
     box.checked = checked(name);
     box.addEventListener("change", () => { if (box.checked && name in BEDS.cases) { shown = name; draw(); } choose(); });
     label.append(box, ` ${name}`);
+    const run = chart.data.find((each) => each.meta[0] === name);
+    if (run) label.style.borderBottom = `3px ${run.line.dash === "solid" ? "solid" : "dashed"} ${run.line.color}`;
     document.getElementById(place).append(label);
   }
 }
