@@ -37,12 +37,12 @@ def combine(paths: list[Path], sweep: Sweep) -> xr.Dataset:
     the provenance of the replicates, all of it where they differ. Raises InputError for a file
     that is missing, damaged or of another configuration, and for a run that no file holds.
     """
-    places = _places(sweep)
+    places = places_of(sweep)
     size = len(sweep.cases), len(sweep.seeds)
     values, origins, provenance = {}, {}, {name: {} for name in PROVENANCE}
     for path in paths:
         run, attrs = _load(path, sweep)
-        key = _key(run["shape"], run["density"], run["seed"])
+        key = key_of(run["shape"], run["density"], run["seed"])
         if key not in places:
             raise InputError(
                 f"{path}: it holds {key[0]} at {key[1]} kg/m3, seed {key[2]}, which the "
@@ -66,15 +66,15 @@ def combine(paths: list[Path], sweep: Sweep) -> xr.Dataset:
     return _dataset(values, sweep, {name: "; ".join(kept) for name, kept in provenance.items()})
 
 
-def _key(shape, density, seed) -> tuple[str, str, int]:
+def key_of(shape, density, seed) -> tuple[str, str, int]:
     """A run as its file and the configuration both name it."""
     return str(shape), density_label(float(density)), int(seed)
 
 
-def _places(sweep: Sweep) -> dict[tuple, tuple[int, int]]:
+def places_of(sweep: Sweep) -> dict[tuple, tuple[int, int]]:
     """Place (case, seed) in the result of every run that the configuration asks for."""
     return {
-        _key(case.shape, case.density, seed): (row, column)
+        key_of(case.shape, case.density, seed): (row, column)
         for row, case in enumerate(sweep.cases.values())
         for column, seed in enumerate(sorted(sweep.seeds))
     }

@@ -65,7 +65,7 @@ def attributes(name: str, layout: dict = VARIABLES) -> dict:
     """CF attributes of a variable."""
     _, units, long_name = layout[name]
     found = {"long_name": long_name, "units": units}
-    if name == "displacement":
+    if name == "displacement" and "displacement_bounds" in layout:
         found["bounds"] = "displacement_bounds"
     elif name in SEEDS:
         found["standard_name"] = "realization"

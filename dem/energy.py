@@ -5,7 +5,8 @@ the work of the cylinder. What the slip does against a tangential spring beyond 
 holds counts as slid; so does what a spring gives away when the overlap changes, without any sliding.
 Kinetic and elastic energies are taken from the state. The force at the end of each step counts for
 the whole of it; of the last step only half is taken, which makes the sums those of the trapezoidal
-rule for a bed that begins at rest: of second order in the time step.
+rule, of second order in the time step, where nothing works or is lost at the very start. A cylinder that
+starts at full speed, and a step that changes, leave a share of half a step's power.
 """
 
 import math

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.assembly import assemble, constants
-from dem.checkpoint import named_arrays, replaced
+from dem.checkpoint import fingerprint, moving, replaced
 from dem.columns import VX, VY, W, X, Y
 from dem.crew import Crew
 from dem.energy import Bookkeeper, Ledger
@@ -216,9 +216,9 @@ class Simulation:
 
     def checkpoint(self) -> dict[str, np.ndarray]:
         """All that moves, remembers or counts, as arrays by name (for np.savez)."""
-        order = np.arange(self.scene.granules) if self._order is None else self._order
-        saved = named_arrays(self.world) | {"order": order}
-        return saved | {"time": np.array(self.time), "steps": np.array(self.steps)}
+        saved = {name: array.copy() for name, array in moving(self.world).items()}
+        saved |= {"time": np.array(self.time), "steps": np.array(self.steps)}
+        return saved | {"scene": self._fingerprint()}
 
     def restore(self, saved: dict[str, np.ndarray]) -> None:
         """Go on from a checkpoint of a simulation that began with the same scene and state.
@@ -226,13 +226,23 @@ class Simulation:
         The motion that follows has the same bits as without interruption, if it is advanced in the
         same pieces. Raises InputError for a checkpoint of another scene.
         """
-        order = np.arange(self.scene.granules) if self._order is None else self._order
-        if not np.array_equal(saved.get("order"), order):
-            raise InputError("order is not that of the checkpoint; is it of another scene?")
-        shared = self.world.force is self.world.part_force  # where a granule is its own only part
+        if not np.array_equal(saved.get("scene"), self._fingerprint()):
+            raise InputError("scene is not that of the checkpoint; is it of another scene?")
         world = replaced(self.world, saved)
-        self.world = world._replace(force=world.part_force) if shared else world
+        alone = self._parts.per == 1  # a granule is its own only part: one array for both
+        self.world = world._replace(force=world.part_force) if alone else world
         self.time, self.steps = float(saved["time"]), int(saved["steps"])
+
+    def _fingerprint(self):
+        """Tells scenes, options and the order of granules in memory apart."""
+        world, order = self.world, None if self._order is None else self._order.copy()
+        barriers = [b for b in (world.walls, world.roller) if b is not None]
+        fixed = [(b.tangent, b.contacts.modulus, b.contacts.damping is None) for b in barriers]
+        held = [world.shape, self._parts, self.rules, world.tangent, world.pairs.modulus]
+        arrays = [world.inverse_mass, world.inverse_inertia, world.gravity, order]
+        planes = None if world.walls is None else world.walls.planes
+        radius = None if world.roller is None else world.roller.radius
+        return fingerprint(*held, fixed, radius, *arrays, planes)
 
     # Motion
 

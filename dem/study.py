@@ -56,13 +56,15 @@ class Study(NamedTuple):
                     some, dim, data_vars="minimal", coords="minimal", compat="override",
                     join="override",
                 ))  # fmt: skip
-        for name in SAME:
-            values = {float(part.attrs[name]) for part in parts}
+        shared = [part for part in parts if set(self.concatenated) & set(part.dims)] or parts
+        for name in SAME:  # of the jobs that share out one thing; others do not depend on these
+            values = {float(part.attrs[name]) for part in shared}
             if len(values) > 1:
                 raise InputError(
                     f"{name} differs between the files: {sorted(values)}; make them anew."
                 )
         whole = xr.merge(joined, combine_attrs="drop_conflicts")
+        whole.attrs |= {name: shared[0].attrs[name] for name in SAME}
         for name in ("versions", "git_revision", "source_hash"):
             whole.attrs[name] = "; ".join(dict.fromkeys(part.attrs[name] for part in parts))
         return whole.assign_attrs(history=parts[-1].attrs["history"] + ", combined")

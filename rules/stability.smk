@@ -11,7 +11,7 @@ OUTPUTS
 
 from dem.figures import STABILITY
 
-CATALOGUE = config.get("catalogue", "config/stability.yaml")
+CATALOGUE = "config/stability.yaml"
 
 
 def stability_parts(wildcards):
@@ -45,12 +45,13 @@ rule stability_part:
         "Stability of {wildcards.shape}: {wildcards.part}"
     input:
         catalogue=CATALOGUE,
-        code=[f"dem/stability/{name}.py" for name in ("study", "beds", "bodies", "scenes", "watching", "linear")],
+        code=[f"dem/stability/{name}.py" for name in ("study", "catalogue", "beds", "bodies", "scenes", "watching", "linear")],
     output:
         RESULTS + "/stability/{part}/{shape}.nc",
     params:
         sources=SOURCES,
-        sweep=SWEEP.model_dump_json(exclude={"title", "results", "record", "accuracy"}),
+        sweep=SWEEP.model_dump_json(exclude={"title", "results", "record", "accuracy", "seeds"}),
+        seed=SWEEP.seeds[0],
     log:
         RESULTS + "/logs/stability/{part}/{shape}.log",
     benchmark:
@@ -94,7 +95,7 @@ rule stability_figure:
     input:
         data=RESULTS + "/stability.nc",
         code="dem/figures/stability_{part}.py",
-        common="dem/figures/style.py",
+        common=["dem/figures/style.py", "dem/stability/report.py"],
     output:
         RESULTS + "/figures/stability_{part}.svg",
         RESULTS + "/figures/stability_{part}.png",

@@ -36,6 +36,21 @@ def test_a_bed_adds_up(small_bed):
     )
 
 
+def test_what_does_not_add_up_falls_faster_than_the_step(small_bed):
+    """Half the step leaves clearly less than half the residual, though contacts come and slide."""
+    small = small_bed("disc")
+    still = replace(small.cylinder, velocity=(0.0, 0.0))
+    squeezed = small.state
+    squeezed.position = squeezed.position * [0.995, 1.0] + [0.0025 * small.bed.width, 0.0]
+    found = []
+    for step in (8e-9, 4e-9):
+        run = dem.Simulation(small.scene(cylinder=still), squeezed, time_step=step, ledger=True)
+        run.advance(2e-6)
+        found.append(run.ledger().residual)
+        assert run.ledger().damped > 1e-3 * run.ledger().before
+    assert found[0] / found[1] > 2.4
+
+
 def test_a_ledger_changes_nothing(small_bed):
     """A run moves alike, to rounding, whether it is accounted for or not."""
     small = small_bed("disc")

@@ -4,7 +4,19 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from dem import Bed, Disc, Ellipse, Friction, Material, Scene, Simulation, State, box, pack
+from dem import (
+    Bed,
+    Disc,
+    Ellipse,
+    Friction,
+    InputError,
+    Material,
+    Scene,
+    Simulation,
+    State,
+    box,
+    pack,
+)
 from dem.ordering import order_of
 from dem.tiling import tiled
 from dem.world import CHUNK
@@ -35,6 +47,41 @@ def test_the_number_of_threads_changes_no_bit():
     for other in found[1:]:
         for first, second in zip(found[0], other, strict=True):
             assert_array_equal(first, second)
+
+
+def test_a_large_bed_goes_on_from_a_checkpoint_with_the_same_bits():
+    """Chunks, and their forces, are restored too; a bed in another order of memory is refused."""
+    scene, state = swarm()
+    whole, second = Simulation(scene, state), Simulation(scene, state)
+    whole.advance(4e-5)
+    second.restore(whole.checkpoint())
+    for run in (whole, second):
+        run.advance(4e-5)
+    assert np.abs(whole.state.position - state.position).max() > 0.1 * PITCH
+    for a, b in zip(vars(whole.state).values(), vars(second.state).values(), strict=True):
+        assert_array_equal(a, b)
+    other = Scene(
+        scene.shape, Material(2500.0, 2e9, 0.3, 0.7), Friction(), scene.walls, thickness=PITCH
+    )
+    with pytest.raises(InputError, match="another scene"):
+        Simulation(other, state).restore(whole.checkpoint())
+
+
+def test_contacts_of_a_large_bed_name_the_granules_of_the_input():
+    """Every touching pair, found by brute force among all, and no other."""
+    scene, state = swarm()
+    run = Simulation(scene, state)
+    run.advance(1e-4)
+    found, place = run.contacts(), run.state.position
+    reach = scene.shape.radius[:, None] + scene.shape.radius
+    apart = np.linalg.norm(place[:, None] - place, axis=2)
+    pairs = np.argwhere(np.triu(apart < reach, 1))
+    between = found.partner >= 0
+    named = np.sort(np.column_stack([found.granule, found.partner])[between], axis=1)
+    assert len(pairs) > 50
+    assert sorted(map(tuple, named.tolist())) == sorted(map(tuple, pairs.tolist()))
+    i, j = found.granule[between], found.partner[between]
+    assert_allclose(found.overlap[between], (reach - apart)[i, j], rtol=1e-9, atol=1e-15)
 
 
 def test_a_large_bed_keeps_momentum_and_the_order_of_its_granules():

@@ -46,7 +46,7 @@ def test_nothing_is_fetched_and_all_is_there(page):
     """No tag asks for another file; figures have words; tables and sections are there, text is text."""
     text = page.read_text()
     assert page.stat().st_size < 15e6
-    body = re.sub(r"<script.*?</script>", "", text, flags=re.S)
+    body = re.sub(r"(<script[^>]*>).*?</script>", r"\1", text, flags=re.S)
     assert not re.findall(
         r"""<(?:script|link|img|iframe)[^>]*(?:src|href)=["'](?!data:)[^"']+""", body
     )
@@ -66,7 +66,7 @@ def test_its_table_holds_the_means(page):
         window = data["drag"].sel(displacement=slice(data.window_start, data.window_stop))
         means = window.mean(("displacement", "seed")).to_series()
     body = page.read_text().partition("<tbody>")[2].partition("</tbody>")[0]
-    rows = dict(re.findall(r"<tr><th>(\w+)</th>.*?<b>(\d+)</b>", body, flags=re.S))
+    rows = dict(re.findall(r"<tr><th[^>]*>(\w+)</th>.*?<b>(\d+)</b>", body, flags=re.S))
     assert {case: round(mean) for case, mean in means.items()} == {
         k: int(v) for k, v in rows.items()
     }

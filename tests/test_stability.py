@@ -66,11 +66,21 @@ def test_a_run_goes_on_from_a_checkpoint_with_the_same_bits(small_bed, tmp_path,
 
 
 def test_a_checkpoint_of_another_scene_is_refused(small_bed):
-    """The bed of another kind of granule, or of other contents, is named as such."""
-    disc, ellipse = small_bed("disc"), small_bed("ellipse")
-    saved = dem.Simulation(disc.scene(), disc.state).checkpoint()
+    """Other granules, material or sizes are named as such, and nothing is changed."""
+    disc, ellipse, other = small_bed("disc"), small_bed("ellipse"), small_bed("disc", 2)
+    run = dem.Simulation(disc.scene(), disc.state)
+    saved = run.checkpoint()
+    soft = dem.Simulation(disc.scene(material=dem.Material(young_modulus=1e9)), disc.state)
+    for bed in (ellipse, other):
+        with pytest.raises(dem.InputError, match="another scene"):
+            dem.Simulation(bed.scene(), bed.state).restore(saved)
     with pytest.raises(dem.InputError, match="another scene"):
-        dem.Simulation(ellipse.scene(), ellipse.state).restore(saved)
+        soft.restore(saved)
+    del saved["world.pairs.spring"]
+    saved["world.bodies"] = saved["world.bodies"] + 1.0
+    with pytest.raises(dem.InputError, match=r"pairs\.spring"):
+        run.restore(saved)
+    np.testing.assert_array_equal(run.state.position, disc.state.position)
 
 
 def test_friction_beyond_the_cap_is_seen(small_bed):
@@ -159,10 +169,12 @@ def test_the_study_end_to_end(sweep, tmp_path):
         ({"limits": {"beauty": 1.0}}, "beauty"),
         ({"limits": {}}, "limits or an error"),
         ({"change": {"stiffness": -1.0}}, "stiffness"),
+        ({"change": {"collisions": 7}}, "collisions"),
+        ({"experiment": "impact", "change": {}}, "needs overlap"),
     ],
 )
 def test_a_wrong_catalogue_is_refused_in_words(sweep, tmp_path, change, words):
-    """A sentence names what is wrong."""
+    """A sentence names what is wrong, where nothing else is."""
     file = written(tmp_path, {"paper": SHORT["paper"] | change})
     with pytest.raises(dem.InputError, match=words):
         study.check(sweep, catalogue.load(file))

@@ -71,8 +71,9 @@ def one_step(replicate: Replicate, bed, fraction: float):
     """Mean drag (N), median step (s), processor time (s) and status of a run at one step."""
     sweep = replicate.sweep
     simulation = drag.start(replicate, bed)
-    # a Simulation takes no step above the critical one: the study goes on to where the method breaks
-    simulation.rules = simulation.rules._replace(fraction=fraction)
+    # a Simulation takes no step above the critical one, nor one in which a granule moves far: the study
+    # goes on to where the method breaks
+    simulation.rules = simulation.rules._replace(fraction=fraction, flight=np.inf)
     started = time.process_time()
     try:
         force, record = draw(simulation, sweep, sweep.record.bins)

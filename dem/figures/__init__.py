@@ -20,7 +20,7 @@ def _two_densities(cases):
 
 
 def _one_of(*shapes):
-    return lambda cases: any(shape in shapes for shape, _ in cases)
+    return lambda cases: any(shape in shapes and density == cases[0][1] for shape, density in cases)
 
 
 # name: (what it shows, whether cases, a list of (shape label, density), suffice for it)
@@ -56,6 +56,9 @@ STUDIES = (
     {name: (words, ("bed_x", "non_affine")) for name, (words, _) in FLOW.items()}
     | ACCURACY | STABILITY | BENCHMARK
 )  # fmt: skip
+
+
+STUDY_FIGURES = {"accuracy": ACCURACY, "stability": STABILITY, "benchmark": BENCHMARK}  # by file
 
 
 def captions() -> dict[str, str]:

@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.patches import Circle, Rectangle
 
+from dem.flow.measures import layers_of
 from dem.shapes import SHAPES
 
 PLAIN, SHADED = "#dfe7ee", "#17457d"
@@ -76,5 +77,4 @@ def cluster_colors(start, axis, diameter: float) -> np.ndarray:
 
 def layer_colors(start, height: float, layers: int) -> np.ndarray:
     """Colours (n,) of horizontal layers in turn, by where granules begin."""
-    number = np.clip((start[:, 1] / height * layers).astype(int), 0, layers - 1)
-    return np.array(BANDS)[number % len(BANDS)]
+    return np.array(BANDS)[layers_of(start, height, layers) % len(BANDS)]

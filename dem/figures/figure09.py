@@ -2,11 +2,11 @@
 
 from dem.figures import snapshots, style
 
-CASES = ("c1", "d1", "c2")
+SHAPES = ("c1", "d1", "c2")
 TITLE = "Granules ahead of the cylinder (shaded) are pushed up and aside"
 
 
 @style.styled
 def plot(dataset):
-    """Three displacements of the first seed of each case; raises InputError without the cases."""
-    return snapshots.beds(dataset, CASES, "cluster", TITLE)
+    """Three displacements of the first seed of each shape; raises InputError without any."""
+    return snapshots.beds(dataset, SHAPES, "cluster", TITLE)

@@ -2,11 +2,11 @@
 
 from dem.figures import snapshots, style
 
-CASES = ("e1", "e2", "e3")
+SHAPES = ("e1", "e2", "e3")
 TITLE = "Ellipses ahead of the cylinder (shaded) are pushed up and aside"
 
 
 @style.styled
 def plot(dataset):
-    """Three displacements of the first seed of each case; raises InputError without the cases."""
-    return snapshots.beds(dataset, CASES, "cluster", TITLE)
+    """Three displacements of the first seed of each shape; raises InputError without any."""
+    return snapshots.beds(dataset, SHAPES, "cluster", TITLE)

@@ -2,11 +2,11 @@
 
 from dem.figures import snapshots, style
 
-CASES = ("e1", "e2", "e3")
-TITLE = "Layers of ellipses bend up with the cylinder and close behind it"
+SHAPES = ("e1", "e2", "e3")
+TITLE = "Layers of ellipses before, half-way through and after the stroke"
 
 
 @style.styled
 def plot(dataset):
-    """Three displacements of the first seed of each case; raises InputError without the cases."""
-    return snapshots.beds(dataset, CASES, "layers", TITLE)
+    """Three displacements of the first seed of each shape; raises InputError without any."""
+    return snapshots.beds(dataset, SHAPES, "layers", TITLE)

@@ -5,8 +5,8 @@ from matplotlib.figure import Figure
 
 from dem.figures import style
 from dem.flow.layout import MEASURES
-from dem.flow.verdict import CASES, compared, mean_and_half, verdict
-from dem.statistics import CHECK
+from dem.flow.verdict import SHAPES, compared, mean_and_half, verdict
+from dem.statistics import find, table1
 
 LABELS = {
     "non_affine": "D²min over the squared\ndiameter (1)",
@@ -21,8 +21,8 @@ LINES = ("-", (0, (5, 1.5)), (0, (1, 1)), (0, (3, 1, 1, 1)), (0, (6, 1, 1, 1)), 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
     """A panel a measure, a line a case at the density of the first, with 95 % bands."""
-    first = float(dataset["density"][0])
-    here = dataset.sel(case=(dataset["density"] == first) & (dataset["shape"] != CHECK))
+    here = dataset.sel(case=table1(dataset))
+    compared_cases = [find(dataset, shape) for shape in SHAPES]
     figure = Figure(figsize=(style.WIDTH, 7.2))
     grid = figure.subplots(2, 2, sharex=True).ravel()
     x = style.millimetres(here["displacement"])
@@ -30,7 +30,7 @@ def plot(dataset: xr.Dataset) -> Figure:
         for number, case in enumerate(here["case"].values):
             mean, half = mean_and_half(here[name].sel(case=case))
             look = {"color": COLORS[number % 7], "linestyle": LINES[number % 7]}
-            told = case in CASES or not set(CASES) <= set(here["case"].values)
+            told = case in compared_cases or None in compared_cases
             axes.plot(x, mean, linewidth=2.0 if told else 1.0, label=str(case), **look)
             if told:
                 axes.fill_between(x, mean - half, mean + half, color=look["color"], alpha=0.16,
@@ -41,7 +41,8 @@ def plot(dataset: xr.Dataset) -> Figure:
     for axes in grid[2:]:
         axes.set_xlabel("Displacement of the cylinder (mm)")
     lag = style.millimetres(dataset.attrs["lag"])
-    figure.suptitle(f"{verdict(dataset)}\n(motions over {lag:g} mm; bands: 95 %)")
+    bands = "; bands: 95 %" if dataset.sizes["seed"] > 1 else ""
+    figure.suptitle(f"{verdict(dataset)}\n(motions over {lag:g} mm{bands})")
     style.legend(figure, grid[0], "outside lower center", ncols=7)
     return figure
 

@@ -6,18 +6,19 @@ from matplotlib.figure import Figure
 
 from dem.errors import InputError
 from dem.figures import bed, style
+from dem.statistics import find
 
 SHARES = (0.0, 0.5, 1.0)  # of the stroke: displacements that are shown
 
 
-def beds(dataset: xr.Dataset, cases: tuple[str, ...], colors: str, title: str) -> Figure:
-    """A row a case, a column a displacement; colors: "cluster" or "layers".
+def beds(dataset: xr.Dataset, shapes: tuple[str, ...], colors: str, title: str) -> Figure:
+    """A row a shape, a column a displacement; colors: "cluster" or "layers".
 
-    Raises InputError when none of the cases is in the data.
+    Raises InputError when there is none of the shapes at the density of the first case.
     """
-    there = [case for case in cases if case in dataset["case"].values]
+    there = [case for case in (find(dataset, shape) for shape in shapes) if case]
     if not there:
-        raise InputError(f"there is none of the cases {', '.join(cases)} in the data.")
+        raise InputError(f"there is none of the shapes {', '.join(shapes)} in the data.")
     shown = [dataset["displacement"].values[-1] * share for share in SHARES]
     snapshots = [int(np.abs(dataset["displacement"].values - x).argmin()) for x in shown]
     figure = Figure(figsize=(style.WIDTH, 0.9 + 3.05 * len(there)))

@@ -7,7 +7,10 @@ from matplotlib.figure import Figure
 from dem.figures import style
 
 MARKERS = ("o", "s", "D", "^", "v", "P", "X")
-FLOOR = 1e-13  # of the axis: where what is less, or nothing, is drawn
+FLOOR, CEILING = (
+    1e-13,
+    1e4,
+)  # of the axis: where what is less, or nothing, and what is more is drawn
 ROW = 0.25  # inches a row
 
 
@@ -39,17 +42,18 @@ def _catalogue(axes, dataset, rows) -> None:
         row, number = rows.index((str(case), str(quantity))), shapes.index(shape)
         offset = (number - 0.5 * (len(shapes) - 1)) * 0.24
         if np.isfinite(value) and np.isfinite(limit):
-            ratio = max(value / limit if limit > 0.0 else value, FLOOR)
+            over = value / limit if limit > 0.0 else (CEILING if value > 0.0 else 0.0)
+            ratio = min(max(over, FLOOR), CEILING)
             axes.plot(ratio, row + offset, MARKERS[number], color=style.CURVE, markersize=4.5,
                       markerfacecolor=style.CURVE if passed else "white", zorder=3)  # fmt: skip
-        elif outcome == expected:
+        elif outcome == expected != "ran":
             axes.annotate(f"refused, as it should be: {outcome}", (0.5 * FLOOR, row), va="center",
                           fontsize=8.5, color="0.25")  # fmt: skip
         else:
             axes.annotate(f"{shape}: {outcome}", (3.0, row + offset), va="center", fontsize=8.5)
     axes.axvline(1.0, **style.REFERENCE)
     axes.set_xscale("log")
-    axes.set_xlim(0.3 * FLOOR, 1e3)
+    axes.set_xlim(0.3 * FLOOR, 3.0 * CEILING)
     axes.set_yticks(range(len(rows)), [_label(*row) for row in rows])
     axes.tick_params(axis="y", length=0, labelsize=8.5)
     axes.set_ylim(len(rows) - 0.4, -0.6)

@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 
 from dem import provenance
-from dem.config import Sweep
+from dem.combine import key_of, places_of
+from dem.config import Replicate, Sweep
 from dem.dataset import global_attributes, write
 from dem.errors import InputError
 from dem.flow import measures
@@ -51,20 +52,22 @@ def measure(motion: Motion) -> dict:
     return found
 
 
+def same_run(replicate: Replicate, sweep: Sweep) -> bool:
+    """Whether the sweep would make this run today."""
+    run = {"label": replicate.label, "density": replicate.density, "seed": replicate.seed}
+    return replicate.run_key() == Replicate(sweep=sweep, **run).run_key()
+
+
 def collect(files: list[Path], sweep: Sweep, progress=lambda done: None) -> dict:
     """Variables of dem.flow.layout by name; raises InputError where a run is missing."""
-    places = {
-        (case.shape, case.density, seed): (row, column)
-        for row, case in enumerate(sweep.cases.values())
-        for column, seed in enumerate(sorted(sweep.seeds))
-    }
+    places = places_of(sweep)
     values, snapshots = {}, sweep.record.snapshots
     granules = max(sweep.shapes[case.shape].granules for case in sweep.cases.values())
     for done, path in enumerate(files):
         motion = read_motion(path)
         run = motion.replicate
-        place = places.pop((run.label, run.density, run.seed), None)
-        if place is None or len(motion.displacement) != snapshots:
+        place = places.pop(key_of(run.label, run.density, run.seed), None)
+        if place is None or not same_run(run, sweep):
             raise InputError(
                 f"{path}: it is not a run of this configuration, or it is there twice."
             )
@@ -77,7 +80,7 @@ def collect(files: list[Path], sweep: Sweep, progress=lambda done: None) -> dict
         progress((done + 1) / len(files))
     if places:
         shape, density, seed = next(iter(places))
-        raise InputError(f"{shape} at {density:g} kg/m3, seed {seed}, is in none of the files.")
+        raise InputError(f"{shape} at {density} kg/m3, seed {seed}, is in none of the files.")
     return values | _labels(sweep)
 
 
@@ -112,10 +115,12 @@ def _labels(sweep: Sweep) -> dict:
 def write_flow(path: Path, sweep: Sweep, values: dict) -> None:
     """Write flow.nc, atomically."""
     low, high = sweep.record.window
+    moved = values["displacement"]
     attrs = global_attributes(
         f"{sweep.title}: how the beds move", "dem flow",
         versions=provenance.versions(), git_revision=provenance.git_revision(),
-        window_start=low, window_stop=high, box_width=sweep.box_width, lag=LAG,
+        window_start=low, window_stop=high, box_width=sweep.box_width,
+        lag=lag_of(moved) * float(moved[1] - moved[0]),
         cylinder_diameter=sweep.cylinder.diameter, layers=measures.LAYERS,
     )  # fmt: skip
     write(path, values, attrs, VARIABLES)

@@ -146,9 +146,10 @@ def encoder():
         return found
     try:
         from imageio_ffmpeg import get_ffmpeg_exe
-    except ImportError:
+
+        return get_ffmpeg_exe()
+    except (ImportError, RuntimeError):  # not installed, or without a program for this computer
         return None
-    return get_ffmpeg_exe()
 
 
 def film(motion: Motion, path: Path, color: str, forces: bool, progress=lambda done: None) -> Path:

@@ -43,7 +43,8 @@ def non_affine(before, after, diameter: float) -> np.ndarray:
     affine = np.full((n, 2, 2), np.nan)
     affine[enough] = crossed[enough] @ np.linalg.inv(squared[enough])
     left = new - np.einsum("mab,mb->ma", affine[i], old)
-    return sums((left**2).sum(axis=1), i, n) / np.maximum(count, 1) / diameter**2
+    found = sums((left**2).sum(axis=1), i, n) / np.maximum(count, 1) / diameter**2
+    return np.where(enough, found, np.nan)
 
 
 def fluctuation(before, after, diameter: float) -> np.ndarray:
@@ -55,9 +56,9 @@ def fluctuation(before, after, diameter: float) -> np.ndarray:
     return np.where(count > 0, np.linalg.norm(moved - around, axis=1), np.nan)
 
 
-def layers_of(start, height: float) -> np.ndarray:
+def layers_of(start, height: float, layers: int = LAYERS) -> np.ndarray:
     """Layer (n,) of each granule, from the floor up, by where it starts."""
-    return np.clip((start[:, 1] / height * LAYERS).astype(int), 0, LAYERS - 1)
+    return np.clip((start[:, 1] / height * layers).astype(int), 0, layers - 1)
 
 
 def mixing(layers, position, diameter: float) -> float:

@@ -1,4 +1,4 @@
-"""Is the flow of case e3 more irregular than that of c1, as the paper says from pictures?"""
+"""Is the flow of shape e3 more irregular than that of c1, as the paper says from pictures?"""
 
 from typing import NamedTuple
 
@@ -7,9 +7,9 @@ import xarray as xr
 from scipy.stats import t
 
 from dem.flow.layout import MEASURES
-from dem.statistics import LEVEL
+from dem.statistics import LEVEL, find
 
-CASES = "e3", "c1"
+SHAPES = "e3", "c1"
 
 
 class Ratio(NamedTuple):
@@ -39,13 +39,18 @@ def in_window(dataset: xr.Dataset, name: str) -> xr.DataArray:
 
 
 def compared(dataset: xr.Dataset, name: str) -> Ratio | None:
-    """Ratio of the means of both cases within the window; None if one is absent or has one run.
+    """Ratio of the means of both shapes within the window, at the density of the first case.
+
+    None if one is absent, has one run or nothing within the window.
 
     Runs are independent: Welch's interval, of the logarithm by the delta method.
     """
-    if not set(CASES) <= set(dataset["case"].values.tolist()) or dataset.sizes["seed"] < 2:
+    cases = [find(dataset, shape) for shape in SHAPES]
+    if None in cases or dataset.sizes["seed"] < 2:
         return None
-    runs = [in_window(dataset, name).sel(case=case).values for case in CASES]
+    runs = [in_window(dataset, name).sel(case=case).values for case in cases]
+    if not np.isfinite(runs).all():
+        return None
     means = [run.mean() for run in runs]
     parts = [run.var(ddof=1) / len(run) / mean**2 for run, mean in zip(runs, means, strict=True)]
     freedom = sum(parts) ** 2 / sum(p**2 / (len(r) - 1) for p, r in zip(parts, runs, strict=True))
@@ -62,7 +67,7 @@ def verdict(dataset: xr.Dataset) -> str:
     less = sum(r.ratio + r.half < 1.0 for r in found)
     counts = {"more irregular": more, "less irregular": less, "undecided": len(found) - more - less}
     words = ", ".join(f"{word} by {count}" for word, count in counts.items() if count)
-    return f"Flow of {CASES[0]} against {CASES[1]}: {words} of {len(found)} measures"
+    return f"Flow of {SHAPES[0]} against {SHAPES[1]}: {words} of {len(found)} measures"
 
 
 def sentences(dataset: xr.Dataset) -> list[str]:

@@ -11,37 +11,40 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markdown_it import MarkdownIt
 from markupsafe import Markup
 
-from dem.combine import open_combined
+from dem.combine import open_combined, open_lazily, require
+from dem.config import parse
 from dem.dataset import atomic
 from dem.errors import InputError
-from dem.figures import captions
+from dem.figures import FLOW, STUDY_FIGURES, captions, possible
+from dem.figures.style import percent
 from dem.flow.verdict import sentences
 from dem.report.interactive import beds, chart
 from dem.statistics import change, summarise
+from dem.statistics import densities as densities_of
 
 OPEN = "## What the paper leaves open"  # section of the README that the report repeats
-STUDIES = ("accuracy", "stability", "benchmark")  # shown where their files are there
 
 
 def build(drag: Path, flow: Path, readme: Path, output: Path) -> None:
     """Write the report of a folder of results, atomically; raises InputError for other files.
 
-    Figures and the tables of studies are those that lie beside drag.nc.
+    Figures, and the studies that are shown, are those that lie beside drag.nc.
     """
     folder = Path(drag).parent
-    with open_combined(drag) as dataset, xr.open_dataset(flow) as moves:
+    with open_combined(drag) as dataset, open_lazily(flow) as moves:
+        require(moves, flow, ("bed_x", "non_affine"), ("box_width", "lag"))
         page = _page().render(
             title=dataset.attrs["title"],
             made=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
             cases=cases(dataset),
             densities=densities(dataset),
-            figures=figures(folder / "figures"),
+            figures=figures(folder / "figures", shown(dataset, folder)),
             irregularity=sentences(moves),
             chart=Markup(chart(dataset)),
             beds=Markup(json.dumps(beds(moves))),
             open=Markup(section(readme, OPEN)),
             runs=runs(dataset),
-            studies=[(name, text) for name in STUDIES if (text := study(folder, name))],
+            studies=[(name, text) for name in STUDY_FIGURES if (text := study(folder, name))],
             provenance="provenance.html" if (folder / "provenance.html").is_file() else "",
         )
     with atomic(output) as part:
@@ -78,27 +81,30 @@ def cases(dataset: xr.Dataset) -> list[dict]:
 
 
 def densities(dataset: xr.Dataset) -> list[str]:
-    """What ten times the density does, a sentence a shape."""
+    """What a higher density does, in words a pair of cases of one shape."""
     run_mean, found = summarise(dataset)["run_mean"], []
-    shapes = dataset["shape"].values.astype(str)
-    for shape in dict.fromkeys(shapes):
-        names = dataset["case"].values[shapes == shape]
-        for other in names[1:]:
-            value, half = change(run_mean, str(names[0]), str(other))
-            found.append(
-                f"{names[0]} to {other}: {100 * value:+.1f} ± {100 * half:.1f} %".replace(
-                    "-", "\N{MINUS SIGN}"
-                )
-            )
+    for first, *others in densities_of(dataset).values():
+        for other in others:
+            value = percent(*change(run_mean, first, other))
+            found.append(f"{first} to {other}: {value}")
     return found
 
 
-def figures(folder: Path) -> list[dict]:
-    """All figures that are there, in the order of dem.figures, as embedded pictures."""
+def shown(dataset: xr.Dataset, folder: Path) -> set[str]:
+    """Names of the figures of this sweep, and of the studies that were made."""
+    sweep = parse(json.loads(dataset.attrs["configuration"]), "drag.nc")
+    names = {*possible(sweep), *possible(sweep, FLOW)}
+    for name, drawn in STUDY_FIGURES.items():
+        names |= set(drawn) if study(folder, name) else set()
+    return names
+
+
+def figures(folder: Path, names: set[str]) -> list[dict]:
+    """Those of the figures that are there, in the order of dem.figures, as embedded pictures."""
     found = []
     for name, words in captions().items():
         file = folder / f"{name}.png"
-        if file.is_file():
+        if name in names and file.is_file():
             data = base64.b64encode(_smaller(file)).decode()
             found.append({"name": name, "caption": words, "data": data})
     if not found:

@@ -8,14 +8,14 @@ import numpy as np
 from dem.contact_law import effective_modulus
 from dem.scene import Cylinder, Friction, State
 from dem.stability.scenes import free, granules, half_width, material_of, scattered, set_free
-from dem.stability.watching import LOOKS, contact_time, momenta, unlisted, watch
+from dem.stability.watching import LOOKS, contact_time, momenta, unlisted, watch, worse
 
 ROOM = 2.05  # spacing of granules at the start, over the greatest bounding radius
 SMALL = 0.05  # size of small granules over that of large ones
 
 
 def gas(sweep, shape, change) -> dict:
-    """Elastic granules without friction fly about in a box until they have met so many times."""
+    """Granules without friction fly about in a box until they have met so many times."""
     some = granules(sweep, shape, 100, change, spread=0.2)
     side = 10 * ROOM * some.bounding_radius.max()
     scene, state = free(sweep, some, change, side), scattered(some, side, 1.0)
@@ -27,7 +27,7 @@ def gas(sweep, shape, change) -> dict:
         # pairs in contact at a moment, over the duration of a collision, are collisions a second
         pairs = 0.5 * scene.granules * record.coordination_number
         collisions += 10.0 * pairs.sum()
-        residual = max(residual, simulation.ledger().residual)
+        residual = worse(residual, simulation.ledger().residual)
     return {"residual": residual}
 
 
@@ -45,8 +45,8 @@ def cluster(sweep, shape, change) -> dict:
         simulation.advance(20e-6)
         now, spin, sizes = momenta(simulation)
         lost = max(np.abs(now - before).max() / sizes[0], abs(spin - turning) / sizes[1])
-        found["momentum"] = max(found["momentum"], float(lost))
-        found["residual"] = max(found["residual"], simulation.ledger().residual)
+        found["momentum"] = worse(found["momentum"], float(lost))
+        found["residual"] = worse(found["residual"], simulation.ledger().residual)
     return found
 
 
@@ -64,7 +64,7 @@ def sizes(sweep, shape, change) -> dict:
     for _ in range(LOOKS):
         simulation.advance(20e-6)
         missed += unlisted(simulation)
-        residual = max(residual, simulation.ledger().residual)
+        residual = worse(residual, simulation.ledger().residual)
     return {"residual": residual, "missed": missed}
 
 
@@ -151,6 +151,6 @@ def graze(sweep, shape, change) -> dict:
         simulation = set_free(scene, State(place, [[1.0, 0.0], [-1.0, 0.0]]), change)
         before = simulation.ledger().held
         found = watch(simulation, 2.0 * run / LOOKS)
-        worst["residual"] = max(worst["residual"], found["residual"])
+        worst["residual"] = worse(worst["residual"], found["residual"])
         worst["gained"] = max(worst["gained"], simulation.ledger().held / before - 1.0)
     return worst

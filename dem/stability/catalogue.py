@@ -45,11 +45,18 @@ class Changes(Section):
     )
 
 
+class Known(Section):
+    """Why a case exceeds its limits, and the value that it must not exceed even so."""
+
+    why: str
+    limit: Positive
+
+
 class Case(Section):
     """One line of the catalogue: what the experiment measures must not exceed its limits.
 
-    expect: "ran", or the name of the error that must refuse the case. known: why it is known to
-    exceed a limit; it is then listed as such.
+    expect: "ran", or the name of the error that must refuse the case. known: of a case that is known
+    to exceed its limits, and listed as such.
     """
 
     experiment: str
@@ -57,7 +64,7 @@ class Case(Section):
     change: Changes = Changes()
     limits: dict[Literal[tuple(QUANTITIES)], NotNegative] = Field(default_factory=dict)
     expect: Literal[(RAN, *REFUSALS)] = RAN
-    known: str = ""
+    known: Known | None = None
 
     @model_validator(mode="after")
     def _has_a_criterion(self):
@@ -75,6 +82,9 @@ class MapSection(Section):
     stiffness: Annotated[tuple[Positive, ...], Field(min_length=1)]
     displacement: Positive  # m, of the cylinder
     limited: Annotated[Whole, Field(ge=10, le=200)]  # granules of the linearised beds
+    limited_fraction: dict[Label, Positive] = Field(
+        default_factory=dict
+    )  # their packing, if another
 
 
 class Catalogue(Section):
@@ -85,9 +95,8 @@ class Catalogue(Section):
 
     @property
     def shapes(self) -> list[str]:
-        """All shapes that are asked for, a job each."""
-        named = (shape for case in self.cases.values() for shape in case.shapes)
-        return list(dict.fromkeys([*named, *self.map.shapes]))
+        """Shapes of the cases, a job each."""
+        return list(dict.fromkeys(s for case in self.cases.values() for s in case.shapes))
 
 
 def load(path: Path) -> Catalogue:

@@ -18,11 +18,11 @@ NUDGE = 1e-9  # by which granules are moved, over the size of the bed
 SLOW = 1e6  # s: a step over which such a move is so slow that dashpots do not count
 
 
-def small(sweep: Sweep, shape: str, granules: int) -> Replicate:
-    """The first replicate of a shape with fewer granules, in a box that is as much smaller."""
+def small(sweep: Sweep, shape: str, granules: int, change: Changes) -> Replicate:
+    """The first replicate of a shape, changed, with fewer granules in a box as much smaller."""
     share = math.sqrt(granules / sweep.shapes[shape].granules)
     if share >= 1.0:
-        return changed(sweep, shape, Changes())
+        return changed(sweep, shape, change)
     lengths = "diameter", "stroke"
     shorter = {name: share * getattr(sweep.cylinder, name) for name in lengths}
     section = sweep.shapes[shape].model_copy(update={"granules": granules})
@@ -32,7 +32,7 @@ def small(sweep: Sweep, shape: str, granules: int) -> Replicate:
         "cylinder": sweep.cylinder.model_copy(update=shorter), "accuracy": None,
         "record": sweep.record.model_copy(update={"window": window}),
     }  # fmt: skip
-    return changed(sweep.model_copy(update=update), shape, Changes())
+    return changed(sweep.model_copy(update=update), shape, change)
 
 
 class Nudged:
@@ -45,6 +45,7 @@ class Nudged:
         self.unit = NUDGE * world.bodies[:, :2].max()
         barriers = [b.contacts for b in (world.walls, world.roller) if b is not None]
         self._lists = [world.pairs, *barriers]
+        self._lists = [contacts for contacts in self._lists if contacts.spring is not None]
         self._memory = [(c.spring.copy(), c.root.copy()) for c in self._lists]
         self._place, self._angle = world.bodies.copy(), world.angle.copy()
 

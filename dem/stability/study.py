@@ -1,7 +1,9 @@
 """Run the catalogue, the map and the paper's cases: variables by the names of layout.py."""
 
 import math
+from collections.abc import Callable
 from contextlib import suppress
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,11 +14,35 @@ from dem.stability.catalogue import QUANTITIES, RAN, Case, Catalogue, Changes, M
 from dem.stability.scenes import changed, start
 from dem.stability.watching import LOOKS, watch
 
+# what an experiment may change of the sweep, and what it must be told
+FREE = {"stiffness", "density", "restitution", "aspect_ratio", "step"}
+BED = FREE | {"velocity", "fraction", "friction"}
+
+
+class Experiment(NamedTuple):
+    """A function of beds.py or bodies.py, the changes that it takes, and those that it needs."""
+
+    work: Callable
+    takes: set[str]
+    needs: set[str] = frozenset()
+
+
 EXPERIMENTS = {
-    work.__name__: work for work in (
-        beds.draw, beds.rest, beds.accelerate, beds.follow, beds.restart, beds.round_off,
-        bodies.gas, bodies.cluster, bodies.sizes, bodies.overlapped, bodies.concentric,
-        bodies.impact, bodies.pinch, bodies.graze,
+    each.work.__name__: each for each in (
+        Experiment(beds.draw, BED | {"displacement"}),
+        Experiment(beds.rest, BED | {"steps"}),
+        Experiment(beds.accelerate, BED | {"displacement"}),
+        Experiment(beds.follow, {"stiffness", "density"}),
+        Experiment(beds.restart, BED | {"displacement"}),
+        Experiment(beds.round_off, BED | {"steps"}, {"aspect_ratio"}),
+        Experiment(bodies.gas, FREE | {"collisions"}),
+        Experiment(bodies.cluster, FREE),
+        Experiment(bodies.sizes, FREE),
+        Experiment(bodies.overlapped, FREE | {"overlap"}, {"overlap"}),
+        Experiment(bodies.concentric, FREE),
+        Experiment(bodies.impact, FREE | {"overlap"}, {"overlap"}),
+        Experiment(bodies.pinch, FREE | {"overlap"}, {"overlap"}),
+        Experiment(bodies.graze, FREE),
     )
 }  # fmt: skip
 GROWN = 1.0 + 1e-6  # growth of a small motion in a step that counts as such
@@ -24,27 +50,33 @@ PAPER_BINS = 60
 
 
 def check(sweep: Sweep, catalogue: Catalogue) -> None:
-    """Raise InputError where a case names an experiment or a shape that is not there."""
+    """Raise InputError where a case names an experiment, a change or a shape that is not there."""
     for name, case in catalogue.cases.items():
         if case.experiment not in EXPERIMENTS:
             raise InputError(
-                f"cases.{name}.experiment is {case.experiment!r}; there are "
-                + ", ".join(EXPERIMENTS)
-                + "."
+                f"cases.{name}.experiment is {case.experiment!r}; there are {', '.join(EXPERIMENTS)}."
             )
-    unknown = [shape for shape in catalogue.shapes if shape not in sweep.shapes]
+        experiment, told = EXPERIMENTS[case.experiment], case.change.model_fields_set
+        for word, wrong in (
+            ("takes no", told - experiment.takes),
+            ("needs", experiment.needs - told),
+        ):
+            if wrong:
+                raise InputError(
+                    f"cases.{name}.change: the experiment {case.experiment} {word} {min(wrong)}."
+                )
+    unknown = {*catalogue.shapes, *catalogue.map.shapes} - set(sweep.shapes)
     if unknown:
         raise InputError(
-            f"the catalogue has the shape {unknown[0]!r}, which is not one of shapes: "
-            + ", ".join(sweep.shapes)
-            + "."
+            f"the catalogue has the shape {min(unknown)!r}, which is not one of shapes: "
+            f"{', '.join(sweep.shapes)}."
         )
 
 
 def perform(sweep: Sweep, shape: str, case: Case) -> tuple[dict, str, str]:
     """What was measured, outcome (RAN or the name of the error) and what the error said."""
     try:
-        return EXPERIMENTS[case.experiment](sweep, shape, case.change), RAN, ""
+        return EXPERIMENTS[case.experiment].work(sweep, shape, case.change), RAN, ""
     except (InputError, RunError) as error:
         return {}, type(error).__name__, str(error)
 
@@ -56,6 +88,8 @@ def verdicts(sweep: Sweep, shape: str, name: str, case: Case) -> list[tuple]:
     for quantity, limit in (case.limits or {"refusal": math.nan}).items():
         value = float(found.get(quantity, math.nan))
         passed = outcome == case.expect and (outcome != RAN or value <= limit)
+        listed = case.known and outcome == case.expect and value <= case.known.limit
+        known = case.known.why if listed else ""
         words = QUANTITIES.get(quantity, f"refused with {case.expect}")
         rows.append(
             (
@@ -67,7 +101,7 @@ def verdicts(sweep: Sweep, shape: str, name: str, case: Case) -> list[tuple]:
                 case.expect,
                 outcome,
                 message,
-                case.known,
+                known,
                 int(passed),
             )
         )
@@ -109,12 +143,13 @@ def run_map(sweep: Sweep, wanted: MapSection, shape: str, progress=lambda done: 
         "map_restitution": np.array(wanted.restitutions),
         "map_fraction": np.array(wanted.fractions),
         "map_residual": residual[None],
-    } | bounds(sweep, shape, wanted.limited)  # fmt: skip
+    } | bounds(sweep, shape, wanted)  # fmt: skip
 
 
-def bounds(sweep: Sweep, shape: str, granules: int) -> dict:
+def bounds(sweep: Sweep, shape: str, wanted: MapSection) -> dict:
     """The bound of the critical step beside the true limit, of a small bed, linearised."""
-    simulation = start(linear.small(sweep, shape, granules), still=True)
+    change = Changes(fraction=wanted.limited_fraction.get(shape))
+    simulation = start(linear.small(sweep, shape, wanted.limited, change), still=True)
     bound = simulation.look().critical_time_step
     matrices = linear.matrices(simulation)
     limit = linear.limit(*matrices, bound, GROWN)

@@ -6,6 +6,7 @@ import numpy as np
 
 from dem.columns import X, Y
 from dem.contact_law import effective_modulus
+from dem.kernel import forces
 from dem.lanes import NX, NY, PUSH_X, PUSH_Y
 from dem.simulation import Simulation
 
@@ -18,8 +19,8 @@ def watch(simulation: Simulation, interval: float, between=lambda look: None) ->
     for look in range(LOOKS):
         between(look)
         record = simulation.record(interval, 1)
-        residual = max(residual, simulation.ledger().residual)
-        excess = max(excess, friction_excess(simulation))
+        residual = worse(residual, simulation.ledger().residual)
+        excess = worse(excess, friction_excess(simulation))
         forces.append((record.normal_force + record.tangential_force)[0])
     late = np.array(forces[LOOKS // 2 :])
     size = np.linalg.norm(late, axis=1).max()
@@ -29,16 +30,31 @@ def watch(simulation: Simulation, interval: float, between=lambda look: None) ->
     }  # fmt: skip
 
 
-def friction_excess(simulation: Simulation) -> float:
-    """By how much |T| exceeds mu N at the cylinder, over the force, at the last step.
+def worse(one: float, other: float) -> float:
+    """The greater of two numbers, NaN if either is."""
+    return float(np.maximum(one, other))
 
-    The cylinder's contacts are the last of a step, and less than a block: the lanes still hold them.
+
+def friction_excess(simulation: Simulation) -> float:
+    """By how much |T| exceeds mu N at the cylinder, over the force, for the bed as it is.
+
+    The forces are taken anew, and the simulation left as it was: the cylinder's contacts, which are
+    the last and less than a block, then stand in the lanes.
     """
     roller = simulation.world.roller
     if roller is None or roller.tangent is None:
         return 0.0
+    saved = simulation.checkpoint()
+    forces(simulation.world, 0.0)
+    found = _excess(simulation.world)
+    simulation.restore(saved)
+    return found
+
+
+def _excess(world) -> float:
+    roller = world.roller
     count = len(roller.contacts.part)
-    values = simulation.world.lanes.values
+    values = world.lanes.values
     nx, ny, fx, fy = (values[int(at) : int(at) + count] for at in (NX, NY, PUSH_X, PUSH_Y))
     normal, tangential = np.abs(fx * nx + fy * ny), np.abs(fy * nx - fx * ny)
     size = np.hypot(fx, fy)

@@ -65,7 +65,9 @@ function draw() {
   pen.strokeStyle = "black";
   pen.strokeRect(0, 0, BEDS.width, bed.height);
   document.getElementById("where").textContent = `${shown} after ${moved[snapshot].toFixed(2)} mm`;
+  document.getElementById("bed").setAttribute("aria-label", `The bed of ${shown} after ${moved[snapshot].toFixed(2)} mm, granules in layers`);
   slider.value = snapshot;
+  slider.setAttribute("aria-valuetext", `${moved[snapshot].toFixed(2)} mm`);
 }
 
 function nearest(displacement) {
@@ -100,6 +102,10 @@ function choose() {
   const seeds = chosen("choice-seed");
   const visible = chart.data.map((run) => cases.has(run.meta[0]) && seeds.has(String(run.meta[1])));
   Plotly.restyle(chart, { visible });
+  if (!cases.has(shown)) {
+    const other = [...cases].find((name) => name in BEDS.cases);
+    if (other) { shown = other; draw(); }
+  }
 }
 
 const unique = (place) => [...new Set(chart.data.map((run) => String(run.meta[place])))];
