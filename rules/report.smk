@@ -2,7 +2,10 @@
 
     snakemake -j2 report
 
-Studies are shown as they lie there, if they do: a report does not run them again.
+Studies are shown as they lie there, if they do: a report does not run them again. So is Snakemake's own
+report, provenance.html:
+
+    snakemake -j1 --report {RESULTS}/provenance.html
 
 REQUIRED INPUTS
     {RESULTS}/drag.nc, {RESULTS}/flow.nc, all figures
@@ -13,7 +16,7 @@ OUTPUTS
 from dem.figures import STUDY_FIGURES
 
 def studies_there():
-    """Digest of the tables and figures of studies that lie among the results."""
+    """Digest of what lies among the results beside those of the sweep."""
     from hashlib import sha256
 
     digest = sha256()
@@ -21,6 +24,7 @@ def studies_there():
         files = [Path(f"{RESULTS}/{name}.txt"), *(Path(f"{RESULTS}/figures/{f}.png") for f in STUDY_FIGURES[name])]
         for file in filter(Path.is_file, files):
             digest.update(file.read_bytes())
+    digest.update(bytes([Path(f"{RESULTS}/provenance.html").is_file()]))
     return digest.hexdigest()
 
 

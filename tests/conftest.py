@@ -1,5 +1,7 @@
 """The small beds that several tests share, and how hypothesis searches."""
 
+import re
+import shutil
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
@@ -66,6 +68,37 @@ def make_small_bed(kind, seed=1, fraction=0.84, aspect_ratio=None):
     axis = 0.5 * sweep.box_width, sweep.cylinder.start * height
     cylinder = dem.Cylinder(sweep.cylinder.diameter, axis, (0.0, sweep.cylinder.velocity))
     return Small(diameters, shape, cylinder, dem.pack(shape, 8e-3, height, cylinder, seed))
+
+
+@pytest.fixture(scope="session")
+def browser():
+    """A headless Chromium, where there is one."""
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser")
+    driver = shutil.which("chromedriver")
+    if not (chromium and driver):
+        pytest.skip("there is no chromium with its driver")
+    from selenium import webdriver
+    from selenium.webdriver.chrome.service import Service
+
+    options = webdriver.ChromeOptions()
+    options.binary_location = chromium
+    for flag in ("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-sync",
+                 "--disable-background-networking", "--disable-component-update"):  # fmt: skip
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    opened = webdriver.Chrome(options, Service(driver))
+    yield opened
+    opened.quit()
+
+
+def assert_alone(browser):
+    """The page that is open has asked for nothing but itself, and no script has failed."""
+    asked = [
+        line["message"] for line in browser.get_log("performance")
+        if "Network.requestWillBeSent" in line["message"]
+    ]  # fmt: skip
+    assert asked and all(re.search(r'"url":"(file|data|blob):', one) for one in asked), asked
+    assert not [line for line in browser.get_log("browser") if line["level"] == "SEVERE"]
 
 
 @pytest.fixture(scope="session")

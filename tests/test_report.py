@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import assert_alone
 
 from dem import drag
 from dem.combine import combine, write_combined
@@ -16,8 +17,6 @@ from dem.flow.collect import collect, write_flow
 from dem.report.build import build, section
 
 ROOT = Path(__file__).parent.parent
-BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")
-DRIVER = shutil.which("chromedriver")
 
 
 @pytest.fixture(scope="module")
@@ -85,23 +84,6 @@ def test_a_readme_without_the_section_is_refused(page, tmp_path):
     assert not (tmp_path / "r.html").exists()
 
 
-@pytest.fixture(scope="module")
-def browser():
-    from selenium import webdriver
-    from selenium.webdriver.chrome.service import Service
-
-    options = webdriver.ChromeOptions()
-    options.binary_location = BROWSER
-    for flag in ("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-sync",
-                 "--disable-background-networking", "--disable-component-update"):  # fmt: skip
-        options.add_argument(flag)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    driver = webdriver.Chrome(options, Service(DRIVER))
-    yield driver
-    driver.quit()
-
-
-@pytest.mark.skipif(not (BROWSER and DRIVER), reason="there is no chromium with its driver")
 @pytest.mark.parametrize("width", [1280, 400])
 def test_in_a_browser(page, browser, width):
     """No request leaves, no script fails, nothing is cut; boxes and pointer do what they say."""
@@ -110,12 +92,7 @@ def test_in_a_browser(page, browser, width):
         {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False},
     )
     browser.get(page.as_uri())
-    asked = [
-        line["message"] for line in browser.get_log("performance")
-        if "Network.requestWillBeSent" in line["message"]
-    ]  # fmt: skip
-    assert asked and all('"url":"file:' in one or '"url":"data:' in one for one in asked)
-    assert not [line for line in browser.get_log("browser") if line["level"] == "SEVERE"]
+    assert_alone(browser)
     inside = "return document.documentElement.scrollWidth"
     assert browser.execute_script(inside) <= width
     shown = "return chart.data.filter((run) => run.visible).length"

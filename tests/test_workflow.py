@@ -12,6 +12,7 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 import pytest
+from conftest import assert_alone
 
 ROOT = Path(__file__).parent.parent
 SMOKE = "config/smoke.yaml"
@@ -24,7 +25,8 @@ def copy(tmp_path_factory):
     folder = tmp_path_factory.mktemp("clone")
     for name in ("dem", "rules", "config", "profiles"):
         shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
-    shutil.copy(ROOT / "Snakefile", folder)
+    for name in ("Snakefile", "README.md"):
+        shutil.copy(ROOT / name, folder)
     return folder
 
 
@@ -63,13 +65,35 @@ def contents(path):
 
 
 def test_everything_is_there(finished):
-    """One command leaves drag.nc, a file a replicate and the four figures."""
+    """One command leaves drag.nc, flow.nc, a file a replicate and the figures."""
     results = finished / "results/smoke"
     assert len(list((results / "replicates").rglob("seed*.nc"))) == 5 * 2
-    for figure in ("figure07", "figure08", "figure13", "figure14"):
+    assert (results / "flow.nc").is_file()
+    for figure in (
+        "figure07",
+        "figure08",
+        "figure09",
+        "figure12",
+        "figure13",
+        "figure14",
+        "irregularity",
+    ):
         for kind in ("svg", "png"):
             assert (results / f"figures/{figure}.{kind}").stat().st_size > 5000
     assert not list(results.rglob("*.part"))
+
+
+def test_reports_open_without_a_network(finished, browser):
+    """The page of results and Snakemake's own report, which it links, ask for no other file."""
+    results = finished / "results/smoke"
+    for arguments in (("-j1", "--report", str(results / "provenance.html")), ("-j2", "report")):
+        run = snakemake(finished, *arguments)
+        assert run.returncode == 0, run.stdout + run.stderr
+    for name in ("provenance.html", "report.html"):
+        browser.get((results / name).as_uri())
+        assert_alone(browser)
+    assert 'href="provenance.html"' in (results / "report.html").read_text()
+    assert planned(finished, "report") == {}
 
 
 def test_a_second_run_does_nothing(finished):

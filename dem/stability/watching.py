@@ -46,12 +46,13 @@ def friction_excess(simulation: Simulation) -> float:
         return 0.0
     saved = simulation.checkpoint()
     forces(simulation.world, 0.0)
-    found = _excess(simulation.world)
+    found = excess(simulation.world)
     simulation.restore(saved)
     return found
 
 
-def _excess(world) -> float:
+def excess(world) -> float:
+    """The same from the lanes as the last forces have left them."""
     roller = world.roller
     count = len(roller.contacts.part)
     values = world.lanes.values
