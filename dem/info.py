@@ -40,6 +40,12 @@ def summary(path: Path) -> Group:
 
             require(dataset, path, ("contact_method", "integrator", "replicate_drag"))
             return report.summary(dataset.load())
+        if "non_affine" in dataset:
+            from dem.flow import verdict
+
+            require(dataset, path, ("case", "seed", "displacement"), ("window_start", "title"))
+            lines = [dataset.attrs["title"], verdict.verdict(dataset), *verdict.sentences(dataset)]
+            return Group(*map(Text, lines))
         if "check_value" in dataset:
             from dem.stability import report
 

@@ -20,6 +20,7 @@ from dem.flow.export import export
 from dem.flow.film import encoder, film, picture
 from dem.flow.motion import read_motion
 from dem.flow.verdict import compared
+from dem.info import summary
 
 KINDS = ["disc", "dumbbell", "ellipse"]
 
@@ -126,6 +127,9 @@ def test_flow_nc(runs, tmp_path):
         assert ((lost >= 0.0) & (lost <= 1.0)).all() and lost.max() > 0.0
         motion = read_motion(files[0])
         np.testing.assert_array_equal(flow["bed_x"].sel(case="c1"), motion.position[..., 0])
+    assert "Irregularity" in str(
+        summary(tmp_path / "flow.nc").renderables[1]
+    )  # one run: no verdict
     with pytest.raises(dem.InputError, match="none of the files"):
         collect(files[:1], sweep)
     with pytest.raises(dem.InputError, match="twice"):
