@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 import yaml
 
 import dem
@@ -14,6 +15,7 @@ from dem.info import summary
 from dem.kernel import forces
 from dem.stability import catalogue, study
 from dem.stability.layout import STUDY
+from dem.stability.report import edges
 from dem.stability.watching import excess, friction_excess, momenta, unlisted
 
 CONFIG = Path(__file__).parent.parent / "config"
@@ -186,3 +188,18 @@ def test_the_released_catalogue_fits_the_released_configurations():
     cases = catalogue.load(CONFIG / "stability.yaml")
     study.check(load(CONFIG / "paper.yaml"), cases)
     assert {case.experiment for case in cases.cases.values()} == set(study.EXPERIMENTS)
+
+
+def test_the_map_is_read_aright():
+    """Where energy is off and where runs break, failed ones included, beside the default."""
+    dims = "map_shape", "map_stiffness", "map_restitution", "map_fraction"
+    residual = np.array([[1e-4, 0.02, 0.05, np.nan], [1e-4, 1e-3, 0.05, 0.06]])
+    dataset = xr.Dataset(
+        {"map_residual": (dims, residual[None, None])},
+        {"map_fraction": [0.5, 1.0, 1.5, 2.0]},
+        {"default_fraction": 0.5},
+    )
+    assert edges(dataset) == (
+        "Runs break down from 2 of the bound, 4.0 times the default; energy is off by 1% from 1"
+    )
+    assert edges(dataset.isel(map_fraction=[0])) == "Energy adds up at all of these steps"

@@ -1,12 +1,14 @@
 """Where the energy ledger stops adding up: time step by restitution, by stiffness and shape."""
 
+from textwrap import fill
+
 import numpy as np
 import xarray as xr
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from dem.figures import style
-from dem.stability.report import BROKEN, edge
+from dem.stability.report import BROKEN, OFF, edges
 
 RANGE = (1e-7, 1.0)
 
@@ -27,20 +29,13 @@ def plot(dataset: xr.Dataset) -> Figure:
     for axes in grid[:, 0]:
         axes.set_ylabel("Restitution")
     bar = figure.colorbar(image, ax=grid, label="Worst residual of the energy ledger", shrink=0.8)
-    bar.ax.axhline(BROKEN, color="white", linewidth=1.5)
-    figure.suptitle(sentence(dataset))
-    return figure
-
-
-def sentence(dataset: xr.Dataset) -> str:
-    """The reading of the figure."""
-    first, default = edge(dataset), float(dataset.attrs["default_fraction"])
-    if not np.isfinite(first):
-        return "Energy adds up at all of these steps"
-    return (
-        f"Energy first fails to add up at {first:g} of the bound (crosses), "
-        f"{first / default:.1f} times\nthe default step (solid line; dotted: the bound itself)"
+    bar.ax.axhline(OFF, color="white", linewidth=1.5)
+    figure.suptitle(
+        fill(edges(dataset), 66)
+        + "\n(cross: broken; dot: energy off; solid line: default; dotted: bound)",
+        fontsize=11.5,
     )
+    return figure
 
 
 def _panel(axes, here, default):
@@ -49,8 +44,9 @@ def _panel(axes, here, default):
     values = here["map_residual"].transpose("map_restitution", "map_fraction").values
     shown = np.where(np.isfinite(values), np.clip(values, *RANGE), RANGE[1])
     image = axes.imshow(shown, norm=LogNorm(*RANGE), cmap="cividis_r", aspect="auto")
-    for row, column in np.argwhere(~(values <= BROKEN)):
-        axes.plot(column, row, "x", color="white", markersize=5, markeredgewidth=1.3)
+    for row, column in np.argwhere(~(values <= OFF)):
+        mark = "." if values[row, column] <= BROKEN else "x"
+        axes.plot(column, row, mark, color="white", markersize=5, markeredgewidth=1.3)
     places = np.arange(len(fractions))
     for at, line in ((default, "-"), (1.0, ":")):
         axes.axvline(np.interp(at, fractions, places), color="black", linestyle=line, linewidth=1.6)

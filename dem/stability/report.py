@@ -8,7 +8,7 @@ from rich.text import Text
 
 from dem.tables import numbers
 
-BROKEN = 1e-2  # residual beyond which a run is worth nothing
+OFF, BROKEN = 1e-2, 1e-1  # residual beyond which energy is off, and a run is worth nothing
 
 
 def summary(dataset: xr.Dataset) -> Group:
@@ -16,13 +16,11 @@ def summary(dataset: xr.Dataset) -> Group:
     passed, total = int(dataset["check_passed"].sum()), dataset.sizes["check"]
     worst = dataset["paper_residual"].max("paper_displacement")
     each = zip(dataset["paper_case"].values, worst.values, strict=True)
-    first, default = edge(dataset), dataset.attrs["default_fraction"]
     lines = [
         f"{passed} of {total} checks passed" + _known(dataset) + ".",
         "Worst residual of the energy ledger over the stroke, first seed, default step: "
         + ", ".join(f"{case} {float(value):.1e}" for case, value in each) + ".",
-        f"Map: the least step at which a run breaks is {first:g} of the bound; the default is "
-        f"{default:g}.",
+        f"Map: {edges(dataset)}.",
     ]  # fmt: skip
     title = Text(dataset.attrs["title"], style="bold")
     versions = Text(dataset.attrs.get("versions", ""))
@@ -42,13 +40,26 @@ def _known(dataset: xr.Dataset) -> str:
     return f", {len(known)} exceed a limit as is known ({why})"
 
 
-def edge(dataset: xr.Dataset) -> float:
-    """The least step of the map over the bound at which any run broke, or infinity."""
-    sound = (dataset["map_residual"] <= BROKEN).all(
-        ("map_shape", "map_stiffness", "map_restitution")
+def edge(dataset: xr.Dataset, level: float) -> float:
+    """The least step of the map over the bound at which a residual exceeds a level, or infinity."""
+    others = "map_shape", "map_stiffness", "map_restitution"
+    sound = (dataset["map_residual"] <= level).all(others)
+    return float(sound["map_fraction"].where(~sound).min().fillna(np.inf))
+
+
+def edges(dataset: xr.Dataset) -> str:
+    """Where runs break down and where energy is off, beside the default."""
+    broken, off = edge(dataset, BROKEN), edge(dataset, OFF)
+    default = float(dataset.attrs["default_fraction"])
+    if not np.isfinite(off):
+        return "Energy adds up at all of these steps"
+    words = f"Energy is off by {OFF:.0%} from {off:g} of the bound, {off / default:.1f} times the default step"
+    if not np.isfinite(broken):
+        return words
+    return (
+        f"Runs break down from {broken:g} of the bound, {broken / default:.1f} times the default; "
+        + (f"energy is off by {OFF:.0%} from {off:g}")
     )
-    return min((float(f) for f, ok in zip(sound["map_fraction"], sound, strict=True) if not ok),
-               default=np.inf)  # fmt: skip
 
 
 def catalogue(dataset: xr.Dataset) -> Table:
