@@ -28,7 +28,7 @@ MUTANTS = (
     Mutant("sign of damping turned", "dem/contact_law.py", "elastic + damping", "elastic - damping",
            "tests/test_collision.py"),
     Mutant("memory not carried to a new list", "dem/listing.py",
-           "new[p] = old[source[p]]", "new[p] = 0.0", "tests/test_force_reference.py"),
+           "new[p] = old[source[p]]", "new[p] = 0.0", "tests/test_neighbors.py"),
     Mutant("list never made anew", "dem/march.py",
            "world = relist(world, parts)", "world = world", "tests/test_simulate.py"),
     Mutant("torque of walls and cylinder reversed", "dem/blocks.py",
