@@ -128,7 +128,7 @@ def info(
 
         from dem.info import summary
 
-        console = Console(width=None if sys.stdout.isatty() else 120)
+        console = Console(width=None if sys.stdout.isatty() else 140)
         console.print(summary(data))
 
 

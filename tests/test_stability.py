@@ -200,6 +200,6 @@ def test_the_map_is_read_aright():
         {"default_fraction": 0.5},
     )
     assert edges(dataset) == (
-        "Runs break down from 2 of the bound, 4.0 times the default; energy is off by 1% from 1"
+        "Runs break down or are stopped from 2 of the bound, 4.0 times the default; energy is off by 1% from 1"
     )
     assert edges(dataset.isel(map_fraction=[0])) == "Energy adds up at all of these steps"

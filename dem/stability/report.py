@@ -57,7 +57,7 @@ def edges(dataset: xr.Dataset) -> str:
     if not np.isfinite(broken):
         return words
     return (
-        f"Runs break down from {broken:g} of the bound, {broken / default:.1f} times the default; "
+        f"Runs break down or are stopped from {broken:g} of the bound, {broken / default:.1f} times the default; "
         + (f"energy is off by {OFF:.0%} from {off:g}")
     )
 
