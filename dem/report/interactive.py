@@ -23,7 +23,11 @@ def chart(dataset: xr.Dataset) -> str:
     figure, x = go.Figure(), 1e3 * dataset["displacement"].values
     smooth = running_mean(dataset["drag"], edges_of_bins(dataset), LENGTH)
     for number, case in enumerate(dataset["case"].values):
-        look = {"color": COLORS[number % 7], "dash": DASHES[number % 7], "width": 1.6}
+        look = {
+            "color": COLORS[number % 7],
+            "dash": DASHES[(number + number // 7) % 7],
+            "width": 1.6,
+        }
         for seed in dataset["seed"].values:
             y = smooth.sel(case=case, seed=seed).values
             figure.add_scatter(
