@@ -14,59 +14,35 @@ ShapeOption = Annotated[str, typer.Option("--shape", help="Shape label.")]
 CATALOGUE = Path("config/stability.yaml")
 
 
-def _run(config, file, output, label, work):
-    """Do a part with a progress bar and write its file."""
-    with reported():
-        start_lean()
-        from dem.config import load
-        from dem.stability import study
-        from dem.stability.catalogue import load as load_catalogue
-        from dem.stability.layout import STUDY
+def _verb(part: str, about: str, work) -> None:
+    """Add the verb of a part; work(study, sweep, catalogue, shape, update) does it."""
 
-        sweep, catalogue = load(config), load_catalogue(file)
-        study.check(sweep, catalogue)
-        with bar(label, 1.0) as update:
-            values = work(study, sweep, catalogue, update)
-        STUDY.write_part(output, sweep, values)
+    def run(
+        output: OutputOption, shape: ShapeOption, config: ConfigOption = PAPER,
+        file: CatalogueOption = CATALOGUE,
+    ):  # fmt: skip
+        with reported():
+            start_lean()
+            from dem.config import load
+            from dem.stability import study
+            from dem.stability.catalogue import load as load_catalogue
+            from dem.stability.layout import STUDY
 
+            sweep, catalogue = load(config), load_catalogue(file)
+            study.check(sweep, catalogue)
+            with bar(f"{part}, {shape}", 1.0) as update:
+                values = work(study, sweep, catalogue, shape, update)
+            STUDY.write_part(output, sweep, values)
 
-@app.command()
-def catalogue(
-    output: OutputOption, shape: ShapeOption, config: ConfigOption = PAPER,
-    file: CatalogueOption = CATALOGUE,
-):  # fmt: skip
-    """All cases of one shape, each against its limits."""
-
-    def work(study, sweep, cases, update):
-        return study.run_catalogue(sweep, cases, shape, update)
-
-    _run(config, file, output, f"catalogue, {shape}", work)
+    app.command(part, help=about)(run)
 
 
-@app.command()
-def map(
-    output: OutputOption, shape: ShapeOption, config: ConfigOption = PAPER,
-    file: CatalogueOption = CATALOGUE,
-):  # fmt: skip
-    """Time step, stiffness and restitution of one shape: where does energy stop adding up?"""
-
-    def work(study, sweep, cases, update):
-        return study.run_map(sweep, cases.map, shape, update)
-
-    _run(config, file, output, f"map, {shape}", work)
-
-
-@app.command()
-def paper(
-    output: OutputOption, shape: ShapeOption, config: ConfigOption = PAPER,
-    file: CatalogueOption = CATALOGUE,
-):  # fmt: skip
-    """The sweep's cases of one shape over the whole stroke, with an energy ledger."""
-
-    def work(study, sweep, cases, update):
-        return study.run_paper(sweep, shape, update)
-
-    _run(config, file, output, f"paper, {shape}", work)
+_verb("catalogue", "All cases of one shape, each against its limits.",
+      lambda study, sweep, cases, shape, update: study.run_catalogue(sweep, cases, shape, update))  # fmt: skip
+_verb("map", "Time step, stiffness and restitution of one shape: where does energy stop adding up?",
+      lambda study, sweep, cases, shape, update: study.run_map(sweep, cases.map, shape, update))  # fmt: skip
+_verb("paper", "The sweep's cases of one shape over the whole stroke, with an energy ledger.",
+      lambda study, sweep, cases, shape, update: study.run_paper(sweep, shape, update))  # fmt: skip
 
 
 @app.command()
