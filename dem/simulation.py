@@ -13,7 +13,7 @@ import numpy as np
 
 from dem.assembly import assemble, constants
 from dem.checkpoint import fingerprint, moving, replaced
-from dem.columns import VX, VY, W, X, Y
+from dem.columns import VX, VY, W
 from dem.crew import Crew
 from dem.energy import Bookkeeper, Ledger
 from dem.errors import InputError, OverlapError, StateError
@@ -22,7 +22,8 @@ from dem.listing import relist
 from dem.march import LOST, OUTSIDE, TOO_DEEP, Rules, march, outside
 from dem.ordering import order_of, ordered
 from dem.scene import Scene, State
-from dem.survey import Glance, look, pair_hits, roller_hits, wall_hits
+from dem.survey import Glance, look
+from dem.touching import Touching, touching
 
 SKIN = 0.12  # of the mean bounding radius; timings are flat from 0.1 to 0.2
 MARGIN = 0.75  # share of skin / 2 that a part may move before the lists are made anew
@@ -67,22 +68,6 @@ class Result(NamedTuple):
     wall_force: np.ndarray
     state: State
     time_step: float
-
-
-class Touching(NamedTuple):
-    """Contacts of a bed, m in all, seen from a granule.
-
-    granule, partner (m,): a granule's number, and that of the other, -1 for the cylinder, -2 for
-    the first wall, -3 for the second, and so on. point (m, 2): place of the contact (m); normal
-    (m, 2): away from the granule; overlap (m,) in m; force (m,): elastic normal force (N).
-    """
-
-    granule: np.ndarray
-    partner: np.ndarray
-    point: np.ndarray
-    normal: np.ndarray
-    overlap: np.ndarray
-    force: np.ndarray
 
 
 class Simulation:
@@ -185,26 +170,8 @@ class Simulation:
 
     def contacts(self) -> Touching:
         """All contacts of the bed as it is."""
-        world, per = self.world, self._parts.per
-        shape, parts, frame = world.shape, world.parts, world.frame
-        some = [(world.pairs, pair_hits(shape, parts, frame, world.pairs), "pair")]
-        if world.roller is not None:
-            some.append((world.roller.contacts, roller_hits(shape, parts, frame, world.roller), -1))
-        if world.walls is not None:
-            some.append((world.walls.contacts, wall_hits(shape, parts, frame, world.walls), -2))
-        found = []
-        names = np.arange(self.scene.granules) if self._order is None else self._order
-        for listed, hits, kind in some:
-            other = listed.other.astype(np.int64)
-            partner = names[other // per] if kind == "pair" else kind - other
-            overlap, nx, ny, along, across, stiffness = hits.T
-            x = parts[listed.part, X] + along * nx - across * ny
-            y = parts[listed.part, Y] + along * ny + across * nx
-            point, normal = np.column_stack([x, y]), np.column_stack([nx, ny])
-            force = stiffness * np.maximum(overlap, 0.0) ** 1.5
-            rows = names[listed.part // per], partner, point, normal, overlap, force
-            found.append([column[overlap > 0.0] for column in rows])
-        return Touching(*map(np.concatenate, zip(*found, strict=True)))
+        unordered = np.arange(self.scene.granules)
+        return touching(self.world, unordered if self._order is None else self._order)
 
     def ledger(self) -> Ledger:
         """What the bed holds, was given and lost so far; only of a simulation with ledger=True."""

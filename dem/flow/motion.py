@@ -14,7 +14,8 @@ from dem.errors import InputError
 from dem.packing import Bed
 from dem.scene import State
 from dem.shapes import SHAPES
-from dem.simulation import Simulation, Touching
+from dem.simulation import Simulation
+from dem.touching import Touching
 
 READ = (
     "snapshot_displacement", "cylinder_y", "granule_x", "granule_y", "granule_angle",
