@@ -4,9 +4,11 @@ import math
 
 import numpy as np
 import pytest
+from conftest import make_small_bed
 from numpy.testing import assert_allclose, assert_array_equal
 
 import dem
+from dem.shapes import CommonNormal, GeometricPotential
 from dem.stability import linear
 
 NAN = float("nan")
@@ -159,6 +161,16 @@ def test_too_large_a_time_step_is_an_error_with_a_name(small_bed, kind, factor):
     step = factor * run.look().critical_time_step
     with pytest.raises(dem.RunError, match="step"):
         dem.simulate(small.scene(), small.state, 300 * step, time_step=step)
+
+
+def test_critical_time_step_does_not_depend_on_how_contacts_are_found():
+    """Pairs that are apart stiffen nothing: chord and common normal allow steps alike."""
+    bed = make_small_bed("ellipse")
+    steps = []
+    for method in (CommonNormal(), GeometricPotential()):
+        scene = bed._replace(shape=bed.shape._replace(method=method)).scene()
+        steps.append(dem.Simulation(scene, bed.state).look().critical_time_step)
+    assert_allclose(steps[1], steps[0], rtol=0.3)
 
 
 @pytest.mark.parametrize(("kind", "fraction"), KINDS)

@@ -66,7 +66,13 @@ def deepest(dx, dy, own, other, tolerance):
 
 def chord(method, dx, dy, own, other, guess):
     reach = own[2] + other[2]
-    apart = SEPARATED, 1.0, 0.0, reach, reach, reach, reach, reach, reach
+    # whoever asks how stiff a pair would be that is apart gets the greatest arms it could have; those
+    # along the normal lead to the middle of the gap, as of all contacts
+    half = 0.5 * SEPARATED
+    apart = (
+        SEPARATED, 1.0, 0.0, own[2] - half, own[2] - own[3], other[2] - half, other[2] - other[3],
+        reach, reach,
+    )  # fmt: skip
     if dx * dx + dy * dy >= reach * reach:
         return apart, None
     g1, x1, y1, rho1 = deepest(dx, dy, own, other, method.tolerance)
