@@ -70,6 +70,7 @@ def tangent(scene: Scene, kind: str) -> Tangent | None:
         return None
     materials = partners(scene, boundary=kind != "granule")
     ratio = effective_shear_modulus(*materials) / effective_modulus(*materials)
+    ratio *= scene.friction.stiffness
     return Tangent(float(coefficient), 6.0 * ratio, math.sqrt(4.0 * ratio))
 
 

@@ -29,6 +29,7 @@ class CylinderSection(Section):
 class PackingSection(Section):
     fraction: Annotated[Number, Field(gt=0, lt=1)]  # V_f
     size_spread: Annotated[Number, Field(ge=0, lt=1)]  # diameters uniform within +- this share
+    friction: NotNegative = 0.0  # of all contacts while the bed is packed
 
 
 class MaterialSection(Section):
@@ -42,6 +43,7 @@ class FrictionSection(Section):
     granule: NotNegative
     wall: NotNegative
     cylinder: NotNegative
+    stiffness: Positive = 1.0  # of the tangential springs, over Mindlin's
 
 
 class EllipseSection(Section):

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from dem import provenance
+from dem.compaction import compact
 from dem.config import Replicate, density_label, height_of_box, sample_diameters
 from dem.contact_law import effective_modulus
 from dem.dataset import WALLS, global_attributes, read, write
@@ -46,8 +47,9 @@ def make_bed(replicate: Replicate) -> Bed:
     sizes = diameters(replicate)
     shape = SHAPES[replicate.shape.kind][0].of_size(sizes, replicate.shape.ratio)
     height = height_of_box(replicate.sweep, sizes)
-    width = replicate.sweep.box_width
-    return pack(shape, width, height, cylinder(replicate, height), replicate.seed)
+    room = shape, replicate.sweep.box_width, height, cylinder(replicate, height), replicate.seed
+    friction = replicate.sweep.packing.friction
+    return compact(*room, friction) if friction > 0.0 else pack(*room)
 
 
 def make_scene(replicate: Replicate, bed: Bed) -> Scene:

@@ -113,27 +113,33 @@ def pack(shape, width: float, height: float, cylinder: Cylinder | None, seed: in
         iterations, enough = (LONGEST, REST) if last else (PATIENCE, SETTLED)
         world, net_force = minimise(scene, parts, world, iterations, enough * unit)
         if last:
-            return _bed(scene, parts, world, width, height, net_force / unit, seed)
+            net_force /= unit
+            if not net_force <= REST:
+                raise PackingError(
+                    f"{name_of(scene, width, height, seed)} is not at rest after {LONGEST} "
+                    f"iterations: net force {net_force:.2g} E* R^2, asked for {REST:g}."
+                )
+            return finished(scene, parts, world, width, height, net_force, seed)
         state = State(world.bodies[:, :2].copy(), angle=world.angle)
         factor = min(factor * GROWTH, 1.0)
 
 
-def _bed(scene, parts, world, width, height, net_force, seed):
-    """The finished bed, if it is one."""
-    cylinder = scene.cylinder
-    radius = 0.0 if cylinder is None else 0.5 * cylinder.diameter
+def name_of(scene: Scene, width: float, height: float, seed: int) -> str:
+    """What a sentence calls a bed."""
+    radius = 0.0 if scene.cylinder is None else 0.5 * scene.cylinder.diameter
     fraction = scene.shape.area.sum() / (width * height - math.pi * radius**2)
-    name = f"the bed at packing fraction {fraction:.4g} (seed {seed})"
-    if not net_force <= REST:
-        raise PackingError(
-            f"{name} is not at rest after {LONGEST} iterations: net force {net_force:.2g} E* R^2, "
-            f"asked for {REST:g}."
-        )
+    return f"the bed at packing fraction {fraction:.4g} (seed {seed})"
+
+
+def finished(scene: Scene, parts, world, width, height, net_force: float, seed: int) -> Bed:
+    """The Bed in the arrays of the kernels, with net_force over E* R^2; raises PackingError where
+    granules lie outside or too deep in each other."""
+    cylinder, name = scene.cylinder, name_of(scene, width, height, seed)
     touching, overlap, part, _ = survey(world, parts, 0.0)
     position = world.bodies[:, :2].copy()
     lost = ((position < 0.0) | (position > [width, height])).any(axis=1)
     if cylinder is not None:
-        lost |= np.hypot(*(position - cylinder.position).T) < radius
+        lost |= np.hypot(*(position - cylinder.position).T) < 0.5 * cylinder.diameter
     if lost.any():
         raise PackingError(
             f"{name} cannot be made: the centre of granule {lost.argmax()} was pushed into the "

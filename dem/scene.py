@@ -47,15 +47,20 @@ class Material:
 
 @dataclass(frozen=True)
 class Friction:
-    """Coulomb coefficients between granules, and of granules with walls and with the cylinder."""
+    """Coulomb coefficients between granules, and of granules with walls and with the cylinder.
+
+    stiffness: of the tangential springs, over Mindlin's 8 G* sqrt(R* delta).
+    """
 
     granule: float = 0.3
     wall: float = 0.3
     cylinder: float = 0.3
+    stiffness: float = 1.0
 
     def __post_init__(self):
         for name in ("granule", "wall", "cylinder"):
             _not_negative(f"friction {name}", getattr(self, name))
+        _positive("friction stiffness", self.stiffness, "over Mindlin's")
 
 
 @dataclass(frozen=True)

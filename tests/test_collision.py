@@ -303,3 +303,14 @@ def test_two_bodies_know_each_other_from_both_sides():
     force = Simulation(scene, state).world.force
     assert np.abs(force[0, :2]).max() > 0.0
     assert_allclose(force[0, :2], -force[1, :2], rtol=1e-12)
+
+
+def test_softer_tangential_springs_turn_a_disc_more_slowly():
+    """Before it slides, a disc pressed on a floor is turned in proportion to the springs' stiffness."""
+    spin = []
+    for stiffness in (1.0, 0.25):
+        friction = Friction(10.0, 10.0, stiffness=stiffness)
+        scene = floor(material=Material(restitution=1.0), friction=friction)
+        state = State([[5.0, 0.999 * 5e-3]], [[1e-3, 0.0]])
+        spin.append(simulate(scene, state, 1e-7, time_step=1e-9).state.angular_velocity[0])
+    assert_allclose(spin[0], 4.0 * spin[1], rtol=1e-2)

@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose
 from reference import bed_forces, parting
 
 import dem
+from dem.compaction import Press, compact
 from dem.contact_law import effective_modulus
 
 # At 0.84 ellipses are below jamming and touch nothing; at 0.88 they press on each other.
@@ -135,3 +136,26 @@ def test_bed_stays_at_rest_with_friction(small):
     push = small.bed.net_force * unit / scene.mass.min()  # m/s2
     moved = np.abs(run.state.position - small.bed.position).max()
     assert moved < 0.5 * push * duration**2
+
+
+def test_bed_packed_with_friction_jams_sooner(kind="disc"):
+    """At the same packing fraction friction leaves more pressure in a bed, which is at rest too."""
+    small = make_small_bed(kind)
+    room = small.bed.width, small.bed.height, small.cylinder, 1
+    rough = compact(small.shape, *room, friction=0.5)
+    assert rough.pressure > small.bed.pressure
+    assert rough.net_force <= 1e-4
+    same = compact(small.shape, *room, friction=0.5)
+    assert np.array_equal(rough.position, same.position)
+    assert not np.array_equal(rough.position, small.bed.position)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.5])
+def test_pressed_bed_jams(friction):
+    """Granules that grow feel nothing at first, then ever more pressure."""
+    small = make_small_bed("disc")
+    press = Press(small.shape, small.bed.width, small.bed.height, small.cylinder, 1, friction)
+    pressures = [press.press(fraction) for fraction in (0.74, 0.80, 0.84, 0.88)]
+    assert pressures[0] < 1e-2 * pressures[2]
+    assert pressures[1] < pressures[2] < pressures[3]
+    assert press.net_force <= 1e-4
