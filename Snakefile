@@ -6,6 +6,7 @@
     snakemake -j1 benchmark                               time the kernels, beside other codes
     snakemake -j2 accuracy                                error against run time
     snakemake -j2 stability                               stiff and extreme cases
+    snakemake -j2 claims                                  which of the paper's claims hold
     snakemake -j2 report                                  one page of everything
 """
 
@@ -69,6 +70,7 @@ include: "rules/flow.smk"
 include: "rules/benchmark.smk"
 include: "rules/accuracy.smk"
 include: "rules/stability.smk"
+include: "rules/claims.smk"
 include: "rules/report.smk"
 
 

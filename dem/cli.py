@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from dem.accuracy.commands import app as accuracy
+from dem.claims.commands import app as claims
 from dem.flow.commands import VERBS as moving
 from dem.report.commands import report
 from dem.stability.commands import app as stability
@@ -21,6 +22,7 @@ app = typer.Typer(
 
 app.add_typer(accuracy, name="accuracy")
 app.add_typer(stability, name="stability")
+app.add_typer(claims, name="claims")
 for verb in (*moving, report):
     app.command()(verb)
 

@@ -15,6 +15,7 @@ import yaml
 from pydantic import BaseModel, Field, ValidationError, model_validator
 
 from dem.accuracy.plan import AccuracySection
+from dem.claims.plan import ClaimsSection
 from dem.errors import InputError
 from dem.schema import Folder, Label, NotNegative, Number, Positive, Section, Seed, Whole
 
@@ -121,6 +122,7 @@ class Sweep(Section):
     record: RecordSection
     numerics: NumericsSection = NumericsSection()
     accuracy: AccuracySection | None = None  # of the study of error against run time
+    claims: ClaimsSection | None = None  # of the study of the paper's claims
 
     @model_validator(mode="after")
     def _check(self):
@@ -150,8 +152,9 @@ class Sweep(Section):
         for label in self.shapes:
             for seed in self.seeds:
                 _check_room(self, label, seed)
-        if self.accuracy:
-            self.accuracy.check(self)
+        for study in (self.accuracy, self.claims):
+            if study:
+                study.check(self)
         return self
 
     def replicate(self, shape: str, density: float, seed: int) -> "Replicate":
@@ -194,7 +197,7 @@ class Replicate(Section):
     def run_key(self) -> str:
         """All that the run depends on, as text."""
         unread = {"title": True, "results": True, "seeds": True, "shapes": True, "cases": True}
-        unread["accuracy"] = True
+        unread |= {"accuracy": True, "claims": True}
         unread["record"] = {"window"}
         if self.shape.kind != "ellipse":
             unread["ellipse"] = True

@@ -1,0 +1,106 @@
+"""Command line of the study: `dem claims PART`, a verb a part, and `dem claims test`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from dem.errors import InputError
+from dem.terminal import PAPER, ConfigOption, OutputOption, bar, reported, start_lean
+
+app = typer.Typer(help="Which of the paper's claims hold: the parts of the study.", no_args_is_help=True)  # fmt: skip
+
+RATIOS = "ratios"  # in place of a shape: ellipses of all aspect ratios of the configuration
+
+
+def _planned(config: Path):
+    """The sweep of a configuration that has a section `claims`."""
+    from dem.config import load
+
+    sweep = load(config)
+    if sweep.claims is None:
+        raise InputError(f"{config}: claims is missing; the study needs it, see config/paper.yaml.")
+    return sweep
+
+
+@app.command()
+def compile(config: ConfigOption = PAPER):
+    """Compile the kernels that the runs need, once."""
+    with reported():
+        start_lean()
+        from dem.claims.kernels import compile_all
+
+        compile_all(_planned(config))
+
+
+@app.command()
+def jamming(
+    output: OutputOption,
+    shape: Annotated[str, typer.Option("--shape", help="Shape label, or ratios.")],
+    config: ConfigOption = PAPER,
+):
+    """The packing fraction at which beds of a shape jam, without friction and with the run's."""
+    with reported():
+        start_lean()
+        from dem.claims.beds import beds_of, frictions
+        from dem.claims.jamming import measure
+        from dem.claims.layout import STUDY
+
+        sweep = _planned(config)
+        beds = beds_of(sweep, shape)
+        with bar(f"jamming of {shape}", 1.0) as update:
+            values = measure(beds, frictions(sweep), update)
+        STUDY.write_part(output, sweep, values)
+
+
+@app.command()
+def runs(
+    output: OutputOption,
+    part: Annotated[str, typer.Option("--part", help="replicates, sensitivity, matched, ratios or scaling.")],
+    group: Annotated[int, typer.Option("--group", min=0, help="Job number from 0.")] = 0,
+    jamming: Annotated[list[Path] | None, typer.Option("--jamming", help="A file of dem claims jamming; as often as there are files.")] = None,
+    config: ConfigOption = PAPER,
+):  # fmt: skip
+    """Some of the runs of a part."""
+    with reported():
+        start_lean()
+        from dem.claims.layout import STUDY
+        from dem.claims.runs import perform
+        from dem.claims.trials import share
+
+        sweep = _planned(config)
+        known = None
+        if jamming:
+            from dem.claims.jamming import Jamming
+
+            known = Jamming(STUDY.join(jamming))
+        mine = share(sweep, part, group, known)
+        with bar(f"{part}, group {group}", 1.0) as update:
+            values = perform(sweep, part, mine, update)
+        STUDY.write_part(output, sweep, values)
+
+
+@app.command()
+def combine(
+    files: Annotated[list[Path], typer.Argument(help="The files of all parts.")],
+    output: OutputOption,
+):
+    """All parts into claims.nc."""
+    with reported():
+        from dem.claims.layout import STUDY
+
+        STUDY.write_joined(output, STUDY.join(files))
+
+
+@app.command()
+def test(
+    data: Annotated[Path, typer.Argument(help="claims.nc, or drag.nc of any sweep.")],
+    name: Annotated[str | None, typer.Option("--claim", help="One claim in detail.")] = None,
+):
+    """Which claims these runs support, contradict or leave undecided."""
+    with reported():
+        from rich.console import Console
+
+        from dem.claims.report import verdicts
+
+        Console(width=140).print(verdicts(data, name))

@@ -1,0 +1,126 @@
+"""What the study of the paper's claims does: the section `claims` of a configuration."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from dem.schema import Label, Number, Positive, Section, Seed, Whole
+
+Count = Annotated[Whole, Field(ge=2, le=100_000)]
+Ratio = Annotated[Number, Field(ge=1, le=20)]
+Values = Annotated[tuple[Positive, ...], Field(min_length=2)]
+
+
+class Range(Section):
+    """A value that is uniform between two bounds, or its logarithm if scale is log."""
+
+    low: Number
+    high: Number
+    scale: Literal["linear", "log"] = "linear"
+
+    @model_validator(mode="after")
+    def _check(self):
+        if not self.low < self.high:
+            raise ValueError(f"low is {self.low:g}; it must be less than high, {self.high:g}")
+        if self.scale == "log" and not self.low > 0:
+            raise ValueError(f"low is {self.low:g}; with scale log it must be above 0")
+        return self
+
+
+class Choice(Section):
+    """One of some values, equally likely; a value may stand more than once."""
+
+    choices: Annotated[tuple[Whole | Number | str, ...], Field(min_length=2)]
+
+    @property
+    def different(self) -> tuple:
+        """Each value once, in the order given."""
+        return tuple(dict.fromkeys(self.choices))
+
+
+class SensitivitySection(Section):
+    """A space-filling design over values of the configuration, each named by its path."""
+
+    points: Count
+    cases: Annotated[tuple[Label, ...], Field(min_length=1)]
+    factors: Annotated[dict[str, Range | Choice], Field(min_length=1)]
+
+
+class JammingSection(Section):
+    """At which packing fraction do beds jam; run friction means that of the granules."""
+
+    seeds: Count
+
+
+class MatchedSection(Section):
+    """Shapes at the first case's distance from jamming, and at its pressure."""
+
+    shapes: tuple[Label, ...]
+    seeds: Count
+
+
+class RatiosSection(Section):
+    """Ellipses of many aspect ratios, as large as those of a shape."""
+
+    shape: Label
+    ratios: Annotated[tuple[Ratio, ...], Field(min_length=2)]
+    seeds: Count
+
+
+class ScalingSection(Section):
+    """Diameter and velocity of the cylinder, width and height of the box, over the sweep's own."""
+
+    shapes: Annotated[tuple[Label, ...], Field(min_length=1)]
+    seeds: Count
+    diameter: Values
+    width: Values
+    height: Values
+    velocity: Values
+    velocity_seeds: Count
+
+
+class ClaimsSection(Section):
+    """Seeds are counted from `first_seed`; a job makes `group` runs."""
+
+    first_seed: Seed = 2001
+    group: Annotated[Whole, Field(ge=1, le=1000)] = 20
+    replicates: Count
+    sensitivity: SensitivitySection
+    jamming: JammingSection
+    matched: MatchedSection
+    ratios: RatiosSection
+    scaling: ScalingSection
+
+    def check(self, sweep) -> None:
+        """Raise ValueError where the study can not be made of this sweep."""
+        for key, labels in (
+            ("matched.shapes", self.matched.shapes),
+            ("ratios.shape", (self.ratios.shape,)),
+            ("scaling.shapes", self.scaling.shapes),
+        ):
+            for label in labels:
+                if label not in sweep.shapes:
+                    raise ValueError(
+                        f"claims.{key} names the shape {label!r}, which is not one of shapes: "
+                        + ", ".join(sweep.shapes)
+                    )
+        kind = sweep.shapes[self.ratios.shape].kind
+        if kind != "ellipse":
+            raise ValueError(
+                f"claims.ratios.shape is {self.ratios.shape!r}, a {kind}; it must be an ellipse"
+            )
+        for label in self.sensitivity.cases:
+            if label not in sweep.cases:
+                raise ValueError(
+                    f"claims.sensitivity.cases names {label!r}, which is not one of cases: "
+                    + ", ".join(sweep.cases)
+                )
+        data = sweep.model_dump()
+        for path in self.sensitivity.factors:
+            at = data
+            for name in path.split("."):
+                if not isinstance(at, dict) or name not in at:
+                    raise ValueError(
+                        f"claims.sensitivity.factors names {path!r}, which is no value of this file"
+                    )
+                at = at[name]
