@@ -51,14 +51,26 @@ STABILITY = {
     "stability_catalogue": ("Stiff and extreme cases, each against its limits", ("check_value", "paper_residual")),
     "stability_map": ("Where energy stops adding up: time step, restitution, stiffness, shape", ("map_residual",)),
 }  # fmt: skip
+CLAIMS = {
+    "claims_verdicts": ("Which of the paper's claims hold", ("run_drag", "jam_fraction")),
+    "claims_sensitivity": ("What decides the drag, and in how much of the plausible space claims hold", ("run_factor",)),
+    "claims_jamming": ("Shapes at equal packing fraction, at equal distance from jamming and at equal pressure", ("run_drag", "jam_fraction")),
+    "claims_ratio": ("Ellipses from round to twice as long as wide: drag and alignment with the flow", ("run_alignment", "jam_fraction")),
+    "claims_scaling": ("Drag against the sizes of cylinder and box and against velocity", ("run_setting", "run_curve")),
+}  # fmt: skip
 BENCHMARK = {"benchmark": ("Speed beside other codes", ("granule_steps_per_second", "variant_step_time"))}  # fmt: skip
 STUDIES = (
     {name: (words, ("bed_x", "non_affine")) for name, (words, _) in FLOW.items()}
-    | ACCURACY | STABILITY | BENCHMARK
+    | ACCURACY | STABILITY | CLAIMS | BENCHMARK
 )  # fmt: skip
 
 
-STUDY_FIGURES = {"accuracy": ACCURACY, "stability": STABILITY, "benchmark": BENCHMARK}  # by file
+STUDY_FIGURES = {
+    "claims": CLAIMS,
+    "accuracy": ACCURACY,
+    "stability": STABILITY,
+    "benchmark": BENCHMARK,
+}  # by file
 
 
 def captions() -> dict[str, str]:
