@@ -46,6 +46,11 @@ def summary(path: Path) -> Group:
             require(dataset, path, ("case", "seed", "displacement"), ("window_start", "title"))
             lines = [dataset.attrs["title"], verdict.verdict(dataset), *verdict.sentences(dataset)]
             return Group(*map(Text, lines))
+        if "run_part" in dataset:
+            from dem.claims import report
+
+            require(dataset, path, ("run_drag", "jam_fraction", "run_factor"), ("window_start",))
+            return report.summary(dataset.load())
         if "check_value" in dataset:
             from dem.stability import report
 

@@ -75,8 +75,14 @@ class Study(NamedTuple):
             name for name, v in dataset.variables.items() if v.dtype.kind in "fiu" and v.dims
         ]
         encoding = {name: {"zlib": True, "shuffle": True} for name in numbers}
+        encoding |= {  # texts are characters, as in the parts, but of the longest of all
+            name: {"dtype": "S1", "char_dim_name": f"{name}_length"}
+            for name, v in dataset.variables.items() if v.dtype.kind not in "fiu"
+        }  # fmt: skip
+        for name in set(dataset.dims) & set(numbers):  # an axis has no gaps
+            encoding[name]["_FillValue"] = None
         with atomic(path) as part:
-            dataset.to_netcdf(part, engine="netcdf4", encoding=encoding)
+            dataset.drop_encoding().to_netcdf(part, engine="netcdf4", encoding=encoding)
 
 
 def _along(part: xr.Dataset, dim: str) -> xr.Dataset:

@@ -170,7 +170,7 @@ def test_critical_time_step_does_not_depend_on_how_contacts_are_found():
     for method in (CommonNormal(), GeometricPotential()):
         scene = bed._replace(shape=bed.shape._replace(method=method)).scene()
         steps.append(dem.Simulation(scene, bed.state).look().critical_time_step)
-    assert_allclose(steps[1], steps[0], rtol=0.3)
+    assert 0.5 * steps[0] < steps[1] < 1.1 * steps[0]
 
 
 @pytest.mark.parametrize(("kind", "fraction"), KINDS)

@@ -96,6 +96,22 @@ def test_reports_open_without_a_network(finished, browser):
     assert planned(finished, "report") == {}
 
 
+def test_claims_of_small_beds(finished):
+    """The study of claims, from its runs to a table and five figures; nothing is made twice."""
+    run = snakemake(finished, "claims", "-j2")
+    assert run.returncode == 0, run.stdout + run.stderr
+    results = finished / "results/smoke"
+    table = (results / "claims.txt").read_text()
+    assert "dumbbells_above_discs" in table and "part of the effect that remains" in table
+    assert len(list((results / "figures").glob("claims_*.svg"))) == 5
+    with netCDF4.Dataset(results / "claims.nc") as file:
+        parts = [part.tobytes().decode().strip("\0 ") for part in file["run_part"][:].filled(b"")]
+        assert parts.count("replicates") == 5 * 3 and parts.count("sensitivity") == 2 * 10
+        failed = int(np.isnan(file["run_drag"][:].filled(np.nan)).sum())
+        assert failed <= len(parts) // 4
+    assert planned(finished, "claims") == {}
+
+
 def test_a_second_run_does_nothing(finished):
     """What is up to date is left alone."""
     assert planned(finished) == {}

@@ -23,8 +23,8 @@ SUPPORTED, CONTRADICTED, UNDECIDED, UNTESTED = (
 class Comparison(NamedTuple):
     """Ratio of the means of samples a and b, or the mean of a if b is None.
 
-    words: what is compared; a, b (runs,): one value a run; low, high: between which the claim says
-    that the number lies; paired: a[i] and b[i] are of one bed.
+    words: what is compared; a, b (runs,): one value a run, NaN where a run failed; low, high:
+    between which the claim says that the number lies; paired: a[i] and b[i] are of one bed.
     """
 
     words: str
@@ -34,15 +34,26 @@ class Comparison(NamedTuple):
     high: float
     paired: bool = False
 
+    def samples(self):
+        """a and b without runs that failed, of pairs without those of which one failed."""
+        a, b = self.a, self.b
+        if b is None:
+            return a[np.isfinite(a)], None
+        if self.paired:
+            good = np.isfinite(a) & np.isfinite(b)
+            return a[good], b[good]
+        return a[np.isfinite(a)], b[np.isfinite(b)]
+
     @property
     def estimate(self) -> float:
         """The number."""
-        return float(self.a.mean()) / (1.0 if self.b is None else float(self.b.mean()))
+        a, b = self.samples()
+        return float(a.mean()) / (1.0 if b is None else float(b.mean()))
 
     @property
     def runs(self) -> int:
         """Runs of the smaller sample."""
-        return len(self.a) if self.b is None else min(len(self.a), len(self.b))
+        return min(len(each) for each in self.samples() if each is not None)
 
     def interval(self, level: float = LEVEL) -> tuple[float, float]:
         """Confidence interval of the number, by Student's t (Welch's degrees of freedom).
@@ -62,7 +73,7 @@ class Comparison(NamedTuple):
 
     def _error(self):
         """Standard error, of a ratio that of its logarithm, and degrees of freedom."""
-        a, b = self.a, self.b
+        a, b = self.samples()
         if b is None:
             return a.std(ddof=1) / math.sqrt(len(a)), len(a) - 1
         if self.paired:
@@ -87,9 +98,11 @@ class Comparison(NamedTuple):
         return UNDECIDED
 
     def holds(self) -> np.ndarray:
-        """Run by run (runs,): whether the number of a single pair lies where the claim says."""
+        """Run by run (runs,): 1 where the number of a single pair lies where the claim says, 0 where
+        it does not, NaN where a run failed."""
         values = self.a if self.b is None else self.a / self.b
-        return (values > self.low) & (values < self.high)
+        inside = (values > self.low) & (values < self.high)
+        return np.where(np.isfinite(values), inside, np.nan)
 
 
 def together(comparisons: list[Comparison], level: float) -> str:

@@ -9,14 +9,23 @@ from dem.flow.layout import MEASURES
 from dem.statistics import summarise, within
 
 NOTHING = xr.Dataset(coords={"case": [], "seed": []})
-WORDS = ("run_part", "run_case", "run_shape", "run_setting", "run_status")
+NAMES = {"run_factor": "at"}  # values of the design are not those of its axis
+NO_MEASURES = (
+    "run_part",
+    "run_case",
+    "run_shape",
+    "run_setting",
+    "run_status",
+    "run_seed",
+    "run_density",
+)
 
 
 class Evidence(NamedTuple):
     """Measures over (case, seed), SI units, NaN where a run failed.
 
     runs: of the sweep's cases; points: of cases at the points of the design, which stand for seeds,
-    with `factor` (seed, factor), where they lie; velocity: of the first shape, cases are factors on
+    with `at` (case, seed, factor), where they lie; velocity: of the first shape, cases are factors on
     the sweep's velocity.
     """
 
@@ -46,15 +55,22 @@ def table(runs: xr.Dataset, column: str = "run_case", along: str = "run_seed") -
     cases, seeds = list(dict.fromkeys(keys)), sorted(set(numbers))
     at = [cases.index(key) for key in keys], [seeds.index(number) for number in numbers]
     found = {}
-    for name in (n for n in runs.data_vars if "run" in runs[n].dims and n not in WORDS):
+    for name in (n for n in runs.variables if "run" in runs[n].dims and n not in NO_MEASURES):
         values = _in_window(runs, name)
         room = np.full((len(cases), len(seeds), *values.shape[1:]), np.nan)
         room[at] = values
-        found[name.removeprefix("run_")] = (("case", "seed", *_others(runs, name)), room)
+        found[NAMES.get(name, name.removeprefix("run_"))] = (
+            ("case", "seed", *_others(runs, name)),
+            room,
+        )
     first = [keys.index(case) for case in cases]
     about = {n: ("case", runs[f"run_{n}"].values[first]) for n in ("shape", "density")}
-    del found["density"]
-    return xr.Dataset(found, {"case": cases, "seed": seeds, **about}, runs.attrs)
+    axes = {
+        name: runs[name].values
+        for name in ("factor", "place")
+        if name in runs.coords or name in runs
+    }
+    return xr.Dataset(found, {"case": cases, "seed": seeds, **axes, **about}, runs.attrs)
 
 
 def _others(runs, name):

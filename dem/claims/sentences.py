@@ -52,10 +52,18 @@ def claim(place: str, quote: str):
 
 
 def values(runs, measure: str, case) -> np.ndarray | None:
-    """Values (seed,) of the runs of a case that did not fail; None if there are none."""
+    """Values (seed,) of a case, NaN where a run failed; None if there are none."""
     if measure not in runs or case is None or case not in runs["case"].values:
         return None
-    return runs[measure].sel(case=case).values
+    found = runs[measure].sel(case=case).values
+    return found if np.isfinite(found).any() else None
+
+
+def single(found: Evidence, measure: str, shape: str, low: float, high: float) -> list[Comparison]:
+    """The mean of a measure of a shape at the density of the first case."""
+    case = find(found.runs, shape) if found.runs["case"].size else None
+    some = values(found.runs, measure, case)
+    return [] if some is None else [Comparison(f"{measure} of {case}", some, None, low, high)]
 
 
 def ratio(runs, measure, one, other, low=0.0, high=INFINITE, paired=False) -> list[Comparison]:
@@ -63,9 +71,8 @@ def ratio(runs, measure, one, other, low=0.0, high=INFINITE, paired=False) -> li
     a, b = values(runs, measure, one), values(runs, measure, other)
     if a is None or b is None:
         return []
-    good = np.isfinite(a) & np.isfinite(b)
-    a, b = (a[good], b[good]) if paired else (a[np.isfinite(a)], b[np.isfinite(b)])
-    return [Comparison(f"{measure.replace('_', ' ')}, {one} over {other}", a, b, low, high, paired)] if len(a) and len(b) else []  # fmt: skip
+    words = f"{measure.replace('_', ' ')}, {one} over {other}"
+    return [Comparison(words, a, b, low, high, paired)]
 
 
 def shapes(found: Evidence, measure, one: str, other: str, low=0.0, high=INFINITE):
@@ -133,10 +140,7 @@ def codes_agree(found):
 @claim("3.2", "average drag and standard deviation: 1405 N and 17 %, 1295 N and 18 %")
 def scatter_of_drag(found):
     """The standard deviation of the drag of c1 along a run, over its mean, rounds to 17 or 18 %."""
-    case = find(found.runs, "c1") if found.runs["case"].size else None
-    some = values(found.runs, "scatter", case)
-    some = None if some is None else some[np.isfinite(some)]
-    return [Comparison(f"scatter of {case}", some, None, 0.165, 0.185)] if some is not None and len(some) else []  # fmt: skip
+    return single(found, "scatter", "c1", 0.165, 0.185)
 
 
 @claim("3.4", "density increased by a factor of 10, the maximum change in drag force is 21.8 %")
@@ -205,8 +209,8 @@ def _halves(found, path):
     if drag is None:
         return []
     place = points["at"].sel(case=case, factor=path).values
-    good, upper = np.isfinite(drag), place > np.nanmedian(place)
-    a, b = drag[good & upper], drag[good & ~upper]
+    upper = place > np.nanmedian(place)
+    a, b = drag[upper], drag[~upper]
     return [Comparison(f"drag of c1, high over low {path}", a, b, 1.0 + ALIKE, INFINITE)]
 
 
@@ -235,14 +239,9 @@ def long_ellipses_mix(found):
 def ellipses_align(found):
     """The long axes of e1, e2 and e3 near the cylinder lie along the motion of the granules: the
     mean of cos 2(angle - direction) is above 0, its value at random."""
-    parts = []
-    for shape in ("e1", "e2", "e3"):
-        case = find(found.runs, shape) if found.runs["case"].size else None
-        some = values(found.runs, "alignment", case)
-        some = None if some is None else some[np.isfinite(some)]
-        parts.append([Comparison(f"alignment of {case}", some, None, 0.0, INFINITE)]
-                     if some is not None and len(some) else [])  # fmt: skip
-    return all_of(*parts)
+    return all_of(
+        *(single(found, "alignment", shape, 0.0, INFINITE) for shape in ("e1", "e2", "e3"))
+    )
 
 
 @claim("4", "the granule shape strongly influences the drag force")
