@@ -22,11 +22,11 @@ from dem.simulation import Simulation
 START = 0.74  # packing fraction of the bed before it is pressed: no shape jams there
 STEP = 0.005  # of the packing fraction, at most, between two rests
 RESTING = 1e-5  # E* R^2: a bed is at rest when no granule feels a greater net force
-MOVING = 1e-3  # E* R^2: beyond it a finished bed is refused
+MOVING = 2e-4  # E* R^2: beyond it a finished bed is refused
 PATIENCE = 20_000  # iterations of FIRE
 DAMPED = Material(density=1.0, young_modulus=1.0, poisson_ratio=0.0, restitution=0.5)
 PIECE = 10.0  # sqrt(m / (E* R)): one piece of damped motion
-PIECES = 40  # of damped motion, at most, after a step
+PIECES = 80  # of damped motion, at most, after a step
 FRACTION = 0.9  # of the bound on the critical time step: the motion need not be accurate
 
 

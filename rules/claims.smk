@@ -5,7 +5,7 @@
 REQUIRED INPUTS
     none; the section `claims` of the configuration
 OUTPUTS
-    {RESULTS}/claims/jamming/{shape}.nc, {RESULTS}/claims/{part}/{group}.nc
+    {RESULTS}/claims/jamming/{shape}.nc, {RESULTS}/claims/runs/{part}/{group}.nc
     {RESULTS}/claims.nc, {RESULTS}/claims.txt
     {RESULTS}/figures/claims_{figure}.svg, {RESULTS}/figures/claims_{figure}.png
 """
@@ -13,14 +13,16 @@ OUTPUTS
 from dem.figures import CLAIMS
 
 CLAIMS_FOLDER = f"{RESULTS}/claims"
-NEED_JAMMING = ("matched", "ratios")
+# what only words and figures are made with, and what only runs are
+TELLING = {"report", "sentences", "compare", "evidence", "influence", "remains", "verdicts"}
+MAKING = {"runs", "trials", "alignment", "changes", "design", "jamming", "beds", "kernels"}
 
 
-def claims_code(*names):
-    return [f"dem/claims/{name}.py" for name in names]
+def claims_code(names):
+    return [f"dem/claims/{name}.py" for name in sorted(names)]
 
 
-def jamming_files(wildcards=None):
+def jamming_files():
     from dem.claims.beds import shapes
 
     return [f"{CLAIMS_FOLDER}/jamming/{shape}.nc" for shape in shapes(SWEEP)]
@@ -31,8 +33,13 @@ def claims_parts(wildcards):
     if SWEEP.claims is None:
         print("claims is missing in the configuration; see config/paper.yaml.", file=sys.stderr)
         sys.exit(2)
-    from dem.claims.trials import PARTS, groups
+    from dem.claims.trials import PARTS, check_all, groups
 
+    try:
+        check_all(SWEEP)
+    except InputError as error:
+        print(error, file=sys.stderr)
+        sys.exit(2)
     runs = [f"{CLAIMS_FOLDER}/runs/{part}/{n}.nc" for part in PARTS for n in range(groups(SWEEP, part))]
     return jamming_files() + runs
 
@@ -40,6 +47,12 @@ def claims_parts(wildcards):
 def claims_plan(*keys):
     """What a job depends on in the section `claims`, as text."""
     return SWEEP.claims.model_dump_json(include={"first_seed", "group", *keys}) if SWEEP.claims else ""
+
+
+def needs_jamming(wildcards):
+    from dem.claims.trials import NEED_JAMMING
+
+    return jamming_files() if wildcards.part in NEED_JAMMING else []
 
 
 def swept(*without):
@@ -76,13 +89,13 @@ rule claims_jamming:
     message:
         "At which packing fraction {wildcards.shape} jam"
     input:
-        code=claims_code("jamming", "beds"),
+        code=claims_code({"jamming", "beds", "trials", "changes"}),
         kernels=CLAIMS_FOLDER + "/kernels.done",
     output:
         CLAIMS_FOLDER + "/jamming/{shape}.nc",
     params:
         sources=SOURCES,
-        plan=claims_plan("jamming", "ratios"),
+        plan=claims_plan("jamming", "ratios", "scaling"),
         sweep=swept("record", "material", "cases"),
     priority: 10
     log:
@@ -97,9 +110,10 @@ rule claims_runs:
     message:
         "Runs for the claims: {wildcards.part}, group {wildcards.group}"
     input:
-        code=claims_code("runs", "trials", "alignment", "changes", "design"),
+        code=[*claims_code(MAKING - {"jamming", "beds", "kernels"}), "dem/accuracy/runs.py"],
+        flow=[f"dem/flow/{name}.py" for name in ("collect", "measures", "motion")],
         kernels=CLAIMS_FOLDER + "/kernels.done",
-        jamming=lambda w: jamming_files() if w.part in NEED_JAMMING else [],
+        jamming=needs_jamming,
     output:
         CLAIMS_FOLDER + "/runs/{part}/{group}.nc",
     params:
@@ -122,7 +136,7 @@ rule claims_combine:
         "Combine the study into {output}"
     input:
         parts=claims_parts,
-        code=[*claims_code("layout"), "dem/study.py"],
+        code=[*claims_code({"layout"}), "dem/study.py"],
     output:
         RESULTS + "/claims.nc",
     log:
@@ -136,7 +150,7 @@ rule claims_table:
         "Write {output}"
     input:
         data=RESULTS + "/claims.nc",
-        code=claims_code("report", "sentences", "compare", "evidence", "influence", "remains"),
+        code=claims_code(TELLING),
     output:
         RESULTS + "/claims.txt",
     log:
@@ -151,7 +165,7 @@ rule claims_figure:
     input:
         data=RESULTS + "/claims.nc",
         code="dem/figures/claims_{part}.py",
-        common=["dem/figures/style.py", *claims_code("sentences", "compare", "evidence", "influence", "remains")],
+        common=["dem/figures/style.py", *claims_code(TELLING)],
     output:
         RESULTS + "/figures/claims_{part}.svg",
         RESULTS + "/figures/claims_{part}.png",

@@ -1,4 +1,8 @@
-"""Do long granules turn with the flow around the cylinder? The paper's explanation of their low drag."""
+"""Do long granules turn with the flow around the cylinder? The paper's explanation of their low drag.
+
+Granules pressed to the cylinder may lie along its surface before anything flows: what the flow does
+is the difference to the angles at the start of the same granules.
+"""
 
 import numpy as np
 
@@ -6,19 +10,19 @@ NEAR = 2.0  # mean granule diameters from the surface of the cylinder
 MOVED = 0.01  # mean granule diameters: less motion than that has no direction
 
 
-def alignment(before, after, angle, cylinder, radius: float, diameter: float, drawn: float):
+def alignment(before, after, angles, cylinder, radius: float, diameter: float, drawn: float):
     """Mean of cos 2(angle - direction) of the granules near the cylinder; 1: along, 0: at random.
 
-    before, after (n, 2): centres (m) at both ends of a motion; angle (n,) of the long axes (rad)
-    and cylinder (x, y), its axis (m), at the end; drawn (m): how far it moved, upwards. Returns two
-    numbers: with the direction in which each granule moves, and with that in which it passes the
-    cylinder. NaN where no granule moves.
+    before, after (n, 2): centres (m) at both ends of a motion; angles (k, n): angles of the long axes
+    (rad), k times of them, such as now and at the start; cylinder (x, y), its axis (m), at the end;
+    drawn (m): how far it moved, upwards. Returns (2, k): with the direction in which each granule
+    moves, and with that in which it passes the cylinder. NaN where no granule moves.
     """
     gap = np.hypot(*(after - np.asarray(cylinder)).T) - radius
-    near = gap < NEAR * diameter
-    found = []
+    near, found = gap < NEAR * diameter, []
     for moved in (after - before, after - before - np.array([0.0, drawn])):
         going = near & (np.hypot(*moved.T) > MOVED * diameter)
         direction = np.arctan2(moved[going, 1], moved[going, 0])
-        found.append(float(np.cos(2.0 * (angle[going] - direction)).mean()) if going.any() else np.nan)  # fmt: skip
-    return found
+        cosine = np.cos(2.0 * (np.asarray(angles)[:, going] - direction))
+        found.append(cosine.mean(axis=1) if going.any() else np.full(len(angles), np.nan))
+    return np.array(found)

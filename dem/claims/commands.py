@@ -10,8 +10,6 @@ from dem.terminal import PAPER, ConfigOption, OutputOption, bar, reported, start
 
 app = typer.Typer(help="Which of the paper's claims hold: the parts of the study.", no_args_is_help=True)  # fmt: skip
 
-RATIOS = "ratios"  # in place of a shape: ellipses of all aspect ratios of the configuration
-
 
 def _planned(config: Path):
     """The sweep of a configuration that has a section `claims`."""
@@ -36,7 +34,7 @@ def compile(config: ConfigOption = PAPER):
 @app.command()
 def jamming(
     output: OutputOption,
-    shape: Annotated[str, typer.Option("--shape", help="Shape label, or ratios.")],
+    shape: Annotated[str, typer.Option("--shape", help="Shape label, ratios or boxes.")],
     config: ConfigOption = PAPER,
 ):
     """The packing fraction at which beds of a shape jam, without friction and with the run's."""
@@ -49,7 +47,7 @@ def jamming(
         sweep = _planned(config)
         beds = beds_of(sweep, shape)
         with bar(f"jamming of {shape}", 1.0) as update:
-            values = measure(beds, frictions(sweep), update)
+            values = measure(beds, frictions(sweep, shape), update)
         STUDY.write_part(output, sweep, values)
 
 

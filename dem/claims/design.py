@@ -5,7 +5,7 @@ from scipy.stats import qmc
 
 from dem.claims.plan import Choice, Range, SensitivitySection
 
-DRAWS = 100
+DRAWS = 20
 
 
 def unit_points(wanted: SensitivitySection, seed: int) -> np.ndarray:

@@ -2,7 +2,8 @@
 
 Granules grow in the box of the run, around the cylinder; above jamming the pressure of a Hertzian
 bed goes as the distance to the power of 3/2 (O'Hern et al. 2003, Phys. Rev. E 68, 011306), so the
-line of pressure^(2/3) against packing fraction meets zero where the bed jams.
+line of pressure^(2/3) against packing fraction meets zero where the bed jams. Pressure is taken as
+load: force on the walls per length, the stress of two dimensions.
 """
 
 from typing import NamedTuple
@@ -13,49 +14,53 @@ import xarray as xr
 from dem import drag
 from dem.compaction import START, Press
 from dem.config import Replicate, height_of_box
-from dem.errors import InputError
+from dem.errors import InputError, PackingError
 from dem.shapes import SHAPES
 
 STEP = 0.005  # of the packing fraction
 STEPS = 50  # at most
-NOISE = 5e-8  # m: pressure over E* below which a bed may be at rest without being jammed
-ENOUGH = 1.2e-6  # m: pressure over E* at which the line is long enough
+# load: mean normal force on the walls per length, over E* and the mean diameter
+NOISE = 5e-5  # a bed under less load may be at rest without being jammed
+ENOUGH = 1.1e-3  # here the line is long enough
 
 
 class Path(NamedTuple):
-    """fraction (k,) and pressure (k,) over E* (m, unit thickness) along the growth of one bed;
-    jamming: fraction where it jams; slope: of pressure^(2/3) against fraction (m^(2/3))."""
+    """fraction (k,) and load (k,), over E* and the mean diameter, along the growth of one bed;
+    jamming: fraction where it jams; slope: of load^(2/3) against fraction."""
 
     fraction: np.ndarray
-    pressure: np.ndarray
+    load: np.ndarray
     jamming: float
     slope: float
 
 
 def compress(replicate: Replicate, friction: float) -> Path:
-    """Grow the granules of a run until the bed is well above jamming."""
+    """Grow the granules of a run until the bed is well above jamming; NaN where no bed is found."""
     sizes, sweep = drag.diameters(replicate), replicate.sweep
     height = height_of_box(sweep, sizes)
     shape = SHAPES[replicate.shape.kind][0].of_size(sizes, replicate.shape.ratio)
-    cylinder = drag.cylinder(replicate, height)
-    press = Press(shape, sweep.box_width, height, cylinder, replicate.seed, friction)
-    fractions, pressures = [], []
-    for fraction in START + STEP * np.arange(STEPS):
-        fractions.append(fraction)
-        pressures.append(press.press(fraction))
-        if pressures[-1] > ENOUGH:
-            break
-    return line(np.array(fractions), np.array(pressures))
+    room = shape, sweep.box_width, height, drag.cylinder(replicate, height)
+    fractions, loads = [], []
+    try:
+        press = Press(*room, replicate.seed, friction)
+        for fraction in START + STEP * np.arange(STEPS):
+            loads.append(press.press(fraction) / replicate.shape.diameter)
+            fractions.append(fraction)
+            if loads[-1] > ENOUGH:
+                break
+    except PackingError:
+        return Path(np.array(fractions), np.array(loads), np.nan, np.nan)
+    return line(np.array(fractions), np.array(loads))
 
 
-def line(fraction: np.ndarray, pressure: np.ndarray) -> Path:
+def line(fraction: np.ndarray, load: np.ndarray) -> Path:
     """The Path through these points; NaN where fewer than three stand above the noise."""
-    above = np.flatnonzero(pressure <= NOISE)
-    start = above[-1] + 1 if len(above) else 0
+    quiet = np.flatnonzero(load <= NOISE)
+    start = quiet[-1] + 1 if len(quiet) else 0
     if len(fraction) - start < 3:
-        return Path(fraction, pressure, np.nan, np.nan)
-    slope, height = np.polyfit(fraction[start:], pressure[start:] ** (2.0 / 3.0), 1)
-    return Path(fraction, pressure, -height / slope, slope)
+        return Path(fraction, load, np.nan, np.nan)
+    slope, height = np.polyfit(fraction[start:], load[start:] ** (2.0 / 3.0), 1)
+    return Path(fraction, load, -height / slope, slope)
 
 
 def measure(replicates: dict[str, list[Replicate]], frictions, progress=lambda done: None) -> dict:
@@ -67,15 +72,16 @@ def measure(replicates: dict[str, list[Replicate]], frictions, progress=lambda d
         progress((done + 1) / len(jobs))
     curve = np.full((len(jobs), STEPS), np.nan)
     for row, path in zip(curve, paths, strict=True):
-        row[: len(path.pressure)] = path.pressure
+        row[: len(path.load)] = path.load
     return {
         "jam_shape": np.array([label for label, _, _ in jobs]),
         "jam_ratio": np.array([float(r.shape.ratio) for _, r, _ in jobs]),
+        "jam_diameter": np.array([r.shape.diameter for _, r, _ in jobs]),
         "jam_seed": np.array([r.seed for _, r, _ in jobs]),
         "jam_friction": np.array([mu for _, _, mu in jobs]),
         "jam_fraction": np.array([path.jamming for path in paths]),
         "jam_slope": np.array([path.slope for path in paths]),
-        "jam_pressure": curve,
+        "jam_load": curve,
         "jam_at": START + STEP * np.arange(STEPS),
     }
 
@@ -102,12 +108,20 @@ class Jamming:
         """Where a shape is as far from jamming as another is at a packing fraction."""
         return self.fraction(shape, friction) + fraction - self.fraction(other, friction)
 
-    def at_pressure(self, shape: str, other: str, fraction: float) -> float:
-        """Where a shape has the pressure that another has at a packing fraction.
+    def at_load(self, shape: str, other: str, fraction: float) -> float:
+        """Where a shape has the load on the walls that another has at a packing fraction.
 
-        At no pressure, below jamming, distances are all there is to compare.
+        Where that one bears none, below jamming, distances are all there is to compare.
         """
         distance = fraction - self.fraction(other)
-        slopes = [float(self.beds(label)["jam_slope"].mean()) for label in (other, shape)]
-        factor = slopes[0] / slopes[1] if distance > 0.0 else 1.0
-        return self.fraction(shape) + distance * factor
+        if distance <= 0.0:
+            return self.fraction(shape) + distance
+        slopes, sizes = zip(*(self._line(label) for label in (other, shape)), strict=True)
+        return self.fraction(shape) + distance * slopes[0] / slopes[1] * (sizes[0] / sizes[1]) ** (
+            2 / 3
+        )
+
+    def _line(self, shape):
+        """Mean slope of load^(2/3), and the diameter (m) that the load is measured by."""
+        beds = self.beds(shape)
+        return float(beds["jam_slope"].mean()), float(beds["jam_diameter"][0])

@@ -2,13 +2,32 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from dem.schema import Label, Number, Positive, Section, Seed, Whole
 
 Count = Annotated[Whole, Field(ge=2, le=100_000)]
 Ratio = Annotated[Number, Field(ge=1, le=20)]
-Values = Annotated[tuple[Positive, ...], Field(min_length=2)]
+OUTSIDE = (
+    "title",
+    "results",
+    "seeds",
+    "cases",
+    "record",
+    "numerics",
+    "accuracy",
+    "claims",
+)  # no assumptions
+
+
+def _others(values):
+    """Factors on the sweep's own value, which is among the replicates already."""
+    if 1.0 in values or len(set(values)) < len(values):
+        raise ValueError("each must stand once, and 1 not at all: the replicates have it")
+    return tuple(sorted(values))
+
+
+Values = Annotated[tuple[Positive, ...], Field(min_length=1), AfterValidator(_others)]
 
 
 class Range(Section):
@@ -53,7 +72,7 @@ class JammingSection(Section):
 
 
 class MatchedSection(Section):
-    """Shapes at the first case's distance from jamming, and at its pressure."""
+    """Shapes as far from jamming as the first case, and under the same load on the walls."""
 
     shapes: tuple[Label, ...]
     seeds: Count
@@ -65,6 +84,12 @@ class RatiosSection(Section):
     shape: Label
     ratios: Annotated[tuple[Ratio, ...], Field(min_length=2)]
     seeds: Count
+
+    @model_validator(mode="after")
+    def _check(self):
+        if len(set(self.ratios)) < len(self.ratios):
+            raise ValueError(f"ratios {list(self.ratios)} has one twice; each must stand once")
+        return self
 
 
 class ScalingSection(Section):
@@ -115,12 +140,24 @@ class ClaimsSection(Section):
                     f"claims.sensitivity.cases names {label!r}, which is not one of cases: "
                     + ", ".join(sweep.cases)
                 )
-        data = sweep.model_dump()
+        if self.first_seed <= max(sweep.seeds):
+            raise ValueError(
+                f"claims.first_seed is {self.first_seed}; it must be greater than all of seeds, so "
+                "that the study has beds of its own"
+            )
+        if self.replicates < max(self.scaling.velocity_seeds, 2):
+            raise ValueError(
+                f"claims.replicates is {self.replicates}; it must not be less than "
+                f"claims.scaling.velocity_seeds, {self.scaling.velocity_seeds}, which it is compared with"
+            )
+        data = sweep.model_dump(exclude=set(OUTSIDE))
         for path in self.sensitivity.factors:
             at = data
             for name in path.split("."):
                 if not isinstance(at, dict) or name not in at:
                     raise ValueError(
-                        f"claims.sensitivity.factors names {path!r}, which is no value of this file"
+                        f"claims.sensitivity.factors names {path!r}, which is no value that may vary"
                     )
                 at = at[name]
+            if isinstance(at, dict):
+                raise ValueError(f"claims.sensitivity.factors names {path!r}, which is a section")

@@ -10,17 +10,19 @@ from dem.accuracy.runs import inside_window
 from dem.claims.alignment import alignment
 from dem.claims.changes import changed
 from dem.claims.design import number_of
-from dem.claims.trials import Trial
+from dem.claims.trials import Trial, reference
 from dem.config import Replicate, Sweep
 from dem.errors import RunError
 from dem.flow.collect import LAG, measure
 from dem.flow.layout import MEASURES
 from dem.flow.motion import Motion
 
-PLACES = 50  # of the drag along the displacement, at most
+PLACES = 500  # of the drag along the displacement, at most
 NUMBERS = (
-    "drag", "scatter", "tangential", "pressure", "coordination", "overlap", "time", *MEASURES,
+    "drag", "scatter", "tangential", "load", "net_force", "coordination", "overlap", "time",
+    *MEASURES,
 )  # fmt: skip
+ALONG = ("alignment", "alignment_start", "streaming", "streaming_start")  # along the motion
 
 
 def shortened(sweep: Sweep) -> Sweep:
@@ -48,19 +50,19 @@ def motion_of(replicate: Replicate, values: dict) -> Motion:
     )  # fmt: skip
 
 
-def alignments(motion: Motion) -> np.ndarray:
-    """Alignment (2, snapshots) of the long axes with both directions; NaN for round granules."""
+def alignments(motion: Motion) -> dict[str, np.ndarray]:
+    """Alignment (snapshots,) of the long axes by the names of ALONG; NaN for round granules."""
     sweep, shape = motion.replicate.sweep, motion.replicate.shape
-    found = np.full((2, len(motion.displacement)), np.nan)
+    found = np.full((4, len(motion.displacement)), np.nan)
     if shape.ratio > 1.0:
         for now in range(1, found.shape[1]):
             cylinder = 0.5 * sweep.box_width, motion.cylinder_y[now]
             found[:, now] = alignment(
-                motion.position[now - 1], motion.position[now], motion.angle[now], cylinder,
+                motion.position[now - 1], motion.position[now], motion.angle[[now, 0]], cylinder,
                 0.5 * sweep.cylinder.diameter, shape.diameter,
                 float(np.diff(motion.displacement[now - 1 : now + 1])[0]),
-            )  # fmt: skip
-    return found
+            ).ravel()  # fmt: skip
+    return dict(zip(ALONG, found, strict=True))
 
 
 def blocks(values: np.ndarray) -> np.ndarray:
@@ -74,45 +76,49 @@ def measured(replicate: Replicate, values: dict) -> dict:
     sweep, motion = replicate.sweep, motion_of(replicate, values)
     inside = inside_window(sweep)
     force = values["drag"][inside]
-    window = (motion.displacement >= sweep.record.window[0]) & (
-        motion.displacement <= sweep.record.window[1]
-    )
-    found = {name: each[window] for name, each in measure(motion).items()}
+    moved, window = motion.displacement, sweep.record.window
+    seen = (moved >= window[0]) & (moved <= window[1])
+    thickness = sweep.material.thickness or replicate.shape.diameter
     return {
         "drag": force.mean(),
         "scatter": force.std() / force.mean() if force.mean() > 0.0 else np.nan,
         "tangential": values["drag_tangential"][inside].mean(),
-        "pressure": float(values["packing_pressure"]),
+        "load": float(values["packing_pressure"]) * thickness,
+        "net_force": float(values["packing_net_force"]),
         "coordination": values["coordination_number"][inside].mean(),
         "overlap": values["max_overlap"][inside].max(),
         "time": float(values["run_time"]),
-        **{name: each[np.isfinite(each)].mean() if np.isfinite(each).any() else np.nan
-           for name, each in found.items()},
+        **{name: finite_mean(each[seen]) for name, each in measure(motion).items()},
         "curve": blocks(values["drag"]),
-        "alignment": alignments(motion),
-        "displacement": motion.displacement,
-        "place": blocks(values["displacement"]),
-    }  # fmt: skip
+        **alignments(motion),
+    }
+
+
+def finite_mean(values: np.ndarray) -> float:
+    """Mean of what is a number; NaN where nothing is."""
+    good = values[np.isfinite(values)]
+    return float(good.mean()) if len(good) else np.nan
+
+
+def attempt(replicate: Replicate, beds: dict) -> tuple[dict, str]:
+    """Numbers and status of one run; beds holds the last bed, for the next run that shares it."""
+    try:
+        if replicate.bed_key() not in beds:
+            beds.clear()
+            beds[replicate.bed_key()] = drag.make_bed(replicate)
+        values = drag.run(replicate, beds[replicate.bed_key()])
+    except RunError as error:
+        return {}, type(error).__name__
+    return measured(replicate, values), "ran"
 
 
 def perform(sweep: Sweep, part: str, trials: list[Trial], progress=lambda done: None) -> dict:
-    """Variables over `run` of some trials of a part. A run that fails leaves NaN and the name of its error: where runs fail
-    is an answer too."""
+    """Variables over `run` of some trials of a part; NaN and the name of its error where one fails."""
     sweep, beds, rows = shortened(sweep), {}, []
     for done, trial in enumerate(trials):
         replicate = changed(sweep, trial.changes, trial.shape, trial.density, trial.seed)
         started = time.process_time()
-        try:
-            if replicate.bed_key() not in beds:
-                beds = {
-                    replicate.bed_key(): drag.make_bed(replicate)
-                }  # trials of one bed are together
-            found, status = (
-                measured(replicate, drag.run(replicate, beds[replicate.bed_key()])),
-                "ran",
-            )
-        except RunError as error:
-            found, status = {}, type(error).__name__
+        found, status = attempt(replicate, beds)
         rows.append((trial, replicate, found, status, time.process_time() - started))
         progress((done + 1) / len(trials))
     return columns(sweep, rows) | {"run_part": np.full(len(rows), part)}
@@ -121,41 +127,35 @@ def perform(sweep: Sweep, part: str, trials: list[Trial], progress=lambda done: 
 def columns(sweep: Sweep, rows) -> dict:
     """Rows of trial, replicate, numbers, status and processor time (s) as variables by name."""
     trials, replicates, found, status, spent = zip(*rows, strict=True)
-    record = sweep.record
-    edges = np.linspace(0.0, sweep.cylinder.stroke, record.bins + 1)
+    edges = np.linspace(0.0, sweep.cylinder.stroke, sweep.record.bins + 1)
     place = blocks(0.5 * (edges[1:] + edges[:-1]))
-    moments = np.linspace(0.0, sweep.cylinder.stroke, record.snapshots)
-    nothing = {
-        "curve": np.full(len(place), np.nan),
-        "alignment": np.full((2, len(moments)), np.nan),
+    moments = np.linspace(0.0, sweep.cylinder.stroke, sweep.record.snapshots)
+    own = {name: [getattr(t, name) for t in trials] for name in Trial._fields if name != "changes"}
+    numbers = {name: [each.get(name, np.nan) for each in found] for name in NUMBERS}
+    sizes = {name: len(moments) for name in ALONG} | {"curve": len(place)}
+    series = {
+        name: np.stack([each.get(name, np.full(size, np.nan)) for each in found])
+        for name, size in sizes.items()
     }
-    direct = {
-        name: [getattr(t, name) for t in trials]
-        for name in ("case", "seed", "setting", "x", "point")
-    }
+    more = {
+        "packing": [r.sweep.packing.fraction for r in replicates],
+        "ratio": [float(r.shape.ratio) for r in replicates],
+        "status": status, "spent": spent, "factor": design_values(sweep, trials),
+    }  # fmt: skip
+    variables = {f"run_{k}": np.array(v) for k, v in (own | numbers | series | more).items()}
+    first, density = reference(sweep)
+    return variables | {
+        "factor": np.array(list(sweep.claims.sensitivity.factors)), "place": place,
+        "moment": moments, "reference_shape": np.array(first), "reference_density": density,
+        "reference_packing": sweep.packing.fraction,
+    }  # fmt: skip
+
+
+def design_values(sweep: Sweep, trials) -> np.ndarray:
+    """Values (runs, factors) of the design, NaN for runs of other parts."""
     factors = sweep.claims.sensitivity.factors
-    values = np.full((len(rows), len(factors)), np.nan)
+    values = np.full((len(trials), len(factors)), np.nan)
     for row, trial in zip(values, trials, strict=True):
         if trial.point >= 0:
             row[:] = [number_of(factor, trial.changes[path]) for path, factor in factors.items()]
-    variables = {f"run_{name}": np.array(column) for name, column in direct.items()}
-    variables |= {
-        f"run_{name}": np.array([each.get(name, np.nan) for each in found], float)
-        for name in NUMBERS
-    }
-    along = np.stack([each.get("alignment", nothing["alignment"]) for each in found])
-    return variables | {
-        "run_shape": np.array([t.shape for t in trials]),
-        "run_density": np.array([t.density for t in trials]),
-        "run_packing": np.array([r.sweep.packing.fraction for r in replicates]),
-        "run_ratio": np.array([float(r.shape.ratio) for r in replicates]),
-        "run_status": np.array(status),
-        "run_spent": np.array(spent),
-        "run_factor": values,
-        "run_curve": np.stack([each.get("curve", nothing["curve"]) for each in found]),
-        "run_alignment": along[:, 0],
-        "run_streaming": along[:, 1],
-        "factor": np.array(list(factors)),
-        "place": place,
-        "moment": moments,
-    }
+    return values

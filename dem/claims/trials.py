@@ -8,10 +8,11 @@ from dem.errors import InputError
 if TYPE_CHECKING:
     from dem.claims.jamming import Jamming
 
-PARTS = ("replicates", "sensitivity", "matched", "ratios", "scaling")
-NEED_JAMMING = ("matched", "ratios")
-DISTANCE, PRESSURE, ROUGH = "equal distance", "equal pressure", "equal distance, friction"
+NEED_JAMMING = ("matched", "ratios", "scaling")
+DISTANCE, LOAD, ROUGH = "equal distance", "equal load", "equal distance, friction"
 FRACTION = "equal fraction"
+SIZES = ("diameter", "width", "height")
+BOXES = ("width", "height")  # run at equal distance from jamming too
 
 
 class Trial(NamedTuple):
@@ -26,6 +27,12 @@ class Trial(NamedTuple):
     setting: str = ""
     x: float = float("nan")
     point: int = -1
+
+
+def density_of(sweep: Sweep, shape: str) -> float:
+    """Density (kg/m3) of the first case of a shape, or of the first case of all."""
+    densities = [case.density for case in sweep.cases.values() if case.shape == shape]
+    return densities[0] if densities else reference(sweep)[1]
 
 
 def seeds(sweep: Sweep, count: int) -> range:
@@ -67,7 +74,7 @@ def matched(sweep: Sweep, jamming: "Jamming") -> list[Trial]:
     fraction, mu = sweep.packing.fraction, sweep.friction.granule
     states = {
         DISTANCE: lambda shape: jamming.at_distance(shape, first, fraction),
-        PRESSURE: lambda shape: jamming.at_pressure(shape, first, fraction),
+        LOAD: lambda shape: jamming.at_load(shape, first, fraction),
     }
     if mu > 0.0:
         states[ROUGH] = lambda shape: jamming.at_distance(shape, first, fraction, mu)
@@ -99,20 +106,31 @@ def ellipse_label(ratio: float) -> str:
     return f"{ratio:g}:1"
 
 
-def scaling(sweep: Sweep, jamming) -> list[Trial]:
-    """One size or the velocity changed at a time, all values on one seed together."""
+def box_label(shape: str, setting: str, x: float) -> str:
+    """How a table of jamming names a shape in a box of another size."""
+    return f"{shape} {setting} {x:g}"
+
+
+def scaling(sweep: Sweep, jamming: "Jamming") -> list[Trial]:
+    """One size or the velocity changed at a time, all values on one seed together; other boxes also
+    as far from jamming as the sweep's own."""
     wanted, (first, _), found = sweep.claims.scaling, reference(sweep), []
     for shape in wanted.shapes:
-        density = next(case.density for case in sweep.cases.values() if case.shape == shape)
-        for setting in ("velocity", "diameter", "width", "height"):
+        density = density_of(sweep, shape)
+        for setting in ("velocity", *SIZES):
             if setting == "velocity" and shape != first:
                 continue
             number = wanted.velocity_seeds if setting == "velocity" else wanted.seeds
-            found += [
-                Trial(shape, shape, density, seed, scaled(sweep, shape, setting, x), setting, x)
-                for seed in seeds(sweep, number)
-                for x in getattr(wanted, setting)
-            ]
+            for seed in seeds(sweep, number):
+                for x in getattr(wanted, setting):
+                    changes = scaled(sweep, shape, setting, x)
+                    found.append(Trial(shape, shape, density, seed, changes, setting, x))
+                    if setting in BOXES:
+                        label = box_label(shape, setting, x)
+                        there = jamming.at_distance(label, shape, sweep.packing.fraction)
+                        changes = changes | {"packing.fraction": there}
+                        name = f"{setting}, {DISTANCE}"
+                        found.append(Trial(shape, shape, density, seed, changes, name, x))
     return found
 
 
@@ -130,13 +148,21 @@ def scaled(sweep: Sweep, shape: str, setting: str, x: float) -> dict:
     }[setting]
 
 
+PARTS = {
+    "replicates": replicates, "sensitivity": sensitivity, "matched": matched, "ratios": ratios,
+    "scaling": scaling,
+}  # fmt: skip
+
+
 def trials(sweep: Sweep, part: str, jamming: "Jamming | None" = None) -> list[Trial]:
     """All runs of a part; raises InputError where it does not exist or needs jamming fractions."""
     if part not in PARTS:
         raise InputError(f"part is {part!r}; there are {', '.join(PARTS)}.")
     if part in NEED_JAMMING and jamming is None:
-        raise InputError(f"jamming is missing; the part {part} needs the files of dem claims jamming.")  # fmt: skip
-    return globals()[part](sweep, jamming)
+        raise InputError(
+            f"jamming is missing; the part {part} needs the files of dem claims jamming."
+        )
+    return PARTS[part](sweep, jamming)
 
 
 def count(sweep: Sweep, part: str) -> int:
@@ -145,12 +171,15 @@ def count(sweep: Sweep, part: str) -> int:
 
 
 class _Anywhere:
-    """In place of jamming fractions where only the number of runs is asked for."""
+    """In place of jamming fractions where they are not known yet."""
+
+    def __init__(self, fraction=0.5):
+        self.fraction = fraction
 
     def at_distance(self, *_):
-        return 0.5
+        return self.fraction
 
-    at_pressure = at_distance
+    at_load = at_distance
 
 
 def groups(sweep: Sweep, part: str) -> int:
@@ -159,8 +188,28 @@ def groups(sweep: Sweep, part: str) -> int:
 
 
 def share(sweep: Sweep, part: str, group: int, jamming: "Jamming | None" = None) -> list[Trial]:
-    """The runs of one job; raises InputError beyond the last."""
+    """The runs of one job; raises InputError beyond the last, and for runs that can not be."""
     found, size = trials(sweep, part, jamming), sweep.claims.group
     if group * size >= len(found):
         raise InputError(f"group is {group}; {part} has {-(-len(found) // size)}, from 0.")
-    return found[group * size : (group + 1) * size]
+    mine = found[group * size : (group + 1) * size]
+    check(sweep, mine)
+    return mine
+
+
+def check(sweep: Sweep, some: list[Trial]) -> None:
+    """Raise InputError where a run can not be simulated, before any is."""
+    from dem.claims.changes import changed
+
+    for trial in some:
+        try:
+            changed(sweep, trial.changes, trial.shape, trial.density, trial.seed)
+        except InputError as error:
+            values = ", ".join(f"{path}: {value}" for path, value in trial.changes.items())
+            raise InputError(f"claims asks for a run that can not be ({values}): {error}") from None
+
+
+def check_all(sweep: Sweep) -> None:
+    """The same for all runs, at the packing fraction of the sweep where it is not known yet."""
+    for part in PARTS:
+        check(sweep, trials(sweep, part, _Anywhere(sweep.packing.fraction)))
