@@ -200,7 +200,9 @@ def share(sweep: Sweep, part: str, group: int, jamming: "Jamming | None" = None)
 def check(sweep: Sweep, some: list[Trial]) -> None:
     """Raise InputError where a run can not be simulated, before any is."""
     from dem.claims.changes import changed
+    from dem.claims.runs import shortened
 
+    sweep = shortened(sweep)
     for trial in some:
         try:
             changed(sweep, trial.changes, trial.shape, trial.density, trial.seed)
