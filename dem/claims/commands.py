@@ -94,11 +94,12 @@ def combine(
 def test(
     data: Annotated[Path, typer.Argument(help="claims.nc, or drag.nc of any sweep.")],
     name: Annotated[str | None, typer.Option("--claim", help="One claim in detail.")] = None,
-):
+    margin: Annotated[float, typer.Option(help="By how much, as a share, words such as significantly mean.")] = 0.18,
+):  # fmt: skip
     """Which claims these runs support, contradict or leave undecided."""
     with reported():
         from rich.console import Console
 
         from dem.claims.report import verdicts
 
-        Console(width=140).print(verdicts(data, name))
+        Console(width=140).print(verdicts(data, name, margin))

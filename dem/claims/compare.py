@@ -1,7 +1,7 @@
-"""A comparison: one number from runs, with its interval, against what a claim says of it.
+"""What runs say of a number, with its interval, against what a claim says of it.
 
-Replicates are the unit. An interval belongs to a level; the verdict of a claim uses a level so
-high that all comparisons of all claims hold together (Bonferroni).
+Replicates are the unit. An interval belongs to a level; the verdict on a claim uses a level so
+high that the intervals of all claims hold together (Bonferroni).
 """
 
 import math
@@ -13,18 +13,16 @@ from scipy.stats import t
 from dem.statistics import LEVEL
 
 SUPPORTED, CONTRADICTED, UNDECIDED, UNTESTED = (
-    "supported",
-    "contradicted",
-    "undecided",
-    "not tested",
-)
+    "supported", "contradicted", "undecided", "not tested",
+)  # fmt: skip
 
 
 class Comparison(NamedTuple):
     """Ratio of the means of samples a and b, or the mean of a if b is None.
 
-    words: what is compared; a, b (runs,): one value a run, NaN where a run failed; low, high:
-    between which the claim says that the number lies; paired: a[i] and b[i] are of one bed.
+    words: what is compared; a, b (runs,): one value a run, NaN where a run failed; low, high: the
+    claim says that the number lies between them, or not between them if `outside`; paired: a[i]
+    and b[i] are of one bed.
     """
 
     words: str
@@ -33,6 +31,11 @@ class Comparison(NamedTuple):
     low: float
     high: float
     paired: bool = False
+    outside: bool = False
+
+    @property
+    def is_ratio(self) -> bool:
+        return self.b is not None
 
     def samples(self):
         """a and b without runs that failed, of pairs without those of which one failed."""
@@ -46,9 +49,10 @@ class Comparison(NamedTuple):
 
     @property
     def estimate(self) -> float:
-        """The number."""
+        """The number; infinite where b has a mean of zero."""
         a, b = self.samples()
-        return float(a.mean()) / (1.0 if b is None else float(b.mean()))
+        below = 1.0 if b is None else float(b.mean())
+        return float(a.mean()) / below if below else math.inf
 
     @property
     def runs(self) -> int:
@@ -63,24 +67,24 @@ class Comparison(NamedTuple):
         """
         if self.runs < 2:
             return math.nan, math.nan
-        error, freedom = self._error()
-        half = float(t.ppf(0.5 + 0.5 * level, freedom)) * error
-        if self.b is None:
-            return self.estimate - half, self.estimate + half
-        if not self.estimate > 0.0:
+        if self.is_ratio and not 0.0 < self.estimate < math.inf:
             return -math.inf, math.inf
+        error, freedom = self.error()
+        half = float(t.ppf(0.5 + 0.5 * level, freedom)) * error
+        if not self.is_ratio:
+            return self.estimate - half, self.estimate + half
         return self.estimate * math.exp(-half), self.estimate * math.exp(half)
 
-    def _error(self):
+    def error(self) -> tuple[float, float]:
         """Standard error, of a ratio that of its logarithm, and degrees of freedom."""
         a, b = self.samples()
         if b is None:
-            return a.std(ddof=1) / math.sqrt(len(a)), len(a) - 1
+            return float(a.std(ddof=1)) / math.sqrt(len(a)), len(a) - 1
         if self.paired:
             rest = a / a.mean() - b / b.mean()
             return math.sqrt((rest**2).sum() / (len(a) - 1) / len(a)), len(a) - 1
         parts = [each.var(ddof=1) / len(each) / each.mean() ** 2 for each in (a, b)]
-        total = sum(parts)
+        total = float(sum(parts))
         if not total > 0.0:
             return 0.0, self.runs - 1
         freedom = total**2 / sum(
@@ -90,22 +94,86 @@ class Comparison(NamedTuple):
 
     def verdict(self, level: float) -> str:
         """Supported if the whole interval lies where the claim says, contradicted if none of it."""
-        low, high = self.interval(level)
-        if low > self.low and high < self.high:
-            return SUPPORTED
-        if low >= self.high or high <= self.low:
-            return CONTRADICTED
-        return UNDECIDED
+        return judged(self, *self.interval(level))
 
     def holds(self) -> np.ndarray:
         """Run by run (runs,): 1 where the number of a single pair lies where the claim says, 0 where
         it does not, NaN where a run failed."""
-        values = self.a if self.b is None else self.a / self.b
-        inside = (values > self.low) & (values < self.high)
-        return np.where(np.isfinite(values), inside, np.nan)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            values = self.a if self.b is None else self.a / self.b
+        there = (values > self.low) & (values < self.high)
+        return np.where(np.isfinite(values), there != self.outside, np.nan)
 
 
-def together(comparisons: list[Comparison], level: float) -> str:
+class Growth(NamedTuple):
+    """By which factor something grows: from a fit of its logarithm, with standard error and degrees
+    of freedom; low, high: the claim says that the factor lies between them."""
+
+    words: str
+    logarithm: float
+    error: float
+    freedom: float
+    low: float
+    high: float
+    outside: bool = False
+    is_ratio: bool = True
+
+    @property
+    def estimate(self) -> float:
+        return math.exp(self.logarithm)
+
+    @property
+    def runs(self) -> int:
+        """Degrees of freedom: as many independent runs stand behind the interval."""
+        return int(self.freedom)
+
+    def interval(self, level: float = LEVEL) -> tuple[float, float]:
+        """Confidence interval by Student's t."""
+        half = float(t.ppf(0.5 + 0.5 * level, self.freedom)) * self.error
+        return math.exp(self.logarithm - half), math.exp(self.logarithm + half)
+
+    def verdict(self, level: float) -> str:
+        return judged(self, *self.interval(level))
+
+
+class Prediction(NamedTuple):
+    """What a sweep as small as the paper's gives: draws (d,) of a number from many runs, beside what
+    the paper reports, to its last digit between low and high."""
+
+    words: str
+    draws: np.ndarray
+    runs: int
+    low: float
+    high: float
+    outside: bool = False
+    is_ratio: bool = False
+
+    @property
+    def estimate(self) -> float:
+        """The median."""
+        return float(np.median(self.draws))
+
+    def interval(self, level: float = LEVEL) -> tuple[float, float]:
+        """Range that holds this share of the draws."""
+        low, high = np.quantile(self.draws, [0.5 - 0.5 * level, 0.5 + 0.5 * level])
+        return float(low), float(high)
+
+    def verdict(self, level: float) -> str:
+        """Supported if the report lies in the range."""
+        low, high = self.interval(level)
+        return SUPPORTED if low < self.high and high > self.low else CONTRADICTED
+
+
+def judged(claimed, low: float, high: float) -> str:
+    """Verdict on an interval, from where `claimed` has it."""
+    inside = low > claimed.low and high < claimed.high
+    apart = low >= claimed.high or high <= claimed.low
+    if claimed.outside:
+        inside, apart = apart, inside
+    return SUPPORTED if inside else CONTRADICTED if apart else UNDECIDED
+
+
+def together(comparisons: list, level: float) -> str:
     """Verdict on a claim of several parts: supported if all are, contradicted if one is."""
     found = {each.verdict(level) for each in comparisons}
     if not found:
@@ -115,6 +183,8 @@ def together(comparisons: list[Comparison], level: float) -> str:
     return SUPPORTED if found == {SUPPORTED} else UNDECIDED
 
 
-def simultaneous(count: int) -> float:
-    """Level of each of `count` intervals that all hold together at LEVEL."""
-    return 1.0 - (1.0 - LEVEL) / max(count, 1)
+def simultaneous(compared: list[list]) -> float:
+    """Level of each interval at which all of them hold together at LEVEL; a number that decides
+    several claims counts once."""
+    distinct = {each.words for comparisons in compared for each in comparisons}
+    return 1.0 - (1.0 - LEVEL) / max(len(distinct), 1)
