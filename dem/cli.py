@@ -130,7 +130,7 @@ def info(
 
         from dem.info import summary
 
-        console = Console(width=None if sys.stdout.isatty() else 140)
+        console = Console(width=None if sys.stdout.isatty() else 160)
         console.print(summary(data))
 
 

@@ -63,7 +63,7 @@ class Study(NamedTuple):
                 raise InputError(
                     f"{name} differs between the files: {sorted(values)}; make them anew."
                 )
-        whole = xr.merge(joined, combine_attrs="drop_conflicts")
+        whole = xr.merge(joined, compat="no_conflicts", combine_attrs="drop_conflicts")
         whole.attrs |= {name: shared[0].attrs[name] for name in SAME}
         for name in ("versions", "git_revision", "source_hash"):
             whole.attrs[name] = "; ".join(dict.fromkeys(part.attrs[name] for part in parts))

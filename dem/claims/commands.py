@@ -102,4 +102,4 @@ def test(
 
         from dem.claims.report import verdicts
 
-        Console(width=140).print(verdicts(data, name, margin))
+        Console(width=160).print(verdicts(data, name, margin))

@@ -49,8 +49,10 @@ class Comparison(NamedTuple):
 
     @property
     def estimate(self) -> float:
-        """The number; infinite where b has a mean of zero."""
+        """The number; infinite where b has a mean of zero, NaN without runs."""
         a, b = self.samples()
+        if not self.runs:
+            return math.nan
         below = 1.0 if b is None else float(b.mean())
         return float(a.mean()) / below if below else math.inf
 

@@ -50,7 +50,7 @@ def mean_of(runs: xr.Dataset) -> Mean | None:
 
 
 def remaining(dataset: xr.Dataset) -> list[Remaining]:
-    """All shapes at all states, at equal packing fraction first.
+    """The reference and all shapes at all states, at equal packing fraction first.
 
     Errors by the delta method. That of a distance from jamming is carried to the drag by how the
     drag of the shape grows with the packing fraction over all its states.
@@ -59,6 +59,8 @@ def remaining(dataset: xr.Dataset) -> list[Remaining]:
     replicates, matched, found = rows(dataset, "replicates"), rows(dataset, "matched"), []
     base = mean_of(with_case(replicates, case))
     reference_shape = str(dataset["reference_shape"].values)
+    if base is not None:
+        found.append(_one(case, EQUAL, with_case(replicates, case), base, base, base, 0.0))
     for shape in dict.fromkeys(matched["run_case"].values.tolist()):
         here = with_case(matched, shape)
         equal = mean_of(with_case(replicates, shape))
@@ -111,6 +113,8 @@ def _one(shape, state, runs, there: Mean, base: Mean, equal: Mean, more: float) 
     """A state of a shape; more: squared error of its logarithm from the distance to jamming."""
     quantile = float(t.ppf(0.5 + 0.5 * LEVEL, min(there.runs, base.runs, equal.runs) - 1))
     log, variance = there.log - base.log, there.variance + base.variance + more
+    if there is base:
+        variance = 0.0
     before, before_variance = equal.log - base.log, equal.variance + base.variance
     half = quantile * math.sqrt(variance)
     part = (math.nan,) * 3

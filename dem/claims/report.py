@@ -20,6 +20,7 @@ from dem.tables import numbers
 
 OTHER_MARGINS = (0.10, 0.25)
 RANKED = 4  # influences that are listed
+UNLOADED = 1.0  # N/m: walls of beds below jamming bear less
 SETTINGS = (
     "velocity", "diameter", "width", "width, equal distance", "height", "height, equal distance",
 )  # fmt: skip
@@ -192,7 +193,7 @@ def scaling(dataset: xr.Dataset) -> Table:
     for setting in SETTINGS:
         for shape in dict.fromkeys(rows(dataset, "scaling")["run_case"].values.tolist()):
             for x, drag, load in scaled_ratios(dataset, setting, shape):
-                made.add_row(shape, setting, f"{x:g}", span(drag), str(drag.runs), f"{load:.2f}")
+                made.add_row(shape, setting, f"{x:g}", span(drag), str(drag.runs), f"{load:.2f}" if np.isfinite(load) else "-")
     return made
 
 
@@ -205,6 +206,8 @@ def scaled_ratios(dataset: xr.Dataset, setting: str, shape: str) -> list:
         if x != 1.0:
             (drag,) = ratio(runs, "drag", x, 1.0, paired=setting == "velocity") or (None,)
             load = runs["load"].mean("seed")
-            if drag is not None:
-                found.append((x, drag, float(load.sel(case=x) / load.sel(case=1.0))))
+            if drag is not None and drag.runs > 1:
+                base = float(load.sel(case=1.0))
+                there = float(load.sel(case=x)) / base if base > UNLOADED else np.nan
+                found.append((x, drag, there))
     return found

@@ -22,10 +22,10 @@ GRIPS = (("o", "#17457d"), ("s", "#f5c49a"))
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
     """Left: where shapes jam; right: drag over that of the reference at each state."""
-    found = remaining(dataset)
+    case, _, fraction = reference(dataset)
+    found = [each for each in remaining(dataset) if each.shape != case]
     if not found:
         raise InputError("there are no runs of the part matched.")
-    case, _, fraction = reference(dataset)
     shapes = list(dict.fromkeys(each.shape for each in found))
     figure = Figure(figsize=(style.WIDTH + 2.0, 5.6))
     left, right = figure.subplots(1, 2, width_ratios=[1.0, 1.9])
