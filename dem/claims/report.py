@@ -65,7 +65,7 @@ def span(each, level: float = LEVEL) -> str:
 
 def per_cent(share: Share | None) -> str:
     """A share of worlds in which a claim holds."""
-    return "-" if share is None else f"{100 * share.share:.0f} ({100 * share.low:.0f} to {100 * share.high:.0f})"  # fmt: skip
+    return "-" if share is None else f"{100 * share.share:.0f} ({100 * share.low:.0f}\N{EN DASH}{100 * share.high:.0f})"  # fmt: skip
 
 
 def legend(found: list[Verdict]) -> str:
