@@ -98,7 +98,7 @@ def claimed(part) -> str:
         return f"above {part.low:.3g}"
     if part.low == 0.0 and part.is_ratio:
         return f"below {part.high:.3g}"
-    return f"{'not ' if part.outside else ''}{part.low:.4g} to {part.high:.4g}"
+    return f"{'not ' if part.outside else ''}{part.low:.5g} to {part.high:.5g}"
 
 
 def detail(found: Verdict) -> Group:
@@ -193,7 +193,14 @@ def scaling(dataset: xr.Dataset) -> Table:
     for setting in SETTINGS:
         for shape in dict.fromkeys(rows(dataset, "scaling")["run_case"].values.tolist()):
             for x, drag, load in scaled_ratios(dataset, setting, shape):
-                made.add_row(shape, setting, f"{x:g}", span(drag), str(drag.runs), f"{load:.2f}" if np.isfinite(load) else "-")
+                made.add_row(
+                    shape,
+                    setting,
+                    f"{x:g}",
+                    span(drag),
+                    str(drag.runs),
+                    f"{load:.2f}" if np.isfinite(load) else "-",
+                )
     return made
 
 

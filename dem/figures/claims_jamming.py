@@ -13,7 +13,7 @@ from dem.figures import style
 STATES = {
     EQUAL: ("equal packing fraction", "#17457d", ""),
     "equal distance": ("equal distance from jamming", "#d5eedd", "..."),
-    "equal distance, friction": ("the same, jamming with friction", "#f5c49a", "///"),
+    "equal distance, friction": ("equal distance, jamming with friction", "#f5c49a", "///"),
     "equal load": ("equal load before the run", "0.88", "xx"),
 }
 GRIPS = (("o", "#17457d"), ("s", "#f5c49a"))
@@ -66,7 +66,7 @@ def _jamming(axes, dataset, shapes, fraction):
 def _drags(axes, found, shapes, case):
     states = [state for state in STATES if any(each.state == state for each in found)]
     width = 0.8 / len(states)
-    for each in found:
+    for each in sorted(found, key=lambda each: states.index(each.state)):
         number, place = states.index(each.state), shapes.index(each.shape)
         name, color, hatch = STATES[each.state]
         value, low, high = each.ratio
@@ -78,4 +78,4 @@ def _drags(axes, found, shapes, case):
     axes.set_xticks(range(len(shapes)), shapes)
     axes.tick_params(axis="x", length=0)
     axes.set_ylabel(f"Mean drag over that of {case}\nat equal packing fraction (95 % interval)")
-    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
+    axes.legend(loc="lower center", bbox_to_anchor=(0.45, 1.0), ncols=2)
