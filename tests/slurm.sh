@@ -1,0 +1,92 @@
+#!/usr/bin/env bash
+# A SLURM of one machine, from nothing to a finished sweep and back: installs it (Debian, as root),
+# starts it in a mount namespace of its own, runs the smoke sweep through profiles/slurm, stops it, and
+# compares the result bit by bit with that of a local run.
+#
+#     bash tests/slurm.sh [folder for logs]
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+if [ -z "${IN_NAMESPACE:-}" ]; then
+    command -v slurmctld >/dev/null || { apt-get update -q && apt-get install -qy slurm-wlm munge; }
+    python -c "import snakemake_executor_plugin_slurm" 2>/dev/null ||
+        { echo "The plugin is missing: pip install snakemake-executor-plugin-slurm" >&2; exit 2; }
+    exec env IN_NAMESPACE=1 unshare -m bash "$0" "$@"
+fi
+
+LOGS=$(mkdir -p "${1:-results/slurm_logs}" && cd "${1:-results/slurm_logs}" && pwd)
+HOME_OF=$(mktemp -d)
+chmod 755 "$HOME_OF"
+
+stop() {
+    for name in slurmd slurmctld munged; do
+        [ -f "$HOME_OF/$name.pid" ] && kill "$(cat "$HOME_OF/$name.pid")" 2>/dev/null || true
+    done
+    rm -rf "$HOME_OF"
+}
+trap stop EXIT
+
+# munge: who is who
+mkdir -p "$HOME_OF/munge"
+dd if=/dev/urandom of="$HOME_OF/munge/key" bs=1024 count=1 status=none
+chmod 400 "$HOME_OF/munge/key"
+munged --force --key-file="$HOME_OF/munge/key" --socket="$HOME_OF/munge/socket" \
+    --pid-file="$HOME_OF/munged.pid" --log-file="$LOGS/munged.log" --seed-file="$HOME_OF/munge/seed"
+
+# slurm: one node with all cores
+mkdir -p "$HOME_OF/state" "$HOME_OF/spool" "$HOME_OF/etc"
+HOST=$(hostname -s)
+cat >"$HOME_OF/etc/slurm.conf" <<CONF
+ClusterName=alone
+SlurmctldHost=$HOST(127.0.0.1)
+SlurmUser=root
+AuthType=auth/munge
+AuthInfo=socket=$HOME_OF/munge/socket
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+JobAcctGatherType=jobacct_gather/none
+AccountingStorageType=accounting_storage/none
+SelectType=select/cons_tres
+SelectTypeParameters=CR_Core
+MinJobAge=300
+StateSaveLocation=$HOME_OF/state
+SlurmdSpoolDir=$HOME_OF/spool
+SlurmctldPidFile=$HOME_OF/slurmctld.pid
+SlurmdPidFile=$HOME_OF/slurmd.pid
+NodeName=$HOST NodeAddr=127.0.0.1 CPUs=$(nproc) RealMemory=$(free -m | awk "NR==2 {print \$2}") State=UNKNOWN
+PartitionName=main Nodes=$HOST Default=YES MaxTime=INFINITE State=UP
+CONF
+mkdir -p /etc/slurm
+mount --bind "$HOME_OF/etc" /etc/slurm
+slurmctld -L "$LOGS/slurmctld.log"
+slurmd -L "$LOGS/slurmd.log"
+for _ in $(seq 60); do
+    sinfo -h -o %T 2>/dev/null | grep -q idle && break
+    sleep 0.5
+done
+sinfo
+
+# the same sweep twice: through SLURM, and here
+for place in slurm local; do
+    sed -e "s#results/smoke#results/${place}_smoke#" -e "s/^seeds: .*/seeds: [1, 2, 3, 4]\nbatch: 2/" \
+        config/smoke.yaml >"$HOME_OF/$place.yaml"
+    rm -rf "results/${place}_smoke"
+done
+PYTHONPATH=$PWD python -m snakemake results/slurm_smoke/drag.nc --workflow-profile profiles/slurm \
+    --configfile "$HOME_OF/slurm.yaml" --slurm-status-command squeue --slurm-logdir "$LOGS/jobs" \
+    --slurm-init-seconds-before-status-checks 2 --seconds-between-status-checks 2 --latency-wait 20 \
+    --slurm-keep-successful-logs 2>&1 | tee "$LOGS/snakemake.log"
+PYTHONPATH=$PWD python -m snakemake results/local_smoke/drag.nc -j2 --configfile "$HOME_OF/local.yaml" -q all
+python - <<'PY'
+import sys
+
+import numpy as np
+import xarray as xr
+
+one, two = (xr.open_dataset(f"results/{place}_smoke/drag.nc") for place in ("slurm", "local"))
+different = [name for name in two.variables if name != "run_time"
+             and not np.array_equal(one[name].values, two[name].values)]
+print(f"{two.drag.sizes['case'] * two.drag.sizes['seed']} replicates;",
+      f"different: {', '.join(different)}" if different else "SLURM and local: same bits")
+sys.exit(bool(different))
+PY
