@@ -14,6 +14,7 @@ import sys
 from pathlib import Path
 
 from dem import config as schema
+from dem.files import clear_parts
 from dem.errors import InputError
 from dem.figures import FLOW, possible
 from dem.provenance import source_hash
@@ -32,11 +33,15 @@ except InputError as error:
 RESULTS = SWEEP.results
 CONFIG = f"{RESULTS}/config.yaml"  # the configuration as resolved, written when the run starts
 SOURCES = source_hash()
-REPLICATES = [
-    f"{RESULTS}/replicates/{case.shape}/density{schema.density_label(case.density)}/seed{seed}.nc"
-    for case in SWEEP.cases.values()
-    for seed in SWEEP.seeds
-]
+# what says that all replicates are there: with one seed a job their files, else a mark a job
+if SWEEP.batch == 1:
+    REPLICATES = [f"{RESULTS}/{replicate.path}" for replicate in SWEEP.replicates()]
+else:
+    REPLICATES = [
+        f"{RESULTS}/batches/{shape}/{number}.done"
+        for shape in dict.fromkeys(case.shape for case in SWEEP.cases.values())
+        for number in range(SWEEP.batches())
+    ]
 FIGURES = possible(SWEEP) + possible(SWEEP, FLOW)
 
 
@@ -46,6 +51,7 @@ wildcard_constraints:
     seed="[0-9]+",
     figure="figure[0-9]+",
     group="[0-9]+",
+    number="[0-9]+",
     part="[a-z]+",
 
 
@@ -75,4 +81,9 @@ include: "rules/report.smk"
 
 
 onstart:
-    schema.save(SWEEP, CONFIG)
+    clear_parts(RESULTS)
+    try:
+        schema.save(SWEEP, CONFIG)
+    except OSError as error:
+        print(error, file=sys.stderr)
+        sys.exit(1)

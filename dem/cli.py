@@ -65,6 +65,7 @@ def simulate(
     config: ConfigOption = PAPER,
     bed: Annotated[Path | None, typer.Option(help="Bed from dem pack; packed anew if absent.")] = None,
     threads: Annotated[int, typer.Option(min=1, help="Useful from some thousand granules; the result stays the same.")] = 1,
+    checkpoint: Annotated[Path | None, typer.Option(help="File to which a long run saves itself every minute, and from which it goes on.")] = None,
 ):  # fmt: skip
     """Draw the cylinder through one bed and record the forces on it."""
     with reported():
@@ -75,23 +76,43 @@ def simulate(
         replicate = load(config).replicate(shape, density, seed)
         at_rest = drag.read_bed(bed, replicate) if bed else drag.make_bed(replicate)
         with bar(f"{shape}, {density:g} kg/m3, seed {seed}", replicate.sweep.record.bins) as update:
-            values = drag.run(replicate, at_rest, update, threads)
+            values = drag.run(replicate, at_rest, update, threads, checkpoint)
         drag.write_replicate(output, replicate, values)
 
 
 @app.command()
-def combine(
-    files: Annotated[list[Path], typer.Argument(help="Replicates of all cases and seeds.")],
-    output: OutputOption,
+def batch(
+    shape: ShapeOption,
+    number: Annotated[int, typer.Option("--number", min=0, help="Which seeds: job number from 0.")],
+    folder: Annotated[Path, typer.Option("-o", "--output", help="Folder of results.")],
     config: ConfigOption = PAPER,
 ):
+    """Make many replicates of a shape in one process; those that are up to date are left alone."""
+    with reported():
+        start_lean()
+        from dem.batch import batch as make
+        from dem.config import load
+
+        sweep = load(config)
+        with bar(f"{shape}, batch {number}", 1.0) as update:
+            make(sweep, shape, number, folder, update)
+
+
+@app.command()
+def combine(
+    output: OutputOption,
+    files: Annotated[list[Path] | None, typer.Argument(help="Replicates of all cases and seeds; those of the configuration beside the output if absent.")] = None,
+    config: ConfigOption = PAPER,
+):  # fmt: skip
     """Combine replicates into one file over case, seed and displacement."""
     with reported():
         from dem.combine import combine as combined
-        from dem.combine import write_combined
         from dem.config import load
 
-        write_combined(combined(files, load(config)), output)
+        sweep = load(config)
+        files = files or [output.parent / each.path for each in sweep.replicates()]
+        with bar("combining", 1.0) as update:
+            combined(files, sweep, output, update)
 
 
 @app.command()

@@ -1,18 +1,21 @@
 """Many replicates into one file: drag.nc, over (case, seed, displacement).
 
-Replicates are opened one after another (netCDF4 is not safe with threads); at any moment the
-result and one replicate are in memory. Snapshots stay in the replicates' own files.
+Replicates are opened one after another (netCDF4 is not safe with threads) and written at once: at
+any moment one replicate, and the few blocks of the file that are not full yet, are in memory,
+however many there are. Snapshots stay in the replicates' own files.
 """
 
 import json
 from pathlib import Path
 
+import netCDF4
 import numpy as np
 import xarray as xr
 
 from dem.config import Replicate, Sweep, density_label
-from dem.dataset import VARIABLES, WALLS, atomic, attributes, global_attributes, read
+from dem.dataset import VARIABLES, WALLS, attributes, global_attributes, read
 from dem.errors import InputError
+from dem.files import atomic
 
 # What a replicate records along its stroke, once a run, and on the axis that all runs share.
 SERIES = tuple(
@@ -28,42 +31,48 @@ AXIS = ("displacement", "displacement_bounds")
 # Which run a replicate holds, and the attributes that say what it was made from.
 LABELS = ("shape", "density", "seed")
 PROVENANCE = ("versions", "git_revision", "source_hash")
+BLOCK = 64  # runs of a case that are kept, compressed and read together
 
 
-def combine(paths: list[Path], sweep: Sweep) -> xr.Dataset:
-    """All runs of a sweep, in the order of its cases, seeds ascending as CF wants an axis.
+def combine(paths: list[Path], sweep: Sweep, output: Path, progress=lambda done: None) -> None:
+    """Write all runs of a sweep, in the order of its cases, seeds ascending as CF wants an axis.
 
     The replicates may come in any order; each says itself which run it holds. The attributes tell
-    the provenance of the replicates, all of it where they differ. Raises InputError for a file
-    that is missing, damaged or of another configuration, and for a run that no file holds.
+    the provenance of the replicates, all of it where they differ. The file is written atomically
+    and without loss. Raises InputError for a replicate that is missing, damaged or of another
+    configuration, and for a run that no file holds.
     """
-    places = places_of(sweep)
-    size = len(sweep.cases), len(sweep.seeds)
-    values, origins, provenance = {}, {}, {name: {} for name in PROVENANCE}
-    for path in paths:
-        run, attrs = _load(path, sweep)
-        key = key_of(run["shape"], run["density"], run["seed"])
-        if key not in places:
+    cases, seeds = case_places(sweep), seed_places(sweep)
+    origin = np.full((len(cases), len(seeds)), -1)  # number of the path that a run comes from
+    provenance = {name: {} for name in PROVENANCE}
+    with atomic(output) as part, netCDF4.Dataset(part, "w") as file:
+        for number, path in enumerate(paths):
+            run, attrs = _load(path, sweep)
+            shape, density, seed = key_of(run["shape"], run["density"], run["seed"])
+            place = cases.get((shape, density), -1), seeds.get(seed, -1)
+            if -1 in place:
+                raise InputError(
+                    f"{path}: it holds {shape} at {density} kg/m3, seed {seed}, which the "
+                    "configuration does not ask for."
+                )
+            if origin[place] >= 0:
+                raise InputError(f"{path}: it holds the same run as {paths[origin[place]]}.")
+            if number == 0:
+                _make_room(file, sweep, run)
+            origin[place] = number
+            for name in PROVENANCE:
+                provenance[name][attrs[name]] = None
+            for name in (*SERIES, *SCALARS):
+                file.variables[name][place] = run[name]
+            progress((number + 1) / len(paths))
+        if (origin < 0).any():
+            row, column = np.argwhere(origin < 0)[0]
+            shape, density = list(cases)[row]
             raise InputError(
-                f"{path}: it holds {key[0]} at {key[1]} kg/m3, seed {key[2]}, which the "
-                "configuration does not ask for."
+                f"{shape} at {density} kg/m3, seed {list(seeds)[column]}, is in none of the "
+                f"{len(paths)} files."
             )
-        if key in origins:
-            raise InputError(f"{path}: it holds the same run as {origins[key]}.")
-        origins[key] = path
-        for name in PROVENANCE:
-            provenance[name][attrs[name]] = None
-        for name in (*SERIES, *SCALARS):
-            if name not in values:
-                values[name] = np.empty((*size, *run[name].shape), run[name].dtype)
-            values[name][places[key]] = run[name]
-        values |= {name: run[name] for name in AXIS}
-    for shape, density, seed in places:
-        if (shape, density, seed) not in origins:
-            raise InputError(
-                f"{shape} at {density} kg/m3, seed {seed}, is in none of the {len(paths)} files."
-            )
-    return _dataset(values, sweep, {name: "; ".join(kept) for name, kept in provenance.items()})
+        file.setncatts(_about(sweep, {name: "; ".join(kept) for name, kept in provenance.items()}))
 
 
 def key_of(shape, density, seed) -> tuple[str, str, int]:
@@ -71,12 +80,23 @@ def key_of(shape, density, seed) -> tuple[str, str, int]:
     return str(shape), density_label(float(density)), int(seed)
 
 
+def case_places(sweep: Sweep) -> dict[tuple[str, str], int]:
+    """Place of a shape at a density, as files name them, along the axis of cases."""
+    cases = sweep.cases.values()
+    return {(case.shape, density_label(case.density)): row for row, case in enumerate(cases)}
+
+
+def seed_places(sweep: Sweep) -> dict[int, int]:
+    """Place of a seed along its axis."""
+    return {seed: column for column, seed in enumerate(sorted(sweep.seeds))}
+
+
 def places_of(sweep: Sweep) -> dict[tuple, tuple[int, int]]:
     """Place (case, seed) in the result of every run that the configuration asks for."""
     return {
-        key_of(case.shape, case.density, seed): (row, column)
-        for row, case in enumerate(sweep.cases.values())
-        for column, seed in enumerate(sorted(sweep.seeds))
+        (*case, seed): (row, column)
+        for case, row in case_places(sweep).items()
+        for seed, column in seed_places(sweep).items()
     }
 
 
@@ -86,18 +106,23 @@ def _load(path: Path, sweep: Sweep) -> tuple[dict, dict]:
     Its run_key holds all that its run depended on: it must be what the sweep would write today.
     """
     if not Path(path).is_file():
-        raise InputError(f"{path}: there is no such file.")
+        raise InputError(
+            f"{path}: there is no such file; delete the folder batches beside replicates, if there is "
+            "one, and run again."
+        )
     try:
         values, attrs = read(path, (*AXIS, *SERIES, *SCALARS, *LABELS))
     except (RuntimeError, AttributeError) as error:
-        raise InputError(f"{path}: it is damaged ({error}).") from None
+        raise InputError(f"{path}: it is damaged ({error}); delete it and run again.") from None
     for name in (*PROVENANCE, "run_key"):
         if name not in attrs:
             raise InputError(f"{path}: it has no attribute {name}; is it another file?")
     label = str(values["shape"])
-    run = {"label": label, "density": float(values["density"]), "seed": int(values["seed"])}
-    if label not in sweep.shapes or attrs["run_key"] != Replicate(sweep=sweep, **run).run_key():
-        raise InputError(f"{path}: it was made with another configuration; simulate it again.")
+    run = Replicate.of(sweep, label, float(values["density"]), int(values["seed"]))
+    if label not in sweep.shapes or attrs["run_key"] != run.run_key():
+        raise InputError(
+            f"{path}: it was made with another configuration; delete it and run again."
+        )
     sizes = {"displacement": sweep.record.bins, "bound": 2, "wall": len(WALLS)}
     for name in (*AXIS, *SERIES, *SCALARS):
         if values[name].shape != tuple(sizes[dim] for dim in VARIABLES[name][0]):
@@ -105,60 +130,69 @@ def _load(path: Path, sweep: Sweep) -> tuple[dict, dict]:
     return values, attrs
 
 
-def _dataset(values, sweep, provenance) -> xr.Dataset:
-    """Arrays by name, with coordinates and attributes.
-
-    The averaging window and the cylinder's velocity stand in the attributes, so that figures need
-    nothing but the Dataset.
-    """
+def _make_room(file, sweep: Sweep, run: dict) -> None:
+    """Dimensions, axes, labels and empty variables of drag.nc; no variable has gaps, none a fill."""
     shapes = [sweep.shapes[case.shape] for case in sweep.cases.values()]
     on_case = {
-        "case": list(sweep.cases),
         "shape": [case.shape for case in sweep.cases.values()],
         "kind": [shape.kind for shape in shapes],
-        "aspect_ratio": [shape.ratio for shape in shapes],
+        "aspect_ratio": [float(shape.ratio) for shape in shapes],
         "density": [case.density for case in sweep.cases.values()],
         "diameter": [shape.diameter for shape in shapes],
         "granules": [shape.granules for shape in shapes],
     }
-    coordinates = {name: ("case", found, attributes(name)) for name, found in on_case.items()}
-    displacement = values.pop("displacement")
-    axes = {"seed": sorted(sweep.seeds), "wall": list(WALLS), "displacement": displacement}
-    coordinates |= {name: (name, found, attributes(name)) for name, found in axes.items()}
-    variables = {}
-    for name, array in values.items():
-        own = VARIABLES[name][0]
-        dims = own if name in AXIS else ("case", "seed", *own)
-        variables[name] = (dims, array, attributes(name))
-    return xr.Dataset(
-        variables,
-        coordinates,
-        global_attributes(
-            sweep.title,
-            "dem simulate, dem combine",
-            configuration=json.dumps(sweep.model_dump()),
-            **provenance,
-            window_start=sweep.record.window[0],
-            window_stop=sweep.record.window[1],
-            cylinder_velocity=sweep.cylinder.velocity,
-        ),
+    axes = {"case": list(sweep.cases), "seed": sorted(sweep.seeds), "wall": list(WALLS)}
+    axes |= {"displacement": run["displacement"]}
+    for name, values in axes.items():
+        file.createDimension(name, len(values))
+        _write(file, name, (name,), np.asarray(values))
+    file.createDimension("bound", 2)
+    _write(file, "displacement_bounds", AXIS[:1] + ("bound",), run["displacement_bounds"])
+    for name, values in on_case.items():
+        _write(file, name, ("case",), np.asarray(values))
+    block = min(BLOCK, len(sweep.seeds))
+    for name in (*SERIES, *SCALARS):
+        dims = ("case", "seed", *VARIABLES[name][0])
+        sizes = 1, block, *run[name].shape
+        made = file.createVariable(
+            name, run[name].dtype, dims, zlib=True, complevel=4, shuffle=True, chunksizes=sizes,
+            fill_value=False,
+        )  # fmt: skip
+        # two blocks: runs mostly come in order, and what is full is written and forgotten
+        size = 2 * int(np.prod(sizes)) * run[name].dtype.itemsize
+        made.set_var_chunk_cache(size=max(size, 4096), nelems=1009, preemption=1.0)
+        made.setncatts(attributes(name) | {"coordinates": " ".join(on_case)})
+
+
+def _write(file, name: str, dims: tuple[str, ...], values: np.ndarray) -> None:
+    """An axis or a label; texts of an axis are characters, CF keeps strings off it."""
+    kind, options = values.dtype, {"fill_value": False}
+    if kind.kind == "U":
+        kind, options, values = str, {}, values.astype(object)
+        if name in file.dimensions:
+            width = max(map(len, values))
+            file.createDimension(f"{name}_length", width)
+            dims, kind, values = (*dims, f"{name}_length"), "S1", values.astype(f"S{width}")
+    made = file.createVariable(name, kind, dims, **options)
+    made.setncatts(attributes(name))
+    if kind == "S1":
+        made._Encoding = "utf-8"
+        values = values.astype(str)
+    made[...] = values
+
+
+def _about(sweep: Sweep, provenance: dict) -> dict:
+    """Attributes of the file. The averaging window and the cylinder's velocity are among them, so
+    that figures need nothing else."""
+    return global_attributes(
+        sweep.title,
+        "dem simulate, dem combine",
+        configuration=json.dumps(sweep.model_dump(exclude={"accuracy", "claims"})),
+        **provenance,
+        window_start=sweep.record.window[0],
+        window_stop=sweep.record.window[1],
+        cylinder_velocity=sweep.cylinder.velocity,
     )
-
-
-def write_combined(dataset: xr.Dataset, path: Path) -> None:
-    """Write what `combine` returned, atomically and without loss.
-
-    No variable has a fill value: there are no gaps.
-    """
-    encoding = {}
-    for name, variable in dataset.variables.items():
-        if np.issubdtype(variable.dtype, np.number):
-            packed = {"zlib": True, "complevel": 4, "shuffle": True} if variable.dims else {}
-            encoding[name] = {"_FillValue": None, **(packed if name in dataset.data_vars else {})}
-        elif name in dataset.dims:  # labels of an axis are characters: CF keeps strings off it
-            encoding[name] = {"dtype": "S1", "char_dim_name": f"{name}_length"}
-    with atomic(path) as part:
-        dataset.to_netcdf(part, engine="netcdf4", format="NETCDF4", encoding=encoding)
 
 
 def open_combined(path: Path) -> xr.Dataset:

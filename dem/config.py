@@ -6,7 +6,6 @@ whatever can not be simulated is refused with one sentence a fault, naming key a
 
 import json
 import math
-import os
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -17,6 +16,7 @@ from pydantic import BaseModel, Field, ValidationError, model_validator
 from dem.accuracy.plan import AccuracySection
 from dem.claims.plan import ClaimsSection
 from dem.errors import InputError
+from dem.files import atomic
 from dem.schema import Folder, Label, NotNegative, Number, Positive, Section, Seed, Whole
 
 
@@ -110,6 +110,7 @@ class Sweep(Section):
     title: str = "Slow drag of a cylinder through a bed of granules"
     results: Folder
     seeds: Annotated[tuple[Seed, ...], Field(min_length=1)]
+    batch: Annotated[Whole, Field(ge=1, le=10_000)] = 1  # seeds that one job of the workflow makes
     box_width: Positive  # m
     cylinder: CylinderSection
     packing: PackingSection
@@ -150,12 +151,40 @@ class Sweep(Section):
             if twin != label:
                 raise ValueError(f"cases.{label} repeats cases.{twin}")
         for label in self.shapes:
-            for seed in self.seeds:
-                _check_room(self, label, seed)
+            _check_rooms(self, label)
         for study in (self.accuracy, self.claims):
             if study:
                 study.check(self)
         return self
+
+    def batches(self) -> int:
+        """Number of jobs that make the replicates of a shape."""
+        return -(-len(self.seeds) // self.batch)
+
+    def seeds_of_batch(self, number: int) -> list[int]:
+        """Seeds of one job, ascending; raises InputError where there is no such job."""
+        if not 0 <= number < self.batches():
+            raise InputError(f"batch is {number}; there are {self.batches()}, from 0.")
+        return sorted(self.seeds)[number * self.batch : (number + 1) * self.batch]
+
+    def densities(self, shape: str) -> list[float]:
+        """Densities (kg/m3) of the cases of a shape; raises InputError where it has none."""
+        found = [case.density for case in self.cases.values() if case.shape == shape]
+        if not found:
+            raise InputError(
+                f"shape is {shape!r}; the cases have "
+                + ", ".join(dict.fromkeys(case.shape for case in self.cases.values()))
+                + "."
+            )
+        return found
+
+    def replicates(self) -> list["Replicate"]:
+        """All runs, case by case, seeds in the order of the file."""
+        return [
+            Replicate.of(self, case.shape, case.density, seed)
+            for case in self.cases.values()
+            for seed in self.seeds
+        ]
 
     def replicate(self, shape: str, density: float, seed: int) -> "Replicate":
         """One run; raises InputError for a shape that the configuration does not have."""
@@ -171,7 +200,7 @@ class Sweep(Section):
             _check_room(self, shape, seed)
         except ValueError as error:
             raise InputError(f"{error}.") from None
-        return Replicate(sweep=self, label=shape, density=density, seed=seed)
+        return Replicate.of(self, shape, density, seed)
 
 
 class Replicate(Section):
@@ -182,9 +211,20 @@ class Replicate(Section):
     density: float
     seed: int
 
+    @classmethod
+    def of(cls, sweep: Sweep, label: str, density: float, seed: int) -> "Replicate":
+        """A run of a sweep that is known to be sound: it is not checked all over again."""
+        return cls.model_construct(sweep=sweep, label=label, density=density, seed=seed)
+
     @property
     def shape(self) -> ShapeSection:
         return self.sweep.shapes[self.label]
+
+    @property
+    def path(self) -> str:
+        """Where its file lies below the folder of results."""
+        density = density_label(self.density)
+        return f"replicates/{self.label}/density{density}/seed{self.seed}.nc"
 
     def bed_key(self) -> str:
         """All that the bed depends on, as text: the packing is made anew when it changes."""
@@ -196,7 +236,7 @@ class Replicate(Section):
 
     def run_key(self) -> str:
         """All that the run depends on, as text."""
-        unread = {"title": True, "results": True, "seeds": True, "shapes": True, "cases": True}
+        unread = dict.fromkeys(("title", "results", "seeds", "batch", "shapes", "cases"), True)
         unread |= {"accuracy": True, "claims": True}
         unread["record"] = {"window"}
         if self.shape.kind != "ellipse":
@@ -216,18 +256,40 @@ def sample_diameters(shape: ShapeSection, spread: float, seed: int) -> np.ndarra
     return shape.diameter * rng.uniform(1.0 - spread, 1.0 + spread, shape.granules)
 
 
-def height_of_box(sweep: Sweep, diameters: np.ndarray) -> float:
-    """Height (m) for granules of the sampled diameters, V_f = V_g / (W H - V_c) (equation 18)."""
-    granules = 0.25 * math.pi * np.sum(diameters**2)
+def height_of_box(sweep: Sweep, diameters: np.ndarray | float, each: int = 1) -> float:
+    """Height (m) for granules of the sampled diameters, V_f = V_g / (W H - V_c) (equation 18).
+
+    each: how many granules there are of every diameter.
+    """
+    granules = 0.25 * math.pi * each * np.sum(np.square(diameters))
     cylinder = 0.25 * math.pi * sweep.cylinder.diameter**2
     return (granules / sweep.packing.fraction + cylinder) / sweep.box_width
 
 
+def _check_rooms(sweep: Sweep, label: str) -> None:
+    """Raise ValueError where cylinder or granules do not fit for one of the seeds.
+
+    What fits into the lowest box that could be, with the largest granule, fits for every seed:
+    only where it does not is each looked at.
+    """
+    shape, spread = sweep.shapes[label], sweep.packing.size_spread
+    least, most = (shape.diameter * (1.0 + sign * spread) for sign in (-1.0, 1.0))
+    try:
+        _check_box(sweep, label, height_of_box(sweep, least, shape.granules), most)
+    except ValueError:
+        for seed in sweep.seeds:
+            _check_room(sweep, label, seed)
+
+
 def _check_room(sweep: Sweep, label: str, seed: int) -> None:
-    """Raise ValueError where cylinder or granules do not fit into the box."""
+    """Raise ValueError where cylinder or granules of one seed do not fit into the box."""
+    diameters = sample_diameters(sweep.shapes[label], sweep.packing.size_spread, seed)
+    _check_box(sweep, label, height_of_box(sweep, diameters), diameters.max())
+
+
+def _check_box(sweep: Sweep, label: str, height: float, largest: float) -> None:
+    """Raise ValueError where cylinder or the largest granule (m) do not fit into a box (m)."""
     shape, cylinder = sweep.shapes[label], sweep.cylinder
-    diameters = sample_diameters(shape, sweep.packing.size_spread, seed)
-    height = height_of_box(sweep, diameters)
     half = 0.5 * cylinder.diameter
     bottom, top = cylinder.start * height - half, cylinder.start * height + cylinder.stroke + half
     where = f"with shapes.{label} the box is {sweep.box_width:.4g} m by {height:.4g} m"
@@ -246,7 +308,7 @@ def _check_room(sweep: Sweep, label: str, seed: int) -> None:
             f"cylinder.stroke is {cylinder.stroke:g} m: {where}, and the cylinder would leave it "
             f"during its stroke; at most {cylinder.stroke + height - top:.3g} m fit"
         )
-    length = diameters.max() * math.sqrt(shape.ratio)
+    length = largest * math.sqrt(shape.ratio)
     if length > min(sweep.box_width, height):
         raise ValueError(
             f"shapes.{label}.diameter is {shape.diameter:g} m: {where}, and a granule of length "
@@ -289,11 +351,9 @@ def save(sweep: Sweep, path: Path) -> None:
     """Write the configuration as resolved, so that `load` gives the same sweep again."""
     text = yaml.safe_dump(json.loads(sweep.model_dump_json()), sort_keys=False)
     path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
     if not path.exists() or path.read_text(encoding="utf-8") != text:
-        part = path.with_name(f".{path.name}.{os.getpid()}.part")
-        part.write_text(text, encoding="utf-8")
-        part.replace(path)
+        with atomic(path) as part:
+            part.write_text(text, encoding="utf-8")
 
 
 _WORDS = {

@@ -5,8 +5,6 @@ variables over (case, seed, displacement). Studies keep tables of the same form 
 (dem.benchmark.layout, dem.accuracy.layout).
 """
 
-import os
-from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -14,6 +12,7 @@ import netCDF4
 import numpy as np
 
 from dem.errors import InputError
+from dem.files import atomic
 
 # name: (dimensions in a replicate or packing, units, long name)
 VARIABLES = {
@@ -92,19 +91,6 @@ def global_attributes(title: str, source: str, **more) -> dict:
     }
 
 
-@contextmanager
-def atomic(path: Path):
-    """A path to write to beside `path`; it takes the place of `path` only when all went well."""
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        yield part
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
-
-
 def write(path: Path, values: dict, attrs: dict, layout: dict = VARIABLES) -> None:
     """Write one file: values by the names of a table like VARIABLES, atomically."""
     with atomic(path) as part, netCDF4.Dataset(part, "w") as file:
@@ -138,4 +124,6 @@ def read(path: Path, names: tuple[str, ...]) -> tuple[dict, dict]:
             values = {name: file.variables[name][...] for name in names}
             return values, {name: file.getncattr(name) for name in file.ncattrs()}
     except OSError as error:
-        raise InputError(f"{path}: it is not a readable netCDF file ({error}).") from None
+        raise InputError(
+            f"{path}: it is not a readable netCDF file ({error}); delete it and run again."
+        ) from None

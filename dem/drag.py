@@ -16,8 +16,10 @@ from dem.packing import Bed, pack
 from dem.scene import Cylinder, Friction, Material, Scene, State, box
 from dem.shapes import SHAPES, CommonNormal, Ellipse, GeometricPotential
 from dem.simulation import Record, Simulation
+from dem.stopping import Going, read_checkpoint, write_checkpoint
 
 BINS_A_CALL = 20  # between two signs of progress
+SAVED_EVERY = 60.0  # s between two checkpoints
 METHODS = {"common_normal": CommonNormal, "geometric_potential": GeometricPotential}
 
 
@@ -78,27 +80,43 @@ def start(replicate: Replicate, bed: Bed, threads: int = 1) -> Simulation:
     )  # fmt: skip
 
 
-def run(replicate: Replicate, bed: Bed, progress=lambda done: None, threads: int = 1) -> dict:
+def run(
+    replicate: Replicate,
+    bed: Bed,
+    progress=lambda done: None,
+    threads: int = 1,
+    checkpoint: Path | None = None,
+) -> dict:
     """Draw the cylinder over its stroke; returns the variables of a replicate by name.
 
-    progress is called with the number of bins done. Raises RunError where the run fails.
+    progress is called with the number of bins done. checkpoint: a file to which a long run saves
+    itself every minute, and from which it goes on, bit for bit, if it was stopped; it is removed in
+    the end. Raises RunError where the run fails.
     """
     sweep, record = replicate.sweep, replicate.sweep.record
     simulation = start(replicate, bed, threads)
     material = simulation.scene.material
     interval = sweep.cylinder.stroke / sweep.cylinder.velocity / record.bins
     every = record.bins // (record.snapshots - 1)
-    records, states, done = [], [simulation.state], 0
-    started = time.process_time()
+    going = Going([], [simulation.state], 0.0)
+    if checkpoint is not None and (saved := read_checkpoint(checkpoint, replicate)):
+        going = saved.restore(simulation)
+    done, saved_at = going.bins, time.monotonic()
     while done < record.bins:
+        started = time.process_time()
         some = min(every - done % every, BINS_A_CALL)
-        records.append(simulation.record(interval, some))
+        going.records.append(simulation.record(interval, some))
         done += some
         if done % every == 0:
-            states.append(simulation.state)
+            going.states.append(simulation.state)
+        going = going._replace(spent=going.spent + time.process_time() - started)
         progress(done)
-    spent = time.process_time() - started
-    values = _records(sweep, records) | _snapshots(sweep, states, bed)
+        if checkpoint is not None and time.monotonic() - saved_at > SAVED_EVERY:
+            write_checkpoint(checkpoint, replicate, simulation, going)
+            saved_at = time.monotonic()
+    if checkpoint is not None:
+        checkpoint.unlink(missing_ok=True)
+    values = _records(sweep, going.records) | _snapshots(sweep, going.states, bed)
     modulus = effective_modulus(material, material)
     return values | {
         "granule_diameter": diameters(replicate),
@@ -107,7 +125,7 @@ def run(replicate: Replicate, bed: Bed, progress=lambda done: None, threads: int
         "packing_coordination_number": bed.coordination_number,
         "packing_net_force": bed.net_force,
         "packing_max_overlap": bed.max_overlap,
-        "run_time": spent,
+        "run_time": going.spent,
         "steps": np.int64(simulation.steps),
         **labels(replicate),
     }
@@ -193,7 +211,7 @@ def write_replicate(path: Path, replicate: Replicate, values: dict) -> None:
         f"{replicate.sweep.title}: {replicate.label} at {density_label(replicate.density)} "
         f"kg m-3, seed {replicate.seed}",
         "dem simulate",
-        configuration=json.dumps(replicate.sweep.model_dump()),
+        configuration=json.dumps(replicate.sweep.model_dump(exclude={"accuracy", "claims"})),
         run_key=replicate.run_key(),
         source_hash=provenance.source_hash(),
         versions=provenance.versions(),

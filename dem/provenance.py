@@ -11,12 +11,12 @@ PACKAGE = Path(__file__).parent
 
 # What can not change a replicate, and what holds no compiled code; all else counts.
 _NOT_PHYSICS = {
-    "accuracy", "benchmark", "claims", "figures", "flow", "report", "stability", "calibrate.py", "checkpoint.py", "cli.py", "combine.py", "info.py",
+    "accuracy", "batch.py", "benchmark", "claims", "figures", "flow", "report", "stability", "calibrate.py", "checkpoint.py", "cli.py", "combine.py", "files.py", "info.py",
     "statistics.py", "study.py", "tables.py", "terminal.py", "tiling.py", "touching.py",
 }  # fmt: skip
 _NOT_COMPILED = _NOT_PHYSICS | {
     "__init__.py", "assembly.py", "compaction.py", "config.py", "dataset.py", "drag.py", "errors.py", "packing.py", "provenance.py",
-    "scene.py", "schema.py", "simulation.py", "warmup.py",
+    "scene.py", "schema.py", "simulation.py", "stopping.py", "warmup.py",
 }  # fmt: skip
 
 

@@ -8,8 +8,9 @@ import xarray as xr
 from dem import provenance
 from dem.combine import open_lazily
 from dem.config import Sweep
-from dem.dataset import atomic, global_attributes, write
+from dem.dataset import global_attributes, write
 from dem.errors import InputError
+from dem.files import atomic
 
 SAME = ("default_fraction", "window_start", "window_stop")  # attributes that all parts must share
 

@@ -22,4 +22,4 @@ rule combine:
     benchmark:
         RESULTS + "/benchmarks/combine.tsv"
     shell:
-        "dem combine --config {CONFIG} -o {output} {input.replicates} 2> {log}"
+        "dem combine --config {CONFIG} -o {output} 2> {log}"

@@ -22,7 +22,7 @@ rule flow:
     benchmark:
         RESULTS + "/benchmarks/flow.tsv"
     shell:
-        "dem flow --config {CONFIG} -o {output} {input.replicates} 2> {log}"
+        "dem flow --config {CONFIG} -o {output} 2> {log}"
 
 rule flow_figure:
     message:

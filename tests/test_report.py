@@ -9,7 +9,7 @@ import pytest
 from conftest import assert_alone
 
 from dem import drag
-from dem.combine import combine, write_combined
+from dem.combine import combine
 from dem.config import load
 from dem.errors import InputError
 from dem.figures import FLOW, draw, possible
@@ -32,7 +32,7 @@ def page(tmp_path_factory):
             drag.write_replicate(
                 files[-1], replicate, drag.run(replicate, drag.make_bed(replicate))
             )
-    write_combined(combine(files, sweep), folder / "drag.nc")
+    combine(files, sweep, folder / "drag.nc")
     write_flow(folder / "flow.nc", sweep, collect(files, sweep))
     for name in ("figure13", *possible(sweep, FLOW)):
         draw(name, folder / ("drag.nc" if name == "figure13" else "flow.nc"), folder / "figures")

@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from dem.dataset import atomic
+from dem.files import atomic
 
 RC = {
     "font.family": "DejaVu Sans",

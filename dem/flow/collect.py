@@ -54,8 +54,8 @@ def measure(motion: Motion) -> dict:
 
 def same_run(replicate: Replicate, sweep: Sweep) -> bool:
     """Whether the sweep would make this run today."""
-    run = {"label": replicate.label, "density": replicate.density, "seed": replicate.seed}
-    return replicate.run_key() == Replicate(sweep=sweep, **run).run_key()
+    own = replicate.label, replicate.density, replicate.seed
+    return replicate.run_key() == Replicate.of(sweep, *own).run_key()
 
 
 def collect(files: list[Path], sweep: Sweep, progress=lambda done: None) -> dict:

@@ -13,8 +13,13 @@ ForcesOption = Annotated[bool, typer.Option("--forces", help="Contact forces as 
 
 
 def flow(
-    files: Annotated[list[Path], typer.Argument(help="Replicates of all cases and seeds.")],
     output: OutputOption,
+    files: Annotated[
+        list[Path] | None,
+        typer.Argument(
+            help="Replicates of all cases and seeds; those of the configuration beside the output if absent."
+        ),
+    ] = None,
     config: ConfigOption = PAPER,
 ):
     """Measure how irregularly all beds move, and keep the snapshots of one run a case."""
@@ -24,6 +29,7 @@ def flow(
         from dem.flow.collect import collect, write_flow
 
         sweep = load(config)
+        files = files or [output.parent / each.path for each in sweep.replicates()]
         with bar("flow", 1.0) as update:
             values = collect(files, sweep, update)
         write_flow(output, sweep, values)

@@ -5,7 +5,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 
-from dem.dataset import atomic
+from dem.files import atomic
 from dem.flow.motion import Motion
 
 PVD = """<?xml version="1.0"?>

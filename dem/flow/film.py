@@ -9,9 +9,9 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 
-from dem.dataset import atomic
 from dem.errors import InputError
 from dem.figures import bed, style
+from dem.files import atomic
 from dem.flow.measures import LAYERS
 from dem.flow.motion import Motion
 

@@ -13,10 +13,10 @@ from markupsafe import Markup
 
 from dem.combine import open_combined, open_lazily, require
 from dem.config import parse
-from dem.dataset import atomic
 from dem.errors import InputError
 from dem.figures import FLOW, STUDY_FIGURES, captions, possible
 from dem.figures.style import percent
+from dem.files import atomic
 from dem.flow.verdict import sentences
 from dem.report.interactive import beds, chart
 from dem.statistics import change, summarise
