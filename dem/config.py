@@ -11,13 +11,23 @@ from typing import Annotated, Literal
 
 import numpy as np
 import yaml
-from pydantic import BaseModel, Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from dem.accuracy.plan import AccuracySection
 from dem.claims.plan import ClaimsSection
 from dem.errors import InputError
 from dem.files import atomic
-from dem.schema import Folder, Label, NotNegative, Number, Positive, Section, Seed, Whole
+from dem.schema import (
+    Folder,
+    Label,
+    NotNegative,
+    Number,
+    Positive,
+    Section,
+    Seed,
+    Whole,
+    sentences,
+)
 
 
 class CylinderSection(Section):
@@ -327,11 +337,6 @@ def parse(data, source: str = "configuration") -> Sweep:
         raise InputError(sentences(source, error)) from None
 
 
-def sentences(source: str, error: ValidationError) -> str:
-    """One sentence a fault of what a file holds."""
-    return "\n".join(dict.fromkeys(_sentence(source, e) for e in error.errors()))
-
-
 def load(path: Path) -> Sweep:
     """Sweep from a YAML file; raises InputError."""
     try:
@@ -354,32 +359,3 @@ def save(sweep: Sweep, path: Path) -> None:
     if not path.exists() or path.read_text(encoding="utf-8") != text:
         with atomic(path) as part:
             part.write_text(text, encoding="utf-8")
-
-
-_WORDS = {
-    "input should be": "it must be",
-    "a valid tuple": "a list",
-    "a valid list": "a list",
-    "a valid integer": "a whole number",
-    "a valid string": "text",
-    "a valid dictionary": "a group of keys",
-    "tuple should have at least 1 item after validation, not 0": "it must not be empty",
-}
-
-
-def _sentence(source, error) -> str:
-    parts = [str(part) for part in error["loc"]]
-    key = ".".join(part for part in parts if not part.startswith(("function-", "[key]")))
-    message = error["msg"].removeprefix("Value error, ").rstrip(".")
-    if error["type"] == "missing":
-        return f"{source}: {key} is missing."
-    if error["type"] == "extra_forbidden":
-        return f"{source}: {key} is not a known key."
-    if error["type"] == "value_error" and isinstance(error["input"], dict | BaseModel):
-        return f"{source}: {key + ': ' if key else ''}{message}."
-    shown = repr(error["input"])
-    shown = shown if len(shown) <= 60 else shown[:57] + "..."
-    message = message[0].lower() + message[1:].split(" or instance of")[0]
-    for theirs, ours in _WORDS.items():
-        message = message.replace(theirs, ours)
-    return f"{source}: {key} is {shown}; {message}."

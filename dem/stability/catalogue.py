@@ -7,7 +7,7 @@ import yaml
 from pydantic import Field, ValidationError, model_validator
 
 from dem.errors import InputError
-from dem.schema import Label, NotNegative, Positive, Section, Whole
+from dem.schema import Label, NotNegative, Positive, Section, Whole, sentences
 
 RAN = "ran"
 REFUSALS = "InputError", "PackingError", "OverlapError", "StateError"
@@ -101,8 +101,6 @@ class Catalogue(Section):
 
 def load(path: Path) -> Catalogue:
     """The catalogue in a YAML file; raises InputError."""
-    from dem.config import sentences
-
     try:
         data = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
