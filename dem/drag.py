@@ -8,11 +8,12 @@ import numpy as np
 
 from dem import provenance
 from dem.compaction import compact
-from dem.config import Replicate, density_label, height_of_box, sample_diameters
+from dem.config import Replicate, density_label
 from dem.contact_law import effective_modulus
 from dem.dataset import WALLS, global_attributes, read, write
 from dem.errors import InputError
 from dem.packing import Bed, pack
+from dem.room import height_of_box, sample_diameters
 from dem.scene import Cylinder, Friction, Material, Scene, State, box
 from dem.shapes import SHAPES, CommonNormal, Ellipse, GeometricPotential
 from dem.simulation import Record, Simulation

@@ -90,7 +90,7 @@ def _blocked(place, radius, cylinder):
 def pack(shape, width: float, height: float, cylinder: Cylinder | None, seed: int) -> Bed:
     """Random bed at rest of all granules of `shape` in a box of width and height (m).
 
-    cylinder: room is left for it; None for a bed without. The packing fraction follows from the height: see dem.config.height_of_box. Raises
+    cylinder: room is left for it; None for a bed without. The packing fraction follows from the height: see dem.room.height_of_box. Raises
     PackingError when no bed at rest is found and InputError when the cylinder does not fit.
     """
     still, half = None, 0.0

@@ -15,7 +15,7 @@ _NOT_PHYSICS = {
     "statistics.py", "study.py", "tables.py", "terminal.py", "tiling.py", "touching.py",
 }  # fmt: skip
 _NOT_COMPILED = _NOT_PHYSICS | {
-    "__init__.py", "assembly.py", "compaction.py", "config.py", "dataset.py", "drag.py", "errors.py", "packing.py", "provenance.py",
+    "__init__.py", "assembly.py", "compaction.py", "config.py", "dataset.py", "drag.py", "errors.py", "packing.py", "provenance.py", "room.py",
     "scene.py", "schema.py", "simulation.py", "stopping.py", "warmup.py",
 }  # fmt: skip
 

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 import dem
-from dem.config import height_of_box, load, sample_diameters
+from dem.config import load
+from dem.room import height_of_box, sample_diameters
 from dem.shapes import SHAPES
 
 # Compiling takes seconds, so no deadlines; the same examples each time, so no surprises.

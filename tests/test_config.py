@@ -9,8 +9,9 @@ from conftest import CONFIG
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from dem.config import Sweep, height_of_box, load, parse, sample_diameters, save
+from dem.config import Sweep, load, parse, save
 from dem.errors import InputError
+from dem.room import height_of_box, sample_diameters
 
 PAPER = (CONFIG / "paper.yaml").read_text(encoding="utf-8")
 

@@ -5,8 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from dem.config import Sweep, height_of_box, sample_diameters
+from dem.config import Sweep
 from dem.packing import pack
+from dem.room import height_of_box, sample_diameters
 from dem.scene import Friction, Material, Scene, box
 from dem.shapes import Disc
 from dem.simulation import STEP_FRACTION, Simulation

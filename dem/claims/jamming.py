@@ -13,8 +13,9 @@ import xarray as xr
 
 from dem import drag
 from dem.compaction import START, Press
-from dem.config import Replicate, height_of_box
+from dem.config import Replicate
 from dem.errors import InputError, PackingError
+from dem.room import height_of_box
 from dem.shapes import SHAPES
 
 STEP = 0.005  # of the packing fraction

@@ -1,0 +1,71 @@
+"""The sizes of granules and box, and whether the cylinder and all granules fit into it."""
+
+import math
+
+import numpy as np
+
+
+def sample_diameters(shape, spread: float, seed: int) -> np.ndarray:
+    """Volume diameters (n,) in m: uniform within +- spread of the mean."""
+    rng = np.random.default_rng([seed, 0])
+    return shape.diameter * rng.uniform(1.0 - spread, 1.0 + spread, shape.granules)
+
+
+def height_of_box(sweep, diameters: np.ndarray | float, each: int = 1) -> float:
+    """Height (m) for granules of the sampled diameters, V_f = V_g / (W H - V_c) (equation 18).
+
+    each: how many granules there are of every diameter.
+    """
+    granules = 0.25 * math.pi * each * np.sum(np.square(diameters))
+    cylinder = 0.25 * math.pi * sweep.cylinder.diameter**2
+    return (granules / sweep.packing.fraction + cylinder) / sweep.box_width
+
+
+def check_rooms(sweep, label: str) -> None:
+    """Raise ValueError where cylinder or granules do not fit for one of the seeds.
+
+    What fits into the lowest box that could be, with the largest granule, fits for every seed:
+    only where it does not is each looked at.
+    """
+    shape, spread = sweep.shapes[label], sweep.packing.size_spread
+    least, most = (shape.diameter * (1.0 + sign * spread) for sign in (-1.0, 1.0))
+    try:
+        _check_box(sweep, label, height_of_box(sweep, least, shape.granules), most)
+    except ValueError:
+        for seed in sweep.seeds:
+            check_room(sweep, label, seed)
+
+
+def check_room(sweep, label: str, seed: int) -> None:
+    """Raise ValueError where cylinder or granules of one seed do not fit into the box."""
+    diameters = sample_diameters(sweep.shapes[label], sweep.packing.size_spread, seed)
+    _check_box(sweep, label, height_of_box(sweep, diameters), diameters.max())
+
+
+def _check_box(sweep, label: str, height: float, largest: float) -> None:
+    """Raise ValueError where cylinder or the largest granule (m) do not fit into a box (m)."""
+    shape, cylinder = sweep.shapes[label], sweep.cylinder
+    half = 0.5 * cylinder.diameter
+    bottom, top = cylinder.start * height - half, cylinder.start * height + cylinder.stroke + half
+    where = f"with shapes.{label} the box is {sweep.box_width:.4g} m by {height:.4g} m"
+    if cylinder.diameter >= sweep.box_width:
+        raise ValueError(
+            f"cylinder.diameter is {cylinder.diameter:g} m; it must be less than box_width, "
+            f"{sweep.box_width:g} m"
+        )
+    if bottom < 0:
+        raise ValueError(
+            f"cylinder.start is {cylinder.start:g}: {where}, and the cylinder would begin below "
+            "its floor"
+        )
+    if top > height:
+        raise ValueError(
+            f"cylinder.stroke is {cylinder.stroke:g} m: {where}, and the cylinder would leave it "
+            f"during its stroke; at most {cylinder.stroke + height - top:.3g} m fit"
+        )
+    length = largest * math.sqrt(shape.ratio)
+    if length > min(sweep.box_width, height):
+        raise ValueError(
+            f"shapes.{label}.diameter is {shape.diameter:g} m: {where}, and a granule of length "
+            f"{length:.3g} m cannot fit"
+        )
