@@ -10,14 +10,15 @@
     snakemake -j2 report                                  one page of everything
 """
 
+import logging
 import sys
-from pathlib import Path
 
 from dem import config as schema
-from dem.files import clear_parts
-from dem.errors import InputError
+from dem.errors import InputError, RunError
 from dem.figures import FLOW, possible
+from dem.progress import Workflow as TimeLeft
 from dem.provenance import source_hash
+from dem.workplace import on_failure, prepare
 
 if not workflow.overwrite_configfiles:
 
@@ -43,6 +44,10 @@ else:
         for number in range(SWEEP.batches())
     ]
 FIGURES = possible(SWEEP) + possible(SWEEP, FLOW)
+
+
+# Ctrl-C reaches a job only once it can answer it (dem.terminal): Python's start would show a traceback
+shell.prefix("set -euo pipefail; trap '' INT; ")
 
 
 wildcard_constraints:
@@ -81,9 +86,16 @@ include: "rules/report.smk"
 
 
 onstart:
-    clear_parts(RESULTS)
+    global HELD  # the folder, until the process ends
     try:
+        HELD, said = prepare(RESULTS)
         schema.save(SWEEP, CONFIG)
-    except OSError as error:
+    except (RunError, OSError) as error:
         print(error, file=sys.stderr)
         sys.exit(1)
+    print(*said, sep="\n", end="\n" if said else "", file=sys.stderr)
+    logging.getLogger("snakemake.logging").addHandler(TimeLeft())
+
+
+onerror:
+    print(on_failure(RESULTS), file=sys.stderr)

@@ -6,8 +6,8 @@ left alone, so that a batch that was stopped, or got one more seed, goes on wher
 
 from pathlib import Path
 
-from dem import drag, provenance
-from dem.config import Replicate, Sweep
+from dem import drag, failures, provenance
+from dem.config import Replicate, Sweep, density_label
 from dem.dataset import read
 from dem.errors import InputError, RunError
 
@@ -16,37 +16,64 @@ def batch(sweep: Sweep, shape: str, number: int, folder: Path, progress=lambda d
     """Make the replicates of some seeds of a shape, at all its densities, below a folder of results.
 
     Returns how many were made; progress is called with the share that is done. One that fails does
-    not stop the others: RunError names all that failed in the end. Raises InputError for a shape
-    or a batch that the sweep does not have.
+    not stop the others. Where the sweep allows failures they are noted (dem.failures); else
+    RunError names all of them in the end. Raises InputError for a shape or a batch that the sweep
+    does not have.
     """
     densities, seeds = sweep.densities(shape), sweep.seeds_of_batch(number)
-    made, failed = 0, []
+    made, sentences = 0, []
     for done, seed in enumerate(seeds):
-        bed = None
-        for density in densities:
-            replicate = sweep.replicate(shape, density, seed)
-            path = folder / replicate.path
-            if up_to_date(path, replicate):
-                continue
-            try:
-                bed = bed or drag.make_bed(replicate)
-                drag.write_replicate(path, replicate, drag.run(replicate, bed))
-                made += 1
-            except RunError as error:
-                failed.append(f"{replicate.path}: {type(error).__name__}: {error}")
+        wanted = [sweep.replicate(shape, density, seed) for density in densities]
+        missing = [each for each in wanted if not settled(folder / each.path, each)]
+        failed = make(missing, folder)
+        made += len(missing) - len(failed)
+        for replicate, error in failed:
+            if sweep.failures:
+                failures.note(folder / replicate.path, replicate, error)
+            else:
+                sentences.append(f"{replicate.path}: {type(error).__name__}: {error}")
         progress((done + 1) / len(seeds))
-    if failed:
-        raise RunError("\n".join(failed))
+    if sentences:
+        raise RunError("\n".join(sentences))
     return made
 
 
-def up_to_date(path: Path, replicate: Replicate) -> bool:
-    """Whether a file holds this run, made from these sources."""
+def make(replicates: list[Replicate], folder: Path) -> list[tuple[Replicate, RunError]]:
+    """Make replicates that share one bed; returns those that failed, with what went wrong."""
+    if not replicates:
+        return []
+    try:
+        bed = drag.make_bed(replicates[0])
+    except RunError as error:
+        return [(replicate, error) for replicate in replicates]
+    failed = []
+    for replicate in replicates:
+        path = folder / replicate.path
+        try:
+            values = drag.run(replicate, bed, checkpoint=folder / checkpoint_of(replicate))
+        except RunError as error:
+            failed.append((replicate, error))
+        else:
+            drag.write_replicate(path, replicate, values)
+            failures.forget(path)
+    return failed
+
+
+def checkpoint_of(replicate: Replicate) -> str:
+    """Where a long run saves itself, below the folder of results."""
+    density = density_label(replicate.density)
+    return f"checkpoints/{replicate.label}_{density}_{replicate.seed}.npz"
+
+
+def settled(path: Path, replicate: Replicate) -> bool:
+    """Whether a file holds this run, made from these sources, or tells that it failed with them."""
+    wanted = replicate.run_key(), provenance.source_hash()
+    if replicate.sweep.failures and (about := failures.found(path, replicate)):
+        return about.get("source_hash") == wanted[1]
     if not path.is_file():
         return False
     try:
         _, attrs = read(path, ("steps",))
     except (InputError, RuntimeError, AttributeError):
         return False
-    wanted = replicate.run_key(), provenance.source_hash()
     return (attrs.get("run_key"), attrs.get("source_hash")) == wanted

@@ -108,11 +108,12 @@ def combine(
     with reported():
         from dem.combine import combine as combined
         from dem.config import load
+        from dem.failures import sort_out
 
         sweep = load(config)
-        files = files or [output.parent / each.path for each in sweep.replicates()]
+        files, failed = (files, []) if files else sort_out(sweep, output.parent)
         with bar("combining", 1.0) as update:
-            combined(files, sweep, output, update)
+            combined(files, sweep, output, update, failed)
 
 
 @app.command()

@@ -12,9 +12,11 @@ import netCDF4
 import numpy as np
 import xarray as xr
 
+from dem import failures
 from dem.config import Replicate, Sweep, density_label
 from dem.dataset import VARIABLES, WALLS, attributes, global_attributes, read
 from dem.errors import InputError
+from dem.failures import Failed
 from dem.files import atomic
 
 # What a replicate records along its stroke, once a run, and on the axis that all runs share.
@@ -34,21 +36,25 @@ PROVENANCE = ("versions", "git_revision", "source_hash")
 BLOCK = 64  # runs of a case that are kept, compressed and read together
 
 
-def combine(paths: list[Path], sweep: Sweep, output: Path, progress=lambda done: None) -> None:
+def combine(
+    paths: list[Path], sweep: Sweep, output: Path, progress=lambda done: None, failed: Failed = ()
+) -> None:
     """Write all runs of a sweep, in the order of its cases, seeds ascending as CF wants an axis.
 
     The replicates may come in any order; each says itself which run it holds. The attributes tell
     the provenance of the replicates, all of it where they differ. The file is written atomically
-    and without loss. Raises InputError for a replicate that is missing, damaged or of another
-    configuration, and for a run that no file holds.
+    and without loss. Where the sweep allows failures, those of dem.failures.sort_out are gaps (NaN)
+    and `failure` tells why. Raises InputError for a replicate that is missing, damaged or of another
+    configuration, and for a run that no file holds; RunError where too many failed.
     """
+    failures.check(sweep, failed)
     cases, seeds = case_places(sweep), seed_places(sweep)
     origin = np.full((len(cases), len(seeds)), -1)  # number of the path that a run comes from
     provenance = {name: {} for name in PROVENANCE}
     with atomic(output) as part, netCDF4.Dataset(part, "w") as file:
         for number, path in enumerate(paths):
-            run, attrs = _load(path, sweep)
-            shape, density, seed = key_of(run["shape"], run["density"], run["seed"])
+            replicate, run, attrs = _load(path, sweep)
+            shape, density, seed = replicate.key
             place = cases.get((shape, density), -1), seeds.get(seed, -1)
             if -1 in place:
                 raise InputError(
@@ -65,6 +71,10 @@ def combine(paths: list[Path], sweep: Sweep, output: Path, progress=lambda done:
             for name in (*SERIES, *SCALARS):
                 file.variables[name][place] = run[name]
             progress((number + 1) / len(paths))
+        for replicate, about in failed:
+            row, column = cases[replicate.key[:2]], seeds[replicate.seed]
+            origin[row, column] = len(paths)
+            file.variables["failure"][row, column] = failures.flag(about)
         if (origin < 0).any():
             row, column = np.argwhere(origin < 0)[0]
             shape, density = list(cases)[row]
@@ -73,11 +83,6 @@ def combine(paths: list[Path], sweep: Sweep, output: Path, progress=lambda done:
                 f"{len(paths)} files."
             )
         file.setncatts(_about(sweep, {name: "; ".join(kept) for name, kept in provenance.items()}))
-
-
-def key_of(shape, density, seed) -> tuple[str, str, int]:
-    """A run as its file and the configuration both name it."""
-    return str(shape), density_label(float(density)), int(seed)
 
 
 def case_places(sweep: Sweep) -> dict[tuple[str, str], int]:
@@ -100,8 +105,8 @@ def places_of(sweep: Sweep) -> dict[tuple, tuple[int, int]]:
     }
 
 
-def _load(path: Path, sweep: Sweep) -> tuple[dict, dict]:
-    """Variables and attributes of a replicate that was made with this configuration.
+def _load(path: Path, sweep: Sweep) -> tuple[Replicate, dict, dict]:
+    """Run, variables and attributes of a replicate that was made with this configuration.
 
     Its run_key holds all that its run depended on: it must be what the sweep would write today.
     """
@@ -127,11 +132,12 @@ def _load(path: Path, sweep: Sweep) -> tuple[dict, dict]:
     for name in (*AXIS, *SERIES, *SCALARS):
         if values[name].shape != tuple(sizes[dim] for dim in VARIABLES[name][0]):
             raise InputError(f"{path}: its variable {name} has the wrong size.")
-    return values, attrs
+    return run, values, attrs
 
 
 def _make_room(file, sweep: Sweep, run: dict) -> None:
-    """Dimensions, axes, labels and empty variables of drag.nc; no variable has gaps, none a fill."""
+    """Dimensions, axes, labels and empty variables of drag.nc; only where runs may be missing has a
+    variable a value that means so."""
     shapes = [sweep.shapes[case.shape] for case in sweep.cases.values()]
     on_case = {
         "shape": [case.shape for case in sweep.cases.values()],
@@ -154,14 +160,19 @@ def _make_room(file, sweep: Sweep, run: dict) -> None:
     for name in (*SERIES, *SCALARS):
         dims = ("case", "seed", *VARIABLES[name][0])
         sizes = 1, block, *run[name].shape
+        gap = np.nan if run[name].dtype.kind == "f" else -1
         made = file.createVariable(
             name, run[name].dtype, dims, zlib=True, complevel=4, shuffle=True, chunksizes=sizes,
-            fill_value=False,
+            fill_value=gap if sweep.failures else False,
         )  # fmt: skip
         # two blocks: runs mostly come in order, and what is full is written and forgotten
         size = 2 * int(np.prod(sizes)) * run[name].dtype.itemsize
         made.set_var_chunk_cache(size=max(size, 4096), nelems=1009, preemption=1.0)
         made.setncatts(attributes(name) | {"coordinates": " ".join(on_case)})
+    if sweep.failures:
+        made = file.createVariable("failure", "i1", ("case", "seed"), fill_value=False)
+        made.setncatts(attributes("failure") | failures.FLAGS)
+        made[...] = 0
 
 
 def _write(file, name: str, dims: tuple[str, ...], values: np.ndarray) -> None:

@@ -122,6 +122,7 @@ class Sweep(Section):
     results: Folder
     seeds: Annotated[tuple[Seed, ...], Field(min_length=1)]
     batch: Annotated[Whole, Field(ge=1, le=10_000)] = 1  # seeds that one job of the workflow makes
+    failures: Annotated[Number, Field(ge=0, lt=1)] = 0.0  # share of replicates that may fail
     box_width: Positive  # m
     cylinder: CylinderSection
     packing: PackingSection
@@ -140,6 +141,11 @@ class Sweep(Section):
     def _check(self):
         if len(set(self.seeds)) < len(self.seeds):
             raise ValueError("seeds has a seed twice; each must stand once")
+        if self.failures and self.batch == 1:
+            raise ValueError(
+                f"failures is {self.failures:g}; with batch 1 it must be 0, because what a job can not "
+                "make stops all that needs it"
+            )
         if self.record.window[1] > self.cylinder.stroke:
             raise ValueError(
                 f"record.window ends at {self.record.window[1]:g} m, beyond cylinder.stroke, "
@@ -232,6 +238,11 @@ class Replicate(Section):
         return self.sweep.shapes[self.label]
 
     @property
+    def key(self) -> tuple[str, str, int]:
+        """Shape, density as it stands in paths, and seed."""
+        return self.label, density_label(self.density), self.seed
+
+    @property
     def path(self) -> str:
         """Where its file lies below the folder of results."""
         density = density_label(self.density)
@@ -247,8 +258,18 @@ class Replicate(Section):
 
     def run_key(self) -> str:
         """All that the run depends on, as text."""
-        unread = dict.fromkeys(("title", "results", "seeds", "batch", "shapes", "cases"), True)
-        unread |= {"accuracy": True, "claims": True}
+        names = (
+            "title",
+            "results",
+            "seeds",
+            "batch",
+            "failures",
+            "shapes",
+            "cases",
+            "accuracy",
+            "claims",
+        )
+        unread = dict.fromkeys(names, True)
         unread["record"] = {"window"}
         if self.shape.kind != "ellipse":
             unread["ellipse"] = True

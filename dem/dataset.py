@@ -45,6 +45,7 @@ VARIABLES = {
     "packing_pressure_over_modulus": ((), "m", "mean normal stress on the walls, unit thickness, over E*"),
     "run_time": ((), "s", "processor time of the run, kernels compiled"),
     "steps": ((), "1", "number of time steps of the run"),
+    "failure": ((), None, "why there is no run, and its values are missing"),
     "case": ((), None, "case: a shape at a density, labels of Tables 1 and 2"),
     "seed": ((), "1", "seed of the replicate"),
     "shape": ((), None, "label of the shape, Table 1"),
@@ -55,6 +56,7 @@ VARIABLES = {
     "granules": ((), "1", "number of granules"),
 }  # fmt: skip
 
+COMPRESSED = 8192  # bytes of an array from which compressing it makes the file smaller
 WALLS = ("left", "right", "bottom", "top")
 MEANS = ("drag", "drag_normal", "drag_tangential", "transverse_force", "wall_force")
 SEEDS = ("seed", "trial_seed", "replicate")
@@ -102,7 +104,8 @@ def write(path: Path, values: dict, attrs: dict, layout: dict = VARIABLES) -> No
                 if dim not in file.dimensions:
                     file.createDimension(dim, size)
             kind = str if array.dtype.kind == "U" else array.dtype
-            options = {} if not dims or kind is str else {"zlib": True, "shuffle": True}
+            large = kind is not str and array.nbytes > COMPRESSED
+            options = {"zlib": True, "shuffle": True} if large else {}
             if kind is str and dims:  # labels of an axis are characters: CF keeps strings off it
                 file.createDimension(f"{name}_length", array.dtype.itemsize // 4)
                 kind, dims = "S1", (*dims, f"{name}_length")

@@ -1,7 +1,6 @@
 """Files are written whole or not at all, whatever happens to the process, and to the disk."""
 
 import os
-import re
 import shutil
 import socket
 from contextlib import contextmanager, suppress
@@ -36,31 +35,15 @@ def atomic(path: Path):
             part.unlink(missing_ok=True)
 
 
+def is_full(folder: Path) -> bool:
+    """Whether nothing more can be written to a folder."""
+    with suppress(OSError):
+        return shutil.disk_usage(folder).free < FULL
+    return False
+
+
 def _why(path: Path, error: Exception) -> str:
     """What keeps a file from being written, as far as it can be told."""
-    with suppress(OSError):
-        if shutil.disk_usage(path.parent).free < FULL:
-            return "the disk is full"
+    if is_full(path.parent):
+        return "the disk is full"
     return (getattr(error, "strerror", None) or str(error)).lower()
-
-
-def clear_parts(folder: Path) -> int:
-    """Remove what killed processes of this computer left half-written below a folder; how many."""
-    gone, here = 0, socket.gethostname()
-    for part in Path(folder).rglob(".*.part"):
-        owner = re.fullmatch(rf"\..*\.{re.escape(here)}\.(\d+)\.part", part.name)
-        if owner and not _lives(int(owner[1])):
-            with suppress(OSError):
-                part.unlink()
-                gone += 1
-    return gone
-
-
-def _lives(process: int) -> bool:
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except OSError:
-        pass
-    return True

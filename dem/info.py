@@ -72,10 +72,27 @@ def _sweep(dataset: xr.Dataset) -> Group:
     numbers = summarise(dataset)
     for label in dataset["case"].values:
         table.add_row(*_row(dataset.sel(case=label), numbers.sel(case=label)))
-    seeds = ", ".join(str(seed) for seed in dataset["seed"].values)
+    seeds = spans(dataset["seed"].values)
     window = _millimetres(attrs["window_start"], attrs["window_stop"])
     lines = _provenance(attrs, seeds, window, attrs["cylinder_velocity"])
+    if "failure" in dataset and (missing := _missing(dataset["failure"])):
+        lines.add_row("missing", missing)
     return Group(Text(attrs["title"], style="bold"), lines, "", table, Text(LEGEND, style="dim"))
+
+
+def spans(seeds) -> str:
+    """Seeds as a list of those that follow one another: 1 to 5, 7."""
+    seeds = np.asarray(seeds)
+    runs = np.split(seeds, np.flatnonzero(np.diff(seeds) != 1) + 1)
+    return ", ".join(f"{run[0]} to {run[-1]}" if len(run) > 1 else str(run[0]) for run in runs)
+
+
+def _missing(failure: xr.DataArray) -> str:
+    """How many runs failed, by the flags of dem.failures; "" where none did."""
+    meanings = failure.attrs["flag_meanings"].split()
+    counts = np.bincount(failure.values.ravel(), minlength=len(meanings))
+    words = [f"{n} {word}" for n, word in zip(counts[1:], meanings[1:], strict=True) if n]
+    return f"{counts[1:].sum()} of {failure.size} runs: {', '.join(words)}" if words else ""
 
 
 def _row(case: xr.Dataset, numbers: xr.Dataset) -> list[str]:
@@ -87,13 +104,13 @@ def _row(case: xr.Dataset, numbers: xr.Dataset) -> list[str]:
         f"{float(case['aspect_ratio']):g}",
         f"{1e6 * float(case['diameter']):.4g}",
         f"{float(case['density']):g}",
-        str(case.sizes["seed"]),
+        str(int(numbers["run_mean"].count())),
         f"{mean:.0f}",
         _number(numbers["half_interval"], ".0f"),
         _number(100.0 * numbers["sd_over_run"] / mean, ".1f"),
         _number(100.0 * numbers["sd_between_runs"] / mean, ".1f"),
         _number(case["max_overlap"].max(), ".3f"),
-        _number(1e9 * np.median(case["time_step"]), ".1f"),
+        _number(1e9 * np.nanmedian(case["time_step"]), ".1f"),
         _number(case["run_time"].mean(), ".1f"),
     ]
 

@@ -11,8 +11,9 @@ PACKAGE = Path(__file__).parent
 
 # What can not change a replicate, and what holds no compiled code; all else counts.
 _NOT_PHYSICS = {
-    "accuracy", "batch.py", "benchmark", "claims", "figures", "flow", "report", "stability", "calibrate.py", "checkpoint.py", "cli.py", "combine.py", "files.py", "info.py",
-    "statistics.py", "study.py", "tables.py", "terminal.py", "tiling.py", "touching.py",
+    "accuracy", "batch.py", "benchmark", "claims", "figures", "flow", "report", "stability", "calibrate.py", "checkpoint.py", "cli.py",
+    "combine.py", "failures.py", "files.py", "info.py", "progress.py", "statistics.py", "study.py", "tables.py", "terminal.py",
+    "tiling.py", "touching.py", "workplace.py",
 }  # fmt: skip
 _NOT_COMPILED = _NOT_PHYSICS | {
     "__init__.py", "assembly.py", "compaction.py", "config.py", "dataset.py", "drag.py", "errors.py", "packing.py", "provenance.py", "room.py",
@@ -41,6 +42,7 @@ def compiled_hash() -> str:
     return _hash_without(_NOT_COMPILED)
 
 
+@cache
 def versions() -> str:
     """Python and the packages that touch the numbers, as one line."""
     names = ("numpy", "numba", "llvmlite", "netCDF4")

@@ -50,7 +50,8 @@ def summarise(dataset: xr.Dataset) -> xr.Dataset:
     (NaN for a single run). The coordinates on case stay.
     """
     drag = within(dataset["drag"], dataset.attrs["window_start"], dataset.attrs["window_stop"])
-    runs = xr.Dataset({"mean": drag.mean("displacement"), "sd": drag.std("displacement")}).compute()
+    along = {"dim": "displacement", "skipna": False}  # a run is there as a whole or not at all
+    runs = xr.Dataset({"mean": drag.mean(**along), "sd": drag.std(**along)}).compute()
     found = {
         "run_mean": (runs["mean"], "mean drag of a run within the window"),
         "mean": (runs["mean"].mean("seed"), "mean drag over the runs"),

@@ -1,13 +1,16 @@
 """What all commands share: options, sentences instead of tracebacks, progress bars."""
 
+import signal
 import sys
 from contextlib import contextmanager
+from datetime import datetime
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from dem.errors import InputError, RunError
+from dem.progress import TimeLeft
 
 ConfigOption = Annotated[Path, typer.Option("--config", help="Configuration file (YAML).")]
 OutputOption = Annotated[Path, typer.Option("-o", "--output", help="netCDF file to write.")]
@@ -17,6 +20,8 @@ PAPER = Path("config/paper.yaml")
 @contextmanager
 def reported():
     """One sentence and an exit status instead of a traceback."""
+    if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:  # as the workflow starts its jobs
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         yield
     except InputError as error:
@@ -26,15 +31,16 @@ def reported():
         typer.echo(f"{type(error).__name__}: {error}", err=True)
         raise typer.Exit(1) from None
     except KeyboardInterrupt:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # once is enough
         typer.echo("Interrupted; no half-written file is left.", err=True)
         raise typer.Exit(130) from None
 
 
 @contextmanager
-def bar(label: str, total: int):
-    """A progress bar with the time left on a terminal, nothing in a log; yields its update."""
+def bar(label: str, total: float):
+    """A progress bar with the time left on a terminal, a line now and then in a log; yields its update."""
     if not sys.stderr.isatty():
-        yield lambda done: None
+        yield _logged(label, total)
         return
     from rich.console import Console
     from rich.progress import Progress
@@ -42,6 +48,17 @@ def bar(label: str, total: int):
     with Progress(console=Console(stderr=True)) as progress:
         task = progress.add_task(label, total=total)
         yield lambda done: progress.update(task, completed=done)
+
+
+def _logged(label: str, total: float):
+    """An update that writes to the log of a job."""
+    time_left = TimeLeft()
+
+    def update(done):
+        if words := time_left.words(done / total):
+            typer.echo(f"{datetime.now():%Y-%m-%d %H:%M:%S} {label}: {words}", err=True)
+
+    return update
 
 
 def start_lean():

@@ -16,7 +16,7 @@ rule combine:
     output:
         RESULTS + "/drag.nc",
     params:
-        sweep=SWEEP.model_dump_json(include={"title", "seeds", "shapes", "cases", "record"}),
+        sweep=SWEEP.model_dump_json(include={"title", "seeds", "failures", "shapes", "cases", "record"}),
     log:
         RESULTS + "/logs/combine.log",
     benchmark:

@@ -16,7 +16,7 @@ rule flow:
     output:
         RESULTS + "/flow.nc",
     params:
-        sweep=SWEEP.model_dump_json(include={"title", "seeds", "shapes", "cases", "record"}),
+        sweep=SWEEP.model_dump_json(include={"title", "seeds", "failures", "shapes", "cases", "record"}),
     log:
         RESULTS + "/logs/flow.log",
     benchmark:

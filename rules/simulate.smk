@@ -34,7 +34,8 @@ def batch_of(wildcards):
     """What the replicates of a batch depend on, as text."""
     seeds = SWEEP.seeds_of_batch(int(wildcards.number))
     densities = SWEEP.densities(wildcards.shape)
-    return f"{SWEEP.replicate(wildcards.shape, densities[0], seeds[0]).run_key()} {densities} {seeds}"
+    first = SWEEP.replicate(wildcards.shape, densities[0], seeds[0])
+    return f"{first.run_key()} {densities} {seeds} {SWEEP.failures}"
 
 
 rule batch:

@@ -9,11 +9,12 @@ import pytest
 from conftest import CONFIG
 
 from dem import drag
-from dem.batch import batch, up_to_date
+from dem.batch import batch, settled
 from dem.combine import combine
 from dem.config import load, parse
 from dem.errors import InputError
-from dem.files import atomic, clear_parts
+from dem.files import atomic
+from dem.workplace import clear_parts
 
 CLOCKS = ("run_time",)
 
@@ -82,7 +83,7 @@ def test_a_batch_leaves_alone_what_is_there(tmp_path):
     assert batch(sweep, "c1", 0, tmp_path) == 2
     assert all(files[name].stat().st_mtime_ns == stamps[name] for name in others)
     rough = smoke(seeds=[1, 2, 3], batch=3, friction={"granule": 0.2, "wall": 0.2, "cylinder": 0.2})
-    assert not any(up_to_date(files[each.path], each) for each in rough.replicates() if each.label == "c1")  # fmt: skip
+    assert not any(settled(files[each.path], each) for each in rough.replicates() if each.label == "c1")  # fmt: skip
     with pytest.raises(InputError, match="batch is 1; there are 1"):
         batch(sweep, "c1", 1, tmp_path)
 

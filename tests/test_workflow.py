@@ -209,9 +209,14 @@ def test_a_killed_run_is_taken_up_again(finished):
     (finished / "config/killed.yaml").write_text(text)
     target = "results/killed/drag.nc"  # figures are drawn elsewhere
     command = [
-        sys.executable, "-m", "snakemake", target, "-j2", "--configfile", "config/killed.yaml",
-        "--nolock",
-    ]  # fmt: skip
+        sys.executable,
+        "-m",
+        "snakemake",
+        target,
+        "-j2",
+        "--configfile",
+        "config/killed.yaml",
+    ]
     victim = subprocess.Popen(
         command, cwd=finished, env=environment(finished), start_new_session=True,
         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
@@ -224,7 +229,7 @@ def test_a_killed_run_is_taken_up_again(finished):
     os.killpg(victim.pid, signal.SIGKILL)
     victim.wait()
     assert not (results / "drag.nc").exists()
-    run = snakemake(finished, target, "-j2", "--nolock", configfile="config/killed.yaml")
+    run = snakemake(finished, target, "-j2", configfile="config/killed.yaml")
     assert run.returncode == 0, run.stderr
     same = contents(results / "drag.nc")
     for name, values in contents(finished / "results/smoke/drag.nc").items():

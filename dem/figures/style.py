@@ -81,7 +81,8 @@ def describe(case: xr.Dataset, separator: str = ", ") -> str:
 
 def runs(dataset: xr.Dataset) -> str:
     """How many runs stand behind a number: "5 runs"."""
-    count = dataset.sizes["seed"]
+    values = dataset["run_mean"] if "run_mean" in dataset else dataset["drag"].isel(displacement=0)
+    count = int(values.count("seed").max())
     return f"{count} runs" if count > 1 else "one run"
 
 

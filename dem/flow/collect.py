@@ -4,11 +4,12 @@ from pathlib import Path
 
 import numpy as np
 
-from dem import provenance
-from dem.combine import key_of, places_of
+from dem import failures, provenance
+from dem.combine import places_of
 from dem.config import Replicate, Sweep
 from dem.dataset import global_attributes, write
 from dem.errors import InputError
+from dem.failures import Failed
 from dem.flow import measures
 from dem.flow.layout import VARIABLES
 from dem.flow.motion import Motion, read_motion
@@ -58,15 +59,26 @@ def same_run(replicate: Replicate, sweep: Sweep) -> bool:
     return replicate.run_key() == Replicate.of(sweep, *own).run_key()
 
 
-def collect(files: list[Path], sweep: Sweep, progress=lambda done: None) -> dict:
-    """Variables of dem.flow.layout by name; raises InputError where a run is missing."""
+def collect(
+    files: list[Path], sweep: Sweep, progress=lambda done: None, failed: Failed = ()
+) -> dict:
+    """Variables of dem.flow.layout by name; raises InputError where a run is missing.
+
+    failed: runs that dem.failures.sort_out tells of, whose measures are NaN; RunError if too many.
+    """
+    failures.check(sweep, failed)
     places = places_of(sweep)
+    for replicate, _ in failed:
+        places.pop(replicate.key)
+    first = {}  # seed of the run of a case that snapshots are kept of: the lowest
+    for row, column in places.values():
+        first[row] = min(column, first.get(row, column))
     values, snapshots = {}, sweep.record.snapshots
     granules = max(sweep.shapes[case.shape].granules for case in sweep.cases.values())
     for done, path in enumerate(files):
         motion = read_motion(path)
         run = motion.replicate
-        place = places.pop(key_of(run.label, run.density, run.seed), None)
+        place = places.pop(run.key, None)
         if place is None or not same_run(run, sweep):
             raise InputError(
                 f"{path}: it is not a run of this configuration, or it is there twice."
@@ -74,7 +86,7 @@ def collect(files: list[Path], sweep: Sweep, progress=lambda done: None) -> dict
         for name, found in measure(motion).items():
             shape = len(sweep.cases), len(sweep.seeds), snapshots
             values.setdefault(name, np.full(shape, np.nan))[place] = found
-        if place[1] == 0:
+        if place[1] == first[place[0]]:
             _keep_bed(values, place[0], motion, len(sweep.cases), granules)
         values["displacement"] = motion.displacement
         progress((done + 1) / len(files))

@@ -26,12 +26,13 @@ def flow(
     with reported():
         start_lean()
         from dem.config import load
+        from dem.failures import sort_out
         from dem.flow.collect import collect, write_flow
 
         sweep = load(config)
-        files = files or [output.parent / each.path for each in sweep.replicates()]
+        files, failed = (files, []) if files else sort_out(sweep, output.parent)
         with bar("flow", 1.0) as update:
-            values = collect(files, sweep, update)
+            values = collect(files, sweep, update, failed)
         write_flow(output, sweep, values)
 
 

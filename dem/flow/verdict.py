@@ -7,7 +7,7 @@ import xarray as xr
 from scipy.stats import t
 
 from dem.flow.layout import MEASURES
-from dem.statistics import LEVEL, find
+from dem.statistics import LEVEL, find, half_interval
 
 SHAPES = "e3", "c1"
 
@@ -22,13 +22,7 @@ class Ratio(NamedTuple):
 
 def mean_and_half(values: xr.DataArray):
     """Mean over seeds (snapshot,) and half its interval, 0 for a single run."""
-    count = values.sizes["seed"]
-    mean = values.mean("seed").values
-    if count < 2:
-        return mean, np.zeros_like(mean)
-    return mean, t.ppf(0.5 + 0.5 * LEVEL, count - 1) * values.std(
-        "seed", ddof=1
-    ).values / count**0.5
+    return values.mean("seed").values, half_interval(values).fillna(0.0).values
 
 
 def in_window(dataset: xr.Dataset, name: str) -> xr.DataArray:
@@ -49,13 +43,16 @@ def compared(dataset: xr.Dataset, name: str) -> Ratio | None:
     if None in cases or dataset.sizes["seed"] < 2:
         return None
     runs = [in_window(dataset, name).sel(case=case).values for case in cases]
-    if not np.isfinite(runs).all():
+    runs = [run[np.isfinite(run)] for run in runs]
+    if min(map(len, runs)) < 2:
         return None
     means = [run.mean() for run in runs]
     parts = [run.var(ddof=1) / len(run) / mean**2 for run, mean in zip(runs, means, strict=True)]
     freedom = sum(parts) ** 2 / sum(p**2 / (len(r) - 1) for p, r in zip(parts, runs, strict=True))
     ratio = means[0] / means[1]
-    return Ratio(ratio, ratio * t.ppf(0.5 + 0.5 * LEVEL, freedom) * sum(parts) ** 0.5, len(runs[0]))
+    return Ratio(
+        ratio, ratio * t.ppf(0.5 + 0.5 * LEVEL, freedom) * sum(parts) ** 0.5, min(map(len, runs))
+    )
 
 
 def verdict(dataset: xr.Dataset) -> str:

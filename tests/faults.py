@@ -1,0 +1,364 @@
+"""A sweep killed, starved of disk, run twice at once, ...: what is said, and whether anything is lost.
+
+    python tests/faults.py [kills] [seed]
+
+Works in a copy of the sources. Every disturbed sweep is started again as the sentence says, and all
+its netCDF files are compared, bit for bit, with those of an undisturbed one. Full and read-only
+disks need root, because they are mounted (in a namespace of their own).
+"""
+
+import os
+import random
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+import yaml
+
+ROOT = Path(__file__).parent.parent
+CLOCKS = {"run_time"}
+# what Snakemake says when a stage begins, and the longest that a kill then waits (s)
+STAGES = {
+    "planning": ("", 2.5), "kernels": ("Compile", 3.0), "pack": ("Pack", 1.5), "simulate": ("Simulate", 1.5),
+    "combine": ("Combine", 2.5), "flow": ("Measure", 4.0), "figures": ("Draw", 3.0),
+}  # fmt: skip
+WORKFLOW = [sys.executable, "-m", "snakemake", "-j2", "--configfile"]
+
+
+class Place:
+    """A copy of the sources, and sweeps in it."""
+
+    def __init__(self, folder: Path):
+        self.folder = folder
+        for name in ("dem", "rules", "config", "profiles"):
+            ignored = shutil.ignore_patterns("__pycache__")
+            shutil.copytree(ROOT / name, folder / name, ignore=ignored)
+        for name in ("Snakefile", "README.md"):
+            shutil.copy(ROOT / name, folder)
+        path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
+        self.environment = os.environ | {"PYTHONPATH": str(folder), "PATH": path}
+
+    def sweep(self, name: str, **changes) -> str:
+        """Write a configuration, some of the smoke sweep with changes; returns its path."""
+        data = yaml.safe_load((ROOT / "config/smoke.yaml").read_text()) | changes
+        kept = {k: v for k, v in data.items() if k not in ("claims", "accuracy")}
+        kept["cases"] = {label: data["cases"][label] for label in ("c1", "d1", "c12")}
+        kept["shapes"] = {label: data["shapes"][label] for label in ("c1", "d1")}
+        (self.folder / f"config/{name}.yaml").write_text(
+            yaml.safe_dump(kept | {"results": f"results/{name}"}, sort_keys=False)
+        )
+        return f"config/{name}.yaml"
+
+    def run(self, command, **more) -> subprocess.CompletedProcess:
+        return subprocess.run(
+            command, cwd=self.folder, env=self.environment, text=True, capture_output=True, **more
+        )
+
+    def start(self, command, log, **more) -> subprocess.Popen:
+        return subprocess.Popen(
+            command, cwd=self.folder, env=self.environment | more, start_new_session=True,
+            stdout=log, stderr=log,
+        )  # fmt: skip
+
+    def finish(self, name: str) -> None:
+        """Run the sweep to its end; a run that fails is a fault of ours."""
+        done = self.run([*WORKFLOW, f"config/{name}.yaml"])
+        assert done.returncode == 0, done.stdout + done.stderr
+
+    def results(self, name: str) -> Path:
+        return self.folder / "results" / name
+
+
+def contents(path: Path) -> dict:
+    with netCDF4.Dataset(path) as file:
+        return {n: np.array(v[...]) for n, v in file.variables.items() if n not in CLOCKS}
+
+
+def lost_and_differing(whole: Path, other: Path, folders=("", "replicates")) -> tuple[int, int]:
+    """How many netCDF files of an undisturbed sweep another has not, or has with other bits."""
+    lost = differing = 0
+    for path in (p for folder in folders for p in sorted((whole / folder).rglob("*.nc"))):
+        twin = other / path.relative_to(whole)
+        if not twin.is_file():
+            lost += 1
+            continue
+        one, two = contents(path), contents(twin)
+        same = one.keys() == two.keys() and all(
+            np.array_equal(one[n], two[n], equal_nan=one[n].dtype.kind == "f") for n in one
+        )
+        differing += not same
+    return lost, differing
+
+
+def unreadable(results: Path) -> list[Path]:
+    """netCDF files under their own names that can not be read whole."""
+    found = []
+    for path in results.rglob("*.nc"):
+        if not path.name.startswith("."):
+            try:
+                contents(path)
+            except (OSError, RuntimeError):
+                found.append(path)
+    return found
+
+
+def kill(process: subprocess.Popen) -> None:
+    """SIGKILL to the whole group; ends when none of it lives."""
+    os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+    while subprocess.run(["pgrep", "-g", str(process.pid)], capture_output=True).stdout:
+        time.sleep(0.01)
+
+
+def wait_for(words: str, log: Path, process: subprocess.Popen) -> bool:
+    """Whether the log says these words before the process ends."""
+    while process.poll() is None:
+        if re.search(words, log.read_text()):
+            return True
+        time.sleep(0.05)
+    return False
+
+
+def kills(place: Place, count: int, rng: random.Random) -> str:
+    """The workflow killed at random moments of random stages, one replicate a job and several."""
+    names = {1: "killed", 2: "killed_batches"}
+    stages, differing, lost, broken = Counter(), 0, 0, 0
+    while sum(stages.values()) < count:
+        batch = rng.choice(list(names))
+        name = names[batch]
+        config, results = place.sweep(name, batch=batch), place.results(name)
+        stage = rng.choice(list(STAGES))
+        words, longest = STAGES[stage]
+        log = place.folder / "kill.log"
+        with log.open("w") as out:
+            process = place.start([*WORKFLOW, config], out)
+            reached = wait_for(rf"Job \d+: {words}" if words else "", log, process)
+            time.sleep(rng.uniform(0.0, longest) if reached else 0.0)
+            if process.poll() is None:
+                kill(process)
+                stages[stage] += 1
+                broken += len(unreadable(results))
+                continue
+        assert process.returncode == 0, log.read_text()
+        one, two = lost_and_differing(place.results("whole"), results, ("", "replicates"))
+        lost, differing = lost + one, differing + two
+        shutil.rmtree(results)
+    for name in names.values():
+        place.sweep(name, batch=1 if name == "killed" else 2)
+        place.finish(name)
+        one, two = lost_and_differing(place.results("whole"), place.results(name))
+        lost, differing = lost + one, differing + two
+    told = ", ".join(f"{n} {stage}" for stage, n in sorted(stages.items()))
+    return f"{count} ({told}): {lost} files lost, {differing} differing, {broken} half-written ones read"
+
+
+def kills_of_compiling(place: Place, count: int, rng: random.Random) -> str:
+    """dem compile killed, always with the same cache; then a run with what is in it."""
+    with tempfile.TemporaryDirectory() as cache:
+        log = place.folder / "compile.log"
+        command = [sys.executable, "-m", "dem.cli", "compile", "--config", place.sweep("whole")]
+        done = 0
+        for _ in range(count):
+            with log.open("w") as out:
+                process = place.start(command, out, NUMBA_CACHE_DIR=cache)
+                try:
+                    process.wait(rng.uniform(1.0, 25.0))
+                except subprocess.TimeoutExpired:
+                    kill(process)
+                    done += 1
+        run = [sys.executable, "-m", "dem.cli", "simulate", "--config", "config/whole.yaml", "--shape", "c1",
+               "--density", "3900", "--seed", "1", "-o", "compiled.nc"]  # fmt: skip
+        ended = subprocess.run(
+            run, cwd=place.folder, env=place.environment | {"NUMBA_CACHE_DIR": cache}, check=False
+        )
+        assert ended.returncode == 0
+    one = contents(place.results("whole") / "replicates/c1/density3900/seed1.nc")
+    two = contents(place.folder / "compiled.nc")
+    same = all(np.array_equal(one[name], two[name]) for name in one)
+    return f"{done} while kernels are compiled: {'same bits' if same else 'OTHER BITS'}"
+
+
+def kills_of_a_run(place: Place, count: int, rng: random.Random) -> str:
+    """dem simulate, saving itself all the time, killed until it has ended so often."""
+    code = "from dem import cli, drag; drag.SAVED_EVERY = 0.0; cli.app()"
+    command = [sys.executable, "-c", code, "simulate", "--config", "config/long.yaml", "--shape", "d1",
+               "--density", "3900", "--seed", "1", "-o", "long.nc", "--checkpoint", "long.npz"]  # fmt: skip
+    place.sweep("long", record={"bins": 1200, "window": [0.4e-3, 1.0e-3], "snapshots": 61})
+    whole = [word.replace("long.n", "longwhole.n") for word in command]
+    began = time.monotonic()
+    assert place.run(whole).returncode == 0
+    longest, done, gone_on = time.monotonic() - began, 0, 0
+    while done < count:
+        with (place.folder / "long.log").open("w") as log:
+            process = place.start(command, log)
+            try:
+                process.wait(rng.uniform(0.4 * longest, longest))
+            except subprocess.TimeoutExpired:
+                kill(process)
+                done += 1
+                gone_on += (place.folder / "long.npz").exists()
+    assert place.run(command).returncode == 0
+    one, two = (contents(place.folder / name) for name in ("longwhole.nc", "long.nc"))
+    same = all(np.array_equal(one[name], two[name]) for name in one)
+    return f"{done} while a run saves itself ({gone_on} left a checkpoint): {'same bits' if same else 'OTHER BITS'}"
+
+
+def sentence(run, words: str) -> str:
+    """The line that holds these words, in what a run has said."""
+    lines = (run.stdout + run.stderr).splitlines()
+    found = [line.strip() for line in lines if re.search(words, line)]
+    assert found and run.returncode, f"no {words!r} in\n" + "\n".join(lines[-40:])
+    assert "Traceback" not in "\n".join(lines), "\n".join(lines)
+    return found[0]
+
+
+def same_as_whole(place: Place, name: str) -> str:
+    lost, differing = lost_and_differing(place.results("whole"), place.results(name))
+    assert not list(place.results(name).rglob(".*.part"))
+    return f"after that: {lost} lost, {differing} differing"
+
+
+def a_spoiled_replicate(place: Place, name: str, spoil, words: str) -> str:
+    config = place.sweep(name)
+    place.finish(name)
+    victim = place.results(name) / "replicates/d1/density3900/seed2.nc"
+    spoil(victim)
+    said = sentence(place.run([*WORKFLOW, config]), words)
+    victim.unlink()
+    place.finish(name)
+    return f"{said}\n    {same_as_whole(place, name)}"
+
+
+def truncated(place: Place) -> str:
+    """A replicate that is half as long as it was."""
+    return a_spoiled_replicate(
+        place, "truncated", lambda p: p.write_bytes(p.read_bytes()[: p.stat().st_size // 2]), "seed2.nc: it is not"
+    )  # fmt: skip
+
+
+def foreign(place: Place) -> str:
+    """A packing in the place of a replicate."""
+    other = place.results("whole") / "packings/d1/seed2.nc"
+    return a_spoiled_replicate(
+        place, "foreign", lambda p: shutil.copyfile(other, p), "another file"
+    )
+
+
+def two_at_once(place: Place) -> str:
+    """A second workflow in the folder of one that works."""
+    config, log = place.sweep("twice"), place.folder / "twice.log"
+    with log.open("w") as out:
+        first = place.start([*WORKFLOW, config], out)
+        assert wait_for("Pack", log, first)
+        said = sentence(place.run([*WORKFLOW, config]), "another run")
+        assert first.wait() == 0, log.read_text()
+    return f"{said}\n    {same_as_whole(place, 'twice')}"
+
+
+def clock_back(place: Place) -> str:
+    """Beds that are dated an hour after the runs that are made of them."""
+    config = place.sweep("clock")
+    beds = [f"results/clock/packings/c1/seed{seed}.nc" for seed in (1, 2)]
+    assert place.run([*WORKFLOW[:-2], *beds, *WORKFLOW[-2:], config]).returncode == 0
+    later = time.time() + 3600
+    for bed in beds:
+        os.utime(place.folder / bed, (later, later))
+    run = place.run([*WORKFLOW, config])
+    assert run.returncode == 0, run.stderr
+    said = next(line for line in run.stderr.splitlines() if "after now" in line)
+    again = place.run([*WORKFLOW, config])
+    assert "Nothing to be done" in again.stderr + again.stdout
+    return f"{said}\n    {same_as_whole(place, 'clock')}; a second start does nothing"
+
+
+def interrupted(place: Place) -> str:
+    """Ctrl-C, which a terminal sends to the whole group, at several moments of the jobs."""
+    config, log = place.sweep("interrupted"), place.folder / "interrupted.log"
+    told = []
+    for delay in (0.0, 0.2, 0.5, 1.0):
+        with log.open("w") as out:
+            process = place.start([*WORKFLOW, config], out)
+            assert wait_for("Simulate", log, process)
+            time.sleep(delay)
+            os.killpg(process.pid, signal.SIGINT)
+            assert process.wait(60) != 0
+        said = log.read_text()
+        assert "Traceback" not in said, said
+        assert not list(place.results("interrupted").rglob(".*.part"))
+        told += [line for line in said.splitlines() if "What is finished" in line]
+    assert len(told) == 4, said
+    place.finish("interrupted")
+    return f"{told[0]}\n    {same_as_whole(place, 'interrupted')}"
+
+
+def mounted(place: Place, name: str, mount: str, mend: str, words: str) -> str:
+    """A workflow in a folder that is mounted; then mended and run again."""
+    if os.geteuid() or not shutil.which("unshare"):
+        return "not tried: to mount needs root"
+    config = place.sweep(name)
+    place.results(name).mkdir(parents=True, exist_ok=True)
+    command = " ".join([*WORKFLOW, config])
+    script = f"""
+        {mount}
+        {command} > {name}.first 2>&1 && exit 3
+        {mend}
+        {command} > {name}.second 2>&1 || exit 4
+        cp -r results/{name} results/kept && umount results/{name} && cp -r results/kept/. results/{name} && rm -r results/kept
+    """
+    run = place.run(["unshare", "-m", "sh", "-c", script])
+    texts = [(place.folder / f"{name}.{which}").read_text() for which in ("first", "second")]
+    assert run.returncode == 0, f"{run.returncode} {run.stderr} {texts[-1][-3000:]}"
+    said = subprocess.CompletedProcess(command, 1, texts[0], "")
+    return f"{sentence(said, words)}\n    {same_as_whole(place, name)}"
+
+
+def disk_full(place: Place) -> str:
+    """A disk that holds the beds and not all runs, which is then made larger."""
+    at = "results/full"
+    return mounted(
+        place, "full", f"mount -t tmpfs -o size=400k none {at}", f"mount -o remount,size=100m {at}", "the disk is full"
+    )  # fmt: skip
+
+
+def read_only(place: Place) -> str:
+    """A folder that can not be written."""
+    at = "results/readonly"
+    mount = f"mount -t tmpfs none {at} && mount -o remount,ro {at}"
+    return mounted(place, "readonly", mount, f"mount -o remount,rw {at}", "can not be written")
+
+
+FAULTS = (two_at_once, clock_back, interrupted, truncated, foreign, disk_full, read_only)
+
+
+def main(count: int = 100, seed: int = 0) -> int:
+    """Number of faults that ended otherwise than they should."""
+    rng, failed = random.Random(seed), 0
+    with tempfile.TemporaryDirectory() as name:
+        place = Place(Path(name))
+        place.sweep("whole")
+        place.finish("whole")
+        tenth = count // 10
+        parts = [lambda fault=fault: fault(place) for fault in FAULTS]
+        parts += [lambda: kills_of_compiling(place, tenth, rng)] if tenth else []
+        parts += [lambda: kills_of_a_run(place, tenth, rng)] if tenth else []
+        parts += [lambda: kills(place, count - 2 * tenth, rng)] if count else []
+        names = [fault.__name__ for fault in FAULTS] + ["kills"] * 3
+        for label, part in zip(names, parts, strict=False):
+            try:
+                print(f"{label}: {part()}", flush=True)
+            except (AssertionError, StopIteration) as error:
+                failed += 1
+                print(f"{label}: NOT AS IT SHOULD BE: {error}", flush=True)
+    return failed
+
+
+if __name__ == "__main__":
+    sys.exit(main(*map(int, sys.argv[1:])) > 0)

@@ -1,0 +1,176 @@
+"""What goes wrong around a sweep: runs that fail, a folder that others use, clocks, Ctrl-C."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import netCDF4
+import numpy as np
+import pytest
+from conftest import CONFIG
+from test_stopping import smoke
+
+from dem import batch as batches
+from dem import drag
+from dem.batch import batch, settled
+from dem.combine import combine, open_combined
+from dem.errors import InputError, OverlapError, PackingError, RunError
+from dem.failures import sort_out
+from dem.flow.collect import collect
+from dem.info import spans, summary
+from dem.progress import TimeLeft, span
+from dem.statistics import summarise
+from dem.workplace import hold, redate
+
+
+@pytest.fixture
+def two_fail(monkeypatch):
+    """The bed of seed 2, and the run of seed 3 at the higher density, fail; how often they are tried."""
+    tried, make_bed, run = [], drag.make_bed, drag.run
+
+    def bed(replicate):
+        if replicate.seed == 2:
+            tried.append(replicate.key)
+            raise PackingError("seed 2 cannot be made.")
+        return make_bed(replicate)
+
+    def running(replicate, *rest, **more):
+        if replicate.key == ("c1", "39000", 3):
+            tried.append(replicate.key)
+            raise OverlapError("granule 7 at step 12.")
+        return run(replicate, *rest, **more)
+
+    monkeypatch.setattr(drag, "make_bed", bed)
+    monkeypatch.setattr(drag, "run", running)
+    return tried
+
+
+def discs(**changes):
+    case = {"shape": "c1", "density": 3.9e3}
+    return smoke(
+        cases={"c1": case, "c12": case | {"density": 3.9e4}}, seeds=[1, 2, 3], batch=3, **changes
+    )
+
+
+def test_runs_that_fail_are_gaps_where_the_sweep_allows_them(tmp_path, two_fail):
+    """They are tried once, drag.nc says why they are missing, and numbers are those of the others."""
+    sweep = discs(failures=0.5)
+    assert batch(sweep, "c1", 0, tmp_path) == 3
+    assert batch(sweep, "c1", 0, tmp_path) == 0 and len(two_fail) == 2
+    files, failed = sort_out(sweep, tmp_path)
+    assert (len(files), len(failed)) == (3, 3)
+    combine(files, sweep, tmp_path / "drag.nc", failed=failed)
+    with netCDF4.Dataset(tmp_path / "drag.nc") as file:
+        flags = dict(
+            zip(file["failure"].flag_meanings.split(), file["failure"].flag_values, strict=True)
+        )
+        none, packing, overlap = (flags[name] for name in ("none", "PackingError", "OverlapError"))
+        np.testing.assert_array_equal(
+            file["failure"][:], [[none, packing, none], [none, packing, overlap]]
+        )
+        gaps = np.isnan(np.ma.filled(file["drag"][:], np.nan)).all(axis=-1)
+    np.testing.assert_array_equal(gaps, [[False, True, False], [False, True, True]])
+    with open_combined(tmp_path / "drag.nc") as dataset:
+        numbers = summarise(dataset)
+        runs = numbers["run_mean"].sel(case="c1").values[[0, 2]]
+        assert float(numbers["mean"].sel(case="c1")) == pytest.approx(runs.mean())
+    assert summary(tmp_path / "drag.nc")
+    flow = collect(files, sweep, failed=failed)
+    np.testing.assert_array_equal(np.isnan(flow["mixing"]).all(axis=-1), gaps)
+
+
+def test_runs_that_fail_stop_a_sweep_that_does_not_allow_so_many(tmp_path, two_fail):
+    """All of them are named; what could be made is kept."""
+    with pytest.raises(
+        RunError, match=r"(?s)seed2.nc: PackingError.*density39000/seed3.nc: Overlap"
+    ):
+        batch(discs(), "c1", 0, tmp_path)
+    assert len(list(tmp_path.rglob("*.nc"))) == 3 and not list(tmp_path.rglob("*.failed"))
+    sweep = discs(failures=0.4)
+    batch(sweep, "c1", 0, tmp_path)
+    files, failed = sort_out(sweep, tmp_path)
+    with pytest.raises(RunError, match=r"3 of 6 replicates could not be made.*0.4 of them.*seed2"):
+        combine(files, sweep, tmp_path / "drag.nc", failed=failed)
+    assert not (tmp_path / "drag.nc").exists()
+
+
+def test_a_run_that_failed_is_tried_again_when_something_changes(tmp_path, monkeypatch, two_fail):
+    """Other values, or other sources, and the note of the failure is nothing."""
+    sweep = discs(failures=0.5)
+    batch(sweep, "c1", 0, tmp_path)
+    replicate = sweep.replicate("c1", 3.9e3, 2)
+    path = tmp_path / replicate.path
+    assert settled(path, replicate)
+    friction = {"granule": 0.1, "wall": 0.1, "cylinder": 0.1}
+    rough = discs(failures=0.5, friction=friction)
+    assert not settled(path, rough.replicate("c1", 3.9e3, 2))
+    assert len(sort_out(rough, tmp_path)[1]) == 0
+    monkeypatch.setattr(batches.provenance, "source_hash", lambda: "other")
+    assert not settled(path, replicate)
+
+
+def test_failures_need_batches():
+    with pytest.raises(InputError, match=r"failures is 0.1; with batch 1 it must be 0"):
+        smoke(failures=0.1)
+
+
+def test_a_folder_is_held_until_its_process_ends(tmp_path):
+    """However it ends: SIGKILL leaves no lock behind."""
+    code = f"from dem.workplace import hold; held = hold({str(tmp_path)!r}); print('held', flush=True); input()"
+    process = subprocess.Popen(
+        [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    assert process.stdout.readline() == "held\n"
+    with pytest.raises(RunError, match="another run works in this folder; wait for it or stop it"):
+        hold(tmp_path)
+    process.kill()
+    process.communicate()
+    hold(tmp_path).release()
+
+
+def test_files_from_the_future_are_dated_now_in_their_order(tmp_path):
+    now, names = time.time(), ("drag.nc", "bed.nc", "replicate.nc")
+    for name, ahead in zip(names, (-100.0, 3600.0, 7200.0), strict=True):
+        (tmp_path / name).touch()
+        os.utime(tmp_path / name, (now + ahead, now + ahead))
+    count, ahead = redate(tmp_path)
+    assert count == 2 and ahead == pytest.approx(7200.0, abs=5.0)
+    stamps = [(tmp_path / name).stat().st_mtime for name in names]
+    assert stamps == sorted(stamps) and stamps[-1] < time.time()
+    assert redate(tmp_path) == (0, 0.0)
+
+
+def test_time_left_of_a_steady_job():
+    """A line each half minute, what was there at the start not counted; none in the end."""
+    now = [0.0]
+    time_left = TimeLeft(every=30.0, clock=lambda: now[0])
+    said = []
+    for second in range(101):  # one percent a second, from a half on
+        now[0] = float(second)
+        said.append(time_left.words(0.5 + 0.005 * second))
+    assert [words for words in said if words] == ["65% done, 1 min 10 s left", "80% done, 40 s left", "95% done, 10 s left"]  # fmt: skip
+    assert [span(s) for s in (59.4, 60, 3599, 3600, 90000)] == ["59 s", "1 min 0 s", "59 min 59 s", "1 h 0 min", "25 h 0 min"]  # fmt: skip
+
+
+@pytest.mark.parametrize("verb", ["simulate", "pack"])
+def test_ctrl_c_is_one_sentence(tmp_path, verb):
+    """Of a job that ignores it until it can answer, as the workflow starts its jobs."""
+    command = [sys.executable, "-m", "dem.cli", verb, "--config", CONFIG / "smoke.yaml", "--shape", "c1", "--seed", "1",
+               "-o", tmp_path / "out.nc", *(["--density", "3900"] if verb == "simulate" else [])]  # fmt: skip
+    process = subprocess.Popen(
+        command, stderr=subprocess.PIPE, text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_IGN),
+    )  # fmt: skip
+    while process.poll() is None:
+        process.send_signal(signal.SIGINT)
+        time.sleep(0.1)
+    assert process.returncode == 130
+    assert process.stderr.read() == "Interrupted; no half-written file is left.\n"
+    assert not list(tmp_path.iterdir())
+
+
+def test_seeds_in_words():
+    assert spans([1, 2, 3, 7, 9, 10]) == "1 to 3, 7, 9 to 10"
+    assert spans([5]) == "5"
