@@ -1,46 +1,35 @@
-"""Time and memory of combining and drawing thousands of replicates, one computer, smoke beds.
+"""Time and memory of planning, combining and drawing thousands of replicates on one computer.
 
-python tests/ensembles.py 100 1000 10000
+    python tests/ensembles.py 100 1000 10000
 
-One replicate is simulated; the others are copies of it that say that they are other seeds, so that it
-is the files that are measured. Each command runs in a process of its own.
+One smoke replicate is simulated; the others are copies of it that say that they are other seeds, so that
+it is the files that are measured. Each command runs in a process of its own; memory is its peak.
 """
 
 import shutil
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
 import netCDF4
-import yaml
+from faults import Place
 
 from dem.batch import batch
-from dem.config import parse, save
+from dem.config import load
 
-SMOKE = Path(__file__).parent.parent / "config/smoke.yaml"
 MEASURED = """
-import resource, sys, time
-from dem.cli import app
+import resource, subprocess, sys, time
 started = time.time()
-try:
-    app(sys.argv[1:])
-except SystemExit as done:
-    assert not done.code, done.code
-peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+done = subprocess.run(sys.argv[1:], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+assert done.returncode == 0, done.stdout
+peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
 print(f"{time.time() - started:.1f} s, {peak:.0f} MB")
 """
+ONE = {"c1": {"shape": "c1", "density": 3.9e3}}
+FLOW = 1000  # replicates up to which their flow is measured too, which takes long
 
 
-def sweep_of(count):
-    """The smoke sweep with one case and so many seeds."""
-    data = yaml.safe_load(SMOKE.read_text())
-    kept = {key: value for key, value in data.items() if key not in ("claims", "accuracy")}
-    kept |= {"cases": {"c1": data["cases"]["c1"]}, "shapes": {"c1": data["shapes"]["c1"]}}
-    return parse(kept | {"seeds": list(range(1, count + 1)), "batch": 100})
-
-
-def copies(folder, first, sweep):
+def copies(folder: Path, first: Path, sweep) -> None:
     """A file for every replicate that has none."""
     for replicate in sweep.replicates():
         target = folder / replicate.path
@@ -51,25 +40,41 @@ def copies(folder, first, sweep):
                 file.run_key = replicate.run_key()
 
 
-def measured(*arguments):
+def measured(place: Place, *command) -> str:
     """Wall time and peak memory of a command."""
-    command = [sys.executable, "-c", MEASURED, *map(str, arguments)]
-    return subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
+    words = [sys.executable, "-c", MEASURED, sys.executable, "-m", *command]
+    done = place.run(words)
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip()
 
 
-def main(counts):
+def main(counts: list[int]) -> None:
     with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        batch(sweep_of(1), "c1", 0, folder)
-        first = folder / sweep_of(1).replicates()[0].path
+        place = Place(Path(name), cases=ONE)
+        one = load(place.folder / place.sweep("many", seeds=[1]))
+        results = place.results("many")
+        batch(one, "c1", 0, results)
         for count in counts:
-            sweep = sweep_of(count)
-            copies(folder, first, sweep)
-            save(sweep, folder / "sweep.yaml")
-            drag = folder / "drag.nc"
-            combined = measured("combine", "--config", folder / "sweep.yaml", "-o", drag)
-            drawn = measured("figure", "figure13", drag)
-            print(f"{count} replicates: combined in {combined}; figure13 in {drawn}", flush=True)
+            seeds = list(range(1, count + 1))
+            data = "results/many/drag.nc"
+            print(f"{count} replicates")
+            for size in (1, 100):  # before there are replicates: all jobs are planned
+                config = place.sweep("plan", seeds=seeds, batch=size)
+                plan = "snakemake", "-n", "results/plan/drag.nc", "--configfile", config
+                print(f"  planned, {size} seeds a job: {measured(place, *plan)}", flush=True)
+            config = place.sweep("many", seeds=seeds, batch=100)
+            copies(results, results / one.replicates()[0].path, load(place.folder / config))
+            verb = ["dem.cli", "combine", "--config", config, "-o", data]
+            print(f"  combined: {measured(place, *verb)}", flush=True)
+            size = (place.folder / data).stat().st_size
+            print(f"  drag.nc: {size / 1e3 / count:.1f} kB a replicate")
+            print(
+                f"  figure13: {measured(place, 'dem.cli', 'figure', 'figure13', data)}", flush=True
+            )
+            print(f"  dem info: {measured(place, 'dem.cli', 'info', data)}", flush=True)
+            if count <= FLOW:
+                verb = ["dem.cli", "flow", "--config", config, "-o", "results/many/flow.nc"]
+                print(f"  flow.nc: {measured(place, *verb)}", flush=True)
 
 
 if __name__ == "__main__":
