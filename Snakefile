@@ -16,7 +16,7 @@ import sys
 from dem import config as schema
 from dem.errors import InputError, RunError
 from dem.figures import FLOW, possible
-from dem.progress import Workflow as TimeLeft
+from dem.progress import WorkflowProgress
 from dem.provenance import source_hash
 from dem.workplace import on_failure, prepare
 
@@ -94,7 +94,7 @@ onstart:
         print(error, file=sys.stderr)
         sys.exit(1)
     print(*said, sep="\n", end="\n" if said else "", file=sys.stderr)
-    logging.getLogger("snakemake.logging").addHandler(TimeLeft())
+    logging.getLogger("snakemake.logging").addHandler(WorkflowProgress())
 
 
 onerror:

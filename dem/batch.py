@@ -12,33 +12,37 @@ from dem.dataset import read
 from dem.errors import InputError, RunError
 
 
-def batch(sweep: Sweep, shape: str, number: int, folder: Path, progress=lambda done: None) -> int:
+def batch(sweep: Sweep, shape: str, number: int, folder: Path, progress=lambda done: None):
     """Make the replicates of some seeds of a shape, at all its densities, below a folder of results.
 
-    Returns how many were made; progress is called with the share that is done. One that fails does
-    not stop the others. Where the sweep allows failures they are noted (dem.failures); else
-    RunError names all of them in the end. Raises InputError for a shape or a batch that the sweep
+    Returns how many were made, and a sentence for each that failed; progress is called with the share
+    that is done. One that fails does not stop the others. Where the sweep allows failures they are
+    noted (dem.failures); else RunError names all of them in the end. Raises InputError for a shape or a batch that the sweep
     does not have.
     """
     densities, seeds = sweep.densities(shape), sweep.seeds_of_batch(number)
     made, sentences = 0, []
+    progress(0.0)
     for done, seed in enumerate(seeds):
         wanted = [sweep.replicate(shape, density, seed) for density in densities]
         missing = [each for each in wanted if not settled(folder / each.path, each)]
-        failed = make(missing, folder)
+        failed = make(
+            missing, folder, lambda share, done=done: progress((done + share) / len(seeds))
+        )
         made += len(missing) - len(failed)
         for replicate, error in failed:
+            sentences.append(f"{replicate.path}: {type(error).__name__}: {error}")
             if sweep.failures:
                 failures.note(folder / replicate.path, replicate, error)
-            else:
-                sentences.append(f"{replicate.path}: {type(error).__name__}: {error}")
         progress((done + 1) / len(seeds))
-    if sentences:
+    if sentences and not sweep.failures:
         raise RunError("\n".join(sentences))
-    return made
+    return made, sentences
 
 
-def make(replicates: list[Replicate], folder: Path) -> list[tuple[Replicate, RunError]]:
+def make(
+    replicates: list[Replicate], folder: Path, progress=lambda share: None
+) -> list[tuple[Replicate, RunError]]:
     """Make replicates that share one bed; returns those that failed, with what went wrong."""
     if not replicates:
         return []
@@ -47,15 +51,20 @@ def make(replicates: list[Replicate], folder: Path) -> list[tuple[Replicate, Run
     except RunError as error:
         return [(replicate, error) for replicate in replicates]
     failed = []
-    for replicate in replicates:
-        path = folder / replicate.path
+    for number, replicate in enumerate(replicates):
+        path, checkpoint = folder / replicate.path, folder / checkpoint_of(replicate)
+
+        def update(bins, number=number, whole=replicate.sweep.record.bins):
+            progress((number + bins / whole) / len(replicates))
+
         try:
-            values = drag.run(replicate, bed, checkpoint=folder / checkpoint_of(replicate))
+            values = drag.run(replicate, bed, update, checkpoint=checkpoint)
         except RunError as error:
             failed.append((replicate, error))
         else:
             drag.write_replicate(path, replicate, values)
             failures.forget(path)
+        checkpoint.unlink(missing_ok=True)
     return failed
 
 
@@ -74,6 +83,6 @@ def settled(path: Path, replicate: Replicate) -> bool:
         return False
     try:
         _, attrs = read(path, ("steps",))
-    except (InputError, RuntimeError, AttributeError):
+    except InputError:
         return False
     return (attrs.get("run_key"), attrs.get("source_hash")) == wanted

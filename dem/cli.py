@@ -78,6 +78,8 @@ def simulate(
         with bar(f"{shape}, {density:g} kg/m3, seed {seed}", replicate.sweep.record.bins) as update:
             values = drag.run(replicate, at_rest, update, threads, checkpoint)
         drag.write_replicate(output, replicate, values)
+        if checkpoint:
+            checkpoint.unlink(missing_ok=True)
 
 
 @app.command()
@@ -95,7 +97,9 @@ def batch(
 
         sweep = load(config)
         with bar(f"{shape}, batch {number}", 1.0) as update:
-            make(sweep, shape, number, folder, update)
+            _, failed = make(sweep, shape, number, folder, update)
+        for sentence in failed:
+            typer.echo(sentence, err=True)
 
 
 @app.command()
@@ -145,15 +149,21 @@ def figure(
 @app.command()
 def info(
     data: Annotated[Path, typer.Argument(help="drag.nc, a replicate, or the file of a study.")],
-):
+    output: Annotated[Path | None, typer.Option("-o", help="Text file; the terminal if absent.")] = None,
+):  # fmt: skip
     """Print what a file holds: cases, mean drag, scatter and intervals."""
     with reported():
         from rich.console import Console
 
+        from dem.files import atomic
         from dem.info import summary
 
-        console = Console(width=None if sys.stdout.isatty() else 160)
-        console.print(summary(data))
+        found = summary(data)
+        if output is None:
+            Console(width=None if sys.stdout.isatty() else 160).print(found)
+            return
+        with atomic(output) as part, part.open("w", encoding="utf-8") as file:
+            Console(file=file, width=160).print(found)
 
 
 @app.command()

@@ -6,6 +6,7 @@ however many there are. Snapshots stay in the replicates' own files.
 """
 
 import json
+from contextlib import contextmanager
 from pathlib import Path
 
 import netCDF4
@@ -14,7 +15,7 @@ import xarray as xr
 
 from dem import failures
 from dem.config import Replicate, Sweep, density_label
-from dem.dataset import VARIABLES, WALLS, attributes, global_attributes, read
+from dem.dataset import AGAIN, VARIABLES, WALLS, attributes, global_attributes, read
 from dem.errors import InputError
 from dem.failures import Failed
 from dem.files import atomic
@@ -112,22 +113,16 @@ def _load(path: Path, sweep: Sweep) -> tuple[Replicate, dict, dict]:
     """
     if not Path(path).is_file():
         raise InputError(
-            f"{path}: there is no such file; delete the folder batches beside replicates, if there is "
-            "one, and run again."
+            f"{path}: there is no such file; delete the folder batches, if there is one, and run again."
         )
-    try:
-        values, attrs = read(path, (*AXIS, *SERIES, *SCALARS, *LABELS))
-    except (RuntimeError, AttributeError) as error:
-        raise InputError(f"{path}: it is damaged ({error}); delete it and run again.") from None
+    values, attrs = read(path, (*AXIS, *SERIES, *SCALARS, *LABELS))
     for name in (*PROVENANCE, "run_key"):
         if name not in attrs:
             raise InputError(f"{path}: it has no attribute {name}; is it another file?")
     label = str(values["shape"])
     run = Replicate.of(sweep, label, float(values["density"]), int(values["seed"]))
     if label not in sweep.shapes or attrs["run_key"] != run.run_key():
-        raise InputError(
-            f"{path}: it was made with another configuration; delete it and run again."
-        )
+        raise InputError(f"{path}: it was made with another configuration; {AGAIN}.")
     sizes = {"displacement": sweep.record.bins, "bound": 2, "wall": len(WALLS)}
     for name in (*AXIS, *SERIES, *SCALARS):
         if values[name].shape != tuple(sizes[dim] for dim in VARIABLES[name][0]):
@@ -206,28 +201,38 @@ def _about(sweep: Sweep, provenance: dict) -> dict:
     )
 
 
-def open_combined(path: Path) -> xr.Dataset:
-    """drag.nc with variables that are read when needed; use it in a `with` block.
-
-    Raises InputError for any other file.
-    """
-    dataset = open_lazily(path)
-    try:
+@contextmanager
+def open_combined(path: Path):
+    """drag.nc with variables that are read when needed; raises InputError for any other file."""
+    with open_lazily(path) as dataset:
         require(dataset, path, ("case", *LABELS, *AXIS, "kind", "drag"), ("window_start",))
-    except InputError:
-        dataset.close()
-        raise
-    return dataset
+        for name, dims in (("drag", ("case", "seed", "displacement")), ("shape", ("case",))):
+            if dataset[name].dims != dims:
+                raise InputError(
+                    f"{path}: its {name} is not over {', '.join(dims)}; is it another file?"
+                )
+        yield dataset
 
 
-def open_lazily(path: Path) -> xr.Dataset:
-    """Any netCDF file with variables that are read when needed; raises InputError."""
+@contextmanager
+def open_lazily(path: Path):
+    """Any netCDF file with variables that are read when needed, an xarray.Dataset; raises InputError
+    for another file, also where damage shows only when a value is read."""
     if not Path(path).is_file():
         raise InputError(f"{path}: there is no such file.")
     try:
-        return xr.open_dataset(path, engine="netcdf4", chunks={})
+        dataset = xr.open_dataset(path, engine="netcdf4", chunks={})
     except (OSError, ValueError, RuntimeError) as error:
         raise InputError(f"{path}: it is not a readable netCDF file ({error}).") from None
+    with dataset:
+        try:
+            yield dataset
+        except RuntimeError as error:
+            if not str(error).startswith("NetCDF"):
+                raise
+            raise InputError(
+                f"{path}: it is damaged ({error}); delete it and make it again."
+            ) from None
 
 
 def require(dataset: xr.Dataset, path: Path, variables, attributes=()) -> None:

@@ -56,6 +56,7 @@ VARIABLES = {
     "granules": ((), "1", "number of granules"),
 }  # fmt: skip
 
+AGAIN = "delete it, with the folder batches if there is one, and run again"
 COMPRESSED = 8192  # bytes of an array from which compressing it makes the file smaller
 WALLS = ("left", "right", "bottom", "top")
 MEANS = ("drag", "drag_normal", "drag_tangential", "transverse_force", "wall_force")
@@ -126,7 +127,5 @@ def read(path: Path, names: tuple[str, ...]) -> tuple[dict, dict]:
                     raise InputError(f"{path}: it has no variable {name}; is it another file?")
             values = {name: file.variables[name][...] for name in names}
             return values, {name: file.getncattr(name) for name in file.ncattrs()}
-    except OSError as error:
-        raise InputError(
-            f"{path}: it is not a readable netCDF file ({error}); delete it and run again."
-        ) from None
+    except (OSError, RuntimeError, AttributeError) as error:
+        raise InputError(f"{path}: it is not a readable netCDF file ({error}); {AGAIN}.") from None

@@ -91,8 +91,8 @@ def run(
     """Draw the cylinder over its stroke; returns the variables of a replicate by name.
 
     progress is called with the number of bins done. checkpoint: a file to which a long run saves
-    itself every minute, and from which it goes on, bit for bit, if it was stopped; it is removed in
-    the end. Raises RunError where the run fails.
+    itself every minute, and from which it goes on, bit for bit, if it was stopped; it is the caller's
+    to remove once the result is on disk. Raises RunError where the run fails.
     """
     sweep, record = replicate.sweep, replicate.sweep.record
     simulation = start(replicate, bed, threads)
@@ -100,7 +100,7 @@ def run(
     interval = sweep.cylinder.stroke / sweep.cylinder.velocity / record.bins
     every = record.bins // (record.snapshots - 1)
     going = Going([], [simulation.state], 0.0)
-    if checkpoint is not None and (saved := read_checkpoint(checkpoint, replicate)):
+    if checkpoint is not None and (saved := read_checkpoint(checkpoint, replicate, bed)):
         going = saved.restore(simulation)
     done, saved_at = going.bins, time.monotonic()
     while done < record.bins:
@@ -113,10 +113,8 @@ def run(
         going = going._replace(spent=going.spent + time.process_time() - started)
         progress(done)
         if checkpoint is not None and time.monotonic() - saved_at > SAVED_EVERY:
-            write_checkpoint(checkpoint, replicate, simulation, going)
+            write_checkpoint(checkpoint, replicate, bed, simulation, going)
             saved_at = time.monotonic()
-    if checkpoint is not None:
-        checkpoint.unlink(missing_ok=True)
     values = _records(sweep, going.records) | _snapshots(sweep, going.states, bed)
     modulus = effective_modulus(material, material)
     return values | {

@@ -5,6 +5,7 @@ sources, so that it is not tried again before something changes.
 """
 
 import json
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -74,9 +75,16 @@ def sort_out(sweep: Sweep, folder: Path) -> tuple[list[Path], list[tuple[Replica
 
 
 def check(sweep: Sweep, failed: Failed) -> None:
-    """Raise RunError where more runs failed than the sweep allows."""
+    """Raise RunError where more runs failed than the sweep allows, or all of a case."""
     count = len(sweep.cases) * len(sweep.seeds)
-    if len(failed) > sweep.failures * count:
+    of_case = Counter(replicate.key[:2] for replicate, _ in failed)
+    for (shape, density), fails in of_case.items():
+        if fails == len(sweep.seeds):
+            raise RunError(
+                f"{shape} at {density} kg/m3: none of its {fails} replicates could be made; take the case out "
+                "of the configuration, or change its values."
+            )
+    if len(failed) > sweep.failures * count + 1e-9:  # 0.29 * 100 is a little less than 29
         replicate, about = failed[0]
         raise RunError(
             f"{len(failed)} of {count} replicates could not be made; failures allows "

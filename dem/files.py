@@ -1,14 +1,12 @@
 """Files are written whole or not at all, whatever happens to the process, and to the disk."""
 
+import errno
 import os
-import shutil
 import socket
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from dem.errors import InputError, RunError
-
-FULL = 100_000  # bytes that are left on a disk that is full
+FULL = 100_000  # bytes that a disk that is full can not take
 
 
 @contextmanager
@@ -23,23 +21,38 @@ def atomic(path: Path):
         path.parent.mkdir(parents=True, exist_ok=True)
         yield part
         part.replace(path)
-    except (InputError, RunError):
-        raise
-    except (OSError, RuntimeError) as error:  # netCDF4 tells of a full disk by a RuntimeError
+    except (OSError, RuntimeError) as error:
+        if not _of_disk(error, path):
+            raise
         raise OSError(
-            f"{path}: it can not be written ({_why(path, error)}); nothing that was there is lost. Mend "
-            "that and run the same command again."
+            f"{path}: it can not be written ({_why(path, error)}); mend that and run the same command again."
         ) from None
     finally:
         with suppress(OSError):
             part.unlink(missing_ok=True)
 
 
+def _of_disk(error: Exception, path: Path) -> bool:
+    """Whether an error is about writing this file, and not one of the work that makes its content."""
+    if isinstance(error, OSError):
+        if error.filename is None:
+            return True
+        name = Path(os.fsdecode(error.filename))
+        return name.parent == path.parent or name in path.parents
+    return type(error) is RuntimeError and str(error).startswith("NetCDF")
+
+
 def is_full(folder: Path) -> bool:
-    """Whether nothing more can be written to a folder."""
-    with suppress(OSError):
-        return shutil.disk_usage(folder).free < FULL
-    return False
+    """Whether nothing more can be written to a folder, because of its disk or of a quota."""
+    probe = Path(folder) / f".probe.{os.getpid()}"
+    try:
+        probe.write_bytes(bytes(FULL))
+        return False
+    except OSError as error:
+        return error.errno in (errno.ENOSPC, errno.EDQUOT)
+    finally:
+        with suppress(OSError):
+            probe.unlink(missing_ok=True)
 
 
 def _why(path: Path, error: Exception) -> str:

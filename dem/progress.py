@@ -38,7 +38,7 @@ def span(seconds: float) -> str:
     return f"{seconds // 3600} h {seconds % 3600 // 60} min"
 
 
-class Workflow(logging.Handler):
+class WorkflowProgress(logging.Handler):
     """Adds the time left to the steps that Snakemake counts, as if all took the same time."""
 
     def __init__(self, every: float = EVERY):

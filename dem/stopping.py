@@ -1,5 +1,6 @@
 """A run of the experiment that can be stopped, and gone on with, bit for bit."""
 
+import hashlib
 import zipfile
 from pathlib import Path
 from typing import NamedTuple
@@ -9,6 +10,7 @@ import numpy as np
 from dem import provenance
 from dem.config import Replicate
 from dem.files import atomic
+from dem.packing import Bed
 from dem.scene import State
 from dem.simulation import Record, Simulation
 
@@ -39,13 +41,15 @@ class Saved(NamedTuple):
         return self.going
 
 
-def mark_of(replicate: Replicate) -> np.ndarray:
-    """What must be the same for a run to be gone on with."""
-    return np.array(f"{replicate.run_key()} {provenance.source_hash()}")
+def mark_of(replicate: Replicate, bed: Bed) -> np.ndarray:
+    """What must be the same for a run to be gone on with: values, sources, packages and the bed."""
+    granules = hashlib.sha256(bed.position.tobytes() + bed.angle.tobytes()).hexdigest()
+    made_by = provenance.source_hash(), provenance.versions()
+    return np.array(" ".join((replicate.run_key(), *made_by, granules)))
 
 
 def write_checkpoint(
-    path: Path, replicate: Replicate, simulation: Simulation, going: Going
+    path: Path, replicate: Replicate, bed: Bed, simulation: Simulation, going: Going
 ) -> None:
     """Save a run, whole or not at all."""
     arrays = {f"simulation_{k}": v for k, v in simulation.checkpoint().items()}
@@ -54,18 +58,18 @@ def write_checkpoint(
     for name in STATE:
         arrays[f"state_{name}"] = np.stack([getattr(state, name) for state in going.states])
     with atomic(path) as part, part.open("wb") as file:
-        np.savez(file, mark=mark_of(replicate), spent=going.spent, **arrays)
+        np.savez(file, mark=mark_of(replicate, bed), spent=going.spent, **arrays)
 
 
 STATE = ("position", "velocity", "angle", "angular_velocity")
 
 
-def read_checkpoint(path: Path, replicate: Replicate) -> Saved | None:
-    """The checkpoint of this run; None if there is none, or only one of another run or other sources,
+def read_checkpoint(path: Path, replicate: Replicate, bed: Bed) -> Saved | None:
+    """The checkpoint of this run; None if there is none, or only one of another run, bed or sources,
     or a file that can not be read: the run then begins anew."""
     try:
         with np.load(path) as file:
-            if str(file["mark"]) != str(mark_of(replicate)):
+            if str(file["mark"]) != str(mark_of(replicate, bed)):
                 return None
             record = Record(*(file[f"record_{name}"] for name in Record._fields))
             columns = (file[f"state_{name}"] for name in STATE)

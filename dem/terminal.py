@@ -2,6 +2,7 @@
 
 import signal
 import sys
+import threading
 from contextlib import contextmanager
 from datetime import datetime
 from pathlib import Path
@@ -17,11 +18,25 @@ OutputOption = Annotated[Path, typer.Option("-o", "--output", help="netCDF file 
 PAPER = Path("config/paper.yaml")
 
 
+STOPS = signal.SIGINT, signal.SIGTERM
+
+
+class Stopped(BaseException):
+    """A signal, its argument, asks the process to end."""
+
+
+def _stop(number, frame):
+    for each in STOPS:
+        signal.signal(each, signal.SIG_IGN)  # once is enough
+    raise Stopped(number)
+
+
 @contextmanager
 def reported():
     """One sentence and an exit status instead of a traceback."""
-    if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:  # as the workflow starts its jobs
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+    main = threading.current_thread() is threading.main_thread()
+    # the workflow starts its jobs with SIGINT ignored; SIGTERM is what clusters send when time is over
+    before = {each: signal.signal(each, _stop) for each in STOPS} if main else {}
     try:
         yield
     except InputError as error:
@@ -30,10 +45,12 @@ def reported():
     except (RunError, OSError) as error:
         typer.echo(f"{type(error).__name__}: {error}", err=True)
         raise typer.Exit(1) from None
-    except KeyboardInterrupt:
-        signal.signal(signal.SIGINT, signal.SIG_IGN)  # once is enough
+    except Stopped as stopped:
         typer.echo("Interrupted; no half-written file is left.", err=True)
-        raise typer.Exit(130) from None
+        raise typer.Exit(128 + stopped.args[0]) from None
+    finally:
+        for each, handler in before.items():
+            signal.signal(each, handler)
 
 
 @contextmanager

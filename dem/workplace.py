@@ -14,6 +14,7 @@ from dem.errors import RunError
 from dem.files import is_full
 from dem.progress import span
 
+DAY = 86400.0  # s
 SOON = 2.0  # s that the clocks of two computers may differ by
 
 
@@ -50,8 +51,8 @@ def hold(folder: Path) -> FileLock:
         ) from None
     except OSError as error:
         raise OSError(
-            f"{folder}: it can not be written ({(error.strerror or str(error)).lower()}); nothing that was "
-            "there is lost. Mend that and run the same command again; snakemake -n and dem info only read."
+            f"{folder}: it can not be written ({(error.strerror or str(error)).lower()}); mend that and "
+            "run the same command again; snakemake -n and dem info only read."
         ) from None
     return lock
 
@@ -66,12 +67,16 @@ def on_failure(folder: Path) -> str:
 
 
 def clear_parts(folder: Path) -> int:
-    """Remove what killed processes of this computer left half-written below a folder; how many."""
+    """Remove what killed processes left half-written below a folder; how many files.
+
+    Whether a process lives can be told of this computer only; others are given a day to finish.
+    """
     gone, here = 0, socket.gethostname()
     for part in Path(folder).rglob(".*.part"):
         owner = re.fullmatch(rf"\..*\.{re.escape(here)}\.(\d+)\.part", part.name)
-        if owner and not _lives(int(owner[1])):
-            with suppress(OSError):
+        with suppress(OSError):
+            late = time.time() - part.stat().st_mtime > DAY
+            if not _lives(int(owner[1])) if owner else late:
                 part.unlink()
                 gone += 1
     return gone

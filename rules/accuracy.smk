@@ -161,7 +161,7 @@ rule accuracy_table:
     log:
         RESULTS + "/logs/accuracy/table.log",
     shell:
-        "dem info {input.data} > {output} 2> {log}"
+        "dem info {input.data} -o {output} 2> {log}"
 
 
 rule accuracy_figure:

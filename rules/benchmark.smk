@@ -49,7 +49,7 @@ rule benchmark_table:
     log:
         RESULTS + "/logs/benchmark_table.log",
     shell:
-        "dem info {input.data} > {output} 2> {log}"
+        "dem info {input.data} -o {output} 2> {log}"
 
 
 rule benchmark_figure:

@@ -156,7 +156,7 @@ rule claims_table:
     log:
         RESULTS + "/logs/claims/table.log",
     shell:
-        "dem info {input.data} > {output} 2> {log}"
+        "dem info {input.data} -o {output} 2> {log}"
 
 
 rule claims_figure:

@@ -86,7 +86,7 @@ rule stability_table:
     log:
         RESULTS + "/logs/stability/table.log",
     shell:
-        "dem info {input.data} > {output} 2> {log}"
+        "dem info {input.data} -o {output} 2> {log}"
 
 
 rule stability_figure:

@@ -25,11 +25,17 @@ import yaml
 
 ROOT = Path(__file__).parent.parent
 CLOCKS = {"run_time"}
-# what Snakemake says when a stage begins, and the longest that a kill then waits (s)
+# stage: what Snakemake says when it begins, the longest that a kill then waits (s), and what is taken
+# away so that it has something to do
 STAGES = {
-    "planning": ("", 2.5), "kernels": ("Compile", 3.0), "pack": ("Pack", 1.5), "simulate": ("Simulate", 1.5),
-    "combine": ("Combine", 2.5), "flow": ("Measure", 4.0), "figures": ("Draw", 3.0),
-}  # fmt: skip
+    "planning": ("", 2.5, ()),
+    "kernels": ("Compile", 3.0, ("kernels", "packings", "replicates", "batches")),
+    "pack": ("Pack", 1.5, ("packings", "replicates", "batches")),
+    "simulate": ("Simulate", 2.0, ("replicates", "batches")),
+    "combine": ("Combine", 2.5, ("drag.nc",)),
+    "flow": ("Measure", 3.5, ("flow.nc",)),
+    "figures": ("Draw", 3.0, ("figures",)),
+}
 FEW = {
     "c1": {"shape": "c1", "density": 3.9e3},
     "d1": {"shape": "d1", "density": 3.9e3},
@@ -85,10 +91,11 @@ def contents(path: Path) -> dict:
         return {n: np.array(v[...]) for n, v in file.variables.items() if n not in CLOCKS}
 
 
-def lost_and_differing(whole: Path, other: Path, folders=("", "replicates")) -> tuple[int, int]:
-    """How many netCDF files of an undisturbed sweep another has not, or has with other bits."""
+def lost_and_differing(whole: Path, other: Path) -> tuple[int, int]:
+    """How many netCDF files of an undisturbed sweep another has not, or has with other bits; beds are
+    kept only where a job makes one replicate."""
     lost = differing = 0
-    for path in (p for folder in folders for p in sorted((whole / folder).rglob("*.nc"))):
+    for path in [*whole.glob("*.nc"), *(whole / "replicates").rglob("*.nc")]:
         twin = other / path.relative_to(whole)
         if not twin.is_file():
             lost += 1
@@ -99,6 +106,11 @@ def lost_and_differing(whole: Path, other: Path, folders=("", "replicates")) -> 
         )
         differing += not same
     return lost, differing
+
+
+def finished(results: Path) -> dict[Path, int]:
+    """Files of runs under their own names, and when they were written."""
+    return {path: path.stat().st_mtime_ns for path in (results / "replicates").rglob("[!.]*.nc")}
 
 
 def unreadable(results: Path) -> list[Path]:
@@ -130,17 +142,23 @@ def wait_for(words: str, log: Path, process: subprocess.Popen) -> bool:
     return False
 
 
+def take_away(results: Path, names) -> None:
+    for name in names:
+        path = results / name
+        shutil.rmtree(path) if path.is_dir() else path.unlink(missing_ok=True)
+
+
 def kills(place: Place, count: int, rng: random.Random) -> str:
-    """The workflow killed at random moments of random stages, one replicate a job and several."""
-    names = {1: "killed", 2: "killed_batches"}
-    stages, differing, lost, broken = Counter(), 0, 0, 0
+    """The workflow killed at random moments of random stages, one replicate a job and two."""
+    stages, remade, broken = Counter(), 0, 0
+    names = {"killed": 1, "killed_batches": 2}
+    log = place.folder / "kill.log"
     while sum(stages.values()) < count:
-        batch = rng.choice(list(names))
-        name = names[batch]
-        config, results = place.sweep(name, batch=batch), place.results(name)
-        stage = rng.choice(list(STAGES))
-        words, longest = STAGES[stage]
-        log = place.folder / "kill.log"
+        name, stage = rng.choice(list(names)), rng.choice(list(STAGES))
+        config, results = place.sweep(name, batch=names[name]), place.results(name)
+        words, longest, removed = STAGES[stage]
+        take_away(results, removed)
+        before = finished(results)
         with log.open("w") as out:
             process = place.start([*WORKFLOW, config], out)
             reached = wait_for(rf"Job \d+: {words}" if words else "", log, process)
@@ -148,19 +166,22 @@ def kills(place: Place, count: int, rng: random.Random) -> str:
             if process.poll() is None:
                 kill(process)
                 stages[stage] += 1
-                broken += len(unreadable(results))
-                continue
-        assert process.returncode == 0, log.read_text()
-        one, two = lost_and_differing(place.results("whole"), results, ("", "replicates"))
-        lost, differing = lost + one, differing + two
-        shutil.rmtree(results)
-    for name in names.values():
-        place.sweep(name, batch=1 if name == "killed" else 2)
+                print(f"\r{sum(stages.values())} kills", end="", file=sys.stderr, flush=True)
+            else:
+                assert process.returncode == 0, log.read_text()
+        broken += len(unreadable(results))
+        after = finished(results)
+        remade += sum(after.get(path) != stamp for path, stamp in before.items())
+    lost = differing = 0
+    for name in names:
         place.finish(name)
         one, two = lost_and_differing(place.results("whole"), place.results(name))
         lost, differing = lost + one, differing + two
     told = ", ".join(f"{n} {stage}" for stage, n in sorted(stages.items()))
-    return f"{count} ({told}): {lost} files lost, {differing} differing, {broken} half-written ones read"
+    return (
+        f"{count} ({told}): {lost} files lost, {differing} differing, {broken} half-written; {remade} "
+        "finished replicates made again, because Snakemake was killed before it had noted them"
+    )
 
 
 def kills_of_compiling(place: Place, count: int, rng: random.Random) -> str:
@@ -240,11 +261,26 @@ def a_spoiled_replicate(place: Place, name: str, spoil, words: str) -> str:
     return f"{said}\n    {same_as_whole(place, name)}"
 
 
+def half(path: Path) -> None:
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+
+
 def truncated(place: Place) -> str:
     """A replicate that is half as long as it was."""
-    return a_spoiled_replicate(
-        place, "truncated", lambda p: p.write_bytes(p.read_bytes()[: p.stat().st_size // 2]), "seed2.nc: it is not"
-    )  # fmt: skip
+    return a_spoiled_replicate(place, "truncated", half, "seed2.nc: it is not")
+
+
+def truncated_in_a_batch(place: Place) -> str:
+    """The same where a job makes several replicates."""
+    name = "truncated_batch"
+    place.sweep(name, batch=2)
+    place.finish(name)
+    half(place.results(name) / "replicates/d1/density3900/seed2.nc")
+    (place.results(name) / "drag.nc").unlink()
+    said = sentence(place.run([*WORKFLOW, f"config/{name}.yaml"]), "seed2.nc: it is not")
+    shutil.rmtree(place.results(name) / "batches")
+    place.finish(name)  # the batch finds by itself which file is damaged
+    return f"{said}\n    {same_as_whole(place, name)}"
 
 
 def foreign(place: Place) -> str:
@@ -331,6 +367,29 @@ def disk_full(place: Place) -> str:
     )  # fmt: skip
 
 
+def disk_full_everywhere(place: Place) -> str:
+    """The same with Snakemake's own notes on that disk."""
+    if os.geteuid() or not shutil.which("unshare"):
+        return "not tried: to mount needs root"
+    place.sweep("everywhere")
+    command = " ".join([*WORKFLOW, "config/everywhere.yaml"])
+    script = f"""
+        mkdir small && mount -t tmpfs -o size=30m none small
+        cp -r dem rules config profiles Snakefile README.md small && cd small
+        head -c $(($(df --output=avail -B1 . | tail -1) - 600000)) /dev/zero > ballast
+        export PYTHONPATH=$PWD
+        {command} > ../everywhere.first 2>&1 && exit 3
+        rm ballast
+        {command} > ../everywhere.second 2>&1 || exit 4
+        mkdir -p ../results && cp -r results/everywhere ../results/
+    """
+    run = place.run(["unshare", "-m", "sh", "-c", script])
+    texts = [(place.folder / f"everywhere.{which}").read_text() for which in ("first", "second")]
+    assert run.returncode == 0, f"{run.returncode} {run.stderr} {texts[-1][-3000:]}"
+    said = subprocess.CompletedProcess(command, 1, texts[0], "")
+    return f"{sentence(said, 'the disk is full')}\n    {same_as_whole(place, 'everywhere')}"
+
+
 def read_only(place: Place) -> str:
     """A folder that can not be written."""
     at = "results/readonly"
@@ -338,7 +397,10 @@ def read_only(place: Place) -> str:
     return mounted(place, "readonly", mount, f"mount -o remount,rw {at}", "can not be written")
 
 
-FAULTS = (two_at_once, clock_back, interrupted, truncated, foreign, disk_full, read_only)
+FAULTS = (
+    two_at_once, clock_back, interrupted, truncated, truncated_in_a_batch, foreign, disk_full,
+    disk_full_everywhere, read_only,
+)  # fmt: skip
 
 
 def main(count: int = 100, seed: int = 0) -> int:

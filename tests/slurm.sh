@@ -5,13 +5,13 @@
 #
 #     bash tests/slurm.sh [folder for logs]
 set -euo pipefail
-cd "$(dirname "$0")/.."
+cd "$(dirname "$(readlink -f "$0")")/.."
 
 if [ -z "${IN_NAMESPACE:-}" ]; then
     command -v slurmctld >/dev/null || { apt-get update -q && apt-get install -qy slurm-wlm munge; }
     python -c "import snakemake_executor_plugin_slurm" 2>/dev/null ||
         { echo "The plugin is missing: pip install snakemake-executor-plugin-slurm" >&2; exit 2; }
-    exec env IN_NAMESPACE=1 unshare -m bash "$0" "$@"
+    exec env IN_NAMESPACE=1 unshare -m bash tests/slurm.sh "$@"
 fi
 
 LOGS=$(mkdir -p "${1:-results/slurm_logs}" && cd "${1:-results/slurm_logs}" && pwd)
@@ -65,6 +65,7 @@ for _ in $(seq 60); do
     sleep 0.5
 done
 sinfo
+sinfo -h -o %T | grep -q idle || { echo "The node does not come up; see $LOGS/slurmd.log" >&2; exit 1; }
 
 # the same sweep twice: through SLURM, and here
 for place in slurm local; do

@@ -1,6 +1,8 @@
 """What goes wrong around a sweep: runs that fail, a folder that others use, clocks, Ctrl-C."""
 
+import io
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -10,6 +12,7 @@ import netCDF4
 import numpy as np
 import pytest
 from conftest import CONFIG
+from rich.console import Console
 from test_stopping import smoke
 
 from dem import batch as batches
@@ -18,9 +21,11 @@ from dem.batch import batch, settled
 from dem.combine import combine, open_combined
 from dem.errors import InputError, OverlapError, PackingError, RunError
 from dem.failures import sort_out
-from dem.flow.collect import collect
+from dem.figures import FLOW, draw
+from dem.flow.collect import collect, write_flow
 from dem.info import spans, summary
 from dem.progress import TimeLeft, span
+from dem.report.build import build
 from dem.statistics import summarise
 from dem.workplace import hold, redate
 
@@ -57,8 +62,9 @@ def discs(**changes):
 def test_runs_that_fail_are_gaps_where_the_sweep_allows_them(tmp_path, two_fail):
     """They are tried once, drag.nc says why they are missing, and numbers are those of the others."""
     sweep = discs(failures=0.5)
-    assert batch(sweep, "c1", 0, tmp_path) == 3
-    assert batch(sweep, "c1", 0, tmp_path) == 0 and len(two_fail) == 2
+    made, sentences = batch(sweep, "c1", 0, tmp_path)
+    assert made == 3 and [s.split(":")[1].strip() for s in sentences] == ["PackingError", "PackingError", "OverlapError"]  # fmt: skip
+    assert batch(sweep, "c1", 0, tmp_path) == (0, []) and len(two_fail) == 2
     files, failed = sort_out(sweep, tmp_path)
     assert (len(files), len(failed)) == (3, 3)
     combine(files, sweep, tmp_path / "drag.nc", failed=failed)
@@ -76,9 +82,34 @@ def test_runs_that_fail_are_gaps_where_the_sweep_allows_them(tmp_path, two_fail)
         numbers = summarise(dataset)
         runs = numbers["run_mean"].sel(case="c1").values[[0, 2]]
         assert float(numbers["mean"].sel(case="c1")) == pytest.approx(runs.mean())
-    assert summary(tmp_path / "drag.nc")
     flow = collect(files, sweep, failed=failed)
     np.testing.assert_array_equal(np.isnan(flow["mixing"]).all(axis=-1), gaps)
+    write_flow(tmp_path / "flow.nc", sweep, flow)
+    shows_no_gaps(tmp_path)
+
+
+def shows_no_gaps(folder):
+    """Figures, tables and the page of a sweep with failed runs hold numbers, and the count of runs."""
+    drag, flow = folder / "drag.nc", folder / "flow.nc"
+    for name in ("all", "figure09", "irregularity"):
+        assert draw(name, flow if name in FLOW else drag, folder / "figures")
+    build(drag, flow, CONFIG.parent / "README.md", folder / "report.html")
+    page = re.sub(r"<script.*?</script>", "", (folder / "report.html").read_text(), flags=re.S)
+    assert not re.search(r"\bnan\b", page) and re.search(r"\b3 runs\b", page)
+    console = Console(width=160, file=io.StringIO())
+    console.print(summary(drag))
+    assert "3 of 6 runs: 2 PackingError, 1 OverlapError" in console.file.getvalue()
+    assert not re.search(r"\bnan\b", console.file.getvalue())
+
+
+def test_a_case_without_any_run_stops_a_sweep(tmp_path, two_fail):
+    """There is nothing to show of it, however many failures the sweep allows."""
+    case = {"shape": "c1", "density": 3.9e3}
+    sweep = smoke(cases={"c1": case}, seeds=[2], batch=2, failures=0.9)
+    batch(sweep, "c1", 0, tmp_path)
+    files, failed = sort_out(sweep, tmp_path)
+    with pytest.raises(RunError, match="c1 at 3900 kg/m3: none of its 1 replicates"):
+        combine(files, sweep, tmp_path / "drag.nc", failed=failed)
 
 
 def test_runs_that_fail_stop_a_sweep_that_does_not_allow_so_many(tmp_path, two_fail):
@@ -155,18 +186,19 @@ def test_time_left_of_a_steady_job():
 
 
 @pytest.mark.parametrize("verb", ["simulate", "pack"])
-def test_ctrl_c_is_one_sentence(tmp_path, verb):
-    """Of a job that ignores it until it can answer, as the workflow starts its jobs."""
+@pytest.mark.parametrize("asked", [signal.SIGINT, signal.SIGTERM])
+def test_to_be_stopped_is_one_sentence(tmp_path, verb, asked):
+    """Of a job that ignores signals until it can answer, as the workflow starts its jobs."""
     command = [sys.executable, "-m", "dem.cli", verb, "--config", CONFIG / "smoke.yaml", "--shape", "c1", "--seed", "1",
                "-o", tmp_path / "out.nc", *(["--density", "3900"] if verb == "simulate" else [])]  # fmt: skip
     process = subprocess.Popen(
         command, stderr=subprocess.PIPE, text=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_IGN),
+        preexec_fn=lambda: signal.signal(asked, signal.SIG_IGN),
     )  # fmt: skip
     while process.poll() is None:
-        process.send_signal(signal.SIGINT)
+        process.send_signal(asked)
         time.sleep(0.1)
-    assert process.returncode == 130
+    assert process.returncode == 128 + asked
     assert process.stderr.read() == "Interrupted; no half-written file is left.\n"
     assert not list(tmp_path.iterdir())
 

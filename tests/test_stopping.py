@@ -7,9 +7,11 @@ import socket
 import numpy as np
 import pytest
 from conftest import CONFIG
+from typer.testing import CliRunner
 
 from dem import drag
 from dem.batch import batch, settled
+from dem.cli import app
 from dem.combine import combine
 from dem.config import load, parse
 from dem.errors import InputError
@@ -48,19 +50,40 @@ def test_a_run_goes_on_from_a_checkpoint_with_the_same_bits(tmp_path, monkeypatc
         assert checkpoint.is_file()
     seen = []
     again = drag.run(replicate, bed, seen.append, checkpoint=checkpoint)
-    assert seen[0] > 20 and not checkpoint.exists()
+    assert seen[0] > 20
     for name in whole.keys() - set(CLOCKS):
         np.testing.assert_array_equal(whole[name], again[name], err_msg=name)
 
 
-@pytest.mark.parametrize("fault", ["another seed", "half a file", "no checkpoint"])
+@pytest.mark.parametrize("writes", [True, False])
+def test_a_checkpoint_is_there_until_the_result_is(tmp_path, monkeypatch, writes):
+    """What can not be written, because the disk is full, is not lost."""
+
+    def write(*_):
+        raise OSError("the disk is full")
+
+    monkeypatch.setattr(drag, "SAVED_EVERY", 0.0)
+    checkpoint, output = tmp_path / "run.npz", tmp_path / "run.nc"
+    if not writes:
+        monkeypatch.setattr(drag, "write_replicate", write)
+    words = ["simulate", "--config", str(CONFIG / "smoke.yaml"), "--shape", "c1", "--density", "3900", "--seed", "1",
+             "-o", str(output), "--checkpoint", str(checkpoint)]  # fmt: skip
+    result = CliRunner().invoke(app, words)
+    assert result.exit_code == (0 if writes else 1)
+    assert (output.exists(), checkpoint.exists()) == (writes, not writes)
+
+
+@pytest.mark.parametrize("fault", ["another seed", "another bed", "half a file", "no checkpoint"])
 def test_a_checkpoint_that_does_not_fit_is_not_used(tmp_path, monkeypatch, fault):
     """The run then begins anew, and says nothing wrong."""
     monkeypatch.setattr(drag, "SAVED_EVERY", 0.0)
     one, two = (smoke().replicate("c1", 3.9e3, seed) for seed in (1, 2))
     checkpoint, other = tmp_path / "run.npz", two if fault == "another seed" else one
     with pytest.raises(KeyboardInterrupt):
-        drag.run(other, drag.make_bed(other), stop_after(40), checkpoint=checkpoint)
+        bed = drag.make_bed(other)
+        if fault == "another bed":
+            bed = bed._replace(angle=bed.angle + 1.0)
+        drag.run(other, bed, stop_after(40), checkpoint=checkpoint)
     if fault == "half a file":
         checkpoint.write_bytes(checkpoint.read_bytes()[:1000])
     if fault == "no checkpoint":
@@ -74,13 +97,13 @@ def test_a_checkpoint_that_does_not_fit_is_not_used(tmp_path, monkeypatch, fault
 def test_a_batch_leaves_alone_what_is_there(tmp_path):
     """A batch that was stopped makes what is missing, damaged or of other values, and no more."""
     sweep = smoke(seeds=[1, 2, 3], batch=3)
-    assert batch(sweep, "c1", 0, tmp_path) == 3 * 2
+    assert batch(sweep, "c1", 0, tmp_path) == (3 * 2, [])
     files = {each.path: tmp_path / each.path for each in sweep.replicates() if each.label == "c1"}
     stamps = {name: file.stat().st_mtime_ns for name, file in files.items()}
     first, second, *others = files
     files[first].unlink()
     files[second].write_bytes(files[second].read_bytes()[:5000])
-    assert batch(sweep, "c1", 0, tmp_path) == 2
+    assert batch(sweep, "c1", 0, tmp_path) == (2, [])
     assert all(files[name].stat().st_mtime_ns == stamps[name] for name in others)
     rough = smoke(seeds=[1, 2, 3], batch=3, friction={"granule": 0.2, "wall": 0.2, "cylinder": 0.2})
     assert not any(settled(files[each.path], each) for each in rough.replicates() if each.label == "c1")  # fmt: skip

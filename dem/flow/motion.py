@@ -69,7 +69,12 @@ def read_motion(path: Path) -> Motion:
     values, attrs = read(path, READ)
     if "configuration" not in attrs:
         raise InputError(f"{path}: it has no attribute configuration; is it another file?")
-    sweep = parse(json.loads(attrs["configuration"]), str(path))
+    try:
+        sweep = parse(json.loads(attrs["configuration"]), str(path))
+    except json.JSONDecodeError:
+        raise InputError(
+            f"{path}: its attribute configuration is damaged; make it again."
+        ) from None
     density, seed = float(values["density"]), int(values["seed"])
     return Motion(
         sweep.replicate(str(values["shape"]), density, seed),

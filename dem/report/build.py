@@ -147,6 +147,7 @@ def study(folder: Path, name: str) -> str:
 def runs(dataset: xr.Dataset) -> dict:
     """Run times, versions and where all came from."""
     spent = dataset["run_time"].values
+    spent = spent[np.isfinite(spent)]
     return {
         "count": spent.size, "total": f"{spent.sum():.0f}", "median": f"{np.median(spent):.1f}",
         "steps": f"{int(dataset['steps'].sum()):,}",
