@@ -387,7 +387,7 @@ def disk_full_everywhere(place: Place) -> str:
     texts = [(place.folder / f"everywhere.{which}").read_text() for which in ("first", "second")]
     assert run.returncode == 0, f"{run.returncode} {run.stderr} {texts[-1][-3000:]}"
     said = subprocess.CompletedProcess(command, 1, texts[0], "")
-    return f"{sentence(said, 'the disk is full')}\n    {same_as_whole(place, 'everywhere')}"
+    return f"{sentence(said, 'the disk is full|No space left')}\n    {same_as_whole(place, 'everywhere')}"
 
 
 def read_only(place: Place) -> str:
