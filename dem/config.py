@@ -25,7 +25,7 @@ from dem.schema import (
     Number,
     Positive,
     Section,
-    Seed,
+    Seeds,
     Whole,
     sentences,
 )
@@ -120,7 +120,7 @@ class Sweep(Section):
 
     title: str = "Slow drag of a cylinder through a bed of granules"
     results: Folder
-    seeds: Annotated[tuple[Seed, ...], Field(min_length=1)]
+    seeds: Seeds  # a list, or words such as 1 to 10000
     batch: Annotated[Whole, Field(ge=1, le=10_000)] = 1  # seeds that one job of the workflow makes
     failures: Annotated[Number, Field(ge=0, lt=1)] = 0.0  # share of replicates that may fail
     box_width: Positive  # m

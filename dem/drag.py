@@ -204,13 +204,19 @@ def read_bed(path: Path, replicate: Replicate) -> Bed:
     return Bed(position, angle, width, float(height), *map(float, measures))
 
 
+def _own(replicate: Replicate) -> dict:
+    """The configuration without what a replicate does not depend on; other seeds can be millions."""
+    common = replicate.sweep.model_dump(exclude={"accuracy", "claims"})
+    return common | {"seeds": [replicate.seed]}
+
+
 def write_replicate(path: Path, replicate: Replicate, values: dict) -> None:
     """Write the file of a replicate, with all that is needed to make it again."""
     attrs = global_attributes(
         f"{replicate.sweep.title}: {replicate.label} at {density_label(replicate.density)} "
         f"kg m-3, seed {replicate.seed}",
         "dem simulate",
-        configuration=json.dumps(replicate.sweep.model_dump(exclude={"accuracy", "claims"})),
+        configuration=json.dumps(_own(replicate)),
         run_key=replicate.run_key(),
         source_hash=provenance.source_hash(),
         versions=provenance.versions(),

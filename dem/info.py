@@ -13,6 +13,7 @@ from rich.text import Text
 from dem.benchmark import report as benchmark
 from dem.combine import open_lazily, require
 from dem.errors import InputError
+from dem.schema import seed_words
 from dem.statistics import summarise, within
 
 # Headings in two lines, so that a row fits; LEGEND says what stands below them.
@@ -72,19 +73,12 @@ def _sweep(dataset: xr.Dataset) -> Group:
     numbers = summarise(dataset)
     for label in dataset["case"].values:
         table.add_row(*_row(dataset.sel(case=label), numbers.sel(case=label)))
-    seeds = spans(dataset["seed"].values)
+    seeds = seed_words(dataset["seed"].values)
     window = _millimetres(attrs["window_start"], attrs["window_stop"])
     lines = _provenance(attrs, seeds, window, attrs["cylinder_velocity"])
     if "failure" in dataset and (missing := _missing(dataset["failure"])):
         lines.add_row("missing", missing)
     return Group(Text(attrs["title"], style="bold"), lines, "", table, Text(LEGEND, style="dim"))
-
-
-def spans(seeds) -> str:
-    """Seeds as a list of those that follow one another: 1 to 5, 7."""
-    seeds = np.asarray(seeds)
-    runs = np.split(seeds, np.flatnonzero(np.diff(seeds) != 1) + 1)
-    return ", ".join(f"{run[0]} to {run[-1]}" if len(run) > 1 else str(run[0]) for run in runs)
 
 
 def _missing(failure: xr.DataArray) -> str:

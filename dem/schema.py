@@ -9,6 +9,7 @@ from pydantic import (
     BeforeValidator,
     ConfigDict,
     Field,
+    PlainSerializer,
     ValidationError,
 )
 
@@ -37,6 +38,36 @@ def _folder(value: str) -> str:
     return value
 
 
+MOST = 10_000_000  # seeds
+
+
+def _seeds(value):
+    """A list as it is; words such as "1 to 100, 205" as the seeds that they name."""
+    if not isinstance(value, str):
+        return value
+    found = []
+    for words in value.split(","):
+        ends = re.fullmatch(r"\s*(\d{1,10})(?:\s+to\s+(\d{1,10}))?\s*", words)
+        if not ends:
+            raise ValueError("it must be a list of whole numbers, or words such as 1 to 100, 205")
+        first, last = int(ends[1]), int(ends[2] or ends[1])
+        if not 0 <= last - first < MOST - len(found):
+            raise ValueError(f"each part must run from less to more, all to at most {MOST:,} seeds")
+        found += range(first, last + 1)
+    return found
+
+
+def seed_words(seeds) -> str:
+    """Seeds as words that can stand in a configuration: 1 to 5, 7."""
+    parts = []
+    for seed in seeds:
+        if parts and seed == parts[-1][1] + 1:
+            parts[-1][1] = seed
+        else:
+            parts.append([seed, seed])
+    return ", ".join(f"{a} to {b}" if b > a else str(a) for a, b in parts)
+
+
 # the bounds keep squares and products of values finite
 Number = Annotated[float, BeforeValidator(_number), Field(allow_inf_nan=False, ge=-1e15, le=1e15)]
 Positive = Annotated[Number, Field(gt=0)]
@@ -45,6 +76,12 @@ Whole = Annotated[int, Field(strict=True)]
 Label = Annotated[str, AfterValidator(_label)]
 Folder = Annotated[str, AfterValidator(_folder)]
 Seed = Annotated[Whole, Field(ge=0, lt=2**31)]
+Seeds = Annotated[
+    tuple[Seed, ...],
+    Field(min_length=1),
+    BeforeValidator(_seeds),
+    PlainSerializer(seed_words, return_type=str),
+]
 
 
 class Section(BaseModel):

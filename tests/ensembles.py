@@ -9,6 +9,7 @@ it is the files that are measured. Each command runs in a process of its own; me
 import shutil
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 import netCDF4
@@ -16,6 +17,7 @@ from faults import Place
 
 from dem.batch import batch
 from dem.config import load
+from dem.workplace import prepare
 
 MEASURED = """
 import resource, subprocess, sys, time
@@ -55,7 +57,7 @@ def main(counts: list[int]) -> None:
         results = place.results("many")
         batch(one, "c1", 0, results)
         for count in counts:
-            seeds = list(range(1, count + 1))
+            seeds = f"1 to {count}"
             data = "results/many/drag.nc"
             print(f"{count} replicates")
             for size in (1, 100):  # before there are replicates: all jobs are planned
@@ -66,8 +68,9 @@ def main(counts: list[int]) -> None:
             copies(results, results / one.replicates()[0].path, load(place.folder / config))
             verb = ["dem.cli", "combine", "--config", config, "-o", data]
             print(f"  combined: {measured(place, *verb)}", flush=True)
-            size = (place.folder / data).stat().st_size
-            print(f"  drag.nc: {size / 1e3 / count:.1f} kB a replicate")
+            began = time.perf_counter()
+            prepare(results)[0].release()
+            print(f"  folder made ready: {time.perf_counter() - began:.2f} s")
             print(
                 f"  figure13: {measured(place, 'dem.cli', 'figure', 'figure13', data)}", flush=True
             )

@@ -71,7 +71,7 @@ def wall_of_jobs(results: Path, stage: str) -> list[float]:
 def main(seeds: int = 200, batch: int = 100) -> None:
     with tempfile.TemporaryDirectory() as name, get_context("spawn").Pool(CORES) as pool:
         place = Place(Path(name))
-        config = place.sweep("many", seeds=list(range(1, seeds + 1)), batch=batch, failures=0.05)
+        config = place.sweep("many", seeds=f"1 to {seeds}", batch=batch, failures=0.05)
         first, many = (place.folder / path for path in (place.sweep("first", seeds=[1, 2]), config))
         for path in (first, many):  # the first loads what is compiled
             each = pool.starmap(kernels, [(path, part) for part in range(CORES)], chunksize=1)

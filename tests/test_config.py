@@ -157,6 +157,22 @@ def test_saved_configuration_is_the_same(tmp_path):
         assert load(tmp_path / name) == sweep
 
 
+@pytest.mark.parametrize("words, seeds", [
+    ("1 to 5", (1, 2, 3, 4, 5)), ("7, 1 to 3", (7, 1, 2, 3)), ("12", (12,)), ([3, 1, 2], (3, 1, 2)),
+])  # fmt: skip
+def test_seeds_may_be_words(words, seeds):
+    """And are saved as words, in their order: a sweep of a million has a short file."""
+    sweep = parse(changed(("seeds",), words))
+    assert sweep.seeds == seeds
+    assert parse(changed(("seeds",), sweep.model_dump()["seeds"])).seeds == seeds
+
+
+@pytest.mark.parametrize("words", ["5 to 1", "1 to", "one to two", "1 to 99999999999", "0 to 999999999", "1, 1", "", "-1 to 3"])  # fmt: skip
+def test_words_that_are_no_seeds_are_refused(words):
+    with pytest.raises(InputError, match="seeds"):
+        parse(changed(("seeds",), words))
+
+
 def leaves(data, path=()):
     """Paths of all values and groups of a configuration."""
     if path:

@@ -23,7 +23,7 @@ from dem.errors import InputError, OverlapError, PackingError, RunError
 from dem.failures import sort_out
 from dem.figures import FLOW, draw
 from dem.flow.collect import collect, write_flow
-from dem.info import spans, summary
+from dem.info import summary
 from dem.progress import TimeLeft, span
 from dem.report.build import build
 from dem.statistics import summarise
@@ -201,8 +201,3 @@ def test_to_be_stopped_is_one_sentence(tmp_path, verb, asked):
     assert process.returncode == 128 + asked
     assert process.stderr.read() == "Interrupted; no half-written file is left.\n"
     assert not list(tmp_path.iterdir())
-
-
-def test_seeds_in_words():
-    assert spans([1, 2, 3, 7, 9, 10]) == "1 to 3, 7, 9 to 10"
-    assert spans([5]) == "5"
