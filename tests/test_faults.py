@@ -26,7 +26,7 @@ from dem.flow.collect import collect, write_flow
 from dem.info import summary
 from dem.progress import TimeLeft, span
 from dem.report.build import build
-from dem.statistics import summarise
+from dem.statistics import change, summarise
 from dem.workplace import hold, redate
 
 
@@ -82,6 +82,8 @@ def test_runs_that_fail_are_gaps_where_the_sweep_allows_them(tmp_path, two_fail)
         numbers = summarise(dataset)
         runs = numbers["run_mean"].sel(case="c1").values[[0, 2]]
         assert float(numbers["mean"].sel(case="c1")) == pytest.approx(runs.mean())
+        pair = numbers["run_mean"].sel(seed=1).values  # the only seed with both
+        assert change(numbers["run_mean"], "c1", "c12")[0] == pytest.approx(pair[1] / pair[0] - 1.0)
     flow = collect(files, sweep, failed=failed)
     np.testing.assert_array_equal(np.isnan(flow["mixing"]).all(axis=-1), gaps)
     write_flow(tmp_path / "flow.nc", sweep, flow)
