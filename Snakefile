@@ -94,6 +94,7 @@ onstart:
         print(error, file=sys.stderr)
         sys.exit(1)
     print(*said, sep="\n", end="\n" if said else "", file=sys.stderr)
+    logging.raiseExceptions = False  # that Snakemake's log can not grow on a full disk is said once
     logging.getLogger("snakemake.logging").addHandler(WorkflowProgress())
 
 
