@@ -68,9 +68,13 @@ def calibrate(
             pool.submit(mean_drag, sweep, shape, density, seed, moduli): row
             for row, seed in enumerate(sweep.seeds)
         }
-        for done, future in enumerate(as_completed(pending), 1):
-            means[pending[future]] = future.result()
-            progress(done * len(moduli))
+        try:
+            for done, future in enumerate(as_completed(pending), 1):
+                means[pending[future]] = future.result()
+                progress(done * len(moduli))
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)  # not all the others first
+            raise
     return fit(np.array(moduli), means, target)
 
 

@@ -6,6 +6,7 @@ whatever can not be simulated is refused with one sentence a fault, naming key a
 
 import json
 import math
+from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -182,7 +183,12 @@ class Sweep(Section):
         """Seeds of one job, ascending; raises InputError where there is no such job."""
         if not 0 <= number < self.batches():
             raise InputError(f"batch is {number}; there are {self.batches()}, from 0.")
-        return sorted(self.seeds)[number * self.batch : (number + 1) * self.batch]
+        return self.ascending[number * self.batch : (number + 1) * self.batch]
+
+    @cached_property
+    def ascending(self) -> list[int]:
+        """Seeds in order."""
+        return sorted(self.seeds)
 
     def densities(self, shape: str) -> list[float]:
         """Densities (kg/m3) of the cases of a shape; raises InputError where it has none."""

@@ -206,7 +206,7 @@ def read_bed(path: Path, replicate: Replicate) -> Bed:
 
 def _own(replicate: Replicate) -> dict:
     """The configuration without what a replicate does not depend on; other seeds can be millions."""
-    common = replicate.sweep.model_dump(exclude={"accuracy", "claims"})
+    common = replicate.sweep.model_dump(exclude={"accuracy", "claims", "seeds"})
     return common | {"seeds": [replicate.seed]}
 
 

@@ -38,7 +38,8 @@ def _folder(value: str) -> str:
     return value
 
 
-MOST = 10_000_000  # seeds
+MOST = 10_000_000  # seeds of a sweep
+SEEDS = 2**31  # beyond all seeds
 
 
 def _seeds(value):
@@ -53,6 +54,8 @@ def _seeds(value):
         first, last = int(ends[1]), int(ends[2] or ends[1])
         if not 0 <= last - first < MOST - len(found):
             raise ValueError(f"each part must run from less to more, all to at most {MOST:,} seeds")
+        if last >= SEEDS:
+            raise ValueError(f"each must be less than {SEEDS}")
         found += range(first, last + 1)
     return found
 
@@ -75,7 +78,7 @@ NotNegative = Annotated[Number, Field(ge=0)]
 Whole = Annotated[int, Field(strict=True)]
 Label = Annotated[str, AfterValidator(_label)]
 Folder = Annotated[str, AfterValidator(_folder)]
-Seed = Annotated[Whole, Field(ge=0, lt=2**31)]
+Seed = Annotated[Whole, Field(ge=0, lt=SEEDS)]
 Seeds = Annotated[
     tuple[Seed, ...],
     Field(min_length=1),

@@ -3,6 +3,7 @@
 import os
 import shutil
 import socket
+import time
 
 import numpy as np
 import pytest
@@ -157,14 +158,16 @@ def renamed(source, target, replicate):
 
 
 def test_what_killed_processes_left_is_cleared_away(tmp_path):
-    """Half-written files of processes that are no more go, those of living ones and of other computers stay."""
+    """Half-written files of processes that are no more go, those of living ones stay, and those of other computers for a day."""
     host = socket.gethostname()
     gone = tmp_path / f".a.nc.{host}.{2**22 + 1}.part"
     mine, other = tmp_path / f".b.nc.{host}.{os.getpid()}.part", tmp_path / f".c.nc.{host}x.77.part"
-    for file in (gone, mine, other):
+    old = tmp_path / f".d.nc.{host}x.78.part"
+    for file in (gone, mine, other, old):
         file.touch()
-    assert clear_parts(tmp_path) == 1
-    assert (gone.exists(), mine.exists(), other.exists()) == (False, True, True)
+    os.utime(old, (time.time() - 2e5,) * 2)
+    assert clear_parts(tmp_path) == 2
+    assert [file.exists() for file in (gone, mine, other, old)] == [False, True, True, False]
 
 
 def test_a_file_is_written_whole_or_not_at_all(tmp_path):

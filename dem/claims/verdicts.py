@@ -77,10 +77,11 @@ def evidence_in(path: Path, margin: float = MARGIN) -> Evidence:
             return from_study(dataset.load(), margin)
     flow = Path(path).parent / "flow.nc"
     with open_combined(path) as dataset:
-        if not flow.is_file():
-            return from_sweep(dataset.load(), None, margin)
-        with open_lazily(flow) as moves:
-            return from_sweep(dataset.load(), _same(moves, dataset), margin)
+        drag = dataset.load()
+    if not flow.is_file():
+        return from_sweep(drag, None, margin)
+    with open_lazily(flow) as moves:
+        return from_sweep(drag, _same(moves, drag), margin)
 
 
 def _same(flow: xr.Dataset, drag: xr.Dataset) -> xr.Dataset | None:

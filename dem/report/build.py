@@ -31,22 +31,25 @@ def build(drag: Path, flow: Path, readme: Path, output: Path) -> None:
     Figures, and the studies that are shown, are those that lie beside drag.nc.
     """
     folder = Path(drag).parent
-    with open_combined(drag) as dataset, open_lazily(flow) as moves:
+    with open_combined(drag) as dataset:
+        parts = {
+            "title": dataset.attrs["title"],
+            "cases": cases(dataset),
+            "densities": densities(dataset),
+            "figures": figures(folder / "figures", shown(dataset, folder)),
+            "chart": Markup(chart(dataset)),
+            "runs": runs(dataset),
+        }
+    with open_lazily(flow) as moves:
         require(moves, flow, ("bed_x", "non_affine"), ("box_width", "lag"))
-        page = _page().render(
-            title=dataset.attrs["title"],
-            made=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
-            cases=cases(dataset),
-            densities=densities(dataset),
-            figures=figures(folder / "figures", shown(dataset, folder)),
-            irregularity=sentences(moves),
-            chart=Markup(chart(dataset)),
-            beds=Markup(json.dumps(beds(moves))),
-            open=Markup(section(readme, OPEN)),
-            runs=runs(dataset),
-            studies=[(name, text) for name in STUDY_FIGURES if (text := study(folder, name))],
-            provenance="provenance.html" if (folder / "provenance.html").is_file() else "",
-        )
+        parts |= {"irregularity": sentences(moves), "beds": Markup(json.dumps(beds(moves)))}
+    page = _page().render(
+        made=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        open=Markup(section(readme, OPEN)),
+        studies=[(name, text) for name in STUDY_FIGURES if (text := study(folder, name))],
+        provenance="provenance.html" if (folder / "provenance.html").is_file() else "",
+        **parts,
+    )
     with atomic(output) as part:
         part.write_text(page, encoding="utf-8")
 
