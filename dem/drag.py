@@ -99,6 +99,7 @@ def run(
     material = simulation.scene.material
     interval = sweep.cylinder.stroke / sweep.cylinder.velocity / record.bins
     every = record.bins // (record.snapshots - 1)
+    simulation.check_duration(interval * record.bins)
     going = Going([], [simulation.state], 0.0)
     if checkpoint is not None and (saved := read_checkpoint(checkpoint, replicate, bed)):
         going = saved.restore(simulation)

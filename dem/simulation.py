@@ -19,7 +19,7 @@ from dem.energy import Bookkeeper, Ledger
 from dem.errors import InputError, OverlapError, StateError
 from dem.kernel import forces
 from dem.listing import relist
-from dem.march import LOST, OUTSIDE, TOO_DEEP, Rules, march, outside
+from dem.march import LOST, OUTSIDE, TOO_DEEP, Rules, longest_step, march, outside
 from dem.ordering import order_of, ordered
 from dem.scene import Scene, State
 from dem.survey import Glance, look
@@ -29,6 +29,7 @@ SKIN = 0.12  # of the mean bounding radius; timings are flat from 0.1 to 0.2
 MARGIN = 0.75  # share of skin / 2 that a part may move before the lists are made anew
 STEP_FRACTION = 0.5  # of the bound on the critical time step
 LARGEST_OVERLAP = 1.2  # of the smaller radius
+MOST_STEPS = 1e11  # an hour or more for two granules, weeks for a bed of hundreds
 LONGEST_FLIGHT = 0.02  # of the smallest radius, in one step
 
 
@@ -167,6 +168,18 @@ class Simulation:
         if not glance.max_overlap <= self.max_overlap:
             self._fail(TOO_DEEP, glance.max_overlap, glance.deepest)
         return glance._replace(deepest=self._name(glance.deepest))
+
+    def check_duration(self, duration: float) -> None:
+        """Raise InputError where a duration (s) would, at the present step, never come to an end.
+
+        Raises OverlapError where the guard on overlaps trips.
+        """
+        step = longest_step.py_func(self.rules, self.look())
+        if not duration <= MOST_STEPS * step:
+            raise InputError(
+                f"duration is {duration:g} s, more than {MOST_STEPS:.0e} time steps of {step:.3g} s: granules "
+                "are too small, stiff, light or fast for it."
+            )
 
     def contacts(self) -> Touching:
         """All contacts of the bed as it is."""
@@ -310,7 +323,7 @@ def simulate(
     if not (isinstance(frames, int) and frames > 0):
         raise InputError(f"frames is {frames!r}; it must be a positive whole number.")
     run = Simulation(scene, state, time_step, **options)
-    run.look()
+    run.check_duration(duration)
     nothing = np.full(2, np.nan), np.full(len(run.collect_impulses()[1]), np.nan)
     history = [(0.0, run.state, *nothing)]
     shortest, interval = math.inf, duration / frames

@@ -69,7 +69,7 @@ sinfo -h -o %T | grep -q idle || { echo "The node does not come up; see $LOGS/sl
 
 # the same sweep twice: through SLURM, and here
 for place in slurm local; do
-    sed -e "s#results/smoke#results/${place}_smoke#" -e "s/^seeds: .*/seeds: [1, 2, 3, 4]\nbatch: 2/" \
+    sed -e "s#results/smoke#results/${place}_smoke#" -e "s/^seeds: .*/seeds: 1 to 12\nbatch: 2/" \
         config/smoke.yaml >"$HOME_OF/$place.yaml"
     rm -rf "results/${place}_smoke"
 done
