@@ -22,7 +22,8 @@ stop() {
     for name in slurmd slurmctld munged; do
         [ -f "$HOME_OF/$name.pid" ] && kill "$(cat "$HOME_OF/$name.pid")" 2>/dev/null || true
     done
-    rm -rf "$HOME_OF"
+    sleep 3  # the controller writes its state as it ends
+    rm -rf "$HOME_OF" || true
 }
 trap stop EXIT
 
