@@ -126,6 +126,8 @@ class Scene:
                     f"{name} of the shape must be an array of {self.granules} positive numbers "
                     "(m), one a granule."
                 )
+        if self.granules < 1:
+            raise InputError("the shape has sizes of no granule; there must be one at least.")
         fault = getattr(self.shape, "fault", None)
         if fault:
             raise InputError(fault)

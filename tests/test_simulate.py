@@ -51,6 +51,7 @@ WRONG = {
     "frames is 2.5": lambda: call(frames=2.5),
     "radius": lambda: two_discs(shape=dem.Disc(np.array([1e-3, -1e-3]))),
     "semi_minor": lambda: two_discs(shape=dem.Ellipse(np.ones(2), np.array([1.0, NAN]))),
+    "sizes of no granule": lambda: two_discs(shape=dem.Disc(np.zeros(0))),
     "thickness is 0.0": lambda: two_discs(thickness=0.0),
     "gravity": lambda: two_discs(gravity=(0.0, NAN)),
     "walls must be rows": lambda: two_discs(walls=[[1.0, 0.0]]),
