@@ -345,13 +345,21 @@ def interrupted(place: Place) -> str:
     return f"{told[0]}\n    {same_as_whole(place, 'interrupted')}"
 
 
-def mounted(place: Place, name: str, mount: str, mend: str, words: str) -> str:
-    """A workflow in a folder that is mounted; then mended and run again."""
+def in_namespace(place: Place, name: str, script: str, words: str) -> str:
+    """A shell script that may mount: it fails once, into {name}.first, and then ends well."""
     if os.geteuid() or not shutil.which("unshare"):
         return "not tried: to mount needs root"
-    config = place.sweep(name)
+    run = place.run(["unshare", "-m", "sh", "-c", script])
+    texts = [(place.folder / f"{name}.{which}").read_text() for which in ("first", "second")]
+    assert run.returncode == 0, f"{run.returncode} {run.stderr} {texts[-1][-3000:]}"
+    said = subprocess.CompletedProcess(script, 1, texts[0], "")
+    return f"{sentence(said, words)}\n    {same_as_whole(place, name)}"
+
+
+def mounted(place: Place, name: str, mount: str, mend: str, words: str) -> str:
+    """A workflow in a folder that is mounted; then mended and run again."""
+    command = " ".join([*WORKFLOW, place.sweep(name)])
     place.results(name).mkdir(parents=True, exist_ok=True)
-    command = " ".join([*WORKFLOW, config])
     script = f"""
         {mount}
         {command} > {name}.first 2>&1 && exit 3
@@ -359,11 +367,7 @@ def mounted(place: Place, name: str, mount: str, mend: str, words: str) -> str:
         {command} > {name}.second 2>&1 || exit 4
         cp -r results/{name} results/kept && umount results/{name} && cp -r results/kept/. results/{name} && rm -r results/kept
     """
-    run = place.run(["unshare", "-m", "sh", "-c", script])
-    texts = [(place.folder / f"{name}.{which}").read_text() for which in ("first", "second")]
-    assert run.returncode == 0, f"{run.returncode} {run.stderr} {texts[-1][-3000:]}"
-    said = subprocess.CompletedProcess(command, 1, texts[0], "")
-    return f"{sentence(said, words)}\n    {same_as_whole(place, name)}"
+    return in_namespace(place, name, script, words)
 
 
 def disk_full(place: Place) -> str:
@@ -376,10 +380,7 @@ def disk_full(place: Place) -> str:
 
 def disk_full_everywhere(place: Place) -> str:
     """The same with Snakemake's own notes on that disk."""
-    if os.geteuid() or not shutil.which("unshare"):
-        return "not tried: to mount needs root"
-    place.sweep("everywhere")
-    command = " ".join([*WORKFLOW, "config/everywhere.yaml"])
+    command = " ".join([*WORKFLOW, place.sweep("everywhere")])
     script = f"""
         mkdir small && mount -t tmpfs -o size=30m none small
         cp -r dem rules config profiles Snakefile README.md small && cd small
@@ -390,11 +391,7 @@ def disk_full_everywhere(place: Place) -> str:
         {command} > ../everywhere.second 2>&1 || exit 4
         mkdir -p ../results && cp -r results/everywhere ../results/
     """
-    run = place.run(["unshare", "-m", "sh", "-c", script])
-    texts = [(place.folder / f"everywhere.{which}").read_text() for which in ("first", "second")]
-    assert run.returncode == 0, f"{run.returncode} {run.stderr} {texts[-1][-3000:]}"
-    said = subprocess.CompletedProcess(command, 1, texts[0], "")
-    return f"{sentence(said, 'the disk is full|No space left')}\n    {same_as_whole(place, 'everywhere')}"
+    return in_namespace(place, "everywhere", script, "the disk is full|No space left")
 
 
 def read_only(place: Place) -> str:
