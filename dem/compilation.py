@@ -1,14 +1,16 @@
 """How the kernels are compiled, and where the machine code is kept.
 
 Numba keeps machine code on disk, but its cache does not notice an edit in a file other than the
-one that holds a function, and two processes that save at the same moment can leave an index
-that points to the wrong code. Both are closed here: the folder is named after a hash of the
-sources, and every save holds a lock.
+one that holds a function, two processes that save at the same moment can leave an index that
+points to the wrong code, and a damaged file ends every run. All are closed here: the folder is
+named after a hash of the sources, every save holds a lock, and files carry their digest.
 """
 
 import functools
 import hashlib
 import os
+import pickle
+import sys
 from pathlib import Path
 
 import numba
@@ -50,6 +52,9 @@ class KernelLocator(_CacheLocator):
     def get_source_stamp(self):
         return self._stamp
 
+    def ensure_cache_path(self):
+        """Left to _CacheFile, which goes on where the folder cannot be made or written."""
+
     def get_disambiguator(self):
         return str(self._line)
 
@@ -70,12 +75,87 @@ numba.config.CACHE_LOCATOR_CLASSES = ",".join(
 )
 
 
-class _LockedCacheFile(IndexDataCacheFile):
-    """Numba's cache file, saved by one process at a time."""
+class _CacheFile(IndexDataCacheFile):
+    """Numba's cache file: saved by one process at a time, damage is noticed, and a run never fails
+    because its code cannot be kept.
+
+    A file of machine code is named after its SHA-256 and the index begins with its own: what is
+    damaged counts as absent, because a flipped bit of machine code is a crash or a wrong number.
+    """
+
+    def load(self, key):
+        name = self._load_index().get(key)
+        content = _content(self._data_path(name)) if name else None
+        if content is None:
+            return None
+        if name != self._name_of(content):
+            _say(DAMAGED)
+            return None
+        return pickle.loads(content)
 
     def save(self, key, data):
-        with FileLock(self._index_path + ".lock"):
-            super().save(key, data)
+        content = self._dump(data)
+        name = self._name_of(content)
+        try:
+            Path(self._cache_path).mkdir(parents=True, exist_ok=True)
+            with FileLock(self._index_path + ".lock"):
+                index = self._load_index()
+                with self._open_for_write(self._data_path(name)) as file:
+                    file.write(content)
+                self._save_index(index := index | {key: name})
+                for file in Path(self._cache_path).glob(f"{self._base}.*.nbc"):
+                    if file.name not in index.values():  # of an index that was damaged
+                        file.unlink(missing_ok=True)
+        except (OSError, NotImplementedError) as error:  # the latter where a disk has no locks
+            _say(UNKEPT.format(getattr(error, "strerror", None) or error))
+
+    def _name_of(self, content):
+        """Name of the file of some machine code."""
+        return f"{self._base}.{_digest(content).hex()[:32]}.nbc"
+
+    @property
+    def _base(self):
+        return self._index_name.removesuffix(".nbi")
+
+    def _load_index(self):
+        content = _content(self._index_path)
+        if content is None:
+            return {}
+        digest, rest = content[:DIGEST], content[DIGEST:]
+        if digest != _digest(rest):
+            _say(DAMAGED)
+            return {}
+        version, stamp, index = pickle.loads(rest)
+        same = (version, stamp) == (self._version, self._source_stamp)
+        return pickle.loads(index) if same else {}
+
+    def _save_index(self, overloads):
+        rest = pickle.dumps((self._version, self._source_stamp, self._dump(overloads)))
+        with self._open_for_write(self._index_path) as file:
+            file.write(_digest(rest) + rest)
+
+
+DIGEST = 32  # bytes
+DAMAGED = "the machine code that is kept here is damaged; it is compiled again."
+UNKEPT = "machine code cannot be kept here ({}); this run goes on, the next one compiles again."
+
+
+def _digest(content: bytes) -> bytes:
+    return hashlib.sha256(content).digest()
+
+
+def _content(path) -> bytes | None:
+    """The content of a file, None where there is none or it cannot be read."""
+    try:
+        return Path(path).read_bytes()
+    except OSError:
+        return None
+
+
+@functools.cache
+def _say(sentence: str) -> None:
+    """Say something about the folder of machine code, once."""
+    print(f"{cache_folder()}: {sentence}", file=sys.stderr)
 
 
 def spare_blas():
@@ -104,7 +184,7 @@ def compiled(function=None, *, allocates=False):
     dispatcher = numba.njit(cache=True, nogil=True, _nrt=allocates, **OPTIONS)(function)
     cache_file = getattr(dispatcher._cache, "_cache_file", None)  # absent under NUMBA_DISABLE_CACHE
     if cache_file is not None:
-        cache_file.__class__ = _LockedCacheFile
+        cache_file.__class__ = _CacheFile
     return dispatcher
 
 

@@ -5,6 +5,8 @@ import shutil
 import subprocess
 import sys
 
+import pytest
+
 from dem.provenance import PACKAGE
 
 ASK = """
@@ -35,3 +37,84 @@ def test_copies_share_kernels_and_edits_do_not(tmp_path):
     with (tmp_path / "second/dem/columns.py").open("a") as file:
         file.write("#")
     assert asked(tmp_path / "second", tmp_path / "cache") == (0, 1)
+
+
+TINY = """
+import sys
+from dem.compilation import compiled
+
+@compiled
+def double(x):
+    return 2.0 * x
+
+@compiled
+def count(x):
+    return 2 * x
+
+assert double(1.5) == 3.0 and count(2) == 4
+print(*(sum(f.stats.cache_hits.values()) for f in (double, count)))
+"""
+
+
+def tiny(folder, cache, before=""):
+    """What two small functions say in a process with a cache: hits of each, and standard error."""
+    script = folder / "tiny.py"
+    script.write_text(before + TINY)
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(cache)}
+    ran = subprocess.run(
+        [sys.executable, script],
+        cwd=PACKAGE.parent,
+        env=environment,
+        capture_output=True,
+        text=True,
+    )
+    assert ran.returncode == 0, ran.stderr
+    return ran.stdout.split(), ran.stderr
+
+
+def flipped(content, at):
+    content = bytearray(content)
+    content[int(at * (len(content) - 1))] ^= 1
+    return bytes(content)
+
+
+DAMAGE = {
+    "empty": lambda content: b"",
+    "truncated": lambda content: content[: len(content) // 2],
+    "garbage": lambda content: b"\x80\x04garbage" * 100,
+    "first bit": lambda content: flipped(content, 0.0),
+    "a bit within": lambda content: flipped(content, 0.6),
+    "last bit": lambda content: flipped(content, 1.0),
+}
+
+
+@pytest.mark.parametrize("kind", ["nbi", "nbc"])
+@pytest.mark.parametrize("damage", DAMAGE)
+def test_damaged_machine_code_is_compiled_again(tmp_path, damage, kind):
+    """The run goes on, says so in one line that names the folder, and mends the cache."""
+    cache = tmp_path / "cache"
+    assert tiny(tmp_path, cache) == (["0", "0"], "")
+    files = list(cache.rglob(f"*.{kind}"))
+    assert len(files) == 2
+    for file in files:
+        file.write_bytes(DAMAGE[damage](file.read_bytes()))
+    hits, said = tiny(tmp_path, cache)
+    assert hits == ["0", "0"] and len(said.splitlines()) == 1
+    assert str(cache) in said and "damaged; it is compiled again" in said
+    assert tiny(tmp_path, cache) == (["1", "1"], "")
+    assert len(list(cache.rglob("*.nbc"))) == 2
+
+
+FULL = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))\n"
+
+
+@pytest.mark.parametrize("fault", ["no folder", "no room"])
+def test_a_cache_that_cannot_be_written_does_not_stop_a_run(tmp_path, fault):
+    """The run goes on with code in memory, and says so in one line that names the folder."""
+    cache = tmp_path / "cache"
+    if fault == "no folder":
+        cache.write_text("a file")
+    hits, said = tiny(tmp_path, cache, FULL if fault == "no room" else "")
+    assert hits == ["0", "0"] and len(said.splitlines()) == 1
+    assert str(cache) in said and "cannot be kept here" in said
+    assert not [*tmp_path.rglob("*.nbc"), *tmp_path.rglob("*.nbi"), *tmp_path.rglob("*.tmp.*")]
