@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from dem.errors import InputError
 from dem.figures import bed, style
-from dem.files import atomic
+from dem.files import Place, atomic, check_paths
 from dem.flow.measures import LAYERS
 from dem.flow.motion import Motion
 
@@ -126,11 +126,23 @@ def _rc():
     return matplotlib.rc_context(style.RC | {"font.size": 13.0})
 
 
-def picture(motion: Motion, path: Path, displacement: float, color: str, forces: bool) -> None:
-    """One snapshot, the nearest to a displacement (m), as PNG, SVG or PDF by the name of the file."""
+def picture(
+    motion: Motion, path: Path, displacement: float | None, color: str, forces: bool
+) -> None:
+    """One snapshot, the nearest to a displacement (m), as PNG, SVG or PDF by the name of the file.
+
+    displacement: None for half the stroke. Raises InputError for one beyond the stroke, or for
+    another kind of file.
+    """
     kind = Path(path).suffix[1:].lower()
     if kind not in ("png", "svg", "pdf"):
         raise InputError(f"{path}: a picture is a .png, .svg or .pdf file.")
+    stroke = float(motion.displacement[-1])
+    displacement = 0.5 * stroke if displacement is None else displacement
+    if not 0.0 <= displacement <= stroke:
+        raise InputError(
+            f"displacement is {displacement:g} m; it must lie between 0 and the stroke, {stroke:g} m."
+        )
     with _rc(), atomic(path) as part:
         scene = Scene(motion, color, forces)
         scene.show(motion.nearest(displacement))
@@ -165,6 +177,7 @@ def film(motion: Motion, path: Path, color: str, forces: bool, progress=lambda d
     tool = encoder()
     if path.suffix.lower() == ".mp4" and tool is None:
         path = path.with_suffix(".gif")
+        check_paths([Place("the .gif instead", path)])
     rate = max(2.0, frames / SECONDS)
     with _rc(), atomic(path) as part:
         scene = Scene(motion, color, forces)
