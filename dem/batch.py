@@ -6,8 +6,8 @@ left alone, so that a batch that was stopped, or got one more seed, goes on wher
 
 from pathlib import Path
 
-from dem import drag, failures, provenance
-from dem.config import Replicate, Sweep, density_label
+from dem import drag, failures, provenance, stopping
+from dem.config import Replicate, Sweep
 from dem.dataset import read
 from dem.errors import InputError, RunError
 
@@ -52,11 +52,12 @@ def make(
         return [(replicate, error) for replicate in replicates]
     failed = []
     for number, replicate in enumerate(replicates):
-        path, checkpoint = folder / replicate.path, folder / checkpoint_of(replicate)
+        path, checkpoint = folder / replicate.path, folder / stopping.checkpoint_of(replicate)
 
         def update(bins, number=number, whole=replicate.sweep.record.bins):
             progress((number + bins / whole) / len(replicates))
 
+        stopping.clear_way(checkpoint, replicate, bed, own=True)
         try:
             values = drag.run(replicate, bed, update, checkpoint=checkpoint)
         except RunError as error:
@@ -64,14 +65,8 @@ def make(
         else:
             drag.write_replicate(path, replicate, values)
             failures.forget(path)
-        checkpoint.unlink(missing_ok=True)
+        stopping.forget(checkpoint)
     return failed
-
-
-def checkpoint_of(replicate: Replicate) -> str:
-    """Where a long run saves itself, below the folder of results."""
-    density = density_label(replicate.density)
-    return f"checkpoints/{replicate.label}_{density}_{replicate.seed}.npz"
 
 
 def settled(path: Path, replicate: Replicate) -> bool:
