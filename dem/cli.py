@@ -8,12 +8,22 @@ import typer
 
 from dem.accuracy.commands import app as accuracy
 from dem.claims.commands import app as claims
+from dem.files import ANY, FOLDER, Place, check_paths
 from dem.flow.commands import VERBS as moving
 from dem.report.commands import report
 from dem.stability.commands import app as stability
-from dem.terminal import PAPER, ConfigOption, OutputOption, bar, reported, start_lean
+from dem.terminal import (
+    PAPER,
+    ConfigOption,
+    OutputOption,
+    Verbs,
+    Writes,
+    bar,
+    replicates_of,
+    start_lean,
+)
 
-app = typer.Typer(
+app = Verbs(
     help="Slow drag of a cylinder through a bed of discs, dumbbells and ellipses (2-D DEM).",
     no_args_is_help=True,
     add_completion=False,
@@ -34,26 +44,34 @@ SeedOption = Annotated[int, typer.Option("--seed", help="Seed of the replicate."
 @app.command()
 def compile(config: ConfigOption = PAPER, shape: ShapeOption = "c1"):
     """Compile the kernels that a shape needs and keep them on disk."""
-    with reported():
-        start_lean()
-        from dem.config import load
-        from dem.warmup import compile_kernels
+    start_lean()
+    from dem.config import load
+    from dem.warmup import compile_kernels
 
-        sweep = load(config)
-        sweep.replicate(shape, 1.0, sweep.seeds[0])
-        compile_kernels(sweep, shape)
+    sweep = load(config)
+    sweep.replicate(shape, 1.0, sweep.seeds[0])
+    compile_kernels(sweep, shape)
+
+
+def _replicate(config, shape, density, seed):
+    """One run of a configuration; raises InputError where it cannot be."""
+    from dem.config import load
+    from dem.errors import InputError
+    from dem.schema import SEEDS
+
+    if not 0 <= seed < SEEDS:
+        raise InputError(f"seed is {seed}; it must be a whole number from 0 to {SEEDS - 1}.")
+    return load(config).replicate(shape, density, seed)
 
 
 @app.command()
 def pack(shape: ShapeOption, seed: SeedOption, output: OutputOption, config: ConfigOption = PAPER):
     """Make the bed of one shape and seed, at rest."""
-    with reported():
-        start_lean()
-        from dem import drag
-        from dem.config import load
+    start_lean()
+    from dem import drag
 
-        replicate = load(config).replicate(shape, 1.0, seed)
-        drag.write_bed(output, replicate, drag.make_bed(replicate))
+    replicate = _replicate(config, shape, 1.0, seed)
+    drag.write_bed(output, replicate, drag.make_bed(replicate))
 
 
 @app.command()
@@ -63,43 +81,46 @@ def simulate(
     seed: SeedOption,
     output: OutputOption,
     config: ConfigOption = PAPER,
-    bed: Annotated[Path | None, typer.Option(help="Bed from dem pack; packed anew if absent.")] = None,
+    bed: Annotated[Path | None, typer.Option(help="Bed from dem pack; packed if absent.")] = None,
     threads: Annotated[int, typer.Option(min=1, help="Useful from some thousand granules; the result stays the same.")] = 1,
-    checkpoint: Annotated[Path | None, typer.Option(help="File to which a long run saves itself every minute, and from which it goes on.")] = None,
+    checkpoint: Annotated[Path | None, typer.Option(help="File to which a long run saves itself every minute, and from which it goes on."), Writes(ANY)] = None,
 ):  # fmt: skip
     """Draw the cylinder through one bed and record the forces on it."""
-    with reported():
-        start_lean()
-        from dem import drag
-        from dem.config import load
+    start_lean()
+    from dem import drag, stopping
 
-        replicate = load(config).replicate(shape, density, seed)
-        at_rest = drag.read_bed(bed, replicate) if bed else drag.make_bed(replicate)
-        with bar(f"{shape}, {density:g} kg/m3, seed {seed}", replicate.sweep.record.bins) as update:
-            values = drag.run(replicate, at_rest, update, threads, checkpoint)
-        drag.write_replicate(output, replicate, values)
-        if checkpoint:
-            checkpoint.unlink(missing_ok=True)
+    replicate = _replicate(config, shape, density, seed)
+    at_rest = drag.read_bed(bed, replicate) if bed else None
+    if checkpoint:
+        own = stopping.is_own(checkpoint, replicate, Path(replicate.sweep.results))
+        stopping.clear_way(checkpoint, replicate, at_rest, own)
+    at_rest = at_rest or drag.make_bed(replicate)
+    with bar(f"{shape}, {density:g} kg/m3, seed {seed}", replicate.sweep.record.bins) as update:
+        values = drag.run(replicate, at_rest, update, threads, checkpoint)
+    drag.write_replicate(output, replicate, values)
+    if checkpoint:
+        stopping.forget(checkpoint)
 
 
 @app.command()
 def batch(
     shape: ShapeOption,
     number: Annotated[int, typer.Option("--number", min=0, help="Which seeds: job number from 0.")],
-    folder: Annotated[Path, typer.Option("-o", "--output", help="Folder of results.")],
+    output: Annotated[
+        Path, typer.Option("-o", "--output", help="Folder of results."), Writes(FOLDER)
+    ],
     config: ConfigOption = PAPER,
 ):
     """Make many replicates of a shape in one process; those that are up to date are left alone."""
-    with reported():
-        start_lean()
-        from dem.batch import batch as make
-        from dem.config import load
+    start_lean()
+    from dem.batch import batch as make
+    from dem.config import load
 
-        sweep = load(config)
-        with bar(f"{shape}, batch {number}", 1.0) as update:
-            _, failed = make(sweep, shape, number, folder, update)
-        for sentence in failed:
-            typer.echo(sentence, err=True)
+    sweep = load(config)
+    with bar(f"{shape}, batch {number}", 1.0) as update:
+        _, failed = make(sweep, shape, number, output, update)
+    for sentence in failed:
+        typer.echo(sentence, err=True)
 
 
 @app.command()
@@ -109,61 +130,58 @@ def combine(
     config: ConfigOption = PAPER,
 ):  # fmt: skip
     """Combine replicates into one file over case, seed and displacement."""
-    with reported():
-        from dem.combine import combine as combined
-        from dem.config import load
-        from dem.failures import sort_out
+    from dem.combine import combine as combined
+    from dem.config import load
 
-        sweep = load(config)
-        files, failed = (files, []) if files else sort_out(sweep, output.parent)
-        with bar("combining", 1.0) as update:
-            combined(files, sweep, output, update, failed)
+    sweep = load(config)
+    files, failed = replicates_of(sweep, output, files)
+    with bar("combining", 1.0) as update:
+        combined(files, sweep, output, update, failed)
 
 
 @app.command()
 def benchmark(output: OutputOption, config: ConfigOption = PAPER):
     """Time the kernels, alone and beside other codes, on beds of the configuration."""
-    with reported():
-        from dem.benchmark.measure import measure, write_benchmark
-        from dem.config import load
+    from dem.benchmark.measure import measure, write_benchmark
+    from dem.config import load
 
-        sweep = load(config)
-        with bar("benchmark", 1.0) as update:
-            values = measure(sweep, progress=update)
-        write_benchmark(output, sweep, values)
+    sweep = load(config)
+    with bar("benchmark", 1.0) as update:
+        values = measure(sweep, progress=update)
+    write_benchmark(output, sweep, values)
 
 
 @app.command()
 def figure(
     name: Annotated[str, typer.Argument(help="figure07, figure08, figure13, figure14 or all; or one from the file of a study.")],
     data: Annotated[Path, typer.Argument(help="drag.nc, or the file of a study")],
-    output: Annotated[Path | None, typer.Option("-o", help="Folder; figures/ beside the data.")] = None,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="Folder; figures/ beside the data."), Writes(FOLDER)] = None,
 ):  # fmt: skip
     """Draw a figure from drag.nc or the file of a study, as SVG and PNG."""
-    with reported():
-        from dem.figures import draw
+    from dem.figures import draw
 
-        draw(name, data, output or data.parent / "figures")
+    folder = output or data.parent / "figures"
+    check_paths([Place("output", folder, FOLDER)])
+    draw(name, data, folder)
 
 
 @app.command()
 def info(
     data: Annotated[Path, typer.Argument(help="drag.nc, a replicate, or the file of a study.")],
-    output: Annotated[Path | None, typer.Option("-o", help="Text file; the terminal if absent.")] = None,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="Text file (.txt); the terminal if absent."), Writes(".txt")] = None,
 ):  # fmt: skip
     """Print what a file holds: cases, mean drag, scatter and intervals."""
-    with reported():
-        from rich.console import Console
+    from rich.console import Console
 
-        from dem.files import atomic
-        from dem.info import summary
+    from dem.files import atomic
+    from dem.info import summary
 
-        found = summary(data)
-        if output is None:
-            Console(width=None if sys.stdout.isatty() else 160).print(found)
-            return
-        with atomic(output) as part, part.open("w", encoding="utf-8") as file:
-            Console(file=file, width=160).print(found)
+    found = summary(data)
+    if output is None:
+        Console(width=None if sys.stdout.isatty() else 160).print(found)
+        return
+    with atomic(output) as part, part.open("w", encoding="utf-8") as file:
+        Console(file=file, width=160).print(found)
 
 
 @app.command()
@@ -172,19 +190,18 @@ def calibrate(
     shape: ShapeOption = "c1",
     density: DensityOption = 3.9e3,
     target: Annotated[float, typer.Option(help="Mean drag to meet, N (paper, section 3.2).")] = 1295.0,
-    seeds: Annotated[int, typer.Option(min=2, help="Seeds a modulus, none of the sweep's.")] = 40,
+    seeds: Annotated[int, typer.Option(min=2, max=100_000, help="Seeds a modulus, none of the sweep's.")] = 40,
     jobs: Annotated[int, typer.Option("-j", min=1, help="Processes.")] = 2,
 ):  # fmt: skip
     """Fit Young's modulus to a mean drag: the one calibrated number."""
-    with reported():
-        from dem.calibrate import MODULI
-        from dem.calibrate import calibrate as fit
-        from dem.config import load
+    from dem.calibrate import MODULI
+    from dem.calibrate import calibrate as fit
+    from dem.config import load
 
-        sweep = load(config)
-        with bar("calibrating", len(MODULI) * seeds) as update:
-            result = fit(sweep, shape, density, target, seeds, jobs, update)
-        typer.echo(result.sentence())
+    sweep = load(config)
+    with bar("calibrating", len(MODULI) * seeds) as update:
+        result = fit(sweep, shape, density, target, seeds, jobs, update)
+    typer.echo(result.sentence())
 
 
 if __name__ == "__main__":

@@ -1,21 +1,68 @@
 """What all commands share: options, sentences instead of tracebacks, progress bars."""
 
+import functools
 import signal
 import sys
 import threading
 from contextlib import contextmanager
 from datetime import datetime
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NamedTuple, get_type_hints
 
 import typer
 
 from dem.errors import InputError, RunError
+from dem.files import Place, check_paths
 from dem.progress import TimeLeft
 
+
+class Writes(NamedTuple):
+    """Marks a path in the signature of a verb as written, with its kind as in dem.files.Place; all
+    others are read."""
+
+    kind: str = ""
+
+
 ConfigOption = Annotated[Path, typer.Option("--config", help="Configuration file (YAML).")]
-OutputOption = Annotated[Path, typer.Option("-o", "--output", help="netCDF file to write.")]
+OutputOption = Annotated[
+    Path, typer.Option("-o", "--output", help="netCDF file to write."), Writes(".nc")
+]
 PAPER = Path("config/paper.yaml")
+
+
+class Verbs(typer.Typer):
+    """Commands that check what they read and write before they work, and end in one sentence."""
+
+    def command(self, *arguments, **options):
+        add = super().command(*arguments, **options)
+        return lambda function: add(_verb(function))
+
+
+def _verb(function):
+    hints = get_type_hints(function, include_extras=True)
+
+    @functools.wraps(function)
+    def run(**values):
+        with reported():
+            check_paths(*places(hints, values))
+            return function(**values)
+
+    return run
+
+
+def places(hints: dict, values: dict) -> tuple[list[Place], list[Place]]:
+    """Paths that a verb writes and those that it reads, by its annotations and values."""
+    targets, sources = [], []
+    for name, value in values.items():
+        paths = value if isinstance(value, list) else [value]
+        marks = getattr(hints.get(name), "__metadata__", ())
+        writes = next((mark for mark in marks if isinstance(mark, Writes)), None)
+        for path in paths:
+            if isinstance(path, Path) and writes is None:
+                sources.append(Place(name, path))
+            elif isinstance(path, Path):
+                targets.append(Place(name, path, writes.kind))
+    return targets, sources
 
 
 STOPS = signal.SIGINT, signal.SIGTERM
@@ -29,6 +76,17 @@ def _stop(number, frame):
     for each in STOPS:
         signal.signal(each, signal.SIG_IGN)  # once is enough
     raise Stopped(number)
+
+
+def replicates_of(sweep, output: Path, files: list[Path] | None):
+    """Replicates to put together into `output`, those beside it if none are named, and what failed."""
+    if files:
+        return files, []
+    from dem.failures import sort_out
+
+    files, failed = sort_out(sweep, output.parent)
+    check_paths([Place("output", output)], [Place("a replicate", file) for file in files])
+    return files, failed
 
 
 @contextmanager

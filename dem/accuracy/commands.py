@@ -6,9 +6,9 @@ from typing import Annotated
 import typer
 
 from dem.errors import InputError
-from dem.terminal import PAPER, ConfigOption, OutputOption, bar, reported, start_lean
+from dem.terminal import PAPER, ConfigOption, OutputOption, Verbs, bar, start_lean
 
-app = typer.Typer(help="Error against run time: the parts of the study.", no_args_is_help=True)
+app = Verbs(help="Error against run time: the parts of the study.", no_args_is_help=True)
 
 GroupOption = Annotated[int, typer.Option("--group", min=0, help="Which seeds: job number from 0.")]
 
@@ -32,14 +32,13 @@ def _size(study, sweep):
 
 def _run(config, output, label, work):
     """Do a part with a progress bar and write its file."""
-    with reported():
-        start_lean()
-        from dem.accuracy.files import STUDY
+    start_lean()
+    from dem.accuracy.files import STUDY
 
-        sweep = _planned(config)
-        with bar(label, 1.0) as update:
-            values = work(sweep, update)
-        STUDY.write_part(output, sweep, values)
+    sweep = _planned(config)
+    with bar(label, 1.0) as update:
+        values = work(sweep, update)
+    STUDY.write_part(output, sweep, values)
 
 
 @app.command()
@@ -106,7 +105,6 @@ def combine(
     output: OutputOption,
 ):
     """All parts into accuracy.nc."""
-    with reported():
-        from dem.accuracy.files import STUDY
+    from dem.accuracy.files import STUDY
 
-        STUDY.write_joined(output, STUDY.join(files))
+    STUDY.write_joined(output, STUDY.join(files))

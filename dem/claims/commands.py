@@ -6,9 +6,9 @@ from typing import Annotated
 import typer
 
 from dem.errors import InputError
-from dem.terminal import PAPER, ConfigOption, OutputOption, bar, reported, start_lean
+from dem.terminal import PAPER, ConfigOption, OutputOption, Verbs, bar, start_lean
 
-app = typer.Typer(help="Which of the paper's claims hold: the parts of the study.", no_args_is_help=True)  # fmt: skip
+app = Verbs(help="Which of the paper's claims hold: the parts of the study.", no_args_is_help=True)  # fmt: skip
 
 
 def _planned(config: Path):
@@ -24,11 +24,10 @@ def _planned(config: Path):
 @app.command()
 def compile(config: ConfigOption = PAPER):
     """Compile the kernels that the runs need, once."""
-    with reported():
-        start_lean()
-        from dem.claims.kernels import compile_all
+    start_lean()
+    from dem.claims.kernels import compile_all
 
-        compile_all(_planned(config))
+    compile_all(_planned(config))
 
 
 @app.command()
@@ -38,17 +37,16 @@ def jamming(
     config: ConfigOption = PAPER,
 ):
     """The packing fraction at which beds of a shape jam, without friction and with the run's."""
-    with reported():
-        start_lean()
-        from dem.claims.beds import beds_of, frictions
-        from dem.claims.jamming import measure
-        from dem.claims.layout import STUDY
+    start_lean()
+    from dem.claims.beds import beds_of, frictions
+    from dem.claims.jamming import measure
+    from dem.claims.layout import STUDY
 
-        sweep = _planned(config)
-        beds = beds_of(sweep, shape)
-        with bar(f"jamming of {shape}", 1.0) as update:
-            values = measure(beds, frictions(sweep, shape), update)
-        STUDY.write_part(output, sweep, values)
+    sweep = _planned(config)
+    beds = beds_of(sweep, shape)
+    with bar(f"jamming of {shape}", 1.0) as update:
+        values = measure(beds, frictions(sweep, shape), update)
+    STUDY.write_part(output, sweep, values)
 
 
 @app.command()
@@ -60,22 +58,21 @@ def runs(
     config: ConfigOption = PAPER,
 ):  # fmt: skip
     """Some of the runs of a part."""
-    with reported():
-        start_lean()
-        from dem.claims.layout import STUDY
-        from dem.claims.runs import perform
-        from dem.claims.trials import share
+    start_lean()
+    from dem.claims.layout import STUDY
+    from dem.claims.runs import perform
+    from dem.claims.trials import share
 
-        sweep = _planned(config)
-        known = None
-        if jamming:
-            from dem.claims.jamming import Jamming
+    sweep = _planned(config)
+    known = None
+    if jamming:
+        from dem.claims.jamming import Jamming
 
-            known = Jamming(STUDY.join(jamming))
-        mine = share(sweep, part, group, known)
-        with bar(f"{part}, group {group}", 1.0) as update:
-            values = perform(sweep, part, mine, update)
-        STUDY.write_part(output, sweep, values)
+        known = Jamming(STUDY.join(jamming))
+    mine = share(sweep, part, group, known)
+    with bar(f"{part}, group {group}", 1.0) as update:
+        values = perform(sweep, part, mine, update)
+    STUDY.write_part(output, sweep, values)
 
 
 @app.command()
@@ -84,10 +81,9 @@ def combine(
     output: OutputOption,
 ):
     """All parts into claims.nc."""
-    with reported():
-        from dem.claims.layout import STUDY
+    from dem.claims.layout import STUDY
 
-        STUDY.write_joined(output, STUDY.join(files))
+    STUDY.write_joined(output, STUDY.join(files))
 
 
 @app.command()
@@ -97,9 +93,10 @@ def test(
     margin: Annotated[float, typer.Option(help="By how much, as a share, words such as significantly mean.")] = 0.18,
 ):  # fmt: skip
     """Which claims these runs support, contradict or leave undecided."""
-    with reported():
-        from rich.console import Console
+    if not 0.0 <= margin <= 1.0:
+        raise InputError(f"margin is {margin}; it must lie between 0 and 1.")
+    from rich.console import Console
 
-        from dem.claims.report import verdicts
+    from dem.claims.report import verdicts
 
-        Console(width=160).print(verdicts(data, name, margin))
+    Console(width=160).print(verdicts(data, name, margin))

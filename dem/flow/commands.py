@@ -5,7 +5,8 @@ from typing import Annotated
 
 import typer
 
-from dem.terminal import PAPER, ConfigOption, OutputOption, bar, reported, start_lean
+from dem.files import FOLDER
+from dem.terminal import PAPER, ConfigOption, OutputOption, Writes, bar, replicates_of, start_lean
 
 ReplicateArgument = Annotated[Path, typer.Argument(help="A replicate, results/replicates/...nc.")]
 ColorOption = Annotated[str, typer.Option(help="speed, force, layer or cluster.")]
@@ -23,68 +24,67 @@ def flow(
     config: ConfigOption = PAPER,
 ):
     """Measure how irregularly all beds move, and keep the snapshots of one run a case."""
-    with reported():
-        start_lean()
-        from dem.config import load
-        from dem.failures import sort_out
-        from dem.flow.collect import collect, write_flow
+    start_lean()
+    from dem.config import load
+    from dem.flow.collect import collect, write_flow
 
-        sweep = load(config)
-        files, failed = (files, []) if files else sort_out(sweep, output.parent)
-        with bar("flow", 1.0) as update:
-            values = collect(files, sweep, update, failed)
-        write_flow(output, sweep, values)
+    sweep = load(config)
+    files, failed = replicates_of(sweep, output, files)
+    with bar("flow", 1.0) as update:
+        values = collect(files, sweep, update, failed)
+    write_flow(output, sweep, values)
 
 
 def film(
     replicate: ReplicateArgument,
-    output: Annotated[Path, typer.Option("-o", "--output", help=".mp4, or .gif.")],
+    output: Annotated[Path, typer.Option("-o", "--output", help=".mp4, or .gif."), Writes()],
     color: ColorOption = "speed",
     forces: ForcesOption = False,
 ):
     """Film a replicate; one with many frames needs record.snapshots in its configuration."""
-    with reported():
-        start_lean()
-        from dem.flow.film import film as make
-        from dem.flow.motion import read_motion
+    start_lean()
+    from dem.flow.film import film as make
+    from dem.flow.motion import read_motion
 
-        motion = read_motion(replicate)
-        with bar("film", 1.0) as update:
-            written = make(motion, output, color, forces, update)
-        if written != output:
-            typer.echo(
-                f"There is no encoder: {written} instead (pip install imageio-ffmpeg).", err=True
-            )
+    motion = read_motion(replicate)
+    with bar("film", 1.0) as update:
+        written = make(motion, output, color, forces, update)
+    if written != output:
+        typer.echo(
+            f"There is no encoder: {written} instead (pip install imageio-ffmpeg).", err=True
+        )
 
 
 def picture(
     replicate: ReplicateArgument,
-    output: Annotated[Path, typer.Option("-o", "--output", help=".png, .svg or .pdf.")],
-    displacement: Annotated[float, typer.Option(help="Of the cylinder, m.")] = 3e-3,
+    output: Annotated[Path, typer.Option("-o", "--output", help=".png, .svg or .pdf."), Writes()],
+    displacement: Annotated[
+        float | None, typer.Option(help="Of the cylinder, m; half the stroke if absent.")
+    ] = None,
     color: ColorOption = "layer",
     forces: ForcesOption = False,
 ):
     """Draw a replicate at one displacement."""
-    with reported():
-        start_lean()
-        from dem.flow.film import picture as make
-        from dem.flow.motion import read_motion
+    start_lean()
+    from dem.flow.film import picture as make
+    from dem.flow.motion import read_motion
 
-        make(read_motion(replicate), output, displacement, color, forces)
+    make(read_motion(replicate), output, displacement, color, forces)
 
 
 def export(
     replicate: ReplicateArgument,
-    output: Annotated[Path, typer.Option("-o", "--output", help="Folder for VTK files.")],
+    output: Annotated[
+        Path, typer.Option("-o", "--output", help="Folder for VTK files."), Writes(FOLDER)
+    ],
 ):
     """Write the snapshots of a replicate for ParaView (open bed.pvd)."""
-    with reported():
-        from dem.flow.export import export as make
-        from dem.flow.motion import read_motion
+    from dem.flow.export import export as make
+    from dem.flow.motion import read_motion
 
-        motion = read_motion(replicate)
-        with bar("export", 1.0) as update:
-            typer.echo(make(motion, output, update))
+    motion = read_motion(replicate)
+    with bar("export", 1.0) as update:
+        typer.echo(make(motion, output, update))
 
 
 VERBS = (flow, film, picture, export)
