@@ -17,6 +17,7 @@ from dem.combine import combine
 from dem.config import load, parse
 from dem.errors import InputError
 from dem.files import atomic
+from dem.stopping import checkpoint_of
 from dem.workplace import clear_parts
 
 CLOCKS = ("run_time",)
@@ -26,6 +27,12 @@ def smoke(**changes):
     sweep = load(CONFIG / "smoke.yaml")
     data = sweep.model_dump(mode="json", exclude={"accuracy", "claims"}) | changes
     return parse(data)
+
+
+def simulate(output, checkpoint):
+    """A command line that runs one replicate."""
+    return ["simulate", "--config", str(CONFIG / "smoke.yaml"), "--shape", "c1", "--density", "3900",
+            "--seed", "1", "-o", str(output), "--checkpoint", str(checkpoint)]  # fmt: skip
 
 
 def stop_after(bins):
@@ -58,7 +65,7 @@ def test_a_run_goes_on_from_a_checkpoint_with_the_same_bits(tmp_path, monkeypatc
 
 @pytest.mark.parametrize("writes", [True, False])
 def test_a_checkpoint_is_there_until_the_result_is(tmp_path, monkeypatch, writes):
-    """What can not be written, because the disk is full, is not lost."""
+    """What cannot be written, because the disk is full, is not lost."""
 
     def write(*_):
         raise OSError("the disk is full")
@@ -67,32 +74,97 @@ def test_a_checkpoint_is_there_until_the_result_is(tmp_path, monkeypatch, writes
     checkpoint, output = tmp_path / "run.npz", tmp_path / "run.nc"
     if not writes:
         monkeypatch.setattr(drag, "write_replicate", write)
-    words = ["simulate", "--config", str(CONFIG / "smoke.yaml"), "--shape", "c1", "--density", "3900", "--seed", "1",
-             "-o", str(output), "--checkpoint", str(checkpoint)]  # fmt: skip
-    result = CliRunner().invoke(app, words)
+    result = CliRunner().invoke(app, simulate(output, checkpoint))
     assert result.exit_code == (0 if writes else 1)
     assert (output.exists(), checkpoint.exists()) == (writes, not writes)
 
 
-@pytest.mark.parametrize("fault", ["another seed", "another bed", "half a file", "no checkpoint"])
-def test_a_checkpoint_that_does_not_fit_is_not_used(tmp_path, monkeypatch, fault):
-    """The run then begins anew, and says nothing wrong."""
+def stopped(folder, replicate, bed):
+    """A checkpoint of a run that was stopped."""
+    checkpoint = folder / "run.npz"
+    with pytest.raises(KeyboardInterrupt):
+        drag.run(replicate, bed, stop_after(40), checkpoint=checkpoint)
+    return checkpoint
+
+
+DAMAGE = {
+    "half": lambda content: content[: len(content) // 2],
+    "head only": lambda content: content[:200],
+    "empty": lambda content: b"",
+    "a flipped bit": lambda content: (
+        content[:-5000] + bytes([content[-5000] ^ 1]) + content[-4999:]
+    ),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGE)
+def test_a_damaged_checkpoint_is_not_used(tmp_path, monkeypatch, capfd, damage):
+    """The run then begins again, and says so in one line."""
+    monkeypatch.setattr(drag, "SAVED_EVERY", 0.0)
+    replicate = smoke().replicate("c1", 3.9e3, 1)
+    bed = drag.make_bed(replicate)
+    checkpoint = stopped(tmp_path, replicate, bed)
+    checkpoint.write_bytes(DAMAGE[damage](checkpoint.read_bytes()))
+    seen = []
+    again = drag.run(replicate, bed, seen.append, checkpoint=checkpoint)
+    assert seen[0] == 20
+    said = capfd.readouterr().err.splitlines()
+    assert len(said) == 1 and "damaged; the run begins again" in said[0]
+    np.testing.assert_array_equal(again["drag"], drag.run(replicate, bed)["drag"])
+
+
+def other_npz(path):
+    np.savez(path.with_suffix(".npz"), mark=np.arange(3))
+    path.with_suffix(".npz").replace(path)
+
+
+FOREIGN = {
+    "text": lambda path: path.write_text("a note"),
+    "array": lambda path: np.save(path.open("wb"), np.arange(3)),
+    "another archive": other_npz,
+}
+
+
+@pytest.mark.parametrize("fault", ["another seed", "another bed", *FOREIGN])
+def test_a_file_that_is_no_checkpoint_of_the_run_is_refused(tmp_path, monkeypatch, fault):
+    """It stays as it is; the workflow's own file is deleted instead, and said so."""
     monkeypatch.setattr(drag, "SAVED_EVERY", 0.0)
     one, two = (smoke().replicate("c1", 3.9e3, seed) for seed in (1, 2))
-    checkpoint, other = tmp_path / "run.npz", two if fault == "another seed" else one
-    with pytest.raises(KeyboardInterrupt):
-        bed = drag.make_bed(other)
-        if fault == "another bed":
-            bed = bed._replace(angle=bed.angle + 1.0)
-        drag.run(other, bed, stop_after(40), checkpoint=checkpoint)
-    if fault == "half a file":
-        checkpoint.write_bytes(checkpoint.read_bytes()[:1000])
-    if fault == "no checkpoint":
-        checkpoint.write_text("a note")
-    bed, seen = drag.make_bed(one), []
-    again = drag.run(one, bed, seen.append, checkpoint=checkpoint)
-    assert seen[0] == 20
-    np.testing.assert_array_equal(again["drag"], drag.run(one, bed)["drag"])
+    bed, checkpoint = drag.make_bed(one), tmp_path / "run.npz"
+    if fault in FOREIGN:
+        FOREIGN[fault](checkpoint)
+    elif fault == "another seed":
+        stopped(tmp_path, two, drag.make_bed(two))
+    else:
+        stopped(tmp_path, one, bed._replace(angle=bed.angle + 1.0))
+    before = checkpoint.read_bytes()
+    with pytest.raises(InputError, match="delete it or name another file"):
+        drag.run(one, bed, checkpoint=checkpoint)
+    assert checkpoint.read_bytes() == before
+
+
+@pytest.mark.parametrize("fault", FOREIGN)
+def test_the_command_deletes_no_file_that_it_did_not_write(tmp_path, fault):
+    """Status 2 before any work, whatever the file that is given as checkpoint."""
+    checkpoint, output = tmp_path / "run.npz", tmp_path / "run.nc"
+    FOREIGN[fault](checkpoint)
+    before = checkpoint.read_bytes()
+    result = CliRunner().invoke(app, simulate(output, checkpoint))
+    assert result.exit_code == 2 and "it is no checkpoint" in result.stderr, result.output
+    assert checkpoint.read_bytes() == before and not output.exists()
+
+
+def test_a_stale_checkpoint_of_the_workflow_is_replaced(tmp_path, monkeypatch):
+    """After an edit or damage the sweep goes on: its own file is deleted, and said so in one line."""
+    monkeypatch.chdir(tmp_path)
+    replicate = load(CONFIG / "smoke.yaml").replicate("c1", 3.9e3, 1)
+    own = tmp_path / replicate.sweep.results / checkpoint_of(replicate)
+    own.parent.mkdir(parents=True)
+    FOREIGN["text"](own)
+    result = CliRunner().invoke(app, simulate(tmp_path / "run.nc", own))
+    assert result.exit_code == 0, result.output
+    said = [line for line in result.stderr.splitlines() if "deleted; the run begins again" in line]
+    assert len(said) == 1 and not own.exists()
 
 
 def test_a_batch_leaves_alone_what_is_there(tmp_path):
@@ -176,7 +248,7 @@ def test_a_file_is_written_whole_or_not_at_all(tmp_path):
     with pytest.raises(ZeroDivisionError), atomic(file) as part:
         part.write_text("half")
         raise ZeroDivisionError
-    with pytest.raises(OSError, match=r"can not be written .*run the same command again"), atomic(file) as part:  # fmt: skip
+    with pytest.raises(OSError, match=r"cannot be written .*run the same command again"), atomic(file) as part:  # fmt: skip
         part.write_text("half")
         raise RuntimeError("NetCDF: HDF error")
     assert file.read_text() == "before" and [file] == list(tmp_path.iterdir())
