@@ -3,8 +3,16 @@
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
+from typer.testing import CliRunner
+
+from dem.calibrate import MODULI, fit
+from dem.cli import app
+from dem.errors import InputError, RunError
+from dem.flow import film
 
 ROOT = Path(__file__).parent.parent
 RUN = (
@@ -51,6 +59,8 @@ def test_every_verb_has_help(verb):
         (("--shape", "x9"), "shape is 'x9'"),
         (("--density", "-1"), "density is -1.0"),
         (("--seed", "-4"), "seed is -4"),
+        (("--seed", str(2**31)), f"seed is {2**31}"),
+        (("--seed", str(2**63)), f"seed is {2**63}"),
         (("--config", "config/none.yaml"), "config/none.yaml"),
         (("--bed", "README.md"), "README.md"),
     ],
@@ -84,3 +94,78 @@ def test_a_foreign_file_is_refused():
         run = dem(*verb, "pyproject.toml")
         assert run.returncode == 2 and "pyproject.toml" in run.stderr
         assert "Traceback" not in run.stderr
+
+
+SMOKE = ("--config", "config/smoke.yaml")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("calibrate", *SMOKE, "--target", "nan"), "target is nan"),
+        (("calibrate", *SMOKE, "--target", "inf"), "target is inf"),
+        (("calibrate", *SMOKE, "--target", "0"), "target is 0.0"),
+        (("calibrate", *SMOKE, "--target", "-1"), "target is -1.0"),
+        (("calibrate", *SMOKE, "--shape", "zz"), "shape is 'zz'"),
+        (("calibrate", *SMOKE, "--density", "nan"), "density is nan"),
+        (("pack", *SMOKE, "--shape", "c1", "--seed", str(2**63), "-o", "OUT"), f"seed is {2**63}"),
+        (("stability", "catalogue", *SMOKE, "--shape", "zz", "-o", "OUT"), "shape is 'zz'"),
+        (("stability", "map", *SMOKE, "--shape", "zz", "-o", "OUT"), "shape is 'zz'"),
+        (("stability", "paper", *SMOKE, "--shape", "zz", "-o", "OUT"), "shape is 'zz'"),
+        (("accuracy", "drag", *SMOKE, "--shape", "zz", "-o", "OUT"), "shape is 'zz'"),
+        (("accuracy", "drag", *SMOKE, "--shape", "c1", "--group", str(2**63), "-o", "OUT"), "group is"),
+        (("claims", "jamming", *SMOKE, "--shape", "zz", "-o", "OUT"), "shape is 'zz'"),
+        (("claims", "runs", *SMOKE, "--part", "zz", "-o", "OUT"), "part is 'zz'"),
+        (("claims", "test", "README.md", "--margin", "nan"), "margin is nan"),
+        (("batch", *SMOKE, "--shape", "c1", "--number", str(2**63), "-o", "OUT"), f"batch is {2**63}"),
+    ],
+)  # fmt: skip
+def test_a_value_that_no_verb_can_use_is_refused(tmp_path, monkeypatch, arguments, sentence):
+    """Status 2, the value is named, and nothing is written."""
+    monkeypatch.chdir(ROOT)
+    words = [str(tmp_path / "out") if word == "OUT" else word for word in arguments]
+    result = CliRunner().invoke(app, words)
+    assert result.exit_code == 2, (result.output, result.exception)
+    assert sentence in result.stderr and not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("displacement", [np.nan, np.inf, -1.0, -1e-9, 1e9, 6.1e-3])
+def test_a_picture_is_of_the_stroke(tmp_path, displacement):
+    motion = SimpleNamespace(displacement=np.linspace(0.0, 6e-3, 5))
+    with pytest.raises(InputError, match=r"displacement is .* between 0 and the stroke, 0.006 m"):
+        film.picture(motion, tmp_path / "bed.png", displacement, "layer", False)
+    assert not list(tmp_path.iterdir())
+
+
+def drags(seeds, scatter, exponent=0.96):
+    """Moduli (Pa) and synthetic mean drags (N) that give 1295 N at 76.6 GPa."""
+    rng, moduli = np.random.default_rng(1), 76.6e9 * np.array(MODULI)
+    noise = np.exp(
+        rng.normal(0.0, scatter, (seeds, 1)) + rng.normal(0.0, 0.01, (seeds, len(moduli)))
+    )
+    return moduli, 1295.0 * (moduli / 76.6e9) ** exponent * noise
+
+
+def test_the_interval_of_the_modulus_is_positive_and_holds_it():
+    """With many seeds it is narrow, with three it is wide and still of positive numbers."""
+    for seeds, scatter, widest in ((100, 0.12, 1.1), (3, 0.2, 10.0)):
+        found = fit(*drags(seeds, scatter), 1295.0)
+        low, high = found.interval
+        assert 0.0 < low < 76.6e9 < high < widest * low
+        assert low < found.young_modulus < high and f"{1e-9 * low:.4g} to" in found.sentence()
+    assert "outside" not in fit(*drags(100, 0.12), 1295.0).sentence()
+    assert "outside of the runs" in fit(*drags(100, 0.12), 13000.0).sentence()
+
+
+@pytest.mark.parametrize(
+    ("means", "target", "sentence"),
+    [
+        (drags(3, 1.5), 1295.0, "wider than a factor of 10: take more seeds than 3"),
+        (drags(10, 0.1, -0.5), 1295.0, "drag does not rise with the modulus"),
+        (drags(10, 0.1, 0.01), 1e300, "no modulus gives this drag"),
+        ((drags(3, 0.1)[0], -drags(3, 0.1)[1]), 1295.0, "drag does not rise with the modulus"),
+    ],
+)
+def test_a_calibration_that_says_nothing_fails(means, target, sentence):
+    with pytest.raises(RunError, match=sentence):
+        fit(*means, target)
