@@ -30,6 +30,7 @@ from dem.schema import (
     Whole,
     sentences,
 )
+from dem.yaml_file import read
 
 
 class CylinderSection(Section):
@@ -300,24 +301,14 @@ def parse(data, source: str = "configuration") -> Sweep:
 
 
 def load(path: Path) -> Sweep:
-    """Sweep from a YAML file; raises InputError."""
-    try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: it can not be read ({error}).") from None
-    try:
-        data = yaml.safe_load(text)
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
-        place = getattr(error, "problem_mark", None)
-        line = f", line {place.line + 1}" if place else ""
-        raise InputError(f"{path}{line}: it is not YAML that can be read.") from None
-    return parse(data, str(path))
+    """Sweep from a YAML file; raises InputError with one sentence a fault."""
+    return parse(read(path), str(path))
 
 
 def save(sweep: Sweep, path: Path) -> None:
     """Write the configuration as resolved, so that `load` gives the same sweep again."""
-    text = yaml.safe_dump(json.loads(sweep.model_dump_json()), sort_keys=False)
+    text = yaml.safe_dump(json.loads(sweep.model_dump_json()), sort_keys=False).encode()
     path = Path(path)
-    if not path.exists() or path.read_text(encoding="utf-8") != text:
+    if not path.exists() or path.read_bytes() != text:
         with atomic(path) as part:
-            part.write_text(text, encoding="utf-8")
+            part.write_bytes(text)

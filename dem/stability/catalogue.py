@@ -3,11 +3,11 @@
 from pathlib import Path
 from typing import Annotated, Literal
 
-import yaml
 from pydantic import Field, ValidationError, model_validator
 
 from dem.errors import InputError
 from dem.schema import Label, NotNegative, Positive, Section, Whole, sentences
+from dem.yaml_file import read
 
 RAN = "ran"
 REFUSALS = "InputError", "PackingError", "OverlapError", "StateError"
@@ -102,10 +102,6 @@ class Catalogue(Section):
 def load(path: Path) -> Catalogue:
     """The catalogue in a YAML file; raises InputError."""
     try:
-        data = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise InputError(f"{path}: it can not be read ({error}).") from None
-    try:
-        return Catalogue.model_validate(data)
+        return Catalogue.model_validate(read(path))
     except ValidationError as error:
         raise InputError(sentences(str(path), error)) from None
