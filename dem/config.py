@@ -1,12 +1,13 @@
 """The one schema: a configuration file is a sweep, a sweep expands to replicates.
 
 SI units throughout. Workflow, command line and library read configurations only through here;
-whatever can not be simulated is refused with one sentence a fault, naming key and value.
+whatever cannot be simulated is refused with one sentence a fault, naming key and value.
 """
 
 import json
 import math
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -36,12 +37,12 @@ from dem.yaml_file import read
 class CylinderSection(Section):
     diameter: Positive  # m
     velocity: Positive  # m/s, upwards
-    start: Annotated[Number, Field(gt=0, lt=1)]  # height of the axis over that of the box
+    start: Annotated[Positive, Field(lt=1)]  # height of the axis over that of the box
     stroke: Positive  # m
 
 
 class PackingSection(Section):
-    fraction: Annotated[Number, Field(gt=0, lt=1)]  # V_f
+    fraction: Annotated[Positive, Field(lt=1)]  # V_f
     size_spread: Annotated[Number, Field(ge=0, lt=1)]  # diameters uniform within +- this share
     friction: NotNegative = 0.0  # of all contacts while the bed is packed
 
@@ -83,9 +84,9 @@ class RecordSection(Section):
 
 
 class NumericsSection(Section):
-    step_fraction: Annotated[Number, Field(gt=0, lt=1)] = 0.5  # of the critical time step
+    step_fraction: Annotated[Positive, Field(lt=1)] = 0.5  # of the critical time step
     time_step: Positive | None = None  # s, fixed; None: from the bed's stiffness
-    max_overlap: Annotated[Number, Field(gt=0, le=1.5)] = 1.2  # over the smaller radius
+    max_overlap: Annotated[Positive, Field(le=1.5)] = 1.2  # over the smaller radius
 
 
 class ShapeSection(Section):
@@ -142,11 +143,12 @@ class Sweep(Section):
     @model_validator(mode="after")
     def _check(self):
         if len(set(self.seeds)) < len(self.seeds):
-            raise ValueError("seeds has a seed twice; each must stand once")
+            twice = next(a for a, b in pairwise(sorted(self.seeds)) if a == b)
+            raise ValueError(f"seeds has {twice} twice; list each seed once")
         if self.failures and self.batch == 1:
             raise ValueError(
-                f"failures is {self.failures:g}; with batch 1 it must be 0, because what a job can not "
-                "make stops all that needs it"
+                f"failures is {self.failures:g}; with batch 1 it must be 0, because a failed run would "
+                "block every rule that depends on it"
             )
         if self.record.window[1] > self.cylinder.stroke:
             raise ValueError(

@@ -58,6 +58,10 @@ def _check_box(sweep, label: str, height: float, largest: float) -> None:
             f"cylinder.start is {cylinder.start:g}: {where}, and the cylinder would begin below "
             "its floor"
         )
+    if top - cylinder.stroke > height:
+        raise ValueError(
+            f"cylinder.start is {cylinder.start:g}: {where}, and the cylinder would begin above its top"
+        )
     if top > height:
         raise ValueError(
             f"cylinder.stroke is {cylinder.stroke:g} m: {where}, and the cylinder would leave it "

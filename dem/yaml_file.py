@@ -13,13 +13,13 @@ REPEATED = 10_000  # values that aliases may repeat; ten aliases ten deep would 
 LONGEST = 100  # characters of a number
 
 
-def read(path: Path):
-    """What a YAML file holds, as dictionaries, lists and scalars; raises InputError with its line."""
+def read(path: Path) -> dict:
+    """Keys and values of a YAML file; raises InputError with the line of what is wrong."""
     text = _text(Path(path))
     try:
         loader = _Loader(text, path)
         try:
-            return loader.get_single_data()
+            data = loader.get_single_data()
         finally:
             loader.dispose()
     except yaml.reader.ReaderError as error:
@@ -28,6 +28,9 @@ def read(path: Path):
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         raise _fault(path, mark.line + 1, f"it is not valid YAML ({error.problem})") from None
+    if not isinstance(data, dict):
+        raise InputError(f"{path}: it must hold keys with values, see config/paper.yaml.")
+    return data
 
 
 def _fault(path, line: int, words: str) -> InputError:

@@ -1,7 +1,10 @@
 """Configurations: the published one says where each number is from, wrong ones are named."""
 
 import copy
+import math
+import os
 import re
+import time
 
 import pytest
 import yaml
@@ -12,6 +15,8 @@ from hypothesis import strategies as st
 from dem.config import Sweep, load, parse, save
 from dem.errors import InputError
 from dem.room import height_of_box, sample_diameters
+from dem.stability import catalogue
+from dem.yaml_file import LARGEST, read
 
 PAPER = (CONFIG / "paper.yaml").read_text(encoding="utf-8")
 
@@ -62,7 +67,7 @@ WRONG = [
     ("cases.c1.shape", "c9", "cases.c1.shape is 'c9'"),
     ("cases.c12.density", 3.9e3, "cases.c12 repeats cases.c1"),
     ("cases", {}, "cases is {}"),
-    ("seeds", [1, 2, 1], "seeds has a seed twice"),
+    ("seeds", [1, 2, 1], "seeds has 1 twice"),
     ("seeds", [], "seeds is []"),
     ("seeds.0", -1, "seeds.0 is -1"),
     ("results", "results/../..", "results is 'results/../..'"),
@@ -94,24 +99,111 @@ def test_all_faults_are_told_at_once():
     assert len(str(error.value).splitlines()) == 2
 
 
-@pytest.mark.parametrize("text", [
-    "a: [1", "\t- x: {", "\0", "just words", "", "a: !!python/object:os.system x",
-    "title: 2024-13-45", "title: 2001-01-01 99:99:99", "seeds: [" + "9" * 5000 + "]", "[" * 5000,
-])  # fmt: skip
-def test_files_that_are_no_configuration_are_named(tmp_path, text):
-    """Whatever stands in a file, reading it ends in an InputError with the file's name."""
-    path = tmp_path / "broken.yaml"
+# key: value: what is said of it, whole, because half a sentence may be true and the other half not
+SENTENCES = [
+    ("seeds", [-1], "seeds.0 is -1; it must be zero or positive."),
+    ("seeds", [], "seeds is []; it must not be empty."),
+    ("seeds", [1.0], "seeds.0 is 1.0; it must be a whole number without a point."),
+    ("seeds", "1 to 99999999999", "seeds is '1 to 99999999999'; each must be less than 2147483648."),
+    ("seeds", "5 to 1", "seeds is '5 to 1'; each part must run from less to more."),
+    ("gravity", float("nan"), "gravity is nan; it must be a finite number."),
+    ("gravity", -(10**5000), "gravity is a number of thousands of digits; its magnitude must be at most 1e+15."),
+    ("gravity", -1, "gravity is -1; it must be zero or positive."),
+    ("material.young_modulus", 5e-324, "material.young_modulus is 5e-324; it must be positive, at least 1e-15."),
+    ("packing.fraction", -1, "packing.fraction is -1; it must be positive, at least 1e-15."),
+    ("material.poisson_ratio", -2, "material.poisson_ratio is -2; it must be greater than -1."),
+    ("record.window", [1e-3, 2e-3, 3e-3], "record.window is [0.001, 0.002, 0.003]; it must have at most 2 items."),
+    ("cases", {"c1": 3}, "cases.c1 is 3; it must be a group of keys."),
+    ("cases", {"c" * 33: 3}, f"cases.{'c' * 33} is '{'c' * 33}'; it must be a label: a letter from A to Z, then letters, digits, - and _, at most 32 in all.\ncases.{'c' * 33} is 3; it must be a group of keys."),
+    ("cylinder.start", 0.99, "cylinder.start is 0.99: with shapes.c1 the box is 0.02 m by 0.02275 m, and the cylinder would begin above its top."),
+    ("accuracy.steps.c1", {0.5: 2, "5e-1": 3, 1.0: 2}, "accuracy.steps.c1: it has 0.5 twice; list each step once."),
+    ("claims.sensitivity.factors", {"friction.wall": {"low": 1}}, "claims.sensitivity.factors.friction.wall.high is missing."),
+    ("claims.sensitivity.factors", {"friction.wall": {"choices": [1, None]}}, "claims.sensitivity.factors.friction.wall.choices.1 is None; it must be a number or text."),
+    ("claims.scaling.width", [1.0], "claims.scaling.width is [1.0]; list each factor once, and leave out 1 (the replicates already cover it)."),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "told"), SENTENCES, ids=[told[:40] for _, _, told in SENTENCES]
+)
+def test_a_sentence_says_what_is_true(key, value, told):
+    """What is wrong is said of the value that is wrong, and what would be right is right."""
+    with pytest.raises(InputError) as error:
+        parse(changed(key.split("."), value), "my.yaml")
+    assert str(error.value) == "\n".join(f"my.yaml: {line}" for line in told.splitlines())
+
+
+TENS = "[" + ", ".join(["x"] * 10) + "]"
+BOMB = f"a0: &a0 {TENS}\n" + "".join(
+    f"a{n}: &a{n} [" + ", ".join([f"*a{n - 1}"] * 10) + "]\n" for n in range(1, 11)
+)
+NO_CONFIGURATION = {
+    "a: [1": "line 1: it is not valid YAML",
+    "\t- x: {": "line 1: it is not valid YAML",
+    "a: b\n\0": "line 2: the character '\\x00' is not allowed.",
+    "just words": "it must hold keys with values",
+    "": "it must hold keys with values",
+    "a: 1\n---\nb: 2": "line 2: it is not valid YAML",
+    "a: !!python/object:os.system x": "line 1: it is not valid YAML",
+    "a: !!timestamp x": "line 1: 'x' is no valid timestamp.",
+    "title: 2024-13-45": "line 1: '2024-13-45' is no valid timestamp.",
+    "title: 2001-01-01 99:99:99": "line 1: '2001-01-01 99:99:99' is no valid timestamp.",
+    "seeds: [" + "9" * 5000 + "]": "line 1: a number has 5,000 characters, more than 100.",
+    "gravity: 1" + ":59" * 50_000: "line 1: a number has 150,001 characters, more than 100.",
+    "[" * 5000: "line 1: values are nested more than 20 deep.",
+    "- " * 5000: "line 1: values are nested more than 20 deep.",
+    "a: 1\nb: &b [*b]": "line 2: the alias *b contains itself.",
+    BOMB: "line 4: aliases repeat more than 10,000 values; write them out.",
+    PAPER + BOMB: "aliases repeat more than 10,000 values; write them out.",
+    BOMB.replace(TENS, "[{x: 1}]").replace("[", "{<<: [").replace("]", "]}"): "aliases repeat",
+    "a: 1\nb: 2\n'a': 3": "line 3: 'a' is a key here and in line 1; remove one.",
+    "a: {0.1: 1,\n 1.0e-1: 2}": "line 2: 0.1 is a key here and in line 1; remove one.",
+    PAPER + "\ncases: {}": "'cases' is a key here and in line ",
+}
+
+
+@pytest.mark.parametrize("text", NO_CONFIGURATION, ids=range(len(NO_CONFIGURATION)))
+@pytest.mark.parametrize("loads", [load, catalogue.load])
+def test_files_that_are_no_configuration_are_refused(tmp_path, text, loads):
+    """Whatever a YAML file holds, reading it ends at once in a sentence with its name and line."""
+    path, start = tmp_path / "broken.yaml", time.perf_counter()
     path.write_text(text)
-    with pytest.raises(InputError, match=r"broken\.yaml"):
-        load(path)
+    with pytest.raises(InputError) as error:
+        loads(path)
+    assert str(error.value).startswith(str(path))
+    assert "\n" not in str(error.value)
+    assert NO_CONFIGURATION[text] in str(error.value)
+    assert time.perf_counter() - start < 2.0
 
 
-def test_files_that_can_not_be_read_are_named(tmp_path):
-    """No file, a folder and bytes that are no text are errors with a name."""
-    (tmp_path / "bytes.yaml").write_bytes(b"\xff\xfe\xfa")
-    for name in ("none.yaml", "", "bytes.yaml"):
-        with pytest.raises(InputError, match=re.escape(str(tmp_path / name))):
+def test_aliases_and_merges_are_read(tmp_path):
+    """What YAML has against repetition may be used: a merged key may be given another value."""
+    path = tmp_path / "merged.yaml"
+    path.write_text("a: &a {x: 1}\nb: &b {<<: *a, x: 2, y: 3}\nc: {<<: *b, y: 4}\nd: [*a, *a]\n")
+    assert read(path) == {
+        "a": {"x": 1}, "b": {"x": 2, "y": 3}, "c": {"x": 2, "y": 4}, "d": [{"x": 1}, {"x": 1}],
+    }  # fmt: skip
+
+
+def test_files_that_cannot_be_read_are_refused(tmp_path):
+    """No file, a folder, a pipe, a device, too many bytes, bytes that are no text: none is waited for."""
+    (tmp_path / "utf16.yaml").write_bytes("title: x".encode("utf-16"))
+    (tmp_path / "latin1.yaml").write_bytes("a: 1\ntitle: é".encode("latin-1"))
+    (tmp_path / "large.yaml").write_bytes(b"#" * (LARGEST + 1))
+    os.mkfifo(tmp_path / "pipe.yaml")
+    for name, words in {
+        "none.yaml": "cannot read it (no such file or directory).",
+        "": "it is not a regular file",
+        "pipe.yaml": "it is not a regular file",
+        "/dev/zero": "it is not a regular file",
+        "large.yaml": "it must have at most 2,000,000.",
+        "utf16.yaml": "line 1: byte 0xff is not UTF-8",
+        "latin1.yaml": "line 2: byte 0xe9 is not UTF-8",
+        "no\0name": "cannot read it (embedded null byte).",
+    }.items():
+        with pytest.raises(InputError, match=re.escape(words)) as error:
             load(tmp_path / name)
+        assert str(error.value).startswith(str(tmp_path / name))
 
 
 def test_paper_has_eleven_cases_and_55_replicates():
@@ -202,6 +294,37 @@ def test_any_corruption_is_read_or_refused(path, junk):
     try:
         sweep = parse(data, "my.yaml")
     except InputError as error:
-        assert str(error).startswith("my.yaml: ")
+        for line in str(error).splitlines():
+            assert line.startswith("my.yaml: ") and line.endswith(".")
+            assert not said_falsely(line), line
     else:
         assert isinstance(sweep, Sweep)
+
+
+NUMBER = r"(-?[\d.]+(?:e[+-]?\d+)?|nan|inf|-inf)"
+
+
+def said_falsely(line):
+    """Whether a sentence asks of a value what the value has."""
+    _, _, rest = line.partition(" is ")
+    shown, _, asked = rest.rpartition("; it must ")
+    quoted = re.fullmatch(NUMBER, shown.strip("'"))
+    value = float(quoted[0]) if quoted else None
+    if bound := re.fullmatch(
+        rf"be (?:positive, )?(at least|at most|greater than|less than) {NUMBER}\.", asked
+    ):
+        limit = float(bound[2])
+        return value is not None and {
+            "at least": value >= limit, "at most": value <= limit,
+            "greater than": value > limit, "less than": value < limit,
+        }[bound[1]]  # fmt: skip
+    return {
+        "be zero or positive.": value is not None and value >= 0,
+        "be a finite number.": value is not None and math.isfinite(value),
+        "be a number.": value is not None,
+        "be a whole number without a point.": re.fullmatch(r"-?\d+", shown) is not None,
+        "not be empty.": shown not in ("[]", "()", "{}", "''"),
+        "be text.": shown.startswith("'"),
+        "be a list.": shown.startswith(("[", "(")),
+        "be a group of keys.": shown.startswith("{"),
+    }.get(asked, False)

@@ -1,14 +1,31 @@
 """What the study of error against run time does: the section `accuracy` of a configuration."""
 
+from contextlib import suppress
+from itertools import pairwise
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from dem.errors import InputError
 from dem.schema import Label, Positive, Section, Seed, Whole
 
 Count = Annotated[Whole, Field(ge=2, le=100_000)]
 Fraction = Annotated[Positive, Field(le=10)]
+
+
+def _different(steps):
+    """Steps as they are; 0.1 and "1e-1", text in YAML 1.1, would be one step, and the last would win."""
+    values = []
+    for step in steps if isinstance(steps, dict) else ():
+        with suppress(OverflowError, TypeError, ValueError):  # refused where keys are checked
+            values.append(float(step))
+    for step, following in pairwise(sorted(values)):
+        if step == following:
+            raise ValueError(f"it has {step:g} twice; list each step once")
+    return steps
+
+
+Steps = Annotated[dict[Fraction, Count], Field(min_length=2), BeforeValidator(_different)]
 LARGEST = 1.2  # step over the bound on the critical one up to which no bed has been seen to break
 
 
@@ -33,9 +50,7 @@ class AccuracySection(Section):
     first_seed: Seed = 1001
     group: Annotated[Whole, Field(ge=1, le=1000)] = 10
     # by shape: number of seeds at each step, a fraction of the critical one
-    steps: Annotated[
-        dict[Label, Annotated[dict[Fraction, Count], Field(min_length=2)]], Field(min_length=1)
-    ]
+    steps: Annotated[dict[Label, Steps], Field(min_length=1)]
     replicates: ReplicatesSection
 
     def check(self, sweep) -> None:

@@ -2,9 +2,9 @@
 
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
-from dem.schema import Label, Number, Positive, Section, Seed, Whole
+from dem.schema import Label, Number, Positive, Section, Seed, Whole, number
 
 Count = Annotated[Whole, Field(ge=2, le=100_000)]
 Ratio = Annotated[Number, Field(ge=1, le=20)]
@@ -23,7 +23,7 @@ OUTSIDE = (
 def _others(values):
     """Factors on the sweep's own value, which is among the replicates already."""
     if 1.0 in values or len(set(values)) < len(values):
-        raise ValueError("each must stand once, and 1 not at all: the replicates have it")
+        raise ValueError("list each factor once, and leave out 1 (the replicates already cover it)")
     return tuple(sorted(values))
 
 
@@ -46,10 +46,20 @@ class Range(Section):
         return self
 
 
+def _value(value):
+    """A finite number as it is, or text."""
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise ValueError("it must be a number or text")
+    return value if isinstance(value, str) else number(value)
+
+
+Value = Annotated[int | float | str, BeforeValidator(_value)]
+
+
 class Choice(Section):
     """One of some values, equally likely; a value may stand more than once."""
 
-    choices: Annotated[tuple[Whole | Number | str, ...], Field(min_length=2)]
+    choices: Annotated[tuple[Value, ...], Field(min_length=2)]
 
     @property
     def different(self) -> tuple:
@@ -57,12 +67,23 @@ class Choice(Section):
         return tuple(dict.fromkeys(self.choices))
 
 
+def _factor(value):
+    """A range or a choice, whichever the keys say, so that a fault of one is not told as one of both."""
+    if isinstance(value, Range | Choice):
+        return value
+    chosen = Choice if isinstance(value, dict) and "choices" in value else Range
+    return chosen.model_validate(value)
+
+
+Factor = Annotated[Range | Choice, BeforeValidator(_factor)]
+
+
 class SensitivitySection(Section):
     """A space-filling design over values of the configuration, each named by its path."""
 
     points: Count
     cases: Annotated[tuple[Label, ...], Field(min_length=1)]
-    factors: Annotated[dict[str, Range | Choice], Field(min_length=1)]
+    factors: Annotated[dict[str, Factor], Field(min_length=1)]
 
 
 class JammingSection(Section):
@@ -88,7 +109,7 @@ class RatiosSection(Section):
     @model_validator(mode="after")
     def _check(self):
         if len(set(self.ratios)) < len(self.ratios):
-            raise ValueError(f"ratios {list(self.ratios)} has one twice; each must stand once")
+            raise ValueError(f"ratios {list(self.ratios)} has one twice; list each once")
         return self
 
 
