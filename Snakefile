@@ -2,7 +2,7 @@
 
     snakemake -j2                                         config/paper.yaml into results/
     snakemake -j2 --configfile config/smoke.yaml          another sweep into its own folder
-    snakemake -j2 figures                                 draw again, simulate nothing
+    snakemake -j2 figures                                 draw what the results give, simulate nothing
     snakemake -j1 benchmark                               time the kernels, beside other codes
     snakemake -j2 accuracy                                error against run time
     snakemake -j2 stability                               stiff and extreme cases
@@ -11,14 +11,33 @@
 """
 
 import logging
+import shlex
 import sys
 
+import dem
 from dem import config as schema
 from dem.errors import InputError, RunError
 from dem.figures import FLOW, possible
 from dem.progress import WorkflowProgress
 from dem.provenance import source_hash
 from dem.workplace import on_failure, prepare
+from dem.yaml_file import read
+
+
+def refuse(sentence):
+    print(sentence, file=sys.stderr)
+    sys.exit(2)
+
+
+# Snakemake reads what --configfile names before this file: what it cannot read (a file that is missing or no
+# UTF-8 text, a pipe) it refuses in its own words, with status 1. What it reads but should not, such as equal
+# keys or aliases of aliases, is refused here.
+CONFIG_FILES = list(map(str, workflow.overwrite_configfiles)) or ["config/paper.yaml"]
+try:
+    for each in CONFIG_FILES:
+        read(each)
+except InputError as error:
+    refuse(error)
 
 if not workflow.overwrite_configfiles:
 
@@ -26,10 +45,17 @@ if not workflow.overwrite_configfiles:
 
 
 try:
-    SWEEP = schema.parse(config, ", ".join(map(str, workflow.overwrite_configfiles)) or "config/paper.yaml")
+    SWEEP = schema.parse(config, ", ".join(CONFIG_FILES))
 except InputError as error:
-    print(error, file=sys.stderr)
-    sys.exit(2)
+    refuse(error)
+
+# `figures` draws what lies there: without the rules that make results, drag.nc and the like are files like any
+# other, and nothing is simulated, however much older than the code they are
+TARGETS = set(workflow.dag_settings.targets if workflow.dag_settings else ())
+ONLY_FIGURES = "figures" in TARGETS
+if ONLY_FIGURES and len(TARGETS) > 1:
+    others = ", ".join(sorted(TARGETS - {"figures"}))
+    refuse(f"figures is asked for with {others}; ask for it alone, because it makes no results.")
 
 RESULTS = SWEEP.results
 CONFIG = f"{RESULTS}/config.yaml"  # the configuration as resolved, written when the run starts
@@ -46,15 +72,25 @@ else:
 FIGURES = possible(SWEEP) + possible(SWEEP, FLOW)
 
 
-# Ctrl-C reaches a job only once it can answer it (dem.terminal): Python's start would show a traceback
-shell.prefix("set -euo pipefail; trap '' INT; ")
+def quoted(text):
+    """A word of the shell; Snakemake fills in what stands in braces."""
+    return shlex.quote(str(text)).replace("{", "{{").replace("}", "}}")
+
+
+# Jobs run the Python that runs Snakemake, whatever PATH says, and the `dem` that it found: -P keeps a folder of
+# that name where Snakemake was started from being taken. Ctrl-C reaches a job only once it can answer it
+# (dem.terminal): Python's start would show a traceback.
+shell.prefix(
+    "set -euo pipefail; trap '' INT; "
+    f"export PYTHONPATH={quoted(Path(dem.__file__).parent.parent)}${{{{PYTHONPATH:+:$PYTHONPATH}}}}; "
+    f'dem() {{{{ {quoted(sys.executable)} -P -m dem "$@"; }}}}; '
+)
 
 
 wildcard_constraints:
     shape="[A-Za-z][A-Za-z0-9_-]*",
     density="[0-9.e+-]+",
     seed="[0-9]+",
-    figure="figure[0-9]+",
     group="[0-9]+",
     number="[0-9]+",
     part="[a-z]+",
@@ -72,17 +108,21 @@ rule all:
     default_target: True
 
 
-include: "rules/kernels.smk"
-include: "rules/pack.smk"
-include: "rules/simulate.smk"
-include: "rules/combine.smk"
 include: "rules/figures.smk"
-include: "rules/flow.smk"
-include: "rules/benchmark.smk"
-include: "rules/accuracy.smk"
-include: "rules/stability.smk"
-include: "rules/claims.smk"
-include: "rules/report.smk"
+
+
+if not ONLY_FIGURES:
+
+    include: "rules/kernels.smk"
+    include: "rules/pack.smk"
+    include: "rules/simulate.smk"
+    include: "rules/combine.smk"
+    include: "rules/flow.smk"
+    include: "rules/benchmark.smk"
+    include: "rules/accuracy.smk"
+    include: "rules/stability.smk"
+    include: "rules/claims.smk"
+    include: "rules/report.smk"
 
 
 onstart:

@@ -11,13 +11,13 @@ PACKAGE = Path(__file__).parent
 
 # What can not change a replicate, and what holds no compiled code; all else counts.
 _NOT_PHYSICS = {
-    "accuracy", "batch.py", "benchmark", "claims", "figures", "flow", "report", "stability", "calibrate.py", "checkpoint.py", "cli.py",
-    "combine.py", "failures.py", "files.py", "info.py", "progress.py", "statistics.py", "study.py", "tables.py", "terminal.py",
+    "__main__.py", "accuracy", "batch.py", "benchmark", "claims", "figures", "flow", "report", "stability", "calibrate.py", "checkpoint.py", "cli.py",
+    "combine.py", "failures.py", "files.py", "info.py", "progress.py", "sources.py", "statistics.py", "study.py", "tables.py", "terminal.py",
     "tiling.py", "touching.py", "workplace.py",
 }  # fmt: skip
 _NOT_COMPILED = _NOT_PHYSICS | {
     "__init__.py", "assembly.py", "compaction.py", "config.py", "dataset.py", "drag.py", "errors.py", "packing.py", "provenance.py", "room.py",
-    "scene.py", "schema.py", "simulation.py", "stopping.py", "warmup.py",
+    "scene.py", "schema.py", "simulation.py", "stopping.py", "warmup.py", "yaml_file.py",
 }  # fmt: skip
 
 

@@ -56,7 +56,7 @@ localrules:
 rule accuracy:
     input:
         RESULTS + "/accuracy.txt",
-        expand(RESULTS + "/figures/{figure}.{kind}", figure=ACCURACY, kind=["svg", "png"]),
+        pictures(ACCURACY),
 
 
 rule accuracy_contacts:
@@ -162,19 +162,3 @@ rule accuracy_table:
         RESULTS + "/logs/accuracy/table.log",
     shell:
         "dem info {input.data} -o {output} 2> {log}"
-
-
-rule accuracy_figure:
-    message:
-        "Draw accuracy_{wildcards.part}"
-    input:
-        data=RESULTS + "/accuracy.nc",
-        code="dem/figures/accuracy_{part}.py",
-        common=["dem/figures/style.py", *study_code("bias", "replicates", "contacts")],
-    output:
-        RESULTS + "/figures/accuracy_{part}.svg",
-        RESULTS + "/figures/accuracy_{part}.png",
-    log:
-        RESULTS + "/logs/figures/accuracy_{part}.log",
-    shell:
-        "dem figure accuracy_{wildcards.part} {input.data} 2> {log}"

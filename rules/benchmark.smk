@@ -11,6 +11,8 @@ OUTPUTS
     {RESULTS}/figures/benchmark.svg, {RESULTS}/figures/benchmark.png
 """
 
+from dem.figures import BENCHMARK
+
 
 localrules:
     benchmark,
@@ -19,7 +21,7 @@ localrules:
 rule benchmark:
     input:
         RESULTS + "/benchmark.txt",
-        expand(RESULTS + "/figures/benchmark.{kind}", kind=["svg", "png"]),
+        pictures(BENCHMARK),
 
 
 rule measure:
@@ -50,18 +52,3 @@ rule benchmark_table:
         RESULTS + "/logs/benchmark_table.log",
     shell:
         "dem info {input.data} -o {output} 2> {log}"
-
-
-rule benchmark_figure:
-    message:
-        "Draw the benchmark"
-    input:
-        data=RESULTS + "/benchmark.nc",
-        code=["dem/figures/benchmark.py", "dem/figures/style.py"],
-    output:
-        RESULTS + "/figures/benchmark.svg",
-        RESULTS + "/figures/benchmark.png",
-    log:
-        RESULTS + "/logs/figures/benchmark.log",
-    shell:
-        "dem figure benchmark {input.data} 2> {log}"

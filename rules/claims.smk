@@ -67,7 +67,7 @@ localrules:
 rule claims:
     input:
         RESULTS + "/claims.txt",
-        expand(RESULTS + "/figures/{figure}.{kind}", figure=CLAIMS, kind=["svg", "png"]),
+        pictures(CLAIMS),
 
 
 rule claims_kernels:
@@ -157,19 +157,3 @@ rule claims_table:
         RESULTS + "/logs/claims/table.log",
     shell:
         "dem info {input.data} -o {output} 2> {log}"
-
-
-rule claims_figure:
-    message:
-        "Draw claims_{wildcards.part}"
-    input:
-        data=RESULTS + "/claims.nc",
-        code="dem/figures/claims_{part}.py",
-        common=["dem/figures/style.py", *claims_code(TELLING)],
-    output:
-        RESULTS + "/figures/claims_{part}.svg",
-        RESULTS + "/figures/claims_{part}.png",
-    log:
-        RESULTS + "/logs/figures/claims_{part}.log",
-    shell:
-        "dem figure claims_{wildcards.part} {input.data} 2> {log}"

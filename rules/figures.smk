@@ -1,39 +1,47 @@
-"""Draw the figures, each from drag.nc alone.
+"""Draw the figures, each from one file of results.
+
+    snakemake -j2 figures          those that the files in {RESULTS} suffice for; makes no file of results
 
 REQUIRED INPUTS
-    {RESULTS}/drag.nc
+    {RESULTS}/drag.nc, flow.nc, accuracy.nc, stability.nc, claims.nc, benchmark.nc: see dem/figures/__init__.py
 OUTPUTS
     {RESULTS}/figures/{figure}.svg, {RESULTS}/figures/{figure}.png
 """
+
+from dem.figures import FILE_OF, drawable
+from dem.sources import closure
+
+
+def pictures(names):
+    """Both files of each of some figures."""
+    return expand(RESULTS + "/figures/{figure}.{kind}", figure=names, kind=["svg", "png"])
+
+
+def pictures_of_results(wildcards):
+    try:
+        return pictures(drawable(RESULTS))
+    except InputError as error:
+        print(error, file=sys.stderr)
+        sys.exit(2)
 
 
 rule figure:
     message:
         "Draw {wildcards.figure}"
     input:
-        data=RESULTS + "/drag.nc",
-        code="dem/figures/{figure}.py",
-        common=["dem/figures/style.py", "dem/statistics.py"],
+        data=lambda w: f"{RESULTS}/{FILE_OF[w.figure]}.nc",
+        code=lambda w: closure(f"dem.figures.{w.figure}"),
     output:
         RESULTS + "/figures/{figure}.svg",
         RESULTS + "/figures/{figure}.png",
+    wildcard_constraints:
+        figure="|".join(FILE_OF),
     log:
         RESULTS + "/logs/figures/{figure}.log",
-    benchmark:
-        RESULTS + "/benchmarks/figures/{figure}.tsv"
     shell:
         "dem figure {wildcards.figure} {input.data} 2> {log}"
 
 
-# Has drag.nc as a parameter and not as an input: nothing is simulated, whatever has changed.
 rule figures:
-    message:
-        "Draw all figures again from {params.data}"
-    params:
-        data=RESULTS + "/drag.nc",
-    log:
-        RESULTS + "/logs/figures/all.log",
-    benchmark:
-        RESULTS + "/benchmarks/figures/all.tsv"
-    shell:
-        "dem figure all {params.data} 2> {log}"
+    input:
+        pictures_of_results,

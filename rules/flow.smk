@@ -1,10 +1,9 @@
-"""How the beds move: measures of all runs, Figures 9 to 12.
+"""How the beds move: measures of all runs, for Figures 9 to 12.
 
 REQUIRED INPUTS
     {RESULTS}/replicates/{shape}/density{density}/seed{seed}.nc, for all cases and seeds
 OUTPUTS
     {RESULTS}/flow.nc
-    {RESULTS}/figures/{figure}.svg, {RESULTS}/figures/{figure}.png
 """
 
 rule flow:
@@ -23,22 +22,3 @@ rule flow:
         RESULTS + "/benchmarks/flow.tsv"
     shell:
         "dem flow --config {CONFIG} -o {output} 2> {log}"
-
-rule flow_figure:
-    message:
-        "Draw {wildcards.moving}"
-    input:
-        data=RESULTS + "/flow.nc",
-        code="dem/figures/{moving}.py",
-        common=["dem/figures/style.py", "dem/figures/bed.py", "dem/figures/snapshots.py", "dem/flow/verdict.py"],
-    output:
-        RESULTS + "/figures/{moving}.svg",
-        RESULTS + "/figures/{moving}.png",
-    wildcard_constraints:
-        moving="|".join(FLOW),
-    log:
-        RESULTS + "/logs/figures/{moving}.log",
-    shell:
-        "dem figure {wildcards.moving} {input.data} 2> {log}"
-
-ruleorder: flow_figure > figure

@@ -37,7 +37,7 @@ localrules:
 rule stability:
     input:
         RESULTS + "/stability.txt",
-        expand(RESULTS + "/figures/{figure}.{kind}", figure=STABILITY, kind=["svg", "png"]),
+        pictures(STABILITY),
 
 
 rule stability_part:
@@ -87,19 +87,3 @@ rule stability_table:
         RESULTS + "/logs/stability/table.log",
     shell:
         "dem info {input.data} -o {output} 2> {log}"
-
-
-rule stability_figure:
-    message:
-        "Draw stability_{wildcards.part}"
-    input:
-        data=RESULTS + "/stability.nc",
-        code="dem/figures/stability_{part}.py",
-        common=["dem/figures/style.py", "dem/stability/report.py"],
-    output:
-        RESULTS + "/figures/stability_{part}.svg",
-        RESULTS + "/figures/stability_{part}.png",
-    log:
-        RESULTS + "/logs/figures/stability_{part}.log",
-    shell:
-        "dem figure stability_{wildcards.part} {input.data} 2> {log}"

@@ -71,6 +71,8 @@ STUDY_FIGURES = {
     "stability": STABILITY,
     "benchmark": BENCHMARK,
 }  # by file
+FILES = {"drag": FIGURES, "flow": FLOW} | STUDY_FIGURES  # by file of results, without .nc
+FILE_OF = {name: file for file, figures in FILES.items() for name in figures}
 
 
 def captions() -> dict[str, str]:
@@ -83,6 +85,32 @@ def possible(sweep, figures=FIGURES) -> list[str]:
     """Names of the figures of FIGURES or FLOW that the cases of a sweep suffice for."""
     cases = [(case.shape, case.density) for case in sweep.cases.values()]
     return [name for name, (_, suffices) in figures.items() if suffices(cases)]
+
+
+def drawable(folder: Path) -> list[str]:
+    """Names of the figures that the results lying in a folder suffice for, whatever made them.
+
+    Raises InputError where drag.nc is absent, or where a file of results is damaged.
+    """
+    from dem.combine import open_lazily, require
+
+    found = []
+    for file, figures in FILES.items():
+        data = Path(folder) / f"{file}.nc"
+        if not data.is_file():
+            if file == "drag":
+                raise InputError(f"{data}: it is not there to draw from; make it first: snakemake -j2")
+            continue
+        with open_lazily(data) as dataset:
+            if figures in (FIGURES, FLOW):
+                require(dataset, data, ("shape", "density"))
+                shapes, densities = (dataset[key].values.tolist() for key in ("shape", "density"))
+                cases = list(zip(shapes, densities, strict=True))
+                found += [name for name, (_, suffices) in figures.items() if suffices(cases)]
+            else:
+                held = set(dataset.variables)
+                found += [name for name, (_, needs) in figures.items() if held.issuperset(needs)]
+    return found
 
 
 def draw(name: str, data: Path, folder: Path) -> list[Path]:
