@@ -14,6 +14,8 @@ import logging
 import shlex
 import sys
 
+from snakemake.cli import get_argument_parser
+
 import dem
 from dem import config as schema
 from dem.errors import InputError, RunError
@@ -29,9 +31,9 @@ def refuse(sentence):
     sys.exit(2)
 
 
-# Snakemake reads what --configfile names before this file: what it cannot read (a file that is missing or no
-# UTF-8 text, a pipe) it refuses in its own words, with status 1. What it reads but should not, such as equal
-# keys or aliases of aliases, is refused here.
+# What --configfile names, Snakemake reads before this file. What it refuses then (no such file, no UTF-8, values
+# nested too deep) keeps its words and its status 1, and it waits for a pipe and expands aliases of groups of
+# aliases without end. What it takes but should not, such as equal keys, is refused here, with status 2.
 CONFIG_FILES = list(map(str, workflow.overwrite_configfiles)) or ["config/paper.yaml"]
 try:
     for each in CONFIG_FILES:
@@ -49,12 +51,19 @@ try:
 except InputError as error:
     refuse(error)
 
+
+def targets():
+    """Targets of the command line: Snakemake itself tells them only once it has read this file."""
+    if "snakemake" not in Path(sys.argv[0]).parts[-2:] or "--target-jobs" in sys.argv:
+        return set()  # another program's, or a job that Snakemake sent
+    return set(get_argument_parser().parse_known_args(sys.argv[1:])[0].targets)
+
+
 # `figures` draws what lies there: without the rules that make results, drag.nc and the like are files like any
 # other, and nothing is simulated, however much older than the code they are
-TARGETS = set(workflow.dag_settings.targets if workflow.dag_settings else ())
-ONLY_FIGURES = "figures" in TARGETS
-if ONLY_FIGURES and len(TARGETS) > 1:
-    others = ", ".join(sorted(TARGETS - {"figures"}))
+ONLY_FIGURES = "figures" in targets()
+if ONLY_FIGURES and len(targets()) > 1:
+    others = ", ".join(sorted(targets() - {"figures"}))
     refuse(f"figures is asked for with {others}; ask for it alone, because it makes no results.")
 
 RESULTS = SWEEP.results

@@ -22,8 +22,7 @@ def accuracy_parts(wildcards):
     """The files of all jobs."""
     plan = SWEEP.accuracy
     if plan is None:
-        print("accuracy is missing in the configuration; see config/paper.yaml.", file=sys.stderr)
-        sys.exit(2)
+        refuse("accuracy is missing in the configuration; see config/paper.yaml.")
     drag = [
         f"{STUDY}/drag/{shape}/{group}.nc"
         for shape in plan.steps

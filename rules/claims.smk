@@ -31,15 +31,13 @@ def jamming_files():
 def claims_parts(wildcards):
     """The files of all jobs."""
     if SWEEP.claims is None:
-        print("claims is missing in the configuration; see config/paper.yaml.", file=sys.stderr)
-        sys.exit(2)
+        refuse("claims is missing in the configuration; see config/paper.yaml.")
     from dem.claims.trials import PARTS, check_all, groups
 
     try:
         check_all(SWEEP)
     except InputError as error:
-        print(error, file=sys.stderr)
-        sys.exit(2)
+        refuse(error)
     runs = [f"{CLAIMS_FOLDER}/runs/{part}/{n}.nc" for part in PARTS for n in range(groups(SWEEP, part))]
     return jamming_files() + runs
 

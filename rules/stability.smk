@@ -22,8 +22,7 @@ def stability_parts(wildcards):
         cases = catalogue.load(CATALOGUE)
         study.check(SWEEP, cases)
     except InputError as error:
-        print(error, file=sys.stderr)
-        sys.exit(2)
+        refuse(error)
     jobs = [("catalogue", shape) for shape in cases.shapes]
     jobs += [("map", shape) for shape in cases.map.shapes]
     jobs += [("paper", shape) for shape in dict.fromkeys(c.shape for c in SWEEP.cases.values())]

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from itertools import pairwise
 from pathlib import Path
 
 import netCDF4
@@ -32,7 +33,8 @@ def copy(tmp_path_factory):
 
 def snakemake(folder, *arguments, configfile=SMOKE):
     """Run snakemake on the sources of the folder."""
-    command = [sys.executable, "-m", "snakemake", *arguments, "--configfile", configfile]
+    command = [sys.executable, "-m", "snakemake", *arguments]
+    command += ["--configfile", configfile] if configfile else []
     return subprocess.run(
         command, cwd=folder, env=environment(folder), text=True, capture_output=True
     )
@@ -190,17 +192,65 @@ def test_an_edit_reruns_what_depends_on_it(finished):
         assert ("simulate" in jobs) == (name == "kernel.py")
 
 
-def test_figures_are_drawn_without_simulating(finished, tmp_path):
-    """The target figures needs drag.nc and nothing else."""
-    folder = tmp_path / "only"
-    shutil.copytree(
-        finished, folder, ignore=shutil.ignore_patterns("replicates", "packings", ".snakemake")
+def test_figures_draws_all_again_and_simulates_nothing(finished, tmp_path):
+    """Also where kernels are newer than the results; then all is up to date, for every target."""
+    folder = tmp_path / "edited"
+    shutil.copytree(finished, folder)
+    results, kernel = folder / "results/smoke", folder / "dem/kernel.py"
+    stamp, text = kernel.stat(), kernel.read_text()
+    kernel.write_text(text + "\nEDITED = True\n")
+    with (folder / "dem/figures/style.py").open("a") as style:
+        style.write("\nEDITED = True\n")
+    made = {path: path.stat().st_mtime_ns for path in results.rglob("*.nc")}
+    drawn = {path: path.stat().st_mtime_ns for path in (results / "figures").iterdir()}
+    assert planned(folder)["simulate"] == 10
+    assert planned(folder, "figures") == {"figure": 9, "figures": 1}
+    run = snakemake(folder, "figures", "-j2")
+    assert run.returncode == 0, run.stdout + run.stderr
+    assert (
+        all(path.stat().st_mtime_ns > stamp for path, stamp in drawn.items()) and len(drawn) == 18
     )
-    shutil.rmtree(folder / "results/smoke/figures")
-    run = snakemake(folder, "figures", "-j1")
-    assert run.returncode == 0, run.stderr
-    assert len(list((folder / "results/smoke/figures").iterdir())) == 8
-    assert not (folder / "results/smoke/replicates").exists()
+    assert made == {path: path.stat().st_mtime_ns for path in results.rglob("*.nc")}
+    assert planned(folder, "figures") == {}
+    assert "Nothing to be done" in snakemake(folder, "figures", "-j2").stderr
+    kernel.write_text(text)
+    os.utime(kernel, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))
+    assert planned(folder) == {}
+
+
+def test_figures_draws_what_is_there(finished, tmp_path):
+    """From flow.nc and a study's file only if they are there; without drag.nc there is a sentence."""
+    folder = tmp_path / "some"
+    shutil.copytree(
+        finished, folder, ignore=shutil.ignore_patterns("figures", "replicates", ".snakemake")
+    )
+    shutil.copytree(finished / "dem/figures", folder / "dem/figures")
+    (folder / "results/smoke/flow.nc").unlink()
+    assert planned(folder, "figures") == {"figure": 4, "figures": 1}
+    for arguments, words in (
+        (("figures", "all"), "ask for it alone"),
+        (("figures",), "drag.nc: it is not there"),
+    ):
+        run = snakemake(folder, *arguments, "-n")
+        assert run.returncode == 2 and words in run.stderr
+        (folder / "results/smoke/drag.nc").unlink(missing_ok=True)
+
+
+def test_jobs_run_the_python_of_snakemake(finished, tmp_path):
+    """Called by its path, with nothing on PATH and another package named dem before this one."""
+    other = tmp_path / "dem"
+    other.mkdir()
+    (other / "__init__.py").write_text("raise SystemExit('another dem')")
+    figure = finished / "results/smoke/figures/figure13.svg"
+    before = figure.stat().st_mtime_ns
+    command = [Path(sys.executable).with_name("snakemake"), "-j1", "-f", str(figure.relative_to(finished)),
+               "--configfile", SMOKE]  # fmt: skip
+    run = subprocess.run(
+        command, cwd=finished, text=True, capture_output=True,
+        env=os.environ | {"PATH": "/usr/bin:/bin", "PYTHONPATH": str(tmp_path)},
+    )  # fmt: skip
+    assert run.returncode == 0, run.stdout + run.stderr
+    assert figure.stat().st_mtime_ns > before
 
 
 def test_a_killed_run_is_taken_up_again(finished):
@@ -246,6 +296,30 @@ def test_a_wrong_configuration_writes_nothing(copy):
     assert not (copy / "results/wrong").exists()
 
 
+BOMB = "a: &a [x, x, x, x, x, x, x, x]\n" + "".join(
+    f"{b}: &{b} [" + ", ".join([f"*{a}"] * 8) + "]\n" for a, b in pairwise("abcdefghijklm")
+)
+
+
+@pytest.mark.parametrize(
+    ("added", "words"),
+    [
+        ("\nseeds: [3]\n", "'seeds' is a key here and in line "),
+        ("\n" + BOMB, "aliases repeat more than"),
+    ],
+)
+@pytest.mark.parametrize("named", [True, False])
+def test_what_snakemake_would_read_is_refused(copy, tmp_path, named, added, words):
+    """Equal keys and aliases of aliases, in a file that is named or in the one that is read without."""
+    folder = tmp_path / "wrong"
+    shutil.copytree(copy, folder, ignore=shutil.ignore_patterns("results", ".snakemake"))
+    text = (folder / SMOKE).read_text() + added
+    (folder / ("config/wrong.yaml" if named else "config/paper.yaml")).write_text(text)
+    run = snakemake(folder, "-n", configfile="config/wrong.yaml" if named else None)
+    assert run.returncode == 2 and words in run.stderr and "Traceback" not in run.stderr
+    assert not (folder / "results").exists()
+
+
 @pytest.mark.parametrize(
     "name", ["drag.nc", "replicates/e3/density3900/seed1.nc", "packings/d1/seed2.nc"]
 )
@@ -273,4 +347,4 @@ def test_the_study_of_accuracy_is_planned_as_configured(copy):
     """A job for each group of beds, of every shape; the parts themselves have tests of their own."""
     jobs = planned(copy, "accuracy")
     assert jobs["accuracy_drag"] == 3 and jobs["accuracy_replicates"] == 2
-    assert jobs["accuracy_figure"] == 4
+    assert jobs["figure"] == 4

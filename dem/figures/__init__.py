@@ -99,7 +99,9 @@ def drawable(folder: Path) -> list[str]:
         data = Path(folder) / f"{file}.nc"
         if not data.is_file():
             if file == "drag":
-                raise InputError(f"{data}: it is not there to draw from; make it first: snakemake -j2")
+                raise InputError(
+                    f"{data}: it is not there to draw from; make it first: snakemake -j2"
+                )
             continue
         with open_lazily(data) as dataset:
             if figures in (FIGURES, FLOW):
