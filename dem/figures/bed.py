@@ -4,13 +4,13 @@ import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.patches import Circle, Rectangle
 
+from dem.figures import style
 from dem.flow.measures import layers_of
 from dem.shapes import SHAPES
 
-PLAIN, SHADED = "#dfe7ee", "#17457d"
-BANDS = ("#f3f5f7", "#5d87b0")  # of layers in turn: far apart in grey
-EDGE = {"edgecolors": "0.25", "linewidths": 0.35}
-STEEL = {"facecolor": "0.55", "edgecolor": "black", "linewidth": 0.8, "zorder": 3}
+PLAIN, SHADED = "#dfe7ee", style.CURVE
+EDGE = {"edgecolors": style.OUTLINE, "linewidths": 0.35}
+STEEL = {"facecolor": style.STEEL, "edgecolor": "black", "linewidth": 0.8, "zorder": 3}
 AHEAD = 1.5  # diameters of the cylinder: height of the cluster that is shaded
 
 
@@ -77,4 +77,4 @@ def cluster_colors(start, axis, diameter: float) -> np.ndarray:
 
 def layer_colors(start, height: float, layers: int) -> np.ndarray:
     """Colours (n,) of horizontal layers in turn, by where granules begin."""
-    return np.array(BANDS)[layers_of(start, height, layers) % len(BANDS)]
+    return np.array(style.LAYERS)[layers_of(start, height, layers) % len(style.LAYERS)]

@@ -14,7 +14,6 @@ LABELS = {
     "mixing": "Pairs of different layers,\ngained since the start (1)",
     "contacts_lost": "Share of contacts lost (1)",
 }
-COLORS = ("#2f7fd1", "#b34700", "#5b4a8a", "#6fae8a", "#2f7d4f", "#0f5a30", "black")
 LINES = ("-", (0, (5, 1.5)), (0, (1, 1)), (0, (3, 1, 1, 1)), (0, (6, 1, 1, 1)), "-", "--")
 
 
@@ -29,7 +28,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     for axes, name in zip(grid, MEASURES, strict=True):
         for number, case in enumerate(here["case"].values):
             mean, half = mean_and_half(here[name].sel(case=case))
-            look = {"color": COLORS[number % 7], "linestyle": LINES[number % 7]}
+            look = {"color": style.CASES[number % 7], "linestyle": LINES[number % 7]}
             told = case in compared_cases or None in compared_cases
             axes.plot(x, mean, linewidth=2.0 if told else 1.0, label=str(case), **look)
             if told:

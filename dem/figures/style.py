@@ -66,6 +66,11 @@ LOOKS = {
 }
 OTHER = Look("#5b4a8a", "#d9d2ea", (0, (1, 1)), "^", "xx")  # any kind that is not named here
 
+# of any number of cases in turn, where kinds of granules do not suffice
+CASES = ("#2f7fd1", "#b34700", "#5b4a8a", "#6fae8a", "#2f7d4f", "#0f5a30", "black")
+LAYERS = ("#f3f5f7", "#5d87b0")  # of a bed in turn: far apart in grey
+OUTLINE, STEEL = "0.25", "0.55"  # of granules; the cylinder
+
 
 def look(case: xr.Dataset) -> Look:
     """Look of one case, by the kind of its granules."""

@@ -5,12 +5,16 @@ import base64
 import numpy as np
 import plotly.graph_objects as go
 import xarray as xr
+from matplotlib.colors import to_hex
 from plotly.io import to_html
 
+from dem.figures import style
 from dem.statistics import edges_of_bins, running_mean
 
-COLORS = ("#2f7fd1", "#b34700", "#5b4a8a", "#6fae8a", "#2f7d4f", "#0f5a30", "#222222")
 DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot", "solid")
+COLORS = {  # of the page, one place with those of the figures
+    "layers": style.LAYERS, "outline": to_hex(style.OUTLINE), "steel": to_hex(style.STEEL), "link": style.CURVE,
+}  # fmt: skip
 SHOWN = ("c1", "d1", "e3")  # cases that the page begins with
 EVERY = 2  # bins between two points of a curve
 CURVES = 20  # at most, of a case: a page with thousands would open in no browser
@@ -26,7 +30,7 @@ def chart(dataset: xr.Dataset) -> str:
     smooth = running_mean(some, edges_of_bins(dataset), LENGTH)
     for number, case in enumerate(dataset["case"].values):
         look = {
-            "color": COLORS[number % 7],
+            "color": style.CASES[number % 7],
             "dash": DASHES[(number + number // 7) % 7],
             "width": 1.6,
         }
@@ -41,7 +45,9 @@ def chart(dataset: xr.Dataset) -> str:
                 hovertemplate="%{x:.2f} mm: %{y:.0f} N<extra>%{fullData.name}</extra>",
             )  # fmt: skip
     start, stop = (1e3 * dataset.attrs[f"window_{end}"] for end in ("start", "stop"))
-    figure.add_vrect(start, stop, fillcolor="#eeeeee", line_width=0, layer="below")
+    figure.add_vrect(
+        start, stop, fillcolor=to_hex(style.WINDOW["color"]), line_width=0, layer="below"
+    )
     figure.update_layout(
         xaxis_title="Displacement of the cylinder (mm)", yaxis_title="Drag (N)", template="simple_white",
         showlegend=False, hovermode="closest", margin={"l": 70, "r": 10, "t": 10, "b": 55}, height=430,
@@ -77,5 +83,5 @@ def beds(flow: xr.Dataset) -> dict:
     moved = (1e3 * flow["displacement"].values).tolist()
     return {
         "width": width, "cylinder": float(flow.attrs["cylinder_diameter"]), "displacement": moved,
-        "layers": int(flow.attrs["layers"]), "steps": STEPS, "cases": found,
+        "layers": int(flow.attrs["layers"]), "steps": STEPS, "cases": found, "colors": COLORS,
     }  # fmt: skip

@@ -3,7 +3,8 @@
 const chart = document.getElementById("drag");
 const slider = document.getElementById("slider");
 const moved = BEDS.displacement;
-const BANDS = ["#f3f5f7", "#5d87b0"];
+const COLORS = BEDS.colors; // those of the figures
+document.documentElement.style.setProperty("--shade", COLORS.link);
 let shown = Object.keys(BEDS.cases)[0];
 let snapshot = 0;
 
@@ -45,18 +46,18 @@ function draw() {
   pen.clearRect(0, 0, canvas.width, canvas.height);
   pen.setTransform(scale, 0, 0, -scale, 4, 4 + bed.height * scale);
   pen.lineWidth = 0.8 / scale;
-  pen.strokeStyle = "#444";
+  pen.strokeStyle = COLORS.outline;
   for (let i = 0; i < bed.granules; i++) {
     const at = snapshot * bed.granules + i;
     const layer = Math.floor(((bed.y[i] * unit) / bed.height) * BEDS.layers);
     pen.save();
     pen.translate(bed.x[at] * unit, bed.y[at] * unit);
     pen.rotate((bed.angle[at] / BEDS.steps) * 2 * Math.PI);
-    pen.fillStyle = BANDS[layer % BANDS.length];
+    pen.fillStyle = COLORS.layers[layer % COLORS.layers.length];
     outline(pen, bed.kind, bed.diameter[i], bed.ratio);
     pen.restore();
   }
-  pen.fillStyle = "#8c8c8c";
+  pen.fillStyle = COLORS.steel;
   pen.beginPath();
   pen.arc(BEDS.width / 2, bed.axis[snapshot], BEDS.cylinder / 2, 0, 2 * Math.PI);
   pen.fill();
