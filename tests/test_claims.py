@@ -379,5 +379,5 @@ def test_runs_that_can_not_be_are_refused_before_any_is_made():
         with pytest.raises(InputError, match=words):
             parse(wrong)
     data["claims"]["scaling"]["velocity"] = [0.5, 1.0]
-    with pytest.raises(InputError, match="1 not at all"):
+    with pytest.raises(InputError, match="leave out 1"):
         parse(data)
