@@ -8,7 +8,7 @@ import numpy as np
 from dem.columns import VX, VY, W, X, Y, rows
 from dem.contact_law import damping_from_restitution, effective_modulus, effective_shear_modulus
 from dem.lanes import make_lanes
-from dem.scene import Scene, State
+from dem.scene import Scene, State, arrays_of
 from dem.shapes import SHAPES
 from dem.world import CHUNK, Chunks, Contacts, Roller, Tangent, Walls, World
 
@@ -36,9 +36,15 @@ class Constants(NamedTuple):
     mean_mass: float
 
 
+def own(shape):
+    """The granules with arrays of the kernels' own: those of a scene cannot be written, which is
+    another type to Numba."""
+    return shape._replace(**{name: size.copy() for name, size in arrays_of(shape).items()})
+
+
 def constants(scene: Scene, skin: float) -> Constants:
     """Constants of a scene; skin as a share of the mean bounding radius."""
-    shape, inverse_mass, inverse_inertia = scene.shape, 1.0 / scene.mass, 1.0 / scene.inertia
+    shape, inverse_mass, inverse_inertia = own(scene.shape), 1.0 / scene.mass, 1.0 / scene.inertia
     bounding = shape.part_bounding_radius
     per = len(bounding) // scene.granules
     return Constants(
@@ -112,7 +118,7 @@ def assemble(scene: Scene, state: State, parts: Constants, accounted: bool = Fal
     alone = parts.per == 1
     walls = roller = None
     if scene.walls is not None:
-        planes = np.ascontiguousarray(scene.walls, float)
+        planes = scene.walls.copy()
         walls = Walls(
             planes, rows(len(planes), 8), contacts(scene, parts, "wall"), tangents["wall"],
             np.zeros(len(planes)),
@@ -125,7 +131,7 @@ def assemble(scene: Scene, state: State, parts: Constants, accounted: bool = Fal
             np.zeros(4),
         )  # fmt: skip
     return World(
-        shape=scene.shape,
+        shape=own(scene.shape),
         bodies=bodies,
         angle=state.angle,
         frame=np.column_stack([np.cos(state.angle), np.sin(state.angle)]) if turns else None,

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from dem.scene import Scene, State
+from dem.scene import Scene, State, arrays_of
 from dem.world import CHUNK
 
 
@@ -35,7 +35,7 @@ def order_of(scene: Scene, state: State) -> np.ndarray | None:
 
 def ordered(scene: Scene, state: State, order) -> tuple[Scene, State]:
     """The same scene and state with granules in another order."""
-    fields = {k: v[order] for k, v in scene.shape._asdict().items() if isinstance(v, np.ndarray)}
+    fields = {name: size[order] for name, size in arrays_of(scene.shape).items()}
     state = State(
         state.position[order], state.velocity[order], state.angle[order],
         state.angular_velocity[order],

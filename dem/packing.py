@@ -16,8 +16,9 @@ from dem.contact_law import effective_modulus
 from dem.errors import InputError, PackingError
 from dem.kernel import forces
 from dem.minimise import minimise
-from dem.scene import Cylinder, Material, Scene, State, box
+from dem.scene import Cylinder, Material, Scene, State, box, granules
 from dem.survey import survey
+from dem.validate import checked, one_of, or_none, positive, whole
 
 REST = 1e-9  # E* R^2: a bed is at rest when no granule feels a greater net force
 LOOSE = 0.3  # area fraction of the bounding circles at the start
@@ -87,11 +88,19 @@ def _blocked(place, radius, cylinder):
     return math.dist(place, cylinder.position) < radius + 0.5 * cylinder.diameter
 
 
+@checked(
+    shape=granules,
+    width=positive("m"),
+    height=positive("m"),
+    cylinder=or_none(one_of(Cylinder)),
+    seed=whole(0, 2**63 - 1),
+)
 def pack(shape, width: float, height: float, cylinder: Cylinder | None, seed: int) -> Bed:
     """Random bed at rest of all granules of `shape` in a box of width and height (m).
 
-    cylinder: room is left for it; None for a bed without. The packing fraction follows from the height: see dem.room.height_of_box. Raises
-    PackingError when no bed at rest is found and InputError when the cylinder does not fit.
+    cylinder: room is left for it; None for a bed without. The packing fraction follows from the
+    height: see dem.room.height_of_box. Raises PackingError when no bed at rest is found and
+    InputError for values that cannot be used, such as a cylinder that does not fit.
     """
     still, half = None, 0.0
     if cylinder is not None:

@@ -17,7 +17,7 @@ _NOT_PHYSICS = {
 }  # fmt: skip
 _NOT_COMPILED = _NOT_PHYSICS | {
     "__init__.py", "assembly.py", "compaction.py", "config.py", "dataset.py", "drag.py", "errors.py", "packing.py", "provenance.py", "room.py",
-    "scene.py", "schema.py", "simulation.py", "stopping.py", "warmup.py", "yaml_file.py",
+    "scene.py", "schema.py", "simulation.py", "stopping.py", "validate.py", "warmup.py", "yaml_file.py",
 }  # fmt: skip
 
 

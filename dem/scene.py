@@ -9,18 +9,27 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from dem.errors import InputError
+from dem.validate import (
+    array,
+    checked,
+    not_negative,
+    number,
+    one_of,
+    or_none,
+    positive,
+    refuse,
+    vector,
+)
+
+FINITE = "be finite numbers, up to 1e+20 in size"
 
 
-def _positive(name, value, unit):
-    if not (math.isfinite(value) and value > 0.0):
-        raise InputError(f"{name} is {value!r}; it must be a positive number ({unit}).")
-
-
-def _not_negative(name, value):
-    if not (math.isfinite(value) and value >= 0.0):
-        raise InputError(f"{name} is {value!r}; it must be zero or a positive number.")
-
-
+@checked(
+    density=positive("kg/m3"),
+    young_modulus=positive("Pa"),
+    poisson_ratio=number("lie above -1 and up to 0.5", math.nextafter(-1.0, 0.0), 0.5),
+    restitution=number("lie in 0.001 to 1", 1e-3, 1.0),
+)
 @dataclass(frozen=True)
 class Material:
     """Elastic material with a coefficient of restitution.
@@ -34,17 +43,14 @@ class Material:
     poisson_ratio: float = 0.22
     restitution: float = 0.5
 
-    def __post_init__(self):
-        _positive("density", self.density, "kg/m3")
-        _positive("young_modulus", self.young_modulus, "Pa")
-        if not -1.0 < self.poisson_ratio <= 0.5:
-            raise InputError(
-                f"poisson_ratio is {self.poisson_ratio!r}; it must lie above -1 and up to 0.5."
-            )
-        if not 1e-3 <= self.restitution <= 1.0:
-            raise InputError(f"restitution is {self.restitution!r}; it must lie in 0.001 to 1.")
 
-
+@checked(
+    "friction ",
+    granule=not_negative(),
+    wall=not_negative(),
+    cylinder=not_negative(),
+    stiffness=positive("over Mindlin's"),
+)
 @dataclass(frozen=True)
 class Friction:
     """Coulomb coefficients between granules, and of granules with walls and with the cylinder.
@@ -57,12 +63,8 @@ class Friction:
     cylinder: float = 0.3
     stiffness: float = 1.0
 
-    def __post_init__(self):
-        for name in ("granule", "wall", "cylinder"):
-            _not_negative(f"friction {name}", getattr(self, name))
-        _positive("friction stiffness", self.stiffness, "over Mindlin's")
 
-
+@checked("cylinder ", diameter=positive("m"), position=vector("m"), velocity=vector("m/s"))
 @dataclass(frozen=True)
 class Cylinder:
     """Rigid cylinder that moves at a prescribed velocity without rotation.
@@ -74,31 +76,72 @@ class Cylinder:
     position: tuple[float, float]
     velocity: tuple[float, float] = (0.0, 0.0)
 
-    def __post_init__(self):
-        _positive("cylinder diameter", self.diameter, "m")
-        for name in ("position", "velocity"):
-            value = np.asarray(getattr(self, name), float)
-            if value.shape != (2,) or not np.isfinite(value).all():
-                raise InputError(f"cylinder {name} is {value}; it must be two finite numbers.")
 
-
+@checked("box ", width=positive("m"), height=positive("m"))
 def box(width, height):
     """Four walls around 0 <= x <= width, 0 <= y <= height (m): left, right, bottom, top.
 
     Returns (4, 3) rows (nx, ny, offset); a wall is solid where n.x > offset.
     """
-    _positive("box width", width, "m")
-    _positive("box height", height, "m")
     return np.array([[-1, 0, 0], [1, 0, width], [0, -1, 0], [0, 1, height]], float)
 
 
+def arrays_of(shape) -> dict[str, np.ndarray]:
+    """The sizes (n,) in m that a shape is made of, by name."""
+    return {name: size for name, size in shape._asdict().items() if isinstance(size, np.ndarray)}
+
+
+def granules(name, value):
+    """Kind: granules of one shape; returned with sizes of their own that cannot be written."""
+    from dem.shapes import SHAPES  # it loads Numba, which a scene without granules has no use for
+
+    if type(value) not in (kind for kind, _ in SHAPES.values()):
+        refuse(name, value, "be a dem.Disc, dem.Dumbbell or dem.Ellipse")
+    value = type(value)(*value)  # its own checks, also after _replace
+    sizes = {k: fixed(size) for k, size in arrays_of(value).items()}
+    counts = {k: len(size) for k, size in sizes.items()}
+    if len(set(counts.values())) > 1:
+        words = " and ".join(f"{count} of {k}" for k, count in counts.items())
+        raise InputError(f"{name} has {words}; it must have one of each a granule.")
+    fault = getattr(value, "fault", None)
+    if fault:
+        raise InputError(fault)
+    return value._replace(**sizes)
+
+
+def planes(name, value):
+    """Kind: walls, as box returns them; returned as a copy that cannot be written."""
+    rows = fixed(array(FINITE, None, 3, each="row")(name, value))
+    if not np.allclose(np.hypot(rows[:, 0], rows[:, 1]), 1.0, rtol=1e-9):
+        raise InputError(f"{name} must have normals (nx, ny) of length 1.")
+    return rows
+
+
+def fixed(array):
+    """A copy that cannot be written."""
+    array = array.copy()
+    array.flags.writeable = False
+    return array
+
+
+@checked(
+    shape=granules,
+    material=one_of(Material),
+    friction=or_none(one_of(Friction)),
+    walls=or_none(planes),
+    cylinder=or_none(one_of(Cylinder)),
+    gravity=or_none(vector("m/s2")),
+    thickness=positive("m"),
+    boundary=or_none(one_of(Material)),
+)
 @dataclass(frozen=True)
 class Scene:
     """All that does not change during a run; whatever is None is absent from the compiled code.
 
     shape: Disc, Dumbbell or Ellipse with the sizes of all granules. thickness (m): out of the
     plane, for the mass only. boundary: material of walls and cylinder, None for rigid ones.
-    walls (w, 3): see box. gravity (x, y) in m/s2.
+    walls (w, 3): see box. gravity (x, y) in m/s2. Sizes and walls are copies that cannot be
+    written. Raises InputError for values that cannot be used.
     """
 
     shape: tuple
@@ -109,37 +152,6 @@ class Scene:
     gravity: tuple[float, float] | None = None
     thickness: float = 1.0
     boundary: Material | None = None
-
-    def __post_init__(self):
-        _positive("thickness", self.thickness, "m")
-        for name in (
-            k for k, kind in type(self.shape).__annotations__.items() if kind is np.ndarray
-        ):
-            size = getattr(self.shape, name)
-            if not (
-                isinstance(size, np.ndarray)
-                and size.dtype == float
-                and size.shape == (self.granules,)
-                and (np.isfinite(size) & (size > 0)).all()
-            ):
-                raise InputError(
-                    f"{name} of the shape must be an array of {self.granules} positive numbers "
-                    "(m), one a granule."
-                )
-        if self.granules < 1:
-            raise InputError("the shape has sizes of no granule; there must be one at least.")
-        fault = getattr(self.shape, "fault", None)
-        if fault:
-            raise InputError(fault)
-        if self.walls is not None:
-            walls = np.asarray(self.walls, float)
-            if walls.ndim != 2 or walls.shape[1] != 3 or not np.isfinite(walls).all():
-                raise InputError("walls must be rows of three finite numbers: nx, ny, offset.")
-            if not np.allclose(np.hypot(walls[:, 0], walls[:, 1]), 1.0, rtol=1e-9):
-                raise InputError("the normal (nx, ny) of each wall must have length 1.")
-        gravity = np.zeros(2) if self.gravity is None else np.asarray(self.gravity, float)
-        if gravity.shape != (2,) or not np.isfinite(gravity).all():
-            raise InputError(f"gravity is {self.gravity!r}; it must be two finite numbers (m/s2).")
 
     @property
     def granules(self) -> int:
@@ -178,15 +190,8 @@ class State:
         arrays = {}
         for name, shape in shapes.items():
             value = getattr(self, name)
-            try:
-                array = np.zeros(shape) if value is None else np.array(value, float)
-            except (TypeError, ValueError) as error:
-                raise InputError(f"{name} must hold numbers.") from error
-            if array.shape != shape:
-                raise InputError(f"{name} has shape {array.shape}; it must have shape {shape}.")
-            if not np.isfinite(array).all():
-                raise InputError(
-                    f"{name} of granule {np.argwhere(~np.isfinite(array))[0][0]} is not finite."
-                )
-            arrays[name] = array
+            if value is None and name != "position":
+                arrays[name] = np.zeros(shape)
+            else:
+                arrays[name] = array(FINITE, *shape)(name, value).copy()
         return State(**arrays)

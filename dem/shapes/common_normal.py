@@ -17,8 +17,10 @@ from typing import NamedTuple
 
 from dem.compilation import compiled, inlined
 from dem.shapes.geometry import SEPARATED, register
+from dem.validate import checked, up_to
 
 
+@checked(tolerance=up_to(1.0))
 class CommonNormal(NamedTuple):
     """tolerance (rad): the last turn of the normal may be as large as this; error ~ its cube."""
 

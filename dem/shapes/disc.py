@@ -7,14 +7,17 @@ import numpy as np
 
 from dem.lanes import N1, N2, NX, NY, OVERLAP
 from dem.shapes.geometry import register
+from dem.validate import OUTLINE, RATIO, SIZES, checked, positive
 
 
+@checked(radius=SIZES)
 class Disc(NamedTuple):
     """Discs; radius (n,) in m."""
 
     radius: np.ndarray
 
     @classmethod
+    @checked(diameter=SIZES, aspect_ratio=RATIO)
     def of_size(cls, diameter, aspect_ratio=1.0):
         """Discs of the given diameter (n,) in m."""
         return cls(0.5 * diameter)
@@ -54,10 +57,12 @@ class Disc(NamedTuple):
         """Greatest second derivative (n,) in m of the support distance with the granule's angle."""
         return np.zeros_like(self.radius)
 
+    @checked(factor=positive("ratio"))
     def scaled(self, factor):
         """The same granules, larger by the given factor."""
         return Disc(self.radius * factor)
 
+    @checked(points=OUTLINE)
     def boundary(self, points=64):
         """Outlines (n, rings, points, 2) in m about the centre at angle zero, to draw or sample."""
         turn = np.linspace(0.0, 2.0 * np.pi, points)

@@ -10,14 +10,17 @@ import numpy as np
 from dem.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
 from dem.shapes import disc
 from dem.shapes.geometry import register
+from dem.validate import OUTLINE, RATIO, SIZES, checked, positive
 
 
+@checked(radius=SIZES)
 class Dumbbell(NamedTuple):
     """Dumbbells; radius (n,) in m of each of the two discs, centres at plus and minus one radius."""
 
     radius: np.ndarray
 
     @classmethod
+    @checked(diameter=SIZES, aspect_ratio=RATIO)
     def of_size(cls, diameter, aspect_ratio=2.0):
         """Dumbbells whose area is that of discs of the given diameter (n,) in m."""
         return cls(diameter / np.sqrt(8.0))
@@ -57,10 +60,12 @@ class Dumbbell(NamedTuple):
         """Greatest second derivative (n,) in m of the support distance with the granule's angle."""
         return self.radius
 
+    @checked(factor=positive("ratio"))
     def scaled(self, factor):
         """The same granules, larger by the given factor."""
         return Dumbbell(self.radius * factor)
 
+    @checked(points=OUTLINE)
     def boundary(self, points=64):
         """Outlines (n, 2, points, 2) in m about the joint at angle zero, to draw or sample."""
         turn = np.linspace(0.0, 2.0 * np.pi, points)

@@ -11,10 +11,22 @@ from dem.shapes.common_normal import CommonNormal, half_width
 from dem.shapes.disc import collect, place
 from dem.shapes.geometric_potential import GeometricPotential
 from dem.shapes.geometry import find_normal, meet, register
+from dem.validate import OUTLINE, RATIO, SIZES, checked, flag, one_of, positive
 
 COMMON_NORMAL = CommonNormal()
 
 
+def _present(name, value) -> bool | None:
+    """Kind: True, or None; False is None too, for the kernels only ask whether it is there."""
+    return None if value is None else flag(name, value) or None
+
+
+@checked(
+    semi_major=SIZES,
+    semi_minor=SIZES,
+    method=one_of(CommonNormal, GeometricPotential),
+    local_curvature=_present,
+)
 class Ellipse(NamedTuple):
     """Ellipses; semi-axes (n,) in m, the major one along x at angle zero.
 
@@ -29,6 +41,7 @@ class Ellipse(NamedTuple):
     local_curvature: bool | None = None
 
     @classmethod
+    @checked(diameter=SIZES, aspect_ratio=RATIO)
     def of_size(cls, diameter, aspect_ratio, method=COMMON_NORMAL, local_curvature=None):
         """Ellipses whose area is that of discs of the given diameter (n,) in m."""
         root = math.sqrt(aspect_ratio)
@@ -83,12 +96,14 @@ class Ellipse(NamedTuple):
         """Greatest second derivative (n,) in m of the support distance with the granule's angle."""
         return self.semi_major**2 / self.semi_minor - self.semi_minor
 
+    @checked(factor=positive("ratio"))
     def scaled(self, factor):
         """The same granules, larger by the given factor."""
         return self._replace(
             semi_major=self.semi_major * factor, semi_minor=self.semi_minor * factor
         )
 
+    @checked(points=OUTLINE)
     def boundary(self, points=64):
         """Outlines (n, 1, points, 2) in m about the centre at angle zero, to draw or sample."""
         turn = np.linspace(0.0, 2.0 * np.pi, points)

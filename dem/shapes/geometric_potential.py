@@ -12,8 +12,10 @@ from typing import NamedTuple
 
 from dem.compilation import inlined
 from dem.shapes.geometry import SEPARATED, register
+from dem.validate import checked, up_to
 
 
+@checked(tolerance=up_to(1.0))
 class GeometricPotential(NamedTuple):
     """tolerance (rad): size of the last step of the eccentric angle."""
 
