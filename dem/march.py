@@ -12,7 +12,8 @@ from dem.listing import relist
 from dem.optional import optional
 from dem.survey import look
 
-FINE, LOST, TOO_DEEP, OUTSIDE = range(4)
+FINE, LOST, TOO_DEEP, OUTSIDE, TOO_LONG = range(5)
+MOST_STEPS = 1e11  # an hour or more for two granules, weeks for a bed of hundreds
 
 
 class Rules(NamedTuple):
@@ -31,7 +32,7 @@ class Rules(NamedTuple):
 
 class Report(NamedTuple):
     """How a march went: FINE or why it stopped, with the value and the granule that say so (moved
-    distance or overlap); time (s); steps and intervals done; shortest time step (s)."""
+    distance, overlap or time step); time (s); steps and intervals done; shortest time step (s)."""
 
     outcome: int
     value: float
@@ -118,16 +119,19 @@ def _step_alone(crew, world, dt, steps, room):
 
 
 @compiled(allocates=True)
-def march(world, parts, rules, time, interval, intervals, record, crew):
+def march(world, parts, rules, time, interval, intervals, until, record, crew):
     """Advance over a number of equal intervals (s); returns the world and a Report.
 
-    record: an array with a row for each interval, or None. crew: None, or the threads that take
+    until (s): the time to which the caller will go on, if that is later; more than MOST_STEPS to
+    there, at any step that is chosen, are not begun. record: an array with a row for each interval,
+    or None. crew: None, or the threads that take
     the steps (dem.crew.Crew; this function then runs as it stands here, uncompiled). The step is chosen at the start of
     each interval and whenever the contacts are listed anew.
     """
     outcome, value, granule = FINE, 0.0, -1
     steps, done, n, shortest, least = 0, 0, 0, math.inf, math.inf
     end, finished = time + interval, False
+    until = max(until, time + intervals * interval)
     while True:
         glance = look(world, parts)
         if finished:
@@ -140,6 +144,9 @@ def march(world, parts, rules, time, interval, intervals, record, crew):
             outcome, value, granule = TOO_DEEP, glance.max_overlap, glance.deepest
             break
         longest = longest_step(rules, glance)
+        if not until - time <= MOST_STEPS * longest:
+            outcome, value = TOO_LONG, longest
+            break
         left = max(1, math.ceil((end - time) / longest * (1.0 - 1e-9)))
         dt = (end - time) / left
         least = min(least, dt)

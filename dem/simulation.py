@@ -7,30 +7,45 @@ Two discs that collide in empty space need no more than that; the paper's experi
 """
 
 import math
+import os
 from typing import NamedTuple
 
 import numpy as np
 
 from dem.assembly import assemble, constants
-from dem.checkpoint import fingerprint, moving, replaced
+from dem.checkpoint import clock, fingerprint, moving, read, read_only, replaced
 from dem.columns import VX, VY, W
 from dem.crew import Crew
 from dem.energy import Bookkeeper, Ledger
 from dem.errors import InputError, OverlapError, StateError
 from dem.kernel import forces
 from dem.listing import relist
-from dem.march import LOST, OUTSIDE, TOO_DEEP, Rules, longest_step, march, outside
+from dem.march import (
+    LOST,
+    MOST_STEPS,
+    OUTSIDE,
+    TOO_DEEP,
+    TOO_LONG,
+    Rules,
+    longest_step,
+    march,
+    outside,
+)
 from dem.ordering import order_of, ordered
 from dem.scene import Scene, State
 from dem.survey import Glance, look
 from dem.touching import Touching, touching
+from dem.validate import checked, flag, not_negative, one_of, or_none, positive, up_to, whole
+from dem.world import CHUNK, World
 
 SKIN = 0.12  # of the mean bounding radius; timings are flat from 0.1 to 0.2
 MARGIN = 0.75  # share of skin / 2 that a part may move before the lists are made anew
 STEP_FRACTION = 0.5  # of the bound on the critical time step
 LARGEST_OVERLAP = 1.2  # of the smaller radius
-MOST_STEPS = 1e11  # an hour or more for two granules, weeks for a bed of hundreds
 LONGEST_FLIGHT = 0.02  # of the smallest radius, in one step
+MOST_THREADS = max(64, 4 * (os.cpu_count() or 1))
+PIECES = whole(1, 10_000_000)  # of a run
+DURATION = positive("s")
 
 
 class Record(NamedTuple):
@@ -80,10 +95,21 @@ class Simulation:
     rules: how steps are chosen and where a run stops (dem.march.Rules), made from these options.
     skin: of the contact lists, over the mean bounding radius. ledger: keep an energy ledger, at a
     cost of some ten per cent; without it no instruction is spent on it. threads: for beds of thousands of
-    granules; the result does not depend on it. world: the arrays of the kernels, in their order
-    (dem.ordering); all else stands in the order of the scene.
+    granules, at most MOST_THREADS; the result does not depend on it, and no more start than the bed
+    has pieces for (dem.world.CHUNK granules each). Raises InputError for values that cannot be used
+    and StateError or OverlapError for a state that cannot be.
     """
 
+    @checked(
+        scene=one_of(Scene),
+        state=one_of(State),
+        time_step=or_none(positive("s")),
+        step_fraction=up_to(1.0),
+        max_overlap=up_to(1.5),
+        skin=up_to(100.0),
+        threads=whole(1, MOST_THREADS),
+        ledger=flag,
+    )
     def __init__(
         self,
         scene: Scene,
@@ -95,34 +121,28 @@ class Simulation:
         threads: int = 1,
         ledger: bool = False,
     ):
-        if time_step is not None and not (math.isfinite(time_step) and time_step > 0.0):
-            raise InputError(f"time_step is {time_step!r}; it must be a positive number (s).")
-        limits = {"step_fraction": (step_fraction, 1.0), "max_overlap": (max_overlap, 1.5)}
-        for name, (value, most) in (limits | {"skin": (skin, 100.0)}).items():
-            if not 0.0 < value <= most:
-                raise InputError(f"{name} is {value!r}; it must lie above 0 and up to {most:g}.")
-        if not (isinstance(threads, int | np.integer) and threads > 0):
-            raise InputError(f"threads is {threads!r}; it must be a positive whole number.")
         if ledger and threads > 1:
             raise InputError(f"threads is {threads}; with an energy ledger it must be 1.")
         self.scene = scene
+        threads = min(threads, math.ceil(scene.granules / CHUNK))
         self._crew = Crew(threads) if threads > 1 else None
         self.time_step = time_step
         self.step_fraction = step_fraction
         self.max_overlap = max_overlap
         self.time = 0.0
         self.steps = 0
+        self._until = 0.0
         state = state.checked(scene.granules)
         self._order = order_of(scene, state)
         if self._order is not None:
             scene, state = ordered(scene, state, self._order)
         self._parts = constants(scene, skin)
         self.rules = self._make_rules()
-        self.world = assemble(scene, state, self._parts, ledger)
+        self._world = assemble(scene, state, self._parts, ledger)
         self._check_inside()
-        self.world = relist(self.world, self._parts)
-        forces(self.world, 0.0)
-        self._bookkeeper = Bookkeeper(self.world) if ledger else None
+        self._world = relist(self._world, self._parts)
+        forces(self._world, 0.0)
+        self._bookkeeper = Bookkeeper(self._world) if ledger else None
 
     def _make_rules(self) -> Rules:
         reach = 0.5 * self._parts.skin
@@ -138,9 +158,15 @@ class Simulation:
     # What can be read between calls
 
     @property
+    def world(self) -> World:
+        """The arrays of the kernels, in their order (dem.ordering); all else is in the order of the
+        scene. They are views that cannot be written: contact lists and the step rely on them."""
+        return read_only(self._world)
+
+    @property
     def state(self) -> State:
         """Copies of position (m), velocity (m/s), angle (rad) and angular velocity (rad/s)."""
-        bodies, angle = self.world.bodies, self.world.angle
+        bodies, angle = self._world.bodies, self._world.angle
         if self._order is not None:
             back = np.argsort(self._order)
             bodies, angle = bodies[back], angle[back]
@@ -151,7 +177,7 @@ class Simulation:
 
         Rows of the first: of the normal parts and of the tangential parts; of the second: normal.
         """
-        roller, walls = self.world.roller, self.world.walls
+        roller, walls = self._world.roller, self._world.walls
         on_cylinder = np.zeros((2, 2)) if roller is None else roller.impulse.reshape(2, 2).copy()
         on_walls = np.zeros(0) if walls is None else walls.impulse.copy()
         for barrier in (roller, walls):
@@ -164,39 +190,40 @@ class Simulation:
 
         Raises OverlapError where the guard on overlaps trips.
         """
-        glance = look(self.world, self._parts)
+        glance = look(self._world, self._parts)
         if not glance.max_overlap <= self.max_overlap:
             self._fail(TOO_DEEP, glance.max_overlap, glance.deepest)
         return glance._replace(deepest=self._name(glance.deepest))
 
+    @checked(duration=DURATION)
     def check_duration(self, duration: float) -> None:
-        """Raise InputError where a duration (s) would, at the present step, never come to an end.
+        """Say that the run will go on for a duration (s), however many calls that takes.
 
-        Raises OverlapError where the guard on overlaps trips.
+        Raises InputError where that would, at the present step, never come to an end; calls of
+        advance and record raise StateError where it would not at a step that they choose. Raises
+        OverlapError where the guard on overlaps trips.
         """
         step = longest_step.py_func(self.rules, self.look())
         if not duration <= MOST_STEPS * step:
-            raise InputError(
-                f"duration is {duration:g} s, more than {MOST_STEPS:.0e} time steps of {step:.3g} s: granules "
-                "are too small, stiff, light or fast for it."
-            )
+            raise InputError(self._endless("duration", duration, step))
+        self._until = self.time + duration
 
     def contacts(self) -> Touching:
         """All contacts of the bed as it is."""
         unordered = np.arange(self.scene.granules)
-        return touching(self.world, unordered if self._order is None else self._order)
+        return touching(self._world, unordered if self._order is None else self._order)
 
     def ledger(self) -> Ledger:
         """What the bed holds, was given and lost so far; only of a simulation with ledger=True."""
         if self._bookkeeper is None:
             raise InputError("ledger is False; make the Simulation with ledger=True.")
-        return self._bookkeeper.ledger(self.world)
+        return self._bookkeeper.ledger(self._world)
 
     # Saved and gone on with
 
     def checkpoint(self) -> dict[str, np.ndarray]:
         """All that moves, remembers or counts, as arrays by name (for np.savez)."""
-        saved = {name: array.copy() for name, array in moving(self.world).items()}
+        saved = {name: array.copy() for name, array in moving(self._world).items()}
         saved |= {"time": np.array(self.time), "steps": np.array(self.steps)}
         return saved | {"scene": self._fingerprint()}
 
@@ -204,18 +231,21 @@ class Simulation:
         """Go on from a checkpoint of a simulation that began with the same scene and state.
 
         The motion that follows has the same bits as without interruption, if it is advanced in the
-        same pieces. Raises InputError for a checkpoint of another scene.
+        same pieces. Raises InputError, with nothing changed, for a checkpoint of another scene or with
+        arrays that no simulation has.
         """
+        saved = read(saved)
         if not np.array_equal(saved.get("scene"), self._fingerprint()):
-            raise InputError("scene is not that of the checkpoint; is it of another scene?")
-        world = replaced(self.world, saved)
+            raise InputError("saved is no checkpoint of this simulation; it is of another scene.")
+        time, steps = clock(saved)
+        world = replaced(self._world, saved)
         alone = self._parts.per == 1  # a granule is its own only part: one array for both
-        self.world = world._replace(force=world.part_force) if alone else world
-        self.time, self.steps = float(saved["time"]), int(saved["steps"])
+        self._world = world._replace(force=world.part_force) if alone else world
+        self.time, self.steps = time, steps
 
     def _fingerprint(self):
         """Tells scenes, options and the order of granules in memory apart."""
-        world, order = self.world, None if self._order is None else self._order.copy()
+        world, order = self._world, None if self._order is None else self._order.copy()
         barriers = [b for b in (world.walls, world.roller) if b is not None]
         fixed = [(b.tangent, b.contacts.modulus, b.contacts.damping is None) for b in barriers]
         held = [world.shape, self._parts, self.rules, world.tangent, world.pairs.modulus]
@@ -226,41 +256,49 @@ class Simulation:
 
     # Motion
 
+    @checked(duration=not_negative("s"))
     def advance(self, duration: float) -> float:
         """Advance by a duration (s); returns the shortest time step taken (s).
 
         The step is chosen at the start and again whenever the contacts are listed anew. Raises
-        StateError or OverlapError (both RunError), naming step, time and granule.
+        InputError for a duration of too many steps, and StateError or OverlapError (both RunError),
+        naming step, time and granule.
         """
         return self._march("duration", duration, 1, None)
 
+    @checked(interval=DURATION, count=PIECES)
     def record(self, interval: float, count: int) -> Record:
         """Advance over `count` intervals (s) and measure in each; raises as advance does.
 
         Impulses collected before are not counted, and none are left to collect.
         """
-        if interval == 0.0:
-            raise InputError("interval is 0; it must be a positive time (s).")
         self.collect_impulses()
         walls = 0 if self.scene.walls is None else len(self.scene.walls)
         rows = np.zeros((count, 8 + walls))
-        self._march("interval", interval, count, rows)
+        self._march("interval * count", interval, count, rows)
         self.look()  # the guard on overlaps, also for the end of the last interval
         energy, contacts, overlap, step = rows[:, :4].T
         return Record(rows[:, 4:6], rows[:, 6:8], rows[:, 8:], energy, contacts, overlap, step)
 
     def _march(self, name, interval, count, rows):
-        if not 0.0 <= interval < math.inf:
-            raise InputError(f"{name} is {interval!r}; it must be a finite time (s), not negative.")
         run = march if self._crew is None else march.py_func
-        self.world, report = run(
-            self.world, self._parts, self.rules, self.time, interval, count, rows, self._crew
-        )
+        self._world, report = run(
+            self._world, self._parts, self.rules, self.time, interval, count, self._until, rows,
+            self._crew,
+        )  # fmt: skip
         self.time = report.time
         self.steps += report.steps
+        if report.outcome == TOO_LONG and report.steps == 0:
+            raise InputError(self._endless(name, interval * count, report.value))
         if report.outcome:
             self._fail(report.outcome, report.value, report.granule)
         return report.shortest
+
+    def _endless(self, name, duration, step):
+        return (
+            f"{name} is {duration:g} s, more than {MOST_STEPS:.0e} time steps of {step:.3g} s: "
+            "granules are too small, stiff, light or fast for it."
+        )
 
     # Guards: between two lists no part moves by more than half the skin, so that checks at a new
     # list see every overlap before it has grown by more than the skin.
@@ -269,24 +307,30 @@ class Simulation:
         """The user's number of a granule."""
         return granule if self._order is None else int(self._order[granule])
 
+    @np.errstate(all="ignore")
     def _fail(self, outcome, value, granule):
         when = f"at step {self.steps}, time {self.time:.6g} s"
-        lost = ~np.isfinite(self.world.bodies).all(axis=1)
+        lost = ~np.isfinite(self._world.bodies).all(axis=1)
         if lost.any():
             raise StateError(
                 f"the motion of granule {self._name(lost.argmax())} is not a number {when}: take a smaller "
                 "time step."
             )
         if outcome == LOST:
-            moved = np.linalg.norm(self.world.parts[:, :2] - self.world.reference, axis=1)
+            moved = np.linalg.norm(self._world.parts[:, :2] - self._world.reference, axis=1)
             farthest = int(moved.argmax()) // self._parts.per
             raise StateError(
                 f"granule {self._name(farthest)} moved {value:.3g} m before its contacts were listed "
                 f"again {when}; it may move {self.rules.reach:.3g} m: take a smaller time step."
             )
+        if outcome == TOO_LONG:
+            raise StateError(
+                f"the time step has shrunk to {value:.3g} s {when}, and what remains would take more "
+                f"than {MOST_STEPS:.0e}: granules are too fast for a run of this duration."
+            )
         if outcome == OUTSIDE:
-            walls = self.world.walls.planes
-            beyond = walls[:, :2] @ self.world.bodies[granule, :2] - walls[:, 2]
+            walls = self._world.walls.planes
+            beyond = walls[:, :2] @ self._world.bodies[granule, :2] - walls[:, 2]
             raise StateError(
                 f"granule {self._name(granule)} has its centre {beyond.max():.3g} m behind wall "
                 f"{beyond.argmax()} {when}: put it inside, or take a smaller time step."
@@ -298,11 +342,12 @@ class Simulation:
         )
 
     def _check_inside(self):
-        lost = outside(self.world.walls, self.world.bodies)
+        lost = outside(self._world.walls, self._world.bodies)
         if lost >= 0:
             self._fail(OUTSIDE, 0.0, lost)
 
 
+@checked(duration=DURATION, frames=PIECES)
 def simulate(
     scene: Scene,
     state: State,
@@ -315,13 +360,9 @@ def simulate(
 
     time_step (s): None to choose it from the stiffness of the contacts (recommended). frames:
     number of equal intervals after each of which the state is kept. Further options as for
-    Simulation. Raises InputError for values that can not be used and RunError (StateError,
+    Simulation. Raises InputError for values that cannot be used and RunError (StateError,
     OverlapError) where a run fails.
     """
-    if not (math.isfinite(duration) and duration > 0.0):
-        raise InputError(f"duration is {duration!r}; it must be a positive number (s).")
-    if not (isinstance(frames, int) and frames > 0):
-        raise InputError(f"frames is {frames!r}; it must be a positive whole number.")
     run = Simulation(scene, state, time_step, **options)
     run.check_duration(duration)
     nothing = np.full(2, np.nan), np.full(len(run.collect_impulses()[1]), np.nan)

@@ -36,7 +36,7 @@ def test_forces_of_a_random_bed(kind, dt, steps):
         scene, state = random_bed(kind, seed)
         run = Simulation(scene, state)
         for _ in range(steps):  # all granules stay where they are
-            forces(run.world, dt)
+            forces(run._world, dt)
         force, torque = bed_forces(scene, state, steps * dt)
         found = run.world.force
         assert_allclose(found[:, :2], force, rtol=1e-10, atol=1e-10 * np.abs(force).max())
@@ -53,7 +53,7 @@ def test_forces_on_walls_and_cylinder_balance_those_on_granules(kind):
     run = Simulation(scene, state)
     dt = 1e-7
     run.collect_impulses()
-    forces(run.world, dt)
+    forces(run._world, dt)
     on_cylinder, on_walls = run.collect_impulses()
     given = on_cylinder.sum(axis=0) + on_walls @ scene.walls[:, :2]
     assert_allclose(run.world.force[:, :2].sum(axis=0) * dt, -given, rtol=1e-10)

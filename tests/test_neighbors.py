@@ -74,7 +74,7 @@ def test_springs_survive_a_new_list(small_bed, kind):
     before = [memory(getattr(b, "pairs", None) or b.contacts) for b in barriers]
     assert all(len(springs) > 2 for springs in before)
     for skin in (1.0, 0.01):
-        world = relist(run.world, constants(run.scene, skin))
+        world = relist(run._world, constants(run.scene, skin))
         after = [memory(c) for c in (world.pairs, world.walls.contacts, world.roller.contacts)]
         assert after == before
 

@@ -92,7 +92,7 @@ def test_friction_beyond_the_cap_is_seen(small_bed):
     run = dem.Simulation(small.scene(), small.state)
     run.advance(5e-5)
     assert abs(friction_excess(run)) < 1e-14
-    forces(run.world, 0.0)
+    forces(run._world, 0.0)
     tangent = run.world.roller.tangent
     half = tangent._replace(coefficient=0.5 * tangent.coefficient)
     assert excess(run.world._replace(roller=run.world.roller._replace(tangent=half))) > 0.01
@@ -104,7 +104,7 @@ def test_pairs_that_are_not_listed_are_counted(small_bed):
     run = dem.Simulation(small.scene(), small.state)
     assert unlisted(run) == 0
     far = np.linalg.norm(run.world.bodies[:, :2] - run.world.bodies[0, :2], axis=1).argmax()
-    run.world.bodies[0, :2] = run.world.bodies[far, :2]
+    run._world.bodies[0, :2] = run.world.bodies[far, :2]
     assert unlisted(run) > 0
 
 

@@ -120,7 +120,7 @@ def compare_scenes(cases: dict[str, Case], plan: Plan) -> dict:
         "variant": np.array(list(cases)),
         "variant_step_time": times,
         "variant_ratio": middle / middle[list(cases).index(FULL)],
-        "variant_code_size": np.array([code_size(Simulation(*c).world) for c in cases.values()]),
+        "variant_code_size": np.array([code_size(Simulation(*c)._world) for c in cases.values()]),
     }
 
 

@@ -42,7 +42,7 @@ def accelerate(sweep, shape, change) -> dict:
     simulation, velocity = start(replicate, still=True), replicate.sweep.cylinder.velocity
 
     def faster(look):
-        simulation.world.roller.motion[0, VY] = velocity * (look + 1) / LOOKS
+        simulation._world.roller.motion[0, VY] = velocity * (look + 1) / LOOKS
 
     return watch(simulation, 2.0 * (change.displacement or STROKE) / velocity / LOOKS, faster)
 

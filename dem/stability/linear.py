@@ -39,7 +39,7 @@ class Nudged:
     """Forces on a bed whose granules are moved a little or given velocities; contacts stick."""
 
     def __init__(self, simulation: Simulation):
-        world, scene = simulation.world, simulation.scene
+        world, scene = simulation._world, simulation.scene
         self.world = world
         self.size = math.sqrt((scene.inertia / scene.mass).mean())  # m: makes turns lengths
         self.unit = NUDGE * world.bodies[:, :2].max()

@@ -45,7 +45,7 @@ def friction_excess(simulation: Simulation) -> float:
     if roller is None or roller.tangent is None:
         return 0.0
     saved = simulation.checkpoint()
-    forces(simulation.world, 0.0)
+    forces(simulation._world, 0.0)
     found = excess(simulation.world)
     simulation.restore(saved)
     return found
