@@ -69,16 +69,20 @@ def read(saved) -> dict:
     if not isinstance(saved, Mapping):
         refuse("saved", saved, "be what Simulation.checkpoint has returned, or numpy.load of it")
     try:
-        return {name: saved[name] for name in saved}
+        arrays = {str(name): saved[name] for name in saved}
     except Exception as error:  # of zip, zlib or NumPy, as the file is damaged
         raise InputError(f"saved cannot be read as a checkpoint: {error}.") from None
+    for name, array in arrays.items():
+        if type(array) is not np.ndarray:
+            _damaged(name)
+    return arrays
 
 
 def clock(saved: dict) -> tuple[float, int]:
     """Time (s) and number of steps of a checkpoint; raises InputError."""
     time, steps = saved.get("time"), saved.get("steps")
-    for name, value, kinds in (("time", time, "f"), ("steps", steps, "iu")):
-        if not (_is_array(value) and value.shape == () and value.dtype.kind in kinds):
+    for name, value, kind in (("time", time, np.float64), ("steps", steps, np.int64)):
+        if value is None or value.shape != () or value.dtype != kind:
             _damaged(name)
         if not 0 <= value < math.inf:
             _damaged(name)
@@ -92,7 +96,7 @@ def replaced(world, arrays: dict):
     """
     for path, own in moving(world).items():
         other = arrays.get(path)
-        if not (_is_array(other) and (other.dtype, other.ndim) == (own.dtype, own.ndim)):
+        if other is None or (other.dtype, other.ndim) != (own.dtype, own.ndim):
             _damaged(path)
         if other.dtype.kind == "f" and not np.isfinite(other).all():
             _damaged(path)
@@ -115,10 +119,6 @@ def replaced(world, arrays: dict):
         if not fits:
             _damaged(path)
     return _replaced(world, arrays, "world")
-
-
-def _is_array(value):
-    return type(value) is np.ndarray
 
 
 def _damaged(path):

@@ -10,6 +10,7 @@ import numpy as np
 
 from dem.errors import InputError
 from dem.validate import (
+    MOST,
     array,
     checked,
     not_negative,
@@ -21,7 +22,7 @@ from dem.validate import (
     vector,
 )
 
-FINITE = "be finite numbers, up to 1e+20 in size"
+FINITE = f"be finite, up to {MOST:g} in size"
 
 
 @checked(

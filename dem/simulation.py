@@ -224,7 +224,7 @@ class Simulation:
     def checkpoint(self) -> dict[str, np.ndarray]:
         """All that moves, remembers or counts, as arrays by name (for np.savez)."""
         saved = {name: array.copy() for name, array in moving(self._world).items()}
-        saved |= {"time": np.array(self.time), "steps": np.array(self.steps)}
+        saved |= {"time": np.array(self.time), "steps": np.array(self.steps, np.int64)}
         return saved | {"scene": self._fingerprint()}
 
     def restore(self, saved: dict[str, np.ndarray]) -> None:
@@ -235,7 +235,7 @@ class Simulation:
         arrays that no simulation has.
         """
         saved = read(saved)
-        if not np.array_equal(saved.get("scene"), self._fingerprint()):
+        if saved.get("scene", np.empty(0)).tobytes() != self._fingerprint().tobytes():
             raise InputError("saved is no checkpoint of this simulation; it is of another scene.")
         time, steps = clock(saved)
         world = replaced(self._world, saved)

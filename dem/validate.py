@@ -145,12 +145,13 @@ def array(words: str, *shape, low: float = -MOST, high: float = MOST, each: str 
     def take(name, value):
         found = _reals(value)
         if found is None:
-            refuse(name, value, f"hold real numbers, and {words}")
+            refuse(name, value, "hold real numbers")
         if found.ndim != len(shape) or any(
             have != want and (want or not have)
             for have, want in zip(found.shape, shape, strict=True)
         ):
-            wanted = str(tuple("any" if n is None else n for n in shape)).replace("'", "")
+            wanted = str(tuple("n" if n is None else n for n in shape)).replace("'", "")
+            wanted += ", n at least 1" if None in shape else ""
             raise InputError(f"{name} has shape {found.shape}; it must have shape {wanted}.")
         wrong = np.argwhere(~((found >= low) & (found <= high)))
         if len(wrong):

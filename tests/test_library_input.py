@@ -269,6 +269,8 @@ def test_a_tampered_checkpoint_is_refused(small_bed, bed):
                 continue
             if (bed, fault) == ("in chunks", "longer") and name.endswith("force"):
                 continue  # there are rows to spare
+            if (name, fault) == ("steps", "infinite"):
+                continue  # whole numbers are not
             with pytest.raises(dem.InputError) as error:
                 run.restore(good | {name: value})
                 pytest.fail(f"{name}, {fault}: it was taken")
