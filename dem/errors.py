@@ -18,4 +18,4 @@ class OverlapError(RunError):
 
 
 class StateError(RunError):
-    """A position or velocity is not a number, or a granule has left the box."""
+    """A position or velocity is not a number, a granule has left the box, or steps are too short."""
