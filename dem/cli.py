@@ -171,17 +171,16 @@ def info(
     output: Annotated[Path | None, typer.Option("-o", "--output", help="Text file (.txt); the terminal if absent."), Writes(".txt")] = None,
 ):  # fmt: skip
     """Print what a file holds: cases, mean drag, scatter and intervals."""
-    from rich.console import Console
-
     from dem.files import atomic
     from dem.info import summary
+    from dem.plain import PlainConsole
 
     found = summary(data)
     if output is None:
-        Console(width=None if sys.stdout.isatty() else 160).print(found)
+        PlainConsole(width=None if sys.stdout.isatty() else 160).print(found)
         return
     with atomic(output) as part, part.open("w", encoding="utf-8") as file:
-        Console(file=file, width=160).print(found)
+        PlainConsole(file=file, width=160).print(found)
 
 
 @app.command()

@@ -14,8 +14,18 @@ import numpy as np
 import xarray as xr
 
 from dem import failures
+from dem.checksums import ATTRIBUTE, is_sealed, seal, verified
 from dem.config import Replicate, Sweep, density_label
-from dem.dataset import AGAIN, VARIABLES, WALLS, attributes, global_attributes, read
+from dem.dataset import (
+    AGAIN,
+    VARIABLES,
+    WALLS,
+    attributes,
+    content_of,
+    global_attributes,
+    is_text,
+    read,
+)
 from dem.errors import InputError
 from dem.failures import Failed
 from dem.files import atomic
@@ -34,6 +44,23 @@ AXIS = ("displacement", "displacement_bounds")
 # Which run a replicate holds, and the attributes that say what it was made from.
 LABELS = ("shape", "density", "seed")
 PROVENANCE = ("versions", "git_revision", "source_hash")
+ON_CASE = ("shape", "kind", "aspect_ratio", "density", "diameter", "granules")
+
+
+def _over(names, *dims: str) -> dict:
+    """Some of VARIABLES with further dimensions in front."""
+    return {name: ((*dims, *VARIABLES[name][0]), *VARIABLES[name][1:]) for name in names}
+
+
+# The layout of drag.nc, as in dem.dataset.
+COMBINED = (
+    _over(("case", *ON_CASE), "case") | _over(("seed",), "seed") | _over((*AXIS, "wall"))
+    | _over((*SERIES, *SCALARS, "failure"), "case", "seed")
+)  # fmt: skip
+NUMBERS = (
+    "window_start", "window_stop", "cylinder_velocity", "box_width", "lag", "cylinder_diameter",
+    "layers", "default_fraction",
+)  # attributes; all others are texts  # fmt: skip
 BLOCK = 64  # runs of a case that are kept, compressed and read together
 
 
@@ -44,7 +71,8 @@ def combine(
 
     The replicates may come in any order; each says itself which run it holds. The attributes tell
     the provenance of the replicates, all of it where they differ. The file is written atomically
-    and without loss. Where the sweep allows failures, those of dem.failures.sort_out are gaps (NaN)
+    and without loss; its checksums leave out what is along the stroke, which netCDF's filter guards
+    block by block, so that millions of runs need not be read again. Where the sweep allows failures, those of dem.failures.sort_out are gaps (NaN)
     and `failure` tells why. Raises InputError for a replicate that is missing, damaged or of another
     configuration, and for a run that no file holds; RunError where too many failed.
     """
@@ -84,6 +112,7 @@ def combine(
                 f"{len(paths)} files."
             )
         file.setncatts(_about(sweep, {name: "; ".join(kept) for name, kept in provenance.items()}))
+        seal(file, [name for name in file.variables if name not in SERIES])
 
 
 def case_places(sweep: Sweep) -> dict[tuple[str, str], int]:
@@ -116,17 +145,18 @@ def _load(path: Path, sweep: Sweep) -> tuple[Replicate, dict, dict]:
             f"{path}: there is no such file; delete the folder batches, if there is one, and run again."
         )
     values, attrs = read(path, (*AXIS, *SERIES, *SCALARS, *LABELS))
-    for name in (*PROVENANCE, "run_key"):
-        if name not in attrs:
-            raise InputError(f"{path}: it has no attribute {name}; is it another file?")
-    label = str(values["shape"])
-    run = Replicate.of(sweep, label, float(values["density"]), int(values["seed"]))
-    if label not in sweep.shapes or attrs["run_key"] != run.run_key():
-        raise InputError(f"{path}: it was made with another configuration; {AGAIN}.")
-    sizes = {"displacement": sweep.record.bins, "bound": 2, "wall": len(WALLS)}
-    for name in (*AXIS, *SERIES, *SCALARS):
-        if values[name].shape != tuple(sizes[dim] for dim in VARIABLES[name][0]):
-            raise InputError(f"{path}: its variable {name} has the wrong size.")
+    with content_of(path):
+        for name in (*PROVENANCE, "run_key"):
+            if name not in attrs:
+                raise InputError(f"{path}: it has no attribute {name}; is it another file?")
+        label = str(values["shape"])
+        run = Replicate.of(sweep, label, float(values["density"]), int(values["seed"]))
+        if label not in sweep.shapes or attrs["run_key"] != run.run_key():
+            raise InputError(f"{path}: it was made with another configuration; {AGAIN}.")
+        sizes = {"displacement": sweep.record.bins, "bound": 2, "wall": len(WALLS)}
+        for name in (*AXIS, *SERIES, *SCALARS):
+            if values[name].shape != tuple(sizes[dim] for dim in VARIABLES[name][0]):
+                raise InputError(f"{path}: its variable {name} has the wrong size.")
     return run, values, attrs
 
 
@@ -134,14 +164,11 @@ def _make_room(file, sweep: Sweep, run: dict) -> None:
     """Dimensions, axes, labels and empty variables of drag.nc; only where runs may be missing has a
     variable a value that means so."""
     shapes = [sweep.shapes[case.shape] for case in sweep.cases.values()]
-    on_case = {
-        "shape": [case.shape for case in sweep.cases.values()],
-        "kind": [shape.kind for shape in shapes],
-        "aspect_ratio": [float(shape.ratio) for shape in shapes],
-        "density": [case.density for case in sweep.cases.values()],
-        "diameter": [shape.diameter for shape in shapes],
-        "granules": [shape.granules for shape in shapes],
-    }
+    labels = (
+        (case.shape, shape.kind, float(shape.ratio), case.density, shape.diameter, shape.granules)
+        for case, shape in zip(sweep.cases.values(), shapes, strict=True)
+    )
+    on_case = dict(zip(ON_CASE, zip(*labels, strict=True), strict=True))
     axes = {"case": list(sweep.cases), "seed": sorted(sweep.seeds), "wall": list(WALLS)}
     axes |= {"displacement": run["displacement"]}
     for name, values in axes.items():
@@ -157,8 +184,8 @@ def _make_room(file, sweep: Sweep, run: dict) -> None:
         sizes = 1, block, *run[name].shape
         gap = np.nan if run[name].dtype.kind == "f" else -1
         made = file.createVariable(
-            name, run[name].dtype, dims, zlib=True, complevel=4, shuffle=True, chunksizes=sizes,
-            fill_value=gap if sweep.failures else False,
+            name, run[name].dtype, dims, zlib=True, complevel=4, shuffle=True, fletcher32=True,
+            chunksizes=sizes, fill_value=gap if sweep.failures else False,
         )  # fmt: skip
         # two blocks: runs mostly come in order, and what is full is written and forgotten
         size = 2 * int(np.prod(sizes)) * run[name].dtype.itemsize
@@ -204,40 +231,66 @@ def _about(sweep: Sweep, provenance: dict) -> dict:
 @contextmanager
 def open_combined(path: Path):
     """drag.nc with variables that are read when needed; raises InputError for any other file."""
+    needed = ("case", *LABELS, *AXIS, "kind", "drag")
     with open_lazily(path) as dataset:
-        require(dataset, path, ("case", *LABELS, *AXIS, "kind", "drag"), ("window_start",))
-        for name, dims in (("drag", ("case", "seed", "displacement")), ("shape", ("case",))):
-            if dataset[name].dims != dims:
-                raise InputError(
-                    f"{path}: its {name} is not over {', '.join(dims)}; is it another file?"
-                )
+        require(dataset, path, COMBINED, needed, ("window_start", "window_stop"))
         yield dataset
 
 
 @contextmanager
 def open_lazily(path: Path):
-    """Any netCDF file with variables that are read when needed, an xarray.Dataset; raises InputError
-    for another file, also where damage shows only when a value is read."""
+    """Any netCDF file with variables that are read when needed, an xarray.Dataset.
+
+    A file with checksums must hold what was written; one without, of the user's own making, is
+    taken as it is. Raises InputError for another file, also where damage, or a content that does
+    not fit, shows only when a value is read or used.
+    """
     if not Path(path).is_file():
         raise InputError(f"{path}: there is no such file.")
     try:
+        with content_of(path), netCDF4.Dataset(path) as file:
+            if is_sealed(file):
+                for _ in verified(file):
+                    pass
         dataset = xr.open_dataset(path, engine="netcdf4", chunks={})
     except (OSError, ValueError, RuntimeError) as error:
+        if isinstance(error, InputError):
+            raise
         raise InputError(f"{path}: it is not a readable netCDF file ({error}).") from None
-    with dataset:
-        try:
-            yield dataset
-        except RuntimeError as error:
-            if not str(error).startswith("NetCDF"):
-                raise
-            raise InputError(
-                f"{path}: it is damaged ({error}); delete it and make it again."
-            ) from None
+    with content_of(path), dataset:
+        dataset.attrs.pop(ATTRIBUTE, None)  # they are not those of what is made from it
+        yield dataset
 
 
-def require(dataset: xr.Dataset, path: Path, variables, attributes=()) -> None:
-    """Raise InputError unless the file has these variables and attributes."""
+def require(dataset: xr.Dataset, path: Path, layout: dict, variables, attributes=()) -> None:
+    """Check a file against a layout as in dem.dataset.
+
+    Raises InputError unless it has these variables and attributes, and all its variables of the
+    layout have the dimensions and the kind of values that the layout gives them.
+    """
     absent = [f"variable {name}" for name in variables if name not in dataset.variables]
     absent += [f"attribute {name}" for name in attributes if name not in dataset.attrs]
     if absent:
         raise InputError(f"{path}: it has no {absent[0]}; is it another file?")
+    for name in layout.keys() & dataset.variables.keys():
+        dims, found = layout[name][0], dataset.variables[name]
+        if found.dims != dims:
+            over = ", ".join(dims) or "no dimension"
+            raise InputError(f"{path}: its {name} is not over {over}; is it another file?")
+        kinds, words = ("OUT", "text") if is_text(name, layout) else ("iuf", "numbers")
+        if found.dtype.kind not in kinds:
+            raise InputError(
+                f"{path}: its {name} holds {found.dtype}, not {words}; is it another file?"
+            )
+    for name in attributes:
+        value = dataset.attrs[name]
+        if name not in NUMBERS and not isinstance(value, str):
+            raise InputError(f"{path}: its attribute {name} is {value!r}; it must be a text.")
+        if name in NUMBERS and not _is_number(value):
+            raise InputError(f"{path}: its attribute {name} is {value!r}; it must be a number.")
+
+
+def _is_number(value) -> bool:
+    """Whether an attribute is one finite number."""
+    array = np.asarray(value)
+    return array.dtype.kind in "iuf" and array.ndim == 0 and bool(np.isfinite(array))

@@ -1,17 +1,22 @@
 """netCDF files: the layout of replicates, in one table; writing is atomic, reading is checked.
 
+Every file is sealed with checksums (dem.checksums) and read only if they hold.
+
 CF-1.11, SI units. A replicate holds one run over `displacement`; drag.nc holds the same
 variables over (case, seed, displacement). Studies keep tables of the same form beside them
 (dem.benchmark.layout, dem.accuracy.layout).
 """
 
+import warnings
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 
 import netCDF4
 import numpy as np
 
-from dem.errors import InputError
+from dem.checksums import ATTRIBUTE, Changed, is_sealed, seal, verified
+from dem.errors import InputError, RunError
 from dem.files import atomic
 
 # name: (dimensions in a replicate or packing, units, long name)
@@ -57,10 +62,17 @@ VARIABLES = {
 }  # fmt: skip
 
 AGAIN = "delete it, with the folder batches if there is one, and run again"
+CHANGED = f"make it again; if you changed it on purpose, remove its attribute {ATTRIBUTE}."
 COMPRESSED = 8192  # bytes of an array from which compressing it makes the file smaller
 WALLS = ("left", "right", "bottom", "top")
 MEANS = ("drag", "drag_normal", "drag_tangential", "transverse_force", "wall_force")
+UNITLESS = ("displacement_bounds", "failure")  # numbers whose attributes say more than a unit
 SEEDS = ("seed", "trial_seed", "replicate")
+
+
+def is_text(name: str, layout: dict = VARIABLES) -> bool:
+    """Whether a variable holds texts: what has no unit and is no number that has none either."""
+    return layout[name][1] is None and name not in UNITLESS
 
 
 def attributes(name: str, layout: dict = VARIABLES) -> dict:
@@ -107,6 +119,8 @@ def write(path: Path, values: dict, attrs: dict, layout: dict = VARIABLES) -> No
             kind = str if array.dtype.kind == "U" else array.dtype
             large = kind is not str and array.nbytes > COMPRESSED
             options = {"zlib": True, "shuffle": True} if large else {}
+            if dims and kind is not str:  # any program that reads the file then notices damage
+                options["fletcher32"] = True
             if kind is str and dims:  # labels of an axis are characters: CF keeps strings off it
                 file.createDimension(f"{name}_length", array.dtype.itemsize // 4)
                 kind, dims = "S1", (*dims, f"{name}_length")
@@ -115,17 +129,55 @@ def write(path: Path, values: dict, attrs: dict, layout: dict = VARIABLES) -> No
             if kind == "S1":
                 variable._Encoding = "utf-8"
             variable[...] = str(array) if kind is str else array
+        seal(file)
 
 
 def read(path: Path, names: tuple[str, ...]) -> tuple[dict, dict]:
-    """The named variables and all global attributes; raises InputError if they are not there."""
-    try:
-        with netCDF4.Dataset(path) as file:
-            file.set_auto_mask(False)
+    """The named variables and all global attributes.
+
+    Raises InputError if they are not there, or not what was written.
+    """
+    with content_of(path, f"{AGAIN}."):
+        try:
+            file = netCDF4.Dataset(path)
+        except OSError as error:
+            raise InputError(
+                f"{path}: it is not a readable netCDF file ({error}); {AGAIN}."
+            ) from None
+        with file:
             for name in names:
                 if name not in file.variables:
                     raise InputError(f"{path}: it has no variable {name}; is it another file?")
-            values = {name: file.variables[name][...] for name in names}
+            if not is_sealed(file):
+                raise InputError(
+                    f"{path}: it has no checksums, so an older version wrote it; {AGAIN}."
+                )
+            values = dict(verified(file, names))
             return values, {name: file.getncattr(name) for name in file.ncattrs()}
-    except (OSError, RuntimeError, AttributeError) as error:
-        raise InputError(f"{path}: it is not a readable netCDF file ({error}); {AGAIN}.") from None
+
+
+@contextmanager
+def content_of(path: Path, remedy: str = CHANGED):
+    """Whatever the content of a file makes fail is an InputError with the file's name.
+
+    remedy: what to do about a file that is damaged. Gaps of a file are NaN, and so is what follows
+    from them: numpy does not warn.
+    """
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)
+            yield
+    except (InputError, RunError):
+        raise
+    except Exception as error:
+        words = " ".join(str(error).split())[:200]
+        if isinstance(error, Changed) or words.startswith(("NetCDF", "[Errno -")):
+            raise InputError(
+                f"{path}: its content is not what was written ({words}); {remedy}"
+            ) from None
+        if isinstance(error, OSError):  # of another file
+            raise
+        raise InputError(
+            f"{path}: its content cannot be used ({type(error).__name__}: {words}); "
+            "is it another file?"
+        ) from error

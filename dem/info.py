@@ -1,6 +1,7 @@
 """What a file of results holds, as tables for the terminal (100 columns are enough)."""
 
 import json
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -10,8 +11,8 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
-from dem.benchmark import report as benchmark
-from dem.combine import open_lazily, require
+from dem.combine import COMBINED, open_lazily, require
+from dem.dataset import VARIABLES
 from dem.errors import InputError
 from dem.schema import seed_words
 from dem.statistics import summarise, within
@@ -28,40 +29,38 @@ overlap over the smaller granule radius; median time step; mean processor time o
 # What a file must hold to be summarised; SWEEP stands in drag.nc only.
 NEEDED = ("drag", "max_overlap", "time_step", "run_time", "kind", "seed")
 ORIGIN = ("title", "history", "git_revision", "source_hash", "versions", "configuration")
-SWEEP = ("window_start", "window_stop", "cylinder_velocity")
+WINDOW = ("window_start", "window_stop")
+SWEEP = (*WINDOW, "cylinder_velocity")
+OF_A_RUN = ("steps", "box_height", "packing_pressure")
+# The variable that tells a study's file: its package, what else its report needs of variables and
+# of attributes.
+STUDIES = {
+    "granule_steps_per_second": ("benchmark", (), ("history", "processor", "versions", "codes")),
+    "trial_drag": (
+        "accuracy", ("contact_method", "integrator", "replicate_drag"),
+        (*WINDOW, "default_fraction"),
+    ),
+    "non_affine": ("flow", ("case", "seed", "shape", "density", "displacement"), WINDOW),
+    "run_part": ("claims", ("run_drag", "jam_fraction", "run_factor"), WINDOW),
+    "check_value": ("stability", ("map_residual", "paper_residual"), ("default_fraction",)),
+}  # fmt: skip
 
 
 def summary(path: Path) -> Group:
     """Renderable summary of drag.nc, a replicate or the file of a study; raises InputError for other files."""
     with open_lazily(path) as dataset:
-        if "granule_steps_per_second" in dataset:
-            return benchmark.summary(dataset)
-        if "trial_drag" in dataset:
-            from dem.accuracy import report
-
-            require(dataset, path, ("contact_method", "integrator", "replicate_drag"))
-            return report.summary(dataset.load())
-        if "non_affine" in dataset:
-            from dem.flow import verdict
-
-            require(dataset, path, ("case", "seed", "displacement"), ("window_start", "title"))
-            lines = [dataset.attrs["title"], verdict.verdict(dataset), *verdict.sentences(dataset)]
-            return Group(*map(Text, lines))
-        if "run_part" in dataset:
-            from dem.claims import report
-
-            require(dataset, path, ("run_drag", "jam_fraction", "run_factor"), ("window_start",))
-            return report.summary(dataset.load())
-        if "check_value" in dataset:
-            from dem.stability import report
-
-            require(dataset, path, ("map_residual", "paper_residual"))
-            return report.summary(dataset.load())
+        for sign, (study, variables, attributes) in STUDIES.items():
+            if sign in dataset:
+                layout = import_module(f"dem.{study}.layout").VARIABLES
+                require(dataset, path, layout, variables, ("title", *attributes))
+                return import_module(f"dem.{study}.report").summary(dataset.load())
         if "displacement" not in dataset.dims:
             raise InputError(f"{path}: it is neither drag.nc nor a replicate: it holds no drag.")
-        whole = "case" in dataset.dims
-        require(dataset, path, NEEDED, ORIGIN + SWEEP if whole else ORIGIN)
-        return _sweep(dataset) if whole else _replicate(dataset)
+        if "case" in dataset.dims:
+            require(dataset, path, COMBINED, NEEDED, ORIGIN + SWEEP)
+            return _sweep(dataset)
+        require(dataset, path, VARIABLES, (*NEEDED, *OF_A_RUN), ORIGIN)
+        return _replicate(dataset)
 
 
 def _sweep(dataset: xr.Dataset) -> Group:
@@ -91,7 +90,7 @@ def _missing(failure: xr.DataArray) -> str:
 
 def _row(case: xr.Dataset, numbers: xr.Dataset) -> list[str]:
     """Cells of one case, in the order of COLUMNS."""
-    mean = float(numbers["mean"])
+    mean = numbers["mean"]
     return [
         str(case["case"].values),
         str(case["kind"].values),
@@ -99,7 +98,7 @@ def _row(case: xr.Dataset, numbers: xr.Dataset) -> list[str]:
         f"{1e6 * float(case['diameter']):.4g}",
         f"{float(case['density']):g}",
         str(int(numbers["run_mean"].count())),
-        f"{mean:.0f}",
+        _number(mean, ".0f"),
         _number(numbers["half_interval"], ".0f"),
         _number(100.0 * numbers["sd_over_run"] / mean, ".1f"),
         _number(100.0 * numbers["sd_between_runs"] / mean, ".1f"),
@@ -114,10 +113,10 @@ def _replicate(dataset: xr.Dataset) -> Group:
     attrs, record = dataset.attrs, json.loads(dataset.attrs["configuration"])
     start, stop = record["record"]["window"]
     drag = within(dataset["drag"], start, stop)
-    mean = float(drag.mean())
+    mean = drag.mean()
     values = {
-        "mean drag within the window": f"{mean:.0f} N",
-        "standard deviation over the run": f"{100.0 * float(drag.std()) / mean:.1f} %",
+        "mean drag within the window": f"{_number(mean, '.0f')} N",
+        "standard deviation over the run": f"{_number(100.0 * drag.std() / mean, '.1f')} %",
         "greatest overlap over the smaller radius": _number(dataset["max_overlap"].max(), ".3f"),
         "median time step": f"{1e9 * np.median(dataset['time_step']):.1f} ns",
         "steps": str(int(dataset["steps"])),

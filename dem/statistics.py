@@ -74,8 +74,8 @@ def change(run_mean: xr.DataArray, before: str, after: str) -> tuple[float, floa
     Runs are paired by seed: at one shape a seed means one bed, whatever its density.
     """
     difference = run_mean.sel(case=after) - run_mean.sel(case=before)
-    base = float(run_mean.sel(case=before).where(difference.notnull()).mean("seed"))
-    return float(difference.mean("seed")) / base, float(half_interval(difference)) / base
+    base = run_mean.sel(case=before).where(difference.notnull()).mean("seed")
+    return float(difference.mean("seed") / base), float(half_interval(difference) / base)
 
 
 def running_mean(drag: xr.DataArray, edges: np.ndarray, length: float) -> xr.DataArray:

@@ -3,16 +3,19 @@
 from pathlib import Path
 from typing import NamedTuple
 
+import netCDF4
 import xarray as xr
 
 from dem import provenance
-from dem.combine import open_lazily
+from dem.checksums import seal
+from dem.combine import open_lazily, require
 from dem.config import Sweep
-from dem.dataset import global_attributes, write
+from dem.dataset import content_of, global_attributes, write
 from dem.errors import InputError
 from dem.files import atomic
 
 SAME = ("default_fraction", "window_start", "window_stop")  # attributes that all parts must share
+ORIGIN = ("versions", "git_revision", "source_hash")
 
 
 class Study(NamedTuple):
@@ -44,11 +47,16 @@ class Study(NamedTuple):
         with open_lazily(path) as dataset:
             if not set(dataset.variables) <= set(self.variables):
                 raise InputError(f"{path}: it is no part of the study: {self.about}.")
+            require(dataset, path, self.variables, (), (*SAME, *ORIGIN, "title", "history"))
             return dataset.load()
 
     def join(self, paths: list[Path]) -> xr.Dataset:
         """All parts in one; what many jobs share out is put one after another."""
         parts = [self.read_part(path) for path in paths]
+        with content_of(Path(paths[0]).parent):
+            return self._joined(parts)
+
+    def _joined(self, parts: list[xr.Dataset]) -> xr.Dataset:
         joined = [part.drop_dims(self.concatenated, errors="ignore") for part in parts]
         for dim in self.concatenated:
             some = [_along(part, dim) for part in parts if dim in part.dims]
@@ -62,11 +70,11 @@ class Study(NamedTuple):
             values = {float(part.attrs[name]) for part in shared}
             if len(values) > 1:
                 raise InputError(
-                    f"{name} differs between the files: {sorted(values)}; make them anew."
+                    f"{name} differs between the files: {sorted(values)}; make them again."
                 )
         whole = xr.merge(joined, compat="no_conflicts", combine_attrs="drop_conflicts")
         whole.attrs |= {name: shared[0].attrs[name] for name in SAME}
-        for name in ("versions", "git_revision", "source_hash"):
+        for name in ORIGIN:
             whole.attrs[name] = "; ".join(dict.fromkeys(part.attrs[name] for part in parts))
         return whole.assign_attrs(history=parts[-1].attrs["history"] + ", combined")
 
@@ -75,7 +83,7 @@ class Study(NamedTuple):
         numbers = [
             name for name, v in dataset.variables.items() if v.dtype.kind in "fiu" and v.dims
         ]
-        encoding = {name: {"zlib": True, "shuffle": True} for name in numbers}
+        encoding = {name: {"zlib": True, "shuffle": True, "fletcher32": True} for name in numbers}
         encoding |= {  # texts are characters, as in the parts, but of the longest of all
             name: {"dtype": "S1", "char_dim_name": f"{name}_length"}
             for name, v in dataset.variables.items() if v.dtype.kind not in "fiu"
@@ -84,6 +92,8 @@ class Study(NamedTuple):
             encoding[name]["_FillValue"] = None
         with atomic(path) as part:
             dataset.drop_encoding().to_netcdf(part, engine="netcdf4", encoding=encoding)
+            with netCDF4.Dataset(part, "a") as file:
+                seal(file)
 
 
 def _along(part: xr.Dataset, dim: str) -> xr.Dataset:

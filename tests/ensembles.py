@@ -16,6 +16,7 @@ import netCDF4
 from faults import Place
 
 from dem.batch import batch
+from dem.checksums import seal
 from dem.config import load
 from dem.workplace import prepare
 
@@ -40,6 +41,7 @@ def copies(folder: Path, first: Path, sweep) -> None:
             with netCDF4.Dataset(target, "a") as file:
                 file["seed"][...] = replicate.seed
                 file.run_key = replicate.run_key()
+                seal(file)
 
 
 def measured(place: Place, *command) -> str:

@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 
 from dem import drag
 from dem.batch import batch, settled
+from dem.checksums import seal
 from dem.cli import app
 from dem.combine import combine
 from dem.config import load, parse
@@ -227,6 +228,7 @@ def renamed(source, target, replicate):
     with netCDF4.Dataset(target, "a") as file:
         file["seed"][...] = replicate.seed
         file.run_key = replicate.run_key()
+        seal(file)
 
 
 def test_what_killed_processes_left_is_cleared_away(tmp_path):

@@ -95,8 +95,7 @@ def test(
     """Which claims these runs support, contradict or leave undecided."""
     if not 0.0 <= margin <= 1.0:
         raise InputError(f"margin is {margin}; it must lie between 0 and 1.")
-    from rich.console import Console
-
     from dem.claims.report import verdicts
+    from dem.plain import PlainConsole
 
-    Console(width=160).print(verdicts(data, name, margin))
+    PlainConsole(width=160).print(verdicts(data, name, margin))

@@ -14,6 +14,7 @@ from dem.claims.influence import influences, responses
 from dem.claims.remains import Remaining, remaining, words
 from dem.claims.sentences import CLAIMS, ratio
 from dem.claims.verdicts import Share, Verdict, evidence_in, judge
+from dem.dataset import content_of
 from dem.errors import InputError
 from dem.statistics import LEVEL
 from dem.tables import numbers
@@ -47,9 +48,10 @@ def heading(text: str) -> Text:
 
 def verdicts(path: Path, name: str | None = None, margin: float = 0.18) -> Group:
     """Claims tested on the runs of a file, or one of them in detail; raises InputError."""
-    found = judge(evidence_in(path, margin))
-    if name is None:
-        return Group(claims(found), Text(legend(found), style="dim"))
+    with content_of(path):
+        found = judge(evidence_in(path, margin))
+        if name is None:
+            return Group(claims(found), Text(legend(found), style="dim"))
     chosen = [each for each in found if each.claim.name == name]
     if not chosen:
         names = ", ".join(claim.name for claim in CLAIMS)

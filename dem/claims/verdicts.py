@@ -11,6 +11,7 @@ from dem.claims.compare import simultaneous, together
 from dem.claims.evidence import MARGIN, Evidence, from_study, from_sweep
 from dem.claims.sentences import CLAIMS, Claim
 from dem.errors import InputError
+from dem.flow.layout import MEASURES
 from dem.statistics import LEVEL
 
 
@@ -68,12 +69,15 @@ def share(claim: Claim, found: Evidence) -> Share | None:
 
 def evidence_in(path: Path, margin: float = MARGIN) -> Evidence:
     """Runs in claims.nc, or in drag.nc with the flow.nc beside it; raises InputError."""
-    from dem.combine import open_combined, open_lazily
+    from dem.claims.layout import VARIABLES
+    from dem.combine import open_combined, open_lazily, require
+    from dem.flow.layout import VARIABLES as FLOW
 
     if not 0.0 < margin < 1.0:
         raise InputError(f"margin is {margin:g}; it must lie between 0 and 1.")
     with open_lazily(path) as dataset:
         if "run_part" in dataset:
+            require(dataset, path, VARIABLES, ("run_drag",), ("window_start", "window_stop"))
             return from_study(dataset.load(), margin)
     flow = Path(path).parent / "flow.nc"
     with open_combined(path) as dataset:
@@ -81,7 +85,10 @@ def evidence_in(path: Path, margin: float = MARGIN) -> Evidence:
     if not flow.is_file():
         return from_sweep(drag, None, margin)
     with open_lazily(flow) as moves:
-        return from_sweep(drag, _same(moves, drag), margin)
+        same = _same(moves, drag)
+        if same is not None:
+            require(moves, flow, FLOW, MEASURES, ("window_start", "window_stop"))
+        return from_sweep(drag, same, margin)
 
 
 def _same(flow: xr.Dataset, drag: xr.Dataset) -> xr.Dataset | None:

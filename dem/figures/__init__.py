@@ -147,8 +147,11 @@ def _draw_study(name, data, folder):
     from dem.combine import open_lazily, require
     from dem.figures.style import save
 
+    of = {"flow": FLOW} | STUDY_FIGURES
+    study = next(each for each, figures in of.items() if name in figures)
+    layout = import_module(f"dem.{study}.layout").VARIABLES
     with open_lazily(data) as dataset:
-        require(dataset, data, STUDIES[name][1])
+        require(dataset, data, layout, STUDIES[name][1])
         try:
             figure = import_module(f"dem.figures.{name}").plot(dataset.load())
         except InputError as error:

@@ -9,7 +9,7 @@ import numpy as np
 
 from dem import drag
 from dem.config import Replicate, parse
-from dem.dataset import read
+from dem.dataset import content_of, read
 from dem.errors import InputError
 from dem.packing import Bed
 from dem.scene import State
@@ -69,21 +69,17 @@ def read_motion(path: Path) -> Motion:
     values, attrs = read(path, READ)
     if "configuration" not in attrs:
         raise InputError(f"{path}: it has no attribute configuration; is it another file?")
-    try:
+    with content_of(path):
         sweep = parse(json.loads(attrs["configuration"]), str(path))
-    except json.JSONDecodeError:
-        raise InputError(
-            f"{path}: its attribute configuration is damaged; make it again."
-        ) from None
-    density, seed = float(values["density"]), int(values["seed"])
-    return Motion(
-        sweep.replicate(str(values["shape"]), density, seed),
-        float(values["box_height"]),
-        values["snapshot_displacement"],
-        values["cylinder_y"],
-        np.stack([values["granule_x"], values["granule_y"]], axis=-1),
-        values["granule_angle"],
-        values["granule_diameter"],
-        values["displacement"],
-        values["drag"],
-    )
+        density, seed = float(values["density"]), int(values["seed"])
+        return Motion(
+            sweep.replicate(str(values["shape"]), density, seed),
+            float(values["box_height"]),
+            values["snapshot_displacement"],
+            values["cylinder_y"],
+            np.stack([values["granule_x"], values["granule_y"]], axis=-1),
+            values["granule_angle"],
+            values["granule_diameter"],
+            values["displacement"],
+            values["drag"],
+        )

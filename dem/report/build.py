@@ -8,20 +8,25 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2.utils import htmlsafe_json_dumps
 from markdown_it import MarkdownIt
 from markupsafe import Markup
 
-from dem.combine import open_combined, open_lazily, require
+from dem.combine import COMBINED, open_combined, open_lazily, require
 from dem.config import parse
 from dem.errors import InputError
 from dem.figures import FLOW, STUDY_FIGURES, captions, possible
 from dem.figures.style import percent
 from dem.files import atomic
+from dem.flow.layout import VARIABLES as FLOW_LAYOUT
 from dem.flow.verdict import sentences
 from dem.report.interactive import beds, chart
 from dem.statistics import change, summarise
 from dem.statistics import densities as densities_of
 
+# What the report needs of drag.nc, beside what all readers need.
+NEEDED = ("max_overlap", "run_time", "steps", "aspect_ratio", "diameter", "granules")
+ORIGIN = ("title", "configuration", "versions", "git_revision", "references")
 OPEN = "## What the paper leaves open"  # section of the README that the report repeats
 
 
@@ -32,6 +37,7 @@ def build(drag: Path, flow: Path, readme: Path, output: Path) -> None:
     """
     folder = Path(drag).parent
     with open_combined(drag) as dataset:
+        require(dataset, drag, COMBINED, NEEDED, ORIGIN)
         parts = {
             "title": dataset.attrs["title"],
             "cases": cases(dataset),
@@ -41,8 +47,11 @@ def build(drag: Path, flow: Path, readme: Path, output: Path) -> None:
             "runs": runs(dataset),
         }
     with open_lazily(flow) as moves:
-        require(moves, flow, ("bed_x", "non_affine"), ("box_width", "lag"))
-        parts |= {"irregularity": sentences(moves), "beds": Markup(json.dumps(beds(moves)))}
+        require(
+            moves, flow, FLOW_LAYOUT, ("bed_x", "non_affine"),
+            ("box_width", "lag", "cylinder_diameter", "layers", "window_start", "window_stop"),
+        )  # fmt: skip
+        parts |= {"irregularity": sentences(moves), "beds": htmlsafe_json_dumps(beds(moves))}
     page = _page().render(
         made=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         open=Markup(section(readme, OPEN)),
@@ -131,20 +140,26 @@ def _smaller(file: Path, width: int = 1200) -> bytes:
 
 def section(readme: Path, heading: str) -> str:
     """One section of a Markdown file, up to the next of its level, as HTML."""
-    try:
-        text = Path(readme).read_text(encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"{readme}: it can not be read ({error}).") from None
+    text = _text(readme)
     _, found, rest = text.partition(heading + "\n")
     if not found:
         raise InputError(f"{readme}: it has no section {heading!r}.")
-    return MarkdownIt("commonmark").enable("table").render(rest.partition("\n## ")[0])
+    return (
+        MarkdownIt("commonmark", {"html": False}).enable("table").render(rest.partition("\n## ")[0])
+    )
 
 
 def study(folder: Path, name: str) -> str:
     """The table of a study as text, "" where it was not made."""
     file = folder / f"{name}.txt"
-    return file.read_text(encoding="utf-8") if file.is_file() else ""
+    return _text(file) if file.is_file() else ""
+
+
+def _text(file: Path) -> str:
+    try:
+        return Path(file).read_text(encoding="utf-8")
+    except (OSError, UnicodeError) as error:
+        raise InputError(f"{file}: it is not a readable text ({error}).") from None
 
 
 def runs(dataset: xr.Dataset) -> dict:
