@@ -167,8 +167,12 @@ def content_of(path: Path, remedy: str = CHANGED):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RuntimeWarning)
             yield
-    except (InputError, RunError):
+    except RunError:
         raise
+    except InputError as error:
+        if str(path) in str(error):
+            raise
+        raise InputError(f"{path}: {error}") from None
     except Exception as error:
         words = " ".join(str(error).split())[:200]
         if isinstance(error, Changed) or words.startswith(("NetCDF", "[Errno -")):

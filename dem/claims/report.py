@@ -48,10 +48,12 @@ def heading(text: str) -> Text:
 
 def verdicts(path: Path, name: str | None = None, margin: float = 0.18) -> Group:
     """Claims tested on the runs of a file, or one of them in detail; raises InputError."""
+    if not 0.0 < margin < 1.0:
+        raise InputError(f"margin is {margin:g}; it must lie between 0 and 1.")
     with content_of(path):
         found = judge(evidence_in(path, margin))
-        if name is None:
-            return Group(claims(found), Text(legend(found), style="dim"))
+    if name is None:
+        return Group(claims(found), Text(legend(found), style="dim"))
     chosen = [each for each in found if each.claim.name == name]
     if not chosen:
         names = ", ".join(claim.name for claim in CLAIMS)

@@ -10,7 +10,6 @@ from scipy.stats import binomtest
 from dem.claims.compare import simultaneous, together
 from dem.claims.evidence import MARGIN, Evidence, from_study, from_sweep
 from dem.claims.sentences import CLAIMS, Claim
-from dem.errors import InputError
 from dem.flow.layout import MEASURES
 from dem.statistics import LEVEL
 
@@ -73,8 +72,6 @@ def evidence_in(path: Path, margin: float = MARGIN) -> Evidence:
     from dem.combine import open_combined, open_lazily, require
     from dem.flow.layout import VARIABLES as FLOW
 
-    if not 0.0 < margin < 1.0:
-        raise InputError(f"margin is {margin:g}; it must lie between 0 and 1.")
     with open_lazily(path) as dataset:
         if "run_part" in dataset:
             require(dataset, path, VARIABLES, ("run_drag",), ("window_start", "window_stop"))

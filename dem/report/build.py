@@ -42,10 +42,10 @@ def build(drag: Path, flow: Path, readme: Path, output: Path) -> None:
             "title": dataset.attrs["title"],
             "cases": cases(dataset),
             "densities": densities(dataset),
-            "figures": figures(folder / "figures", shown(dataset, folder)),
             "chart": Markup(chart(dataset)),
             "runs": runs(dataset),
         }
+        names = shown(dataset, drag)
     with open_lazily(flow) as moves:
         require(
             moves, flow, FLOW_LAYOUT, ("bed_x", "non_affine"),
@@ -53,6 +53,7 @@ def build(drag: Path, flow: Path, readme: Path, output: Path) -> None:
         )  # fmt: skip
         parts |= {"irregularity": sentences(moves), "beds": htmlsafe_json_dumps(beds(moves))}
     page = _page().render(
+        figures=figures(folder / "figures", names),
         made=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         open=Markup(section(readme, OPEN)),
         studies=[(name, text) for name in STUDY_FIGURES if (text := study(folder, name))],
@@ -102,12 +103,12 @@ def densities(dataset: xr.Dataset) -> list[str]:
     return found
 
 
-def shown(dataset: xr.Dataset, folder: Path) -> set[str]:
+def shown(dataset: xr.Dataset, drag: Path) -> set[str]:
     """Names of the figures of this sweep, and of the studies that were made."""
-    sweep = parse(json.loads(dataset.attrs["configuration"]), "drag.nc")
+    sweep = parse(json.loads(dataset.attrs["configuration"]), f"{drag}, configuration")
     names = {*possible(sweep), *possible(sweep, FLOW)}
     for name, drawn in STUDY_FIGURES.items():
-        names |= set(drawn) if study(folder, name) else set()
+        names |= set(drawn) if study(Path(drag).parent, name) else set()
     return names
 
 

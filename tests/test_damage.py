@@ -1,0 +1,307 @@
+"""Files whose content is damaged, foreign or hostile: noticed, refused with their name, never obeyed."""
+
+import json
+import shutil
+import warnings
+
+import netCDF4
+import numpy as np
+import pytest
+import xarray as xr
+from conftest import CONFIG
+from test_stopping import smoke
+from typer.testing import CliRunner
+
+from dem import drag
+from dem.checksums import ATTRIBUTE, seal
+from dem.cli import app
+from dem.combine import COMBINED, combine, open_lazily
+from dem.dataset import is_text, read
+from dem.errors import InputError
+from dem.flow.collect import collect, write_flow
+from dem.flow.layout import VARIABLES as FLOW
+from dem.plain import plain
+from dem.report.build import build
+
+README = CONFIG.parent / "README.md"
+HOSTILE = "</script><script>alert(1)</script>"
+TITLE = "a [red]title[/red] \x1b[31m\x1b]0;name\x07 \x9b2J \u202egnp\u2069 [/nothing]"
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """A folder with the bed and the replicate of a run, and drag.nc and flow.nc of two."""
+    folder = tmp_path_factory.mktemp("made")
+    sweep = smoke(cases={"c1": {"shape": "c1", "density": 3.9e3}}, seeds=[1, 2])
+    files = []
+    for replicate in sweep.replicates():
+        files.append(folder / f"run{replicate.seed}.nc")
+        bed = drag.make_bed(replicate)
+        drag.write_replicate(files[-1], replicate, drag.run(replicate, bed))
+    drag.write_bed(folder / "bed.nc", replicate, bed)
+    combine(files, sweep, folder / "drag.nc")
+    write_flow(folder / "flow.nc", sweep, collect(files, sweep))
+    return folder
+
+
+@pytest.fixture(scope="module")
+def hostile(made, tmp_path_factory):
+    """The same files with another title and name of the case, which no configuration may have."""
+    folder = tmp_path_factory.mktemp("hostile")
+    for name in ("drag.nc", "flow.nc"):
+        with xr.open_dataset(made / name) as dataset:
+            changed = dataset.load().drop_encoding().assign_coords(case=[HOSTILE])
+        changed.attrs["title"] = TITLE
+        del changed.attrs[ATTRIBUTE]
+        changed.to_netcdf(folder / name)
+    shutil.copy(made / "run1.nc", folder)
+    with netCDF4.Dataset(folder / "run1.nc", "a") as file:
+        file.title = TITLE
+        seal(file)
+    return folder
+
+
+def flips(path, places, folder):
+    """Copies of a file with one bit turned round, each a file of its own: HDF5 may keep what it
+    could not open."""
+    good = path.read_bytes()
+    for number, at in enumerate(places):
+        flipped = bytearray(good)
+        flipped[at] ^= 1 << number % 8
+        bad = folder / f"byte{at}_{path.name}"
+        bad.write_bytes(flipped)
+        yield at, bad
+        bad.unlink()
+
+
+def contents(path):
+    """All that `read` gives of a file."""
+    with netCDF4.Dataset(path) as file:
+        names = tuple(file.variables)
+    return read(path, names)
+
+
+@pytest.mark.parametrize("name", ["run1.nc", "bed.nc"])
+def test_a_flipped_bit_is_refused_or_changes_nothing(made, tmp_path, name):
+    """One at every thousandth byte, and in every value that netCDF's own filter does not guard."""
+    values, attrs = contents(made / name)
+    good, refused = (made / name).read_bytes(), 0
+    guarded = [good.find(np.float64(v).tobytes()) for v in values.values() if np.ndim(v) == 0 and not isinstance(v, str)]  # fmt: skip
+    for at, bad in flips(made / name, [*range(0, len(good), 1000), *guarded], tmp_path):
+        try:
+            found = read(bad, tuple(values))
+        except InputError as error:
+            assert str(error).startswith(f"{bad}: it")
+            refused += 1
+            continue
+        assert found[1] == attrs
+        for each, value in values.items():
+            np.testing.assert_array_equal(found[0][each], value, err_msg=f"{each}, byte {at}")
+    assert refused > len(guarded) / 2
+
+
+def change(path, what):
+    """Change one thing in a file, by its name: a variable, an attribute of one, or a global one."""
+    with netCDF4.Dataset(path, "a") as file:
+        if what in file.variables:
+            variable = file.variables[what]
+            variable[...] = "x" if variable.dtype is str else np.asarray(variable[...]) * 1.5
+        elif "." in what:
+            name, attribute = what.split(".")
+            file.variables[name].setncattr(attribute, "x")
+        else:
+            file.setncattr(what, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "what"),
+    [
+        ("run1.nc", "packing_pressure"), ("run1.nc", "shape"), ("run1.nc", "drag.units"),
+        ("run1.nc", "run_key"), ("run1.nc", "more"), ("drag.nc", "packing_pressure"),
+        ("drag.nc", "window_start"), ("drag.nc", "displacement"), ("drag.nc", "drag.units"),
+        ("flow.nc", "mixing"), ("flow.nc", "lag"),
+    ],
+)  # fmt: skip
+def test_what_was_changed_after_writing_is_refused(made, tmp_path, name, what):
+    """Until the checksums are taken away, which says that it was meant."""
+    path = shutil.copy(made / name, tmp_path)
+    with netCDF4.Dataset(path) as file:
+        written = set(file.variables)
+    change(path, what)
+    with pytest.raises(InputError, match=r"is not what was written .*remove its attribute checksums"), open_lazily(path):  # fmt: skip
+        pass
+    with pytest.raises(InputError, match=r"is not what was written|has no variable"):
+        read(path, (what,) if what in written else ("displacement",))
+    with netCDF4.Dataset(path, "a") as file:
+        file.delncattr(ATTRIBUTE)
+    with open_lazily(path):
+        pass
+    with pytest.raises(InputError, match="has no checksums"):
+        read(path, ("displacement",))
+
+
+def test_a_flipped_bit_in_the_series_of_drag_nc_is_refused(made, tmp_path):
+    """Which has no checksum of ours, because it may be too large to read."""
+    with netCDF4.Dataset(made / "drag.nc") as file:
+        assert all(v.filters()["fletcher32"] for v in file.variables.values() if "displacement" in v.dimensions[2:])  # fmt: skip
+    size = (made / "drag.nc").stat().st_size
+    with xr.open_dataset(made / "drag.nc") as whole:
+        whole = whole["drag"].values
+    outcomes = set()
+    for at, path in flips(made / "drag.nc", range(0, size, 500), tmp_path):
+        try:
+            with open_lazily(path) as dataset:
+                np.testing.assert_array_equal(dataset["drag"].values, whole)
+            outcomes.add("same")
+        except InputError as error:
+            assert not isinstance(error.__cause__, AssertionError), at
+            outcomes.add("refused")
+    assert outcomes == {"same", "refused"}
+
+
+def test_what_is_made_from_a_file_has_not_its_checksums(made, tmp_path):
+    """A subset that is saved is a file of the user's own, and taken."""
+    with open_lazily(made / "drag.nc") as dataset:
+        dataset.isel(seed=[0]).load().drop_encoding().to_netcdf(tmp_path / "some.nc")
+    assert told("info", tmp_path / "some.nc")[0] == 0
+
+
+def told(*words):
+    """Exit status and output of a command; a traceback fails the test."""
+    with warnings.catch_warnings(record=True) as warned:
+        warnings.simplefilter("always", RuntimeWarning)
+        result = CliRunner().invoke(app, [str(word) for word in words])
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+    assert not [each for each in warned if issubclass(each.category, RuntimeWarning)], result.output
+    return result.exit_code, result.output
+
+
+AXES = "displacement", "displacement_bounds", "seed"
+
+
+def foreign(path, layout, skip=(), text_as_number=False, attrs=(), size=3, fill=0.5, axes=0.5):
+    """A file of the user's own making, after a layout, of one value everywhere but on its axes."""
+    with netCDF4.Dataset(path, "w") as file:
+        file.setncatts(dict(attrs))
+        for name, (dims, _, _) in layout.items():
+            for dim in dims:
+                if dim not in file.dimensions:
+                    file.createDimension(dim, size)
+            if name in skip:
+                continue
+            text = is_text(name, layout) and not text_as_number
+            variable = file.createVariable(name, str if text else "f8", dims)
+            shape = [size] * len(dims)
+            variable[...] = (
+                np.full(shape, "c1", object)
+                if text and dims
+                else "c1"
+                if text
+                else axes
+                if name in AXES
+                else fill
+            )
+    return path
+
+
+ATTRS = {
+    "title": "t", "history": "h", "git_revision": "g", "source_hash": "s", "versions": "v",
+    "references": "r", "configuration": "{}", "window_start": 0.0, "window_stop": 1.0,
+    "cylinder_velocity": 1.0, "box_width": 1.0, "lag": 1.0, "cylinder_diameter": 1.0, "layers": 8,
+}  # fmt: skip
+VERBS = {
+    "info": lambda file, out: ("info", file),
+    "figure": lambda file, out: ("figure", "all", file, "-o", out),
+    "flow": lambda file, out: ("figure", "irregularity", file, "-o", out),
+    "claims": lambda file, out: ("claims", "test", file),
+    "report": lambda file, out: ("report", file, "-o", out / "r.html", "--readme", README),
+}
+FOREIGN = {
+    "gaps": {"fill": np.nan},
+    "gaps on the axes": {"axes": np.nan},
+    "zero": {"fill": 0.0},
+    "no size": {"size": 0},
+    "numbers for texts": {"text_as_number": True},
+    "window_start a text": {"attrs": ATTRS | {"window_start": "soon"}},
+    "window_start an array": {"attrs": ATTRS | {"window_start": [0.0, 1.0]}},
+    "window_start NaN": {"attrs": ATTRS | {"window_start": np.nan}},
+    "title a number": {"attrs": ATTRS | {"title": 3.0}},
+    "configuration no JSON": {"attrs": ATTRS | {"configuration": "{"}},
+    "no attributes": {"attrs": {}},
+    "no labels": {"skip": ("shape", "case", "kind")},
+}
+
+
+@pytest.mark.parametrize("verb", VERBS)
+@pytest.mark.parametrize("fault", FOREIGN)
+@pytest.mark.parametrize("layout", [COMBINED, FLOW], ids=["drag", "flow"])
+def test_a_foreign_file_is_answered_with_a_sentence(tmp_path, verb, fault, layout):
+    """Or with dashes where it has gaps; no traceback, no warning of numpy."""
+    path = foreign(tmp_path / "mine.nc", layout, **({"attrs": ATTRS} | FOREIGN[fault]))
+    status, output = told(*VERBS[verb](path, tmp_path / "out"))
+    assert status in (0, 2)
+    if status:
+        assert str(tmp_path) in output
+        assert all("mine.nc" in line or "flow.nc" in line for line in output.splitlines())
+    else:
+        assert "nan" not in output
+
+
+@pytest.mark.parametrize("dims", [(), ("seed",), ("displacement", "seed", "case")])
+def test_a_drag_over_other_dimensions_is_refused(tmp_path, dims):
+    layout = COMBINED | {"drag": (dims, "N", "")}
+    path = foreign(tmp_path / "mine.nc", layout, attrs=ATTRS)
+    for verb in ("info", "figure", "claims"):
+        status, output = told(*VERBS[verb](path, tmp_path / "out"))
+        assert status == 2 and "its drag is not over case, seed, displacement" in output
+
+
+def test_a_readme_that_is_no_text_is_refused(made, tmp_path):
+    """A netCDF file for instance; nothing is written."""
+    with pytest.raises(InputError, match=r"flow.nc: it is not a readable text"):
+        build_report(made, tmp_path, made / "flow.nc")
+    assert not (tmp_path / "r.html").exists()
+
+
+def build_report(made, folder, readme=README):
+    from PIL import Image
+
+    for name in ("drag.nc", "flow.nc"):
+        shutil.copy(made / name, folder)
+    (folder / "figures").mkdir()
+    Image.new("RGB", (4, 4)).save(folder / "figures/figure13.png")
+    build(folder / "drag.nc", folder / "flow.nc", readme, folder / "r.html")
+    return (folder / "r.html").read_text()
+
+
+def test_text_of_a_file_is_no_script_in_the_report(hostile, tmp_path):
+    """A case of any name is shown by its name; its data are read as they were written."""
+    page = build_report(hostile, tmp_path)
+    assert HOSTILE not in page and "<script>alert" not in page
+    assert "&lt;script&gt;alert(1)&lt;/script&gt;" in page
+    (beds,) = [line for line in page.splitlines() if line.startswith("<script>const BEDS = ")]
+    data = beds.removeprefix("<script>const BEDS = ").removesuffix(";</script>")
+    assert not set("<>&") & set(data) and list(json.loads(data)["cases"]) == [HOSTILE]
+
+
+def test_text_of_a_readme_is_no_script_in_the_report(made, tmp_path):
+    readme = tmp_path / "mine.md"
+    readme.write_text("## What the paper leaves open\n\n<script>alert(2)</script>\n")
+    assert "<script>alert" not in build_report(made, tmp_path, readme)
+
+
+@pytest.mark.parametrize("name", ["drag.nc", "run1.nc", "flow.nc"])
+def test_text_of_a_file_is_shown_on_the_terminal_and_not_obeyed(hostile, name):
+    """Neither escape sequences nor markup of rich."""
+    status, output = told("info", hostile / name)
+    assert status == 0 and "[red]title[/red]" in output and "[/nothing]" in output
+    assert output == plain(output) and not set("\x1b\x07\x9b\u202e\u2069") & set(output)
+
+
+def test_sealing_again_changes_nothing(made, tmp_path):
+    """The checksums are of all but themselves."""
+    path = shutil.copy(made / "run1.nc", tmp_path)
+    with netCDF4.Dataset(path, "a") as file:
+        before = file.getncattr(ATTRIBUTE)
+        seal(file)
+        assert file.getncattr(ATTRIBUTE) == before
