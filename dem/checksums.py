@@ -1,86 +1,47 @@
-"""Checksums of what a netCDF file holds, kept in one of its attributes: damage is noticed on reading.
+"""A checksum at the end of a file, behind what its format reads: damage is noticed before reading.
 
-netCDF's own filters guard arrays only. These cover scalars, texts and attributes as well.
+It is of all bytes, whatever they mean: filters of netCDF guard arrays only, and a damaged header
+can keep HDF5 busy for ever. Who changes the file with another program takes the checksum away.
 """
 
-import json
-from collections.abc import Iterable, Iterator
 from hashlib import sha256
+from pathlib import Path
 
-import netCDF4
-import numpy as np
-
-ATTRIBUTE = "checksums"
+MARK = b"\nsha256 "
+LENGTH = len(MARK) + 2 * sha256().digest_size
+BLOCK = 1 << 20  # bytes that are read at a time
 
 
 class Changed(ValueError):
     """A file does not hold what was written."""
 
 
-def seal(file: netCDF4.Dataset, names: Iterable[str] | None = None) -> None:
-    """Add the checksums of all headers, and of the values of these variables (all unless told)."""
-    file.set_auto_mask(False)
-    names = list(file.variables) if names is None else names
-    values = {name: _of_values(file.variables[name][...]) for name in names}
-    file.setncattr(ATTRIBUTE, json.dumps({"headers": _of_headers(file), "values": values}))
+def seal(path: Path) -> None:
+    """Add the checksum of a file that has been written."""
+    with Path(path).open("rb+") as file:
+        found = _checksum(file, file.seek(0, 2))
+        file.write(MARK + found)
 
 
-def is_sealed(file: netCDF4.Dataset) -> bool:
-    """Whether a file has checksums."""
-    return ATTRIBUTE in file.ncattrs()
+def is_sealed(path: Path) -> bool:
+    """Whether a file has a checksum; raises Changed if it is not that of its bytes."""
+    with Path(path).open("rb") as file:
+        size = file.seek(0, 2) - LENGTH
+        if size < 0:
+            return False
+        file.seek(size)
+        mark, stored = file.read(len(MARK)), file.read()
+        if mark != MARK:
+            return False
+        if stored != _checksum(file, size):
+            raise Changed("its checksum is another")
+    return True
 
 
-def verified(
-    file: netCDF4.Dataset, names: Iterable[str] | None = None
-) -> Iterator[tuple[str, np.ndarray]]:
-    """Names and values of these variables of a sealed file (of all that have a checksum unless told).
-
-    Raises Changed where a value or a header is not what was written; headers come first, because a
-    damaged size would be read as an array of any length.
-    """
-    file.set_auto_mask(False)
-    try:
-        sums = json.loads(file.getncattr(ATTRIBUTE))
-        headers, values = sums["headers"], dict(sums["values"])
-    except (ValueError, TypeError, KeyError):
-        raise Changed("its checksums are damaged") from None
-    if headers != _of_headers(file):
-        raise Changed("its names, sizes or attributes have changed")
-    for name in values if names is None else names:
-        value = file.variables[name][...]
-        if values.get(name) != _of_values(value):
-            raise Changed(f"the values of {name} have changed")
-        yield name, value
-
-
-def _short(content: bytes) -> str:
-    return sha256(content).hexdigest()[:16]
-
-
-def _of_values(values) -> str:
-    """Checksum of numbers or texts."""
-    array = np.asarray(values)
-    if array.dtype.kind in "OUS":
-        return _short(json.dumps(array.tolist(), default=repr).encode())
-    return _short(array.tobytes())
-
-
-def _of_headers(file: netCDF4.Dataset) -> str:
-    """Checksum of all attributes but the checksums, of dimensions, and of what variables are."""
-    dimensions = {name: len(dimension) for name, dimension in file.dimensions.items()}
-    variables = {
-        name: [str(variable.dtype), variable.dimensions, _attributes(variable)]
-        for name, variable in file.variables.items()
-    }
-    about = [_attributes(file), dimensions, variables]
-    return _short(json.dumps(about, sort_keys=True, default=repr).encode())
-
-
-def _attributes(holder) -> dict:
-    """Attributes with their types: 1 and 1.0 are not the same."""
-    found = {}
-    for name in holder.ncattrs():
-        if name != ATTRIBUTE:
-            value = np.asarray(holder.getncattr(name))
-            found[name] = [value.dtype.kind + str(value.dtype.itemsize), value.tolist()]
-    return found
+def _checksum(file, size: int) -> bytes:
+    """Checksum, as text, of so many bytes from the start; the file is then behind them."""
+    found = sha256()
+    file.seek(0)
+    for start in range(0, size, BLOCK):
+        found.update(file.read(min(BLOCK, size - start)))
+    return found.hexdigest().encode()

@@ -9,12 +9,11 @@ import json
 from contextlib import contextmanager
 from pathlib import Path
 
-import netCDF4
 import numpy as np
 import xarray as xr
 
 from dem import failures
-from dem.checksums import ATTRIBUTE, is_sealed, seal, verified
+from dem.checksums import is_sealed
 from dem.config import Replicate, Sweep, density_label
 from dem.dataset import (
     AGAIN,
@@ -22,13 +21,13 @@ from dem.dataset import (
     WALLS,
     attributes,
     content_of,
+    create,
     global_attributes,
     is_text,
     read,
 )
 from dem.errors import InputError
 from dem.failures import Failed
-from dem.files import atomic
 
 # What a replicate records along its stroke, once a run, and on the axis that all runs share.
 SERIES = tuple(
@@ -71,8 +70,7 @@ def combine(
 
     The replicates may come in any order; each says itself which run it holds. The attributes tell
     the provenance of the replicates, all of it where they differ. The file is written atomically
-    and without loss; its checksums leave out what is along the stroke, which netCDF's filter guards
-    block by block, so that millions of runs need not be read again. Where the sweep allows failures, those of dem.failures.sort_out are gaps (NaN)
+    and without loss. Where the sweep allows failures, those of dem.failures.sort_out are gaps (NaN)
     and `failure` tells why. Raises InputError for a replicate that is missing, damaged or of another
     configuration, and for a run that no file holds; RunError where too many failed.
     """
@@ -80,7 +78,7 @@ def combine(
     cases, seeds = case_places(sweep), seed_places(sweep)
     origin = np.full((len(cases), len(seeds)), -1)  # number of the path that a run comes from
     provenance = {name: {} for name in PROVENANCE}
-    with atomic(output) as part, netCDF4.Dataset(part, "w") as file:
+    with create(output) as file:
         for number, path in enumerate(paths):
             replicate, run, attrs = _load(path, sweep)
             shape, density, seed = replicate.key
@@ -112,7 +110,6 @@ def combine(
                 f"{len(paths)} files."
             )
         file.setncatts(_about(sweep, {name: "; ".join(kept) for name, kept in provenance.items()}))
-        seal(file, [name for name in file.variables if name not in SERIES])
 
 
 def case_places(sweep: Sweep) -> dict[tuple[str, str], int]:
@@ -241,25 +238,20 @@ def open_combined(path: Path):
 def open_lazily(path: Path):
     """Any netCDF file with variables that are read when needed, an xarray.Dataset.
 
-    A file with checksums must hold what was written; one without, of the user's own making, is
+    A file with a checksum must hold what was written; one without, of the user's own making, is
     taken as it is. Raises InputError for another file, also where damage, or a content that does
     not fit, shows only when a value is read or used.
     """
     if not Path(path).is_file():
         raise InputError(f"{path}: there is no such file.")
-    try:
-        with content_of(path), netCDF4.Dataset(path) as file:
-            if is_sealed(file):
-                for _ in verified(file):
-                    pass
-        dataset = xr.open_dataset(path, engine="netcdf4", chunks={})
-    except (OSError, ValueError, RuntimeError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"{path}: it is not a readable netCDF file ({error}).") from None
-    with content_of(path), dataset:
-        dataset.attrs.pop(ATTRIBUTE, None)  # they are not those of what is made from it
-        yield dataset
+    with content_of(path):
+        is_sealed(path)
+        try:
+            dataset = xr.open_dataset(path, engine="netcdf4", chunks={})
+        except (OSError, ValueError, RuntimeError) as error:
+            raise InputError(f"{path}: it is not a readable netCDF file ({error}).") from None
+        with dataset:
+            yield dataset
 
 
 def require(dataset: xr.Dataset, path: Path, layout: dict, variables, attributes=()) -> None:

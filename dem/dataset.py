@@ -1,6 +1,6 @@
 """netCDF files: the layout of replicates, in one table; writing is atomic, reading is checked.
 
-Every file is sealed with checksums (dem.checksums) and read only if they hold.
+Every file is sealed with a checksum (dem.checksums) and read only if it holds.
 
 CF-1.11, SI units. A replicate holds one run over `displacement`; drag.nc holds the same
 variables over (case, seed, displacement). Studies keep tables of the same form beside them
@@ -15,7 +15,7 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 
-from dem.checksums import ATTRIBUTE, Changed, is_sealed, seal, verified
+from dem.checksums import Changed, is_sealed, seal
 from dem.errors import InputError, RunError
 from dem.files import atomic
 
@@ -62,7 +62,6 @@ VARIABLES = {
 }  # fmt: skip
 
 AGAIN = "delete it, with the folder batches if there is one, and run again"
-CHANGED = f"make it again; if you changed it on purpose, remove its attribute {ATTRIBUTE}."
 COMPRESSED = 8192  # bytes of an array from which compressing it makes the file smaller
 WALLS = ("left", "right", "bottom", "top")
 MEANS = ("drag", "drag_normal", "drag_tangential", "transverse_force", "wall_force")
@@ -106,9 +105,18 @@ def global_attributes(title: str, source: str, **more) -> dict:
     }
 
 
+@contextmanager
+def create(path: Path):
+    """A netCDF4.Dataset to fill; atomic, and sealed in the end."""
+    with atomic(path) as part:
+        with netCDF4.Dataset(part, "w") as file:
+            yield file
+        seal(part)
+
+
 def write(path: Path, values: dict, attrs: dict, layout: dict = VARIABLES) -> None:
     """Write one file: values by the names of a table like VARIABLES, atomically."""
-    with atomic(path) as part, netCDF4.Dataset(part, "w") as file:
+    with create(path) as file:
         file.setncatts(attrs)
         for name, value in values.items():
             dims = layout[name][0]
@@ -129,35 +137,32 @@ def write(path: Path, values: dict, attrs: dict, layout: dict = VARIABLES) -> No
             if kind == "S1":
                 variable._Encoding = "utf-8"
             variable[...] = str(array) if kind is str else array
-        seal(file)
 
 
 def read(path: Path, names: tuple[str, ...]) -> tuple[dict, dict]:
-    """The named variables and all global attributes.
+    """The named variables and all global attributes of a file that was written here.
 
     Raises InputError if they are not there, or not what was written.
     """
-    with content_of(path, f"{AGAIN}."):
-        try:
-            file = netCDF4.Dataset(path)
-        except OSError as error:
+    with content_of(path, AGAIN):
+        if not Path(path).is_file():
+            raise InputError(f"{path}: there is no such file.")
+        if not is_sealed(path):
             raise InputError(
-                f"{path}: it is not a readable netCDF file ({error}); {AGAIN}."
-            ) from None
-        with file:
+                f"{path}: it has no checksum, so it is another file, or an older version wrote it; "
+                f"if it is a result, {AGAIN}."
+            )
+        with netCDF4.Dataset(path) as file:
+            file.set_auto_mask(False)
             for name in names:
                 if name not in file.variables:
                     raise InputError(f"{path}: it has no variable {name}; is it another file?")
-            if not is_sealed(file):
-                raise InputError(
-                    f"{path}: it has no checksums, so an older version wrote it; {AGAIN}."
-                )
-            values = dict(verified(file, names))
+            values = {name: file.variables[name][...] for name in names}
             return values, {name: file.getncattr(name) for name in file.ncattrs()}
 
 
 @contextmanager
-def content_of(path: Path, remedy: str = CHANGED):
+def content_of(path: Path, remedy: str = "make it again"):
     """Whatever the content of a file makes fail is an InputError with the file's name.
 
     remedy: what to do about a file that is damaged. Gaps of a file are NaN, and so is what follows
@@ -177,7 +182,7 @@ def content_of(path: Path, remedy: str = CHANGED):
         words = " ".join(str(error).split())[:200]
         if isinstance(error, Changed) or words.startswith(("NetCDF", "[Errno -")):
             raise InputError(
-                f"{path}: its content is not what was written ({words}); {remedy}"
+                f"{path}: its content is not what was written ({words}); {remedy}."
             ) from None
         if isinstance(error, OSError):  # of another file
             raise

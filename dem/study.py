@@ -3,7 +3,6 @@
 from pathlib import Path
 from typing import NamedTuple
 
-import netCDF4
 import xarray as xr
 
 from dem import provenance
@@ -92,8 +91,7 @@ class Study(NamedTuple):
             encoding[name]["_FillValue"] = None
         with atomic(path) as part:
             dataset.drop_encoding().to_netcdf(part, engine="netcdf4", encoding=encoding)
-            with netCDF4.Dataset(part, "a") as file:
-                seal(file)
+            seal(part)
 
 
 def _along(part: xr.Dataset, dim: str) -> xr.Dataset:

@@ -41,7 +41,7 @@ def copies(folder: Path, first: Path, sweep) -> None:
             with netCDF4.Dataset(target, "a") as file:
                 file["seed"][...] = replicate.seed
                 file.run_key = replicate.run_key()
-                seal(file)
+            seal(target)
 
 
 def measured(place: Place, *command) -> str:

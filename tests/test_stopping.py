@@ -228,7 +228,7 @@ def renamed(source, target, replicate):
     with netCDF4.Dataset(target, "a") as file:
         file["seed"][...] = replicate.seed
         file.run_key = replicate.run_key()
-        seal(file)
+    seal(target)
 
 
 def test_what_killed_processes_left_is_cleared_away(tmp_path):
