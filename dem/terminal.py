@@ -98,10 +98,10 @@ def reported():
     try:
         yield
     except InputError as error:
-        typer.echo(str(error), err=True)
+        typer.echo(plain(str(error)), err=True)
         raise typer.Exit(2) from None
     except (RunError, OSError) as error:
-        typer.echo(f"{type(error).__name__}: {error}", err=True)
+        typer.echo(plain(f"{type(error).__name__}: {error}"), err=True)
         raise typer.Exit(1) from None
     except Stopped as stopped:
         typer.echo("Interrupted; no half-written file is left.", err=True)

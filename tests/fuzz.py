@@ -836,7 +836,7 @@ def _total(folder: Path) -> tuple[int, str, str]:
             try:
                 os.environ["NUMBA_CACHE_DIR"] = str(folder / "cache")
                 spec = importlib.util.spec_from_file_location("tiny", folder / "tiny.py")
-                module = importlib.util.module_from_spec(spec)
+                module = sys.modules["tiny"] = importlib.util.module_from_spec(spec)
                 spec.loader.exec_module(module)
                 status = 0 if module.total(np.array([1.0, 2.0])) == 5.0 else 3
             except BaseException:

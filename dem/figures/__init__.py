@@ -92,7 +92,7 @@ def drawable(folder: Path) -> list[str]:
 
     Raises InputError where drag.nc is absent, or where a file of results is damaged.
     """
-    from dem.combine import open_lazily, require
+    from dem.combine import COMBINED, open_lazily, require
 
     found = []
     for file, figures in FILES.items():
@@ -105,7 +105,7 @@ def drawable(folder: Path) -> list[str]:
             continue
         with open_lazily(data) as dataset:
             if figures in (FIGURES, FLOW):
-                require(dataset, data, ("shape", "density"))
+                require(dataset, data, COMBINED, ("shape", "density"))
                 shapes, densities = (dataset[key].values.tolist() for key in ("shape", "density"))
                 cases = list(zip(shapes, densities, strict=True))
                 found += [name for name, (_, suffices) in figures.items() if suffices(cases)]
