@@ -96,7 +96,7 @@ def good_files() -> Path:
     data |= {"seeds": [1], "shapes": {"c1": data["shapes"]["c1"]}}
     data |= {"cases": {"c1": data["cases"]["c1"]}, "record": data["record"] | {"snapshots": 3}}
     (folder / "q.yaml").write_text(yaml.safe_dump(data))
-    for name in ("README.md", "pyproject.toml"):
+    for name in ("README.md", "pyproject.toml", "config/stability.yaml"):
         shutil.copy(ROOT / name, folder)
     (folder / "note.txt").write_text("A note that nobody may lose.\n")
     (folder / "sub").mkdir()
@@ -148,7 +148,7 @@ GOOD = {
     "film": {"file": "rep.nc", "--color": "speed", "-o": "new.gif"},
     "compile": {"--config": "q.yaml", "--shape": "c1"},
     "benchmark": {"--config": "q.yaml", "-o": "new.nc"},
-    "stability catalogue": {"--config": "q.yaml", "--shape": "c1", "-o": "new.nc"},
+    "stability catalogue": {"--config": "q.yaml", "--shape": "c1", "--catalogue": "stability.yaml", "-o": "new.nc"},
 }  # fmt: skip
 
 
@@ -298,6 +298,21 @@ def a_configuration(rng, folder):
     parse(spoiled(yaml.safe_load(SMOKE.read_text()), rng))
 
 
+def an_extreme_value(rng, folder):
+    """A run with one number of its configuration at the edge of what a computer can hold."""
+    bring(folder, "q.yaml", "bed.nc")
+    data = yaml.safe_load((folder / "q.yaml").read_text())
+    section = data[rng.choice(["material", "friction", "cylinder", "record", "shapes"])]
+    section = section.get("c1", section)
+    key = rng.choice([key for key, value in section.items() if not isinstance(value, str)])
+    section[key] = rng.choice([5e-324, 1e-308, 1e-200, 1e-150, 1e-30, 1e15])
+    (folder / "q.yaml").write_text(yaml.safe_dump(data))
+    options = GOOD["simulate"] | {"--density": rng.choice(["3900", "3900", "5e-324", "1e300"])}
+    unwanted = "--checkpoint", rng.choice(["--bed", "--threads"])
+    options = {name: word for name, word in options.items() if name not in unwanted}
+    command(folder, words("simulate", options), "new.nc", most=20)
+
+
 BYTES = (
     b"&a [*a]",
     b"\t",
@@ -381,7 +396,7 @@ def a_yaml(rng, folder):
 WORDS = (
     "c1", "x9", "", "nan", "inf", "-1", "0", "1e300", "1e-300", "-5", "99999999999999999999", "3900",
     "none.yaml", "README.md", "pyproject.toml", "/", ".", "é", "--", "-h2", "a b",
-    "figure13", "all", "\u202e", "q.yaml\n", str(2**63), "bed.nc", "x.npy",
+    "figure13", "all", "\u202e", "q.yaml ", str(2**63), "bed.nc", "x.npy",
 )  # fmt: skip
 
 
@@ -417,6 +432,8 @@ def an_option(rng, folder):
     verb = rng.choice(list(GOOD))
     name = rng.choice([each for each in GOOD[verb] if each in BAD])
     options = GOOD[verb] | {name: rng.choice(BAD[name])}
+    if name != "--bed" and rng.random() < 0.5:
+        options.pop("--bed", None)
     command(folder, words(verb, options), options.get("-o"), bad=True)
 
 
@@ -881,7 +898,7 @@ def a_cache(rng, folder):
 
 # kind: its weight
 KINDS = {
-    a_configuration: 14, a_text: 6, a_yaml: 6, a_command_line: 8, an_option: 14, a_path: 14, an_array: 10,
+    a_configuration: 14, an_extreme_value: 6, a_text: 6, a_yaml: 6, a_command_line: 8, an_option: 14, a_path: 14, an_array: 10,
     a_wrong_type: 16, a_long_run: 2, a_restored_state: 6, a_checkpoint: 6, a_flip: 14, a_file: 3,
     a_tampered_file: 6, a_cache: 2,
 }  # fmt: skip
