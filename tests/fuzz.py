@@ -96,7 +96,7 @@ def good_files() -> Path:
     data |= {"seeds": [1], "shapes": {"c1": data["shapes"]["c1"]}}
     data |= {"cases": {"c1": data["cases"]["c1"]}, "record": data["record"] | {"snapshots": 3}}
     (folder / "q.yaml").write_text(yaml.safe_dump(data))
-    for name in ("README.md", "pyproject.toml", "config/stability.yaml"):
+    for name in ("README.md", "pyproject.toml", "config/stability.yaml", "config/smoke.yaml"):
         shutil.copy(ROOT / name, folder)
     (folder / "note.txt").write_text("A note that nobody may lose.\n")
     (folder / "sub").mkdir()
@@ -148,7 +148,7 @@ GOOD = {
     "film": {"file": "rep.nc", "--color": "speed", "-o": "new.gif"},
     "compile": {"--config": "q.yaml", "--shape": "c1"},
     "benchmark": {"--config": "q.yaml", "-o": "new.nc"},
-    "stability catalogue": {"--config": "q.yaml", "--shape": "c1", "--catalogue": "stability.yaml", "-o": "new.nc"},
+    "stability catalogue": {"--config": "smoke.yaml", "--shape": "c1", "--catalogue": "stability.yaml", "-o": "new.nc"},
 }  # fmt: skip
 
 
