@@ -44,7 +44,7 @@ STEP_FRACTION = 0.5  # of the bound on the critical time step
 LARGEST_OVERLAP = 1.2  # of the smaller radius
 LONGEST_FLIGHT = 0.02  # of the smallest radius, in one step
 MOST_THREADS = max(64, 4 * (os.cpu_count() or 1))
-PIECES = whole(1, 10_000_000)  # of a run
+PIECES = whole(1, 10_000_000)  # beyond that their arrays fill any memory
 DURATION = positive("s")
 
 

@@ -89,6 +89,13 @@ def replicates_of(sweep, output: Path, files: list[Path] | None):
     return files, failed
 
 
+def _tell(sentence: str) -> None:
+    """Show a sentence; what it repeats of a file or a path is shown, never obeyed."""
+    from dem.plain import plain
+
+    typer.echo(plain(sentence), err=True)
+
+
 @contextmanager
 def reported():
     """One sentence and an exit status instead of a traceback."""
@@ -98,10 +105,10 @@ def reported():
     try:
         yield
     except InputError as error:
-        typer.echo(plain(str(error)), err=True)
+        _tell(str(error))
         raise typer.Exit(2) from None
     except (RunError, OSError) as error:
-        typer.echo(plain(f"{type(error).__name__}: {error}"), err=True)
+        _tell(f"{type(error).__name__}: {error}")
         raise typer.Exit(1) from None
     except Stopped as stopped:
         typer.echo("Interrupted; no half-written file is left.", err=True)
