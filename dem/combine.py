@@ -144,8 +144,8 @@ def _load(path: Path, sweep: Sweep) -> tuple[Replicate, dict, dict]:
     values, attrs = read(path, (*AXIS, *SERIES, *SCALARS, *LABELS))
     with content_of(path):
         for name in (*PROVENANCE, "run_key"):
-            if name not in attrs:
-                raise InputError(f"{path}: it has no attribute {name}; is it another file?")
+            if not isinstance(attrs.get(name), str):
+                raise InputError(f"{path}: it has no text as attribute {name}; is it another file?")
         label = str(values["shape"])
         run = Replicate.of(sweep, label, float(values["density"]), int(values["seed"]))
         if label not in sweep.shapes or attrs["run_key"] != run.run_key():

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dem import provenance
+from dem.checksums import is_sealed, seal
 from dem.config import Replicate, density_label
 from dem.errors import InputError
 from dem.files import atomic
@@ -63,6 +64,8 @@ def write_checkpoint(
         arrays[f"state_{name}"] = np.stack([getattr(state, name) for state in going.states])
     with atomic(path) as part, part.open("wb") as file:
         np.savez(file, mark=np.array(mark_of(replicate, bed)), spent=going.spent, **arrays)
+        file.close()
+        seal(part)
 
 
 STATE = ("position", "velocity", "angle", "angular_velocity")
@@ -137,6 +140,8 @@ def read_checkpoint(path: Path, replicate: Replicate, bed: Bed) -> Saved | None:
     if not path.is_file():
         return None
     try:
+        if not is_sealed(path):
+            raise ValueError("it has no checksum")
         with np.load(path) as file:
             record = Record(*(file[f"record_{name}"] for name in Record._fields))
             columns = (file[f"state_{name}"] for name in STATE)

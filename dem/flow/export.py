@@ -1,5 +1,6 @@
 """Snapshots of one replicate for ParaView: a VTK file each, and a .pvd file that lists them."""
 
+import os
 from pathlib import Path
 
 import meshio
@@ -22,6 +23,7 @@ def export(motion: Motion, folder: Path, progress=lambda done: None) -> Path:
     angle (rad). The cylinder is one polygon more, number -1. Lengths in m; time is the displacement.
     """
     folder, lines = Path(folder), []
+    folder = Path(os.path.realpath(folder))  # of a link, the folder that it leads to
     folder.mkdir(parents=True, exist_ok=True)
     for snapshot, displacement in enumerate(motion.displacement):
         name = f"bed{snapshot:04d}.vtu"
