@@ -17,13 +17,13 @@ import sys
 from snakemake.cli import get_argument_parser
 
 import dem
-from dem import config as schema
-from dem.errors import InputError, RunError
+from dem.experiment import config as schema
+from dem.base.errors import InputError, RunError
 from dem.figures import FLOW, possible
-from dem.progress import WorkflowProgress
-from dem.provenance import source_hash
-from dem.workplace import on_failure, prepare
-from dem.yaml_file import read
+from dem.io.progress import WorkflowProgress
+from dem.base.provenance import source_hash
+from dem.io.results_folder import on_failure, prepare
+from dem.base.yaml_file import read
 
 
 def refuse(sentence):
@@ -88,7 +88,7 @@ def quoted(text):
 
 # Jobs run the Python that runs Snakemake, whatever PATH says, and the `dem` that it found: -P keeps a folder of
 # that name where Snakemake was started from being taken. Ctrl-C reaches a job only once it can answer it
-# (dem.terminal): Python's start would show a traceback.
+# (dem.cli.terminal): Python's start would show a traceback.
 shell.prefix(
     "set -euo pipefail; trap '' INT; "
     f"export PYTHONPATH={quoted(Path(dem.__file__).parent.parent)}${{{{PYTHONPATH:+:$PYTHONPATH}}}}; "

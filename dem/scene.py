@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from dem.errors import InputError
-from dem.validate import (
+from dem.base.errors import InputError
+from dem.base.validate import (
     MOST,
     array,
     checked,
@@ -94,7 +94,7 @@ def arrays_of(shape) -> dict[str, np.ndarray]:
 
 def granules(name, value):
     """Kind: granules of one shape; returned with sizes of their own that cannot be written."""
-    from dem.shapes import SHAPES  # it loads Numba, which a scene without granules has no use for
+    from dem.shapes import SHAPES
 
     if type(value) not in (kind for kind, _ in SHAPES.values()):
         refuse(name, value, "be a dem.Disc, dem.Dumbbell or dem.Ellipse")

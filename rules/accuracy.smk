@@ -12,7 +12,7 @@ OUTPUTS
     {RESULTS}/figures/accuracy_{figure}.svg, {RESULTS}/figures/accuracy_{figure}.png
 """
 
-from dem.accuracy.plan import density_of
+from dem.studies.accuracy.plan import density_of
 from dem.figures import ACCURACY
 
 STUDY = f"{RESULTS}/accuracy"
@@ -80,7 +80,7 @@ rule accuracy_steps:
         "Time steps and integrators: error against time, alone on the computer"
     input:
         code=study_code("steps", "integrators", "collisions", "step_runs"),
-        peers="dem/benchmark/lammps.py",
+        peers="dem/studies/peers/lammps.py",
     output:
         STUDY + "/steps.nc",
     params:

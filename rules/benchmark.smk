@@ -45,7 +45,7 @@ rule benchmark_table:
         "Write {output}"
     input:
         data=RESULTS + "/benchmark.nc",
-        code=["dem/benchmark/report.py", "dem/info.py"],
+        code=["dem/studies/benchmark/report.py", "dem/report/info.py"],
     output:
         RESULTS + "/benchmark.txt",
     log:

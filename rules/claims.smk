@@ -23,7 +23,7 @@ def claims_code(names):
 
 
 def jamming_files():
-    from dem.claims.beds import shapes
+    from dem.studies.claims.beds import shapes
 
     return [f"{CLAIMS_FOLDER}/jamming/{shape}.nc" for shape in shapes(SWEEP)]
 
@@ -32,7 +32,7 @@ def claims_parts(wildcards):
     """The files of all jobs."""
     if SWEEP.claims is None:
         refuse("claims is missing in the configuration; see config/paper.yaml.")
-    from dem.claims.trials import PARTS, check_all, groups
+    from dem.studies.claims.trials import PARTS, check_all, groups
 
     try:
         check_all(SWEEP)
@@ -48,7 +48,7 @@ def claims_plan(*keys):
 
 
 def needs_jamming(wildcards):
-    from dem.claims.trials import NEED_JAMMING
+    from dem.studies.claims.trials import NEED_JAMMING
 
     return jamming_files() if wildcards.part in NEED_JAMMING else []
 
@@ -108,7 +108,7 @@ rule claims_runs:
     message:
         "Runs for the claims: {wildcards.part}, group {wildcards.group}"
     input:
-        code=[*claims_code(MAKING - {"jamming", "beds", "kernels"}), "dem/accuracy/runs.py"],
+        code=[*claims_code(MAKING - {"jamming", "beds", "kernels"}), "dem/studies/accuracy/runs.py"],
         flow=[f"dem/flow/{name}.py" for name in ("collect", "measures", "motion")],
         kernels=CLAIMS_FOLDER + "/kernels.done",
         jamming=needs_jamming,
@@ -134,7 +134,7 @@ rule claims_combine:
         "Combine the study into {output}"
     input:
         parts=claims_parts,
-        code=[*claims_code({"layout"}), "dem/study.py"],
+        code=[*claims_code({"layout"}), "dem/sweep/study.py"],
     output:
         RESULTS + "/claims.nc",
     log:

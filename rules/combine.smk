@@ -12,7 +12,7 @@ rule combine:
         "Combine the replicates into {output}"
     input:
         replicates=REPLICATES,
-        code="dem/combine.py",
+        code="dem/sweep/combine.py",
     output:
         RESULTS + "/drag.nc",
     params:

@@ -9,7 +9,7 @@ OUTPUTS
 """
 
 from dem.figures import FILE_OF, drawable
-from dem.sources import closure
+from dem.base.sources import closure
 
 
 def pictures(names):

@@ -1,7 +1,7 @@
 """Compile the kernels of each kind of granule once, before many processes need them.
 
 REQUIRED INPUTS
-    none; the machine code itself is kept in the cache folder of dem.compilation
+    none; the machine code itself is kept in the cache folder of dem.jit.compilation
 OUTPUTS
     {RESULTS}/kernels/{kind}.done
 """

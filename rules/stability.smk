@@ -16,7 +16,7 @@ CATALOGUE = "config/stability.yaml"
 
 def stability_parts(wildcards):
     """The files of all jobs."""
-    from dem.stability import catalogue, study
+    from dem.studies.stability import catalogue, study
 
     try:
         cases = catalogue.load(CATALOGUE)
@@ -65,7 +65,7 @@ rule stability_join:
         "Combine the study into {output}"
     input:
         parts=stability_parts,
-        code=["dem/study.py", "dem/stability/layout.py"],
+        code=["dem/sweep/study.py", "dem/studies/stability/layout.py"],
     output:
         RESULTS + "/stability.nc",
     log:
@@ -79,7 +79,7 @@ rule stability_table:
         "Write {output}"
     input:
         data=RESULTS + "/stability.nc",
-        code="dem/stability/report.py",
+        code="dem/studies/stability/report.py",
     output:
         RESULTS + "/stability.txt",
     log:

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import dem
-from dem.config import load
-from dem.room import height_of_box, sample_diameters
+from dem.experiment.config import load
+from dem.experiment.fit import height_of_box, sample_diameters
 from dem.shapes import SHAPES
 
 # Compiling takes seconds, so no deadlines; the same examples each time, so no surprises.

@@ -43,13 +43,13 @@ import yaml
 from typer.testing import CliRunner
 
 import dem
-from dem.cli import app
-from dem.config import load, parse
-from dem.dataset import read
-from dem.errors import InputError, RunError
+from dem.cli.app import app
+from dem.experiment.config import load, parse
+from dem.io.dataset import read
+from dem.base.errors import InputError, RunError
 
 try:  # a file of results may end with its checksum
-    from dem.checksums import seal as reseal
+    from dem.io.checksums import seal as reseal
 except ImportError:
 
     def reseal(path):
@@ -116,7 +116,7 @@ def good_files() -> Path:
 
 def _make_checkpoint():
     """The checkpoint of a run that was stopped in the middle: run.npz."""
-    from dem import drag
+    from dem.experiment import drag
 
     def stop(done):
         if done >= 60:
@@ -837,7 +837,7 @@ def check_harmless(verb, folder, result):
         raise Fault(f"markup of a file is obeyed: {shown[:300]!r}")
 
 
-TINY = """from dem.compilation import compiled
+TINY = """from dem.jit.compilation import compiled
 @compiled
 def total(array):
     return array[0] + 2.0 * array[1]

@@ -25,13 +25,13 @@ class Mutant(NamedTuple):
 
 
 MUTANTS = (
-    Mutant("sign of damping turned", "dem/contact_law.py", "elastic + damping", "elastic - damping",
+    Mutant("sign of damping turned", "dem/contacts/force_law.py", "elastic + damping", "elastic - damping",
            "tests/test_collision.py"),
-    Mutant("memory not carried to a new list", "dem/listing.py",
+    Mutant("memory not carried to a new list", "dem/dynamics/neighbor_list.py",
            "new[p] = old[source[p]]", "new[p] = 0.0", "tests/test_neighbors.py"),
-    Mutant("list never made anew", "dem/march.py",
+    Mutant("list never made anew", "dem/dynamics/stepping.py",
            "world = relist(world, parts)", "world = world", "tests/test_simulate.py"),
-    Mutant("torque of walls and cylinder reversed", "dem/blocks.py",
+    Mutant("torque of walls and cylinder reversed", "dem/contacts/blocks.py",
            "    add(take(turns, values, row.TWIST1 + k), force, at + TWO)",
            "    add(minus(None, take(turns, values, row.TWIST1 + k)), force, at + TWO)",
            "tests/test_force_reference.py"),

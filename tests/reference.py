@@ -4,7 +4,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from dem import Disc
-from dem.contact_law import damping_from_restitution
+from dem.contacts.force_law import damping_from_restitution
 
 
 def effective(scene, boundary):

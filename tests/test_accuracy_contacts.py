@@ -6,9 +6,9 @@ import xarray as xr
 from numpy.testing import assert_allclose
 from reference import parting, potential
 
-from dem.accuracy import bounces, contacts, definitions, layout_contacts, trials
-from dem.accuracy.pairs import Contact, Pairs, difference, dot, draw, is_best, make_pairs, starts
-from dem.dataset import global_attributes, write
+from dem.studies.accuracy import bounces, contacts, definitions, layout_contacts, trials
+from dem.studies.accuracy.pairs import Contact, Pairs, difference, dot, draw, is_best, make_pairs, starts
+from dem.io.dataset import global_attributes, write
 from dem.figures import accuracy_contacts
 
 EPS = np.finfo(float).eps

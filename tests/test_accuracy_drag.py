@@ -8,10 +8,10 @@ import xarray as xr
 import yaml
 
 import dem
-from dem.accuracy import replicates
-from dem.accuracy.bias import bias, change, failures, table
-from dem.accuracy.runs import shortened, vary_step
-from dem.config import load, parse
+from dem.studies.accuracy import replicates
+from dem.studies.accuracy.bias import bias, change, failures, table
+from dem.studies.accuracy.runs import shortened, vary_step
+from dem.experiment.config import load, parse
 
 CONFIG = Path(__file__).parent.parent / "config"
 MEAN, SCATTER = 1000.0, 0.1

@@ -8,8 +8,8 @@ import xarray as xr
 from numpy.testing import assert_allclose
 
 import dem
-from dem.accuracy import collisions, steps
-from dem.accuracy.integrators import (
+from dem.studies.accuracy import collisions, steps
+from dem.studies.accuracy.integrators import (
     EXPLICIT_EULER,
     HALF_STEP,
     PEFRL,
@@ -17,11 +17,11 @@ from dem.accuracy.integrators import (
     VERLET,
     Motion,
 )
-from dem.accuracy.layout_steps import VARIABLES
-from dem.accuracy.step_runs import fitted_order
-from dem.benchmark import lammps
-from dem.config import load
-from dem.dataset import write
+from dem.studies.accuracy.layout_steps import VARIABLES
+from dem.studies.accuracy.step_runs import fitted_order
+from dem.studies.peers import lammps
+from dem.experiment.config import load
+from dem.io.dataset import write
 from dem.figures.accuracy_steps import plot
 
 SWEEP = load(Path(__file__).parent.parent / "config/smoke.yaml")

@@ -12,11 +12,11 @@ from numpy.testing import assert_allclose
 from rich.console import Console
 from scipy.stats import qmc
 
-from dem.claims import design, report
-from dem.claims import trials as runs_of
-from dem.claims.alignment import alignment
-from dem.claims.changes import changed
-from dem.claims.compare import (
+from dem.studies.claims import design, report
+from dem.studies.claims import trials as runs_of
+from dem.studies.claims.alignment import alignment
+from dem.studies.claims.changes import changed
+from dem.studies.claims.compare import (
     CONTRADICTED,
     SUPPORTED,
     UNDECIDED,
@@ -24,17 +24,17 @@ from dem.claims.compare import (
     Prediction,
     together,
 )
-from dem.claims.evidence import NOTHING, Evidence, from_study
-from dem.claims.influence import influences
-from dem.claims.jamming import NOISE, Jamming, line
-from dem.claims.plan import Choice, Range, SensitivitySection
-from dem.claims.remains import remaining
-from dem.claims.sentences import CLAIMS
-from dem.claims.trials import PARTS, trials
-from dem.claims.verdicts import judge, share
-from dem.compaction import Press
-from dem.config import load, parse
-from dem.errors import InputError
+from dem.studies.claims.evidence import NOTHING, Evidence, from_study
+from dem.studies.claims.influence import influences
+from dem.studies.claims.jamming import NOISE, Jamming, line
+from dem.studies.claims.plan import Choice, Range, SensitivitySection
+from dem.studies.claims.remains import remaining
+from dem.studies.claims.sentences import CLAIMS
+from dem.studies.claims.trials import PARTS, trials
+from dem.studies.claims.verdicts import judge, share
+from dem.packing.pressed import Press
+from dem.experiment.config import load, parse
+from dem.base.errors import InputError
 
 INFINITE = float("inf")
 SHAPES = {"c1": 1300.0, "d1": 2900.0, "c2": 560.0, "e1": 900.0, "e2": 600.0, "e3": 400.0, "e0": 1300.0}  # fmt: skip

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from dem.calibrate import MODULI, fit
-from dem.cli import app
-from dem.errors import InputError, RunError
-from dem.flow import film
+from dem.studies.calibrate import MODULI, fit
+from dem.cli.app import app
+from dem.base.errors import InputError, RunError
+from dem.figures import film
 
 ROOT = Path(__file__).parent.parent
 RUN = (
@@ -29,7 +29,7 @@ RUN = (
 
 
 def dem(*arguments):
-    command = [sys.executable, "-m", "dem.cli", *map(str, arguments)]
+    command = [sys.executable, "-m", "dem.cli.app", *map(str, arguments)]
     return subprocess.run(command, cwd=ROOT, text=True, capture_output=True)
 
 

@@ -7,11 +7,11 @@ import sys
 
 import pytest
 
-from dem.provenance import PACKAGE
+from dem.base.provenance import PACKAGE
 
 ASK = """
 import numpy as np
-from dem.survey import kinetic
+from dem.dynamics.diagnostics import kinetic
 kinetic(np.ones((2, 8)), np.ones(2), None)
 print(*(sum(count.values()) for count in (kinetic.stats.cache_hits, kinetic.stats.cache_misses)))
 """
@@ -41,7 +41,7 @@ def test_copies_share_kernels_and_edits_do_not(tmp_path):
 
 TINY = """
 import sys
-from dem.compilation import compiled
+from dem.jit.compilation import compiled
 
 @compiled
 def double(x):

@@ -12,15 +12,15 @@ from conftest import CONFIG
 from test_stopping import smoke
 from typer.testing import CliRunner
 
-from dem import drag
-from dem.checksums import LENGTH, is_sealed, seal
-from dem.cli import app
-from dem.combine import COMBINED, ON_CASE, combine, open_lazily
-from dem.dataset import is_text, read
-from dem.errors import InputError
-from dem.flow.collect import collect, write_flow
-from dem.flow.layout import VARIABLES as FLOW
-from dem.plain import plain
+from dem.experiment import drag
+from dem.io.checksums import LENGTH, is_sealed, seal
+from dem.cli.app import app
+from dem.sweep.combine import COMBINED, ON_CASE, combine, open_lazily
+from dem.io.dataset import is_text, read
+from dem.base.errors import InputError
+from dem.analysis.flow.collect import collect, write_flow
+from dem.analysis.flow.layout import VARIABLES as FLOW
+from dem.base.plain import plain
 from dem.report.build import build
 
 README = CONFIG.parent / "README.md"

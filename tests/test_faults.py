@@ -15,19 +15,19 @@ from conftest import CONFIG
 from rich.console import Console
 from test_stopping import smoke
 
-from dem import batch as batches
-from dem import drag
-from dem.batch import batch, settled
-from dem.combine import combine, open_combined
-from dem.errors import InputError, OverlapError, PackingError, RunError
-from dem.failures import sort_out
+from dem.sweep import batch as batches
+from dem.experiment import drag
+from dem.sweep.batch import batch, settled
+from dem.sweep.combine import combine, open_combined
+from dem.base.errors import InputError, OverlapError, PackingError, RunError
+from dem.sweep.failures import sort_out
 from dem.figures import FLOW, draw
-from dem.flow.collect import collect, write_flow
-from dem.info import summary
-from dem.progress import TimeLeft, span
+from dem.analysis.flow.collect import collect, write_flow
+from dem.report.info import summary
+from dem.io.progress import TimeLeft, span
 from dem.report.build import build
-from dem.statistics import change, summarise
-from dem.workplace import hold, redate
+from dem.analysis.statistics import change, summarise
+from dem.io.results_folder import hold, redate
 
 
 @pytest.fixture
@@ -151,7 +151,7 @@ def test_failures_need_batches():
 
 def test_a_folder_is_held_until_its_process_ends(tmp_path):
     """However it ends: SIGKILL leaves no lock behind."""
-    code = f"from dem.workplace import hold; held = hold({str(tmp_path)!r}); print('held', flush=True); input()"
+    code = f"from dem.io.results_folder import hold; held = hold({str(tmp_path)!r}); print('held', flush=True); input()"
     process = subprocess.Popen(
         [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
     )
@@ -191,7 +191,7 @@ def test_time_left_of_a_steady_job():
 @pytest.mark.parametrize("asked", [signal.SIGINT, signal.SIGTERM])
 def test_to_be_stopped_is_one_sentence(tmp_path, verb, asked):
     """Of a job that ignores signals until it can answer, as the workflow starts its jobs."""
-    command = [sys.executable, "-m", "dem.cli", verb, "--config", CONFIG / "smoke.yaml", "--shape", "c1", "--seed", "1",
+    command = [sys.executable, "-m", "dem.cli.app", verb, "--config", CONFIG / "smoke.yaml", "--shape", "c1", "--seed", "1",
                "-o", tmp_path / "out.nc", *(["--density", "3900"] if verb == "simulate" else [])]  # fmt: skip
     process = subprocess.Popen(
         command, stderr=subprocess.PIPE, text=True,

@@ -10,17 +10,17 @@ from PIL import Image
 from typer.testing import CliRunner
 
 import dem
-from dem import drag
-from dem.cli import app
-from dem.config import load
-from dem.dataset import VARIABLES
-from dem.flow import measures
-from dem.flow.collect import collect, write_flow
-from dem.flow.export import export
-from dem.flow.film import encoder, film, picture
-from dem.flow.motion import read_motion
-from dem.flow.verdict import compared
-from dem.info import summary
+from dem.experiment import drag
+from dem.cli.app import app
+from dem.experiment.config import load
+from dem.io.dataset import VARIABLES
+from dem.analysis.flow import measures
+from dem.analysis.flow.collect import collect, write_flow
+from dem.figures.export import export
+from dem.figures.film import encoder, film, picture
+from dem.analysis.flow.motion import read_motion
+from dem.analysis.flow.verdict import compared
+from dem.report.info import summary
 
 KINDS = ["disc", "dumbbell", "ellipse"]
 
@@ -213,6 +213,6 @@ def test_bad_input_is_one_sentence(runs, tmp_path, monkeypatch, arguments, words
 
 def test_layout_of_replicates_has_all_that_motion_reads():
     """The names that pictures need are in the table of the files."""
-    from dem.flow.motion import READ
+    from dem.analysis.flow.motion import READ
 
     assert set(READ) <= set(VARIABLES)

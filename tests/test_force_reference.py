@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 from reference import bed_forces
 
 from dem import Cylinder, Disc, Dumbbell, Friction, Material, Scene, Simulation, State, box
-from dem.kernel import forces
+from dem.contacts.loops import forces
 
 
 def random_bed(kind, seed):

@@ -7,18 +7,8 @@ import pytest
 from numpy.testing import assert_allclose
 from reference import bed_forces, outline, parting, potential
 
-from dem import (
-    CommonNormal,
-    Disc,
-    Dumbbell,
-    Ellipse,
-    Friction,
-    GeometricPotential,
-    Scene,
-    Simulation,
-    State,
-)
-from dem.compilation import compiled
+from dem import CommonNormal, Disc, Dumbbell, Ellipse, Friction, GeometricPotential, Scene, Simulation, State
+from dem.jit.compilation import compiled
 from dem.shapes.geometry import support, touch
 
 NORMAL = CommonNormal()

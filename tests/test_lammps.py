@@ -8,17 +8,17 @@ import numpy as np
 import pytest
 
 import dem
-from dem.benchmark import lammps
-from dem.benchmark.measure import (
+from dem.studies.peers import lammps
+from dem.studies.benchmark.measure import (
     Plan,
     compare_codes,
     compare_motion,
     compare_scenes,
     write_benchmark,
 )
-from dem.benchmark.scenes import FULL, make_case
-from dem.benchmark.sizes import compare_sizes
-from dem.config import load
+from dem.studies.benchmark.scenes import FULL, make_case
+from dem.studies.benchmark.sizes import compare_sizes
+from dem.experiment.config import load
 
 pytestmark = pytest.mark.skipif(lammps.available() is not None, reason=str(lammps.available()))
 CONFIG = Path(__file__).parent.parent / "config/smoke.yaml"
@@ -89,7 +89,7 @@ def test_the_benchmark_fills_its_file(small_bed, tmp_path):
     path = tmp_path / "benchmark.nc"
     write_benchmark(path, load(CONFIG), values)
     run = subprocess.run(
-        [sys.executable, "-m", "dem.cli", "info", str(path)], text=True, capture_output=True
+        [sys.executable, "-m", "dem.cli.app", "info", str(path)], text=True, capture_output=True
     )
     assert run.returncode == 0, run.stderr
     for word in ("LAMMPS", FULL, "YADE: not run"):

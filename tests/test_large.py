@@ -4,22 +4,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from dem import (
-    Bed,
-    Disc,
-    Ellipse,
-    Friction,
-    InputError,
-    Material,
-    Scene,
-    Simulation,
-    State,
-    box,
-    pack,
-)
-from dem.ordering import order_of
-from dem.tiling import tiled
-from dem.world import CHUNK
+from dem import Bed, Disc, Ellipse, Friction, InputError, Material, Scene, Simulation, State, box, pack
+from dem.dynamics.ordering import order_of
+from dem.packing.tiled import tiled
+from dem.dynamics.world import CHUNK
 
 PITCH = 1e-3  # m
 

@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 from dem import Simulation
-from dem.assembly import constants
-from dem.listing import relist
-from dem.neighbors import near_circle, near_pairs, near_planes
+from dem.dynamics.assembly import constants
+from dem.dynamics.neighbor_list import relist
+from dem.dynamics.neighbors import near_circle, near_pairs, near_planes
 
 
 @st.composite

@@ -14,10 +14,10 @@ import pytest
 from conftest import CONFIG
 from typer.testing import CliRunner
 
-from dem.cli import app
-from dem.errors import InputError
-from dem.files import FOLDER, Place, atomic, check_paths
-from dem.terminal import Writes
+from dem.cli.app import app
+from dem.base.errors import InputError
+from dem.base.files import FOLDER, Place, atomic, check_paths
+from dem.cli.terminal import Writes
 
 
 def commands(verbs=app, head=()):

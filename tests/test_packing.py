@@ -9,8 +9,8 @@ from numpy.testing import assert_allclose
 from reference import bed_forces, parting
 
 import dem
-from dem.compaction import Press, compact
-from dem.contact_law import effective_modulus
+from dem.packing.pressed import Press, compact
+from dem.contacts.force_law import effective_modulus
 
 # At 0.84 ellipses are below jamming and touch nothing; at 0.88 they press on each other.
 BEDS = [("disc", 0.84), ("dumbbell", 0.84), ("ellipse", 0.84), ("ellipse", 0.88)]

@@ -3,7 +3,7 @@
 import re
 import shutil
 
-from dem import provenance
+from dem.base import provenance
 
 
 def holds_compiled_code(file):
@@ -45,9 +45,9 @@ def test_an_edit_changes_the_hash(monkeypatch, tmp_path):
     with (tmp_path / "dem/figures/style.py").open("a") as file:
         file.write("# edited\n")
     assert hashes() == before
-    with (tmp_path / "dem/simulation.py").open("a") as file:
+    with (tmp_path / "dem/dynamics/simulation.py").open("a") as file:
         file.write("# edited\n")
     assert hashes()[0] != before[0] and hashes()[1] == before[1]
-    with (tmp_path / "dem/kernel.py").open("a") as file:
+    with (tmp_path / "dem/contacts/loops.py").open("a") as file:
         file.write("# edited\n")
     assert hashes()[1] != before[1]

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from conftest import assert_alone
 
-from dem import drag
-from dem.combine import combine
-from dem.config import load
-from dem.errors import InputError
+from dem.experiment import drag
+from dem.sweep.combine import combine
+from dem.experiment.config import load
+from dem.base.errors import InputError
 from dem.figures import FLOW, draw, possible
-from dem.flow.collect import collect, write_flow
+from dem.analysis.flow.collect import collect, write_flow
 from dem.report.build import build, section
 
 ROOT = Path(__file__).parent.parent

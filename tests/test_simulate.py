@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import dem
 from dem.shapes import CommonNormal, GeometricPotential
-from dem.stability import linear
+from dem.studies.stability import linear
 
 NAN = float("nan")
 KINDS = [("disc", 0.84), ("dumbbell", 0.84), ("ellipse", 0.88)]

@@ -6,7 +6,7 @@ import sys
 import pytest
 
 from dem.figures import captions
-from dem.sources import ROOT, closure
+from dem.base.sources import ROOT, closure
 
 
 def test_a_figure_depends_on_itself_and_its_style():
@@ -14,11 +14,11 @@ def test_a_figure_depends_on_itself_and_its_style():
         assert {f"dem/figures/{name}.py", "dem/figures/style.py"} <= set(
             closure(f"dem.figures.{name}")
         )
-    assert "dem/flow/verdict.py" in closure("dem.figures.irregularity")
+    assert "dem/analysis/flow/verdict.py" in closure("dem.figures.irregularity")
     assert "dem/figures/figure08.py" not in closure("dem.figures.figure07")
 
 
-@pytest.mark.parametrize("name", ["dem.figures.irregularity", "dem.claims.verdicts", "dem.drag"])
+@pytest.mark.parametrize("name", ["dem.figures.irregularity", "dem.studies.claims.verdicts", "dem.experiment.drag"])
 def test_all_that_python_loads_is_found(name):
     """What importing a module loads of the package is among its sources."""
     words = f"import sys, {name}; print(*[m.__file__ for n, m in sys.modules.items() if n.partition('.')[0] == 'dem'])"
@@ -28,6 +28,6 @@ def test_all_that_python_loads_is_found(name):
 
 
 def test_a_module_that_is_not_of_the_package_is_refused():
-    for name in ("numpy", "dem.nothing", "dem.errors.InputError"):
+    for name in ("numpy", "dem.nothing", "dem.base.errors.InputError"):
         with pytest.raises(ValueError, match="module is"):
             closure(name)

@@ -9,14 +9,14 @@ import xarray as xr
 import yaml
 
 import dem
-from dem.config import load
+from dem.experiment.config import load
 from dem.figures import STABILITY, draw
-from dem.info import summary
-from dem.kernel import forces
-from dem.stability import catalogue, study
-from dem.stability.layout import STUDY
-from dem.stability.report import edges
-from dem.stability.watching import excess, friction_excess, momenta, unlisted
+from dem.report.info import summary
+from dem.contacts.loops import forces
+from dem.studies.stability import catalogue, study
+from dem.studies.stability.layout import STUDY
+from dem.studies.stability.report import edges
+from dem.studies.stability.watching import excess, friction_excess, momenta, unlisted
 
 CONFIG = Path(__file__).parent.parent / "config"
 KINDS = ["disc", "dumbbell", "ellipse"]

@@ -10,16 +10,16 @@ import pytest
 from conftest import CONFIG
 from typer.testing import CliRunner
 
-from dem import drag
-from dem.batch import batch, settled
-from dem.checksums import seal
-from dem.cli import app
-from dem.combine import combine
-from dem.config import load, parse
-from dem.errors import InputError
-from dem.files import atomic
-from dem.stopping import checkpoint_of
-from dem.workplace import clear_parts
+from dem.experiment import drag
+from dem.sweep.batch import batch, settled
+from dem.io.checksums import seal
+from dem.cli.app import app
+from dem.sweep.combine import combine
+from dem.experiment.config import load, parse
+from dem.base.errors import InputError
+from dem.base.files import atomic
+from dem.experiment.resume import checkpoint_of
+from dem.io.results_folder import clear_parts
 
 CLOCKS = ("run_time",)
 
@@ -190,7 +190,7 @@ def test_a_batch_gives_the_bits_of_single_runs(tmp_path):
     batch(sweep, "c1", 0, tmp_path)
     replicate = sweep.replicate("c1", 3.9e4, 2)
     alone = drag.run(replicate, drag.make_bed(replicate))
-    from dem.dataset import read
+    from dem.io.dataset import read
 
     values, _ = read(tmp_path / replicate.path, ("drag", "granule_x", "steps"))
     for name, value in values.items():

@@ -196,7 +196,7 @@ def test_figures_draws_all_again_and_simulates_nothing(finished, tmp_path):
     """Also where kernels are newer than the results; then all is up to date, for every target."""
     folder = tmp_path / "edited"
     shutil.copytree(finished, folder)
-    results, kernel = folder / "results/smoke", folder / "dem/kernel.py"
+    results, kernel = folder / "results/smoke", folder / "dem/contacts/loops.py"
     stamp, text = kernel.stat(), kernel.read_text()
     kernel.write_text(text + "\nEDITED = True\n")
     with (folder / "dem/figures/style.py").open("a") as style:
@@ -335,7 +335,7 @@ def test_files_follow_the_cf_conventions(finished, name):
 def test_info_shows_every_case(finished):
     """dem info prints a line a case with its mean drag."""
     run = subprocess.run(
-        [sys.executable, "-m", "dem.cli", "info", "results/smoke/drag.nc"],
+        [sys.executable, "-m", "dem.cli.app", "info", "results/smoke/drag.nc"],
         cwd=finished, env=environment(finished), text=True, capture_output=True,
     )  # fmt: skip
     assert run.returncode == 0, run.stderr

@@ -3,7 +3,7 @@
 from importlib import import_module
 from pathlib import Path
 
-from dem.errors import InputError
+from dem.base.errors import InputError
 
 
 def _some_shape(cases):
@@ -92,7 +92,7 @@ def drawable(folder: Path) -> list[str]:
 
     Raises InputError where drag.nc is absent, or where a file of results is damaged.
     """
-    from dem.combine import COMBINED, open_lazily, require
+    from dem.sweep.combine import COMBINED, open_lazily, require
 
     found = []
     for file, figures in FILES.items():
@@ -121,7 +121,7 @@ def draw(name: str, data: Path, folder: Path) -> list[Path]:
     All are those from drag.nc that its cases suffice for; a figure of STUDIES is drawn from the
     file of its study. Raises InputError if there is nothing to draw.
     """
-    from dem.combine import open_combined
+    from dem.sweep.combine import open_combined
     from dem.figures.style import save
 
     if name in STUDIES:
@@ -144,7 +144,7 @@ def draw(name: str, data: Path, folder: Path) -> list[Path]:
 
 
 def _draw_study(name, data, folder):
-    from dem.combine import open_lazily, require
+    from dem.sweep.combine import open_lazily, require
     from dem.figures.style import save
 
     of = {"flow": FLOW} | STUDY_FIGURES

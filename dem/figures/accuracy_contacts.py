@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.accuracy.contacts import BED_OVERLAPS, BED_RATIO, COLD, DEFAULT, in_the_beds, pareto
+from dem.studies.accuracy.contacts import BED_OVERLAPS, BED_RATIO, COLD, DEFAULT, in_the_beds, pareto
 from dem.figures import style
 
 KINDS = {  # colour, marker, line

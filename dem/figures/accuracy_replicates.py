@@ -5,7 +5,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from dem.accuracy import replicates
+from dem.studies.accuracy import replicates
 from dem.figures import style
 
 PAPER = 5  # runs a case

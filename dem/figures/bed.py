@@ -5,7 +5,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.patches import Circle, Rectangle
 
 from dem.figures import style
-from dem.flow.measures import layers_of
+from dem.analysis.flow.measures import layers_of
 from dem.shapes import SHAPES
 
 PLAIN, SHADED = "#dfe7ee", style.CURVE

@@ -4,10 +4,10 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.claims.compare import Comparison
-from dem.claims.evidence import reference
-from dem.claims.remains import EQUAL, remaining
-from dem.errors import InputError
+from dem.studies.claims.compare import Comparison
+from dem.studies.claims.evidence import reference
+from dem.studies.claims.remains import EQUAL, remaining
+from dem.base.errors import InputError
 from dem.figures import style
 
 STATES = {

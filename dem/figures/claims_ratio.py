@@ -4,9 +4,9 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.claims.compare import Comparison
-from dem.claims.evidence import rows, table, with_case
-from dem.errors import InputError
+from dem.studies.claims.compare import Comparison
+from dem.studies.claims.evidence import rows, table, with_case
+from dem.base.errors import InputError
 from dem.figures import style
 
 SETTINGS = {

@@ -4,9 +4,9 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.claims.evidence import MARGIN, rows
-from dem.claims.report import scaled_ratios
-from dem.errors import InputError
+from dem.studies.claims.evidence import MARGIN, rows
+from dem.studies.claims.report import scaled_ratios
+from dem.base.errors import InputError
 from dem.figures import style
 
 PANELS = {

@@ -6,10 +6,10 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.claims.evidence import from_study
-from dem.claims.influence import influences, responses
-from dem.claims.verdicts import judge
-from dem.errors import InputError
+from dem.studies.claims.evidence import from_study
+from dem.studies.claims.influence import influences, responses
+from dem.studies.claims.verdicts import judge
+from dem.base.errors import InputError
 from dem.figures import style
 
 SHOWN = 7  # factors

@@ -7,10 +7,10 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from dem.claims.compare import CONTRADICTED, SUPPORTED, UNDECIDED, UNTESTED
-from dem.claims.evidence import from_study
-from dem.claims.report import claimed
-from dem.claims.verdicts import judge
+from dem.studies.claims.compare import CONTRADICTED, SUPPORTED, UNDECIDED, UNTESTED
+from dem.studies.claims.evidence import from_study
+from dem.studies.claims.report import claimed
+from dem.studies.claims.verdicts import judge
 from dem.figures import style
 
 RANGE = (0.12, 8.0)

@@ -8,7 +8,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from dem.figures import style
-from dem.stability.report import BROKEN, OFF, edges
+from dem.studies.stability.report import BROKEN, OFF, edges
 
 RANGE = (1e-7, 1.0)
 

@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from dem.files import atomic
+from dem.base.files import atomic
 
 RC = {
     "font.family": "DejaVu Sans",

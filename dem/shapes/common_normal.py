@@ -15,9 +15,9 @@ a third-order (Chebyshev) step and Taylor series around it gives the new contact
 import math
 from typing import NamedTuple
 
-from dem.compilation import compiled, inlined
+from dem.jit.compilation import compiled, inlined
 from dem.shapes.geometry import SEPARATED, register
-from dem.validate import checked, up_to
+from dem.base.validate import checked, up_to
 
 
 @checked(tolerance=up_to(1.0))

@@ -5,9 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.lanes import N1, N2, NX, NY, OVERLAP
+from dem.jit.lanes import N1, N2, NX, NY, OVERLAP
 from dem.shapes.geometry import register
-from dem.validate import OUTLINE, RATIO, SIZES, checked, positive
+from dem.base.validate import OUTLINE, RATIO, SIZES, checked, positive
 
 
 @checked(radius=SIZES)

@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
+from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
 from dem.shapes import disc
 from dem.shapes.geometry import register
-from dem.validate import OUTLINE, RATIO, SIZES, checked, positive
+from dem.base.validate import OUTLINE, RATIO, SIZES, checked, positive
 
 
 @checked(radius=SIZES)

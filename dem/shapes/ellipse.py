@@ -5,13 +5,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.lanes import N1, N2, NX, NY, OVERLAP, RADIUS, ROW, T1, T2
-from dem.optional import optional
+from dem.jit.lanes import N1, N2, NX, NY, OVERLAP, RADIUS, ROW, T1, T2
+from dem.jit.optional import optional
 from dem.shapes.common_normal import CommonNormal, half_width
 from dem.shapes.disc import collect, place
 from dem.shapes.geometric_potential import GeometricPotential
 from dem.shapes.geometry import find_normal, meet, register
-from dem.validate import OUTLINE, RATIO, SIZES, checked, flag, one_of, positive
+from dem.base.validate import OUTLINE, RATIO, SIZES, checked, flag, one_of, positive
 
 COMMON_NORMAL = CommonNormal()
 

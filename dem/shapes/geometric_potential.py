@@ -10,9 +10,9 @@ however small the overlap, and a frictionless bounce does not conserve energy.
 import math
 from typing import NamedTuple
 
-from dem.compilation import inlined
+from dem.jit.compilation import inlined
 from dem.shapes.geometry import SEPARATED, register
-from dem.validate import checked, up_to
+from dem.base.validate import checked, up_to
 
 
 @checked(tolerance=up_to(1.0))

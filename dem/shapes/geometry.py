@@ -13,8 +13,8 @@ the questions below. Conventions of a contact between parts 1 and 2:
 
 from numba.extending import overload
 
-from dem.compilation import INLINED, inlined
-from dem.optional import either, optional
+from dem.jit.compilation import INLINED, inlined
+from dem.jit.optional import either, optional
 
 SEPARATED = -1.0  # overlap of parts that do not touch
 
@@ -63,7 +63,7 @@ def seek(shape, dx, dy, own, other, guess):
 
 @_question
 def save(shape, own, values, at):
-    """Write an outline to values[at], values[at + ROW] ... (dem.lanes)."""
+    """Write an outline to values[at], values[at + ROW] ... (dem.jit.lanes)."""
 
 
 @_question
@@ -73,7 +73,7 @@ def load(shape, values, at):
 
 @_question
 def recall(shape, values, k):
-    """The hit of lane k (dem.lanes), as probe has found it."""
+    """The hit of lane k (dem.jit.lanes), as probe has found it."""
 
 
 @_question

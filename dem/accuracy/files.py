@@ -1,6 +1,0 @@
-"""The files of the study of accuracy: one a job, and accuracy.nc with all of them."""
-
-from dem.accuracy.layout import VARIABLES
-from dem.study import Study
-
-STUDY = Study("error against run time", "dem accuracy", VARIABLES, ("trial", "replicate"))

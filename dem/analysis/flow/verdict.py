@@ -1,0 +1,78 @@
+"""Is the flow of shape e3 more irregular than that of c1, as the paper says from pictures?"""
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from scipy.stats import t
+
+from dem.analysis.flow.layout import MEASURES
+from dem.analysis.statistics import LEVEL, find, half_interval
+
+SHAPES = "e3", "c1"
+
+
+class Ratio(NamedTuple):
+    """Mean of one case over that of another, and half its interval at LEVEL; runs of each."""
+
+    ratio: float
+    half: float
+    runs: int
+
+
+def mean_and_half(values: xr.DataArray):
+    """Mean over seeds (snapshot,) and half its interval, 0 for a single run."""
+    return values.mean("seed").values, half_interval(values).fillna(0.0).values
+
+
+def in_window(dataset: xr.Dataset, name: str) -> xr.DataArray:
+    """Mean of a measure within the averaging window, one value a run (case, seed)."""
+    moved = dataset["displacement"]
+    inside = (moved >= dataset.attrs["window_start"]) & (moved <= dataset.attrs["window_stop"])
+    return dataset[name].isel(snapshot=np.flatnonzero(inside.values)).mean("snapshot")
+
+
+def compared(dataset: xr.Dataset, name: str) -> Ratio | None:
+    """Ratio of the means of both shapes within the window, at the density of the first case.
+
+    None if one is absent, has one run or nothing within the window.
+
+    Runs are independent: Welch's interval, of the logarithm by the delta method.
+    """
+    cases = [find(dataset, shape) for shape in SHAPES]
+    if None in cases or dataset.sizes["seed"] < 2:
+        return None
+    runs = [in_window(dataset, name).sel(case=case).values for case in cases]
+    runs = [run[np.isfinite(run)] for run in runs]
+    if min(map(len, runs)) < 2:
+        return None
+    means = [run.mean() for run in runs]
+    parts = [run.var(ddof=1) / len(run) / mean**2 for run, mean in zip(runs, means, strict=True)]
+    freedom = sum(parts) ** 2 / sum(p**2 / (len(r) - 1) for p, r in zip(parts, runs, strict=True))
+    ratio = means[0] / means[1]
+    return Ratio(
+        ratio, ratio * t.ppf(0.5 + 0.5 * LEVEL, freedom) * sum(parts) ** 0.5, min(map(len, runs))
+    )
+
+
+def verdict(dataset: xr.Dataset) -> str:
+    """The paper's sentence and the measures, in one sentence."""
+    found = [ratio for ratio in (compared(dataset, name) for name in MEASURES) if ratio]
+    if not found:
+        return "Irregularity of the flow by shape"
+    more = sum(r.ratio - r.half > 1.0 for r in found)
+    less = sum(r.ratio + r.half < 1.0 for r in found)
+    counts = {"more irregular": more, "less irregular": less, "undecided": len(found) - more - less}
+    words = ", ".join(f"{word} by {count}" for word, count in counts.items() if count)
+    return f"Flow of {SHAPES[0]} against {SHAPES[1]}: {words} of {len(found)} measures"
+
+
+def sentences(dataset: xr.Dataset) -> list[str]:
+    """What the measures say, a sentence each."""
+    found = {name: compared(dataset, name) for name in MEASURES}
+    return [
+        f"{words}: e3 over c1 {found[name].ratio:.2f} +- {found[name].half:.2f} "
+        f"({found[name].runs} runs each)."
+        for name, words in MEASURES.items()
+        if found[name] is not None
+    ]

@@ -1,0 +1,136 @@
+"""Drag in numbers, as `dem info` and the figures show them: means, scatter, confidence.
+
+A `dataset` has the layout of drag.nc: drag (case, seed, displacement) in N, displacement in m
+and the averaging window in its attributes. It may be backed by dask: only reduced values,
+at most one number a run, are ever loaded, except where a function says otherwise.
+"""
+
+import numpy as np
+import xarray as xr
+
+from dem.base.errors import InputError
+
+LEVEL = 0.95  # of the confidence intervals
+CHECK = "e0"  # shape label of the ellipse code at aspect ratio 1: a check, not a shape of Table 1
+
+
+def within(drag: xr.DataArray, start: float, stop: float) -> xr.DataArray:
+    """The bins of drag (..., displacement) whose middle lies between start and stop (m)."""
+    middle = drag["displacement"].values
+    inside = (middle >= start) & (middle <= stop)
+    if not inside.any():
+        raise InputError(f"No bin of the drag has its middle between {start:g} m and {stop:g} m.")
+    return drag.isel(displacement=inside)
+
+
+def spread(sample: xr.DataArray) -> xr.DataArray:
+    """Standard deviation of a sample (seed, ...) between runs; NaN for a single run."""
+    runs = sample.count("seed")
+    squares = ((sample - sample.mean("seed")) ** 2).sum("seed")
+    return np.sqrt(squares / (runs - 1).where(runs > 1))
+
+
+def half_interval(sample: xr.DataArray) -> xr.DataArray:
+    """Half the confidence interval of the mean of a sample (seed, ...), by Student's t.
+
+    Runs are independent, so the sample is one value a run; NaN for a single run.
+    """
+    from scipy.stats import t
+
+    runs = sample.count("seed").compute()
+    quantile = t.ppf(0.5 + 0.5 * LEVEL, (runs - 1).where(runs > 1))
+    return runs.copy(data=quantile) * spread(sample) / np.sqrt(runs)
+
+
+def summarise(dataset: xr.Dataset) -> xr.Dataset:
+    """Drag within the averaging window: one number a case, and `run_mean` (case, seed).
+
+    All in N: `mean` over the runs; `sd_over_run`, of the drag about the mean of its own run (root
+    mean square over the runs); `sd_between_runs` and `half_interval`, of and from the run means
+    (NaN for a single run). The coordinates on case stay.
+    """
+    drag = within(dataset["drag"], dataset.attrs["window_start"], dataset.attrs["window_stop"])
+    along = {"dim": "displacement", "skipna": False}  # a run is there as a whole or not at all
+    runs = xr.Dataset({"mean": drag.mean(**along), "sd": drag.std(**along)}).compute()
+    found = {
+        "run_mean": (runs["mean"], "mean drag of a run within the window"),
+        "mean": (runs["mean"].mean("seed"), "mean drag over the runs"),
+        "sd_over_run": (
+            np.sqrt((runs["sd"] ** 2).mean("seed")), "standard deviation of the drag over the run",
+        ),
+        "sd_between_runs": (spread(runs["mean"]), "standard deviation between the runs' means"),
+        "half_interval": (
+            half_interval(runs["mean"]), f"half the {LEVEL:.0%} confidence interval of the mean",
+        ),
+    }  # fmt: skip
+    for array, long_name in found.values():
+        array.attrs = {"long_name": long_name, "units": "N"}
+    return xr.Dataset({name: array for name, (array, _) in found.items()})
+
+
+def change(run_mean: xr.DataArray, before: str, after: str) -> tuple[float, float]:
+    """Change of the mean drag from one case to another over the first, and half its interval.
+
+    Runs are paired by seed: at one shape a seed means one bed, whatever its density.
+    """
+    difference = run_mean.sel(case=after) - run_mean.sel(case=before)
+    base = run_mean.sel(case=before).where(difference.notnull()).mean("seed")
+    return float(difference.mean("seed") / base), float(half_interval(difference) / base)
+
+
+def running_mean(drag: xr.DataArray, edges: np.ndarray, length: float) -> xr.DataArray:
+    """Mean of drag (..., displacement) over `length` (m) about each displacement; loads drag.
+
+    edges (displacement + 1,) in m are those of the bins. Near both ends the mean is over what
+    there is of the length.
+    """
+    middle = drag["displacement"].values
+    low = np.clip(middle - 0.5 * length, edges[0], edges[-1])
+    high = np.clip(middle + 0.5 * length, edges[0], edges[-1])
+
+    def mean(values):
+        integral = np.concatenate([[0.0], np.cumsum(values * np.diff(edges))])
+        return (np.interp(high, edges, integral) - np.interp(low, edges, integral)) / (high - low)
+
+    along = drag.transpose(..., "displacement").compute()
+    return along.copy(data=np.apply_along_axis(mean, -1, along.values))
+
+
+def edges_of_bins(dataset: xr.Dataset) -> np.ndarray:
+    """Edges (displacement + 1,) of the bins in m."""
+    bounds = dataset["displacement_bounds"].values
+    return np.append(bounds[:, 0], bounds[-1, 1])
+
+
+def table1(dataset: xr.Dataset) -> list[str]:
+    """Labels of the cases to compare by shape: at the density of the first, the check left out."""
+    cases = _cases(dataset)
+    return [c for c, shape, density in cases if density == cases[0][2] and shape != CHECK]
+
+
+def find(dataset: xr.Dataset, shape: str) -> str | None:
+    """Label of the case of this shape at the density of the first case, None if there is none."""
+    cases = _cases(dataset)
+    return next((c for c, s, density in cases if s == shape and density == cases[0][2]), None)
+
+
+def densities(dataset: xr.Dataset) -> dict[str, list[str]]:
+    """Shapes at more than one density: labels of their cases, from the lowest to the highest."""
+    found = {}
+    for label, shape, density in _cases(dataset):
+        found.setdefault(shape, []).append((density, label))
+    return {
+        shape: [label for _, label in sorted(cases)]
+        for shape, cases in found.items()
+        if len(cases) > 1
+    }
+
+
+def _cases(dataset) -> list[tuple[str, str, float]]:
+    """Label, shape and density (kg/m3) of every case."""
+    return [
+        (str(label), str(shape), float(density))
+        for label, shape, density in zip(
+            dataset["case"].values, dataset["shape"].values, dataset["density"].values, strict=True
+        )
+    ]

@@ -1,0 +1,204 @@
+"""What a user may hand over: kinds of values, and the sentences that refuse all others.
+
+A kind is a function of a name and a value. It returns the value as the code wants it (float, int,
+tuple of floats, float64 array) or raises InputError with one sentence that names the argument. A
+public class or function lists the kinds of its arguments once, with `checked`.
+"""
+
+import functools
+import inspect
+import math
+import warnings
+
+import numpy as np
+
+from dem.base.errors import InputError
+
+# Sizes of numbers: products and quotients of several of them stay finite.
+LEAST, MOST = 1e-20, 1e20
+
+
+def checked(prefix="", /, **kinds):
+    """Decorator of a class or a function: its arguments are of these kinds, by their names.
+
+    What is called gets the values that the kinds return. prefix: put before names in sentences.
+    """
+
+    def check(target):
+        if isinstance(target, type):
+            maker = "__new__" if issubclass(target, tuple) else "__init__"
+            setattr(target, maker, check(getattr(target, maker)))
+            return target
+        signature = inspect.signature(target)
+
+        @functools.wraps(target)
+        def call(*given, **named):
+            bound = signature.bind(*given, **named)
+            values = bound.arguments
+            for name, kind in kinds.items():
+                if name in values:
+                    values[name] = kind(prefix + name, values[name])
+            return target(*bound.args, **bound.kwargs)
+
+        return call
+
+    return check
+
+
+def shown(value) -> str:
+    """A value in a sentence: short, and in one line."""
+    if isinstance(value, np.ma.MaskedArray):
+        return "a masked array"
+    if isinstance(value, np.ndarray) and value.ndim > 0:
+        return f"an array of {value.dtype} with shape {value.shape}"
+    try:
+        words = " ".join(repr(value).split())
+    except Exception:  # a whole number of too many digits, for one
+        return f"a {type(value).__name__}"
+    return words if len(words) <= 60 else words[:57] + "..."
+
+
+def refuse(name: str, value, words: str):
+    """Raise InputError: what the value is, and what it must do."""
+    raise InputError(f"{name} is {shown(value)}; it must {words}.")
+
+
+def _scalar(value, types):
+    """A number of one of these types, also in an array without axes; None for anything else."""
+    if type(value) is np.ndarray and value.ndim == 0 and value.dtype.kind in "iuf":
+        value = value[()]
+    if isinstance(value, bool | np.bool_ | np.timedelta64) or not isinstance(value, types):
+        return None
+    return value
+
+
+def number(words: str, low: float = -MOST, high: float = MOST):
+    """Kind: a real number from low to high."""
+
+    def take(name, value):
+        found = _scalar(value, (int, float, np.integer, np.floating))
+        if found is None or not low <= found <= high:
+            refuse(name, value, words)
+        return float(found)
+
+    return take
+
+
+def positive(unit: str):
+    """Kind: a positive number, in such a unit."""
+    return number(f"be a positive number ({unit}), {LEAST:g} to {MOST:g}", LEAST)
+
+
+def not_negative(unit: str = ""):
+    """Kind: zero or a positive number."""
+    unit = f" ({unit})" if unit else ""
+    return number(f"be zero or a positive number{unit}, up to {MOST:g}", 0.0)
+
+
+def up_to(high: float):
+    """Kind: a number above 0 and up to `high`."""
+    return number(f"lie above 0 and up to {high:g}", math.nextafter(0.0, 1.0), high)
+
+
+def whole(low: int, high: int):
+    """Kind: a whole number from low to high."""
+
+    def take(name, value):
+        found = _scalar(value, (int, np.integer))
+        if found is None or not low <= found <= high:
+            refuse(name, value, f"be a whole number, {low} to {high:,}")
+        return int(found)
+
+    return take
+
+
+def flag(name, value) -> bool:
+    """Kind: True or False."""
+    if not isinstance(value, bool | np.bool_):
+        refuse(name, value, "be True or False")
+    return bool(value)
+
+
+def one_of(*classes):
+    """Kind: an instance of one of these classes."""
+
+    def take(name, value):
+        if not isinstance(value, classes):
+            names = " or ".join(f"dem.{each.__name__}" for each in classes)
+            refuse(name, value, f"be a {names}")
+        return value
+
+    return take
+
+
+def or_none(kind):
+    """Kind: None, or what another kind takes."""
+    return lambda name, value: None if value is None else kind(name, value)
+
+
+def array(words: str, *shape, low: float = -MOST, high: float = MOST, each: str = "granule"):
+    """Kind: real numbers from low to high in an array of a shape; None: any length but zero.
+
+    It returns a float64 array, the one that was given if that is one. each: what a row is of.
+    """
+
+    def take(name, value):
+        found = _reals(value)
+        if found is None:
+            refuse(name, value, "hold real numbers")
+        if found.ndim != len(shape) or any(
+            have != want and (want or not have)
+            for have, want in zip(found.shape, shape, strict=True)
+        ):
+            wanted = str(tuple("n" if n is None else n for n in shape)).replace("'", "")
+            wanted += ", n at least 1" if None in shape else ""
+            raise InputError(f"{name} has shape {found.shape}; it must have shape {wanted}.")
+        wrong = np.argwhere(~((found >= low) & (found <= high)))
+        if len(wrong):
+            at = tuple(wrong[0])
+            raise InputError(f"{name} of {each} {at[0]} is {found[at]:g}; it must {words}.")
+        return found
+
+    return take
+
+
+def vector(unit: str):
+    """Kind: two finite numbers (x, y), in such a unit."""
+    take_array = array("be finite", 2)
+
+    def take(name, value):
+        try:
+            return tuple(take_array(name, value).tolist())
+        except InputError:
+            refuse(name, value, f"be two finite numbers ({unit}), up to {MOST:g} in size")
+
+    return take
+
+
+def _reals(value):
+    """A float64 array of real numbers, not copied if it is one; None for anything else."""
+    if not _holds_reals(value, 3):
+        return None
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
+        try:
+            found = np.asarray(value)
+            if found.dtype.kind not in "iuf":
+                return None
+            return np.ascontiguousarray(found, np.float64) if found.ndim else None
+        except Exception:  # whatever lies in a list, or is made an array by code of its own
+            return None
+
+
+def _holds_reals(value, depth):
+    """Whether lists hold nothing that NumPy would take for a number, and is none: truth values,
+    text, masked arrays."""
+    if isinstance(value, list | tuple) and depth:
+        return all(_holds_reals(each, depth - 1) for each in value)
+    return not isinstance(value, bool | np.bool_ | str | bytes | np.ma.MaskedArray)
+
+
+# Of shapes: here, because an edit of their own files compiles all kernels again.
+SIZES = array(f"be a positive number (m), {LEAST:g} to {MOST:g}", None, low=LEAST)  # one a granule
+RATIO = number("lie in 1 to 1e+06", 1.0, 1e6)  # of the axes
+OUTLINE = whole(2, 1_000_000)  # points of an outline

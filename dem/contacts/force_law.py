@@ -1,0 +1,108 @@
+"""The forces at one contact: scalars in, scalars out.
+
+Normal force: Hertz for spheres with a dashpot and no tension; tangential: a Mindlin spring and a
+dashpot under Coulomb's cap. The dashpot's constant follows from the coefficient of restitution.
+
+Symbols: overlap delta (m), root = sqrt(delta), stiffness k = 4/3 E* sqrt(R*) (N m^-1.5),
+damping c = alpha sqrt(m* k), E* and G* the effective moduli (Pa), R* and m* the effective radius
+(m) and mass (kg).
+"""
+
+import math
+
+from numba.extending import register_jitable
+
+from dem.jit.compilation import inlined
+
+TINY = 1e-300
+
+
+@inlined
+def hertz(overlap, root, stiffness):
+    """Elastic normal force (N), F = k delta^1.5."""
+    return stiffness * overlap * root
+
+
+@inlined
+def damped(elastic, root, damping, rate):
+    """Normal force (N) with the dashpot c delta^(1/4) d(delta)/dt; a contact never pulls."""
+    return max(elastic + damping * math.sqrt(root) * rate, 0.0)
+
+
+@inlined
+def mindlin(spring, root, last_root, stiffness, slip):
+    """Tangential spring force (N) after a further slip (m), against the slip.
+
+    The force is what a contact remembers. Its increment is k_t slip with k_t = stiffness * root
+    = 8 G* sqrt(R* delta), the mean of both ends of a step while the overlap grows, so that the
+    increment is of second order; while the contact unloads, the force shrinks with the contact
+    radius (Thornton, Cummins and Cleary 2013, Powder Technol. 233, 30). In both directions the
+    stored energy spring^2 / (2 k_t) can only fall when the overlap changes: no contact makes energy.
+    """
+    kept = min(root / max(last_root, TINY), 1.0)  # without a branch; 1 for a new contact
+    return spring * kept - stiffness * 0.5 * (root + kept * last_root) * slip
+
+
+@inlined
+def capped(force, limit):
+    """Coulomb: the force (N), at most limit in size."""
+    return min(max(force, -limit), limit)
+
+
+def effective_modulus(*materials):
+    """E* (Pa) of the elastic materials that meet; a rigid partner is simply left out."""
+    return 1.0 / sum((1.0 - m.poisson_ratio**2) / m.young_modulus for m in materials)
+
+
+def effective_shear_modulus(*materials):
+    """G* (Pa), 1/G* = sum of 2 (2 - nu)(1 + nu) / E over the elastic materials that meet."""
+    return 1.0 / sum(
+        2.0 * (2.0 - m.poisson_ratio) * (1.0 + m.poisson_ratio) / m.young_modulus for m in materials
+    )
+
+
+@register_jitable
+def impact_overlap(mass, radius, modulus, speed):
+    """Greatest overlap (m) of an elastic collision: (15 m* v^2 / (16 E* sqrt(R*)))^(2/5)."""
+    return (15.0 * mass * speed**2 / (16.0 * modulus * math.sqrt(radius))) ** 0.4
+
+
+def restitution_from_damping(alpha):
+    """Coefficient of restitution of a Hertz contact with dashpot alpha sqrt(m* k) delta^(1/4).
+
+    With y = delta^(5/4) and d(tau) = delta^(1/4) dt the equation of a collision becomes that of
+    a linear damped oscillator of damping ratio zeta = alpha / sqrt(5). The contact ends where
+    the force would turn into tension; velocity and y' are proportional, so the classical result
+    for the linear oscillator (Schwager and Poeschel 2007, Granul. Matter 9, 465) holds exactly:
+    zeta = sin(psi):  e = exp(-(pi - 2 psi) tan(psi));  zeta = cosh(u):  e = exp(-2 u coth(u)).
+    """
+    zeta = alpha / math.sqrt(5.0)
+    if zeta < 1.0:
+        psi = math.asin(zeta)
+        return math.exp(-(math.pi - 2.0 * psi) * math.tan(psi))
+    u = math.acosh(zeta)
+    return math.exp(-2.0 * u / math.tanh(u)) if u > 0.0 else math.exp(-2.0)
+
+
+@register_jitable
+def damping_ratio(alpha):
+    """Damping ratio zeta of a Hertz contact for small motion about any overlap."""
+    return alpha / math.sqrt(6.0)
+
+
+def damping_from_restitution(restitution):
+    """alpha for a coefficient of restitution in (0, 1]: inverse of restitution_from_damping."""
+    if restitution == 1.0:
+        return 0.0
+    low, high = 0.0, 1.0
+    while restitution_from_damping(high) > restitution:
+        high *= 2.0
+    while high - low > 1e-15 * high:
+        middle = 0.5 * (low + high)
+        if middle in (low, high):
+            break
+        if restitution_from_damping(middle) > restitution:
+            low = middle
+        else:
+            high = middle
+    return 0.5 * (low + high)

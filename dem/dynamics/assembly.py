@@ -1,0 +1,151 @@
+"""From a scene and a state to the arrays of the kernels."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from dem.jit.columns import VX, VY, W, X, Y, rows
+from dem.contacts.force_law import damping_from_restitution, effective_modulus, effective_shear_modulus
+from dem.jit.lanes import make_lanes
+from dem.scene import Scene, State, arrays_of
+from dem.shapes import SHAPES
+from dem.dynamics.world import CHUNK, Chunks, Contacts, Roller, Tangent, Walls, World
+
+
+class Constants(NamedTuple):
+    """What the lists and the surveys need of the granules and does not change.
+
+    per: parts a granule; radius, bounding (parts,) in m: for Hertz's law, and of the circle that
+    holds the part; mass (parts,) in kg: of the whole granule; mobility: greatest
+    1/m + lever^2/I (1/kg) of a contact; bend (n,) in 1/(kg m): how much, at most, the force 2/3 k
+    delta at a contact of normal stiffness k stiffens the rotation, over k delta; skin (m);
+    alpha: dashpot constant; modulus: E* of two granules (Pa); mean_radius (m), mean_mass (kg).
+    """
+
+    per: int
+    radius: np.ndarray
+    bounding: np.ndarray
+    mass: np.ndarray
+    mobility: float
+    bend: np.ndarray
+    skin: float
+    alpha: float
+    modulus: float
+    mean_radius: float
+    mean_mass: float
+
+
+def own(shape):
+    """The granules with arrays of the kernels' own: those of a scene cannot be written, which is
+    another type to Numba."""
+    return shape._replace(**{name: size.copy() for name, size in arrays_of(shape).items()})
+
+
+def constants(scene: Scene, skin: float) -> Constants:
+    """Constants of a scene; skin as a share of the mean bounding radius."""
+    shape, inverse_mass, inverse_inertia = own(scene.shape), 1.0 / scene.mass, 1.0 / scene.inertia
+    bounding = shape.part_bounding_radius
+    per = len(bounding) // scene.granules
+    return Constants(
+        per=per,
+        radius=shape.part_radius,
+        bounding=bounding,
+        mass=np.repeat(scene.mass, per),
+        mobility=float((inverse_mass + shape.bounding_radius**2 * inverse_inertia).max()),
+        bend=2.0 / 3.0 * shape.normal_bend * inverse_inertia,
+        skin=float(skin * bounding.mean()),
+        alpha=damping_from_restitution(scene.material.restitution),
+        modulus=effective_modulus(scene.material, scene.material),
+        mean_radius=float(shape.part_radius.mean()),
+        mean_mass=float(scene.mass.mean()),
+    )
+
+
+def partners(scene: Scene, boundary: bool):
+    """The elastic materials that meet at a contact between granules, or with the boundary."""
+    if not boundary:
+        return scene.material, scene.material
+    return (scene.material,) if scene.boundary is None else (scene.material, scene.boundary)
+
+
+def tangent(scene: Scene, kind: str) -> Tangent | None:
+    """Friction of the contacts of one kind: granule, wall or cylinder."""
+    coefficient = 0.0 if scene.friction is None else getattr(scene.friction, kind)
+    if coefficient == 0.0:
+        return None
+    materials = partners(scene, boundary=kind != "granule")
+    ratio = effective_shear_modulus(*materials) / effective_modulus(*materials)
+    ratio *= scene.friction.stiffness
+    return Tangent(float(coefficient), 6.0 * ratio, math.sqrt(4.0 * ratio))
+
+
+def motion(position, velocity, spin):
+    """Rows (n, 8) of dem.jit.columns."""
+    position = np.atleast_2d(np.asarray(position, float))
+    motion = rows(len(position), 8)
+    motion[:, [X, Y]], motion[:, [VX, VY]], motion[:, W] = position, velocity, spin
+    return motion
+
+
+def contacts(scene: Scene, parts: Constants, kind: str) -> Contacts:
+    """The contacts of one kind (granule, wall or cylinder), none yet: dem.dynamics.neighbor_list fills them."""
+    index, numbers = np.empty(0, np.uint32), np.empty(0)
+    memory = numbers if tangent(scene, kind) else None
+    guesses = numbers if kind != "wall" and getattr(scene.shape, "guesses", False) else None
+    return Contacts(
+        first=np.zeros(len(parts.radius) + 1, np.uint32) if kind == "granule" else None,
+        part=index,
+        other=index,
+        slot=index,
+        stiffness=numbers,
+        modulus=4.0 / 3.0 * effective_modulus(*partners(scene, boundary=kind != "granule")),
+        damping=numbers if parts.alpha > 0.0 else None,
+        spring=memory,
+        root=memory,
+        normal_x=guesses,
+        normal_y=guesses,
+    )
+
+
+def assemble(scene: Scene, state: State, parts: Constants, accounted: bool = False) -> World:
+    """All arrays of the kernels, with empty contact lists; accounted: keep an energy ledger."""
+    n, index = scene.granules, np.empty(0, np.uint32)
+    turns = next(turns for kind, turns in SHAPES.values() if isinstance(scene.shape, kind))
+    tangents = {kind: tangent(scene, kind) for kind in ("granule", "wall", "cylinder")}
+    turning = any(tangents.values()) or bool(np.any(scene.shape.normal_lever > 0.0))
+    bodies, force = motion(state.position, state.velocity, state.angular_velocity), rows(n, 4)
+    alone = parts.per == 1
+    walls = roller = None
+    if scene.walls is not None:
+        planes = scene.walls.copy()
+        walls = Walls(
+            planes, rows(len(planes), 8), contacts(scene, parts, "wall"), tangents["wall"],
+            np.zeros(len(planes)),
+        )  # fmt: skip
+    if scene.cylinder is not None:
+        axis = motion(scene.cylinder.position, scene.cylinder.velocity, 0.0)
+        radius = 0.5 * scene.cylinder.diameter
+        roller = Roller(
+            radius, axis, np.zeros(2), contacts(scene, parts, "cylinder"), tangents["cylinder"],
+            np.zeros(4),
+        )  # fmt: skip
+    return World(
+        shape=own(scene.shape),
+        bodies=bodies,
+        angle=state.angle,
+        frame=np.column_stack([np.cos(state.angle), np.sin(state.angle)]) if turns else None,
+        inverse_mass=1.0 / scene.mass,
+        inverse_inertia=1.0 / scene.inertia if turning else None,
+        force=force,
+        parts=bodies if alone else rows(n * parts.per, 8),
+        part_force=force if alone else rows(n * parts.per, 4),
+        reference=np.zeros((n * parts.per, 2)),
+        pairs=contacts(scene, parts, "granule"),
+        tangent=tangents["granule"],
+        walls=walls,
+        roller=roller,
+        gravity=None if scene.gravity is None else np.array(scene.gravity, float),
+        lanes=make_lanes(accounted),
+        chunks=Chunks(index, index, np.zeros(0, np.int64)) if n > CHUNK else None,
+    )

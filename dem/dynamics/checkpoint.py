@@ -1,0 +1,183 @@
+"""A run as named arrays, to go on from later with the same bits."""
+
+import hashlib
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from dem.base.errors import InputError
+from dem.base.validate import refuse
+from dem.dynamics.world import CHUNK
+
+# of a World: what the scene holds and no run changes, and what each step writes before it reads
+FIXED = (
+    "shape.", "inverse_mass", "inverse_inertia", "gravity", "walls.planes", "walls.motion",
+    "lanes.motion", "lanes.values",
+)  # fmt: skip
+LISTS = "world.pairs", "world.walls.contacts", "world.roller.contacts"
+
+
+def named_arrays(tree, path="world") -> dict:
+    """All arrays of a tree of named tuples, by their path in it; no copies."""
+    if isinstance(tree, np.ndarray):
+        return {path: tree}
+    found = {}
+    for name in getattr(tree, "_fields", ()):
+        found |= named_arrays(getattr(tree, name), f"{path}.{name}")
+    return found
+
+
+def read_only(tree):
+    """The tree with views of its arrays that cannot be written."""
+    if isinstance(tree, np.ndarray):
+        view = tree.view()
+        view.flags.writeable = False
+        return view
+    if not hasattr(tree, "_fields"):
+        return tree
+    return tree._make(map(read_only, tree))
+
+
+def moving(world) -> dict:
+    """The arrays of a World that a run changes, by their path in it."""
+    fixed = tuple(f"world.{name}" for name in FIXED)
+    return {k: v for k, v in named_arrays(world).items() if not k.startswith(fixed)}
+
+
+def fingerprint(*held) -> np.ndarray:
+    """SHA-256 (32,) of numbers and arrays in trees of named tuples: tells scenes apart."""
+    digest = hashlib.sha256()
+    for tree in held:
+        digest.update(repr(_numbers(tree)).encode())
+        for name, array in named_arrays(tree).items():
+            digest.update(name.encode() + np.ascontiguousarray(array).tobytes())
+    return np.frombuffer(digest.digest(), np.uint8)
+
+
+def _numbers(tree):
+    """The tree without its arrays."""
+    if isinstance(tree, np.ndarray):
+        return "array"
+    if hasattr(tree, "_fields"):
+        return [_numbers(getattr(tree, name)) for name in tree._fields]
+    return tree
+
+
+def read(saved) -> dict:
+    """The arrays of a checkpoint, also of one that numpy.load has opened; raises InputError."""
+    if not isinstance(saved, Mapping):
+        refuse("saved", saved, "be what Simulation.checkpoint has returned, or numpy.load of it")
+    try:
+        arrays = {str(name): saved[name] for name in saved}
+    except Exception as error:  # of zip, zlib or NumPy, as the file is damaged
+        raise InputError(f"saved cannot be read as a checkpoint: {error}.") from None
+    for name, array in arrays.items():
+        if type(array) is not np.ndarray:
+            _damaged(name)
+    return arrays
+
+
+def clock(saved: dict) -> tuple[float, int]:
+    """Time (s) and number of steps of a checkpoint; raises InputError."""
+    time, steps = saved.get("time"), saved.get("steps")
+    for name, value, kind in (("time", time, np.float64), ("steps", steps, np.int64)):
+        if value is None or value.shape != () or value.dtype != kind:
+            _damaged(name)
+        if not 0 <= value < math.inf:
+            _damaged(name)
+    return float(time), int(steps)
+
+
+def replaced(world, arrays: dict):
+    """The World with these arrays; raises InputError, with nothing changed, where they do not fit.
+
+    An array of the same shape is overwritten in place: a bed of discs has one for bodies and parts.
+    """
+    for path, own in moving(world).items():
+        other = arrays.get(path)
+        if other is None or (other.dtype, other.ndim) != (own.dtype, own.ndim):
+            _damaged(path)
+        if other.dtype.kind == "f" and not np.isfinite(other).all():
+            _damaged(path)
+    arrays = {path: arrays[path] for path in moving(world)}
+    parts = len(world.parts)
+    walls = 0 if world.walls is None else len(world.walls.planes)
+    for path, partners in zip(LISTS, (parts, walls, 1), strict=True):
+        if f"{path}.part" in arrays:
+            _check_list(path, arrays, parts, partners)
+    per = parts // len(world.bodies)
+    least = parts + _check_chunks(arrays, parts, CHUNK * per)
+    lists = (*(f"{name}." for name in LISTS), "world.chunks.")
+    # of a bed in chunks there are rows to spare, and where a granule is a part both are one array
+    forces = ("world.part_force", "world.force") if per == 1 else ("world.part_force",)
+    for path, own in moving(world).items():
+        shape = arrays[path].shape
+        fits = shape == own.shape or path.startswith(lists)
+        if world.chunks is not None and path in forces:
+            fits = shape[1:] == own.shape[1:] and shape[0] >= least
+        if not fits:
+            _damaged(path)
+    return _replaced(world, arrays, "world")
+
+
+def _damaged(path):
+    raise InputError(
+        f"{path} of saved is not as it must be: the checkpoint is damaged, or of another scene."
+    )
+
+
+def _check_list(path, arrays, parts, partners):
+    """One row of each array a contact, by ascending part; no index out of range."""
+    part, other = arrays[f"{path}.part"], arrays[f"{path}.other"]
+    for name, array in arrays.items():
+        if name.startswith(f"{path}.") and not name.endswith(".first") and len(array) != len(part):
+            _damaged(name)
+    if (part >= parts).any() or (np.diff(part.astype(np.int64)) < 0).any():
+        _damaged(f"{path}.part")
+    if (other >= partners).any():
+        _damaged(f"{path}.other")
+    if f"{path}.first" in arrays:
+        rows = np.searchsorted(part, np.arange(parts + 1))
+        if not np.array_equal(arrays[f"{path}.first"], rows):
+            _damaged(f"{path}.first")
+    elif not np.array_equal(arrays[f"{path}.slot"], other):
+        _damaged(f"{path}.slot")
+
+
+def _check_chunks(arrays, parts, size):
+    """Forces between chunks of `size` parts go where dem.dynamics.neighbor_list.parcel leads them, without chunks
+    straight to the partner; returns how many rows of forces lie behind those of the parts."""
+    part, other = arrays["world.pairs.part"], arrays["world.pairs.other"]
+    slot, chunked = other, "world.chunks.target" in arrays
+    leaving = other // size != part // size
+    spare = int(leaving.sum()) if chunked else 0
+    if chunked:
+        slot = np.where(leaving, parts - 1 + np.cumsum(leaving), other)
+        home = other[leaving] // size
+        wanted = {
+            "target": other[leaving],
+            "inbox": np.argsort(home, kind="stable"),
+            "first": np.searchsorted(np.sort(home), np.arange(-(-parts // size) + 1)),
+        }
+        for name, values in wanted.items():
+            if not np.array_equal(arrays[f"world.chunks.{name}"], values):
+                _damaged(f"world.chunks.{name}")
+    if not np.array_equal(arrays["world.pairs.slot"], slot):
+        _damaged("world.pairs.slot")
+    return spare
+
+
+def _replaced(tree, arrays, path):
+    if isinstance(tree, np.ndarray):
+        if path not in arrays:
+            return tree
+        if arrays[path].shape != tree.shape:
+            return arrays[path].copy()
+        tree[...] = arrays[path]
+        return tree
+    if not hasattr(tree, "_fields"):
+        return tree
+    return tree._replace(
+        **{name: _replaced(getattr(tree, name), arrays, f"{path}.{name}") for name in tree._fields}
+    )

@@ -1,0 +1,112 @@
+"""The energy ledger: what a bed holds, what it was given, what it lost; only where asked for.
+
+The kernels add up three things over time (dem.jit.lanes): what dashpots took, what sliding took, and
+the work of the cylinder. What the slip does against a tangential spring beyond what the spring then
+holds counts as slid; so does what a spring gives away when the overlap changes, without any sliding.
+Kinetic and elastic energies are taken from the state. The force at the end of each step counts for
+the whole of it; of the last step only half is taken, which makes the sums those of the trapezoidal
+rule, of second order in the time step, where nothing works or is lost at the very start. A cylinder that
+starts at full speed, and a step that changes, leave a share of half a step's power.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from dem.jit.compilation import compiled
+from dem.jit.lanes import ACCOUNTS, LOST_DAMPED, LOST_SLID, WORK
+from dem.jit.optional import either, optional
+from dem.contacts.response import spring_energy
+from dem.dynamics.diagnostics import kinetic, pair_hits, roller_hits, wall_hits
+
+
+class Ledger(NamedTuple):
+    """Energies in J. Gained and lost count from the start of the simulation.
+
+    kinetic, elastic_normal, elastic_tangential: held by the bed now; damped, slid: lost in dashpots
+    and by sliding; work: of the cylinder on the granules; fallen: of gravity on the granules;
+    before: what the bed held at the start.
+    """
+
+    kinetic: float
+    elastic_normal: float
+    elastic_tangential: float
+    damped: float
+    slid: float
+    work: float
+    fallen: float
+    before: float
+
+    @property
+    def held(self) -> float:
+        """Energy (J) of the bed now."""
+        return self.kinetic + self.elastic_normal + self.elastic_tangential
+
+    @property
+    def residual(self) -> float:
+        """What does not add up over the greatest of the energies held, worked and lost."""
+        change = self.held - self.before
+        gained, gone = self.work + self.fallen, self.damped + self.slid
+        scale = max(self.held, self.before, abs(self.work), abs(self.fallen), abs(gone))
+        return abs(change - gained + gone) / scale if scale > 0.0 else 0.0
+
+
+@optional
+def held_by_spring(tangent, contacts, p, stiffness):
+    """Energy (J) of the tangential spring of contact p."""
+    return spring_energy(
+        tangent, contacts.spring[p], tangent.stiffness_ratio * stiffness * contacts.root[p]
+    )
+
+
+@compiled
+def stored_normal(overlap, stiffness):
+    """Elastic energy (J) of Hertz's law, 2/5 k delta^2.5."""
+    return 0.4 * stiffness * overlap**2 * math.sqrt(overlap) if overlap > 0.0 else 0.0
+
+
+@compiled(allocates=True)
+def listed_hold(hits, contacts, tangent):
+    """Normal and tangential elastic energy (J) of contacts, with hits of dem.dynamics.diagnostics."""
+    normal, tangential = 0.0, 0.0
+    for p in range(hits.shape[0]):
+        normal += stored_normal(hits[p, 0], hits[p, 5])
+        tangential += either(held_by_spring(tangent, contacts, p, hits[p, 5]), 0.0)
+    return normal, tangential
+
+
+def balance(world) -> tuple[float, float, float]:
+    """Kinetic, normal elastic and tangential elastic energy (J) of the bed."""
+    shape, parts, frame = world.shape, world.parts, world.frame
+    hits = pair_hits(shape, parts, frame, world.pairs)
+    held = [listed_hold(hits, world.pairs, world.tangent)]
+    for barrier, measure in ((world.walls, wall_hits), (world.roller, roller_hits)):
+        if barrier is not None:
+            hits = measure(shape, parts, frame, barrier)
+            held.append(listed_hold(hits, barrier.contacts, barrier.tangent))
+    moving = kinetic(world.bodies, world.inverse_mass, world.inverse_inertia)[0]
+    return moving, sum(each[0] for each in held), sum(each[1] for each in held)
+
+
+def fallen(world) -> float:
+    """Minus the potential energy (J) of the granules in gravity."""
+    if world.gravity is None:
+        return 0.0
+    return float(np.sum((world.bodies[:, :2] @ world.gravity) / world.inverse_mass))
+
+
+class Bookkeeper:
+    """Keeps the ledger of one simulation from the state that it starts with."""
+
+    def __init__(self, world):
+        self._before, self._fallen = sum(balance(world)), fallen(world)
+
+    def ledger(self, world) -> Ledger:
+        """The ledger now."""
+        total, before = world.lanes.account.reshape(2, ACCOUNTS)
+        account = 0.5 * (total + before)
+        return Ledger(
+            *balance(world), float(account[LOST_DAMPED]), float(account[LOST_SLID]),
+            float(account[WORK]), fallen(world) - self._fallen, self._before,
+        )  # fmt: skip

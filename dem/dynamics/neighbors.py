@@ -1,0 +1,154 @@
+"""Who may touch whom: Verlet lists with a skin, made from a cell list.
+
+A list holds every pair of parts whose bounding circles are less than `skin` apart. It is
+complete until something has moved by skin / 2. The order of a list depends on the present
+positions alone. What a contact remembers is carried from the old list to the new one.
+"""
+
+import numpy as np
+
+from dem.jit.columns import X, Y
+from dem.jit.compilation import compiled, inlined
+
+
+@compiled(allocates=True)
+def cells(parts, size):
+    """Sort parts into square cells of the given size (m): counting sort.
+
+    Returns cell of each part (parts,), members sorted by cell (parts,), start of each cell in
+    members (cells + 1,), and the number of columns. Cells never outnumber the parts fourfold.
+    """
+    n = parts.shape[0]
+    left, bottom, right, top = parts[0, X], parts[0, Y], parts[0, X], parts[0, Y]
+    for i in range(n):
+        left, right = min(left, parts[i, X]), max(right, parts[i, X])
+        bottom, top = min(bottom, parts[i, Y]), max(top, parts[i, Y])
+    width, height = right - left, top - bottom
+    while (width / size + 1.0) * (height / size + 1.0) > 4.0 * n + 16.0:
+        size *= 2.0
+    columns = int(width / size) + 1
+    rows = int(height / size) + 1
+    where = np.empty(n, np.int64)
+    start = np.zeros(columns * rows + 1, np.int64)
+    for i in range(n):
+        where[i] = int((parts[i, Y] - bottom) / size) * columns + int((parts[i, X] - left) / size)
+        start[where[i] + 1] += 1
+    for c in range(columns * rows):
+        start[c + 1] += start[c]
+    members = np.empty(n, np.int64)
+    filled = start[:-1].copy()
+    for i in range(n):
+        members[filled[where[i]]] = i
+        filled[where[i]] += 1
+    return where, members, start, columns
+
+
+@inlined
+def sort_few(values, start, stop):
+    """Sort values[start:stop] in place, by insertion: a row of a list is short."""
+    for p in range(start + 1, stop):
+        value, q = values[p], p
+        while q > start and values[q - 1] > value:
+            values[q] = values[q - 1]
+            q -= 1
+        values[q] = value
+
+
+@compiled(allocates=True)
+def near_pairs(parts, radius, skin, parts_per_granule):
+    """Pairs of parts of different granules closer than skin (m): (first, part, other) of Contacts.
+
+    radius (parts,): bounding radius (m). Each pair stands once, under its lower index, partners
+    in ascending order.
+    """
+    n = parts.shape[0]
+    where, members, start, columns = cells(parts, 2.0 * radius.max() + skin)
+    rows = (start.shape[0] - 1) // columns
+    first = np.zeros(n + 1, np.uint32)
+    other = np.empty(8 * n + 8, np.uint32)
+    count = 0
+    for i in range(n):
+        row, column = where[i] // columns, where[i] % columns
+        if count + n > other.shape[0]:
+            larger = np.empty(2 * other.shape[0] + n, np.uint32)
+            larger[:count] = other[:count]
+            other = larger
+        for r in range(max(row - 1, 0), min(row + 2, rows)):
+            low = start[r * columns + max(column - 1, 0)]
+            high = start[r * columns + min(column + 1, columns - 1) + 1]
+            for m in range(low, high):
+                j = members[m]
+                if j <= i or j // parts_per_granule == i // parts_per_granule:
+                    continue
+                dx, dy = parts[j, X] - parts[i, X], parts[j, Y] - parts[i, Y]
+                reach = radius[i] + radius[j] + skin
+                if dx * dx + dy * dy < reach * reach:
+                    other[count] = j
+                    count += 1
+        sort_few(other, first[i], count)
+        first[i + 1] = count
+    part = np.empty(count, np.uint32)
+    for i in range(n):
+        for p in range(first[i], first[i + 1]):
+            part[p] = i
+    return first, part, other[:count].copy()
+
+
+@compiled(allocates=True)
+def near_planes(parts, radius, skin, planes):
+    """Parts closer than skin (m) to each wall: (part, other) of Contacts, by part, then by wall."""
+    part = np.empty(parts.shape[0] * planes.shape[0], np.uint32)
+    other = np.empty_like(part)
+    count = 0
+    for i in range(parts.shape[0]):
+        for k in range(planes.shape[0]):
+            reach = parts[i, X] * planes[k, 0] + parts[i, Y] * planes[k, 1] + radius[i] + skin
+            if reach > planes[k, 2]:
+                part[count], other[count] = i, k
+                count += 1
+    return part[:count].copy(), other[:count].copy()
+
+
+@compiled(allocates=True)
+def near_circle(parts, radius, skin, x, y, size):
+    """Parts closer than skin (m) to a circle of radius size (m) at x, y: (part, other)."""
+    part = np.empty(parts.shape[0], np.uint32)
+    count = 0
+    for i in range(parts.shape[0]):
+        dx, dy = parts[i, X] - x, parts[i, Y] - y
+        reach = radius[i] + size + skin
+        if dx * dx + dy * dy < reach * reach:
+            part[count] = i
+            count += 1
+    return part[:count].copy(), np.zeros(count, np.uint32)
+
+
+@compiled(allocates=True)
+def match_pairs(first, other, old_first, old_other):
+    """Row of each pair in the old list, -1 for a new pair."""
+    source = np.empty(other.shape[0], np.int64)
+    for i in range(first.shape[0] - 1):
+        q = old_first[i]
+        for p in range(first[i], first[i + 1]):
+            source[p] = -1
+            while q < old_first[i + 1] and old_other[q] < other[p]:
+                q += 1
+            if q < old_first[i + 1] and old_other[q] == other[p]:
+                source[p] = q
+    return source
+
+
+@compiled(allocates=True)
+def match_listed(part, other, old_part, old_other):
+    """The same for the lists of walls and cylinder."""
+    source = np.empty(part.shape[0], np.int64)
+    q = 0
+    for p in range(part.shape[0]):
+        source[p] = -1
+        while q < old_part.shape[0] and (
+            old_part[q] < part[p] or (old_part[q] == part[p] and old_other[q] < other[p])
+        ):
+            q += 1
+        if q < old_part.shape[0] and old_part[q] == part[p] and old_other[q] == other[p]:
+            source[p] = q
+    return source

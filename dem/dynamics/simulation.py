@@ -1,0 +1,387 @@
+"""Run a scene: the documented call for a user's own arrays, and the object behind it.
+
+    result = dem.simulate(scene, state, duration=1e-3)
+
+Two discs that collide in empty space need no more than that; the paper's experiment
+(dem.experiment.drag) is the first user of the same object.
+"""
+
+import math
+import os
+from typing import NamedTuple
+
+import numpy as np
+
+from dem.dynamics.assembly import assemble, constants
+from dem.dynamics.checkpoint import clock, fingerprint, moving, read, read_only, replaced
+from dem.jit.columns import VX, VY, W
+from dem.dynamics.threads import Crew
+from dem.dynamics.energy import Bookkeeper, Ledger
+from dem.base.errors import InputError, OverlapError, StateError
+from dem.contacts.loops import forces
+from dem.dynamics.neighbor_list import relist
+from dem.dynamics.stepping import (
+    LOST,
+    MOST_STEPS,
+    OUTSIDE,
+    TOO_DEEP,
+    TOO_LONG,
+    Rules,
+    longest_step,
+    march,
+    outside,
+)
+from dem.dynamics.ordering import order_of, ordered
+from dem.scene import Scene, State
+from dem.dynamics.diagnostics import Glance, look
+from dem.dynamics.touching import Touching, touching
+from dem.base.validate import checked, flag, not_negative, one_of, or_none, positive, up_to, whole
+from dem.dynamics.world import CHUNK, World
+
+SKIN = 0.12  # of the mean bounding radius; timings are flat from 0.1 to 0.2
+MARGIN = 0.75  # share of skin / 2 that a part may move before the lists are made anew
+STEP_FRACTION = 0.5  # of the bound on the critical time step
+LARGEST_OVERLAP = 1.2  # of the smaller radius
+LONGEST_FLIGHT = 0.02  # of the smallest radius, in one step
+MOST_THREADS = max(64, 4 * (os.cpu_count() or 1))
+PIECES = whole(1, 10_000_000)  # beyond that their arrays fill any memory
+DURATION = positive("s")
+
+
+class Record(NamedTuple):
+    """What Simulation.record measures, a row for each of c intervals.
+
+    normal_force, tangential_force (c, 2): mean force on the cylinder (N), its parts normal and
+    tangential to it; wall_force (c, w): mean normal force on each wall (N); kinetic_energy (c,) in
+    J, coordination_number (c,) and max_overlap (c,), over the smaller radius, at the end of the
+    interval; time_step (c,): the shortest taken (s).
+    """
+
+    normal_force: np.ndarray
+    tangential_force: np.ndarray
+    wall_force: np.ndarray
+    kinetic_energy: np.ndarray
+    coordination_number: np.ndarray
+    max_overlap: np.ndarray
+    time_step: np.ndarray
+
+
+class Result(NamedTuple):
+    """What simulate returns: f frames of n granules and w walls, and the last state.
+
+    time (f,) in s; position (f, n, 2) in m; angle (f, n) in rad; velocity (f, n, 2) in m/s;
+    angular_velocity (f, n) in rad/s; cylinder_force (f, 2) and wall_force (f, w) in N: the mean
+    force on the cylinder and the mean normal force on each wall since the frame before (NaN in
+    the first frame). time_step (s): the shortest step taken.
+    """
+
+    time: np.ndarray
+    position: np.ndarray
+    angle: np.ndarray
+    velocity: np.ndarray
+    angular_velocity: np.ndarray
+    cylinder_force: np.ndarray
+    wall_force: np.ndarray
+    state: State
+    time_step: float
+
+
+class Simulation:
+    """A scene in motion: advances in place, to be read between calls.
+
+    time_step (s): fixed, or None to take `step_fraction` of the critical step of the bed as it is
+    at each call of advance and each new contact list. max_overlap:
+    greatest allowed overlap over the smaller radius.
+    rules: how steps are chosen and where a run stops (dem.dynamics.stepping.Rules), made from these options.
+    skin: of the contact lists, over the mean bounding radius. ledger: keep an energy ledger, at a
+    cost of some ten per cent; without it no instruction is spent on it. threads: for beds of thousands of
+    granules, at most MOST_THREADS; the result does not depend on it, and no more start than the bed
+    has pieces for (dem.dynamics.world.CHUNK granules each). Raises InputError for values that cannot be used
+    and StateError or OverlapError for a state that cannot be.
+    """
+
+    @checked(
+        scene=one_of(Scene),
+        state=one_of(State),
+        time_step=or_none(positive("s")),
+        step_fraction=up_to(1.0),
+        max_overlap=up_to(1.5),
+        skin=up_to(100.0),
+        threads=whole(1, MOST_THREADS),
+        ledger=flag,
+    )
+    def __init__(
+        self,
+        scene: Scene,
+        state: State,
+        time_step: float | None = None,
+        step_fraction: float = STEP_FRACTION,
+        max_overlap: float = LARGEST_OVERLAP,
+        skin: float = SKIN,
+        threads: int = 1,
+        ledger: bool = False,
+    ):
+        if ledger and threads > 1:
+            raise InputError(f"threads is {threads}; with an energy ledger it must be 1.")
+        self.scene = scene
+        threads = min(threads, math.ceil(scene.granules / CHUNK))
+        self._crew = Crew(threads) if threads > 1 else None
+        self.time_step = time_step
+        self.step_fraction = step_fraction
+        self.max_overlap = max_overlap
+        self.time = 0.0
+        self.steps = 0
+        self._until = 0.0
+        state = state.checked(scene.granules)
+        self._order = order_of(scene, state)
+        if self._order is not None:
+            scene, state = ordered(scene, state, self._order)
+        self._parts = constants(scene, skin)
+        self.rules = self._make_rules()
+        self._world = assemble(scene, state, self._parts, ledger)
+        self._check_inside()
+        self._world = relist(self._world, self._parts)
+        forces(self._world, 0.0)
+        self._bookkeeper = Bookkeeper(self._world) if ledger else None
+
+    def _make_rules(self) -> Rules:
+        reach = 0.5 * self._parts.skin
+        return Rules(
+            time_step=float(self.time_step or 0.0),
+            fraction=self.step_fraction,
+            flight=float(min(LONGEST_FLIGHT * self._parts.radius.min(), (1.0 - MARGIN) * reach)),
+            max_overlap=float(self.max_overlap),
+            room=MARGIN * reach,
+            reach=reach,
+        )
+
+    # What can be read between calls
+
+    @property
+    def world(self) -> World:
+        """The arrays of the kernels, in their order (dem.dynamics.ordering); all else is in the order of the
+        scene. They are views that cannot be written: contact lists and the step rely on them."""
+        return read_only(self._world)
+
+    @property
+    def state(self) -> State:
+        """Copies of position (m), velocity (m/s), angle (rad) and angular velocity (rad/s)."""
+        bodies, angle = self._world.bodies, self._world.angle
+        if self._order is not None:
+            back = np.argsort(self._order)
+            bodies, angle = bodies[back], angle[back]
+        return State(bodies[:, :2].copy(), bodies[:, [VX, VY]], angle.copy(), bodies[:, W].copy())
+
+    def collect_impulses(self):
+        """Impulses since the last call, in N s: on the cylinder (2, 2), on the walls (w,).
+
+        Rows of the first: of the normal parts and of the tangential parts; of the second: normal.
+        """
+        roller, walls = self._world.roller, self._world.walls
+        on_cylinder = np.zeros((2, 2)) if roller is None else roller.impulse.reshape(2, 2).copy()
+        on_walls = np.zeros(0) if walls is None else walls.impulse.copy()
+        for barrier in (roller, walls):
+            if barrier is not None:
+                barrier.impulse[:] = 0.0
+        return on_cylinder, on_walls
+
+    def look(self) -> Glance:
+        """Energy, contacts and greatest overlap of the bed as it is, and its critical time step.
+
+        Raises OverlapError where the guard on overlaps trips.
+        """
+        glance = look(self._world, self._parts)
+        if not glance.max_overlap <= self.max_overlap:
+            self._fail(TOO_DEEP, glance.max_overlap, glance.deepest)
+        return glance._replace(deepest=self._name(glance.deepest))
+
+    @checked(duration=DURATION)
+    def check_duration(self, duration: float) -> None:
+        """Say that the run will go on for a duration (s), however many calls that takes.
+
+        Raises InputError where that would, at the present step, never come to an end; calls of
+        advance and record raise StateError where it would not at a step that they choose. Raises
+        OverlapError where the guard on overlaps trips.
+        """
+        step = longest_step.py_func(self.rules, self.look())
+        if not duration <= MOST_STEPS * step:
+            raise InputError(self._endless("duration", duration, step))
+        self._until = self.time + duration
+
+    def contacts(self) -> Touching:
+        """All contacts of the bed as it is."""
+        unordered = np.arange(self.scene.granules)
+        return touching(self._world, unordered if self._order is None else self._order)
+
+    def ledger(self) -> Ledger:
+        """What the bed holds, was given and lost so far; only of a simulation with ledger=True."""
+        if self._bookkeeper is None:
+            raise InputError("ledger is False; make the Simulation with ledger=True.")
+        return self._bookkeeper.ledger(self._world)
+
+    # Saved and gone on with
+
+    def checkpoint(self) -> dict[str, np.ndarray]:
+        """All that moves, remembers or counts, as arrays by name (for np.savez)."""
+        saved = {name: array.copy() for name, array in moving(self._world).items()}
+        saved |= {"time": np.array(self.time), "steps": np.array(self.steps, np.int64)}
+        return saved | {"scene": self._fingerprint()}
+
+    def restore(self, saved: dict[str, np.ndarray]) -> None:
+        """Go on from a checkpoint of a simulation that began with the same scene and state.
+
+        The motion that follows has the same bits as without interruption, if it is advanced in the
+        same pieces. Raises InputError, with nothing changed, for a checkpoint of another scene or with
+        arrays that no simulation has.
+        """
+        saved = read(saved)
+        if saved.get("scene", np.empty(0)).tobytes() != self._fingerprint().tobytes():
+            raise InputError("saved is no checkpoint of this simulation; it is of another scene.")
+        time, steps = clock(saved)
+        world = replaced(self._world, saved)
+        alone = self._parts.per == 1  # a granule is its own only part: one array for both
+        self._world = world._replace(force=world.part_force) if alone else world
+        self.time, self.steps = time, steps
+
+    def _fingerprint(self):
+        """Tells scenes, options and the order of granules in memory apart."""
+        world, order = self._world, None if self._order is None else self._order.copy()
+        barriers = [b for b in (world.walls, world.roller) if b is not None]
+        fixed = [(b.tangent, b.contacts.modulus, b.contacts.damping is None) for b in barriers]
+        held = [world.shape, self._parts, self.rules, world.tangent, world.pairs.modulus]
+        arrays = [world.inverse_mass, world.inverse_inertia, world.gravity, order]
+        planes = None if world.walls is None else world.walls.planes
+        radius = None if world.roller is None else world.roller.radius
+        return fingerprint(*held, fixed, radius, *arrays, planes)
+
+    # Motion
+
+    @checked(duration=not_negative("s"))
+    def advance(self, duration: float) -> float:
+        """Advance by a duration (s); returns the shortest time step taken (s).
+
+        The step is chosen at the start and again whenever the contacts are listed anew. Raises
+        InputError for a duration of too many steps, and StateError or OverlapError (both RunError),
+        naming step, time and granule.
+        """
+        return self._march("duration", duration, 1, None)
+
+    @checked(interval=DURATION, count=PIECES)
+    def record(self, interval: float, count: int) -> Record:
+        """Advance over `count` intervals (s) and measure in each; raises as advance does.
+
+        Impulses collected before are not counted, and none are left to collect.
+        """
+        self.collect_impulses()
+        walls = 0 if self.scene.walls is None else len(self.scene.walls)
+        rows = np.zeros((count, 8 + walls))
+        self._march("interval * count", interval, count, rows)
+        self.look()  # the guard on overlaps, also for the end of the last interval
+        energy, contacts, overlap, step = rows[:, :4].T
+        return Record(rows[:, 4:6], rows[:, 6:8], rows[:, 8:], energy, contacts, overlap, step)
+
+    def _march(self, name, interval, count, rows):
+        run = march if self._crew is None else march.py_func
+        self._world, report = run(
+            self._world, self._parts, self.rules, self.time, interval, count, self._until, rows,
+            self._crew,
+        )  # fmt: skip
+        self.time = report.time
+        self.steps += report.steps
+        if report.outcome == TOO_LONG and report.steps == 0:
+            raise InputError(self._endless(name, interval * count, report.value))
+        if report.outcome:
+            self._fail(report.outcome, report.value, report.granule)
+        return report.shortest
+
+    def _endless(self, name, duration, step):
+        return (
+            f"{name} is {duration:g} s, more than {MOST_STEPS:.0e} time steps of {step:.3g} s: "
+            "granules are too small, stiff, light or fast for it."
+        )
+
+    # Guards: between two lists no part moves by more than half the skin, so that checks at a new
+    # list see every overlap before it has grown by more than the skin.
+
+    def _name(self, granule):
+        """The user's number of a granule."""
+        return granule if self._order is None else int(self._order[granule])
+
+    @np.errstate(all="ignore")
+    def _fail(self, outcome, value, granule):
+        when = f"at step {self.steps}, time {self.time:.6g} s"
+        lost = ~np.isfinite(self._world.bodies).all(axis=1)
+        if lost.any():
+            raise StateError(
+                f"the motion of granule {self._name(lost.argmax())} is not a number {when}: take a smaller "
+                "time step."
+            )
+        if outcome == LOST:
+            moved = np.linalg.norm(self._world.parts[:, :2] - self._world.reference, axis=1)
+            farthest = int(moved.argmax()) // self._parts.per
+            raise StateError(
+                f"granule {self._name(farthest)} moved {value:.3g} m before its contacts were listed "
+                f"again {when}; it may move {self.rules.reach:.3g} m: take a smaller time step."
+            )
+        if outcome == TOO_LONG:
+            raise StateError(
+                f"the time step has shrunk to {value:.3g} s {when}, and what remains would take more "
+                f"than {MOST_STEPS:.0e}: granules are too fast for a run of this duration."
+            )
+        if outcome == OUTSIDE:
+            walls = self._world.walls.planes
+            beyond = walls[:, :2] @ self._world.bodies[granule, :2] - walls[:, 2]
+            raise StateError(
+                f"granule {self._name(granule)} has its centre {beyond.max():.3g} m behind wall "
+                f"{beyond.argmax()} {when}: put it inside, or take a smaller time step."
+            )
+        raise OverlapError(
+            f"granule {self._name(granule)} overlaps by {value:.3g} of the smaller radius {when}; the limit is "
+            f"{self.max_overlap:g}: take a smaller time step, a stiffer material or a lower "
+            "packing fraction."
+        )
+
+    def _check_inside(self):
+        lost = outside(self._world.walls, self._world.bodies)
+        if lost >= 0:
+            self._fail(OUTSIDE, 0.0, lost)
+
+
+@checked(duration=DURATION, frames=PIECES)
+def simulate(
+    scene: Scene,
+    state: State,
+    duration: float,
+    time_step: float | None = None,
+    frames: int = 1,
+    **options,
+) -> Result:
+    """Simulate a scene from a state for a duration (s) and return arrays.
+
+    time_step (s): None to choose it from the stiffness of the contacts (recommended). frames:
+    number of equal intervals after each of which the state is kept. Further options as for
+    Simulation. Raises InputError for values that cannot be used and RunError (StateError,
+    OverlapError) where a run fails.
+    """
+    run = Simulation(scene, state, time_step, **options)
+    run.check_duration(duration)
+    nothing = np.full(2, np.nan), np.full(len(run.collect_impulses()[1]), np.nan)
+    history = [(0.0, run.state, *nothing)]
+    shortest, interval = math.inf, duration / frames
+    for _ in range(frames):
+        shortest = min(shortest, run.advance(interval))
+        on_cylinder, on_walls = run.collect_impulses()
+        force = on_cylinder.sum(axis=0) / interval
+        history.append((run.time, run.state, force, on_walls / interval))
+    times, states, cylinder_force, wall_force = zip(*history, strict=True)
+    return Result(
+        np.array(times),
+        np.stack([s.position for s in states]),
+        np.stack([s.angle for s in states]),
+        np.stack([s.velocity for s in states]),
+        np.stack([s.angular_velocity for s in states]),
+        np.stack(cylinder_force),
+        np.stack(wall_force),
+        states[-1],
+        shortest,
+    )

@@ -1,0 +1,158 @@
+"""A run of the experiment that can be stopped, and gone on with, bit for bit."""
+
+import hashlib
+import os
+import re
+import sys
+from contextlib import suppress
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from dem.base import provenance
+from dem.io.checksums import is_sealed, seal
+from dem.experiment.config import Replicate, density_label
+from dem.base.errors import InputError
+from dem.base.files import atomic
+from dem.packing.random import Bed
+from dem.scene import State
+from dem.dynamics.simulation import Record, Simulation
+
+
+class Going(NamedTuple):
+    """What a run has so far: records of pieces, states at snapshots, processor time (s)."""
+
+    records: list[Record]
+    states: list[State]
+    spent: float
+
+    @property
+    def bins(self) -> int:
+        """Bins that are done."""
+        return sum(len(record.time_step) for record in self.records)
+
+
+class Saved(NamedTuple):
+    """A checkpoint as read: what the run had, and the arrays of its simulation by name."""
+
+    going: Going
+    simulation: dict[str, np.ndarray]
+
+    def restore(self, simulation: Simulation) -> Going:
+        """Bring a simulation that has just begun to where the run was; raises InputError for one of
+        another scene."""
+        simulation.restore(self.simulation)
+        return self.going
+
+
+def mark_of(replicate: Replicate, bed: Bed | None) -> str:
+    """What must be the same for a run to go on: values, sources, packages and, at the end, the bed."""
+    granules = bed and hashlib.sha256(bed.position.tobytes() + bed.angle.tobytes()).hexdigest()
+    made_by = provenance.source_hash(), provenance.versions()
+    return " ".join((replicate.run_key(), *made_by, granules or ""))
+
+
+def write_checkpoint(
+    path: Path, replicate: Replicate, bed: Bed, simulation: Simulation, going: Going
+) -> None:
+    """Save a run, whole or not at all."""
+    arrays = {f"simulation_{k}": v for k, v in simulation.checkpoint().items()}
+    record = Record(*map(np.concatenate, zip(*going.records, strict=True)))
+    arrays |= {f"record_{k}": v for k, v in record._asdict().items()}
+    for name in STATE:
+        arrays[f"state_{name}"] = np.stack([getattr(state, name) for state in going.states])
+    with atomic(path) as part, part.open("wb") as file:
+        np.savez(file, mark=np.array(mark_of(replicate, bed)), spent=going.spent, **arrays)
+        file.close()
+        seal(part)
+
+
+STATE = ("position", "velocity", "angle", "angular_velocity")
+
+# How write_checkpoint begins a file: the head of a zip archive and of its first array, a text `mark`.
+# It is all that is looked for, because a damaged checkpoint may have lost everything behind it.
+HEAD = re.compile(
+    rb"PK\x03\x04.{26}mark\.npy.{0,64}\x93NUMPY.{4}\{'descr': '<U\d+', 'fortran_order': False, 'shape': \(\)",
+    re.DOTALL,
+)
+FOREIGN, STALE = "no checkpoint", "a checkpoint of another run"
+
+
+def _fault(path: Path, replicate: Replicate, bed: Bed | None) -> str:
+    """FOREIGN or STALE for a file that is not to be replaced by checkpoints of this run, else ""."""
+    if not os.path.lexists(path) or (path.is_symlink() and not path.exists()):
+        return ""
+    if not path.is_file():
+        return FOREIGN
+    with path.open("rb") as file:
+        head = file.read(512)
+    if head and not HEAD.match(head):
+        return FOREIGN
+    wanted = mark_of(replicate, bed)
+    with suppress(
+        Exception
+    ):  # whatever damage makes numpy raise: a damaged one is of no use to anyone
+        with np.load(path) as file:
+            mark = str(file["mark"])
+        if not (mark == wanted if bed else mark.startswith(wanted)):
+            return STALE
+    return ""
+
+
+def clear_way(path: Path, replicate: Replicate, bed: Bed | None = None, own: bool = False) -> None:
+    """Raise InputError for a file that checkpoints of this run must not replace, before it begins.
+
+    That is one that is no checkpoint, or one of another run. The workflow's own file (`own`) is
+    deleted instead, and said so. bed: None where it is not made yet.
+    """
+    fault = _fault(path, replicate, bed)
+    if not fault:
+        return
+    if not own:
+        raise InputError(f"{path}: it is {fault}; delete it or name another file as checkpoint.")
+    forget(path)
+    _say(f"{path}: it was {fault}, and is deleted; the run begins again.")
+
+
+def checkpoint_of(replicate: Replicate) -> str:
+    """Where the workflow saves a long run, below the folder of results."""
+    density = density_label(replicate.density)
+    return f"checkpoints/{replicate.label}_{density}_{replicate.seed}.npz"
+
+
+def is_own(path: Path, replicate: Replicate, results: Path) -> bool:
+    """Whether a checkpoint is the workflow's own file of this run in a folder of results."""
+    return path.resolve() == (results / checkpoint_of(replicate)).resolve()
+
+
+def forget(path: Path) -> None:
+    """Delete a checkpoint, of a link the file that it leads to."""
+    Path(os.path.realpath(path)).unlink(missing_ok=True)
+
+
+def read_checkpoint(path: Path, replicate: Replicate, bed: Bed) -> Saved | None:
+    """The checkpoint of this run; None if there is none or a damaged one: the run then begins again.
+
+    Raises InputError for any other file.
+    """
+    clear_way(path, replicate, bed)
+    if not path.is_file():
+        return None
+    try:
+        if not is_sealed(path):
+            raise ValueError("it has no checksum")
+        with np.load(path) as file:
+            record = Record(*(file[f"record_{name}"] for name in Record._fields))
+            columns = (file[f"state_{name}"] for name in STATE)
+            states = [State(*rows) for rows in zip(*columns, strict=True)]
+            head = "simulation_"
+            arrays = {k.removeprefix(head): file[k] for k in file.files if k.startswith(head)}
+            return Saved(Going([record], states, float(file["spent"])), arrays)
+    except Exception:  # see _fault
+        _say(f"{path}: this checkpoint is damaged; the run begins again.")
+        return None
+
+
+def _say(sentence: str) -> None:
+    print(sentence, file=sys.stderr)

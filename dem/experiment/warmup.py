@@ -1,0 +1,21 @@
+"""Compile the kernels of one kind of granule before many processes need them at once."""
+
+from dem.experiment.config import Replicate, Sweep
+from dem.experiment.drag import cylinder, diameters, make_scene
+from dem.packing.random import pack
+from dem.scene import State
+from dem.shapes import SHAPES
+from dem.dynamics.simulation import Simulation
+
+
+def compile_kernels(sweep: Sweep, label: str) -> None:
+    """Pack three granules of this shape loosely and run them for an instant, as the sweep would."""
+    few = sweep.shapes[label].model_copy(update={"granules": 3})
+    sweep = sweep.model_copy(update={"shapes": {label: few}})
+    replicate = Replicate.model_construct(sweep=sweep, label=label, density=1e3, seed=0)
+    start = sweep.cylinder.start
+    height = 4.0 * (sweep.cylinder.diameter + few.diameter) / min(start, 1.0 - start)
+    shape = SHAPES[few.kind][0].of_size(diameters(replicate), few.ratio)
+    bed = pack(shape, sweep.box_width, height, cylinder(replicate, height), seed=0)
+    scene = make_scene(replicate, bed)
+    Simulation(scene, State(bed.position, angle=bed.angle)).advance(1e-9)

@@ -1,0 +1,58 @@
+"""Snapshots of one replicate for ParaView: a VTK file each, and a .pvd file that lists them."""
+
+import os
+from pathlib import Path
+
+import meshio
+import numpy as np
+
+from dem.base.files import atomic
+from dem.analysis.flow.motion import Motion
+
+PVD = """<?xml version="1.0"?>
+<VTKFile type="Collection" version="0.1"><Collection>
+{lines}
+</Collection></VTKFile>
+"""
+
+
+def export(motion: Motion, folder: Path, progress=lambda done: None) -> Path:
+    """Write the snapshots into a folder; returns its bed.pvd, the file to open.
+
+    Granules are polygons with their true outline; data of each: number, volume diameter (m) and
+    angle (rad). The cylinder is one polygon more, number -1. Lengths in m; time is the displacement.
+    """
+    folder, lines = Path(folder), []
+    folder = Path(os.path.realpath(folder))  # of a link, the folder that it leads to
+    folder.mkdir(parents=True, exist_ok=True)
+    for snapshot, displacement in enumerate(motion.displacement):
+        name = f"bed{snapshot:04d}.vtu"
+        with atomic(folder / name) as part:
+            meshio.write(part, _mesh(motion, snapshot), file_format="vtu")
+        lines.append(f'<DataSet timestep="{displacement:.9g}" file="{name}"/>')
+        progress((snapshot + 1) / len(motion.displacement))
+    with atomic(folder / "bed.pvd") as part:
+        part.write_text(PVD.format(lines="\n".join(lines)))
+    return folder / "bed.pvd"
+
+
+def _mesh(motion: Motion, snapshot: int) -> meshio.Mesh:
+    from dem.figures.bed import placed
+
+    rings = motion.outlines[:, :, :-1]  # the last point is the first
+    outlines = 1e-3 * placed(rings, motion.position[snapshot], motion.angle[snapshot])
+    sweep, count = motion.replicate.sweep, rings.shape[2]
+    turn = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
+    circle = 0.5 * sweep.cylinder.diameter * np.column_stack([np.cos(turn), np.sin(turn)])
+    circle += [0.5 * sweep.box_width, motion.cylinder_y[snapshot]]
+    polygons = np.concatenate([outlines, circle[None]])
+    points = np.concatenate([polygons.reshape(-1, 2), np.zeros((polygons.size // 2, 1))], axis=1)
+    corners = np.arange(len(points)).reshape(len(polygons), count)
+    owner = np.append(np.repeat(np.arange(len(rings)), rings.shape[1]), -1)
+    inside = owner >= 0
+    data = {
+        "granule": owner,
+        "diameter": np.where(inside, motion.diameters[owner], sweep.cylinder.diameter),
+        "angle": np.where(inside, motion.angle[snapshot][owner], 0.0),
+    }
+    return meshio.Mesh(points, [("polygon", corners)], cell_data={k: [v] for k, v in data.items()})

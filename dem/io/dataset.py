@@ -1,0 +1,192 @@
+"""netCDF files: the layout of replicates, in one table; writing is atomic, reading is checked.
+
+Every file is sealed with a checksum (dem.io.checksums) and read only if it holds.
+
+CF-1.11, SI units. A replicate holds one run over `displacement`; drag.nc holds the same
+variables over (case, seed, displacement). Studies keep tables of the same form beside them
+(dem.studies.benchmark.layout, dem.studies.accuracy.layout).
+"""
+
+import warnings
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+
+from dem.io.checksums import Changed, is_sealed, seal
+from dem.base.errors import InputError, RunError
+from dem.base.files import atomic
+
+# name: (dimensions in a replicate or packing, units, long name)
+VARIABLES = {
+    "displacement": (("displacement",), "m", "displacement of the cylinder, middle of the bin"),
+    "displacement_bounds": (("displacement", "bound"), None, None),
+    "drag": (("displacement",), "N", "drag: force of the granules on the cylinder against its motion"),
+    "drag_normal": (("displacement",), "N", "part of the drag from normal contact forces"),
+    "drag_tangential": (("displacement",), "N", "part of the drag from tangential contact forces"),
+    "transverse_force": (("displacement",), "N", "force on the cylinder across its motion, to the right"),
+    "wall_force": (("wall", "displacement"), "N", "normal force of the granules on a wall, outwards"),
+    "kinetic_energy": (("displacement",), "J", "kinetic energy of the granules, end of the bin"),
+    "coordination_number": (("displacement",), "1", "contacts between granules, twice, over the number of granules, end of the bin"),
+    "max_overlap": (("displacement",), "1", "greatest overlap over the smaller granule radius, end of the bin"),
+    "time_step": (("displacement",), "s", "shortest time step in the bin"),
+    "wall": (("wall",), None, "wall of the box"),
+    "snapshot_displacement": (("snapshot",), "m", "displacement of the cylinder at the snapshot"),
+    "cylinder_y": (("snapshot",), "m", "height of the axis of the cylinder above the floor"),
+    "granule_x": (("snapshot", "granule"), "m", "distance of the granule's centre from the left wall"),
+    "granule_y": (("snapshot", "granule"), "m", "height of the granule's centre above the floor"),
+    "granule_angle": (("snapshot", "granule"), "rad", "angle of the granule, anticlockwise"),
+    "granule_diameter": (("granule",), "m", "volume diameter: diameter of the disc of equal area"),
+    "position_x": (("granule",), "m", "distance of the granule's centre from the left wall"),
+    "position_y": (("granule",), "m", "height of the granule's centre above the floor"),
+    "angle": (("granule",), "rad", "angle of the granule, anticlockwise"),
+    "box_height": ((), "m", "height of the box"),
+    "packing_pressure": ((), "Pa", "mean normal stress on the walls before the cylinder moves"),
+    "packing_coordination_number": ((), "1", "contacts between granules, twice, over the number of granules, before the cylinder moves"),
+    "packing_net_force": ((), "1", "greatest net force on a granule in the bed at rest over E* R^2"),
+    "packing_max_overlap": ((), "1", "greatest overlap over the smaller granule radius, before the cylinder moves"),
+    "packing_pressure_over_modulus": ((), "m", "mean normal stress on the walls, unit thickness, over E*"),
+    "run_time": ((), "s", "processor time of the run, kernels compiled"),
+    "steps": ((), "1", "number of time steps of the run"),
+    "failure": ((), None, "why there is no run, and its values are missing"),
+    "case": ((), None, "case: a shape at a density, labels of Tables 1 and 2"),
+    "seed": ((), "1", "seed of the replicate"),
+    "shape": ((), None, "label of the shape, Table 1"),
+    "kind": ((), None, "kind of granule"),
+    "aspect_ratio": ((), "1", "length over width of a granule"),
+    "density": ((), "kg m-3", "density of the granules"),
+    "diameter": ((), "m", "mean volume diameter of the granules"),
+    "granules": ((), "1", "number of granules"),
+}  # fmt: skip
+
+AGAIN = "delete it, with the folder batches if there is one, and run again"
+COMPRESSED = 8192  # bytes of an array from which compressing it makes the file smaller
+WALLS = ("left", "right", "bottom", "top")
+MEANS = ("drag", "drag_normal", "drag_tangential", "transverse_force", "wall_force")
+UNITLESS = ("displacement_bounds", "failure")  # numbers whose attributes say more than a unit
+SEEDS = ("seed", "trial_seed", "replicate")
+
+
+def is_text(name: str, layout: dict = VARIABLES) -> bool:
+    """Whether a variable holds texts: what has no unit and is no number that has none either."""
+    return layout[name][1] is None and name not in UNITLESS
+
+
+def attributes(name: str, layout: dict = VARIABLES) -> dict:
+    """CF attributes of a variable."""
+    _, units, long_name = layout[name]
+    found = {"long_name": long_name, "units": units}
+    if name == "displacement" and "displacement_bounds" in layout:
+        found["bounds"] = "displacement_bounds"
+    elif name in SEEDS:
+        found["standard_name"] = "realization"
+    elif name in MEANS:
+        found["cell_methods"] = "displacement: mean"
+    elif name == "replicate_drag":
+        found["cell_methods"] = "replicate_displacement: mean"
+    elif name == "time_step":
+        found["cell_methods"] = "displacement: minimum"
+    return {key: value for key, value in found.items() if value is not None}
+
+
+def global_attributes(title: str, source: str, **more) -> dict:
+    """Attributes every file has; more of them by name, in SI units."""
+    now = datetime.now(UTC).isoformat(timespec="seconds")
+    return {
+        "Conventions": "CF-1.11",
+        "title": title,
+        "source": source,
+        "history": f"{now} {source}",
+        "references": "Zhou, Advani and Wetzel: slow drag of a cylinder through a confined "
+        "pressurized bed of dumbbell and elliptically cylindrical granules",
+        **more,
+    }
+
+
+@contextmanager
+def create(path: Path):
+    """A netCDF4.Dataset to fill; atomic, and sealed in the end."""
+    with atomic(path) as part:
+        with netCDF4.Dataset(part, "w") as file:
+            yield file
+        seal(part)
+
+
+def write(path: Path, values: dict, attrs: dict, layout: dict = VARIABLES) -> None:
+    """Write one file: values by the names of a table like VARIABLES, atomically."""
+    with create(path) as file:
+        file.setncatts(attrs)
+        for name, value in values.items():
+            dims = layout[name][0]
+            array = np.asarray(value)
+            for dim, size in zip(dims, array.shape, strict=True):
+                if dim not in file.dimensions:
+                    file.createDimension(dim, size)
+            kind = str if array.dtype.kind == "U" else array.dtype
+            large = kind is not str and array.nbytes > COMPRESSED
+            options = {"zlib": True, "shuffle": True} if large else {}
+            if dims and kind is not str:  # any program that reads the file then notices damage
+                options["fletcher32"] = True
+            if kind is str and dims:  # labels of an axis are characters: CF keeps strings off it
+                file.createDimension(f"{name}_length", array.dtype.itemsize // 4)
+                kind, dims = "S1", (*dims, f"{name}_length")
+            variable = file.createVariable(name, kind, dims, **options)
+            variable.setncatts(attributes(name, layout))
+            if kind == "S1":
+                variable._Encoding = "utf-8"
+            variable[...] = str(array) if kind is str else array
+
+
+def read(path: Path, names: tuple[str, ...]) -> tuple[dict, dict]:
+    """The named variables and all global attributes of a file that was written here.
+
+    Raises InputError if they are not there, or not what was written.
+    """
+    with content_of(path, AGAIN):
+        if not Path(path).is_file():
+            raise InputError(f"{path}: there is no such file.")
+        if not is_sealed(path):
+            raise InputError(
+                f"{path}: it has no checksum, so it is another file, or an older version wrote it; "
+                f"if it is a result, {AGAIN}."
+            )
+        with netCDF4.Dataset(path) as file:
+            file.set_auto_mask(False)
+            for name in names:
+                if name not in file.variables:
+                    raise InputError(f"{path}: it has no variable {name}; is it another file?")
+            values = {name: file.variables[name][...] for name in names}
+            return values, {name: file.getncattr(name) for name in file.ncattrs()}
+
+
+@contextmanager
+def content_of(path: Path, remedy: str = "make it again"):
+    """Whatever the content of a file makes fail is an InputError with the file's name.
+
+    remedy: what to do about a file that is damaged. Gaps of a file are NaN, and so is what follows
+    from them: numpy does not warn.
+    """
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)
+            yield
+    except RunError:
+        raise
+    except InputError as error:
+        if str(path) in str(error):
+            raise
+        raise InputError(f"{path}: {error}") from None
+    except Exception as error:
+        words = " ".join(str(error).split())[:200]
+        if isinstance(error, Changed) or words.startswith(("NetCDF", "[Errno -")):
+            raise InputError(
+                f"{path}: its content is not what was written ({words}); {remedy}."
+            ) from None
+        if isinstance(error, OSError):  # of another file
+            raise
+        raise InputError(
+            f"{path}: its content cannot be used ({type(error).__name__}: {words}); "
+            "is it another file?"
+        ) from error

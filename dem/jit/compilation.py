@@ -1,0 +1,193 @@
+"""How the kernels are compiled, and where the machine code is kept.
+
+Numba keeps machine code on disk, but its cache does not notice an edit in a file other than the
+one that holds a function, two processes that save at the same moment can leave an index that
+points to the wrong code, and a damaged file ends every run. All are closed here: the folder is
+named after a hash of the sources, every save holds a lock, and files carry their digest.
+"""
+
+import functools
+import hashlib
+import os
+import pickle
+import sys
+from pathlib import Path
+
+import numba
+from filelock import FileLock
+from numba.core.caching import CacheImpl, IndexDataCacheFile, _CacheLocator
+from platformdirs import user_cache_path
+
+from dem.base.provenance import compiled_hash
+
+# nnan and ninf stay off: they would remove the very tests that find a NaN.
+# reassoc stays off: a sum has one order, so a seed has one result.
+OPTIONS = {"error_model": "numpy", "fastmath": {"contract", "arcp", "nsz"}}
+INLINED = {"forceinline": True, **OPTIONS}
+
+
+def cache_folder() -> Path:
+    """Folder of the machine code of these sources: $NUMBA_CACHE_DIR or the user's cache folder."""
+    base = os.environ.get("NUMBA_CACHE_DIR") or user_cache_path("dem", appauthor=False)
+    return Path(base) / f"kernels-{compiled_hash()[:16]}"
+
+
+class KernelLocator(_CacheLocator):
+    """Where Numba finds a kernel: by its module and the content of its file, not by where that lies
+    or when it was written, so that all copies of the same sources share their machine code."""
+
+    def __init__(self, function, file):
+        self._folder = cache_folder() / function.__module__
+        self._stamp = content_hash(file)
+        self._line = function.__code__.co_firstlineno
+
+    @classmethod
+    def from_function(cls, function, file):
+        """Only for functions of `compiled`; others are kept where Numba would keep them."""
+        return cls(function, file) if hasattr(function, MARK) else None
+
+    def get_cache_path(self):
+        return str(self._folder)
+
+    def get_source_stamp(self):
+        return self._stamp
+
+    def ensure_cache_path(self):
+        """Left to _CacheFile, which goes on where the folder cannot be made or written."""
+
+    def get_disambiguator(self):
+        return str(self._line)
+
+
+@functools.cache
+def content_hash(file) -> str:
+    """SHA-256 of a file."""
+    return hashlib.sha256(Path(file).read_bytes()).hexdigest()
+
+
+MARK = "_is_a_kernel"
+numba.config.CACHE_LOCATOR_CLASSES = ",".join(
+    [f"{__name__}.{KernelLocator.__name__}"]
+    + [
+        numba.config.CACHE_LOCATOR_CLASSES
+        or ",".join(c.__name__ for c in CacheImpl._locator_classes)
+    ]
+)
+
+
+class _CacheFile(IndexDataCacheFile):
+    """Numba's cache file: saved by one process at a time, damage is noticed, and a run never fails
+    because its code cannot be kept.
+
+    A file of machine code is named after its SHA-256 and the index begins with its own: what is
+    damaged counts as absent, because a flipped bit of machine code is a crash or a wrong number.
+    """
+
+    def load(self, key):
+        name = self._load_index().get(key)
+        content = _content(self._data_path(name)) if name else None
+        if content is None:
+            return None
+        if name != self._name_of(content):
+            _say(DAMAGED)
+            return None
+        return pickle.loads(content)
+
+    def save(self, key, data):
+        content = self._dump(data)
+        name = self._name_of(content)
+        try:
+            Path(self._cache_path).mkdir(parents=True, exist_ok=True)
+            with FileLock(self._index_path + ".lock"):
+                index = self._load_index()
+                with self._open_for_write(self._data_path(name)) as file:
+                    file.write(content)
+                self._save_index(index := index | {key: name})
+                for file in Path(self._cache_path).glob(f"{self._base}.*.nbc"):
+                    if file.name not in index.values():  # of an index that was damaged
+                        file.unlink(missing_ok=True)
+        except (OSError, NotImplementedError) as error:  # the latter where a disk has no locks
+            _say(UNKEPT.format(getattr(error, "strerror", None) or error))
+
+    def _name_of(self, content):
+        """Name of the file of some machine code."""
+        return f"{self._base}.{_digest(content).hex()[:32]}.nbc"
+
+    @property
+    def _base(self):
+        return self._index_name.removesuffix(".nbi")
+
+    def _load_index(self):
+        content = _content(self._index_path)
+        if content is None:
+            return {}
+        digest, rest = content[:DIGEST], content[DIGEST:]
+        if digest != _digest(rest):
+            _say(DAMAGED)
+            return {}
+        version, stamp, index = pickle.loads(rest)
+        same = (version, stamp) == (self._version, self._source_stamp)
+        return pickle.loads(index) if same else {}
+
+    def _save_index(self, overloads):
+        rest = pickle.dumps((self._version, self._source_stamp, self._dump(overloads)))
+        with self._open_for_write(self._index_path) as file:
+            file.write(_digest(rest) + rest)
+
+
+DIGEST = 32  # bytes
+DAMAGED = "the machine code that is kept here is damaged; it is compiled again."
+UNKEPT = "machine code cannot be kept here ({}); this run goes on, the next one compiles again."
+
+
+def _digest(content: bytes) -> bytes:
+    return hashlib.sha256(content).digest()
+
+
+def _content(path) -> bytes | None:
+    """The content of a file, None where there is none or it cannot be read."""
+    try:
+        return Path(path).read_bytes()
+    except OSError:
+        return None
+
+
+@functools.cache
+def _say(sentence: str) -> None:
+    """Say something about the folder of machine code, once."""
+    print(f"{cache_folder()}: {sentence}", file=sys.stderr)
+
+
+def spare_blas():
+    """Keep Numba from importing scipy.linalg: it looks for a BLAS that no kernel here uses.
+
+    That search is a sixth of the time in which a short process starts. For processes of our own:
+    a user's Numba code might want BLAS.
+    """
+    import numba.np.linalg
+
+    def absent():
+        raise ImportError("not looked for, see dem.jit.compilation.spare_blas")
+
+    numba.np.linalg.ensure_blas = absent
+
+
+def compiled(function=None, *, allocates=False):
+    """Decorator: compile for each combination of argument types, and keep the code on disk.
+
+    allocates: whether the function, or one that it calls, makes arrays. Others are compiled
+    without reference counts, in half the time: a World holds some sixty arrays.
+    """
+    if function is None:
+        return functools.partial(compiled, allocates=allocates)
+    setattr(function, MARK, True)
+    dispatcher = numba.njit(cache=True, nogil=True, _nrt=allocates, **OPTIONS)(function)
+    cache_file = getattr(dispatcher._cache, "_cache_file", None)  # absent under NUMBA_DISABLE_CACHE
+    if cache_file is not None:
+        cache_file.__class__ = _CacheFile
+    return dispatcher
+
+
+def inlined(function):
+    """Decorator for scalar helpers: always part of the kernel that calls them."""
+    return numba.njit(**INLINED)(function)

@@ -1,0 +1,74 @@
+"""Arithmetic in which an absent quantity costs nothing.
+
+A disc has no lever in the tangential direction, a frictionless contact no tangential force. Such
+a quantity is ``None``: its type is known while compiling, so the terms with it are never
+compiled at all (a float 0.0 would stay, since 0.0 * x is not 0.0 for every x).
+"""
+
+import functools
+
+from numba.core import types
+from numba.extending import overload
+
+from dem.jit.compilation import INLINED
+
+
+def optional(function):
+    """Decorator: a function to inline that is None, and not even compiled, if its first argument is."""
+
+    def absent(*arguments):
+        return None
+
+    def choose(first, *rest):
+        return absent if isinstance(first, types.NoneType) else function
+
+    @functools.wraps(function)
+    def present(first, *rest):
+        return None if first is None else function(first, *rest)
+
+    overload(present, strict=False, jit_options=INLINED)(choose)
+    return present
+
+
+def _by_presence(stub):
+    """Decorator: `stub` returns the function of two arguments to compile, given which are present."""
+
+    def operation(a, b):
+        raise NotImplementedError("for compiled code only")
+
+    def choose(a, b):
+        return stub(not isinstance(a, types.NoneType), not isinstance(b, types.NoneType))
+
+    operation.__name__, operation.__doc__ = stub.__name__, stub.__doc__
+    overload(operation, strict=False, jit_options=INLINED)(choose)
+    return operation
+
+
+@_by_presence
+def plus(a, b):
+    """a + b; whichever is present; None if neither is."""
+    if a and b:
+        return lambda a, b: a + b
+    return (lambda a, b: a) if a else (lambda a, b: b)
+
+
+@_by_presence
+def minus(a, b):
+    """a - b; a or -b if only that is present; None if neither is."""
+    if a and b:
+        return lambda a, b: a - b
+    if b:
+        return lambda a, b: -b
+    return lambda a, b: a
+
+
+@_by_presence
+def times(a, b):
+    """a * b; None if either is absent."""
+    return (lambda a, b: a * b) if a and b else (lambda a, b: None)
+
+
+@_by_presence
+def either(a, b):
+    """a if present, else b."""
+    return (lambda a, b: a) if a else (lambda a, b: b)

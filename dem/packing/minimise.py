@@ -1,0 +1,162 @@
+"""Bring a frictionless bed to rest: minimise its elastic energy by FIRE.
+
+FIRE (Bitzek et al. 2006, Phys. Rev. Lett. 97, 170201, with the corrections of Guenole et al. 2020,
+Comput. Mater. Sci. 175, 109584) is mechanics with a bias: all velocities are turned towards the
+forces, and the bed stops whenever it moves uphill. Forces are those of a run without friction and
+damping. Forces and torques, speeds and spins are put on one scale by the radius of gyration.
+"""
+
+import math
+
+import numpy as np
+
+from dem.dynamics.assembly import Constants
+from dem.jit.columns import FX, FY, TAU, VX, VY, W, X, Y
+from dem.jit.compilation import compiled
+from dem.contacts.force_law import effective_modulus
+from dem.base.errors import PackingError
+from dem.dynamics.integration import reorient
+from dem.contacts.loops import forces
+from dem.dynamics.neighbor_list import relist
+from dem.jit.optional import either, optional
+from dem.dynamics.diagnostics import survey
+from dem.dynamics.world import World
+
+MIXING = 0.25  # share of the turn towards the forces, at first
+DOWNHILL = 20.0  # steps downhill before the time step grows
+
+
+@optional
+def push_spin(inverse_inertia, bodies, force, i, dt):
+    bodies[i, W] += dt * force[i, TAU] * inverse_inertia[i]
+
+
+@optional
+def turn(inverse_inertia, frame, angle, bodies, i, dt):
+    angle[i] += dt * bodies[i, W]
+    reorient(frame, i, angle[i], dt * bodies[i, W])
+
+
+@optional
+def gyration(inverse_inertia, inverse_mass, i):
+    """Inertia over mass (m2), which puts torques and spins on the scale of forces and speeds."""
+    return inverse_mass[i] / inverse_inertia[i]
+
+
+@compiled
+def powers(world):
+    """Sums of F.v, v.v and F.F (rotation scaled by the radius of gyration), largest |F|."""
+    force, bodies = world.force, world.bodies
+    power, speed, push, largest = 0.0, 0.0, 0.0, 0.0
+    for i in range(bodies.shape[0]):
+        g2 = either(gyration(world.inverse_inertia, world.inverse_mass, i), 0.0)
+        fx, fy, torque = force[i, FX], force[i, FY], force[i, TAU]
+        vx, vy, w = bodies[i, VX], bodies[i, VY], bodies[i, W]
+        power += fx * vx + fy * vy + torque * w
+        speed += vx * vx + vy * vy + g2 * w * w
+        f2 = fx * fx + fy * fy
+        push += f2
+        if g2 > 0.0:
+            push += torque * torque / g2
+            f2 = max(f2, torque * torque / g2)
+        largest = max(largest, f2)
+    return power, speed, push, math.sqrt(largest)
+
+
+@compiled
+def mix(world, share, speed, push):
+    """Turn all velocities towards the forces: v = (1 - share) v + share |v| F / |F|."""
+    factor = share * math.sqrt(speed / push) if push > 0.0 else 0.0
+    force, bodies = world.force, world.bodies
+    for i in range(bodies.shape[0]):
+        g2 = either(gyration(world.inverse_inertia, world.inverse_mass, i), 0.0)
+        bodies[i, VX] = (1.0 - share) * bodies[i, VX] + factor * force[i, FX]
+        bodies[i, VY] = (1.0 - share) * bodies[i, VY] + factor * force[i, FY]
+        if g2 > 0.0:
+            bodies[i, W] = (1.0 - share) * bodies[i, W] + factor * force[i, TAU] / g2
+
+
+@compiled
+def shift(world, dt):
+    bodies = world.bodies
+    for i in range(bodies.shape[0]):
+        bodies[i, X] += dt * bodies[i, VX]
+        bodies[i, Y] += dt * bodies[i, VY]
+        turn(world.inverse_inertia, world.frame, world.angle, bodies, i, dt)
+
+
+@compiled
+def push_all(world, dt):
+    bodies, force = world.bodies, world.force
+    for i in range(bodies.shape[0]):
+        bodies[i, VX] += dt * force[i, FX] * world.inverse_mass[i]
+        bodies[i, VY] += dt * force[i, FY] * world.inverse_mass[i]
+        push_spin(world.inverse_inertia, bodies, force, i, dt)
+
+
+@compiled
+def fire(world, memory, longest, steps, room, enough):
+    """Minimise the elastic energy until no net force exceeds `enough` (N).
+
+    memory: time step (s), mixing share and number of steps downhill, carried between calls;
+    longest (s): largest time step; room (m): stop when a part has moved farther than that.
+    Returns iterations done, largest displacement (m) and largest net force (N).
+    """
+    dt, share, downhill = memory[0], memory[1], memory[2]
+    done, moved, largest = 0, 0.0, math.inf
+    while done < steps and moved <= room * room:
+        power, _, _, largest = powers(world)
+        if largest <= enough:
+            break
+        if power > 0.0:
+            downhill += 1.0
+            if downhill > DOWNHILL:
+                dt = min(1.1 * dt, longest)
+                share *= 0.99
+        else:
+            shift(world, -0.5 * dt)
+            world.bodies[:, VX] = 0.0
+            world.bodies[:, VY] = 0.0
+            world.bodies[:, W] = 0.0
+            downhill, share = 0.0, MIXING
+            dt = max(0.5 * dt, 0.02 * longest)
+        push_all(world, dt)
+        _, speed, push, _ = powers(world)
+        mix(world, share, speed, push)
+        shift(world, dt)
+        moved = forces(world, 0.0)
+        done += 1
+    memory[0], memory[1], memory[2] = dt, share, downhill
+    return done, math.sqrt(moved), largest
+
+
+def longest_step(scene, parts: Constants, world: World) -> float:
+    """Largest time step (s) of the minimiser: stable at overlaps of 2 % of the radius."""
+    radius, modulus = parts.radius.mean(), effective_modulus(scene.material, scene.material)
+    least = 0.02 * radius
+    critical = survey(world, parts, least)[3]
+    light = np.max(1.0 / scene.mass + scene.shape.normal_lever**2 / scene.inertia)
+    alone = 8.0 * modulus * math.sqrt(radius * least) * light
+    return min(0.5 * critical, 1.0 / math.sqrt(alone))
+
+
+def minimise(scene, parts: Constants, world: World, iterations: int, enough: float):
+    """Minimise until no net force exceeds `enough` (N), with lists kept up to date.
+
+    Returns the world and its largest net force (N), greater than `enough` if the iterations did
+    not suffice. Raises PackingError if a position becomes infinite.
+    """
+    room = 0.45 * parts.skin
+    world = relist(world, parts)
+    forces(world, 0.0)
+    longest = longest_step(scene, parts, world)
+    memory = np.array([0.1 * longest, MIXING, 0.0])
+    left, largest = iterations, math.inf
+    while left > 0 and not largest <= enough:
+        done, moved, largest = fire(world, memory, longest, left, room, enough)
+        left -= max(done, 1)
+        if not moved <= room:
+            if not np.isfinite(world.bodies).all():
+                raise PackingError("a position became infinite while the bed was relaxed.")
+            world = relist(world, parts)
+    return world, largest

@@ -1,0 +1,118 @@
+"""A bed that is pressed: granules grow in a box of fixed size and come to rest after every step.
+
+With friction the bed comes to rest by damped motion (dem.dynamics.simulation), without it by FIRE
+(dem.packing.minimise). It serves to pack with friction, and to find the fraction at which a bed jams. What
+contacts remember of friction is not carried from one step to the next, nor into a run.
+"""
+
+import math
+
+import numpy as np
+
+from dem.dynamics.assembly import assemble, constants
+from dem.contacts.force_law import effective_modulus
+from dem.base.errors import PackingError
+from dem.contacts.loops import forces
+from dem.dynamics.neighbor_list import relist
+from dem.packing.minimise import minimise
+from dem.packing.random import SKIN, SOFT, Bed, finished, name_of, pack
+from dem.scene import Cylinder, Friction, Material, Scene, State, box
+from dem.dynamics.simulation import Simulation
+
+START = 0.74  # packing fraction of the bed before it is pressed: no shape jams there
+STEP = 0.005  # of the packing fraction, at most, between two rests
+RESTING = 1e-5  # E* R^2: a bed is at rest when no granule feels a greater net force
+MOVING = 2e-4  # E* R^2: beyond it a finished bed is refused
+PATIENCE = 20_000  # iterations of FIRE
+DAMPED = Material(density=1.0, young_modulus=1.0, poisson_ratio=0.0, restitution=0.5)
+PIECE = 10.0  # sqrt(m / (E* R)): one piece of damped motion
+PIECES = 80  # of damped motion, at most, after a step
+FRACTION = 0.9  # of the bound on the critical time step: the motion need not be accurate
+
+
+def compact(shape, width, height, cylinder: Cylinder, seed: int, friction: float) -> Bed:
+    """A bed packed with friction, otherwise as dem.pack makes it; how dense it is where it jams
+    depends on how it was pressed. Raises PackingError."""
+    press = Press(shape, width, height, cylinder, seed, friction)
+    press.press(press.full)
+    scene = Scene(shape, SOFT, walls=press.walls, cylinder=press.cylinder)
+    if not press.net_force <= MOVING:
+        raise PackingError(
+            f"{name_of(scene, width, height, seed)} is not at rest after it was pressed with "
+            f"friction {friction:g}: net force {press.net_force:.2g} E* R^2."
+        )
+    parts = constants(scene, SKIN)
+    world = relist(assemble(scene, press.state.checked(scene.granules), parts), parts)
+    return finished(scene, parts, world, width, height, press.net_force, seed)
+
+
+class Press:
+    """A bed in a box of width and height (m) whose granules grow up to those of `shape`.
+
+    full: packing fraction when they have grown; fraction: as they are; friction: Coulomb's
+    coefficient of all contacts while they grow. Raises PackingError as dem.pack does.
+    """
+
+    def __init__(self, shape, width, height, cylinder: Cylinder, seed: int, friction: float = 0.0):
+        self.shape, self.friction = shape, friction
+        self.cylinder = Cylinder(cylinder.diameter, cylinder.position)
+        self.walls, self.size = box(width, height), (width, height)
+        room = width * height - math.pi * (0.5 * cylinder.diameter) ** 2
+        self.full = float(shape.area.sum() / room)
+        self.fraction = min(START, self.full)
+        self.unit = effective_modulus(SOFT, SOFT) * shape.part_radius.mean() ** 2  # N
+        bed = pack(self.grown(), width, height, self.cylinder, seed)
+        self.state = State(bed.position, angle=bed.angle)
+        self.pressure, self.net_force = bed.pressure, bed.net_force
+
+    def grown(self):
+        """The granules as they are."""
+        return self.shape.scaled(math.sqrt(self.fraction / self.full))
+
+    def press(self, fraction: float) -> float:
+        """Grow the granules to a packing fraction; returns `pressure`, the mean normal stress on
+        the walls over E* (unit thickness, m)."""
+        for part in np.linspace(self.fraction, fraction, 1 + self._steps(fraction))[1:]:
+            self.fraction = float(part)
+            self._rest()
+        return self.pressure
+
+    def _steps(self, fraction):
+        return max(1, math.ceil(abs(fraction - self.fraction) / STEP - 1e-9))
+
+    def _rest(self):
+        if self.friction:
+            self._damp()
+        else:
+            self._minimise()
+
+    def _minimise(self):
+        scene = Scene(self.grown(), SOFT, walls=self.walls, cylinder=self.cylinder)
+        parts = constants(scene, SKIN)
+        world = assemble(scene, self.state.checked(scene.granules), parts)
+        world, net_force = minimise(scene, parts, world, PATIENCE, RESTING * self.unit)
+        self.state = State(world.bodies[:, :2].copy(), angle=world.angle.copy())
+        self.net_force = net_force / self.unit
+        forces(world, 1.0)
+        self._read(world.walls.impulse.sum())
+
+    def _damp(self):
+        friction = Friction(self.friction, self.friction, self.friction)
+        scene = Scene(self.grown(), DAMPED, friction, self.walls, self.cylinder)
+        run = Simulation(scene, self.state, step_fraction=FRACTION)
+        radius = self.shape.part_radius.mean()
+        piece = PIECE * math.sqrt(scene.mass.mean() * radius / self.unit)
+        for _ in range(PIECES):
+            run.collect_impulses()
+            run.advance(piece)
+            net = np.linalg.norm(run.world.force[:, :2], axis=1).max()
+            if net <= RESTING * self.unit:
+                break
+        self.state = run.state
+        self.state.velocity, self.state.angular_velocity = None, None
+        self.net_force = float(net) / self.unit
+        self._read(run.collect_impulses()[1].sum() / piece)
+
+    def _read(self, force):
+        """Pressure from the sum of the normal forces (N) on the walls."""
+        self.pressure = float(force) / (2.0 * sum(self.size)) / effective_modulus(SOFT, SOFT)

@@ -1,0 +1,33 @@
+"""A large bed from a small one: mirror images side by side.
+
+A granule that leans on a rigid wall feels the same force from its own mirror image: the pair
+overlaps twice as far, with half the effective modulus and half the effective radius. So the
+tiled bed of a bed at rest is at rest, walls and all, however large.
+"""
+
+import numpy as np
+
+from dem.packing.random import Bed
+from dem.scene import State
+
+
+def tiled(shape, bed: Bed, columns: int, rows: int):
+    """Shape and State of columns x rows mirrored copies of a bed without a cylinder.
+
+    Returns (shape, state, width, height): of n * columns * rows granules, in m.
+    """
+    mirror = np.array([[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]])
+    size = np.array([bed.width, bed.height])
+    positions, angles = [], []
+    for row in range(rows):
+        for column in range(columns):
+            sign = mirror[column % 2 + 2 * (row % 2)]
+            corner = size * [column, row] + np.where(sign < 0.0, size, 0.0)
+            positions.append(corner + sign * bed.position)
+            angles.append(bed.angle * sign[0] * sign[1])
+    copies = columns * rows
+    fields = {
+        k: np.tile(v, copies) for k, v in shape._asdict().items() if isinstance(v, np.ndarray)
+    }
+    state = State(np.concatenate(positions), angle=np.concatenate(angles))
+    return shape._replace(**fields), state, bed.width * columns, bed.height * rows

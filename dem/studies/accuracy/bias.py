@@ -1,0 +1,96 @@
+"""What the time step costs in mean drag, from the trials of accuracy.nc."""
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from scipy.stats import t
+
+from dem.studies.accuracy.plan import LARGEST
+from dem.analysis.statistics import LEVEL
+
+FAILED = 0.02  # share of failed runs up to which a step counts: those that fail are not any
+
+
+class Bias(NamedTuple):
+    """Of the mean drag at the default step, over the mean drag: estimate, half its interval.
+
+    fractions (f,): steps that the straight line was fitted to; slope: change of the mean drag, over
+    itself, with the step over the critical one.
+    """
+
+    value: float
+    half: float
+    slope: float
+    fractions: np.ndarray
+    seeds: int
+
+
+def shapes_of(dataset: xr.Dataset) -> list[str]:
+    """Shapes of the trials, in their order."""
+    return list(dict.fromkeys(dataset["trial_shape"].values.tolist()))
+
+
+def table(dataset: xr.Dataset, shape: str) -> xr.DataArray:
+    """Mean drag (fraction, seed) in N of one shape; NaN where there was no run or it failed."""
+    mine = dataset.isel(trial=np.flatnonzero(dataset["trial_shape"].values == shape))
+    columns = {name: mine[f"trial_{name}"].values for name in ("fraction", "seed", "drag")}
+    fractions, seeds = np.unique(columns["fraction"]), np.unique(columns["seed"])
+    grid = np.full((len(fractions), len(seeds)), np.nan)
+    rows = np.searchsorted(fractions, columns["fraction"])
+    grid[rows, np.searchsorted(seeds, columns["seed"])] = columns["drag"]
+    return xr.DataArray(grid, {"fraction": fractions, "seed": seeds}, ("fraction", "seed"))
+
+
+def failures(dataset: xr.Dataset, shape: str) -> dict[float, float]:
+    """Share of the runs that failed, by step over the critical one."""
+    mine = dataset["trial_shape"].values == shape
+    fractions, failed = (
+        dataset["trial_fraction"].values[mine],
+        np.isnan(dataset["trial_drag"].values[mine]),
+    )
+    return {float(f): float(failed[fractions == f].mean()) for f in np.unique(fractions)}
+
+
+def change(grid: xr.DataArray, default: float) -> xr.Dataset:
+    """Change of the mean drag against the default step, beds paired, by step: `value`, `half`."""
+    base = grid.sel(fraction=default)
+    difference = (grid - base) / base.mean()
+    count = difference.count("seed")
+    quantile = t.ppf(0.5 + 0.5 * LEVEL, np.maximum(count - 1, 1))
+    half = quantile * difference.std("seed", ddof=1) / np.sqrt(count)
+    return xr.Dataset(
+        {"value": difference.mean("seed"), "half": half.where(count > 1), "runs": count}
+    )
+
+
+def fitted(dataset: xr.Dataset, shape: str) -> list[float]:
+    """Steps that the bias is taken from: up to LARGEST, and hardly any run failed."""
+    failed = failures(dataset, shape)
+    return [step for step, share in failed.items() if step <= LARGEST and share <= FAILED]
+
+
+def bias(dataset: xr.Dataset, shape: str) -> Bias:
+    """Bias of the mean drag at the default step, from all steps up to LARGEST.
+
+    The error of a scheme of first order or better grows at least in proportion to the step, so
+    that a straight line through the steps, with a level of its own for every bed, bounds the bias
+    of the default. The longest steps tell most for their time; a bed near its limit errs by more
+    than in proportion. Seeds are independent and the runs of one are not: the standard error is
+    taken over the seeds' shares in the slope.
+    """
+    default = float(dataset.attrs["default_fraction"])
+    grid = table(dataset, shape)
+    grid = grid.sel(fraction=fitted(dataset, shape))
+    values = grid.values
+    x = np.where(np.isfinite(values), grid["fraction"].values[:, None], np.nan)
+    x = x - np.nanmean(x, axis=0)
+    squares, products = np.nansum(x * x, axis=0), np.nansum(x * values, axis=0)
+    slope = products.sum() / squares.sum()
+    shares = products - slope * squares
+    n = np.count_nonzero(squares)
+    error = np.sqrt(n / (n - 1) * np.sum(shares**2)) / squares.sum()
+    base = float(grid.sel(fraction=default).mean())
+    relative = slope / base
+    half = default * t.ppf(0.5 + 0.5 * LEVEL, n - 1) * error / base
+    return Bias(default * relative, half, relative, grid["fraction"].values, n)

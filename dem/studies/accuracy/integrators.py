@@ -1,0 +1,176 @@
+"""Time integrators that people use, as sequences of the package's own kicks, drifts and forces.
+
+A step is a table of stages. A stage kicks the velocities over a part of the step, then moves the
+granules over a part of it, then may evaluate the forces there. All methods run through one compiled
+function, so that they differ in nothing else.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from dem.dynamics.assembly import assemble, constants
+from dem.jit.columns import DVX, DVY, DW, VX, VY, W, X, Y
+from dem.jit.compilation import compiled, inlined
+from dem.dynamics.integration import drift, move_roller
+from dem.contacts.loops import forces, greater
+from dem.dynamics.neighbor_list import relist
+from dem.jit.optional import optional
+from dem.scene import Scene, State
+from dem.dynamics.simulation import MARGIN, SKIN
+
+KICK, DRIFT, AHEAD, EVALUATE = range(4)  # columns of a table of stages
+INSTANT = 1e-30  # s: nothing slips in it
+
+
+class Integrator(NamedTuple):
+    """name; forces: evaluations a step; stages (s, 4), a row each.
+
+    Columns: parts of the time step over which velocities are kicked and positions moved; by how
+    much of the half drift the dashpot looks ahead of the velocity; whether (1) or not (0) the
+    forces are evaluated then.
+    """
+
+    name: str
+    stages: np.ndarray
+    forces: int
+
+
+def integrator(name: str, *stages: tuple, looks_ahead: bool = True) -> Integrator:
+    """From rows (kick, drift, evaluate forces).
+
+    looks_ahead: a dashpot sees the velocity at the time of the positions, v + a (what the drifts
+    are ahead of the kicks); else it sees v as it stands. drift leaves a dt / 2 in the columns of the
+    change of velocity, so that AHEAD counts in halves of the drift.
+    """
+    kick, move, evaluate = np.array(stages, float).T
+    ahead = 2.0 * (np.cumsum(move) - np.cumsum(kick)) / np.where(move == 0.0, np.inf, move)
+    table = np.column_stack([kick, move, ahead if looks_ahead else 0.0 * ahead, evaluate])
+    return Integrator(name, table, int(evaluate.sum()))
+
+
+# Position-extended Forest-Ruth-like method: Omelyan, Mryglod and Folk (2002), Comput. Phys.
+# Commun. 146, 188: fourth order with the least error, at four evaluations of the forces. No method
+# of kicks and drifts above second order does without steps back in time.
+XI, LAMBDA, CHI = 0.1786178958448091, -0.2123418310626054, -0.06626458266981849
+
+VERLET = integrator("Verlet", (0.5, 1, 1), (0.5, 0, 0))
+HALF_STEP = integrator("Verlet, half-step dashpot", (0.5, 1, 1), (0.5, 0, 0), looks_ahead=False)
+SYMPLECTIC_EULER = integrator("symplectic Euler", (1, 1, 1))
+EXPLICIT_EULER = integrator("explicit Euler", (0, 1, 0), (1, 0, 1))
+PEFRL = integrator(
+    "PEFRL (4th order)",
+    (0.0, XI, 1), (0.5 - LAMBDA, CHI, 1), (LAMBDA, 1.0 - 2.0 * (CHI + XI), 1),
+    (LAMBDA, CHI, 1), (0.5 - LAMBDA, XI, 0),
+)  # fmt: skip
+INTEGRATORS = (VERLET, HALF_STEP, SYMPLECTIC_EULER, EXPLICIT_EULER, PEFRL)
+
+
+class Tally(NamedTuple):
+    """Carried from step to step. span (1,): time moved since the forces were evaluated (s); push
+    (2,): last force on the cylinder (N); impulse (2,): its sum over the kicks (N s)."""
+
+    span: np.ndarray
+    push: np.ndarray
+    impulse: np.ndarray
+
+
+@optional
+def weigh(roller, span, push):
+    """The force on the cylinder, out of an impulse that counts it over the span (s)."""
+    for c in range(2):
+        push[c] = (roller.impulse[c] + roller.impulse[c + 2]) / span
+        roller.impulse[c] = roller.impulse[c + 2] = 0.0
+
+
+@inlined
+def count(tally, kick):
+    """Add what the force on the cylinder has done in a kick (s)."""
+    for c in range(2):
+        tally.impulse[c] += kick * tally.push[c]
+
+
+@inlined
+def look_ahead(bodies, ahead):
+    for i in range(bodies.shape[0]):
+        bodies[i, DVX] *= ahead
+        bodies[i, DVY] *= ahead
+        bodies[i, DW] *= ahead
+
+
+@compiled
+def advance(world, stages, tally, dt, steps, room):
+    """Take up to `steps` steps of dt (s); stop when a part has moved farther than `room` (m).
+
+    The force on the cylinder counts for as long as it kicks, half at both ends in Verlet's method.
+    Returns the number of steps done and the largest displacement (m).
+    """
+    granules = world.bodies.shape[0]
+    kick, done, moved = 0.0, 0, 0.0
+    while done < steps and moved <= room * room:
+        for s in range(stages.shape[0]):
+            kick += dt * stages[s, KICK]
+            move, evaluate = dt * stages[s, DRIFT], stages[s, EVALUATE] > 0.0
+            if move == 0.0 and not evaluate:
+                continue  # the next stage makes this kick with its own
+            count(tally, kick)
+            drift(world, kick, move, 0, granules)
+            farther = move_roller(world.roller, move)
+            tally.span[0] += move
+            kick = 0.0
+            if evaluate:
+                if stages[s, AHEAD] != 1.0:
+                    look_ahead(world.bodies, stages[s, AHEAD])
+                moved = greater(farther, forces(world, tally.span[0]))
+                weigh(world.roller, tally.span[0], tally.push)
+                tally.span[0] = 0.0
+        done += 1
+    count(tally, kick)
+    drift(world, kick, 0.0, 0, granules)
+    return done, math.sqrt(moved)
+
+
+class Motion:
+    """A scene in motion by an integrator at a fixed time step (s).
+
+    skin: of the contact lists, over the mean bounding radius.
+    """
+
+    def __init__(
+        self, scene: Scene, state: State, method: Integrator, time_step: float, skin: float = SKIN
+    ):
+        self._parts = constants(scene, skin)
+        self._stages, self._step = method.stages, float(time_step)
+        self.world = assemble(scene, state.checked(scene.granules), self._parts)
+        self.world = relist(self.world, self._parts)
+        self._tally = Tally(np.zeros(1), np.zeros(2), np.zeros(2))
+        forces(self.world, INSTANT)
+        weigh(self.world.roller, INSTANT, self._tally.push)
+
+    def advance(self, steps: int) -> bool:
+        """Take a number of steps; False where the granules went too far to know their contacts."""
+        reach = 0.5 * self._parts.skin
+        while steps > 0:
+            done, moved = advance(
+                self.world, self._stages, self._tally, self._step, steps, MARGIN * reach
+            )
+            if not moved <= reach:
+                return False
+            if moved > MARGIN * reach:
+                self.world = relist(self.world, self._parts)
+            steps -= done
+        return True
+
+    @property
+    def state(self) -> State:
+        """Copies of position (m), velocity (m/s), angle (rad) and angular velocity (rad/s)."""
+        bodies = self.world.bodies
+        return State(
+            bodies[:, [X, Y]], bodies[:, [VX, VY]], self.world.angle.copy(), bodies[:, W].copy()
+        )
+
+    @property
+    def impulse(self) -> np.ndarray:
+        """Impulse (2,) on the cylinder since the start, in N s."""
+        return self._tally.impulse.copy()

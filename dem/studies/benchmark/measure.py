@@ -1,0 +1,163 @@
+"""The benchmark: codes side by side on the same beds, scenes that lack things, motion compared.
+
+All but the comparison of threads runs on one core, one after the other, in turns, so that a slow moment of the computer
+meets all alike; every repeat starts from the same state.
+"""
+
+import os
+import platform
+from contextlib import contextmanager
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from dem.base import provenance
+from dem.studies.benchmark.check import checks, differences
+from dem.studies.benchmark.code_size import code_size
+from dem.studies.benchmark.layout import VARIABLES
+from dem.studies.benchmark.peers import CODES, our_seconds
+from dem.studies.benchmark.scenes import FULL, Case, beds, variants
+from dem.studies.benchmark.sizes import TILES, compare_sizes
+from dem.experiment.config import Sweep
+from dem.io.dataset import global_attributes, write
+from dem.dynamics.simulation import Simulation
+
+# Scenes are compared on beds that stay as they are, with the same contacts: steps this short move
+# nothing, and the contacts are not listed anew.
+STILL = 1e-3
+
+
+class Plan(NamedTuple):
+    """How often and how long: repeats, steps of each after `warm` others, steps of comparisons.
+
+    tiles, threads: of large beds (dem.studies.benchmark.sizes).
+    """
+
+    repeats: int = 5
+    warm: int = 100
+    steps: int = 5000
+    compared: tuple[int, ...] = (100, 1000, 10_000)
+    tiles: tuple[int, ...] = TILES
+    threads: tuple[int, ...] = (1, 2)
+
+
+USUAL = Plan()
+
+
+@contextmanager
+def one_core():
+    """This process, and those it starts, on one core; not where the system has no such call."""
+    if not hasattr(os, "sched_setaffinity"):
+        yield
+        return
+    before = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {max(before)})
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, before)
+
+
+def measure(sweep: Sweep, plan: Plan = USUAL, progress=lambda done: None) -> dict:
+    """Variables of the benchmark by the names of dem.io.dataset; progress is told the share done.
+
+    The first time, kernels of all scenes are compiled, which takes minutes.
+    """
+    cases = beds(sweep)
+    progress(0.1)
+    with one_core():
+        rates = compare_codes(cases, plan)
+        progress(0.4)
+        scenes = compare_scenes(variants(cases), plan)
+        progress(0.6)
+        motion = compare_motion(cases, plan)
+    progress(0.7)
+    sizes = compare_sizes(sweep, plan.repeats, plan.threads, plan.tiles)
+    progress(1.0)
+    return rates | scenes | motion | sizes
+
+
+def compare_codes(cases: dict[str, Case], plan: Plan) -> dict:
+    """Granule-steps a second of every code that is there, on every bed it knows; else NaN."""
+    absent = [code.available() for code in CODES]
+    rates = np.full((len(cases), len(CODES), plan.repeats), np.nan)
+    glances = {kind: Simulation(*case).look() for kind, case in cases.items()}
+    granules = np.array([case.scene.granules for case in cases.values()])
+    contacts = granules * [glance.coordination_number / 2.0 for glance in glances.values()]
+    contacts = np.rint(contacts).astype(int)
+    for place, case in enumerate(cases.values()):
+        for repeat in range(plan.repeats):
+            for column, code in enumerate(CODES):
+                if absent[column] is None and isinstance(case.scene.shape, code.shapes):
+                    spent = code.seconds(*case, plan.warm, plan.steps)
+                    rates[place, column, repeat] = granules[place] * plan.steps / spent
+    step_times = granules[:, None] / np.median(rates, axis=2)
+    return {
+        "scene": np.array([f"{kind}s" for kind in cases]),
+        "code": np.array([code.name for code in CODES]),
+        "code_status": np.array([f"not run: {why}" if why else "run" for why in absent]),
+        "granule_steps_per_second": rates,
+        "time_per_contact": step_times / np.where(contacts > 0, contacts, np.nan)[:, None],
+        "scene_granules": granules,
+        "scene_contacts": contacts,
+        "scene_pairs": np.array([len(Simulation(*c).world.pairs.part) for c in cases.values()]),
+        "scene_time_step": np.array([case.time_step for case in cases.values()]),
+    }
+
+
+def compare_scenes(cases: dict[str, Case], plan: Plan) -> dict:
+    """Time of one step of one granule, and bytes of machine code, of scenes that lack things."""
+    times = np.empty((len(cases), plan.repeats))
+    for case in cases.values():
+        our_seconds(*case, 1, 1)  # compiles
+    for repeat in range(plan.repeats):
+        for place, (scene, state, time_step) in enumerate(cases.values()):
+            spent = our_seconds(scene, state, STILL * time_step, plan.warm, plan.steps)
+            times[place, repeat] = spent / plan.steps / scene.granules
+    middle = np.median(times, axis=1)
+    return {
+        "variant": np.array(list(cases)),
+        "variant_step_time": times,
+        "variant_ratio": middle / middle[list(cases).index(FULL)],
+        "variant_code_size": np.array([code_size(Simulation(*c)._world) for c in cases.values()]),
+    }
+
+
+def compare_motion(cases: dict[str, Case], plan: Plan) -> dict:
+    """Differences between ours and LAMMPS; NaN without LAMMPS."""
+    found = checks(cases)
+    apart = np.full((len(found), len(plan.compared)), np.nan)
+    if next(code for code in CODES if code.name == "LAMMPS").available() is None:
+        apart = np.array([differences(case, plan.compared) for case in found.values()])
+    return {
+        "comparison": np.array(list(found)),
+        "comparison_steps": np.array(plan.compared),
+        "trajectory_difference": apart,
+    }
+
+
+def write_benchmark(path: Path, sweep: Sweep, values: dict) -> None:
+    """Write what `measure` returned, with the versions of all that ran."""
+    ran = values["code_status"] == "run"
+    codes = [f"{c.name} {c.version()}" for c, there in zip(CODES, ran, strict=True) if there]
+    attrs = global_attributes(
+        f"{sweep.title}: benchmark",
+        "dem benchmark",
+        versions=provenance.versions(),
+        codes=", ".join(codes),
+        git_revision=provenance.git_revision(),
+        source_hash=provenance.source_hash(),
+        processor=processor(),
+    )
+    write(path, values, attrs, VARIABLES)
+
+
+def processor() -> str:
+    """Name of the processor as the system gives it."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        lines = []
+    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor() or platform.machine()

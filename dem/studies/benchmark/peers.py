@@ -1,0 +1,65 @@
+"""The codes that are timed, ours first; one that is not there is named and skipped."""
+
+import importlib.metadata
+import shutil
+import time
+from collections.abc import Callable
+from typing import NamedTuple
+
+from dem.studies.peers import lammps, liggghts
+from dem.scene import Scene, State
+from dem.shapes import Disc, Dumbbell, Ellipse
+from dem.dynamics.simulation import Simulation
+
+
+class Code(NamedTuple):
+    """A program: the shapes it is timed with; available, None or one sentence that says why not.
+
+    seconds(scene, state, time_step, warm, steps): time (s) of a number of steps, on one core, after
+    `warm` others from the state; without reading, listing contacts for the first time and the like.
+    """
+
+    name: str
+    shapes: tuple
+    available: Callable[[], str | None]
+    version: Callable[[], str]
+    seconds: Callable
+
+
+def our_seconds(scene: Scene, state: State, time_step: float, warm: int, steps: int) -> float:
+    """See Code."""
+    simulation = Simulation(scene, state, time_step)
+    simulation.advance(warm * time_step)
+    before, started = simulation.steps, time.perf_counter()
+    simulation.advance(steps * time_step)
+    spent = time.perf_counter() - started
+    return spent * steps / (simulation.steps - before)  # rounding may make it one step more
+
+
+def lammps_seconds(scene: Scene, state: State, time_step: float, warm: int, steps: int) -> float:
+    """See Code."""
+    with lammps.Run(scene, state, time_step) as run:
+        run.advance(warm)
+        started = time.perf_counter()
+        run.advance(steps)
+        return time.perf_counter() - started
+
+
+def yade_missing() -> str:
+    """YADE is looked for but has no input here."""
+    return "it has no input here" if shutil.which("yade") else "there is no program yade"
+
+
+def _nothing(*arguments):
+    raise NotImplementedError
+
+
+CODES = (
+    Code(
+        "dem", (Disc, Dumbbell, Ellipse), lambda: None,
+        lambda: importlib.metadata.version("granular-drag"), our_seconds,
+    ),
+    Code("LAMMPS", (Disc, Dumbbell), lammps.available, lammps.version, lammps_seconds),
+    Code("LIGGGHTS", (Disc,), liggghts.available, liggghts.version, liggghts.seconds),
+    Code("YADE", (), yade_missing, _nothing, _nothing),
+)  # fmt: skip

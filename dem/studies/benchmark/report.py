@@ -1,0 +1,100 @@
+"""The benchmark as tables for the terminal."""
+
+import numpy as np
+import xarray as xr
+from rich.console import Group
+from rich.table import Table
+from rich.text import Text
+
+from dem.analysis.tables import numbers
+
+LEGEND = """\
+medians of the repeats; contact: touching pair of parts of granules. Damping of the other codes has
+another form than ours, with the same restitution (LAMMPS: at 1 m/s)."""
+SCENES = """\
+contacts held as they are, by time steps a thousand times shorter; code: machine code of one step"""
+SIZES = """\
+discs in motion, in a box without a cylinder; contacts listed anew as needed; memory: all arrays"""
+MOTION = """\
+greatest distance of a granule between ours and LAMMPS over the mean radius, undamped, from the same
+start; with friction the arm and the unloading of the tangential spring differ"""
+
+
+def summary(dataset: xr.Dataset) -> Group:
+    """Renderable summary of benchmark.nc."""
+    attrs = dataset.attrs
+    lines = [f"{name}: {attrs[name]}" for name in ("history", "processor", "versions", "codes")]
+    for code, status in zip(dataset["code"].values, dataset["code_status"].values, strict=True):
+        if status != "run":
+            lines.append(f"{code}: {status}")
+    parts = [Text(attrs["title"], style="bold"), Text("\n".join(lines)), ""]
+    tables = (codes, LEGEND), (scenes, SCENES), (sizes, SIZES), (motion, MOTION)
+    for table, legend in tables:
+        parts += [table(dataset), Text(legend, style="dim"), ""]
+    return Group(*parts)
+
+
+def codes(dataset: xr.Dataset) -> Table:
+    """A row a bed and code that ran."""
+    table = numbers(
+        "bed", "code", "million granule-\nsteps a second", "lowest, highest", "against\nours",
+        "ns a\ncontact", "contacts", "pairs\nlisted",
+    )  # fmt: skip
+    for scene in dataset["scene"].values:
+        here = dataset.sel(scene=scene)
+        middle = here["granule_steps_per_second"].median("repeat", skipna=False)
+        for code in here["code"].values:
+            rates = 1e-6 * here["granule_steps_per_second"].sel(code=code).values
+            if np.isfinite(rates).all():
+                table.add_row(
+                    str(scene), str(code), f"{np.median(rates):.2f}",
+                    f"{rates.min():.2f}, {rates.max():.2f}",
+                    f"{float(middle.sel(code=code) / middle[0]):.2f}",
+                    f"{1e9 * float(here['time_per_contact'].sel(code=code)):.1f}",
+                    str(int(here["scene_contacts"])), str(int(here["scene_pairs"])),
+                )  # fmt: skip
+    return table
+
+
+def scenes(dataset: xr.Dataset) -> Table:
+    """A row a scene."""
+    table = numbers("scene", "ns a granule-step", "lowest, highest", "against full", "code, bytes")
+    for variant in dataset["variant"].values:
+        here = dataset.sel(variant=variant)
+        times = 1e9 * here["variant_step_time"].values
+        table.add_row(
+            str(variant), f"{np.median(times):.1f}", f"{times.min():.1f}, {times.max():.1f}",
+            f"{float(here['variant_ratio']):.2f}", str(int(here["variant_code_size"])),
+        )  # fmt: skip
+    return table
+
+
+def sizes(dataset: xr.Dataset) -> Table:
+    """A row a size of bed and number of threads."""
+    table = numbers(
+        "discs", "threads", "ns a granule-step", "lowest, highest", "against\nsmallest",
+        "against\none thread", "bytes a granule",
+    )  # fmt: skip
+    middle = dataset["size_step_time"].median("repeat")
+    for size in dataset["size"].values:
+        for threads in dataset["threads"].values:
+            times = 1e9 * dataset["size_step_time"].sel(size=size, threads=threads).values
+            here = float(middle.sel(size=size, threads=threads))
+            table.add_row(
+                f"{size:,}", str(threads), f"{np.median(times):.1f}",
+                f"{times.min():.1f}, {times.max():.1f}",
+                f"{here / float(middle[0].sel(threads=threads)):.2f}",
+                f"{here / float(middle.sel(size=size)[0]):.2f}",
+                f"{float(dataset['size_memory'].sel(size=size)):.0f}",
+            )  # fmt: skip
+    return table
+
+
+def motion(dataset: xr.Dataset) -> Table:
+    """A row a comparison."""
+    steps = dataset["comparison_steps"].values
+    table = numbers("undamped bed", *(f"after {count} steps" for count in steps))
+    for name in dataset["comparison"].values:
+        apart = dataset["trajectory_difference"].sel(comparison=name).values
+        table.add_row(str(name), *(f"{value:.1e}" for value in apart))
+    return table

@@ -1,0 +1,71 @@
+"""What is timed: beds of the sweep, and scenes that lack one thing or another."""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+from dem.experiment import drag
+from dem.experiment.config import Replicate, Sweep
+from dem.base.errors import InputError
+from dem.scene import Scene, State
+from dem.shapes import GeometricPotential
+from dem.dynamics.simulation import STEP_FRACTION, Simulation
+
+ASPECT_RATIO = 1.25  # of the ellipses, or the nearest to it in the sweep
+FULL = "discs: friction, damping, walls, cylinder"
+
+
+class Case(NamedTuple):
+    """A scene, the state it starts from (at rest), and a time step (s)."""
+
+    scene: Scene
+    state: State
+    time_step: float
+
+
+def make_case(scene: Scene, state: State) -> Case:
+    """With the time step that a run would begin with."""
+    critical = Simulation(scene, state).look().critical_time_step
+    return Case(scene, state, STEP_FRACTION * critical)
+
+
+def beds(sweep: Sweep) -> dict[str, Case]:
+    """A packed bed a kind of granule, by kind: the first of the sweep, ellipses by ASPECT_RATIO."""
+    found = {}
+    order = sorted(sweep.shapes.items(), key=lambda item: abs(item[1].ratio - ASPECT_RATIO))
+    for kind in ("disc", "dumbbell", "ellipse"):
+        shapes = order if kind == "ellipse" else sweep.shapes.items()
+        label = next((label for label, shape in shapes if shape.kind == kind), None)
+        if label is None:
+            raise InputError(f"the configuration has no {kind}; the benchmark needs one.")
+        density = next((c.density for c in sweep.cases.values() if c.shape == label), None)
+        density = density or next(iter(sweep.cases.values())).density
+        replicate = Replicate(sweep=sweep, label=label, density=density, seed=sweep.seeds[0])
+        bed = drag.make_bed(replicate)
+        scene = drag.make_scene(replicate, bed)
+        found[kind] = make_case(scene, State(bed.position, angle=bed.angle))
+    return found
+
+
+def variants(cases: dict[str, Case]) -> dict[str, Case]:
+    """By what each has: scenes on the beds of `beds`, full ones first."""
+    disc, dumbbell, ellipse = (cases[kind] for kind in ("disc", "dumbbell", "ellipse"))
+    elastic = replace(disc.scene.material, restitution=1.0)
+    chord = ellipse.scene.shape._replace(method=GeometricPotential())
+    return {
+        FULL: disc,
+        "dumbbells, full": dumbbell,
+        "ellipses, full": ellipse,
+        "ellipses by geometric potential, full": _changed(ellipse, shape=chord),
+        "discs, gravity too": _changed(disc, gravity=(0.0, -9.81)),
+        "discs, no cylinder": _changed(disc, cylinder=None),
+        "discs, no walls": _changed(disc, walls=None),
+        "discs, no damping": _changed(disc, material=elastic),
+        "discs, no friction, no rotation": _changed(disc, friction=None),
+        "discs, Hertz's force alone": _changed(
+            disc, friction=None, material=elastic, walls=None, cylinder=None
+        ),
+    }
+
+
+def _changed(case, **changes):
+    return case._replace(scene=replace(case.scene, **changes))

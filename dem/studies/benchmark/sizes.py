@@ -1,0 +1,74 @@
+"""Small and large beds: the time of one step of one granule, on one thread and on several."""
+
+import time
+from dataclasses import replace
+
+import numpy as np
+
+from dem.experiment.config import Sweep
+from dem.packing.random import pack
+from dem.experiment.fit import height_of_box, sample_diameters
+from dem.scene import Friction, Material, Scene, box
+from dem.shapes import Disc
+from dem.dynamics.simulation import STEP_FRACTION, Simulation
+from dem.packing.tiled import tiled
+
+TILES = (1, 4, 16, 50)  # along each side of a bed: of 400 granules, to a million
+STEPS = 100  # of each run, all from the same start: lists are made anew two or three times
+SPEED = 0.5  # m/s, of the granules at the start, a quarter of the cylinder's
+SEED = 1
+
+
+def large_scene(sweep: Sweep, side: int):
+    """Scene and State of side x side mirrored tiles of the sweep's discs, all granules in motion.
+
+    Frictional, damped, in a box without a cylinder.
+    """
+    section = next(s for s in sweep.shapes.values() if s.kind == "disc")
+    sizes = sample_diameters(section, sweep.packing.size_spread, SEED)
+    room = sweep.cylinder.diameter**2 * np.pi / 4.0 / sweep.box_width
+    bed = pack(Disc.of_size(sizes), sweep.box_width, height_of_box(sweep, sizes) - room, None, SEED)
+    shape, state, width, height = tiled(Disc.of_size(sizes), bed, side, side)
+    material = Material(**sweep.material.model_dump(exclude={"thickness"}))
+    scene = Scene(shape, material, Friction(), box(width, height), thickness=section.diameter)
+    random = np.random.default_rng(SEED)
+    return scene, replace(state, velocity=SPEED * random.normal(size=state.position.shape))
+
+
+def bytes_a_granule(world) -> float:
+    """Memory (bytes) of all arrays of the kernels, contact lists included, over the granules."""
+    arrays, left = {}, [world]
+    while left:
+        for item in left.pop():
+            if isinstance(item, np.ndarray):
+                arrays[item.__array_interface__["data"][0]] = item.nbytes
+            elif isinstance(item, tuple):
+                left.append(item)
+    return sum(arrays.values()) / len(world.bodies)
+
+
+def compare_sizes(sweep: Sweep, repeats: int, threads=(1, 2), tiles=TILES) -> dict:
+    """Variables of dem.io.dataset: seconds a granule and step by size and threads, memory a granule."""
+    beds = [large_scene(sweep, side) for side in tiles]
+    times = np.empty((len(beds), len(threads), repeats))
+    memory = np.empty(len(beds))
+    for repeat in range(-1, repeats):  # the first compiles and does not count
+        for place, (scene, state) in enumerate(beds):
+            runs = max(1, 50_000 // scene.granules)
+            for column, number in enumerate(threads):
+                spent = 0.0
+                for _ in range(runs):
+                    run = Simulation(scene, state, threads=number)
+                    step = STEP_FRACTION * run.look().critical_time_step
+                    started = time.perf_counter()
+                    run.advance(STEPS * step)
+                    spent += (time.perf_counter() - started) / run.steps
+                memory[place] = bytes_a_granule(run.world)
+                if repeat >= 0:
+                    times[place, column, repeat] = spent / runs / scene.granules
+    return {
+        "size": np.array([scene.granules for scene, _ in beds]),
+        "threads": np.array(threads),
+        "size_step_time": times,
+        "size_memory": memory,
+    }

@@ -1,0 +1,147 @@
+"""The one calibrated number: Young's modulus from a mean drag that the paper reports.
+
+The drag of a bed is nearly proportional to the modulus, so that ln(drag) against ln(modulus) is
+a straight line; it is fitted to runs at several moduli with many seeds, none of them the seeds
+of the sweep, so that the sweep's own mean is a test of the fit and not a part of it.
+"""
+
+import math
+import multiprocessing
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from typing import NamedTuple
+
+import numpy as np
+
+from dem.experiment import drag
+from dem.experiment.config import Sweep
+from dem.base.errors import InputError, RunError
+
+FIRST_SEED = 1_000_000
+MODULI = (0.8, 0.9, 1.0, 1.1, 1.2)  # times that of the configuration
+WIDEST = 10.0  # upper over lower end of an interval that still says something
+
+
+class Calibration(NamedTuple):
+    """young_modulus (Pa) with standard error and 95 % interval; exponent of drag ~ modulus^p;
+    least and most: the moduli of the runs (Pa)."""
+
+    target: float
+    young_modulus: float
+    standard_error: float
+    interval: tuple[float, float]
+    exponent: float
+    scatter: float
+    runs: int
+    least: float
+    most: float
+
+    def sentence(self) -> str:
+        """The result in words."""
+        low, high = (1e-9 * e for e in self.interval)
+        within = self.least <= self.young_modulus <= self.most
+        beyond = (
+            f" It lies outside of the runs, {1e-9 * self.least:.4g} to {1e-9 * self.most:.4g} GPa: set "
+            "material.young_modulus to it and calibrate again."
+        )
+        return (
+            f"young_modulus: {self.young_modulus:.4g} Pa gives a mean drag of {self.target:g} N; "
+            f"95 % interval {low:.4g} to {high:.4g} GPa (normal in its logarithm), standard error "
+            f"{1e-9 * self.standard_error:.3g} GPa. {self.runs} runs, drag ~ E^"
+            f"{self.exponent:.2f}, scatter of one run {100 * self.scatter:.1f} %."
+            + (beyond if not within else "")
+        )
+
+
+def mean_drag(sweep: Sweep, shape: str, density: float, seed: int, moduli) -> list[float]:
+    """Mean drag (N) in the window, on one bed, for each modulus (Pa)."""
+    replicate = sweep.replicate(shape, density, seed)
+    bed = drag.make_bed(replicate)
+    means = []
+    for modulus in moduli:
+        material = sweep.material.model_copy(update={"young_modulus": modulus})
+        changed = sweep.model_copy(update={"material": material})
+        values = drag.run(changed.replicate(shape, density, seed), bed)
+        low, high = sweep.record.window
+        inside = (values["displacement"] > low) & (values["displacement"] < high)
+        means.append(float(values["drag"][inside].mean()))
+    return means
+
+
+def calibrate(
+    sweep: Sweep, shape: str, density: float, target: float, seeds: int, jobs: int, progress
+) -> Calibration:
+    """Fit the modulus to a mean drag (N); `progress` is told the number of runs done.
+
+    Raises InputError for a target that is no positive number, or a shape or density that cannot be
+    run; RunError where a run fails or where the runs say too little.
+    """
+    if not (math.isfinite(target) and target > 0.0):
+        raise InputError(f"target is {target}; it must be a positive number (N).")
+    sweep.replicate(shape, density, FIRST_SEED)
+    moduli = [factor * sweep.material.young_modulus for factor in MODULI]
+    sweep = sweep.model_copy(update={"seeds": tuple(range(FIRST_SEED, FIRST_SEED + seeds))})
+    means = np.empty((seeds, len(moduli)))
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(min(jobs, seeds), mp_context=context) as pool:
+        pending = {
+            pool.submit(mean_drag, sweep, shape, density, seed, moduli): row
+            for row, seed in enumerate(sweep.seeds)
+        }
+        try:
+            for done, future in enumerate(as_completed(pending), 1):
+                means[pending[future]] = future.result()
+                progress(done * len(moduli))
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)  # not all the others first
+            raise
+    return fit(np.array(moduli), means, target)
+
+
+def fit(moduli, means, target) -> Calibration:
+    """Modulus at which the mean drag is `target` (N), from means (seeds, moduli) in N.
+
+    Means over seeds are fitted by a straight line in logarithms; each seed left out once
+    (jackknife: the runs on one bed are not independent) gives the standard error. That is taken of
+    the logarithm of the modulus, so that its interval is positive. Raises RunError where drag does
+    not rise with the modulus, or where the interval is wider than a factor of WIDEST.
+    """
+    from scipy.stats import t
+
+    def solve(rows):
+        drags = rows.mean(axis=0)
+        slope, intercept = (
+            np.polyfit(np.log(moduli), np.log(drags), 1) if drags.min() > 0 else (0, 0)
+        )
+        if not slope > 0.0:
+            raise RunError(
+                f"drag does not rise with the modulus in these runs: {_MORE.format(len(means))}"
+            )
+        return (np.log(target) - intercept) / slope, slope
+
+    best, exponent = solve(means)
+    n = len(means)
+    left_out = np.array([solve(np.delete(means, k, axis=0))[0] for k in range(n)])
+    error = np.sqrt((n - 1) / n * np.sum((left_out - left_out.mean()) ** 2))
+    half = t.ppf(0.975, n - 1) * error
+    modulus, *interval = _moduli(best, best - half, best + half)
+    if not 0.0 < modulus < math.inf:
+        raise RunError(f"target is {target:g} N; no modulus gives this drag.")
+    if not 2.0 * half <= math.log(WIDEST):
+        low, high = (1e-9 * end for end in interval)
+        raise RunError(
+            f"the 95 % interval of young_modulus, {low:.3g} to {high:.3g} GPa, is wider than a factor of "
+            f"{WIDEST:g}: {_MORE.format(n)}"
+        )
+    scatter = float(np.mean(means.std(axis=0, ddof=1) / means.mean(axis=0)))
+    return Calibration(
+        target, modulus, modulus * float(error), tuple(interval), float(exponent), scatter,
+        means.size, float(min(moduli)), float(max(moduli)),
+    )  # fmt: skip
+
+
+_MORE = "take more seeds than {}, or a target nearer to the drag of the configuration."
+
+
+def _moduli(*logarithms) -> list[float]:
+    with np.errstate(over="ignore", under="ignore"):
+        return [float(np.exp(each)) for each in logarithms]

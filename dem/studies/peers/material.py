@@ -1,0 +1,77 @@
+"""Our material in the words of codes whose dashpot has another form than ours."""
+
+import math
+from functools import cache
+from typing import NamedTuple
+
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from dem.dynamics.assembly import partners
+from dem.contacts.force_law import effective_modulus, effective_shear_modulus
+from dem.scene import Scene
+
+SPEED = 1.0  # m/s, at which a central collision returns the coefficient asked for
+
+
+class Hertz(NamedTuple):
+    """Coefficients of one kind of contact (granule, wall or cylinder), as in LAMMPS's gran/hertz.
+
+    normal: 4/3 E* (Pa); tangential: 8 G* (Pa); damping, shear_damping: gamma (1/(m s)) of the
+    dashpot m* gamma sqrt(R* delta) v, normal and tangential; friction: Coulomb's mu.
+    """
+
+    normal: float
+    tangential: float
+    damping: float
+    shear_damping: float
+    friction: float
+
+
+def hertz(scene: Scene, kind: str) -> Hertz:
+    """Coefficients of the contacts of a kind.
+
+    Walls and cylinder are rigid, so their contacts are about twice as stiff as those of two granules. The
+    dashpot differs from ours, alpha sqrt(m* k) delta^(1/4) v, so that restitution depends on speed:
+    gamma is such that two mean granules, or one and a flat wall, part at the scene's coefficient of
+    restitution after they met at SPEED. Tangential and normal damping are in our ratio.
+    """
+    materials = partners(scene, boundary=kind != "granule")
+    shear = effective_shear_modulus(*materials)
+    normal = 4.0 / 3.0 * effective_modulus(*materials)
+    share = 0.5 if kind == "granule" else 1.0
+    radius, mass = share * scene.shape.part_radius.mean(), share * scene.mass.mean()
+    damping = damping_rate(scene.material.restitution, normal, radius, mass)
+    friction = getattr(scene.friction, kind) if scene.friction else 0.0
+    ratio = math.sqrt(8.0 * shear / (1.5 * normal))  # sqrt(k_t/k_n), as in dem.dynamics.assembly.tangent
+    return Hertz(normal, 8.0 * shear, damping, ratio * damping, friction)
+
+
+def damping_rate(restitution, normal, radius, mass) -> float:
+    """gamma (1/(m s)) for 4/3 E* (Pa), R* (m) and m* (kg).
+
+    With lengths in L = (m* v^2 / (4/3 E* sqrt(R*)))^(2/5) and times in L/v a collision is
+    y'' = -sqrt(y) (y + g y') with g = gamma sqrt(R*) L^(3/2) / v.
+    """
+    if restitution == 1.0:
+        return 0.0
+    length = (mass * SPEED**2 / (normal * math.sqrt(radius))) ** 0.4
+    return _damping(restitution) * SPEED / (math.sqrt(radius) * length**1.5)
+
+
+@cache
+def _damping(restitution) -> float:
+    """g for a coefficient of restitution; the contact ends where the force would turn into tension."""
+
+    def force(t, state, g):
+        return state[0] + g * state[1]
+
+    force.terminal, force.direction = True, -1.0
+
+    def miss(logarithm):
+        g = math.exp(logarithm)
+        law = lambda t, s, g: (s[1], -math.sqrt(max(s[0], 0.0)) * force(t, s, g))  # noqa: E731
+        end = solve_ivp(law, (0.0, 100.0), (0.0, 1.0), events=force, args=(g,), rtol=1e-8)
+        return -end.y[1, -1] - restitution
+
+    return math.exp(brentq(miss, math.log(1e-6), math.log(1e3)))

@@ -1,0 +1,86 @@
+"""Experiments on the paper's bed, one function each.
+
+Each takes the sweep, the label of a shape and dem.studies.stability.catalogue.Changes, and returns some of
+QUANTITIES by name.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from dem.experiment import drag
+from dem.jit.columns import VY
+from dem.scene import State
+from dem.shapes import Disc, Ellipse
+from dem.dynamics.simulation import Simulation
+from dem.studies.stability.catalogue import Changes
+from dem.studies.stability.scenes import bed_of, changed, start
+from dem.studies.stability.watching import LOOKS, watch
+
+STROKE = 0.5e-3  # m, of the cylinder where a case does not say
+
+
+def draw(sweep, shape, change) -> dict:
+    """The paper's experiment over a short stroke."""
+    replicate = changed(sweep, shape, change)
+    stroke = change.displacement or STROKE
+    return watch(start(replicate), stroke / replicate.sweep.cylinder.velocity / LOOKS)
+
+
+def rest(sweep, shape, change) -> dict:
+    """The cylinder stands still for many steps."""
+    simulation = start(changed(sweep, shape, change), still=True)
+    step = simulation.rules.fraction * simulation.look().critical_time_step
+    found = watch(simulation, step * (change.steps or 1000) / LOOKS)
+    moving = 0.5 * simulation.scene.mass.sum() * sweep.cylinder.velocity**2
+    return found | {"kinetic": found["kinetic"] / moving}
+
+
+def accelerate(sweep, shape, change) -> dict:
+    """The cylinder goes from rest to its velocity in equal stages."""
+    replicate = changed(sweep, shape, change)
+    simulation, velocity = start(replicate, still=True), replicate.sweep.cylinder.velocity
+
+    def faster(look):
+        simulation._world.roller.motion[0, VY] = velocity * (look + 1) / LOOKS
+
+    return watch(simulation, 2.0 * (change.displacement or STROKE) / velocity / LOOKS, faster)
+
+
+def follow(sweep, shape, change) -> dict:
+    """Does the critical time step follow the mass: as its square root, at the start?"""
+    usual, other = (
+        start(changed(sweep, shape, c)).look().critical_time_step for c in (Changes(), change)
+    )
+    return {"scaling": abs(other / usual / np.sqrt(change.density / change.stiffness) - 1.0)}
+
+
+def restart(sweep, shape, change) -> dict:
+    """A run that goes on from a saved state against one that was not interrupted."""
+    replicate = changed(sweep, shape, change)
+    half = (change.displacement or STROKE) / 2.0 / replicate.sweep.cylinder.velocity
+    whole, second = start(replicate), start(replicate)
+    whole.advance(half)
+    second.restore(whole.checkpoint())
+    whole.advance(half)
+    second.advance(half)
+    apart = np.abs(whole.state.position - second.state.position).max()
+    size = float(whole.scene.shape.bounding_radius.mean())
+    return {"difference": apart / size, "residual": second.ledger().residual}
+
+
+def round_off(sweep, shape, change) -> dict:
+    """Ellipses of the aspect ratio asked for, nearly 1, against discs, on one bed before chaos."""
+    replicate = changed(sweep, shape, change.model_copy(update={"aspect_ratio": None}))
+    bed, sizes = bed_of(replicate), drag.diameters(replicate)
+    scene = drag.make_scene(replicate, bed)
+    state = State(bed.position, angle=bed.angle)
+    shapes = Disc.of_size(sizes), Ellipse.of_size(sizes, change.aspect_ratio)
+    discs, ellipses = (Simulation(replace(scene, shape=s), state, ledger=True) for s in shapes)
+    step = discs.rules.fraction * discs.look().critical_time_step
+    for run in (discs, ellipses):
+        run.rules = run.rules._replace(time_step=step)
+        run.advance((change.steps or 500) * step)
+    apart = np.abs(discs.state.position - ellipses.state.position).max()
+    residual = max(run.ledger().residual for run in (discs, ellipses))
+    return {"difference": apart / float(sizes.mean()), "residual": residual}

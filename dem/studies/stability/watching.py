@@ -1,0 +1,100 @@
+"""What is seen of a run: worst values along it."""
+
+import math
+
+import numpy as np
+
+from dem.jit.columns import X, Y
+from dem.contacts.force_law import effective_modulus
+from dem.contacts.loops import forces
+from dem.jit.lanes import NX, NY, PUSH_X, PUSH_Y
+from dem.dynamics.simulation import Simulation
+
+LOOKS = 20  # along a run
+
+
+def watch(simulation: Simulation, interval: float, between=lambda look: None) -> dict:
+    """Advance over LOOKS intervals (s) and keep the worst of what is seen."""
+    residual, excess, forces = 0.0, 0.0, []
+    for look in range(LOOKS):
+        between(look)
+        record = simulation.record(interval, 1)
+        residual = worse(residual, simulation.ledger().residual)
+        excess = worse(excess, friction_excess(simulation))
+        forces.append((record.normal_force + record.tangential_force)[0])
+    late = np.array(forces[LOOKS // 2 :])
+    size = np.linalg.norm(late, axis=1).max()
+    return {
+        "residual": residual, "excess": excess, "kinetic": simulation.ledger().kinetic,
+        "unsteady": float(np.ptp(late, axis=0).max() / size) if size > 0.0 else 0.0,
+    }  # fmt: skip
+
+
+def worse(one: float, other: float) -> float:
+    """The greater of two numbers, NaN if either is."""
+    return float(np.maximum(one, other))
+
+
+def friction_excess(simulation: Simulation) -> float:
+    """By how much |T| exceeds mu N at the cylinder, over the force, for the bed as it is.
+
+    The forces are taken anew, and the simulation left as it was: the cylinder's contacts, which are
+    the last and less than a block, then stand in the lanes.
+    """
+    roller = simulation.world.roller
+    if roller is None or roller.tangent is None:
+        return 0.0
+    saved = simulation.checkpoint()
+    forces(simulation._world, 0.0)
+    found = excess(simulation.world)
+    simulation.restore(saved)
+    return found
+
+
+def excess(world) -> float:
+    """The same from the lanes as the last forces have left them."""
+    roller = world.roller
+    count = len(roller.contacts.part)
+    values = world.lanes.values
+    nx, ny, fx, fy = (values[int(at) : int(at) + count] for at in (NX, NY, PUSH_X, PUSH_Y))
+    normal, tangential = np.abs(fx * nx + fy * ny), np.abs(fy * nx - fx * ny)
+    size = np.hypot(fx, fy)
+    pressed = size > 0.0
+    beyond = (tangential - roller.tangent.coefficient * normal)[pressed] / size[pressed]
+    return float(beyond.max(initial=0.0))
+
+
+def momenta(simulation: Simulation):
+    """Momentum (2,) in kg m/s, angular momentum (kg m2/s) about the origin, and the sums of the
+    sizes of both over all granules."""
+    state, mass = simulation.state, simulation.scene.mass
+    (x, y), (vx, vy) = state.position.T, state.velocity.T
+    orbits = mass * (x * vy - y * vx)
+    spins = simulation.scene.inertia * state.angular_velocity
+    sizes = (mass * np.hypot(vx, vy)).sum(), (np.abs(orbits) + np.abs(spins)).sum()
+    return mass @ state.velocity, (orbits + spins).sum(), sizes
+
+
+def contact_time(scene, speed: float) -> float:
+    """Duration (s) of a head-on elastic collision of two mean granules (Hertz)."""
+    modulus = effective_modulus(scene.material, scene.material)
+    mass, radius = 0.5 * scene.mass.mean(), 0.5 * scene.shape.part_radius.mean()
+    stiffness = 4.0 / 3.0 * modulus * math.sqrt(radius)
+    deepest = (1.25 * mass * speed**2 / stiffness) ** 0.4
+    return 2.9432 * deepest / speed
+
+
+def unlisted(simulation: Simulation) -> int:
+    """Number of pairs of circles around parts that overlap (all of them) and are not listed."""
+    world = simulation.world
+    per = len(world.parts) // len(world.bodies)
+    radius = simulation._parts.bounding
+    place = world.parts[:, [X, Y]]
+    apart = np.linalg.norm(place[:, None] - place, axis=2) - radius[:, None] - radius
+    first, second = np.nonzero(np.triu(apart < 0.0, 1))
+    strangers = first // per != second // per  # parts of one granule do not touch
+    listed = set(zip(world.pairs.part.tolist(), world.pairs.other.tolist(), strict=True))
+    return sum(
+        (int(i), int(j)) not in listed
+        for i, j in zip(first[strangers], second[strangers], strict=True)
+    )
