@@ -10,6 +10,7 @@
     snakemake -j2 report                                  one page of everything
 """
 
+import json
 import logging
 import shlex
 import sys
@@ -17,11 +18,13 @@ import sys
 from snakemake.cli import get_argument_parser
 
 import dem
-from dem.experiment import config as schema
+from dem.studies import config as schema
 from dem.base.errors import InputError, RunError
 from dem.figures import FLOW, possible
 from dem.io.progress import WorkflowProgress
-from dem.base.provenance import source_hash
+from dem.base.sources import code_hash
+from dem.experiment.config import save
+from dem.shapes import KINDS
 from dem.io.results_folder import on_failure, prepare
 from dem.base.yaml_file import read
 
@@ -68,7 +71,26 @@ if ONLY_FIGURES and len(targets()) > 1:
 
 RESULTS = SWEEP.results
 CONFIG = f"{RESULTS}/config.yaml"  # the configuration as resolved, written when the run starts
-SOURCES = source_hash()
+
+
+# Code is a parameter of a rule, and not an input: what its module and the shapes depend on, without comments,
+# docstrings and sentences of errors. An edit of anything else makes no job again.
+def code_of(*modules, shapes=()):
+    """Hash of the code that modules below dem/ and shapes of the sweep depend on."""
+    kinds = {KINDS[SWEEP.shapes[shape].kind].module for shape in shapes}
+    return code_hash(*(f"dem.{name}" for name in modules), *sorted(kinds))
+
+
+def physics(*without):
+    """What runs of a study depend on in the configuration, as text: not how many there are, nor what they are called."""
+    return json.dumps(SWEEP.own_dump({"title", "results", "seeds", "batch", "failures", *without}))
+
+
+def run_code(wildcards):
+    """What a bed and a run of a shape depend on."""
+    return code_of("experiment.drag", shapes=[wildcards.shape])
+
+
 # what says that all replicates are there: with one seed a job their files, else a mark a job
 if SWEEP.batch == 1:
     REPLICATES = [f"{RESULTS}/{replicate.path}" for replicate in SWEEP.replicates()]
@@ -138,7 +160,7 @@ onstart:
     global HELD  # the folder, until the process ends
     try:
         HELD, said = prepare(RESULTS)
-        schema.save(SWEEP, CONFIG)
+        save(SWEEP, CONFIG)
     except (RunError, OSError) as error:
         print(error, file=sys.stderr)
         sys.exit(1)

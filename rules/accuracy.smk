@@ -33,10 +33,6 @@ def accuracy_parts(wildcards):
     return [f"{STUDY}/contacts.nc", f"{STUDY}/steps.nc", *drag, *replicates]
 
 
-def study_code(*names):
-    return [f"dem/accuracy/{name}.py" for name in names]
-
-
 def plan_of(*keys):
     """What a job depends on in the configuration, as text."""
     return SWEEP.accuracy.model_dump_json(include=set(keys)) if SWEEP.accuracy else ""
@@ -61,12 +57,10 @@ rule accuracy:
 rule accuracy_contacts:
     message:
         "Contacts of ellipses: error against time, alone on the computer"
-    input:
-        code=study_code("contacts", "bounces", "pairs", "solvers", "definitions", "trials"),
     output:
         STUDY + "/contacts.nc",
     params:
-        sources=SOURCES,
+        code=code_of("studies.accuracy.contacts", "studies.accuracy.bounces"),
         plan=plan_of("size"),
     threads: workflow.cores
     log:
@@ -78,15 +72,12 @@ rule accuracy_contacts:
 rule accuracy_steps:
     message:
         "Time steps and integrators: error against time, alone on the computer"
-    input:
-        code=study_code("steps", "integrators", "collisions", "step_runs"),
-        peers="dem/studies/peers/lammps.py",
     output:
         STUDY + "/steps.nc",
     params:
-        sources=SOURCES,
+        code=code_of("studies.accuracy.steps"),
         plan=plan_of("size"),
-        sweep=SWEEP.model_dump_json(exclude={"title", "results", "record", "accuracy"}),
+        sweep=physics("record"),
     threads: workflow.cores
     log:
         RESULTS + "/logs/accuracy/steps.log",
@@ -98,12 +89,11 @@ rule accuracy_drag:
     message:
         "Mean drag of {wildcards.shape} at many time steps, group {wildcards.group}"
     input:
-        code=study_code("runs"),
         kernels=kernels_of,
     output:
         STUDY + "/drag/{shape}/{group}.nc",
     params:
-        sources=SOURCES,
+        code=lambda w: code_of("studies.accuracy.runs", shapes=[w.shape]),
         plan=lambda w: str(SWEEP.accuracy.share(int(w.group), w.shape)),
         run=lambda w: run_of(w.shape),
     log:
@@ -119,12 +109,11 @@ rule accuracy_replicates:
     message:
         "Many replicates, group {wildcards.group}"
     input:
-        code=study_code("runs"),
         kernels=lambda w: f"{RESULTS}/kernels/{SWEEP.shapes[SWEEP.accuracy.replicates.shape].kind}.done",
     output:
         STUDY + "/replicates/{group}.nc",
     params:
-        sources=SOURCES,
+        code=lambda w: code_of("studies.accuracy.runs", shapes=[SWEEP.accuracy.replicates.shape]),
         plan=plan_of("replicates", "first_seed", "group"),
         run=lambda w: run_of(SWEEP.accuracy.replicates.shape),
     log:
@@ -140,24 +129,11 @@ rule accuracy_combine:
         "Combine the study into {output}"
     input:
         parts=accuracy_parts,
-        code=study_code("files", "layout", "layout_contacts", "layout_steps"),
     output:
         RESULTS + "/accuracy.nc",
+    params:
+        code=code_of("studies.accuracy.files"),
     log:
         RESULTS + "/logs/accuracy/combine.log",
     shell:
         "dem accuracy combine -o {output} {input.parts} 2> {log}"
-
-
-rule accuracy_table:
-    message:
-        "Write {output}"
-    input:
-        data=RESULTS + "/accuracy.nc",
-        code=study_code("report", "bias", "replicates", "contacts"),
-    output:
-        RESULTS + "/accuracy.txt",
-    log:
-        RESULTS + "/logs/accuracy/table.log",
-    shell:
-        "dem info {input.data} -o {output} 2> {log}"

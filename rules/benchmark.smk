@@ -27,28 +27,12 @@ rule benchmark:
 rule measure:
     message:
         "Time this code and others, alone on the computer"
-    input:
-        code=sorted(str(path) for path in Path("dem/benchmark").glob("*.py") if path.stem != "report"),
     output:
         RESULTS + "/benchmark.nc",
     params:
-        sources=SOURCES,
+        code=code_of("studies.benchmark.measure", shapes=SWEEP.shapes),
     threads: workflow.cores
     log:
         RESULTS + "/logs/benchmark.log",
     shell:
         "dem benchmark --config {CONFIG} -o {output} 2> {log}"
-
-
-rule benchmark_table:
-    message:
-        "Write {output}"
-    input:
-        data=RESULTS + "/benchmark.nc",
-        code=["dem/studies/benchmark/report.py", "dem/report/info.py"],
-    output:
-        RESULTS + "/benchmark.txt",
-    log:
-        RESULTS + "/logs/benchmark_table.log",
-    shell:
-        "dem info {input.data} -o {output} 2> {log}"

@@ -13,13 +13,6 @@ OUTPUTS
 from dem.figures import CLAIMS
 
 CLAIMS_FOLDER = f"{RESULTS}/claims"
-# what only words and figures are made with, and what only runs are
-TELLING = {"report", "sentences", "compare", "evidence", "influence", "remains", "verdicts"}
-MAKING = {"runs", "trials", "alignment", "changes", "design", "jamming", "beds", "kernels"}
-
-
-def claims_code(names):
-    return [f"dem/claims/{name}.py" for name in sorted(names)]
 
 
 def jamming_files():
@@ -53,11 +46,6 @@ def needs_jamming(wildcards):
     return jamming_files() if wildcards.part in NEED_JAMMING else []
 
 
-def swept(*without):
-    """What a run depends on in the rest of the configuration, as text."""
-    return SWEEP.model_dump_json(exclude={"title", "results", "seeds", "accuracy", "claims", *without})
-
-
 localrules:
     claims,
 
@@ -74,7 +62,7 @@ rule claims_kernels:
     output:
         touch(CLAIMS_FOLDER + "/kernels.done"),
     params:
-        sources=SOURCES,
+        code=code_of("studies.claims.kernels", shapes=SWEEP.shapes),
         features=lambda w: [features(kind) for kind in SHAPE_OF_KIND],
         plan=claims_plan("sensitivity"),
     log:
@@ -87,14 +75,13 @@ rule claims_jamming:
     message:
         "At which packing fraction {wildcards.shape} jam"
     input:
-        code=claims_code({"jamming", "beds", "trials", "changes"}),
         kernels=CLAIMS_FOLDER + "/kernels.done",
     output:
         CLAIMS_FOLDER + "/jamming/{shape}.nc",
     params:
-        sources=SOURCES,
+        code=code_of("studies.claims.jamming", "studies.claims.beds", shapes=SWEEP.shapes),
         plan=claims_plan("jamming", "ratios", "scaling"),
-        sweep=swept("record", "material", "cases"),
+        sweep=physics("record", "material", "cases"),
     priority: 10
     log:
         RESULTS + "/logs/claims/jamming/{shape}.log",
@@ -108,16 +95,14 @@ rule claims_runs:
     message:
         "Runs for the claims: {wildcards.part}, group {wildcards.group}"
     input:
-        code=[*claims_code(MAKING - {"jamming", "beds", "kernels"}), "dem/studies/accuracy/runs.py"],
-        flow=[f"dem/flow/{name}.py" for name in ("collect", "measures", "motion")],
         kernels=CLAIMS_FOLDER + "/kernels.done",
         jamming=needs_jamming,
     output:
         CLAIMS_FOLDER + "/runs/{part}/{group}.nc",
     params:
-        sources=SOURCES,
+        code=code_of("studies.claims.runs", shapes=SWEEP.shapes),
         plan=lambda w: claims_plan(w.part),
-        sweep=swept(),
+        sweep=physics(),
         jamming=lambda w, input: [f"--jamming {file}" for file in input.jamming],
     priority: 5
     log:
@@ -134,24 +119,11 @@ rule claims_combine:
         "Combine the study into {output}"
     input:
         parts=claims_parts,
-        code=[*claims_code({"layout"}), "dem/sweep/study.py"],
     output:
         RESULTS + "/claims.nc",
+    params:
+        code=code_of("studies.claims.layout"),
     log:
         RESULTS + "/logs/claims/combine.log",
     shell:
         "dem claims combine -o {output} {input.parts} 2> {log}"
-
-
-rule claims_table:
-    message:
-        "Write {output}"
-    input:
-        data=RESULTS + "/claims.nc",
-        code=claims_code(TELLING),
-    output:
-        RESULTS + "/claims.txt",
-    log:
-        RESULTS + "/logs/claims/table.log",
-    shell:
-        "dem info {input.data} -o {output} 2> {log}"

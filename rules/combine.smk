@@ -12,10 +12,10 @@ rule combine:
         "Combine the replicates into {output}"
     input:
         replicates=REPLICATES,
-        code="dem/sweep/combine.py",
     output:
         RESULTS + "/drag.nc",
     params:
+        code=code_of("sweep.combine"),
         sweep=SWEEP.model_dump_json(include={"title", "seeds", "failures", "shapes", "cases", "record"}),
     log:
         RESULTS + "/logs/combine.log",

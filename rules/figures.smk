@@ -1,15 +1,14 @@
-"""Draw the figures, each from one file of results.
+"""Draw the figures and write the tables of studies, each from one file of results.
 
     snakemake -j2 figures          those that the files in {RESULTS} suffice for; makes no file of results
 
 REQUIRED INPUTS
     {RESULTS}/drag.nc, flow.nc, accuracy.nc, stability.nc, claims.nc, benchmark.nc: see dem/figures/__init__.py
 OUTPUTS
-    {RESULTS}/figures/{figure}.svg, {RESULTS}/figures/{figure}.png
+    {RESULTS}/figures/{figure}.svg, {RESULTS}/figures/{figure}.png, {RESULTS}/{study}.txt
 """
 
-from dem.figures import FILE_OF, drawable
-from dem.base.sources import closure
+from dem.figures import FILE_OF, STUDY_FIGURES, drawable
 
 
 def pictures(names):
@@ -31,16 +30,34 @@ rule figure:
         "Draw {wildcards.figure}"
     input:
         data=lambda w: f"{RESULTS}/{FILE_OF[w.figure]}.nc",
-        code=lambda w: closure(f"dem.figures.{w.figure}"),
     output:
         RESULTS + "/figures/{figure}.svg",
         RESULTS + "/figures/{figure}.png",
+    params:
+        code=lambda w: code_of(f"figures.{w.figure}"),
     wildcard_constraints:
         figure="|".join(FILE_OF),
     log:
         RESULTS + "/logs/figures/{figure}.log",
     shell:
         "dem figure {wildcards.figure} {input.data} 2> {log}"
+
+
+rule table:
+    message:
+        "Write {output}"
+    input:
+        data=RESULTS + "/{study}.nc",
+    output:
+        RESULTS + "/{study}.txt",
+    params:
+        code=lambda w: code_of(f"studies.{w.study}.report"),
+    wildcard_constraints:
+        study="|".join(STUDY_FIGURES),
+    log:
+        RESULTS + "/logs/{study}/table.log",
+    shell:
+        "dem info {input.data} -o {output} 2> {log}"
 
 
 rule figures:

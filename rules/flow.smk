@@ -11,10 +11,10 @@ rule flow:
         "Measure how the beds move into {output}"
     input:
         replicates=REPLICATES,
-        code=[f"dem/flow/{name}.py" for name in ("collect", "layout", "measures", "motion")],
     output:
         RESULTS + "/flow.nc",
     params:
+        code=code_of("analysis.flow.collect", shapes=SWEEP.shapes),
         sweep=SWEEP.model_dump_json(include={"title", "seeds", "failures", "shapes", "cases", "record"}),
     log:
         RESULTS + "/logs/flow.log",

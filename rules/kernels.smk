@@ -23,7 +23,7 @@ rule kernels:
     output:
         touch(RESULTS + "/kernels/{kind}.done"),
     params:
-        sources=SOURCES,
+        code=lambda w: code_hash("dem.experiment.warmup", KINDS[w.kind].module),
         features=lambda w: features(w.kind),
         shape=lambda w: SHAPE_OF_KIND[w.kind],
     log:

@@ -15,7 +15,7 @@ rule pack:
     output:
         RESULTS + "/packings/{shape}/seed{seed}.nc",
     params:
-        sources=SOURCES,
+        code=run_code,
         bed=lambda w: SWEEP.replicate(w.shape, 1.0, int(w.seed)).bed_key(),
     log:
         RESULTS + "/logs/pack/{shape}/seed{seed}.log",

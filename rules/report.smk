@@ -45,10 +45,11 @@ rule report_page:
         flow=RESULTS + "/flow.nc",
         figures=expand(RESULTS + "/figures/{figure}.png", figure=FIGURES),
         readme="README.md",
-        code=[*sorted(map(str, Path("dem/report").glob("*.py"))), *sorted(map(str, Path("dem/report/page").iterdir()))],
+        page=sorted(map(str, Path("dem/report/page").iterdir())),
     output:
         RESULTS + "/report.html",
     params:
+        code=code_of("report.build"),
         studies=lambda w: studies_there(),
     log:
         RESULTS + "/logs/report.log",

@@ -18,7 +18,7 @@ rule simulate:
     output:
         RESULTS + "/replicates/{shape}/density{density}/seed{seed}.nc",
     params:
-        sources=SOURCES,
+        code=run_code,
         run=lambda w: SWEEP.replicate(w.shape, float(w.density), int(w.seed)).run_key(),
     log:
         RESULTS + "/logs/simulate/{shape}/density{density}/seed{seed}.log",
@@ -46,7 +46,7 @@ rule batch:
     output:
         touch(RESULTS + "/batches/{shape}/{number}.done"),
     params:
-        sources=SOURCES,
+        code=run_code,
         run=batch_of,
     log:
         RESULTS + "/logs/batches/{shape}/{number}.log",

@@ -44,12 +44,11 @@ rule stability_part:
         "Stability of {wildcards.shape}: {wildcards.part}"
     input:
         catalogue=CATALOGUE,
-        code=[f"dem/stability/{name}.py" for name in ("study", "catalogue", "beds", "bodies", "scenes", "watching", "linear")],
     output:
         RESULTS + "/stability/{part}/{shape}.nc",
     params:
-        sources=SOURCES,
-        sweep=SWEEP.model_dump_json(exclude={"title", "results", "record", "accuracy", "seeds"}),
+        code=lambda w: code_of("studies.stability.study", shapes=[w.shape]),
+        sweep=physics("record"),
         seed=SWEEP.seeds[0],
     log:
         RESULTS + "/logs/stability/{part}/{shape}.log",
@@ -65,24 +64,11 @@ rule stability_join:
         "Combine the study into {output}"
     input:
         parts=stability_parts,
-        code=["dem/sweep/study.py", "dem/studies/stability/layout.py"],
     output:
         RESULTS + "/stability.nc",
+    params:
+        code=code_of("studies.stability.layout"),
     log:
         RESULTS + "/logs/stability/join.log",
     shell:
         "dem stability combine -o {output} {input.parts} 2> {log}"
-
-
-rule stability_table:
-    message:
-        "Write {output}"
-    input:
-        data=RESULTS + "/stability.nc",
-        code="dem/studies/stability/report.py",
-    output:
-        RESULTS + "/stability.txt",
-    log:
-        RESULTS + "/logs/stability/table.log",
-    shell:
-        "dem info {input.data} -o {output} 2> {log}"

@@ -15,7 +15,7 @@ GroupOption = Annotated[int, typer.Option("--group", min=0, help="Which seeds: j
 
 def _planned(config: Path):
     """The sweep of a configuration that has a section `accuracy`."""
-    from dem.experiment.config import load
+    from dem.studies.config import load
 
     sweep = load(config)
     if sweep.accuracy is None:

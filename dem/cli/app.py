@@ -6,9 +6,9 @@ from typing import Annotated
 
 import typer
 
+from dem.base.files import ANY, FOLDER, Place, check_paths
 from dem.cli.accuracy import app as accuracy
 from dem.cli.claims import app as claims
-from dem.base.files import ANY, FOLDER, Place, check_paths
 from dem.cli.flow import VERBS as moving
 from dem.cli.report import report
 from dem.cli.stability import app as stability
@@ -45,8 +45,8 @@ SeedOption = Annotated[int, typer.Option("--seed", help="Seed of the replicate."
 def compile(config: ConfigOption = PAPER, shape: ShapeOption = "c1"):
     """Compile the kernels that a shape needs and keep them on disk."""
     start_lean()
-    from dem.experiment.config import load
     from dem.experiment.warmup import compile_kernels
+    from dem.studies.config import load
 
     sweep = load(config)
     sweep.replicate(shape, 1.0, sweep.seeds[0])
@@ -55,9 +55,9 @@ def compile(config: ConfigOption = PAPER, shape: ShapeOption = "c1"):
 
 def _replicate(config, shape, density, seed):
     """One run of a configuration; raises InputError where it cannot be."""
-    from dem.experiment.config import load
     from dem.base.errors import InputError
     from dem.base.schema import SEEDS
+    from dem.studies.config import load
 
     if not 0 <= seed < SEEDS:
         raise InputError(f"seed is {seed}; it must be a whole number from 0 to {SEEDS - 1}.")
@@ -87,7 +87,8 @@ def simulate(
 ):  # fmt: skip
     """Draw the cylinder through one bed and record the forces on it."""
     start_lean()
-    from dem.experiment import drag, resume as stopping
+    from dem.experiment import drag
+    from dem.experiment import resume as stopping
 
     replicate = _replicate(config, shape, density, seed)
     at_rest = drag.read_bed(bed, replicate) if bed else None
@@ -113,8 +114,8 @@ def batch(
 ):
     """Make many replicates of a shape in one process; those that are up to date are left alone."""
     start_lean()
+    from dem.studies.config import load
     from dem.sweep.batch import batch as make
-    from dem.experiment.config import load
 
     sweep = load(config)
     with bar(f"{shape}, batch {number}", 1.0) as update:
@@ -130,8 +131,8 @@ def combine(
     config: ConfigOption = PAPER,
 ):  # fmt: skip
     """Combine replicates into one file over case, seed and displacement."""
+    from dem.studies.config import load
     from dem.sweep.combine import combine as combined
-    from dem.experiment.config import load
 
     sweep = load(config)
     files, failed = replicates_of(sweep, output, files)
@@ -143,7 +144,7 @@ def combine(
 def benchmark(output: OutputOption, config: ConfigOption = PAPER):
     """Time the kernels, alone and beside other codes, on beds of the configuration."""
     from dem.studies.benchmark.measure import measure, write_benchmark
-    from dem.experiment.config import load
+    from dem.studies.config import load
 
     sweep = load(config)
     with bar("benchmark", 1.0) as update:
@@ -172,8 +173,8 @@ def info(
 ):  # fmt: skip
     """Print what a file holds: cases, mean drag, scatter and intervals."""
     from dem.base.files import atomic
-    from dem.report.info import summary
     from dem.base.plain import PlainConsole
+    from dem.report.info import summary
 
     found = summary(data)
     if output is None:
@@ -195,7 +196,7 @@ def calibrate(
     """Fit Young's modulus to a mean drag: the one calibrated number."""
     from dem.studies.calibrate import MODULI
     from dem.studies.calibrate import calibrate as fit
-    from dem.experiment.config import load
+    from dem.studies.config import load
 
     sweep = load(config)
     with bar("calibrating", len(MODULI) * seeds) as update:

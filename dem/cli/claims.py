@@ -13,7 +13,7 @@ app = Verbs(help="Which of the paper's claims hold: the parts of the study.", no
 
 def _planned(config: Path):
     """The sweep of a configuration that has a section `claims`."""
-    from dem.experiment.config import load
+    from dem.studies.config import load
 
     sweep = load(config)
     if sweep.claims is None:
@@ -95,7 +95,7 @@ def test(
     """Which claims these runs support, contradict or leave undecided."""
     if not 0.0 <= margin <= 1.0:
         raise InputError(f"margin is {margin}; it must lie between 0 and 1.")
-    from dem.studies.claims.report import verdicts
     from dem.base.plain import PlainConsole
+    from dem.studies.claims.report import verdicts
 
     PlainConsole(width=160).print(verdicts(data, name, margin))

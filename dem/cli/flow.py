@@ -6,7 +6,15 @@ from typing import Annotated
 import typer
 
 from dem.base.files import FOLDER
-from dem.cli.terminal import PAPER, ConfigOption, OutputOption, Writes, bar, replicates_of, start_lean
+from dem.cli.terminal import (
+    PAPER,
+    ConfigOption,
+    OutputOption,
+    Writes,
+    bar,
+    replicates_of,
+    start_lean,
+)
 
 ReplicateArgument = Annotated[Path, typer.Argument(help="A replicate, results/replicates/...nc.")]
 ColorOption = Annotated[str, typer.Option(help="speed, force, layer or cluster.")]
@@ -25,8 +33,8 @@ def flow(
 ):
     """Measure how irregularly all beds move, and keep the snapshots of one run a case."""
     start_lean()
-    from dem.experiment.config import load
     from dem.analysis.flow.collect import collect, write_flow
+    from dem.studies.config import load
 
     sweep = load(config)
     files, failed = replicates_of(sweep, output, files)
@@ -43,8 +51,8 @@ def film(
 ):
     """Film a replicate; one with many frames needs record.snapshots in its configuration."""
     start_lean()
-    from dem.figures.film import film as make
     from dem.analysis.flow.motion import read_motion
+    from dem.figures.film import film as make
 
     motion = read_motion(replicate)
     with bar("film", 1.0) as update:
@@ -66,8 +74,8 @@ def picture(
 ):
     """Draw a replicate at one displacement."""
     start_lean()
-    from dem.figures.film import picture as make
     from dem.analysis.flow.motion import read_motion
+    from dem.figures.film import picture as make
 
     make(read_motion(replicate), output, displacement, color, forces)
 
@@ -79,8 +87,8 @@ def export(
     ],
 ):
     """Write the snapshots of a replicate for ParaView (open bed.pvd)."""
-    from dem.figures.export import export as make
     from dem.analysis.flow.motion import read_motion
+    from dem.figures.export import export as make
 
     motion = read_motion(replicate)
     with bar("export", 1.0) as update:

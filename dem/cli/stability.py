@@ -24,7 +24,7 @@ def _verb(part: str, about: str, shapes, work) -> None:
         catalogue: CatalogueOption = CATALOGUE,
     ):  # fmt: skip
         start_lean()
-        from dem.experiment.config import load
+        from dem.studies.config import load
         from dem.studies.stability import study
         from dem.studies.stability.catalogue import load as load_catalogue
         from dem.studies.stability.layout import STUDY

@@ -15,11 +15,8 @@ import numpy as np
 import yaml
 from pydantic import Field, ValidationError, model_validator
 
-from dem.studies.accuracy.plan import AccuracySection
-from dem.studies.claims.plan import ClaimsSection
 from dem.base.errors import InputError
 from dem.base.files import atomic
-from dem.experiment.fit import check_room, check_rooms
 from dem.base.schema import (
     Folder,
     Label,
@@ -31,7 +28,10 @@ from dem.base.schema import (
     Whole,
     sentences,
 )
+from dem.base.sources import code_hash
 from dem.base.yaml_file import read
+from dem.experiment.fit import check_room, check_rooms
+from dem.shapes import KINDS
 
 
 class CylinderSection(Section):
@@ -90,16 +90,16 @@ class NumericsSection(Section):
 
 
 class ShapeSection(Section):
-    kind: Literal["disc", "dumbbell", "ellipse"]
+    kind: Literal[tuple(KINDS)]
     diameter: Positive  # m, mean volume diameter
     granules: Annotated[Whole, Field(ge=1, le=10_000_000)]
     aspect_ratio: Annotated[Number, Field(ge=1)] | None = None
 
     @model_validator(mode="after")
     def _check(self):
-        if self.kind == "ellipse" and self.aspect_ratio is None:
-            raise ValueError("aspect_ratio is missing; an ellipse needs one")
-        natural = {"disc": 1.0, "dumbbell": 2.0}.get(self.kind)
+        natural = KINDS[self.kind].aspect_ratio
+        if natural is None and self.aspect_ratio is None:
+            raise ValueError(f"aspect_ratio is missing; kind {self.kind} needs one")
         if natural and self.aspect_ratio not in (None, natural):
             raise ValueError(
                 f"aspect_ratio is {self.aspect_ratio:g}; that of a {self.kind} is {natural:g}, "
@@ -110,7 +110,7 @@ class ShapeSection(Section):
     @property
     def ratio(self) -> float:
         """Length over width."""
-        return self.aspect_ratio or {"disc": 1.0, "dumbbell": 2.0}[self.kind]
+        return self.aspect_ratio or KINDS[self.kind].aspect_ratio
 
 
 class CaseSection(Section):
@@ -137,8 +137,6 @@ class Sweep(Section):
     cases: Annotated[dict[Label, CaseSection], Field(min_length=1)]
     record: RecordSection
     numerics: NumericsSection = NumericsSection()
-    accuracy: AccuracySection | None = None  # of the study of error against run time
-    claims: ClaimsSection | None = None  # of the study of the paper's claims
 
     @model_validator(mode="after")
     def _check(self):
@@ -173,10 +171,11 @@ class Sweep(Section):
                 raise ValueError(f"cases.{label} repeats cases.{twin}")
         for label in self.shapes:
             check_rooms(self, label)
-        for study in (self.accuracy, self.claims):
-            if study:
-                study.check(self)
         return self
+
+    def own_dump(self, exclude=None) -> dict:
+        """The values of this room as a dictionary, without sections of studies."""
+        return self.model_dump(include=set(Sweep.model_fields), exclude=exclude)
 
     def batches(self) -> int:
         """Number of jobs that make the replicates of a shape."""
@@ -257,6 +256,11 @@ class Replicate(Section):
         density = density_label(self.density)
         return f"replicates/{self.label}/density{density}/seed{self.seed}.nc"
 
+    @property
+    def source_hash(self) -> str:
+        """SHA-256 of the code that this run depends on."""
+        return code_hash("dem.experiment.drag", KINDS[self.shape.kind].module)
+
     def bed_key(self) -> str:
         """All that the bed depends on, as text: the packing is made anew when it changes."""
         s = self.sweep
@@ -275,14 +279,12 @@ class Replicate(Section):
             "failures",
             "shapes",
             "cases",
-            "accuracy",
-            "claims",
         )
         unread = dict.fromkeys(names, True)
         unread["record"] = {"window"}
         if self.shape.kind != "ellipse":
             unread["ellipse"] = True
-        common = self.sweep.model_dump(exclude=unread)
+        common = self.sweep.own_dump(exclude=unread)
         return json.dumps([self.shape.model_dump(), common, self.density, self.seed])
 
 
@@ -291,13 +293,16 @@ def density_label(density: float) -> str:
     return f"{density:.10g}"
 
 
-def parse(data, source: str = "configuration") -> Sweep:
-    """Sweep from the content of a file; raises InputError with one sentence a fault."""
+def parse(data, source: str = "configuration", model: type[Sweep] = Sweep) -> Sweep:
+    """Sweep from the content of a file; raises InputError with one sentence a fault.
+
+    model: Sweep, or one with sections of its own beside (dem.studies.config).
+    """
     if not isinstance(data, dict):
         raise InputError(f"{source}: it must hold keys with values, see config/paper.yaml.")
     try:
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            return Sweep.model_validate(data)
+            return model.model_validate(data)
     except ValidationError as error:
         raise InputError(sentences(source, error)) from None
 

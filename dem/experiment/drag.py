@@ -7,17 +7,20 @@ from pathlib import Path
 import numpy as np
 
 from dem.base import provenance
-from dem.packing.pressed import compact
-from dem.experiment.config import Replicate, density_label
-from dem.contacts.force_law import effective_modulus
-from dem.io.dataset import WALLS, global_attributes, read, write
 from dem.base.errors import InputError
-from dem.packing.random import Bed, pack
-from dem.experiment.fit import height_of_box, sample_diameters
-from dem.scene import Cylinder, Friction, Material, Scene, State, box
-from dem.shapes import SHAPES, CommonNormal, Ellipse, GeometricPotential
+from dem.contacts.force_law import effective_modulus
 from dem.dynamics.simulation import Record, Simulation
+from dem.experiment.config import Replicate, density_label
+from dem.experiment.fit import height_of_box, sample_diameters
 from dem.experiment.resume import Going, read_checkpoint, write_checkpoint
+from dem.io.dataset import WALLS, global_attributes, read, write
+from dem.packing.pressed import compact
+from dem.packing.random import Bed, pack
+from dem.scene import Cylinder, Friction, Material, Scene, State, box
+from dem.shapes import KINDS
+from dem.shapes.common_normal import CommonNormal
+from dem.shapes.ellipse import Ellipse
+from dem.shapes.geometric_potential import GeometricPotential
 
 BINS_A_CALL = 20  # between two signs of progress
 SAVED_EVERY = 60.0  # s between two checkpoints
@@ -31,7 +34,7 @@ def diameters(replicate: Replicate) -> np.ndarray:
 
 def granules(replicate: Replicate):
     """Shape of all granules of this seed, contacts as the configuration asks."""
-    shape = SHAPES[replicate.shape.kind][0].of_size(diameters(replicate), replicate.shape.ratio)
+    shape = KINDS[replicate.shape.kind].shape.of_size(diameters(replicate), replicate.shape.ratio)
     if isinstance(shape, Ellipse):
         wanted = replicate.sweep.ellipse
         local = True if wanted.curvature == "local" else None
@@ -48,7 +51,7 @@ def cylinder(replicate: Replicate, height: float) -> Cylinder:
 def make_bed(replicate: Replicate) -> Bed:
     """Pack the bed; ellipses always by common normal, which alone has an energy to minimise."""
     sizes = diameters(replicate)
-    shape = SHAPES[replicate.shape.kind][0].of_size(sizes, replicate.shape.ratio)
+    shape = KINDS[replicate.shape.kind].shape.of_size(sizes, replicate.shape.ratio)
     height = height_of_box(replicate.sweep, sizes)
     room = shape, replicate.sweep.box_width, height, cylinder(replicate, height), replicate.seed
     friction = replicate.sweep.packing.friction
@@ -207,7 +210,7 @@ def read_bed(path: Path, replicate: Replicate) -> Bed:
 
 def _own(replicate: Replicate) -> dict:
     """The configuration without what a replicate does not depend on; other seeds can be millions."""
-    common = replicate.sweep.model_dump(exclude={"accuracy", "claims", "seeds"})
+    common = replicate.sweep.own_dump(exclude={"seeds"})
     return common | {"seeds": [replicate.seed]}
 
 
@@ -219,7 +222,7 @@ def write_replicate(path: Path, replicate: Replicate, values: dict) -> None:
         "dem simulate",
         configuration=json.dumps(_own(replicate)),
         run_key=replicate.run_key(),
-        source_hash=provenance.source_hash(),
+        source_hash=replicate.source_hash,
         versions=provenance.versions(),
         git_revision=provenance.git_revision(),
     )

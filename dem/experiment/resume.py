@@ -11,13 +11,13 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.base import provenance
-from dem.io.checksums import is_sealed, seal
-from dem.experiment.config import Replicate, density_label
 from dem.base.errors import InputError
 from dem.base.files import atomic
+from dem.dynamics.simulation import Record, Simulation
+from dem.experiment.config import Replicate, density_label
+from dem.io.checksums import is_sealed, seal
 from dem.packing.random import Bed
 from dem.scene import State
-from dem.dynamics.simulation import Record, Simulation
 
 
 class Going(NamedTuple):
@@ -49,7 +49,7 @@ class Saved(NamedTuple):
 def mark_of(replicate: Replicate, bed: Bed | None) -> str:
     """What must be the same for a run to go on: values, sources, packages and, at the end, the bed."""
     granules = bed and hashlib.sha256(bed.position.tobytes() + bed.angle.tobytes()).hexdigest()
-    made_by = provenance.source_hash(), provenance.versions()
+    made_by = replicate.source_hash, provenance.versions()
     return " ".join((replicate.run_key(), *made_by, granules or ""))
 
 

@@ -1,11 +1,11 @@
 """Compile the kernels of one kind of granule before many processes need them at once."""
 
+from dem.dynamics.simulation import Simulation
 from dem.experiment.config import Replicate, Sweep
 from dem.experiment.drag import cylinder, diameters, make_scene
 from dem.packing.random import pack
 from dem.scene import State
-from dem.shapes import SHAPES
-from dem.dynamics.simulation import Simulation
+from dem.shapes import KINDS
 
 
 def compile_kernels(sweep: Sweep, label: str) -> None:
@@ -15,7 +15,7 @@ def compile_kernels(sweep: Sweep, label: str) -> None:
     replicate = Replicate.model_construct(sweep=sweep, label=label, density=1e3, seed=0)
     start = sweep.cylinder.start
     height = 4.0 * (sweep.cylinder.diameter + few.diameter) / min(start, 1.0 - start)
-    shape = SHAPES[few.kind][0].of_size(diameters(replicate), few.ratio)
+    shape = KINDS[few.kind].shape.of_size(diameters(replicate), few.ratio)
     bed = pack(shape, sweep.box_width, height, cylinder(replicate, height), seed=0)
     scene = make_scene(replicate, bed)
     Simulation(scene, State(bed.position, angle=bed.angle)).advance(1e-9)

@@ -2,8 +2,9 @@
 
 Numba keeps machine code on disk, but its cache does not notice an edit in a file other than the
 one that holds a function, two processes that save at the same moment can leave an index that
-points to the wrong code, and a damaged file ends every run. All are closed here: the folder is
-named after a hash of the sources, every save holds a lock, and files carry their digest.
+points to the wrong code, and a damaged file ends every run. All are closed here: the folder of a
+module is named after the hash of all code that it depends on, a shape's own code is part of the key,
+every save holds a lock, and files carry their digest. An edit of a comment compiles nothing.
 """
 
 import functools
@@ -15,10 +16,11 @@ from pathlib import Path
 
 import numba
 from filelock import FileLock
+from numba.core import types
 from numba.core.caching import CacheImpl, IndexDataCacheFile, _CacheLocator
 from platformdirs import user_cache_path
 
-from dem.base.provenance import compiled_hash
+from dem.base.sources import code_hash
 
 # nnan and ninf stay off: they would remove the very tests that find a NaN.
 # reassoc stays off: a sum has one order, so a seed has one result.
@@ -27,19 +29,44 @@ INLINED = {"forceinline": True, **OPTIONS}
 
 
 def cache_folder() -> Path:
-    """Folder of the machine code of these sources: $NUMBA_CACHE_DIR or the user's cache folder."""
+    """Folder of machine code: $NUMBA_CACHE_DIR or the user's cache folder."""
     base = os.environ.get("NUMBA_CACHE_DIR") or user_cache_path("dem", appauthor=False)
-    return Path(base) / f"kernels-{compiled_hash()[:16]}"
+    return Path(base) / "kernels"
+
+
+@functools.cache
+def module_hash(name: str) -> str:
+    """Hash of all code that a module depends on; of a module outside this package, of its file."""
+    try:
+        return code_hash(name)
+    except ValueError:
+        file = getattr(sys.modules.get(name), "__file__", None)
+        return content_hash(file) if file else ""
+
+
+def classes_in(kind):
+    """Classes of the named tuples in a type of Numba."""
+    if isinstance(kind, types.BaseNamedTuple):
+        yield kind.instance_class
+    for each in kind.types if isinstance(kind, types.BaseTuple) else ():
+        yield from classes_in(each)
+
+
+def with_classes(key):
+    """A key of Numba's cache, with the code of the classes that choose what is compiled: a shape
+    answers the kernels from a module that they do not import."""
+    found = {each for kind in key[0] for each in classes_in(kind)}
+    return *key, tuple(sorted(f"{c.__qualname__} {module_hash(c.__module__)}" for c in found))
 
 
 class KernelLocator(_CacheLocator):
-    """Where Numba finds a kernel: by its module and the content of its file, not by where that lies
-    or when it was written, so that all copies of the same sources share their machine code."""
+    """Where Numba finds a kernel: by its module and the code that it depends on, not by where that
+    lies or when it was written, so that all copies of the same sources share their machine code."""
 
     def __init__(self, function, file):
-        self._folder = cache_folder() / function.__module__
-        self._stamp = content_hash(file)
-        self._line = function.__code__.co_firstlineno
+        name = function.__module__
+        found = module_hash(name) if name in sys.modules else content_hash(file)
+        self._folder, self._stamp = cache_folder() / f"{name}-{found[:16]}", found
 
     @classmethod
     def from_function(cls, function, file):
@@ -56,7 +83,7 @@ class KernelLocator(_CacheLocator):
         """Left to _CacheFile, which goes on where the folder cannot be made or written."""
 
     def get_disambiguator(self):
-        return str(self._line)
+        return ""  # not the line: a comment above it moves a function
 
 
 @functools.cache
@@ -84,7 +111,7 @@ class _CacheFile(IndexDataCacheFile):
     """
 
     def load(self, key):
-        name = self._load_index().get(key)
+        name = self._load_index().get(with_classes(key))
         content = _content(self._data_path(name)) if name else None
         if content is None:
             return None
@@ -94,6 +121,7 @@ class _CacheFile(IndexDataCacheFile):
         return pickle.loads(content)
 
     def save(self, key, data):
+        key = with_classes(key)
         content = self._dump(data)
         name = self._name_of(content)
         try:

@@ -6,12 +6,12 @@ left alone, so that a batch that was stopped, or got one more seed, goes on wher
 
 from pathlib import Path
 
-from dem.base import provenance
-from dem.experiment import drag, resume as stopping
-from dem.sweep import failures
+from dem.base.errors import InputError, RunError
+from dem.experiment import drag
+from dem.experiment import resume as stopping
 from dem.experiment.config import Replicate, Sweep
 from dem.io.dataset import read
-from dem.base.errors import InputError, RunError
+from dem.sweep import failures
 
 
 def batch(sweep: Sweep, shape: str, number: int, folder: Path, progress=lambda done: None):
@@ -73,7 +73,7 @@ def make(
 
 def settled(path: Path, replicate: Replicate) -> bool:
     """Whether a file holds this run, made from these sources, or tells that it failed with them."""
-    wanted = replicate.run_key(), provenance.source_hash()
+    wanted = replicate.run_key(), replicate.source_hash
     if replicate.sweep.failures and (about := failures.found(path, replicate)):
         return about.get("source_hash") == wanted[1]
     if not path.is_file():

@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from dem.sweep import failures
-from dem.io.checksums import is_sealed
+from dem.base.errors import InputError
 from dem.experiment.config import Replicate, Sweep, density_label
+from dem.io.checksums import is_sealed
 from dem.io.dataset import (
     AGAIN,
     VARIABLES,
@@ -26,7 +26,7 @@ from dem.io.dataset import (
     is_text,
     read,
 )
-from dem.base.errors import InputError
+from dem.sweep import failures
 from dem.sweep.failures import Failed
 
 # What a replicate records along its stroke, once a run, and on the axis that all runs share.
@@ -217,7 +217,7 @@ def _about(sweep: Sweep, provenance: dict) -> dict:
     return global_attributes(
         sweep.title,
         "dem simulate, dem combine",
-        configuration=json.dumps(sweep.model_dump(exclude={"accuracy", "claims"})),
+        configuration=json.dumps(sweep.own_dump()),
         **provenance,
         window_start=sweep.record.window[0],
         window_stop=sweep.record.window[1],

@@ -11,10 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
-from dem.base import provenance
-from dem.experiment.config import Replicate, Sweep
 from dem.base.errors import OverlapError, PackingError, RunError, StateError
 from dem.base.files import atomic
+from dem.experiment.config import Replicate, Sweep
 
 # Runs that failed, each with what is kept of it.
 Failed = Sequence[tuple[Replicate, dict]]
@@ -35,7 +34,7 @@ def note(path: Path, replicate: Replicate, error: RunError) -> None:
     """Keep that the replicate with this path failed."""
     about = {
         "run_key": replicate.run_key(),
-        "source_hash": provenance.source_hash(),
+        "source_hash": replicate.source_hash,
         "error": type(error).__name__,
         "sentence": str(error),
     }

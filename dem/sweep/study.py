@@ -6,12 +6,13 @@ from typing import NamedTuple
 import xarray as xr
 
 from dem.base import provenance
-from dem.io.checksums import seal
-from dem.sweep.combine import open_lazily, require
-from dem.experiment.config import Sweep
-from dem.io.dataset import content_of, global_attributes, write
 from dem.base.errors import InputError
 from dem.base.files import atomic
+from dem.base.sources import code_hash
+from dem.experiment.config import Sweep
+from dem.io.checksums import seal
+from dem.io.dataset import content_of, global_attributes, write
+from dem.sweep.combine import open_lazily, require
 
 SAME = ("default_fraction", "window_start", "window_stop")  # attributes that all parts must share
 ORIGIN = ("versions", "git_revision", "source_hash")
@@ -25,6 +26,7 @@ class Study(NamedTuple):
     command: str
     variables: dict
     concatenated: tuple[str, ...]
+    makers: tuple[str, ...]  # modules that make its parts
 
     def write_part(self, path: Path, sweep: Sweep, values: dict) -> None:
         """Write the variables that one job has made."""
@@ -34,7 +36,7 @@ class Study(NamedTuple):
             self.command,
             versions=provenance.versions(),
             git_revision=provenance.git_revision(),
-            source_hash=provenance.source_hash(),
+            source_hash=code_hash(*self.makers),
             default_fraction=sweep.numerics.step_fraction,
             window_start=low,
             window_stop=high,

@@ -3,4 +3,5 @@
 from dem.studies.accuracy.layout import VARIABLES
 from dem.sweep.study import Study
 
-STUDY = Study("error against run time", "dem accuracy", VARIABLES, ("trial", "replicate"))
+MAKERS = tuple(f"dem.studies.accuracy.{name}" for name in ("contacts", "steps", "runs"))
+STUDY = Study("error against run time", "dem accuracy", VARIABLES, ("trial", "replicate"), MAKERS)

@@ -58,4 +58,5 @@ STUDY = Study(
     command="dem claims",
     variables=VARIABLES,
     concatenated=("run", "jam"),
+    makers=("dem.studies.claims.runs", "dem.studies.claims.jamming"),
 )

@@ -34,5 +34,5 @@ VARIABLES = {
 
 STUDY = Study(
     "stiff and extreme cases", "dem stability", VARIABLES,
-    ("check", "map_shape", "limit_shape", "paper_case"),
+    ("check", "map_shape", "limit_shape", "paper_case"), ("dem.studies.stability.study",),
 )  # fmt: skip
