@@ -94,10 +94,10 @@ def arrays_of(shape) -> dict[str, np.ndarray]:
 
 def granules(name, value):
     """Kind: granules of one shape; returned with sizes of their own that cannot be written."""
-    from dem.shapes import SHAPES
+    from dem.shapes.protocol import is_shape
 
-    if type(value) not in (kind for kind, _ in SHAPES.values()):
-        refuse(name, value, "be a dem.Disc, dem.Dumbbell or dem.Ellipse")
+    if not is_shape(type(value)):
+        refuse(name, value, "be granules of a shape, such as dem.Disc")
     value = type(value)(*value)  # its own checks, also after _replace
     sizes = {k: fixed(size) for k, size in arrays_of(value).items()}
     counts = {k: len(size) for k, size in sizes.items()}

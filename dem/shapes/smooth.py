@@ -1,0 +1,254 @@
+"""Any smooth convex granule, from its support function alone.
+
+The support function h of a shape is the distance from the centre of the tangent line with outward
+normal n. With q = dh/d(angle) and the radius of curvature rho = h + dq/d(angle) it gives all that
+the kernels and the packing ask: the point that touches the line is h n + q t, the gap between two
+granules along n is s(n) = n.d - h1(n) - h2(-n), and the overlap is -max s, the least translation
+that parts them. Contact, walls, cylinder, area, inertia, bounding circle, bound on the time step
+and outline follow. Discs, ellipses and the halves of dumbbells are fast special cases.
+
+A shape is then a NamedTuple with a function `support(nx, ny, sizes)`, decorated with `smooth`: its
+arrays are lengths (m), one entry a granule; a plain number is the same for all granules.
+"""
+
+import functools
+import math
+
+import numpy as np
+from numba.core import types
+from numba.extending import overload
+
+from dem.jit.compilation import INLINED, compiled, inlined
+from dem.shapes.common_normal import turned
+from dem.shapes.protocol import ContactGeometry, answer
+
+TOLERANCE = 1e-4  # rad: the last turn of the normal may be as large as this; error ~ its 4th power
+DIRECTIONS = 64  # of the search for a normal, when the last one is no good guess
+BISECTIONS = 60  # of the search between two of them
+ANGLES = 2048  # at which integrals are summed: exact to rounding for smooth outlines
+ROOM = 1.0 + 1e-4  # of the bounding circle, for what lies between two of these angles
+
+
+def _sizes(fields, g):
+    """Sizes of granule g, a tuple: entries of arrays, and plain numbers as they are."""
+
+
+@overload(_sizes, jit_options=INLINED)
+def _choose_sizes(fields, g):
+    if len(fields) == 0:
+        return lambda fields, g: ()
+    if isinstance(fields[0], types.Array):
+        return lambda fields, g: (fields[0][g],) + _sizes(fields[1:], g)
+    return lambda fields, g: (fields[0],) + _sizes(fields[1:], g)
+
+
+def _ones(fields):
+    """As many ones as there are sizes."""
+
+
+@overload(_ones, jit_options=INLINED)
+def _choose_ones(fields):
+    if len(fields) == 0:
+        return lambda fields: ()
+    return lambda fields: (1.0,) + _ones(fields[1:])
+
+
+def support_of(shape, nx, ny, sizes):
+    """(h, q, rho) of a granule at angle zero: the function of the shape, chosen by its class."""
+
+
+_SUPPORT = {}
+
+
+@overload(support_of, strict=False, jit_options=INLINED)
+def _choose_support(shape, nx, ny, sizes):
+    function = _SUPPORT.get(shape.instance_class)
+    return function and (lambda shape, nx, ny, sizes: function(nx, ny, sizes))
+
+
+# An outline: cosine and sine of the angle, share of the shape in it (1, or 0 for a circle), radius
+# of a circle around it (0, or that of the cylinder), sizes.
+
+
+def outline(shape, constituent, frame):
+    g = constituent
+    return (frame[g, 0], frame[g, 1], 1.0, 0.0) + _sizes(shape, g)
+
+
+def circle(shape, radius):
+    return (1.0, 0.0, 0.0, radius) + _ones(shape)
+
+
+@inlined
+def half_width(shape, own, nx, ny):
+    """Support distance h (m), its derivative q = dh/d(angle) (m), radius of curvature rho (m)."""
+    c, s, share, radius = own[0], own[1], own[2], own[3]
+    h, q, rho = support_of(shape, c * nx + s * ny, c * ny - s * nx, own[4:])
+    return share * h + radius, share * q, share * rho + radius
+
+
+def support(shape, own, nx, ny):
+    h, q, _ = half_width(shape, own, nx, ny)
+    return h, q, None
+
+
+@inlined
+def gap_along(shape, dx, dy, own, other, normal):
+    """Gap s (m), slope s' and bend s'' with the angle of n, and (h, q, rho) of both granules."""
+    nx, ny = normal
+    one, two = half_width(shape, own, nx, ny), half_width(shape, other, -nx, -ny)
+    gap = nx * dx + ny * dy - one[0] - two[0]
+    return gap, nx * dy - ny * dx - one[1] - two[1], -gap - one[2] - two[2], one, two
+
+
+def find_contact(shape, dx, dy, own, other, guess):
+    gap, slope, bend, _, _ = gap_along(shape, dx, dy, own, other, guess)
+    apart = gap > 0.0
+    near = abs(slope) <= -TOLERANCE * bend
+    turn = -slope / bend if near and not apart else 0.0  # else the normal stays what it was
+    nx, ny = turned(guess[0], guess[1], turn)
+    gap, slope, bend, one, two = gap_along(shape, dx, dy, own, other, (nx, ny))
+    turn = -slope / bend if near and not apart else 0.0
+    nx, ny = turned(nx, ny, turn)
+    gap += turn * (slope + 0.5 * turn * bend)
+    half = -0.5 * gap
+    geometry = ContactGeometry(
+        -gap, nx, ny,
+        one[0] + turn * one[1] - half, one[1] + turn * (one[2] - one[0]),
+        two[0] + turn * two[1] - half, -two[1] - turn * (two[2] - two[0]), None,
+    )  # fmt: skip
+    deep = -2.0 * gap > one[2] + two[2]
+    return geometry, apart or (near and not deep)
+
+
+@compiled
+def search(shape, dx, dy, own, other):
+    """Normal of the largest gap: the best of DIRECTIONS, then bisection of the slope beside it."""
+    best, at = -math.inf, 0
+    for k in range(DIRECTIONS):
+        angle = 2.0 * math.pi * k / DIRECTIONS
+        normal = math.cos(angle), math.sin(angle)
+        gap = gap_along(shape, dx, dy, own, other, normal)[0]
+        if gap > best:
+            best, at = gap, k
+    low, high = 2.0 * math.pi * (at - 1) / DIRECTIONS, 2.0 * math.pi * (at + 1) / DIRECTIONS
+    middle = 0.5 * (low + high)
+    for _ in range(BISECTIONS):
+        gap, slope, bend, _, _ = gap_along(
+            shape, dx, dy, own, other, (math.cos(middle), math.sin(middle))
+        )
+        if slope > 0.0:
+            low = middle
+        else:
+            high = middle
+        newton = middle - slope / bend if bend < 0.0 else low
+        last, middle = middle, newton if low < newton < high else 0.5 * (low + high)
+        if abs(middle - last) < 1e-3 * TOLERANCE:
+            break
+    return math.cos(middle), math.sin(middle)
+
+
+def refine_normal(shape, dx, dy, own, other, guess):
+    return search(shape, dx, dy, own, other)
+
+
+# What Python asks of a shape
+
+
+@functools.lru_cache(maxsize=8)
+def _sampled(cls, key):
+    """h, q, rho (n, ANGLES) in m of the granules, at equal steps of the angle of the normal."""
+    sizes = [value if isinstance(value, float) else np.frombuffer(value)[:, None] for value in key]
+    angle = 2.0 * np.pi * np.arange(ANGLES) / ANGLES
+    found = _SUPPORT[cls].py_func(np.cos(angle), np.sin(angle), sizes)
+    shape = np.broadcast_shapes(*(np.shape(each) for each in (*found, *sizes)))
+    return angle, *(np.broadcast_to(each, shape) for each in found)
+
+
+def sampled(shape):
+    """Angles (ANGLES,) in rad and h, q, rho (n, ANGLES) in m of all granules."""
+    return _sampled(type(shape), tuple(
+        np.ascontiguousarray(v).tobytes() if isinstance(v, np.ndarray) else float(v) for v in shape
+    ))  # fmt: skip
+
+
+def _integral(values):
+    return values.sum(axis=-1) * (2.0 * np.pi / ANGLES)
+
+
+def area(shape):
+    """Area (n,) in m2: half the integral of h rho."""
+    _, h, _, rho = sampled(shape)
+    return 0.5 * _integral(h * rho)
+
+
+def gyration_squared(shape):
+    """Squared radius of gyration (n,) in m2: moment of inertia over mass."""
+    _, h, q, rho = sampled(shape)
+    return 0.25 * _integral((h**2 + q**2) * h * rho) / area(shape)
+
+
+def bounding_radius(shape):
+    """Radius (n,) in m of the circle about the centre that holds the granule."""
+    _, h, q, _ = sampled(shape)
+    return ROOM * np.hypot(h, q).max(axis=-1)
+
+
+def constituent_radius(shape):
+    """Radius (n,) in m that enters Hertz's law: of the disc of equal area."""
+    return np.sqrt(area(shape) / np.pi)
+
+
+def normal_lever(shape):
+    """Greatest distance (n,) in m of a line of normal force from the centre."""
+    return ROOM * np.abs(sampled(shape)[2]).max(axis=-1)
+
+
+def normal_bend(shape):
+    """Greatest second derivative (n,) in m of the support distance with the granule's angle."""
+    _, h, _, rho = sampled(shape)
+    return ROOM * np.maximum(rho - h, 0.0).max(axis=-1)
+
+
+def scaled(shape, factor):
+    """The same granules, larger by the given factor."""
+    lengths = {k: v for k, v in shape._asdict().items() if isinstance(v, np.ndarray)}
+    return shape._replace(**{name: factor * length for name, length in lengths.items()})
+
+
+def polygons(shape, points=64):
+    """Outlines (n, 1, points, 2) in m about the centre at angle zero, closed, to draw."""
+    angle, h, q, _ = sampled(shape)
+    some = np.linspace(0, ANGLES, points).round().astype(int) % ANGLES
+    c, s, h, q = np.cos(angle[some]), np.sin(angle[some]), h[:, some], q[:, some]
+    return np.stack([h * c - q * s, h * s + q * c], axis=-1)[:, None]
+
+
+DERIVED = {
+    "area": area, "gyration_squared": gyration_squared, "bounding_radius": bounding_radius,
+    "constituent_radius": constituent_radius, "constituent_bounding_radius": bounding_radius,
+    "normal_lever": normal_lever, "normal_bend": normal_bend,
+}  # fmt: skip
+
+
+def smooth(support_function):
+    """Decorator of a NamedTuple class: a shape with this support function, known to the kernels.
+
+    support_function(nx, ny, sizes) gives (h, q, rho) in m for normals in the granule's own frame;
+    sizes are the fields of the class in order. It must work for numbers and for arrays: operators
+    and numpy's functions do. What the class defines itself is kept.
+    """
+
+    def make(cls):
+        _SUPPORT[cls] = inlined(support_function)
+        for name, function in DERIVED.items():
+            if name not in cls.__dict__:
+                setattr(cls, name, property(function))
+        for name, function in {"scaled": scaled, "polygons": polygons}.items():
+            if name not in cls.__dict__:
+                setattr(cls, name, function)
+        cls.needs_angle, cls.guesses = True, True
+        answer(cls, outline, circle, support, find_contact, refine_normal)
+        return cls
+
+    return make
