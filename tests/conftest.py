@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 import dem
-from dem.experiment.config import load
+from dem import shapes
 from dem.experiment.fit import height_of_box, sample_diameters
-from dem.shapes import SHAPES
+from dem.studies.config import load
 
 # Compiling takes seconds, so no deadlines; the same examples each time, so no surprises.
 hypothesis.settings.register_profile("suite", deadline=None, derandomize=True, max_examples=100)
@@ -65,7 +65,7 @@ def make_small_bed(kind, seed=1, fraction=0.84, aspect_ratio=None):
     )
     diameters = sample_diameters(section, sweep.packing.size_spread, seed)
     height = height_of_box(sweep, diameters)
-    shape = SHAPES[kind][0].of_size(diameters, aspect_ratio or section.ratio)
+    shape = shapes.KINDS[kind].shape.of_size(diameters, aspect_ratio or section.ratio)
     axis = 0.5 * sweep.box_width, sweep.cylinder.start * height
     cylinder = dem.Cylinder(sweep.cylinder.diameter, axis, (0.0, sweep.cylinder.velocity))
     return Small(diameters, shape, cylinder, dem.pack(shape, 8e-3, height, cylinder, seed))

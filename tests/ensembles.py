@@ -15,10 +15,10 @@ from pathlib import Path
 import netCDF4
 from faults import Place
 
-from dem.sweep.batch import batch
 from dem.io.checksums import seal
-from dem.experiment.config import load
 from dem.io.results_folder import prepare
+from dem.studies.config import load
+from dem.sweep.batch import batch
 
 MEASURED = """
 import resource, subprocess, sys, time
@@ -74,7 +74,8 @@ def main(counts: list[int]) -> None:
             prepare(results)[0].release()
             print(f"  folder made ready: {time.perf_counter() - began:.2f} s")
             print(
-                f"  figure13: {measured(place, 'dem.cli.app', 'figure', 'figure13', data)}", flush=True
+                f"  figure13: {measured(place, 'dem.cli.app', 'figure', 'figure13', data)}",
+                flush=True,
             )
             print(f"  dem info: {measured(place, 'dem.cli.app', 'info', data)}", flush=True)
             if count <= FLOW:

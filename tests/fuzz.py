@@ -43,10 +43,10 @@ import yaml
 from typer.testing import CliRunner
 
 import dem
-from dem.cli.app import app
-from dem.experiment.config import load, parse
-from dem.io.dataset import read
 from dem.base.errors import InputError, RunError
+from dem.cli.app import app
+from dem.io.dataset import read
+from dem.studies.config import load, parse
 
 try:  # a file of results may end with its checksum
     from dem.io.checksums import seal as reseal

@@ -15,10 +15,10 @@ from pathlib import Path
 
 from faults import Place
 
+from dem.base.errors import RunError
 from dem.experiment import drag
 from dem.jit.compilation import spare_blas
-from dem.experiment.config import load
-from dem.base.errors import RunError
+from dem.studies.config import load
 
 CORES = 2
 

@@ -6,10 +6,19 @@ import xarray as xr
 from numpy.testing import assert_allclose
 from reference import parting, potential
 
-from dem.studies.accuracy import bounces, contacts, definitions, layout_contacts, trials
-from dem.studies.accuracy.pairs import Contact, Pairs, difference, dot, draw, is_best, make_pairs, starts
-from dem.io.dataset import global_attributes, write
 from dem.figures import accuracy_contacts
+from dem.io.dataset import global_attributes, write
+from dem.studies.accuracy import bounces, contacts, definitions, layout_contacts, trials
+from dem.studies.accuracy.pairs import (
+    Contact,
+    Pairs,
+    difference,
+    dot,
+    draw,
+    is_best,
+    make_pairs,
+    starts,
+)
 
 EPS = np.finfo(float).eps
 METHODS = {method.name: method for method in contacts.USUAL.methods}

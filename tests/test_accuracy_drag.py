@@ -11,7 +11,7 @@ import dem
 from dem.studies.accuracy import replicates
 from dem.studies.accuracy.bias import bias, change, failures, table
 from dem.studies.accuracy.runs import shortened, vary_step
-from dem.experiment.config import load, parse
+from dem.studies.config import load, parse
 
 CONFIG = Path(__file__).parent.parent / "config"
 MEAN, SCATTER = 1000.0, 0.1

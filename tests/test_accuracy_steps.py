@@ -8,6 +8,8 @@ import xarray as xr
 from numpy.testing import assert_allclose
 
 import dem
+from dem.figures.accuracy_steps import plot
+from dem.io.dataset import write
 from dem.studies.accuracy import collisions, steps
 from dem.studies.accuracy.integrators import (
     EXPLICIT_EULER,
@@ -19,10 +21,8 @@ from dem.studies.accuracy.integrators import (
 )
 from dem.studies.accuracy.layout_steps import VARIABLES
 from dem.studies.accuracy.step_runs import fitted_order
+from dem.studies.config import load
 from dem.studies.peers import lammps
-from dem.experiment.config import load
-from dem.io.dataset import write
-from dem.figures.accuracy_steps import plot
 
 SWEEP = load(Path(__file__).parent.parent / "config/smoke.yaml")
 SCENES = {scene.name: scene for scene in collisions.collisions(SWEEP)}
@@ -66,13 +66,13 @@ def test_verlet_in_stages_is_the_one_of_the_package(small_bed):
     """The bed with friction and damping moves alike, contacts listed anew on the way."""
     small = small_bed("disc")
     scene, state = small.scene(), small.state
-    step = 0.3 * dem.Simulation(scene, state).look().critical_time_step
+    step = 0.3 * dem.Simulation(scene, state).diagnose().critical_time_step
     ours = dem.Simulation(scene, state, time_step=step)
     ours.advance(1000 * step)
     motion = Motion(scene, state, VERLET, step)
-    first = motion.world.pairs.part
+    first = motion.world.pairs.constituent
     assert motion.advance(1000)
-    assert motion.world.pairs.part is not first
+    assert motion.world.pairs.constituent is not first
     size, speed = scene.shape.radius.mean(), scene.cylinder.velocity[1]
     assert_allclose(motion.state.position, ours.state.position, atol=1e-11 * size)
     assert_allclose(motion.state.velocity, ours.state.velocity, atol=1e-10 * speed)
@@ -90,7 +90,7 @@ def test_collisions_begin_at_a_touch(name):
     for before, touching in ((-1e-3, True), (1e-3, False)):
         built, state = scene.start(0.0, 1)
         state.position -= before * scene.contact_time * state.velocity
-        overlap = dem.Simulation(built, state).look().max_overlap
+        overlap = dem.Simulation(built, state).diagnose().max_overlap
         assert (overlap > 0.0) == touching
         assert abs(overlap) < 0.01
 
@@ -141,11 +141,11 @@ def test_speeds_after_an_elastic_collision_are_of_order_five_halves():
     right, _ = steps.reference(ways[0], scene, plan)
     (errors, _), _ = steps.sweep_steps(ways, [right] * 2, scene, plan)
     for row in errors:
-        order, doubt = fitted_order(
+        order, unconverged = fitted_order(
             np.array(plan.collision_steps), row[: len(plan.collision_steps)], 0.0
         )
         assert_allclose(order, 2.5, atol=0.2)
-        assert doubt < 0.1
+        assert unconverged < 0.1
 
 
 def test_explicit_euler_gains_energy_and_verlet_does_not():
@@ -181,10 +181,10 @@ def test_the_oblique_contact_sticks_at_first_and_slides_at_last():
     used = []
     while motion.advance(1):
         contact = motion.world.pairs
-        if contact.root[0] == 0.0:
+        if contact.sqrt_overlap[0] == 0.0:
             break
-        cap = built.friction.granule * contact.stiffness[0] * contact.root[0] ** 3
-        used.append(abs(contact.spring[0]) / cap)
+        cap = built.friction.granule * contact.stiffness[0] * contact.sqrt_overlap[0] ** 3
+        used.append(abs(contact.tangential_force[0]) / cap)
     used = np.array(used)
     assert len(used) > 400
     assert used[5:50].max() < 0.99  # the first steps are too coarse for their small overlaps
@@ -209,8 +209,8 @@ def test_fitted_order_is_the_power_of_what_stands_clear_of_the_reference():
     errors = 3.0 * fractions**1.7
     errors[:2] = 1.0
     errors[8:] = errors[8]
-    order, doubt = fitted_order(fractions, errors, errors[7] / 11.0)
-    assert_allclose((order, doubt), (1.7, 0.0), atol=1e-12)
+    order, unconverged = fitted_order(fractions, errors, errors[7] / 11.0)
+    assert_allclose((order, unconverged), (1.7, 0.0), atol=1e-12)
     assert np.isnan(fitted_order(fractions, errors, 1.0)).all()
 
 

@@ -12,6 +12,8 @@ from numpy.testing import assert_allclose
 from rich.console import Console
 from scipy.stats import qmc
 
+from dem.base.errors import InputError
+from dem.packing.pressed import Press
 from dem.studies.claims import design, report
 from dem.studies.claims import trials as runs_of
 from dem.studies.claims.alignment import alignment
@@ -32,9 +34,7 @@ from dem.studies.claims.remains import remaining
 from dem.studies.claims.sentences import CLAIMS
 from dem.studies.claims.trials import PARTS, trials
 from dem.studies.claims.verdicts import judge, share
-from dem.packing.pressed import Press
-from dem.experiment.config import load, parse
-from dem.base.errors import InputError
+from dem.studies.config import load, parse
 
 INFINITE = float("inf")
 SHAPES = {"c1": 1300.0, "d1": 2900.0, "c2": 560.0, "e1": 900.0, "e2": 600.0, "e3": 400.0, "e0": 1300.0}  # fmt: skip

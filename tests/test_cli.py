@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from dem.studies.calibrate import MODULI, fit
-from dem.cli.app import app
 from dem.base.errors import InputError, RunError
+from dem.cli.app import app
 from dem.figures import film
+from dem.studies.calibrate import MODULI, fit
 
 ROOT = Path(__file__).parent.parent
 RUN = (

@@ -6,7 +6,21 @@ from numpy.testing import assert_allclose
 from reference import contact_force
 from scipy.integrate import solve_ivp
 
-from dem import CommonNormal, Disc, Dumbbell, Ellipse, Friction, GeometricPotential, InputError, Material, Scene, Simulation, State, box, simulate
+from dem import (
+    CommonNormal,
+    Disc,
+    Dumbbell,
+    Ellipse,
+    Friction,
+    GeometricPotential,
+    InputError,
+    Material,
+    Scene,
+    Simulation,
+    State,
+    box,
+    simulate,
+)
 
 SLIPPERY = Friction(0.5, 0.5, 0.5)
 

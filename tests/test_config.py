@@ -12,11 +12,12 @@ from conftest import CONFIG
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from dem.experiment.config import Sweep, load, parse, save
 from dem.base.errors import InputError
-from dem.experiment.fit import height_of_box, sample_diameters
-from dem.studies.stability import catalogue
 from dem.base.yaml_file import LARGEST, read
+from dem.experiment.config import save
+from dem.experiment.fit import height_of_box, sample_diameters
+from dem.studies.config import Sweep, load, parse
+from dem.studies.stability import catalogue
 
 PAPER = (CONFIG / "paper.yaml").read_text(encoding="utf-8")
 

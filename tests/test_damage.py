@@ -12,16 +12,16 @@ from conftest import CONFIG
 from test_stopping import smoke
 from typer.testing import CliRunner
 
-from dem.experiment import drag
-from dem.io.checksums import LENGTH, is_sealed, seal
-from dem.cli.app import app
-from dem.sweep.combine import COMBINED, ON_CASE, combine, open_lazily
-from dem.io.dataset import is_text, read
-from dem.base.errors import InputError
 from dem.analysis.flow.collect import collect, write_flow
 from dem.analysis.flow.layout import VARIABLES as FLOW
+from dem.base.errors import InputError
 from dem.base.plain import plain
+from dem.cli.app import app
+from dem.experiment import drag
+from dem.io.checksums import LENGTH, is_sealed, seal
+from dem.io.dataset import is_text, read
 from dem.report.build import build
+from dem.sweep.combine import COMBINED, ON_CASE, combine, open_lazily
 
 README = CONFIG.parent / "README.md"
 HOSTILE = "</script><script>alert(1)</script>"

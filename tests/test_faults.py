@@ -15,19 +15,19 @@ from conftest import CONFIG
 from rich.console import Console
 from test_stopping import smoke
 
-from dem.sweep import batch as batches
+from dem.analysis.flow.collect import collect, write_flow
+from dem.analysis.statistics import change, summarise
+from dem.base.errors import InputError, OverlapError, PackingError, RunError
 from dem.experiment import drag
+from dem.figures import FLOW, draw
+from dem.io.progress import TimeLeft, span
+from dem.io.results_folder import hold, redate
+from dem.report.build import build
+from dem.report.info import summary
+from dem.sweep import batch as batches
 from dem.sweep.batch import batch, settled
 from dem.sweep.combine import combine, open_combined
-from dem.base.errors import InputError, OverlapError, PackingError, RunError
 from dem.sweep.failures import sort_out
-from dem.figures import FLOW, draw
-from dem.analysis.flow.collect import collect, write_flow
-from dem.report.info import summary
-from dem.io.progress import TimeLeft, span
-from dem.report.build import build
-from dem.analysis.statistics import change, summarise
-from dem.io.results_folder import hold, redate
 
 
 @pytest.fixture

@@ -10,17 +10,17 @@ from PIL import Image
 from typer.testing import CliRunner
 
 import dem
-from dem.experiment import drag
-from dem.cli.app import app
-from dem.experiment.config import load
-from dem.io.dataset import VARIABLES
 from dem.analysis.flow import measures
 from dem.analysis.flow.collect import collect, write_flow
-from dem.figures.export import export
-from dem.figures.film import encoder, film, picture
 from dem.analysis.flow.motion import read_motion
 from dem.analysis.flow.verdict import compared
+from dem.cli.app import app
+from dem.experiment import drag
+from dem.figures.export import export
+from dem.figures.film import encoder, film, picture
+from dem.io.dataset import VARIABLES
 from dem.report.info import summary
+from dem.studies.config import load
 
 KINDS = ["disc", "dumbbell", "ellipse"]
 

@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 from reference import bed_forces
 
 from dem import Cylinder, Disc, Dumbbell, Friction, Material, Scene, Simulation, State, box
-from dem.contacts.loops import forces
+from dem.dynamics.forces import forces
 
 
 def random_bed(kind, seed):

@@ -7,9 +7,19 @@ import pytest
 from numpy.testing import assert_allclose
 from reference import bed_forces, outline, parting, potential
 
-from dem import CommonNormal, Disc, Dumbbell, Ellipse, Friction, GeometricPotential, Scene, Simulation, State
+from dem import (
+    CommonNormal,
+    Disc,
+    Dumbbell,
+    Ellipse,
+    Friction,
+    GeometricPotential,
+    Scene,
+    Simulation,
+    State,
+)
 from dem.jit.compilation import compiled
-from dem.shapes.geometry import support, touch
+from dem.shapes.protocol import solve_contact, support
 
 NORMAL = CommonNormal()
 RATIOS = [1.0, 1.125, 1.375, 2.0, 5.0]
@@ -17,7 +27,7 @@ RATIOS = [1.0, 1.125, 1.375, 2.0, 5.0]
 
 @compiled
 def _touch(shape, dx, dy, own, other, guess):
-    return touch(shape, dx, dy, own, other, guess)
+    return solve_contact(shape, dx, dy, own, other, guess)
 
 
 @compiled
@@ -69,13 +79,13 @@ def test_contact_of_known_normal(ratio):
     rng = np.random.default_rng(1)
     for overlap in np.geomspace(1e-8, 0.1, 15) * min(1.0, 4.0 / ratio**2):
         d, first, second, depth, n, point = touching(rng, ratio, overlap)
-        hit = contact(d, first, second)
-        found = hit[1:3]
+        geometry = contact(d, first, second)
+        found = geometry[1:3]
         t = np.array([-found[1], found[0]])
-        assert_allclose(hit[0], depth, rtol=1e-11, atol=1e-14)
+        assert_allclose(geometry[0], depth, rtol=1e-11, atol=1e-14)
         assert_allclose(found, n, atol=1e-9)
-        assert_allclose(hit[3] * found + hit[4] * t, point, atol=1e-9)
-        assert_allclose(d - hit[5] * found + hit[6] * t, point, atol=1e-9)
+        assert_allclose(geometry[3] * found + geometry[4] * t, point, atol=1e-9)
+        assert_allclose(d - geometry[5] * found + geometry[6] * t, point, atol=1e-9)
 
 
 @pytest.mark.parametrize("ratio", RATIOS)
@@ -85,9 +95,9 @@ def test_overlap_is_the_least_translation_that_parts(ratio):
     for overlap in [1e-4, 1e-2, 0.05, 0.1, 0.2, 0.3]:
         d, first, second, *_ = touching(rng, ratio, overlap)
         least, angle = parting(d, first, second)
-        hit = contact(d, first, second)
-        assert_allclose(hit[0], least, rtol=1e-6, atol=2e-8)
-        assert_allclose(hit[1:3], [np.cos(angle), np.sin(angle)], atol=1e-3)
+        geometry = contact(d, first, second)
+        assert_allclose(geometry[0], least, rtol=1e-6, atol=2e-8)
+        assert_allclose(geometry[1:3], [np.cos(angle), np.sin(angle)], atol=1e-3)
 
 
 @pytest.mark.parametrize("ratio", RATIOS[1:])
@@ -146,9 +156,9 @@ def test_ellipse_of_aspect_ratio_one_is_a_disc(method):
         distance = (r + s) * rng.uniform(0.5, 0.999)
         d = distance * np.cos(angle), distance * np.sin(angle)
         disc = _touch(Disc(np.ones(1)), *d, r, s, None)
-        hit = contact(d, ellipse(1.0, angle, r), ellipse(1.0, 2.0, s), method=method)
-        assert_allclose(hit[[0, 1, 2, 3, 5]], [disc[k] for k in (0, 1, 2, 3, 5)], atol=1e-13)
-        assert_allclose(hit[[4, 6]], 0.0, atol=1e-13)
+        geometry = contact(d, ellipse(1.0, angle, r), ellipse(1.0, 2.0, s), method=method)
+        assert_allclose(geometry[[0, 1, 2, 3, 5]], [disc[k] for k in (0, 1, 2, 3, 5)], atol=1e-13)
+        assert_allclose(geometry[[4, 6]], 0.0, atol=1e-13)
 
 
 @pytest.mark.parametrize("ratio", RATIOS[1:])
@@ -207,7 +217,7 @@ def test_inclined_ellipse_at_a_wall(small_bed, angle):
 def test_area_and_inertia_are_those_of_the_outline(shape):
     """Area and radius of gyration are integrals over the outline that is drawn."""
     area = moment = 0.0
-    for ring in shape.boundary(20_001)[0]:
+    for ring in shape.polygons(20_001)[0]:
         (x, y), (p, q) = ring[:-1].T, ring[1:].T
         triangle = 0.5 * (x * q - p * y)  # with the centre; signed
         area += triangle.sum()

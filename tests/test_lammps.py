@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import dem
-from dem.studies.peers import lammps
 from dem.studies.benchmark.measure import (
     Plan,
     compare_codes,
@@ -18,7 +17,8 @@ from dem.studies.benchmark.measure import (
 )
 from dem.studies.benchmark.scenes import FULL, make_case
 from dem.studies.benchmark.sizes import compare_sizes
-from dem.experiment.config import load
+from dem.studies.config import load
+from dem.studies.peers import lammps
 
 pytestmark = pytest.mark.skipif(lammps.available() is not None, reason=str(lammps.available()))
 CONFIG = Path(__file__).parent.parent / "config/smoke.yaml"

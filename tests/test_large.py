@@ -4,10 +4,22 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from dem import Bed, Disc, Ellipse, Friction, InputError, Material, Scene, Simulation, State, box, pack
+from dem import (
+    Bed,
+    Disc,
+    Ellipse,
+    Friction,
+    InputError,
+    Material,
+    Scene,
+    Simulation,
+    State,
+    box,
+    pack,
+)
 from dem.dynamics.ordering import order_of
-from dem.packing.tiled import tiled
 from dem.dynamics.world import CHUNK
+from dem.packing.tiled import tiled
 
 PITCH = 1e-3  # m
 

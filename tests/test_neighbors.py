@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 from dem import Simulation
-from dem.dynamics.assembly import constants
-from dem.dynamics.neighbor_list import relist
+from dem.dynamics.assembly import granule_table
+from dem.dynamics.neighbor_list import rebuild_neighbor_list
 from dem.dynamics.neighbors import near_circle, near_pairs, near_planes
 
 
@@ -59,8 +59,8 @@ def test_walls_and_cylinder_list_every_part_near_them(bed, angle, size):
 
 def memory(contacts):
     """What frictional contacts remember, by the pair."""
-    pairs = zip(contacts.part, contacts.other, strict=True)
-    remembered = zip(contacts.spring, contacts.root, strict=True)
+    pairs = zip(contacts.constituent, contacts.partner, strict=True)
+    remembered = zip(contacts.tangential_force, contacts.sqrt_overlap, strict=True)
     return {pair: row for pair, row in zip(pairs, remembered, strict=True) if any(row)}
 
 
@@ -70,12 +70,12 @@ def test_springs_survive_a_new_list(small_bed, kind):
     small = small_bed(kind)
     run = Simulation(small.scene(), small.state)
     run.advance(3e-5)
-    barriers = run.world, run.world.walls, run.world.roller
-    before = [memory(getattr(b, "pairs", None) or b.contacts) for b in barriers]
+    boundaries = run.world, run.world.walls, run.world.cylinder
+    before = [memory(getattr(b, "pairs", None) or b.contacts) for b in boundaries]
     assert all(len(springs) > 2 for springs in before)
     for skin in (1.0, 0.01):
-        world = relist(run._world, constants(run.scene, skin))
-        after = [memory(c) for c in (world.pairs, world.walls.contacts, world.roller.contacts)]
+        world = rebuild_neighbor_list(run._world, granule_table(run.scene, skin))
+        after = [memory(c) for c in (world.pairs, world.walls.contacts, world.cylinder.contacts)]
         assert after == before
 
 

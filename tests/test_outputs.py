@@ -14,9 +14,9 @@ import pytest
 from conftest import CONFIG
 from typer.testing import CliRunner
 
-from dem.cli.app import app
 from dem.base.errors import InputError
 from dem.base.files import FOLDER, Place, atomic, check_paths
+from dem.cli.app import app
 from dem.cli.terminal import Writes
 
 

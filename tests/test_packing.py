@@ -9,8 +9,8 @@ from numpy.testing import assert_allclose
 from reference import bed_forces, parting
 
 import dem
-from dem.packing.pressed import Press, compact
 from dem.contacts.force_law import effective_modulus
+from dem.packing.pressed import Press, compact
 
 # At 0.84 ellipses are below jamming and touch nothing; at 0.88 they press on each other.
 BEDS = [("disc", 0.84), ("dumbbell", 0.84), ("ellipse", 0.84), ("ellipse", 0.88)]
@@ -40,7 +40,7 @@ def test_bed_is_at_rest(kind):
     still = dem.Cylinder(small.cylinder.diameter, small.cylinder.position)
     scene = small.scene(material=soft, friction=dem.Friction(0.0, 0.0, 0.0), cylinder=still)
     force, torque = bed_forces(scene, small.state.checked(scene.granules), 0.0)
-    radius = small.shape.part_radius.mean()
+    radius = small.shape.constituent_radius.mean()
     unit = 0.5 * radius**2  # E* R^2
     assert np.hypot(*force.T).max() < 1.5e-9 * unit
     assert np.abs(torque).max() < 3e-9 * unit * radius
@@ -132,7 +132,10 @@ def test_bed_stays_at_rest_with_friction(small):
     scene, duration = small.scene(cylinder=still), 2e-4
     run = dem.Simulation(scene, small.state)
     run.advance(duration)
-    unit = effective_modulus(scene.material, scene.material) * scene.shape.part_radius.mean() ** 2
+    unit = (
+        effective_modulus(scene.material, scene.material)
+        * scene.shape.constituent_radius.mean() ** 2
+    )
     push = small.bed.net_force * unit / scene.mass.min()  # m/s2
     moved = np.abs(run.state.position - small.bed.position).max()
     assert moved < 0.5 * push * duration**2

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from conftest import assert_alone
 
-from dem.experiment import drag
-from dem.sweep.combine import combine
-from dem.experiment.config import load
-from dem.base.errors import InputError
-from dem.figures import FLOW, draw, possible
 from dem.analysis.flow.collect import collect, write_flow
+from dem.base.errors import InputError
+from dem.experiment import drag
+from dem.figures import FLOW, draw, possible
 from dem.report.build import build, section
+from dem.studies.config import load
+from dem.sweep.combine import combine
 
 ROOT = Path(__file__).parent.parent
 

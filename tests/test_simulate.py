@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 import dem
-from dem.shapes import CommonNormal, GeometricPotential
+from dem.shapes.common_normal import CommonNormal
+from dem.shapes.geometric_potential import GeometricPotential
 from dem.studies.stability import linear
 
 NAN = float("nan")

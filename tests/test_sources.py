@@ -5,8 +5,8 @@ import sys
 
 import pytest
 
-from dem.figures import captions
 from dem.base.sources import ROOT, closure
+from dem.figures import captions
 
 
 def test_a_figure_depends_on_itself_and_its_style():
@@ -18,7 +18,9 @@ def test_a_figure_depends_on_itself_and_its_style():
     assert "dem/figures/figure08.py" not in closure("dem.figures.figure07")
 
 
-@pytest.mark.parametrize("name", ["dem.figures.irregularity", "dem.studies.claims.verdicts", "dem.experiment.drag"])
+@pytest.mark.parametrize(
+    "name", ["dem.figures.irregularity", "dem.studies.claims.verdicts", "dem.experiment.drag"]
+)
 def test_all_that_python_loads_is_found(name):
     """What importing a module loads of the package is among its sources."""
     words = f"import sys, {name}; print(*[m.__file__ for n, m in sys.modules.items() if n.partition('.')[0] == 'dem'])"

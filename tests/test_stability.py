@@ -9,10 +9,10 @@ import xarray as xr
 import yaml
 
 import dem
-from dem.experiment.config import load
+from dem.dynamics.forces import forces
 from dem.figures import STABILITY, draw
 from dem.report.info import summary
-from dem.contacts.loops import forces
+from dem.studies.config import load
 from dem.studies.stability import catalogue, study
 from dem.studies.stability.layout import STUDY
 from dem.studies.stability.report import edges
@@ -79,9 +79,9 @@ def test_a_checkpoint_of_another_scene_is_refused(small_bed):
             dem.Simulation(bed.scene(), bed.state).restore(saved)
     with pytest.raises(dem.InputError, match="another scene"):
         soft.restore(saved)
-    del saved["world.pairs.spring"]
+    del saved["world.pairs.tangential_force"]
     saved["world.bodies"] = saved["world.bodies"] + 1.0
-    with pytest.raises(dem.InputError, match=r"pairs\.spring"):
+    with pytest.raises(dem.InputError, match=r"pairs\.tangential_force"):
         run.restore(saved)
     np.testing.assert_array_equal(run.state.position, disc.state.position)
 
@@ -93,9 +93,16 @@ def test_friction_beyond_the_cap_is_seen(small_bed):
     run.advance(5e-5)
     assert abs(friction_excess(run)) < 1e-14
     forces(run._world, 0.0)
-    tangent = run.world.roller.tangent
-    half = tangent._replace(coefficient=0.5 * tangent.coefficient)
-    assert excess(run.world._replace(roller=run.world.roller._replace(tangent=half))) > 0.01
+    contacts = run.world.cylinder.contacts
+    half = contacts.friction._replace(coefficient=0.5 * contacts.friction.coefficient)
+    assert (
+        excess(
+            run.world._replace(
+                cylinder=run.world.cylinder._replace(contacts=contacts._replace(friction=half))
+            )
+        )
+        > 0.01
+    )
 
 
 def test_pairs_that_are_not_listed_are_counted(small_bed):

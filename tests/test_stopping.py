@@ -10,16 +10,16 @@ import pytest
 from conftest import CONFIG
 from typer.testing import CliRunner
 
-from dem.experiment import drag
-from dem.sweep.batch import batch, settled
-from dem.io.checksums import seal
-from dem.cli.app import app
-from dem.sweep.combine import combine
-from dem.experiment.config import load, parse
 from dem.base.errors import InputError
 from dem.base.files import atomic
+from dem.cli.app import app
+from dem.experiment import drag
 from dem.experiment.resume import checkpoint_of
+from dem.io.checksums import seal
 from dem.io.results_folder import clear_parts
+from dem.studies.config import load, parse
+from dem.sweep.batch import batch, settled
+from dem.sweep.combine import combine
 
 CLOCKS = ("run_time",)
 

@@ -1,18 +1,43 @@
 """A block of contacts, stage by stage, in the lanes of dem.jit.lanes.
 
-gather: copy what is needed side by side. inspect: find all contacts; inspect_again: those for
-which the last normal was no good guess. push: all forces. scatter: give them to the parts.
-inspect and push, which hold nearly all arithmetic, have no branches and become vector code.
+gather: copy what is needed side by side. find_contacts: the geometry of all; refine_contacts: of
+those for which the last normal was no good guess. contact_forces: all forces. accumulate: add them
+to the constituents. find_contacts and contact_forces, which hold nearly all arithmetic, have no
+branches and become vector code.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 
+from dem.contacts.response import relative_velocity, respond
 from dem.jit import lanes as row
 from dem.jit.compilation import inlined
-from dem.jit.lanes import EIGHT, FOUR, ONE, THREE, TWO
+from dem.jit.lanes import EIGHT, FOUR, ONE, THREE, TWO, load_outline, store_outline
 from dem.jit.optional import either, minus, optional, plus, times
-from dem.contacts.response import approach, respond
-from dem.shapes.geometry import load, outline, probe, recall, round_outline, save, seek, support
+from dem.shapes.protocol import (
+    ContactGeometry,
+    circle,
+    find_contact,
+    local_radius,
+    outline,
+    refine_normal,
+    support,
+    tangential_lever,
+)
+
+
+class Constituents(NamedTuple):
+    """What contacts see of the granules.
+
+    shape; motion (constituents, 8): rows of dem.jit.columns; frame (n, 2): cosine and sine of each
+    granule's angle, None for discs; inverse_inertia (n,) in 1/(kg m2), None where nothing turns.
+    """
+
+    shape: tuple
+    motion: np.ndarray
+    frame: np.ndarray | None
+    inverse_inertia: np.ndarray | None
 
 
 @inlined
@@ -34,11 +59,11 @@ def copy_rates(needed, rows, i, motion, k):
 def gather(one, two, contacts, start, stop, lanes):
     """Motion of both bodies of each contact, from rows of dem.jit.columns one after the other."""
     motion = lanes.motion
-    rates = either(contacts.damping, contacts.spring)
+    rates = either(contacts.damping, contacts.tangential_force)
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         at = FOUR * k
-        i, j = EIGHT * contacts.part[p], EIGHT * contacts.other[p]
+        i, j = EIGHT * contacts.constituent[p], EIGHT * contacts.partner[p]
         copy_four(one, i, motion, at + row.X1)
         copy_four(two, j, motion, at + row.X2)
         copy_rates(rates, one, i, motion, at + row.W1)
@@ -49,33 +74,40 @@ def gather(one, two, contacts, start, stop, lanes):
 def gather_pairs(shape, frame, contacts, start, stop, values):
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
-        save(shape, outline(shape, contacts.part[p], frame), values, row.OWN + k)
-        save(shape, outline(shape, contacts.other[p], frame), values, row.OTHER + k)
+        store_outline(outline(shape, contacts.constituent[p], frame), values, row.OWN + k)
+        store_outline(outline(shape, contacts.partner[p], frame), values, row.OTHER + k)
 
 
 @inlined
 def gather_circle(shape, radius, frame, contacts, start, stop, values):
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
-        save(shape, outline(shape, contacts.part[p], frame), values, row.OWN + k)
-        save(shape, round_outline(shape, radius), values, row.OTHER + k)
+        store_outline(outline(shape, contacts.constituent[p], frame), values, row.OWN + k)
+        store_outline(circle(shape, radius), values, row.OTHER + k)
 
 
 @inlined
 def gather_planes(shape, planes, frame, contacts, start, stop, values):
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
-        wall = contacts.other[p]
-        save(shape, outline(shape, contacts.part[p], frame), values, row.OWN + k)
+        wall = contacts.partner[p]
+        store_outline(outline(shape, contacts.constituent[p], frame), values, row.OWN + k)
         values[row.NX + k], values[row.NY + k] = planes[wall, 0], planes[wall, 1]
         values[row.OTHER + k] = planes[wall, 2]
 
 
 @inlined
 def spacing(motion, k):
-    """Position (m) of part 2 of lane k from part 1."""
+    """Position (m) of body 2 of lane k from body 1."""
     at = FOUR * k
     return motion[at + row.X2] - motion[at + row.X1], motion[at + row.Y2] - motion[at + row.Y1]
+
+
+@inlined
+def outlines(shape, values, k):
+    """Outlines of both bodies of lane k."""
+    like = circle(shape, 0.0)
+    return load_outline(like, values, row.OWN + k), load_outline(like, values, row.OTHER + k)
 
 
 @optional
@@ -102,18 +134,18 @@ def remember(normal_x, normal_y, p, nx, ny):
 
 
 @inlined
-def keep(hit, contacts, p, lanes, k):
-    """Write contact p to lane k: the hit, and the velocity and its change at the contact."""
+def store_geometry(geometry, contacts, p, lanes, k):
+    """Write contact p to lane k: its geometry, and the velocity and its change at the contact."""
     motion, values = lanes.motion, lanes.values
     at = FOUR * k
-    overlap, nx, ny, n1, t1, n2, t2, radius = hit
-    velocity = approach(
+    overlap, nx, ny, n1, t1, n2, t2, radius = geometry
+    velocity = relative_velocity(
         (motion[at + row.VX1], motion[at + row.VY1], motion[at + row.W1]),
-        (motion[at + row.VX2], motion[at + row.VY2], motion[at + row.W2]), hit,
+        (motion[at + row.VX2], motion[at + row.VY2], motion[at + row.W2]), geometry,
     )  # fmt: skip
-    change = approach(
+    change = relative_velocity(
         (motion[at + row.DVX1], motion[at + row.DVY1], motion[at + row.DW1]),
-        (motion[at + row.DVX2], motion[at + row.DVY2], motion[at + row.DW2]), hit,
+        (motion[at + row.DVX2], motion[at + row.DVY2], motion[at + row.DW2]), geometry,
     )  # fmt: skip
     values[row.OVERLAP + k], values[row.NX + k], values[row.NY + k] = overlap, nx, ny
     values[row.N1 + k] = n1
@@ -121,86 +153,102 @@ def keep(hit, contacts, p, lanes, k):
     put(t1, values, row.T1 + k)
     put(t2, values, row.T2 + k)
     put(radius, values, row.RADIUS + k)
-    put_for(contacts.damping, velocity[0], values, row.ALONG + k)
-    put_for(contacts.spring, velocity[1], values, row.ACROSS + k)
-    put_for(contacts.damping, change[0], values, row.D_ALONG + k)
-    put_for(contacts.spring, change[1], values, row.D_ACROSS + k)
+    put_for(contacts.damping, velocity[0], values, row.V_NORMAL + k)
+    put_for(contacts.friction, velocity[1], values, row.V_TANGENT + k)
+    put_for(contacts.damping, change[0], values, row.DV_NORMAL + k)
+    put_for(contacts.friction, change[1], values, row.DV_TANGENT + k)
     remember(contacts.normal_x, contacts.normal_y, p, nx, ny)
 
 
 @inlined
-def inspect(shape, contacts, start, stop, lanes):
+def load_geometry(shape, values, k):
+    """The geometry of lane k; n2 and t2 mean nothing for walls, which ask for neither."""
+    return ContactGeometry(
+        values[row.OVERLAP + k], values[row.NX + k], values[row.NY + k],
+        values[row.N1 + k], take(tangential_lever(shape), values, row.T1 + k),
+        values[row.N2 + k], take(tangential_lever(shape), values, row.T2 + k),
+        take(local_radius(shape), values, row.RADIUS + k),
+    )  # fmt: skip
+
+
+@inlined
+def find_contacts(shape, contacts, start, stop, lanes):
     motion, values = lanes.motion, lanes.values
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         dx, dy = spacing(motion, k)
-        own, other = load(shape, values, row.OWN + k), load(shape, values, row.OTHER + k)
+        own, other = outlines(shape, values, k)
         guess = remembered(contacts.normal_x, contacts.normal_y, p)
-        hit, sure = probe(shape, dx, dy, own, other, guess)
-        keep(hit, contacts, p, lanes, k)
-        put(doubt(sure), values, row.DOUBT + k)
+        geometry, converged = find_contact(shape, dx, dy, own, other, guess)
+        store_geometry(geometry, contacts, p, lanes, k)
+        put(unconverged(converged), values, row.UNCONVERGED + k)
 
 
 @inlined
-def inspect_planes(shape, contacts, start, stop, lanes):
+def find_wall_contacts(shape, contacts, start, stop, lanes):
     motion, values = lanes.motion, lanes.values
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         nx, ny = values[row.NX + k], values[row.NY + k]
-        reach, t1, radius = support(shape, load(shape, values, row.OWN + k), nx, ny)
+        own = load_outline(circle(shape, 0.0), values, row.OWN + k)
+        reach, t1, radius = support(shape, own, nx, ny)
         at = FOUR * k
         here = motion[at + row.X1] * nx + motion[at + row.Y1] * ny
         overlap = reach + here - values[row.OTHER + k]
-        hit = overlap, nx, ny, reach - 0.5 * overlap, t1, None, None, radius
-        keep(hit, contacts, p, lanes, k)
+        n1 = reach - 0.5 * overlap
+        geometry = ContactGeometry(overlap, nx, ny, n1, t1, None, None, radius)
+        store_geometry(geometry, contacts, p, lanes, k)
 
 
 @optional
-def doubt(sure):
-    return 0.0 if sure else 1.0
+def unconverged(converged):
+    return 0.0 if converged else 1.0
 
 
 @optional
-def inspect_again(normal_x, shape, contacts, start, stop, lanes):
+def refine_contacts(normal_x, shape, contacts, start, stop, lanes):
     motion, values = lanes.motion, lanes.values
     for p in range(start, stop):
         k = np.uint64(p - start)
-        if values[row.DOUBT + k] != 0.0:
+        if values[row.UNCONVERGED + k] != 0.0:
             dx, dy = spacing(motion, k)
-            own, other = load(shape, values, row.OWN + k), load(shape, values, row.OTHER + k)
-            guess = seek(shape, dx, dy, own, other, (normal_x[p], contacts.normal_y[p]))
-            keep(probe(shape, dx, dy, own, other, guess)[0], contacts, p, lanes, k)
+            own, other = outlines(shape, values, k)
+            last = normal_x[p], contacts.normal_y[p]
+            guess = refine_normal(shape, dx, dy, own, other, last)
+            geometry, _ = find_contact(shape, dx, dy, own, other, guess)
+            store_geometry(geometry, contacts, p, lanes, k)
 
 
 @inlined
-def push(shape, contacts, tangent, start, stop, dt, lanes):
+def contact_forces(shape, contacts, start, stop, dt, lanes):
     values = lanes.values
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
-        hit = recall(shape, values, k)
-        velocity = values[row.ALONG + k], values[row.ACROSS + k]
-        change = values[row.D_ALONG + k], values[row.D_ACROSS + k]
-        n, t, damped, slid = respond(contacts, tangent, p, hit, velocity, change, dt, lanes.account)
+        geometry = load_geometry(shape, values, k)
+        velocity = values[row.V_NORMAL + k], values[row.V_TANGENT + k]
+        change = values[row.DV_NORMAL + k], values[row.DV_TANGENT + k]
+        n, t, damped, slid = respond(contacts, p, geometry, velocity, change, dt, lanes.account)
         put(damped, values, row.DAMPED + k)
         put(slid, values, row.SLID + k)
-        _, nx, ny, n1, t1, n2, t2, _ = hit
-        values[row.PUSH_X + k] = minus(n * nx, times(t, ny))
-        values[row.PUSH_Y + k] = plus(n * ny, times(t, nx))
-        put(minus(times(t1, n), times(n1, t)), values, row.TWIST1 + k)
-        put(minus(minus(None, times(n2, t)), times(t2, n)), values, row.TWIST2 + k)
+        _, nx, ny, n1, t1, n2, t2, _ = geometry
+        values[row.FORCE_X + k] = minus(n * nx, times(t, ny))
+        values[row.FORCE_Y + k] = plus(n * ny, times(t, nx))
+        put(minus(times(t1, n), times(n1, t)), values, row.TORQUE_1 + k)
+        put(minus(minus(None, times(n2, t)), times(t2, n)), values, row.TORQUE_2 + k)
 
 
 @optional
-def settle_account(account, damping, tangent, start, stop, values):
+def add_losses(account, contacts, start, stop, values):
     """Add up what a block of contacts has lost."""
+    lossy = either(contacts.damping, contacts.friction)
     for q in range(stop - start):
         k = np.uint64(q)
-        take_loss(either(damping, tangent), account, row.LOST_DAMPED, values, row.DAMPED + k)
-        take_loss(tangent, account, row.LOST_SLID, values, row.SLID + k)
+        add_loss(lossy, account, row.LOST_DAMPED, values, row.DAMPED + k)
+        add_loss(contacts.friction, account, row.LOST_SLID, values, row.SLID + k)
 
 
 @optional
-def take_loss(present, account, kind, values, k):
+def add_loss(present, account, kind, values, k):
     account[kind] += values[k]
 
 
@@ -215,40 +263,43 @@ def take(present, array, k):
 
 
 @inlined
-def scatter(contacts, start, stop, values, turns, force):
-    """Add the forces of a block to both parts of each pair.
+def accumulate(contacts, start, stop, values, inverse_inertia, force):
+    """Add the forces of a block to both constituents of each pair.
 
-    force (4 parts,): the rows of dem.jit.columns one after the other. What part 1 has felt so far
-    stays in registers from pair to pair: fetching it anew each time would wait for the last store.
+    force (4 constituents,): the rows of dem.jit.columns one after the other. What constituent 1 has
+    felt so far stays in registers from pair to pair: to fetch it each time would wait for the last
+    store.
     """
     last, fx, fy, torque = np.uint64(0), force[0], force[1], force[2]
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
-        i, j = FOUR * contacts.part[p], FOUR * contacts.slot[p]
-        gx, gy = values[row.PUSH_X + k], values[row.PUSH_Y + k]
+        i, j = FOUR * contacts.constituent[p], FOUR * contacts.force_row[p]
+        gx, gy = values[row.FORCE_X + k], values[row.FORCE_Y + k]
         force[j] += gx
         force[j + ONE] += gy
-        add(take(turns, values, row.TWIST2 + k), force, j + TWO)
+        add(take(inverse_inertia, values, row.TORQUE_2 + k), force, j + TWO)
         same = i == last
         fx = (fx if same else force[i]) - gx
         fy = (fy if same else force[i + ONE]) - gy
-        torque = plus(torque if same else force[i + TWO], take(turns, values, row.TWIST1 + k))
+        torque = plus(
+            torque if same else force[i + TWO], take(inverse_inertia, values, row.TORQUE_1 + k)
+        )
         force[i], force[i + ONE], force[i + TWO] = fx, fy, torque
         last = i
 
 
 @inlined
-def reaction(contacts, p, k, values, turns, force):
-    """Give part p of a contact with a wall or the cylinder its share.
+def boundary_reaction(contacts, p, k, values, inverse_inertia, force):
+    """Give the constituent of contact p with a wall or the cylinder its share.
 
     Returns the wall and the forces on it: normal (x, y) and tangential (x, y), in N.
     """
-    at = FOUR * contacts.part[p]
-    gx, gy = values[row.PUSH_X + k], values[row.PUSH_Y + k]
+    at = FOUR * contacts.constituent[p]
+    gx, gy = values[row.FORCE_X + k], values[row.FORCE_Y + k]
     force[at] -= gx
     force[at + ONE] -= gy
-    add(take(turns, values, row.TWIST1 + k), force, at + TWO)
+    add(take(inverse_inertia, values, row.TORQUE_1 + k), force, at + TWO)
     nx, ny = values[row.NX + k], values[row.NY + k]
     normal = gx * nx + gy * ny
     hx, hy = normal * nx, normal * ny
-    return contacts.other[p], normal, (hx, hy, gx - hx, gy - hy)
+    return contacts.partner[p], normal, (hx, hy, gx - hx, gy - hy)

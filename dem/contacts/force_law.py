@@ -18,19 +18,19 @@ TINY = 1e-300
 
 
 @inlined
-def hertz(overlap, root, stiffness):
+def hertz(overlap, sqrt_overlap, stiffness):
     """Elastic normal force (N), F = k delta^1.5."""
-    return stiffness * overlap * root
+    return stiffness * overlap * sqrt_overlap
 
 
 @inlined
-def damped(elastic, root, damping, rate):
+def damped(elastic, sqrt_overlap, damping, rate):
     """Normal force (N) with the dashpot c delta^(1/4) d(delta)/dt; a contact never pulls."""
-    return max(elastic + damping * math.sqrt(root) * rate, 0.0)
+    return max(elastic + damping * math.sqrt(sqrt_overlap) * rate, 0.0)
 
 
 @inlined
-def mindlin(spring, root, last_root, stiffness, slip):
+def mindlin(spring, sqrt_overlap, last_sqrt_overlap, stiffness, slip):
     """Tangential spring force (N) after a further slip (m), against the slip.
 
     The force is what a contact remembers. Its increment is k_t slip with k_t = stiffness * root
@@ -39,8 +39,10 @@ def mindlin(spring, root, last_root, stiffness, slip):
     radius (Thornton, Cummins and Cleary 2013, Powder Technol. 233, 30). In both directions the
     stored energy spring^2 / (2 k_t) can only fall when the overlap changes: no contact makes energy.
     """
-    kept = min(root / max(last_root, TINY), 1.0)  # without a branch; 1 for a new contact
-    return spring * kept - stiffness * 0.5 * (root + kept * last_root) * slip
+    kept = min(
+        sqrt_overlap / max(last_sqrt_overlap, TINY), 1.0
+    )  # without a branch; 1 for a new contact
+    return spring * kept - stiffness * 0.5 * (sqrt_overlap + kept * last_sqrt_overlap) * slip
 
 
 @inlined

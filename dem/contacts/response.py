@@ -1,13 +1,13 @@
 """The response of one contact: from its geometry and its slip to the forces N and T.
 
-A contact acts from part 1 to body 2 (a part, a wall or the cylinder) with N n + T t on body 2,
-n and t as in dem.shapes.geometry; N >= 0 pushes them apart, T opposes the slip.
+A contact acts from constituent 1 to body 2 (a constituent, a wall or the cylinder) with N n + T t
+on body 2, n and t as in dem.shapes.protocol; N >= 0 pushes them apart, T opposes the slip.
 """
 
 import math
 
-from dem.jit.compilation import inlined
 from dem.contacts.force_law import TINY, capped, damped, hertz, mindlin
+from dem.jit.compilation import inlined
 from dem.jit.optional import either, minus, optional, plus, times
 
 
@@ -18,35 +18,40 @@ def local_stiffness(radius, modulus):
 
 
 @optional
-def damped_force(damping, p, elastic, root, rate):
-    return damped(elastic, root, damping[p], rate)
+def damped_force(damping, p, elastic, sqrt_overlap, rate):
+    return damped(elastic, sqrt_overlap, damping[p], rate)
 
 
 @optional
-def dashpot(damping, p, ratio, root, slip_rate):
-    return ratio * damping[p] * math.sqrt(root) * slip_rate
+def dashpot(damping, p, ratio, sqrt_overlap, slip_rate):
+    return ratio * damping[p] * math.sqrt(sqrt_overlap) * slip_rate
 
 
 @optional
-def tangential_force(tangent, contacts, p, normal, stiffness, root, slip, slip_rate, account, dt):
+def friction_force(friction, contacts, p, normal, elastic, slip, account, dt):
     """Spring and dashpot, each within Coulomb's cap: neither can then feed energy to the slip.
 
-    Returns the force (N) and the energies (J) that dashpot and sliding took, None if nobody asks.
+    elastic: stiffness (N m^-1.5) and sqrt_overlap (m^0.5); slip: in this step (m), and its rate at
+    the full step (m/s). Returns the force (N) and the energies (J) that dashpot and sliding took,
+    None if nobody asks.
     """
-    limit = tangent.coefficient * normal
-    stiffness = tangent.stiffness_ratio * stiffness
-    stored = spring_energy(account, contacts.spring[p], stiffness * contacts.root[p])
-    force = mindlin(contacts.spring[p], root, contacts.root[p], stiffness, slip)
+    stiffness, sqrt_overlap = elastic
+    distance, rate = slip
+    limit = friction.coefficient * normal
+    stiffness = friction.stiffness_ratio * stiffness
+    before, last = contacts.tangential_force[p], contacts.sqrt_overlap[p]
+    stored = spring_energy(account, before, stiffness * last)
+    force = mindlin(before, sqrt_overlap, last, stiffness, distance)
     force = capped(force, limit)
-    contacts.spring[p] = force
-    contacts.root[p] = root
-    drag = dashpot(contacts.damping, p, tangent.damping_ratio, root, slip_rate)
+    contacts.tangential_force[p] = force
+    contacts.sqrt_overlap[p] = sqrt_overlap
+    drag = dashpot(contacts.damping, p, friction.damping_ratio, sqrt_overlap, rate)
     total = capped(minus(force, drag), limit)
-    left = spring_energy(account, force, stiffness * root)
+    left = spring_energy(account, force, stiffness * sqrt_overlap)
     gone = minus(stored, left)
     return (
-        total, lost(account, total - force, slip_rate, dt),
-        plus(lost(account, force, slip_rate, dt), gone),
+        total, lost(account, total - force, rate, dt),
+        plus(lost(account, force, rate, dt), gone),
     )  # fmt: skip
 
 
@@ -69,37 +74,38 @@ def lost_normal(damping, account, excess, rate, dt):
 
 
 @inlined
-def approach(one, two, hit):
+def relative_velocity(one, two, geometry):
     """Velocity of body 2 relative to body 1 at the contact, along n and along t.
 
     one, two: velocity x, y (m/s) and spin (rad/s), or their changes to the full step.
     """
-    _, nx, ny, n1, t1, n2, t2, _ = hit
+    _, nx, ny, n1, t1, n2, t2, _ = geometry
     gx, gy = two[0] - one[0], two[1] - one[1]
-    along = plus(minus(gx * nx + gy * ny, times(t2, two[2])), times(t1, one[2]))
-    across = minus(minus(gy * nx - gx * ny, times(n2, two[2])), times(n1, one[2]))
-    return along, across
+    v_normal = plus(minus(gx * nx + gy * ny, times(t2, two[2])), times(t1, one[2]))
+    v_tangent = minus(minus(gy * nx - gx * ny, times(n2, two[2])), times(n1, one[2]))
+    return v_normal, v_tangent
 
 
 @inlined
-def respond(contacts, tangent, p, hit, velocity, change, dt, account):
+def respond(contacts, p, geometry, velocity, change, dt, account):
     """Forces N and T (N) of contact p, T None without friction, and energies (J) lost in dashpots
     and by sliding, None if nobody asks.
 
-    velocity, change: from approach. Parts that are apart feel nothing and remember nothing: the
-    root of their overlap counts as zero, and the law does the rest.
+    velocity, change: from relative_velocity. Bodies that are apart feel nothing and remember
+    nothing: the root of their overlap counts as zero, and the law does the rest.
     """
-    overlap, radius = max(hit[0], 0.0), hit[7]
-    root = math.sqrt(overlap)
-    stiffness = either(local_stiffness(radius, contacts.modulus), contacts.stiffness[p])
-    elastic = hertz(overlap, root, stiffness)
+    overlap = max(geometry.overlap, 0.0)
+    sqrt_overlap = math.sqrt(overlap)
+    local = local_stiffness(geometry.radius, contacts.modulus)
+    stiffness = either(local, contacts.stiffness[p])
+    elastic = hertz(overlap, sqrt_overlap, stiffness)
     rate = -(velocity[0] + change[0])
-    normal = either(damped_force(contacts.damping, p, elastic, root, rate), elastic)
+    normal = either(damped_force(contacts.damping, p, elastic, sqrt_overlap, rate), elastic)
     damped_away = lost_normal(contacts.damping, account, normal - elastic, rate, dt)
     tangential, damped_too, slid = either(
-        tangential_force(
-            tangent, contacts, p, normal, stiffness, root, velocity[1] * dt,
-            velocity[1] + change[1], account, dt,
+        friction_force(
+            contacts.friction, contacts, p, normal, (stiffness, sqrt_overlap),
+            (velocity[1] * dt, velocity[1] + change[1]), account, dt,
         ),
         (None, None, None),
     )  # fmt: skip

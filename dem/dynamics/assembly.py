@@ -5,19 +5,30 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dem.contacts.force_law import (
+    damping_from_restitution,
+    effective_modulus,
+    effective_shear_modulus,
+)
+from dem.dynamics.world import (
+    CHUNK,
+    Chunks,
+    Contacts,
+    CylinderBoundary,
+    FrictionParameters,
+    WallBoundary,
+    World,
+)
 from dem.jit.columns import VX, VY, W, X, Y, rows
-from dem.contacts.force_law import damping_from_restitution, effective_modulus, effective_shear_modulus
 from dem.jit.lanes import make_lanes
 from dem.scene import Scene, State, arrays_of
-from dem.shapes import SHAPES
-from dem.dynamics.world import CHUNK, Chunks, Contacts, Roller, Tangent, Walls, World
 
 
-class Constants(NamedTuple):
+class GranuleTable(NamedTuple):
     """What the lists and the surveys need of the granules and does not change.
 
-    per: parts a granule; radius, bounding (parts,) in m: for Hertz's law, and of the circle that
-    holds the part; mass (parts,) in kg: of the whole granule; mobility: greatest
+    per: constituents a granule; radius, bounding (constituents,) in m: for Hertz's law, and of the
+    circle that holds one; mass (constituents,) in kg: of the whole granule; mobility: greatest
     1/m + lever^2/I (1/kg) of a contact; bend (n,) in 1/(kg m): how much, at most, the force 2/3 k
     delta at a contact of normal stiffness k stiffens the rotation, over k delta; skin (m);
     alpha: dashpot constant; modulus: E* of two granules (Pa); mean_radius (m), mean_mass (kg).
@@ -42,14 +53,14 @@ def own(shape):
     return shape._replace(**{name: size.copy() for name, size in arrays_of(shape).items()})
 
 
-def constants(scene: Scene, skin: float) -> Constants:
-    """Constants of a scene; skin as a share of the mean bounding radius."""
+def granule_table(scene: Scene, skin: float) -> GranuleTable:
+    """GranuleTable of a scene; skin as a share of the mean bounding radius."""
     shape, inverse_mass, inverse_inertia = own(scene.shape), 1.0 / scene.mass, 1.0 / scene.inertia
-    bounding = shape.part_bounding_radius
+    bounding = shape.constituent_bounding_radius
     per = len(bounding) // scene.granules
-    return Constants(
+    return GranuleTable(
         per=per,
-        radius=shape.part_radius,
+        radius=shape.constituent_radius,
         bounding=bounding,
         mass=np.repeat(scene.mass, per),
         mobility=float((inverse_mass + shape.bounding_radius**2 * inverse_inertia).max()),
@@ -57,7 +68,7 @@ def constants(scene: Scene, skin: float) -> Constants:
         skin=float(skin * bounding.mean()),
         alpha=damping_from_restitution(scene.material.restitution),
         modulus=effective_modulus(scene.material, scene.material),
-        mean_radius=float(shape.part_radius.mean()),
+        mean_radius=float(shape.constituent_radius.mean()),
         mean_mass=float(scene.mass.mean()),
     )
 
@@ -69,7 +80,7 @@ def partners(scene: Scene, boundary: bool):
     return (scene.material,) if scene.boundary is None else (scene.material, scene.boundary)
 
 
-def tangent(scene: Scene, kind: str) -> Tangent | None:
+def friction_parameters(scene: Scene, kind: str) -> FrictionParameters | None:
     """Friction of the contacts of one kind: granule, wall or cylinder."""
     coefficient = 0.0 if scene.friction is None else getattr(scene.friction, kind)
     if coefficient == 0.0:
@@ -77,7 +88,7 @@ def tangent(scene: Scene, kind: str) -> Tangent | None:
     materials = partners(scene, boundary=kind != "granule")
     ratio = effective_shear_modulus(*materials) / effective_modulus(*materials)
     ratio *= scene.friction.stiffness
-    return Tangent(float(coefficient), 6.0 * ratio, math.sqrt(4.0 * ratio))
+    return FrictionParameters(float(coefficient), 6.0 * ratio, math.sqrt(4.0 * ratio))
 
 
 def motion(position, velocity, spin):
@@ -88,63 +99,62 @@ def motion(position, velocity, spin):
     return motion
 
 
-def contacts(scene: Scene, parts: Constants, kind: str) -> Contacts:
-    """The contacts of one kind (granule, wall or cylinder), none yet: dem.dynamics.neighbor_list fills them."""
+def contacts(scene: Scene, table: GranuleTable, kind: str) -> Contacts:
+    """The contacts of one kind (granule, wall or cylinder), none yet: see dem.dynamics.neighbor_list."""
     index, numbers = np.empty(0, np.uint32), np.empty(0)
-    memory = numbers if tangent(scene, kind) else None
+    friction = friction_parameters(scene, kind)
+    memory = numbers if friction else None
     guesses = numbers if kind != "wall" and getattr(scene.shape, "guesses", False) else None
     return Contacts(
-        first=np.zeros(len(parts.radius) + 1, np.uint32) if kind == "granule" else None,
-        part=index,
-        other=index,
-        slot=index,
+        first=np.zeros(len(table.radius) + 1, np.uint32) if kind == "granule" else None,
+        constituent=index,
+        partner=index,
+        force_row=index,
         stiffness=numbers,
         modulus=4.0 / 3.0 * effective_modulus(*partners(scene, boundary=kind != "granule")),
-        damping=numbers if parts.alpha > 0.0 else None,
-        spring=memory,
-        root=memory,
+        damping=numbers if table.alpha > 0.0 else None,
+        friction=friction,
+        tangential_force=memory,
+        sqrt_overlap=memory,
         normal_x=guesses,
         normal_y=guesses,
     )
 
 
-def assemble(scene: Scene, state: State, parts: Constants, accounted: bool = False) -> World:
+def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = False) -> World:
     """All arrays of the kernels, with empty contact lists; accounted: keep an energy ledger."""
     n, index = scene.granules, np.empty(0, np.uint32)
-    turns = next(turns for kind, turns in SHAPES.values() if isinstance(scene.shape, kind))
-    tangents = {kind: tangent(scene, kind) for kind in ("granule", "wall", "cylinder")}
-    turning = any(tangents.values()) or bool(np.any(scene.shape.normal_lever > 0.0))
+    has_angle = scene.shape.needs_angle
+    rough = any(friction_parameters(scene, kind) for kind in ("granule", "wall", "cylinder"))
+    turning = rough or bool(np.any(scene.shape.normal_lever > 0.0))
     bodies, force = motion(state.position, state.velocity, state.angular_velocity), rows(n, 4)
-    alone = parts.per == 1
-    walls = roller = None
+    alone = table.per == 1
+    walls = cylinder = None
     if scene.walls is not None:
-        planes = scene.walls.copy()
-        walls = Walls(
-            planes, rows(len(planes), 8), contacts(scene, parts, "wall"), tangents["wall"],
-            np.zeros(len(planes)),
-        )  # fmt: skip
+        planes = np.ascontiguousarray(scene.walls, float)
+        walls = WallBoundary(
+            planes, rows(len(planes), 8), contacts(scene, table, "wall"), np.zeros(len(planes))
+        )
     if scene.cylinder is not None:
         axis = motion(scene.cylinder.position, scene.cylinder.velocity, 0.0)
         radius = 0.5 * scene.cylinder.diameter
-        roller = Roller(
-            radius, axis, np.zeros(2), contacts(scene, parts, "cylinder"), tangents["cylinder"],
-            np.zeros(4),
-        )  # fmt: skip
+        cylinder = CylinderBoundary(
+            radius, axis, np.zeros(2), contacts(scene, table, "cylinder"), np.zeros(4)
+        )
     return World(
         shape=own(scene.shape),
         bodies=bodies,
         angle=state.angle,
-        frame=np.column_stack([np.cos(state.angle), np.sin(state.angle)]) if turns else None,
+        frame=np.column_stack([np.cos(state.angle), np.sin(state.angle)]) if has_angle else None,
         inverse_mass=1.0 / scene.mass,
         inverse_inertia=1.0 / scene.inertia if turning else None,
         force=force,
-        parts=bodies if alone else rows(n * parts.per, 8),
-        part_force=force if alone else rows(n * parts.per, 4),
-        reference=np.zeros((n * parts.per, 2)),
-        pairs=contacts(scene, parts, "granule"),
-        tangent=tangents["granule"],
+        constituents=bodies if alone else rows(n * table.per, 8),
+        constituent_force=force if alone else rows(n * table.per, 4),
+        reference=np.zeros((n * table.per, 2)),
+        pairs=contacts(scene, table, "granule"),
         walls=walls,
-        roller=roller,
+        cylinder=cylinder,
         gravity=None if scene.gravity is None else np.array(scene.gravity, float),
         lanes=make_lanes(accounted),
         chunks=Chunks(index, index, np.zeros(0, np.int64)) if n > CHUNK else None,

@@ -15,7 +15,7 @@ FIXED = (
     "shape.", "inverse_mass", "inverse_inertia", "gravity", "walls.planes", "walls.motion",
     "lanes.motion", "lanes.values",
 )  # fmt: skip
-LISTS = "world.pairs", "world.walls.contacts", "world.roller.contacts"
+LISTS = "world.pairs", "world.walls.contacts", "world.cylinder.contacts"
 
 
 def named_arrays(tree, path="world") -> dict:
@@ -92,7 +92,8 @@ def clock(saved: dict) -> tuple[float, int]:
 def replaced(world, arrays: dict):
     """The World with these arrays; raises InputError, with nothing changed, where they do not fit.
 
-    An array of the same shape is overwritten in place: a bed of discs has one for bodies and parts.
+    An array of the same shape is overwritten in place: a bed of discs has one for bodies
+    and constituents.
     """
     for path, own in moving(world).items():
         other = arrays.get(path)
@@ -101,16 +102,18 @@ def replaced(world, arrays: dict):
         if other.dtype.kind == "f" and not np.isfinite(other).all():
             _damaged(path)
     arrays = {path: arrays[path] for path in moving(world)}
-    parts = len(world.parts)
+    count = len(world.constituents)
     walls = 0 if world.walls is None else len(world.walls.planes)
-    for path, partners in zip(LISTS, (parts, walls, 1), strict=True):
-        if f"{path}.part" in arrays:
-            _check_list(path, arrays, parts, partners)
-    per = parts // len(world.bodies)
-    least = parts + _check_chunks(arrays, parts, CHUNK * per)
+    for path, partners in zip(LISTS, (count, walls, 1), strict=True):
+        if f"{path}.constituent" in arrays:
+            _check_list(path, arrays, count, partners)
+    per = count // len(world.bodies)
+    least = count + _check_chunks(arrays, count, CHUNK * per)
     lists = (*(f"{name}." for name in LISTS), "world.chunks.")
-    # of a bed in chunks there are rows to spare, and where a granule is a part both are one array
-    forces = ("world.part_force", "world.force") if per == 1 else ("world.part_force",)
+    # of a bed in chunks there are rows to spare, and where a granule is a constituent both are one array
+    forces = (
+        ("world.constituent_force", "world.force") if per == 1 else ("world.constituent_force",)
+    )
     for path, own in moving(world).items():
         shape = arrays[path].shape
         fits = shape == own.shape or path.startswith(lists)
@@ -127,44 +130,48 @@ def _damaged(path):
     )
 
 
-def _check_list(path, arrays, parts, partners):
-    """One row of each array a contact, by ascending part; no index out of range."""
-    part, other = arrays[f"{path}.part"], arrays[f"{path}.other"]
+def _check_list(path, arrays, count, partners):
+    """One row of each array a contact, by ascending constituent; no index out of range."""
+    constituent, other = arrays[f"{path}.constituent"], arrays[f"{path}.partner"]
     for name, array in arrays.items():
-        if name.startswith(f"{path}.") and not name.endswith(".first") and len(array) != len(part):
+        if (
+            name.startswith(f"{path}.")
+            and not name.endswith(".first")
+            and len(array) != len(constituent)
+        ):
             _damaged(name)
-    if (part >= parts).any() or (np.diff(part.astype(np.int64)) < 0).any():
-        _damaged(f"{path}.part")
+    if (constituent >= count).any() or (np.diff(constituent.astype(np.int64)) < 0).any():
+        _damaged(f"{path}.constituent")
     if (other >= partners).any():
-        _damaged(f"{path}.other")
+        _damaged(f"{path}.partner")
     if f"{path}.first" in arrays:
-        rows = np.searchsorted(part, np.arange(parts + 1))
+        rows = np.searchsorted(constituent, np.arange(count + 1))
         if not np.array_equal(arrays[f"{path}.first"], rows):
             _damaged(f"{path}.first")
-    elif not np.array_equal(arrays[f"{path}.slot"], other):
-        _damaged(f"{path}.slot")
+    elif not np.array_equal(arrays[f"{path}.force_row"], other):
+        _damaged(f"{path}.force_row")
 
 
-def _check_chunks(arrays, parts, size):
-    """Forces between chunks of `size` parts go where dem.dynamics.neighbor_list.parcel leads them, without chunks
-    straight to the partner; returns how many rows of forces lie behind those of the parts."""
-    part, other = arrays["world.pairs.part"], arrays["world.pairs.other"]
-    slot, chunked = other, "world.chunks.target" in arrays
-    leaving = other // size != part // size
+def _check_chunks(arrays, count, size):
+    """Forces between chunks of `size` constituents go where dem.dynamics.neighbor_list.share_out leads them, without chunks
+    straight to the partner; returns how many rows of forces lie behind those of the constituents."""
+    constituent, other = arrays["world.pairs.constituent"], arrays["world.pairs.partner"]
+    force_row, chunked = other, "world.chunks.target" in arrays
+    leaving = other // size != constituent // size
     spare = int(leaving.sum()) if chunked else 0
     if chunked:
-        slot = np.where(leaving, parts - 1 + np.cumsum(leaving), other)
+        force_row = np.where(leaving, count - 1 + np.cumsum(leaving), other)
         home = other[leaving] // size
         wanted = {
             "target": other[leaving],
-            "inbox": np.argsort(home, kind="stable"),
-            "first": np.searchsorted(np.sort(home), np.arange(-(-parts // size) + 1)),
+            "incoming": np.argsort(home, kind="stable"),
+            "first": np.searchsorted(np.sort(home), np.arange(-(-count // size) + 1)),
         }
         for name, values in wanted.items():
             if not np.array_equal(arrays[f"world.chunks.{name}"], values):
                 _damaged(f"world.chunks.{name}")
-    if not np.array_equal(arrays["world.pairs.slot"], slot):
-        _damaged("world.pairs.slot")
+    if not np.array_equal(arrays["world.pairs.force_row"], force_row):
+        _damaged("world.pairs.force_row")
     return spare
 
 

@@ -1,34 +1,35 @@
-"""One look at the bed, between steps: energy, contacts, greatest overlap, critical time step."""
+"""The bed at one moment, between steps: energy, contacts, greatest overlap, critical time step."""
 
 import math
 from typing import NamedTuple
 
 import numpy as np
 
-from dem.contacts.blocks import remembered
-from dem.jit.columns import FX, FY, TAU, VX, VY, W, X, Y
-from dem.jit.compilation import compiled, inlined
+from dem.contacts.blocks import Constituents, remembered
 from dem.contacts.force_law import damping_ratio, impact_overlap
+from dem.contacts.response import local_stiffness
+from dem.dynamics.forces import greater
 from dem.dynamics.stable_step import (
     COLUMNS,
-    anchor,
-    couple,
+    Bounds,
+    add_force_stiffness,
+    add_pair_stiffness,
+    add_pair_tangent,
+    add_wall_stiffness,
+    add_wall_tangent,
     critical_step,
     normal_damping,
-    share,
     shortest,
-    stiffen,
-    tangential_damping,
-    tangential_stiffness,
+    weight,
 )
-from dem.contacts.loops import greater
+from dem.jit.columns import FX, FY, TAU, VX, VY, W, X, Y
+from dem.jit.compilation import compiled, inlined
 from dem.jit.optional import either, optional, plus
-from dem.contacts.response import local_stiffness
-from dem.shapes.geometry import outline, round_outline, support, touch
+from dem.shapes.protocol import circle, outline, solve_contact, support
 
 
-class Glance(NamedTuple):
-    """The bed at one moment; coordination number: touching pairs of parts, twice, a granule."""
+class Diagnostics(NamedTuple):
+    """The bed at one moment; coordination number: touching pairs of constituents, twice, a granule."""
 
     kinetic_energy: float  # J
     fastest: float  # m/s: greatest speed to be expected before the lists are made anew
@@ -65,169 +66,161 @@ def deeper(worst, overlap, i, size):
 
 
 @inlined
-def levers(bodies, parts, g, i, nx, ny, along, across):
+def levers(granules, constituents, g, i, normal, point):
     """Levers (m) of the normal and of the tangential force about the centre of granule g.
 
-    The contact lies at along n + across t from the centre of part i.
+    The contact lies at point[0] n + point[1] t from the centre of constituent i.
     """
-    x = parts[i, X] - bodies[g, X] + along * nx - across * ny
-    y = parts[i, Y] - bodies[g, Y] + along * ny + across * nx
+    nx, ny = normal
+    x = constituents[i, X] - granules[g, X] + point[0] * nx - point[1] * ny
+    y = constituents[i, Y] - granules[g, Y] + point[0] * ny + point[1] * nx
     return x * ny - y * nx, x * nx + y * ny
 
 
-@optional
-def couple_tangent(tangent, blocks, g, h, stiffness, root, damping, nx, ny, one, two):
-    k = tangential_stiffness(tangent, stiffness, root)
-    couple(blocks, g, h, k, tangential_damping(damping, tangent), -ny, nx, one, two)
-
-
-@optional
-def anchor_tangent(tangent, blocks, g, stiffness, root, damping, nx, ny, one):
-    k = tangential_stiffness(tangent, stiffness, root)
-    anchor(blocks, g, k, tangential_damping(damping, tangent), -ny, nx, one)
-
-
 @compiled
-def survey_pairs(
-    shape, bodies, parts, frame, contacts, tangent, light, turns, constants, least, blocks
-):
-    """light, turns: inverse masses and inverse moments of inertia."""
-    first, other = contacts.first, contacts.other
-    radius, per, bend = constants.radius, constants.per, constants.bend
-    touching = 0
-    worst = (0.0, 0)
-    for i in range(parts.shape[0]):
+def survey_pairs(bodies, granules, contacts, inverse_mass, table, bounds):
+    """bodies: Constituents; granules (n, 8): their motion; bounds: rows are added to.
+
+    Returns the number of pairs that touch, and the greatest relative overlap with its constituent.
+    """
+    shape, motion, frame = bodies.shape, bodies.motion, bodies.frame
+    rows, least, radius = bounds.rows, bounds.least, table.radius
+    light, turns = inverse_mass, bodies.inverse_inertia
+    touching, worst = 0, (0.0, 0)
+    for i in range(motion.shape[0]):
         own = outline(shape, i, frame)
-        for p in range(first[i], first[i + 1]):
-            j = np.int64(other[p])
-            dx, dy = parts[j, X] - parts[i, X], parts[j, Y] - parts[i, Y]
+        for p in range(contacts.first[i], contacts.first[i + 1]):
+            j = np.int64(contacts.partner[p])
+            dx, dy = motion[j, X] - motion[i, X], motion[j, Y] - motion[i, Y]
             guess = remembered(contacts.normal_x, contacts.normal_y, p)
-            hit = touch(shape, dx, dy, own, outline(shape, j, frame), guess)
-            overlap, nx, ny, n1, t1, n2, t2, rho = hit
+            geometry = solve_contact(shape, dx, dy, own, outline(shape, j, frame), guess)
+            overlap, nx, ny, n1, t1, n2, t2, rho = geometry
             if not overlap <= 0.0:
                 touching += 1
                 worst = deeper(worst, overlap, i, min(radius[i], radius[j]))
             stiffness = either(local_stiffness(rho, contacts.modulus), contacts.stiffness[p])
-            root, g, h = math.sqrt(max(overlap, least)), i // per, j // per
+            sqrt_overlap, g, h = math.sqrt(max(overlap, least)), i // table.per, j // table.per
             apart = 0.5 * min(overlap, 0.0)  # the surfaces, not the middle of a gap
-            mine = levers(bodies, parts, g, i, nx, ny, n1 + apart, either(t1, 0.0))
-            theirs = levers(bodies, parts, h, j, nx, ny, -n2 - apart, either(t2, 0.0))
-            damping = normal_damping(contacts.damping, p, root)
-            k = 1.5 * stiffness * root
-            one, two = share(light, turns, g, mine[0]), share(light, turns, h, theirs[0])
-            couple(blocks, g, h, k, damping, nx, ny, one, two)
-            one, two = share(light, turns, g, mine[1]), share(light, turns, h, theirs[1])
-            couple_tangent(tangent, blocks, g, h, stiffness, root, damping, nx, ny, one, two)
-            stiffen(blocks, g, k, overlap, bend)
-            stiffen(blocks, h, k, overlap, bend)
+            mine = levers(granules, motion, g, i, (nx, ny), (n1 + apart, either(t1, 0.0)))
+            theirs = levers(granules, motion, h, j, (nx, ny), (-n2 - apart, either(t2, 0.0)))
+            damping = normal_damping(contacts.damping, p, sqrt_overlap)
+            k = 1.5 * stiffness * sqrt_overlap
+            weights = weight(light, turns, g, mine[0]), weight(light, turns, h, theirs[0])
+            add_pair_stiffness(rows, (g, h), k, damping, (nx, ny), weights)
+            weights = weight(light, turns, g, mine[1]), weight(light, turns, h, theirs[1])
+            spring = stiffness, sqrt_overlap, damping
+            add_pair_tangent(contacts.friction, rows, (g, h), spring, (-ny, nx), weights)
+            add_force_stiffness(rows, g, k, overlap, table.bend)
+            add_force_stiffness(rows, h, k, overlap, table.bend)
     return touching, worst
 
 
 @compiled
-def survey_listed(barrier, hits, bodies, parts, light, turns, constants, least, blocks, worst):
-    """Walls or cylinder, with hits (m, 6) from one of the two functions below."""
-    contacts, radius = barrier.contacts, constants.radius
-    for p in range(contacts.part.shape[0]):
-        i = np.int64(contacts.part[p])
-        g = i // constants.per
-        overlap, nx, ny, along, across, stiffness = hits[p]
+def survey_boundary(boundary, geometries, bodies, granules, inverse_mass, table, bounds, worst):
+    """The same of walls or cylinder, with geometries (m, 6) from one of the functions below."""
+    contacts, rows, turns = boundary.contacts, bounds.rows, bodies.inverse_inertia
+    for p in range(contacts.constituent.shape[0]):
+        i = np.int64(contacts.constituent[p])
+        g = i // table.per
+        overlap, nx, ny, n1, t1, stiffness = geometries[p]
         if not overlap <= 0.0:
-            worst = deeper(worst, overlap, i, radius[i])
-        root = math.sqrt(max(overlap, least))
-        along += 0.5 * min(overlap, 0.0)
-        normal, tangential = levers(bodies, parts, g, i, nx, ny, along, across)
-        damping = normal_damping(contacts.damping, p, root)
-        k = 1.5 * stiffness * root
-        anchor(blocks, g, k, damping, nx, ny, share(light, turns, g, normal))
-        one = share(light, turns, g, tangential)
-        anchor_tangent(barrier.tangent, blocks, g, stiffness, root, damping, nx, ny, one)
-        stiffen(blocks, g, k, overlap, constants.bend)
+            worst = deeper(worst, overlap, i, table.radius[i])
+        sqrt_overlap = math.sqrt(max(overlap, bounds.least))
+        n1 += 0.5 * min(overlap, 0.0)
+        normal, tangential = levers(granules, bodies.motion, g, i, (nx, ny), (n1, t1))
+        damping = normal_damping(contacts.damping, p, sqrt_overlap)
+        k = 1.5 * stiffness * sqrt_overlap
+        one = weight(inverse_mass, turns, g, normal)
+        add_wall_stiffness(rows, g, k, damping, (nx, ny), one)
+        one = weight(inverse_mass, turns, g, tangential)
+        spring = stiffness, sqrt_overlap, damping
+        add_wall_tangent(contacts.friction, rows, g, spring, (-ny, nx), one)
+        add_force_stiffness(rows, g, k, overlap, table.bend)
     return worst
 
 
 @compiled(allocates=True)
-def pair_hits(shape, parts, frame, contacts):
-    """Rows (m, 6), one a listed pair, seen from its first part; see wall_hits."""
-    hits = np.empty((contacts.part.shape[0], 6))
-    for p in range(hits.shape[0]):
-        i, j = contacts.part[p], contacts.other[p]
-        dx, dy = parts[j, X] - parts[i, X], parts[j, Y] - parts[i, Y]
+def pair_geometries(shape, motion, frame, contacts):
+    """Rows (m, 6), one a listed pair, seen from its first constituent; see wall_geometries."""
+    found = np.empty((contacts.constituent.shape[0], 6))
+    for p in range(found.shape[0]):
+        i, j = contacts.constituent[p], contacts.partner[p]
+        dx, dy = motion[j, X] - motion[i, X], motion[j, Y] - motion[i, Y]
         guess = remembered(contacts.normal_x, contacts.normal_y, p)
-        hit = touch(shape, dx, dy, outline(shape, i, frame), outline(shape, j, frame), guess)
-        stiffness = either(local_stiffness(hit[7], contacts.modulus), contacts.stiffness[p])
-        hits[p] = hit[0], hit[1], hit[2], hit[3], either(hit[4], 0.0), stiffness
-    return hits
+        own, other = outline(shape, i, frame), outline(shape, j, frame)
+        one = solve_contact(shape, dx, dy, own, other, guess)
+        stiffness = either(local_stiffness(one.radius, contacts.modulus), contacts.stiffness[p])
+        found[p] = one.overlap, one.nx, one.ny, one.n1, either(one.t1, 0.0), stiffness
+    return found
 
 
 @compiled(allocates=True)
-def wall_hits(shape, parts, frame, walls):
+def wall_geometries(shape, motion, frame, walls):
     """Rows (m, 6), one a listed contact with a wall.
 
-    Overlap (m; negative: a gap), normal, place of the contact from the part's centre along normal
-    and tangent (m), and stiffness (N m^-1.5).
+    Overlap (m; negative: a gap), normal, levers n1 and t1 (m), and stiffness (N m^-1.5).
     """
     contacts = walls.contacts
-    hits = np.empty((contacts.part.shape[0], 6))
-    for p in range(hits.shape[0]):
-        i, k = contacts.part[p], contacts.other[p]
+    found = np.empty((contacts.constituent.shape[0], 6))
+    for p in range(found.shape[0]):
+        i, k = contacts.constituent[p], contacts.partner[p]
         nx, ny = walls.planes[k, 0], walls.planes[k, 1]
-        reach, across, rho = support(shape, outline(shape, i, frame), nx, ny)
-        overlap = reach + parts[i, X] * nx + parts[i, Y] * ny - walls.planes[k, 2]
+        reach, t1, rho = support(shape, outline(shape, i, frame), nx, ny)
+        overlap = reach + motion[i, X] * nx + motion[i, Y] * ny - walls.planes[k, 2]
         stiffness = either(local_stiffness(rho, contacts.modulus), contacts.stiffness[p])
-        hits[p] = overlap, nx, ny, reach - 0.5 * overlap, either(across, 0.0), stiffness
-    return hits
+        found[p] = overlap, nx, ny, reach - 0.5 * overlap, either(t1, 0.0), stiffness
+    return found
 
 
 @compiled(allocates=True)
-def roller_hits(shape, parts, frame, roller):
+def cylinder_geometries(shape, motion, frame, cylinder):
     """The same of the contacts with the cylinder."""
-    contacts = roller.contacts
-    hits = np.empty((contacts.part.shape[0], 6))
-    circle = round_outline(shape, roller.radius)
-    for p in range(hits.shape[0]):
-        i = contacts.part[p]
-        dx, dy = roller.motion[0, X] - parts[i, X], roller.motion[0, Y] - parts[i, Y]
+    contacts = cylinder.contacts
+    found = np.empty((contacts.constituent.shape[0], 6))
+    other = circle(shape, cylinder.radius)
+    for p in range(found.shape[0]):
+        i = contacts.constituent[p]
+        dx, dy = cylinder.motion[0, X] - motion[i, X], cylinder.motion[0, Y] - motion[i, Y]
         guess = remembered(contacts.normal_x, contacts.normal_y, p)
-        hit = touch(shape, dx, dy, outline(shape, i, frame), circle, guess)
-        stiffness = either(local_stiffness(hit[7], contacts.modulus), contacts.stiffness[p])
-        hits[p] = hit[0], hit[1], hit[2], hit[3], either(hit[4], 0.0), stiffness
-    return hits
+        one = solve_contact(shape, dx, dy, outline(shape, i, frame), other, guess)
+        stiffness = either(local_stiffness(one.radius, contacts.modulus), contacts.stiffness[p])
+        found[p] = one.overlap, one.nx, one.ny, one.n1, either(one.t1, 0.0), stiffness
+    return found
 
 
 @optional
-def survey_walls(walls, world, constants, least, blocks, worst):
-    hits = wall_hits(world.shape, world.parts, world.frame, walls)
-    return survey_listed(
-        walls, hits, world.bodies, world.parts, world.inverse_mass, world.inverse_inertia,
-        constants, least, blocks, worst,
-    )  # fmt: skip
+def survey_walls(walls, world, bodies, table, bounds, worst):
+    found = wall_geometries(world.shape, world.constituents, world.frame, walls)
+    return survey_boundary(
+        walls, found, bodies, world.bodies, world.inverse_mass, table, bounds, worst
+    )
 
 
 @optional
-def survey_roller(roller, world, constants, least, blocks, worst):
-    hits = roller_hits(world.shape, world.parts, world.frame, roller)
-    return survey_listed(
-        roller, hits, world.bodies, world.parts, world.inverse_mass, world.inverse_inertia,
-        constants, least, blocks, worst,
-    )  # fmt: skip
+def survey_cylinder(cylinder, world, bodies, table, bounds, worst):
+    found = cylinder_geometries(world.shape, world.constituents, world.frame, cylinder)
+    return survey_boundary(
+        cylinder, found, bodies, world.bodies, world.inverse_mass, table, bounds, worst
+    )
 
 
 @compiled(allocates=True)
-def survey(world, parts, least):
-    """Look at the whole bed.
+def survey(world, table, least):
+    """All contacts of the bed.
 
-    parts: dem.dynamics.assembly.Constants; least (m): overlap that a pair in the lists counts with, at
-    least, as to stiffness. Returns the number of touching pairs of parts, the greatest overlap over
-    the smaller radius with the part it belongs to, and the bound on the critical time step (s).
+    table: dem.dynamics.assembly.GranuleTable; least (m): overlap that a pair in the lists counts
+    with, at least, as to stiffness. Returns the number of touching pairs of constituents, the
+    greatest overlap over the smaller radius with the constituent it belongs to, and the bound on
+    the critical time step (s).
     """
-    blocks = np.zeros((world.bodies.shape[0], COLUMNS))
+    bounds = Bounds(np.zeros((world.bodies.shape[0], COLUMNS)), least)
+    bodies = Constituents(world.shape, world.constituents, world.frame, world.inverse_inertia)
     touching, worst = survey_pairs(
-        world.shape, world.bodies, world.parts, world.frame, world.pairs, world.tangent,
-        world.inverse_mass, world.inverse_inertia, parts, least, blocks,
-    )  # fmt: skip
-    worst = either(survey_walls(world.walls, world, parts, least, blocks, worst), worst)
-    worst = either(survey_roller(world.roller, world, parts, least, blocks, worst), worst)
-    return touching, worst[0], worst[1], shortest(blocks)
+        bodies, world.bodies, world.pairs, world.inverse_mass, table, bounds
+    )
+    worst = either(survey_walls(world.walls, world, bodies, table, bounds, worst), worst)
+    worst = either(survey_cylinder(world.cylinder, world, bodies, table, bounds, worst), worst)
+    return touching, worst[0], worst[1], shortest(bounds.rows)
 
 
 @optional
@@ -242,46 +235,46 @@ def swing(inverse_inertia, i, torque, lever):
 
 
 @compiled
-def greatest_acceleration(force, inverse_mass, inverse_inertia, parts):
+def greatest_acceleration(force, inverse_mass, inverse_inertia, table):
     """Of any part (m/s2), from the forces on its granule; gravity not counted."""
     greatest = 0.0
     for i in range(inverse_mass.shape[0]):
         push = math.sqrt(force[i, FX] ** 2 + force[i, FY] ** 2) * inverse_mass[i]
-        lever = parts.radius[i * parts.per] if parts.per > 1 else 0.0
+        lever = table.radius[i * table.per] if table.per > 1 else 0.0
         greatest = greater(greatest, plus(push, swing(inverse_inertia, i, force[i, TAU], lever)))
     return greatest
 
 
 @optional
-def roller_squared(roller):
-    return roller.motion[0, VX] ** 2 + roller.motion[0, VY] ** 2
+def speed_squared(cylinder):
+    return cylinder.motion[0, VX] ** 2 + cylinder.motion[0, VY] ** 2
 
 
 @inlined
-def expected_speed(roller, gravity, skin, fastest):
+def expected_speed(cylinder, gravity, skin, fastest):
     """Greatest speed (m/s) before the lists are made anew: of granules, cylinder, and a fall."""
-    squared = max(fastest * fastest, either(roller_squared(roller), 0.0))
+    squared = max(fastest * fastest, either(speed_squared(cylinder), 0.0))
     return math.sqrt(plus(squared, fall_squared(gravity, skin)))
 
 
 @compiled(allocates=True)
-def look(world, parts):
-    """Glance at the bed and its critical time step.
+def diagnose(world, table):
+    """Diagnostics of the bed and its critical time step.
 
     The critical step is bounded from below by stiffness and damping of all contacts; pairs that
     are near but do not touch count with the overlap of a collision at the greatest speed to be
     expected, and so does a granule that meets its like.
     """
     energy, fastest = kinetic(world.bodies, world.inverse_mass, world.inverse_inertia)
-    speed = expected_speed(world.roller, world.gravity, parts.skin, fastest)
-    radius, mass = 0.5 * parts.mean_radius, 0.5 * parts.mean_mass
-    least = max(impact_overlap(mass, radius, parts.modulus, speed), 1e-8 * radius)
-    touching, overlap, part, step = survey(world, parts, least)
-    stiffness = 4.0 * parts.modulus * math.sqrt(parts.radius.max() * least) * parts.mobility
-    damping = 2.0 * damping_ratio(parts.alpha) * math.sqrt(2.0 * stiffness)
+    speed = expected_speed(world.cylinder, world.gravity, table.skin, fastest)
+    radius, mass = 0.5 * table.mean_radius, 0.5 * table.mean_mass
+    least = max(impact_overlap(mass, radius, table.modulus, speed), 1e-8 * radius)
+    touching, overlap, deepest, step = survey(world, table, least)
+    stiffness = 4.0 * table.modulus * math.sqrt(table.radius.max() * least) * table.mobility
+    damping = 2.0 * damping_ratio(table.alpha) * math.sqrt(2.0 * stiffness)
     granules = world.bodies.shape[0]
-    push = greatest_acceleration(world.force, world.inverse_mass, world.inverse_inertia, parts)
-    return Glance(
-        energy, math.sqrt(speed * speed + 2.0 * parts.skin * push), 2.0 * touching / granules, overlap, part // parts.per,
+    push = greatest_acceleration(world.force, world.inverse_mass, world.inverse_inertia, table)
+    return Diagnostics(
+        energy, math.sqrt(speed * speed + 2.0 * table.skin * push), 2.0 * touching / granules, overlap, deepest // table.per,
         min(step, critical_step(stiffness, damping)),
     )  # fmt: skip

@@ -14,11 +14,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dem.contacts.response import spring_energy
+from dem.dynamics.diagnostics import cylinder_geometries, kinetic, pair_geometries, wall_geometries
 from dem.jit.compilation import compiled
 from dem.jit.lanes import ACCOUNTS, LOST_DAMPED, LOST_SLID, WORK
 from dem.jit.optional import either, optional
-from dem.contacts.response import spring_energy
-from dem.dynamics.diagnostics import kinetic, pair_hits, roller_hits, wall_hits
 
 
 class Ledger(NamedTuple):
@@ -53,11 +53,10 @@ class Ledger(NamedTuple):
 
 
 @optional
-def held_by_spring(tangent, contacts, p, stiffness):
+def held_by_spring(friction, contacts, p, stiffness):
     """Energy (J) of the tangential spring of contact p."""
-    return spring_energy(
-        tangent, contacts.spring[p], tangent.stiffness_ratio * stiffness * contacts.root[p]
-    )
+    stiffness = friction.stiffness_ratio * stiffness * contacts.sqrt_overlap[p]
+    return spring_energy(friction, contacts.tangential_force[p], stiffness)
 
 
 @compiled
@@ -67,24 +66,27 @@ def stored_normal(overlap, stiffness):
 
 
 @compiled(allocates=True)
-def listed_hold(hits, contacts, tangent):
-    """Normal and tangential elastic energy (J) of contacts, with hits of dem.dynamics.diagnostics."""
+def listed_hold(geometries, contacts):
+    """Normal and tangential elastic energy (J) of contacts, with geometries of dem.dynamics.diagnostics."""
     normal, tangential = 0.0, 0.0
-    for p in range(hits.shape[0]):
-        normal += stored_normal(hits[p, 0], hits[p, 5])
-        tangential += either(held_by_spring(tangent, contacts, p, hits[p, 5]), 0.0)
+    for p in range(geometries.shape[0]):
+        normal += stored_normal(geometries[p, 0], geometries[p, 5])
+        tangential += either(held_by_spring(contacts.friction, contacts, p, geometries[p, 5]), 0.0)
     return normal, tangential
 
 
 def balance(world) -> tuple[float, float, float]:
     """Kinetic, normal elastic and tangential elastic energy (J) of the bed."""
-    shape, parts, frame = world.shape, world.parts, world.frame
-    hits = pair_hits(shape, parts, frame, world.pairs)
-    held = [listed_hold(hits, world.pairs, world.tangent)]
-    for barrier, measure in ((world.walls, wall_hits), (world.roller, roller_hits)):
-        if barrier is not None:
-            hits = measure(shape, parts, frame, barrier)
-            held.append(listed_hold(hits, barrier.contacts, barrier.tangent))
+    shape, motion, frame = world.shape, world.constituents, world.frame
+    geometries = pair_geometries(shape, motion, frame, world.pairs)
+    held = [listed_hold(geometries, world.pairs)]
+    for boundary, measure in (
+        (world.walls, wall_geometries),
+        (world.cylinder, cylinder_geometries),
+    ):
+        if boundary is not None:
+            geometries = measure(shape, motion, frame, boundary)
+            held.append(listed_hold(geometries, boundary.contacts))
     moving = kinetic(world.bodies, world.inverse_mass, world.inverse_inertia)[0]
     return moving, sum(each[0] for each in held), sum(each[1] for each in held)
 

@@ -8,14 +8,14 @@ half-step velocity is of first order).
 
 import math
 
+from dem.dynamics.forces import add_forces, greater
+from dem.dynamics.synchronise import LINE, barrier, follows, portion
+from dem.dynamics.world import granules_of, number_of_chunks
 from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
 from dem.jit.compilation import compiled
-from dem.contacts.loops import add_forces, greater
 from dem.jit.optional import either, optional, plus
 from dem.shapes.common_normal import turned
-from dem.shapes.geometry import collect, place
-from dem.dynamics.synchronise import LINE, follows, portion, wait
-from dem.dynamics.world import granules_of, number_of_chunks
+from dem.shapes.protocol import collect, place
 
 
 @optional
@@ -37,7 +37,7 @@ def turn(spin, frame, angle, i, dt):
 def reorient(frame, i, angle, step):
     """Cosine and sine (frame) after a last turn by `step` (rad): without trigonometry if small.
 
-    Rounding then adds up, some 1e-16 a step, until dem.dynamics.neighbor_list.relist takes them anew.
+    Rounding then adds up, some 1e-16 a step, until dem.dynamics.neighbor_list.rebuild_neighbor_list takes them anew.
     """
     if abs(step) < 1e-3:
         frame[i, 0], frame[i, 1] = turned(frame[i, 0], frame[i, 1], step)
@@ -58,7 +58,7 @@ def drift(world, kick, dt, low, high):
     """
     bodies, force, half = world.bodies, world.force, 0.5 * dt
     inverse_mass, gravity = world.inverse_mass, world.gravity
-    collect(world.shape, world.part_force, world.frame, force, low, high)
+    collect(world.shape, world.constituent_force, world.frame, force, low, high)
     for i in range(low, high):
         ax = plus(force[i, FX] * inverse_mass[i], fall(gravity, 0))
         ay = plus(force[i, FY] * inverse_mass[i], fall(gravity, 1))
@@ -72,63 +72,62 @@ def drift(world, kick, dt, low, high):
         bodies[i, DVY] = half * ay
         spin = spin_up(world.inverse_inertia, bodies, force, i, kick, half)
         turn(spin, world.frame, world.angle, i, dt)
-    place(world.shape, bodies, world.frame, world.parts, low, high)
+    place(world.shape, bodies, world.frame, world.constituents, low, high)
 
 
-@compiled
-def move_roller(roller, dt):
+@optional
+def move_cylinder(cylinder, dt):
     """Move the cylinder over dt (s); returns its squared displacement (m2) since the lists."""
-    if roller is None:
-        return 0.0
-    roller.motion[0, X] += dt * roller.motion[0, VX]
-    roller.motion[0, Y] += dt * roller.motion[0, VY]
-    dx = roller.motion[0, X] - roller.reference[0]
-    dy = roller.motion[0, Y] - roller.reference[1]
+    cylinder.motion[0, X] += dt * cylinder.motion[0, VX]
+    cylinder.motion[0, Y] += dt * cylinder.motion[0, VY]
+    dx = cylinder.motion[0, X] - cylinder.reference[0]
+    dy = cylinder.motion[0, Y] - cylinder.reference[1]
     return dx * dx + dy * dy
 
 
 @optional
-def tell(team, moved):
-    """Let the others of the team know how far the own granules have moved."""
-    team.moved[LINE * team.me] = moved
+def tell(thread, moved):
+    """Let the other threads know how far the own granules have moved."""
+    thread.moved[LINE * thread.me] = moved
 
 
 @optional
-def told(team):
+def told(thread):
     """How far those of any have."""
     largest = 0.0
-    for member in range(team.size):
-        largest = greater(largest, team.moved[LINE * member])
+    for member in range(thread.size):
+        largest = greater(largest, thread.moved[LINE * member])
     return largest
 
 
 @compiled
-def advance(world, dt, steps, room, team):
-    """Take up to `steps` steps of dt (s); stop when a part has moved farther than `room` (m).
+def advance(world, dt, steps, list_range, thread):
+    """Take up to `steps` steps of dt (s); stop when a constituent has moved farther than
+    `list_range` (m).
 
-    team: None, or this thread's place among those that call this at the same time (dem.dynamics.synchronise).
+    thread: None, or its place among those that call this together (dem.dynamics.synchronise).
     Returns the number of steps done and the largest displacement (m).
     """
-    leads = not either(follows(team), False)
+    leads = not either(follows(thread), False)
     granules = world.bodies.shape[0]
     chunks = number_of_chunks(world.chunks, granules)
-    begin, end = either(portion(team, chunks), (0, chunks))
+    begin, end = either(portion(thread, chunks), (0, chunks))
     kick, done, moved = 0.5 * dt, 0, 0.0
-    while done < steps and moved <= room * room:
+    while done < steps and moved <= list_range * list_range:
         for chunk in range(begin, end):
             low, high = granules_of(world.chunks, granules, chunk)
             drift(world, kick, dt, low, high)
-        moved = move_roller(world.roller, dt) if leads else 0.0
-        wait(team)
-        moved = greater(moved, add_forces(world, dt, begin, end, leads, team))
-        tell(team, moved)
-        wait(team)
-        moved = either(told(team), moved)
+        moved = either(move_cylinder(world.cylinder, dt), 0.0) if leads else 0.0
+        barrier(thread)
+        moved = greater(moved, add_forces(world, dt, begin, end, leads, thread))
+        tell(thread, moved)
+        barrier(thread)
+        moved = either(told(thread), moved)
         kick = dt
         done += 1
     if done > 0:
         for chunk in range(begin, end):
             low, high = granules_of(world.chunks, granules, chunk)
             drift(world, 0.5 * dt, 0.0, low, high)
-    wait(team)
+    barrier(thread)
     return done, math.sqrt(moved)

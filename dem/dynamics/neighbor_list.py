@@ -1,15 +1,15 @@
-"""Contact lists made anew, with the constants of each pair, and with what each contact remembers."""
+"""Contact lists rebuilt, with the constants of each pair, and with what each contact remembers."""
 
 import math
 
 import numpy as np
 
+from dem.dynamics.neighbors import match_listed, match_pairs, near_circle, near_pairs, near_planes
+from dem.dynamics.world import CHUNK, Chunks, Contacts, CylinderBoundary, WallBoundary, World
 from dem.jit.columns import X, Y
 from dem.jit.compilation import compiled, inlined
-from dem.dynamics.neighbors import match_listed, match_pairs, near_circle, near_pairs, near_planes
 from dem.jit.optional import either, optional
-from dem.shapes.geometry import place
-from dem.dynamics.world import CHUNK, Chunks, Contacts, Roller, Walls, World
+from dem.shapes.protocol import place
 
 
 @optional
@@ -43,13 +43,14 @@ def put_damping(damping, p, alpha, mass, stiffness):
 
 
 @inlined
-def renewed(old, first, part, other, source):
+def renewed(old, first, constituent, partner, source):
     """Contacts of a new list; stiffness and damping still to be filled."""
-    count = part.shape[0]
+    count = constituent.shape[0]
     return Contacts(
-        first, part, other, other, np.empty(count), old.modulus, fresh(old.damping, count),
-        carried(old.spring, source), carried(old.root, source),
-        carried(old.normal_x, source), carried(old.normal_y, source),
+        first, constituent, partner, partner, np.empty(count), old.modulus,
+        fresh(old.damping, count), old.friction, carried(old.tangential_force, source),
+        carried(old.sqrt_overlap, source), carried(old.normal_x, source),
+        carried(old.normal_y, source),
     )  # fmt: skip
 
 
@@ -62,112 +63,120 @@ def set_constants(contacts, p, radius, mass, alpha):
 
 
 @compiled(allocates=True)
-def list_pairs(old, rows, parts):
-    radius, mass = parts.radius, parts.mass
-    first, part, other = near_pairs(rows, parts.bounding, parts.skin, parts.per)
-    source = match_pairs(first, other, old.first, old.other)
-    new = renewed(old, first, part, other, source)
-    for p in range(part.shape[0]):
-        i, j = part[p], other[p]
+def list_pairs(old, rows, table):
+    radius, mass = table.radius, table.mass
+    first, constituent, partner = near_pairs(rows, table.bounding, table.skin, table.per)
+    source = match_pairs(first, partner, old.first, old.partner)
+    new = renewed(old, first, constituent, partner, source)
+    for p in range(constituent.shape[0]):
+        i, j = constituent[p], partner[p]
         reduced_radius = radius[i] * radius[j] / (radius[i] + radius[j])
         reduced_mass = mass[i] * mass[j] / (mass[i] + mass[j])
-        set_constants(new, p, reduced_radius, reduced_mass, parts.alpha)
+        set_constants(new, p, reduced_radius, reduced_mass, table.alpha)
         point(new.normal_x, new.normal_y, p, rows[j, X] - rows[i, X], rows[j, Y] - rows[i, Y])
     return new
 
 
-@optional
-def list_walls(walls, rows, parts):
-    old = walls.contacts
-    part, other = near_planes(rows, parts.bounding, parts.skin, walls.planes)
-    new = renewed(old, None, part, other, match_listed(part, other, old.part, old.other))
-    for p in range(part.shape[0]):
-        set_constants(new, p, parts.radius[part[p]], parts.mass[part[p]], parts.alpha)
-    return Walls(walls.planes, walls.motion, new, walls.tangent, walls.impulse)
+@inlined
+def list_boundary(old, constituent, partner):
+    """Contacts with walls or cylinder, with what each remembers."""
+    source = match_listed(constituent, partner, old.constituent, old.partner)
+    return renewed(old, None, constituent, partner, source)
 
 
 @optional
-def list_roller(roller, rows, parts):
-    old, size = roller.contacts, roller.radius
-    x, y = roller.motion[0, X], roller.motion[0, Y]
-    part, other = near_circle(rows, parts.bounding, parts.skin, x, y, size)
-    new = renewed(old, None, part, other, match_listed(part, other, old.part, old.other))
-    for p in range(part.shape[0]):
-        i = part[p]
-        radius = parts.radius[i] * size / (parts.radius[i] + size)
-        set_constants(new, p, radius, parts.mass[i], parts.alpha)
+def list_walls(walls, rows, table):
+    constituent, wall = near_planes(rows, table.bounding, table.skin, walls.planes)
+    new = list_boundary(walls.contacts, constituent, wall)
+    for p in range(constituent.shape[0]):
+        i = constituent[p]
+        set_constants(new, p, table.radius[i], table.mass[i], table.alpha)
+    return WallBoundary(walls.planes, walls.motion, new, walls.impulse)
+
+
+@optional
+def list_cylinder(cylinder, rows, table):
+    size = cylinder.radius
+    x, y = cylinder.motion[0, X], cylinder.motion[0, Y]
+    constituent, partner = near_circle(rows, table.bounding, table.skin, x, y, size)
+    new = list_boundary(cylinder.contacts, constituent, partner)
+    for p in range(constituent.shape[0]):
+        i = constituent[p]
+        radius = table.radius[i] * size / (table.radius[i] + size)
+        set_constants(new, p, radius, table.mass[i], table.alpha)
         point(new.normal_x, new.normal_y, p, x - rows[i, X], y - rows[i, Y])
-    roller.reference[0], roller.reference[1] = x, y
-    return Roller(size, roller.motion, roller.reference, new, roller.tangent, roller.impulse)
+    cylinder.reference[0], cylinder.reference[1] = x, y
+    return CylinderBoundary(size, cylinder.motion, cylinder.reference, new, cylinder.impulse)
 
 
 @optional
 def refresh(frame, angle):
-    """Cosine and sine anew: dem.dynamics.integration only turns them."""
+    """Cosine and sine from the angle: dem.dynamics.integration only turns them."""
     for i in range(angle.shape[0]):
         frame[i, 0], frame[i, 1] = math.cos(angle[i]), math.sin(angle[i])
 
 
 @inlined
-def parcel(pairs, granules, per):
-    """Rows for the forces of pairs of two chunks: slot (m,) of dem.dynamics.world.Contacts, and Chunks."""
-    parts, chunks = granules * per, (granules + CHUNK - 1) // CHUNK
-    slot = pairs.other.copy()
+def share_out(pairs, granules, per):
+    """Rows for the forces of pairs of two chunks: force_row (m,) of Contacts, and Chunks."""
+    own, chunks = granules * per, (granules + CHUNK - 1) // CHUNK
+    force_row = pairs.partner.copy()
     size = CHUNK * per
-    target = np.empty(slot.shape[0], np.uint32)
+    target = np.empty(force_row.shape[0], np.uint32)
     first = np.zeros(chunks + 1, np.int64)
     count = 0
-    for p in range(slot.shape[0]):
-        home = pairs.other[p] // size
-        if home != pairs.part[p] // size:
-            slot[p], target[count] = parts + count, pairs.other[p]
+    for p in range(force_row.shape[0]):
+        home = pairs.partner[p] // size
+        if home != pairs.constituent[p] // size:
+            force_row[p], target[count] = own + count, pairs.partner[p]
             first[home + 1] += 1
             count += 1
     for c in range(chunks):
         first[c + 1] += first[c]
-    inbox, filled = np.empty(count, np.uint32), first[:-1].copy()
+    incoming, filled = np.empty(count, np.uint32), first[:-1].copy()
     for s in range(count):
         home = target[s] // size
-        inbox[filled[home]] = s
+        incoming[filled[home]] = s
         filled[home] += 1
-    return slot, Chunks(target[:count].copy(), inbox, first)
+    return force_row, Chunks(target[:count].copy(), incoming, first)
 
 
 @optional
 def chunked(old, pairs, world):
     """Pairs, forces and chunks of a bed in pieces."""
-    granules, parts = world.bodies.shape[0], world.parts.shape[0]
-    slot, chunks = parcel(pairs, granules, parts // granules)
-    force, rows = world.part_force, parts + chunks.target.shape[0]
+    granules, own = world.bodies.shape[0], world.constituents.shape[0]
+    force_row, chunks = share_out(pairs, granules, own // granules)
+    force, rows = world.constituent_force, own + chunks.target.shape[0]
     if force.shape[0] < rows:
         force = np.zeros((rows + rows // 8, 4))
-        force[:parts] = world.part_force[:parts]
+        force[:own] = world.constituent_force[:own]
     pairs = Contacts(
-        pairs.first, pairs.part, pairs.other, slot, pairs.stiffness, pairs.modulus, pairs.damping,
-        pairs.spring, pairs.root, pairs.normal_x, pairs.normal_y,
+        pairs.first, pairs.constituent, pairs.partner, force_row, pairs.stiffness, pairs.modulus,
+        pairs.damping, pairs.friction, pairs.tangential_force, pairs.sqrt_overlap, pairs.normal_x,
+        pairs.normal_y,
     )  # fmt: skip
     return pairs, force, chunks
 
 
 @compiled(allocates=True)
-def relist(world, parts):
-    """The world with contact lists made anew for the present positions.
+def rebuild_neighbor_list(world, table):
+    """The world with contact lists for the present positions.
 
-    parts: dem.dynamics.assembly.Constants.
+    table: dem.dynamics.assembly.GranuleTable.
     """
     refresh(world.frame, world.angle)
-    rows = world.parts
+    rows = world.constituents
     place(world.shape, world.bodies, world.frame, rows, 0, world.bodies.shape[0])
     for i in range(rows.shape[0]):
         world.reference[i, 0], world.reference[i, 1] = rows[i, X], rows[i, Y]
-    pairs = list_pairs(world.pairs, rows, parts)
-    whole = pairs, world.part_force, None
-    pairs, part_force, chunks = either(chunked(world.chunks, pairs, world), whole)
-    force = part_force if parts.per == 1 else world.force  # one array where a granule is one part
+    pairs = list_pairs(world.pairs, rows, table)
+    whole = pairs, world.constituent_force, None
+    pairs, constituent_force, chunks = either(chunked(world.chunks, pairs, world), whole)
+    # one array where a granule is its own only constituent
+    force = constituent_force if table.per == 1 else world.force
     return World(
         world.shape, world.bodies, world.angle, world.frame, world.inverse_mass,
-        world.inverse_inertia, force, rows, part_force, world.reference,
-        pairs, world.tangent,
-        list_walls(world.walls, rows, parts), list_roller(world.roller, rows, parts),
+        world.inverse_inertia, force, rows, constituent_force, world.reference, pairs,
+        list_walls(world.walls, rows, table), list_cylinder(world.cylinder, rows, table),
         world.gravity, world.lanes, chunks,
     )  # fmt: skip

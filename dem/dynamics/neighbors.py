@@ -12,17 +12,22 @@ from dem.jit.compilation import compiled, inlined
 
 
 @compiled(allocates=True)
-def cells(parts, size):
+def cells(constituents, size):
     """Sort parts into square cells of the given size (m): counting sort.
 
     Returns cell of each part (parts,), members sorted by cell (parts,), start of each cell in
     members (cells + 1,), and the number of columns. Cells never outnumber the parts fourfold.
     """
-    n = parts.shape[0]
-    left, bottom, right, top = parts[0, X], parts[0, Y], parts[0, X], parts[0, Y]
+    n = constituents.shape[0]
+    left, bottom, right, top = (
+        constituents[0, X],
+        constituents[0, Y],
+        constituents[0, X],
+        constituents[0, Y],
+    )
     for i in range(n):
-        left, right = min(left, parts[i, X]), max(right, parts[i, X])
-        bottom, top = min(bottom, parts[i, Y]), max(top, parts[i, Y])
+        left, right = min(left, constituents[i, X]), max(right, constituents[i, X])
+        bottom, top = min(bottom, constituents[i, Y]), max(top, constituents[i, Y])
     width, height = right - left, top - bottom
     while (width / size + 1.0) * (height / size + 1.0) > 4.0 * n + 16.0:
         size *= 2.0
@@ -31,7 +36,9 @@ def cells(parts, size):
     where = np.empty(n, np.int64)
     start = np.zeros(columns * rows + 1, np.int64)
     for i in range(n):
-        where[i] = int((parts[i, Y] - bottom) / size) * columns + int((parts[i, X] - left) / size)
+        where[i] = int((constituents[i, Y] - bottom) / size) * columns + int(
+            (constituents[i, X] - left) / size
+        )
         start[where[i] + 1] += 1
     for c in range(columns * rows):
         start[c + 1] += start[c]
@@ -55,14 +62,14 @@ def sort_few(values, start, stop):
 
 
 @compiled(allocates=True)
-def near_pairs(parts, radius, skin, parts_per_granule):
+def near_pairs(constituents, radius, skin, parts_per_granule):
     """Pairs of parts of different granules closer than skin (m): (first, part, other) of Contacts.
 
     radius (parts,): bounding radius (m). Each pair stands once, under its lower index, partners
     in ascending order.
     """
-    n = parts.shape[0]
-    where, members, start, columns = cells(parts, 2.0 * radius.max() + skin)
+    n = constituents.shape[0]
+    where, members, start, columns = cells(constituents, 2.0 * radius.max() + skin)
     rows = (start.shape[0] - 1) // columns
     first = np.zeros(n + 1, np.uint32)
     other = np.empty(8 * n + 8, np.uint32)
@@ -80,7 +87,10 @@ def near_pairs(parts, radius, skin, parts_per_granule):
                 j = members[m]
                 if j <= i or j // parts_per_granule == i // parts_per_granule:
                     continue
-                dx, dy = parts[j, X] - parts[i, X], parts[j, Y] - parts[i, Y]
+                dx, dy = (
+                    constituents[j, X] - constituents[i, X],
+                    constituents[j, Y] - constituents[i, Y],
+                )
                 reach = radius[i] + radius[j] + skin
                 if dx * dx + dy * dy < reach * reach:
                     other[count] = j
@@ -95,14 +105,19 @@ def near_pairs(parts, radius, skin, parts_per_granule):
 
 
 @compiled(allocates=True)
-def near_planes(parts, radius, skin, planes):
+def near_planes(constituents, radius, skin, planes):
     """Parts closer than skin (m) to each wall: (part, other) of Contacts, by part, then by wall."""
-    part = np.empty(parts.shape[0] * planes.shape[0], np.uint32)
+    part = np.empty(constituents.shape[0] * planes.shape[0], np.uint32)
     other = np.empty_like(part)
     count = 0
-    for i in range(parts.shape[0]):
+    for i in range(constituents.shape[0]):
         for k in range(planes.shape[0]):
-            reach = parts[i, X] * planes[k, 0] + parts[i, Y] * planes[k, 1] + radius[i] + skin
+            reach = (
+                constituents[i, X] * planes[k, 0]
+                + constituents[i, Y] * planes[k, 1]
+                + radius[i]
+                + skin
+            )
             if reach > planes[k, 2]:
                 part[count], other[count] = i, k
                 count += 1
@@ -110,12 +125,12 @@ def near_planes(parts, radius, skin, planes):
 
 
 @compiled(allocates=True)
-def near_circle(parts, radius, skin, x, y, size):
+def near_circle(constituents, radius, skin, x, y, size):
     """Parts closer than skin (m) to a circle of radius size (m) at x, y: (part, other)."""
-    part = np.empty(parts.shape[0], np.uint32)
+    part = np.empty(constituents.shape[0], np.uint32)
     count = 0
-    for i in range(parts.shape[0]):
-        dx, dy = parts[i, X] - x, parts[i, Y] - y
+    for i in range(constituents.shape[0]):
+        dx, dy = constituents[i, X] - x, constituents[i, Y] - y
         reach = radius[i] + size + skin
         if dx * dx + dy * dy < reach * reach:
             part[count] = i

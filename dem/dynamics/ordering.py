@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from dem.scene import Scene, State, arrays_of
 from dem.dynamics.world import CHUNK
+from dem.scene import Scene, State, arrays_of
 
 
 def _spread(number):

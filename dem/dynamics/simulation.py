@@ -12,14 +12,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.dynamics.assembly import assemble, constants
-from dem.dynamics.checkpoint import clock, fingerprint, moving, read, read_only, replaced
-from dem.jit.columns import VX, VY, W
-from dem.dynamics.threads import Crew
-from dem.dynamics.energy import Bookkeeper, Ledger
 from dem.base.errors import InputError, OverlapError, StateError
-from dem.contacts.loops import forces
-from dem.dynamics.neighbor_list import relist
+from dem.base.validate import checked, flag, not_negative, one_of, or_none, positive, up_to, whole
+from dem.dynamics.assembly import assemble, granule_table
+from dem.dynamics.checkpoint import clock, fingerprint, moving, read, read_only, replaced
+from dem.dynamics.diagnostics import Diagnostics, diagnose
+from dem.dynamics.energy import Bookkeeper, Ledger
+from dem.dynamics.forces import forces
+from dem.dynamics.neighbor_list import rebuild_neighbor_list
+from dem.dynamics.ordering import order_of, ordered
 from dem.dynamics.stepping import (
     LOST,
     MOST_STEPS,
@@ -27,16 +28,16 @@ from dem.dynamics.stepping import (
     TOO_DEEP,
     TOO_LONG,
     Rules,
+    Schedule,
     longest_step,
-    march,
     outside,
+    run_steps,
 )
-from dem.dynamics.ordering import order_of, ordered
-from dem.scene import Scene, State
-from dem.dynamics.diagnostics import Glance, look
+from dem.dynamics.threads import Threads
 from dem.dynamics.touching import Touching, touching
-from dem.base.validate import checked, flag, not_negative, one_of, or_none, positive, up_to, whole
 from dem.dynamics.world import CHUNK, World
+from dem.jit.columns import VX, VY, W
+from dem.scene import Scene, State
 
 SKIN = 0.12  # of the mean bounding radius; timings are flat from 0.1 to 0.2
 MARGIN = 0.75  # share of skin / 2 that a part may move before the lists are made anew
@@ -125,7 +126,7 @@ class Simulation:
             raise InputError(f"threads is {threads}; with an energy ledger it must be 1.")
         self.scene = scene
         threads = min(threads, math.ceil(scene.granules / CHUNK))
-        self._crew = Crew(threads) if threads > 1 else None
+        self._threads = Threads(threads) if threads > 1 else None
         self.time_step = time_step
         self.step_fraction = step_fraction
         self.max_overlap = max_overlap
@@ -136,23 +137,25 @@ class Simulation:
         self._order = order_of(scene, state)
         if self._order is not None:
             scene, state = ordered(scene, state, self._order)
-        self._parts = constants(scene, skin)
+        self._table = granule_table(scene, skin)
         self.rules = self._make_rules()
-        self._world = assemble(scene, state, self._parts, ledger)
+        self._world = assemble(scene, state, self._table, ledger)
         self._check_inside()
-        self._world = relist(self._world, self._parts)
+        self._world = rebuild_neighbor_list(self._world, self._table)
         forces(self._world, 0.0)
         self._bookkeeper = Bookkeeper(self._world) if ledger else None
 
     def _make_rules(self) -> Rules:
-        reach = 0.5 * self._parts.skin
+        reach = 0.5 * self._table.skin
         return Rules(
             time_step=float(self.time_step or 0.0),
             fraction=self.step_fraction,
-            flight=float(min(LONGEST_FLIGHT * self._parts.radius.min(), (1.0 - MARGIN) * reach)),
+            largest_motion=float(
+                min(LONGEST_FLIGHT * self._table.radius.min(), (1.0 - MARGIN) * reach)
+            ),
             max_overlap=float(self.max_overlap),
-            room=MARGIN * reach,
-            reach=reach,
+            rebuild_at=MARGIN * reach,
+            list_range=reach,
         )
 
     # What can be read between calls
@@ -177,23 +180,25 @@ class Simulation:
 
         Rows of the first: of the normal parts and of the tangential parts; of the second: normal.
         """
-        roller, walls = self._world.roller, self._world.walls
-        on_cylinder = np.zeros((2, 2)) if roller is None else roller.impulse.reshape(2, 2).copy()
+        cylinder, walls = self._world.cylinder, self._world.walls
+        on_cylinder = (
+            np.zeros((2, 2)) if cylinder is None else cylinder.impulse.reshape(2, 2).copy()
+        )
         on_walls = np.zeros(0) if walls is None else walls.impulse.copy()
-        for barrier in (roller, walls):
-            if barrier is not None:
-                barrier.impulse[:] = 0.0
+        for boundary in (cylinder, walls):
+            if boundary is not None:
+                boundary.impulse[:] = 0.0
         return on_cylinder, on_walls
 
-    def look(self) -> Glance:
+    def diagnose(self) -> Diagnostics:
         """Energy, contacts and greatest overlap of the bed as it is, and its critical time step.
 
         Raises OverlapError where the guard on overlaps trips.
         """
-        glance = look(self._world, self._parts)
-        if not glance.max_overlap <= self.max_overlap:
-            self._fail(TOO_DEEP, glance.max_overlap, glance.deepest)
-        return glance._replace(deepest=self._name(glance.deepest))
+        diagnostics = diagnose(self._world, self._table)
+        if not diagnostics.max_overlap <= self.max_overlap:
+            self._fail(TOO_DEEP, diagnostics.max_overlap, diagnostics.deepest)
+        return diagnostics._replace(deepest=self._name(diagnostics.deepest))
 
     @checked(duration=DURATION)
     def check_duration(self, duration: float) -> None:
@@ -203,7 +208,7 @@ class Simulation:
         advance and record raise StateError where it would not at a step that they choose. Raises
         OverlapError where the guard on overlaps trips.
         """
-        step = longest_step.py_func(self.rules, self.look())
+        step = longest_step.py_func(self.rules, self.diagnose())
         if not duration <= MOST_STEPS * step:
             raise InputError(self._endless("duration", duration, step))
         self._until = self.time + duration
@@ -239,19 +244,22 @@ class Simulation:
             raise InputError("saved is no checkpoint of this simulation; it is of another scene.")
         time, steps = clock(saved)
         world = replaced(self._world, saved)
-        alone = self._parts.per == 1  # a granule is its own only part: one array for both
-        self._world = world._replace(force=world.part_force) if alone else world
+        alone = self._table.per == 1  # a granule is its own only constituent: one array for both
+        self._world = world._replace(force=world.constituent_force) if alone else world
         self.time, self.steps = time, steps
 
     def _fingerprint(self):
         """Tells scenes, options and the order of granules in memory apart."""
         world, order = self._world, None if self._order is None else self._order.copy()
-        barriers = [b for b in (world.walls, world.roller) if b is not None]
-        fixed = [(b.tangent, b.contacts.modulus, b.contacts.damping is None) for b in barriers]
-        held = [world.shape, self._parts, self.rules, world.tangent, world.pairs.modulus]
+        boundaries = [b for b in (world.walls, world.cylinder) if b is not None]
+        fixed = [
+            (b.contacts.friction, b.contacts.modulus, b.contacts.damping is None)
+            for b in boundaries
+        ]
+        held = [world.shape, self._table, self.rules, world.pairs.friction, world.pairs.modulus]
         arrays = [world.inverse_mass, world.inverse_inertia, world.gravity, order]
         planes = None if world.walls is None else world.walls.planes
-        radius = None if world.roller is None else world.roller.radius
+        radius = None if world.cylinder is None else world.cylinder.radius
         return fingerprint(*held, fixed, radius, *arrays, planes)
 
     # Motion
@@ -264,7 +272,7 @@ class Simulation:
         InputError for a duration of too many steps, and StateError or OverlapError (both RunError),
         naming step, time and granule.
         """
-        return self._march("duration", duration, 1, None)
+        return self._run_steps("duration", duration, 1, None)
 
     @checked(interval=DURATION, count=PIECES)
     def record(self, interval: float, count: int) -> Record:
@@ -275,17 +283,17 @@ class Simulation:
         self.collect_impulses()
         walls = 0 if self.scene.walls is None else len(self.scene.walls)
         rows = np.zeros((count, 8 + walls))
-        self._march("interval * count", interval, count, rows)
-        self.look()  # the guard on overlaps, also for the end of the last interval
+        self._run_steps("interval * count", interval, count, rows)
+        self.diagnose()  # the guard on overlaps, also for the end of the last interval
         energy, contacts, overlap, step = rows[:, :4].T
         return Record(rows[:, 4:6], rows[:, 6:8], rows[:, 8:], energy, contacts, overlap, step)
 
-    def _march(self, name, interval, count, rows):
-        run = march if self._crew is None else march.py_func
+    def _run_steps(self, name, interval, count, rows):
+        run = run_steps if self._threads is None else run_steps.py_func
+        schedule = Schedule(self.time, float(interval), count, self._until)
         self._world, report = run(
-            self._world, self._parts, self.rules, self.time, interval, count, self._until, rows,
-            self._crew,
-        )  # fmt: skip
+            self._world, self._table, self.rules, schedule, rows, self._threads
+        )
         self.time = report.time
         self.steps += report.steps
         if report.outcome == TOO_LONG and report.steps == 0:
@@ -317,11 +325,11 @@ class Simulation:
                 "time step."
             )
         if outcome == LOST:
-            moved = np.linalg.norm(self._world.parts[:, :2] - self._world.reference, axis=1)
-            farthest = int(moved.argmax()) // self._parts.per
+            moved = np.linalg.norm(self._world.constituents[:, :2] - self._world.reference, axis=1)
+            farthest = int(moved.argmax()) // self._table.per
             raise StateError(
                 f"granule {self._name(farthest)} moved {value:.3g} m before its contacts were listed "
-                f"again {when}; it may move {self.rules.reach:.3g} m: take a smaller time step."
+                f"again {when}; it may move {self.rules.list_range:.3g} m: take a smaller time step."
             )
         if outcome == TOO_LONG:
             raise StateError(

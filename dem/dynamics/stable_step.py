@@ -9,96 +9,124 @@ granule 1. For any s > 0
 
 so that both matrices are bounded by blocks of three by three, one a granule, and their greatest
 eigenvalues by those of the blocks; s = |g2| / |g1|. The force at a contact lowers the stiffness,
-but where it acts off the centre of a granule that turns: that part is bounded by Constants.bend.
+but where it acts off the centre of a granule that turns: that part is bounded by GranuleTable.bend.
 All contacts are taken to stick. Not in the bound: that contacts grow stiffer until the next look,
 and that the dashpot of a contact changes with its overlap.
 """
 
 import math
+from typing import NamedTuple
+
+import numpy as np
 
 from dem.jit.compilation import inlined
 from dem.jit.optional import either, optional
 
-# Columns of `blocks` (n, 12): xx, xy, yy, xr, yr, rr of the stiffness (1/s2), then of the damping (1/s)
+# Columns of `rows` (n, 12): xx, xy, yy, xr, yr, rr of stiffness (1/s2), then of damping (1/s)
 STIFFNESS, DAMPING, COLUMNS = 0, 6, 12
 
 
-@optional
-def tangential_stiffness(tangent, stiffness, root):
-    return tangent.stiffness_ratio * stiffness * root
+class Bounds(NamedTuple):
+    """rows (n, 12): what is summed up for each granule, see above; least (m): overlap that a pair
+    in the lists counts with, at least, as to stiffness."""
+
+    rows: np.ndarray
+    least: float
 
 
 @optional
-def normal_damping(damping, p, root):
-    return damping[p] * math.sqrt(root)
+def tangential_stiffness(friction, stiffness, sqrt_overlap):
+    return friction.stiffness_ratio * stiffness * sqrt_overlap
 
 
 @optional
-def tangential_damping(normal, tangent):
-    return tangent.damping_ratio * normal
+def normal_damping(damping, p, sqrt_overlap):
+    return damping[p] * math.sqrt(sqrt_overlap)
 
 
 @optional
-def reach_of_spin(turns, lever, i):
+def tangential_damping(normal, friction):
+    return friction.damping_ratio * normal
+
+
+@optional
+def weight_of_spin(inverse_inertia, lever, i):
     """Mass-weighted lever of granule i."""
-    return lever * math.sqrt(turns[i])
+    return lever * math.sqrt(inverse_inertia[i])
 
 
 @inlined
-def share(light, turns, i, lever):
+def weight(inverse_mass, inverse_inertia, i, lever):
     """Mass-weighted size of translation and of rotation of granule i at a contact (kg^-0.5)."""
-    return math.sqrt(light[i]), either(reach_of_spin(turns, lever, i), 0.0)
+    return math.sqrt(inverse_mass[i]), either(weight_of_spin(inverse_inertia, lever, i), 0.0)
 
 
 @inlined
-def add(blocks, i, column, modulus, ex, ey, size, spin):
-    """Add modulus g g^T with g = (size ex, size ey, spin) to one block of granule i."""
-    gx, gy = size * ex, size * ey
-    blocks[i, column] += modulus * gx * gx
-    blocks[i, column + 1] += modulus * gx * gy
-    blocks[i, column + 2] += modulus * gy * gy
-    blocks[i, column + 3] += modulus * gx * spin
-    blocks[i, column + 4] += modulus * gy * spin
-    blocks[i, column + 5] += modulus * spin * spin
+def add(rows, i, column, modulus, direction, size):
+    """Add modulus g g^T, g = (size[0] e, size[1]) with e the direction, to one row of granule i."""
+    gx, gy, spin = size[0] * direction[0], size[0] * direction[1], size[1]
+    rows[i, column] += modulus * gx * gx
+    rows[i, column + 1] += modulus * gx * gy
+    rows[i, column + 2] += modulus * gy * gy
+    rows[i, column + 3] += modulus * gx * spin
+    rows[i, column + 4] += modulus * gy * spin
+    rows[i, column + 5] += modulus * spin * spin
 
 
 @optional
-def add_if(modulus, blocks, i, column, factor, ex, ey, size, spin):
-    add(blocks, i, column, factor * modulus, ex, ey, size, spin)
+def add_if(modulus, rows, i, column, factor, direction, size):
+    add(rows, i, column, factor * modulus, direction, size)
 
 
 @inlined
-def couple(blocks, i, j, k, c, ex, ey, one, two):
-    """Stiffness k (N/m) and damping c (N s/m, or None) along e, between granules i and j.
+def add_pair_stiffness(rows, pair, k, c, direction, weights):
+    """Stiffness k (N/m) and damping c (N s/m, or None) along a direction, between two granules.
 
-    one, two: of `share`, with the levers of the contact about both centres.
+    pair: their numbers; weights: of `weight`, with the levers of the contact about both centres.
     """
+    one, two = weights
     first, second = math.hypot(one[0], one[1]), math.hypot(two[0], two[1])
     mine, theirs = 1.0 + second / first, 1.0 + first / second
-    add_if(k, blocks, i, STIFFNESS, mine, ex, ey, one[0], one[1])
-    add_if(k, blocks, j, STIFFNESS, theirs, ex, ey, two[0], two[1])
-    add_if(c, blocks, i, DAMPING, mine, ex, ey, one[0], one[1])
-    add_if(c, blocks, j, DAMPING, theirs, ex, ey, two[0], two[1])
+    add_if(k, rows, pair[0], STIFFNESS, mine, direction, one)
+    add_if(k, rows, pair[1], STIFFNESS, theirs, direction, two)
+    add_if(c, rows, pair[0], DAMPING, mine, direction, one)
+    add_if(c, rows, pair[1], DAMPING, theirs, direction, two)
+
+
+@optional
+def add_pair_tangent(friction, rows, pair, spring, direction, weights):
+    """The same along the tangent; spring: stiffness (N m^-1.5), sqrt_overlap, normal damping."""
+    stiffness, sqrt_overlap, damping = spring
+    k = tangential_stiffness(friction, stiffness, sqrt_overlap)
+    add_pair_stiffness(rows, pair, k, tangential_damping(damping, friction), direction, weights)
 
 
 @inlined
-def anchor(blocks, i, k, c, ex, ey, one):
+def add_wall_stiffness(rows, i, k, c, direction, one):
     """The same for granule i and a wall or the cylinder."""
-    add_if(k, blocks, i, STIFFNESS, 1.0, ex, ey, one[0], one[1])
-    add_if(c, blocks, i, DAMPING, 1.0, ex, ey, one[0], one[1])
+    add_if(k, rows, i, STIFFNESS, 1.0, direction, one)
+    add_if(c, rows, i, DAMPING, 1.0, direction, one)
+
+
+@optional
+def add_wall_tangent(friction, rows, i, spring, direction, one):
+    """As add_pair_tangent."""
+    stiffness, sqrt_overlap, damping = spring
+    k = tangential_stiffness(friction, stiffness, sqrt_overlap)
+    add_wall_stiffness(rows, i, k, tangential_damping(damping, friction), direction, one)
 
 
 @inlined
-def stiffen(blocks, i, k, overlap, bend):
+def add_force_stiffness(rows, i, k, overlap, bend):
     """What the force at a contact of normal stiffness k (N/m) can add to the rotation."""
-    blocks[i, STIFFNESS + 5] += k * max(overlap, 0.0) * bend[i]
+    rows[i, STIFFNESS + 5] += k * max(overlap, 0.0) * bend[i]
 
 
 @inlined
-def greatest(blocks, i, column):
-    """Bound on the greatest eigenvalue of one block of granule i."""
-    xx, xy, yy = blocks[i, column], blocks[i, column + 1], blocks[i, column + 2]
-    xr, yr, rr = blocks[i, column + 3], blocks[i, column + 4], blocks[i, column + 5]
+def greatest(rows, i, column):
+    """Bound on the greatest eigenvalue of one row of granule i."""
+    xx, xy, yy = rows[i, column], rows[i, column + 1], rows[i, column + 2]
+    xr, yr, rr = rows[i, column + 3], rows[i, column + 4], rows[i, column + 5]
     moving = 0.5 * (xx + yy + math.sqrt((xx - yy) ** 2 + 4.0 * xy * xy))
     return 0.5 * (moving + rr + math.sqrt((moving - rr) ** 2 + 4.0 * (xr * xr + yr * yr)))
 
@@ -116,10 +144,10 @@ def critical_step(stiffness, damping):
 
 
 @inlined
-def shortest(blocks):
-    """Critical step (s) of the bed: the least of those of the blocks."""
+def shortest(rows):
+    """Critical step (s) of the bed: the least of those of its granules."""
     least = math.inf
-    for i in range(blocks.shape[0]):
-        step = critical_step(greatest(blocks, i, STIFFNESS), greatest(blocks, i, DAMPING))
+    for i in range(rows.shape[0]):
+        step = critical_step(greatest(rows, i, STIFFNESS), greatest(rows, i, DAMPING))
         least = min(least, step)
     return least

@@ -5,12 +5,12 @@ from typing import NamedTuple
 
 from numba.extending import overload
 
+from dem.dynamics.diagnostics import diagnose
+from dem.dynamics.integration import advance
+from dem.dynamics.neighbor_list import rebuild_neighbor_list
 from dem.jit.columns import X, Y
 from dem.jit.compilation import INLINED, compiled, inlined
-from dem.dynamics.integration import advance
-from dem.dynamics.neighbor_list import relist
-from dem.jit.optional import optional
-from dem.dynamics.diagnostics import look
+from dem.jit.optional import either, optional
 
 FINE, LOST, TOO_DEEP, OUTSIDE, TOO_LONG = range(5)
 MOST_STEPS = 1e11  # an hour or more for two granules, weeks for a bed of hundreds
@@ -18,20 +18,31 @@ MOST_STEPS = 1e11  # an hour or more for two granules, weeks for a bed of hundre
 
 class Rules(NamedTuple):
     """time_step (s): fixed, or 0 to take `fraction` of the critical one, less where a granule would
-    move farther than `flight` (m) in it. max_overlap over the smaller radius. room (m): lists are
-    made anew when a part has moved as far; reach (m): it must not have moved farther than this.
+    move farther than `largest_motion` (m) in it. max_overlap over the smaller radius. rebuild_at (m):
+    lists are rebuilt when a constituent has moved as far; list_range (m): it must not have moved
+    farther than this.
     """
 
     time_step: float
     fraction: float
-    flight: float
+    largest_motion: float
     max_overlap: float
-    room: float
-    reach: float
+    rebuild_at: float
+    list_range: float
+
+
+class Schedule(NamedTuple):
+    """From time (s) on, a number of equal intervals (s). until (s): the time to which the caller
+    will go on, if that is later; more than MOST_STEPS to there are not begun."""
+
+    time: float
+    interval: float
+    intervals: int
+    until: float
 
 
 class Report(NamedTuple):
-    """How a march went: FINE or why it stopped, with the value and the granule that say so (moved
+    """How a run_steps went: FINE or why it stopped, with the value and the granule that say so (moved
     distance, overlap or time step); time (s); steps and intervals done; shortest time step (s)."""
 
     outcome: int
@@ -44,18 +55,16 @@ class Report(NamedTuple):
 
 
 @inlined
-def longest_step(rules, glance):
+def longest_step(rules, diagnostics):
     if rules.time_step > 0.0:
         return rules.time_step
-    flight = rules.flight / max(glance.fastest, 1e-300)
-    return min(rules.fraction * glance.critical_time_step, flight)
+    largest_motion = rules.largest_motion / max(diagnostics.fastest, 1e-300)
+    return min(rules.fraction * diagnostics.critical_time_step, largest_motion)
 
 
-@compiled
-def outside(walls, bodies):
+@optional
+def behind(walls, bodies):
     """A granule whose centre is behind a wall, or -1."""
-    if walls is None:
-        return -1
     for i in range(bodies.shape[0]):
         for k in range(walls.planes.shape[0]):
             here = bodies[i, X] * walls.planes[k, 0] + bodies[i, Y] * walls.planes[k, 1]
@@ -65,12 +74,18 @@ def outside(walls, bodies):
 
 
 @compiled
+def outside(walls, bodies):
+    """The same, -1 also where there are no walls."""
+    return either(behind(walls, bodies), -1)
+
+
+@compiled
 def nearing(world):
     """Most by which two bodies can have come nearer since the lists were made (m)."""
-    first, second = displacement(world.roller), 0.0
-    for i in range(world.parts.shape[0]):
-        dx = world.parts[i, X] - world.reference[i, 0]
-        dy = world.parts[i, Y] - world.reference[i, 1]
+    first, second = either(displacement(world.cylinder), 0.0), 0.0
+    for i in range(world.constituents.shape[0]):
+        dx = world.constituents[i, X] - world.reference[i, 0]
+        dy = world.constituents[i, Y] - world.reference[i, 1]
         moved = math.sqrt(dx * dx + dy * dy)
         if not moved <= first:
             first, second = moved, first
@@ -79,88 +94,85 @@ def nearing(world):
     return first + second
 
 
-@compiled
-def displacement(roller):
+@optional
+def displacement(cylinder):
     """How far the cylinder has moved since the lists were made (m)."""
-    if roller is None:
-        return 0.0
-    dx = roller.motion[0, X] - roller.reference[0]
-    dy = roller.motion[0, Y] - roller.reference[1]
+    dx = cylinder.motion[0, X] - cylinder.reference[0]
+    dy = cylinder.motion[0, Y] - cylinder.reference[1]
     return math.sqrt(dx * dx + dy * dy)
 
 
 @optional
-def take_impulses(barrier, row, at, interval):
+def take_impulses(boundary, row, at, interval):
     """Mean forces (N) on walls or cylinder into row[at] ..., their sums back to zero."""
     rate = 1.0 / interval
-    for k in range(barrier.impulse.shape[0]):
-        row[at + k] = barrier.impulse[k] * rate
-        barrier.impulse[k] = 0.0
+    for k in range(boundary.impulse.shape[0]):
+        row[at + k] = boundary.impulse[k] * rate
+        boundary.impulse[k] = 0.0
 
 
 @optional
-def measure(record, n, roller, walls, glance, interval, shortest):
+def measure(record, n, cylinder, walls, diagnostics, interval, shortest):
     """Row n of the record: see Simulation.record."""
     row = record[n]
-    row[0], row[1] = glance.kinetic_energy, glance.coordination_number
-    row[2], row[3] = glance.max_overlap, shortest
-    take_impulses(roller, row, 4, interval)
+    row[0], row[1] = diagnostics.kinetic_energy, diagnostics.coordination_number
+    row[2], row[3] = diagnostics.max_overlap, shortest
+    take_impulses(cylinder, row, 4, interval)
     take_impulses(walls, row, 8, interval)
 
 
-def step_on(crew, world, dt, steps, room):
+def step_on(threads, world, dt, steps, list_range):
     """dem.dynamics.integration.advance, by a crew of threads or alone."""
-    return crew.advance(world, dt, steps, room)
+    return threads.advance(world, dt, steps, list_range)
 
 
 @overload(step_on, jit_options=INLINED)
-def _step_alone(crew, world, dt, steps, room):
-    return lambda crew, world, dt, steps, room: advance(world, dt, steps, room, None)
+def _step_alone(threads, world, dt, steps, list_range):
+    return lambda threads, world, dt, steps, list_range: advance(world, dt, steps, list_range, None)
 
 
 @compiled(allocates=True)
-def march(world, parts, rules, time, interval, intervals, until, record, crew):
-    """Advance over a number of equal intervals (s); returns the world and a Report.
+def run_steps(world, table, rules, schedule, record, threads):
+    """Advance as a Schedule says; returns the world and a Report.
 
-    until (s): the time to which the caller will go on, if that is later; more than MOST_STEPS to
-    there, at any step that is chosen, are not begun. record: an array with a row for each interval,
-    or None. crew: None, or the threads that take
-    the steps (dem.dynamics.threads.Crew; this function then runs as it stands here, uncompiled). The step is chosen at the start of
-    each interval and whenever the contacts are listed anew.
+    record: an array with a row for each interval, or None. threads: None, or those that take the
+    steps (dem.dynamics.threads.Threads; this function then runs as it is here, uncompiled). The step
+    is chosen at the start of each interval and whenever the contacts are listed again.
     """
+    time, interval, intervals, until = schedule
     outcome, value, granule = FINE, 0.0, -1
     steps, done, n, shortest, least = 0, 0, 0, math.inf, math.inf
     end, finished = time + interval, False
     until = max(until, time + intervals * interval)
     while True:
-        glance = look(world, parts)
+        diagnostics = diagnose(world, table)
         if finished:
-            measure(record, n, world.roller, world.walls, glance, interval, least)
+            measure(record, n, world.cylinder, world.walls, diagnostics, interval, least)
             shortest = min(shortest, least)
             n, end, least = n + 1, time + interval, math.inf
         if n == intervals:
             break
-        if not glance.max_overlap <= rules.max_overlap:
-            outcome, value, granule = TOO_DEEP, glance.max_overlap, glance.deepest
+        if not diagnostics.max_overlap <= rules.max_overlap:
+            outcome, value, granule = TOO_DEEP, diagnostics.max_overlap, diagnostics.deepest
             break
-        longest = longest_step(rules, glance)
+        longest = longest_step(rules, diagnostics)
         if not until - time <= MOST_STEPS * longest:
             outcome, value = TOO_LONG, longest
             break
         left = max(1, math.ceil((end - time) / longest * (1.0 - 1e-9)))
         dt = (end - time) / left
         least = min(least, dt)
-        done, moved = step_on(crew, world, dt, left, rules.room)
+        done, moved = step_on(threads, world, dt, left, rules.rebuild_at)
         steps += done
         finished = done == left
         time = end if finished else time + done * dt
-        if not moved <= rules.room:
+        if not moved <= rules.rebuild_at:
             granule = outside(world.walls, world.bodies)
-            if not (moved <= rules.reach or nearing(world) <= 2.0 * rules.reach):
+            if not (moved <= rules.list_range or nearing(world) <= 2.0 * rules.list_range):
                 outcome, value = LOST, moved
                 break
             if granule >= 0:
                 outcome = OUTSIDE
                 break
-            world = relist(world, parts)
+            world = rebuild_neighbor_list(world, table)
     return world, Report(outcome, value, granule, time, steps, n, shortest)

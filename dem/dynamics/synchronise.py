@@ -19,7 +19,7 @@ PATIENCE = 2000  # looks at the gate before the processor is offered to others
 LINE = 8  # numbers to a cache line: each thread writes into its own
 
 
-class Team(NamedTuple):
+class Thread(NamedTuple):
     """One thread's place: its number, how many there are, and what they share.
 
     gate (1,): arrivals so far; moved (8 size,): largest squared displacement that each has seen.
@@ -31,10 +31,10 @@ class Team(NamedTuple):
     moved: np.ndarray
 
 
-def make_teams(size: int) -> list[Team]:
+def make_threads(size: int) -> list[Thread]:
     """One for each thread."""
     gate, moved = np.zeros(1, np.int64), np.zeros(LINE * size)
-    return [Team(me, size, gate, moved) for me in range(size)]
+    return [Thread(me, size, gate, moved) for me in range(size)]
 
 
 def _first(context, builder, signature, arguments):
@@ -78,12 +78,12 @@ else:
 
 
 @optional
-def wait(team):
-    """Wait until all threads of the team are here."""
-    number = _arrive(team.gate)
-    full = (number + team.size - 1) // team.size * team.size
+def barrier(thread):
+    """Wait until all threads of all are here."""
+    number = _arrive(thread.gate)
+    full = (number + thread.size - 1) // thread.size * thread.size
     looks = 0
-    while _arrived(team.gate) < full:
+    while _arrived(thread.gate) < full:
         looks += 1
         if looks > PATIENCE:
             _let_others_run()
@@ -91,12 +91,12 @@ def wait(team):
 
 
 @optional
-def portion(team, count):
+def portion(thread, count):
     """First and last (excluded) of `count` things that fall to this thread."""
-    return team.me * count // team.size, (team.me + 1) * count // team.size
+    return thread.me * count // thread.size, (thread.me + 1) * count // thread.size
 
 
 @optional
-def follows(team):
+def follows(thread):
     """Whether this thread leaves to another what only one must do."""
-    return team.me > 0
+    return thread.me > 0

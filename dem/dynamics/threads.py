@@ -3,23 +3,23 @@
 from concurrent.futures import ThreadPoolExecutor
 
 from dem.dynamics.integration import advance
+from dem.dynamics.synchronise import make_threads
 from dem.jit.lanes import make_lanes
-from dem.dynamics.synchronise import make_teams
 
 
-class Crew:
-    """A number of threads, each with a place in the team and scratch lanes of its own."""
+class Threads:
+    """A number of threads, each with its own place and scratch lanes."""
 
     def __init__(self, threads: int):
-        self._teams = make_teams(threads)
+        self._places = make_threads(threads)
         self._lanes = [make_lanes() for _ in range(threads)]
         self._pool = ThreadPoolExecutor(threads)
 
-    def advance(self, world, dt, steps, room):
+    def advance(self, world, dt, steps, list_range):
         """As dem.dynamics.integration.advance, with the same result for any number of threads."""
         runs = [
-            self._pool.submit(advance, world._replace(lanes=lanes), dt, steps, room, team)
-            for team, lanes in zip(self._teams, self._lanes, strict=True)
+            self._pool.submit(advance, world._replace(lanes=lanes), dt, steps, list_range, thread)
+            for thread, lanes in zip(self._places, self._lanes, strict=True)
         ]
         results = [run.result() for run in runs]
         return results[0]

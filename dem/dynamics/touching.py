@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dem.dynamics.diagnostics import cylinder_geometries, pair_geometries, wall_geometries
 from dem.jit.columns import X, Y
-from dem.dynamics.diagnostics import pair_hits, roller_hits, wall_hits
 
 CYLINDER, FIRST_WALL = -1, -2  # as partners
 
@@ -28,31 +28,41 @@ class Touching(NamedTuple):
 
 def touching(world, names: np.ndarray) -> Touching:
     """All contacts of a bed; names (n,): the number of each granule of the World."""
-    shape, parts, frame = world.shape, world.parts, world.frame
-    per = len(parts) // len(world.bodies)
+    shape, motion, frame = world.shape, world.constituents, world.frame
+    per = len(motion) // len(world.bodies)
     pairs = world.pairs
-    second = names[pairs.other.astype(np.int64) // per]
-    found = [_rows(world, names, pairs, pair_hits(shape, parts, frame, pairs), second)]
-    if world.roller is not None:
-        listed = world.roller.contacts
-        hits = roller_hits(shape, parts, frame, world.roller)
-        found.append(_rows(world, names, listed, hits, np.full(len(listed.part), CYLINDER)))
+    second = names[pairs.partner.astype(np.int64) // per]
+    found = [_rows(world, names, pairs, pair_geometries(shape, motion, frame, pairs), second)]
+    if world.cylinder is not None:
+        listed = world.cylinder.contacts
+        geometries = cylinder_geometries(shape, motion, frame, world.cylinder)
+        found.append(
+            _rows(world, names, listed, geometries, np.full(len(listed.constituent), CYLINDER))
+        )
     if world.walls is not None:
         listed = world.walls.contacts
-        hits = wall_hits(shape, parts, frame, world.walls)
-        found.append(_rows(world, names, listed, hits, FIRST_WALL - listed.other.astype(np.int64)))
+        geometries = wall_geometries(shape, motion, frame, world.walls)
+        found.append(
+            _rows(
+                world,
+                names,
+                listed,
+                geometries,
+                FIRST_WALL - listed.constituentner.astype(np.int64),
+            )
+        )
     return Touching(*map(np.concatenate, zip(*found, strict=True)))
 
 
-def _rows(world, names, listed, hits, partner):
+def _rows(world, names, listed, geometries, partner):
     """Columns of Touching for those of the listed contacts that touch; hits of dem.dynamics.diagnostics."""
-    per = len(world.parts) // len(world.bodies)
-    overlap, nx, ny, along, across, stiffness = hits.T
-    x = world.parts[listed.part, X] + along * nx - across * ny
-    y = world.parts[listed.part, Y] + along * ny + across * nx
+    per = len(world.constituents) // len(world.bodies)
+    overlap, nx, ny, n1, t1, stiffness = geometries.T
+    x = world.constituents[listed.constituent, X] + n1 * nx - t1 * ny
+    y = world.constituents[listed.constituent, Y] + n1 * ny + t1 * nx
     force = stiffness * np.maximum(overlap, 0.0) ** 1.5
     columns = (
-        names[listed.part // per], partner, np.column_stack([x, y]), np.column_stack([nx, ny]),
+        names[listed.constituent // per], partner, np.column_stack([x, y]), np.column_stack([nx, ny]),
         overlap, force,
     )  # fmt: skip
     return [column[overlap > 0.0] for column in columns]

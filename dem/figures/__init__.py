@@ -121,8 +121,8 @@ def draw(name: str, data: Path, folder: Path) -> list[Path]:
     All are those from drag.nc that its cases suffice for; a figure of STUDIES is drawn from the
     file of its study. Raises InputError if there is nothing to draw.
     """
-    from dem.sweep.combine import open_combined
     from dem.figures.style import save
+    from dem.sweep.combine import open_combined
 
     if name in STUDIES:
         return _draw_study(name, data, Path(folder))
@@ -144,8 +144,8 @@ def draw(name: str, data: Path, folder: Path) -> list[Path]:
 
 
 def _draw_study(name, data, folder):
-    from dem.sweep.combine import open_lazily, require
     from dem.figures.style import save
+    from dem.sweep.combine import open_lazily, require
 
     of = {"flow": FLOW} | STUDY_FIGURES
     study = next(each for each, figures in of.items() if name in figures)

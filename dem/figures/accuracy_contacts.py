@@ -6,8 +6,15 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.studies.accuracy.contacts import BED_OVERLAPS, BED_RATIO, COLD, DEFAULT, in_the_beds, pareto
 from dem.figures import style
+from dem.studies.accuracy.contacts import (
+    BED_OVERLAPS,
+    BED_RATIO,
+    COLD,
+    DEFAULT,
+    in_the_beds,
+    pareto,
+)
 
 KINDS = {  # colour, marker, line
     "common normal": ("#17457d", "o", "-"),

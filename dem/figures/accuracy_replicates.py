@@ -5,8 +5,8 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from dem.studies.accuracy import replicates
 from dem.figures import style
+from dem.studies.accuracy import replicates
 
 PAPER = 5  # runs a case
 DRAWN = (3, 5, 8, 12, 20, 35, 60)  # sizes of the random subsets

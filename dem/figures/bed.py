@@ -4,9 +4,9 @@ import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.patches import Circle, Rectangle
 
-from dem.figures import style
 from dem.analysis.flow.measures import layers_of
-from dem.shapes import SHAPES
+from dem.figures import style
+from dem.shapes import KINDS
 
 PLAIN, SHADED = "#dfe7ee", style.CURVE
 EDGE = {"edgecolors": style.OUTLINE, "linewidths": 0.35}
@@ -16,7 +16,7 @@ AHEAD = 1.5  # diameters of the cylinder: height of the cluster that is shaded
 
 def outlines(kind: str, diameters, ratio: float) -> np.ndarray:
     """Outlines (n, rings, points, 2) in m about the centre at angle zero."""
-    return SHAPES[kind][0].of_size(diameters, ratio).boundary(33)
+    return KINDS[kind].shape.of_size(diameters, ratio).polygons(33)
 
 
 def placed(rings, position, angle) -> np.ndarray:

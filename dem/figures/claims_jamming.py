@@ -4,11 +4,11 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from dem.base.errors import InputError
+from dem.figures import style
 from dem.studies.claims.compare import Comparison
 from dem.studies.claims.evidence import reference
 from dem.studies.claims.remains import EQUAL, remaining
-from dem.base.errors import InputError
-from dem.figures import style
 
 STATES = {
     EQUAL: ("equal packing fraction", "#17457d", ""),

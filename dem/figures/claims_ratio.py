@@ -4,10 +4,10 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.studies.claims.compare import Comparison
-from dem.studies.claims.evidence import rows, table, with_case
 from dem.base.errors import InputError
 from dem.figures import style
+from dem.studies.claims.compare import Comparison
+from dem.studies.claims.evidence import rows, table, with_case
 
 SETTINGS = {
     "equal fraction": ("equal packing fraction", "o", "-", "#17457d"),

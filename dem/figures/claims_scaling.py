@@ -4,10 +4,10 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.studies.claims.evidence import MARGIN, rows
-from dem.studies.claims.report import scaled_ratios
 from dem.base.errors import InputError
 from dem.figures import style
+from dem.studies.claims.evidence import MARGIN, rows
+from dem.studies.claims.report import scaled_ratios
 
 PANELS = {
     "velocity": "Velocity of the cylinder", "diameter": "Diameter of the cylinder",

@@ -6,11 +6,11 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from dem.base.errors import InputError
+from dem.figures import style
 from dem.studies.claims.evidence import from_study
 from dem.studies.claims.influence import influences, responses
 from dem.studies.claims.verdicts import judge
-from dem.base.errors import InputError
-from dem.figures import style
 
 SHOWN = 7  # factors
 BARS = (("drag of c1", "o", "#17457d"), ("e1 over c1", "D", "white"))

@@ -7,11 +7,11 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from dem.figures import style
 from dem.studies.claims.compare import CONTRADICTED, SUPPORTED, UNDECIDED, UNTESTED
 from dem.studies.claims.evidence import from_study
 from dem.studies.claims.report import claimed
 from dem.studies.claims.verdicts import judge
-from dem.figures import style
 
 RANGE = (0.12, 8.0)
 ROW = 0.5  # inches

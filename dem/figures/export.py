@@ -6,8 +6,8 @@ from pathlib import Path
 import meshio
 import numpy as np
 
-from dem.base.files import atomic
 from dem.analysis.flow.motion import Motion
+from dem.base.files import atomic
 
 PVD = """<?xml version="1.0"?>
 <VTKFile type="Collection" version="0.1"><Collection>

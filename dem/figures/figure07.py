@@ -8,9 +8,9 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from dem.analysis.statistics import edges_of_bins, half_interval, running_mean, summarise, table1
 from dem.base.errors import InputError
 from dem.figures import style
-from dem.analysis.statistics import edges_of_bins, half_interval, running_mean, summarise, table1
 
 COLUMNS = 3
 

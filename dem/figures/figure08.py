@@ -8,9 +8,16 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from dem.analysis.statistics import (
+    change,
+    edges_of_bins,
+    find,
+    half_interval,
+    running_mean,
+    summarise,
+)
 from dem.base.errors import InputError
 from dem.figures import style
-from dem.analysis.statistics import change, edges_of_bins, find, half_interval, running_mean, summarise
 
 CODES = {"c1": "disc code", "e0": "ellipse code"}  # by shape
 WIDTHS = {"c1": 3.2, "e0": 1.8}  # of the curves, so that one shows below the other

@@ -3,9 +3,9 @@
 import xarray as xr
 from matplotlib.figure import Figure
 
+from dem.analysis.statistics import summarise, table1
 from dem.base.errors import InputError
 from dem.figures import style
-from dem.analysis.statistics import summarise, table1
 
 
 @style.styled

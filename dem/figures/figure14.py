@@ -6,9 +6,9 @@ A seed means one bed at all densities, so the interval of a change is one of pai
 import xarray as xr
 from matplotlib.figure import Figure
 
+from dem.analysis.statistics import change, densities, summarise
 from dem.base.errors import InputError
 from dem.figures import style
-from dem.analysis.statistics import change, densities, summarise
 
 PAPER = 21.8  # %, greatest change from the lower to the higher density (section 3.4)
 FILLS = (("#dfe8f2", ""), ("#8fb0d6", "///"), ("#4a6f9c", "xx"))  # colour and hatch by density

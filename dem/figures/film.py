@@ -9,11 +9,11 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 
-from dem.base.errors import InputError
-from dem.figures import bed, style
-from dem.base.files import Place, atomic, check_paths
 from dem.analysis.flow.measures import LAYERS
 from dem.analysis.flow.motion import Motion
+from dem.base.errors import InputError
+from dem.base.files import Place, atomic, check_paths
+from dem.figures import bed, style
 
 COLORS = ("speed", "force", "layer", "cluster")
 SIZE, DPI = (12.8, 7.2), 100  # 720p

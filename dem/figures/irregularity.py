@@ -3,10 +3,10 @@
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.figures import style
 from dem.analysis.flow.layout import MEASURES
 from dem.analysis.flow.verdict import SHAPES, compared, mean_and_half, verdict
 from dem.analysis.statistics import find, table1
+from dem.figures import style
 
 LABELS = {
     "non_affine": "D²min over the squared\ndiameter (1)",

@@ -4,9 +4,9 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from dem.analysis.statistics import find
 from dem.base.errors import InputError
 from dem.figures import bed, style
-from dem.analysis.statistics import find
 
 SHARES = (0.0, 0.5, 1.0)  # of the stroke: displacements that are shown
 

@@ -15,9 +15,9 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 
-from dem.io.checksums import Changed, is_sealed, seal
 from dem.base.errors import InputError, RunError
 from dem.base.files import atomic
+from dem.io.checksums import Changed, is_sealed, seal
 
 # name: (dimensions in a replicate or packing, units, long name)
 VARIABLES = {

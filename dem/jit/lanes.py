@@ -1,7 +1,7 @@
 """Where the kernel lays out a block of contacts side by side, so that vector units take them.
 
-A lane is one contact of the block. `motion` holds the motion of both parts, four numbers of one
-contact together (the processor copies such a group in one go and turns four groups over);
+A lane is one contact of the block. `motion` holds the motion of both constituents, four numbers of
+one contact together (the processor copies such a group in one go and turns four groups over);
 `values` holds one quantity of all contacts together. All indices are unsigned and all offsets
 constants: the compiler then sees that nothing wraps around or overlaps, and makes vector code.
 """
@@ -9,18 +9,21 @@ constants: the compiler then sees that nothing wraps around or overlaps, and mak
 from typing import NamedTuple
 
 import numpy as np
+from numba.extending import overload
 
 from dem.jit.columns import rows
+from dem.jit.compilation import INLINED
 
 BLOCK = 64  # contacts; what they need fits well into the first-level cache
 LINE = 8  # numbers between rows, so that they do not all fall on the same places of the cache
+OUTLINE = 8  # numbers of an outline, at most
 
 
 class Lanes(NamedTuple):
     """motion and values: rows of BLOCK lanes and a LINE of padding, see the offsets below.
 
-    account (6,): three energies (J) summed over time (dem.dynamics.energy), and what they were before the
-    last step; None where nobody asks.
+    account (6,): three energies (J) summed over time (dem.dynamics.energy), and what they were
+    before the last step; None where nobody asks.
     """
 
     motion: np.ndarray
@@ -32,16 +35,18 @@ def _offsets(count, step, group=1):
     return [np.uint64(r // group * step + r % group) for r in range(count)]
 
 
-# motion[offset + 4 k]: position and velocity of parts 1 and 2, spin and changes of both
+# motion[offset + 4 k]: position and velocity of 1 and 2, spin and changes of both
 (X1, Y1, VX1, VY1, X2, Y2, VX2, VY2,
  W1, DVX1, DVY1, DW1, W2, DVX2, DVY2, DW2) = _offsets(16, 4 * BLOCK + LINE, group=4)  # fmt: skip
 ZERO, ONE, TWO, THREE, FOUR, EIGHT = map(np.uint64, (0, 1, 2, 3, 4, 8))
 
-# values[offset + k]: outlines (up to four numbers each), the contact, the forces
-(OWN, _, _, _, OTHER, _, _, _, OVERLAP, NX, NY, N1, T1, N2, T2, RADIUS, DOUBT,
- ALONG, ACROSS, D_ALONG, D_ACROSS, PUSH_X, PUSH_Y, TWIST1, TWIST2,
- DAMPED, SLID) = _offsets(27, BLOCK + LINE)  # fmt: skip
+# values[offset + k]: the contact, velocities at it and their changes, forces, losses, outlines
+(OVERLAP, NX, NY, N1, T1, N2, T2, RADIUS, UNCONVERGED,
+ V_NORMAL, V_TANGENT, DV_NORMAL, DV_TANGENT, FORCE_X, FORCE_Y, TORQUE_1, TORQUE_2,
+ DAMPED, SLID, OWN) = _offsets(20, BLOCK + LINE)  # fmt: skip
 ROW = np.uint64(BLOCK + LINE)  # from one number of an outline to the next
+OTHER = np.uint64(OWN + OUTLINE * ROW)
+VALUES = int(OTHER + OUTLINE * ROW)  # numbers in all
 
 
 # account: energy (J) lost in dashpots, by sliding; work of the cylinder on the granules
@@ -49,5 +54,33 @@ LOST_DAMPED, LOST_SLID, WORK, ACCOUNTS = 0, 1, 2, 3
 
 
 def make_lanes(accounted: bool = False) -> Lanes:
+    """Scratch memory for one thread; accounted: keep the energies of the ledger."""
     account = rows(1, 2 * ACCOUNTS)[0] if accounted else None
-    return Lanes(rows(1, 16 * (BLOCK + LINE))[0], rows(1, 27 * (BLOCK + LINE))[0], account)
+    return Lanes(rows(1, 16 * (BLOCK + LINE))[0], rows(1, VALUES)[0], account)
+
+
+def store_outline(outline, values, at):
+    """Write an outline (a tuple of floats) to values[at], values[at + ROW] ..."""
+
+
+@overload(store_outline, jit_options=INLINED)
+def _store_outline(outline, values, at):
+    if len(outline) == 0:
+        return lambda outline, values, at: None
+
+    def store(outline, values, at):
+        values[at] = outline[0]
+        store_outline(outline[1:], values, at + ROW)
+
+    return store
+
+
+def load_outline(like, values, at):
+    """The outline that store_outline wrote; like: an outline of as many numbers."""
+
+
+@overload(load_outline, jit_options=INLINED)
+def _load_outline(like, values, at):
+    if len(like) == 0:
+        return lambda like, values, at: ()
+    return lambda like, values, at: (values[at],) + load_outline(like[1:], values, at + ROW)

@@ -10,17 +10,17 @@ import math
 
 import numpy as np
 
-from dem.dynamics.assembly import Constants
+from dem.base.errors import PackingError
+from dem.contacts.force_law import effective_modulus
+from dem.dynamics.assembly import GranuleTable
+from dem.dynamics.diagnostics import survey
+from dem.dynamics.forces import forces
+from dem.dynamics.integration import reorient
+from dem.dynamics.neighbor_list import rebuild_neighbor_list
+from dem.dynamics.world import World
 from dem.jit.columns import FX, FY, TAU, VX, VY, W, X, Y
 from dem.jit.compilation import compiled
-from dem.contacts.force_law import effective_modulus
-from dem.base.errors import PackingError
-from dem.dynamics.integration import reorient
-from dem.contacts.loops import forces
-from dem.dynamics.neighbor_list import relist
 from dem.jit.optional import either, optional
-from dem.dynamics.diagnostics import survey
-from dem.dynamics.world import World
 
 MIXING = 0.25  # share of the turn towards the forces, at first
 DOWNHILL = 20.0  # steps downhill before the time step grows
@@ -130,26 +130,26 @@ def fire(world, memory, longest, steps, room, enough):
     return done, math.sqrt(moved), largest
 
 
-def longest_step(scene, parts: Constants, world: World) -> float:
+def longest_step(scene, table: GranuleTable, world: World) -> float:
     """Largest time step (s) of the minimiser: stable at overlaps of 2 % of the radius."""
-    radius, modulus = parts.radius.mean(), effective_modulus(scene.material, scene.material)
+    radius, modulus = table.radius.mean(), effective_modulus(scene.material, scene.material)
     least = 0.02 * radius
-    critical = survey(world, parts, least)[3]
+    critical = survey(world, table, least)[3]
     light = np.max(1.0 / scene.mass + scene.shape.normal_lever**2 / scene.inertia)
     alone = 8.0 * modulus * math.sqrt(radius * least) * light
     return min(0.5 * critical, 1.0 / math.sqrt(alone))
 
 
-def minimise(scene, parts: Constants, world: World, iterations: int, enough: float):
+def minimise(scene, table: GranuleTable, world: World, iterations: int, enough: float):
     """Minimise until no net force exceeds `enough` (N), with lists kept up to date.
 
     Returns the world and its largest net force (N), greater than `enough` if the iterations did
     not suffice. Raises PackingError if a position becomes infinite.
     """
-    room = 0.45 * parts.skin
-    world = relist(world, parts)
+    room = 0.45 * table.skin
+    world = rebuild_neighbor_list(world, table)
     forces(world, 0.0)
-    longest = longest_step(scene, parts, world)
+    longest = longest_step(scene, table, world)
     memory = np.array([0.1 * longest, MIXING, 0.0])
     left, largest = iterations, math.inf
     while left > 0 and not largest <= enough:
@@ -158,5 +158,5 @@ def minimise(scene, parts: Constants, world: World, iterations: int, enough: flo
         if not moved <= room:
             if not np.isfinite(world.bodies).all():
                 raise PackingError("a position became infinite while the bed was relaxed.")
-            world = relist(world, parts)
+            world = rebuild_neighbor_list(world, table)
     return world, largest

@@ -9,15 +9,15 @@ import math
 
 import numpy as np
 
-from dem.dynamics.assembly import assemble, constants
-from dem.contacts.force_law import effective_modulus
 from dem.base.errors import PackingError
-from dem.contacts.loops import forces
-from dem.dynamics.neighbor_list import relist
+from dem.contacts.force_law import effective_modulus
+from dem.dynamics.assembly import assemble, granule_table
+from dem.dynamics.forces import forces
+from dem.dynamics.neighbor_list import rebuild_neighbor_list
+from dem.dynamics.simulation import Simulation
 from dem.packing.minimise import minimise
 from dem.packing.random import SKIN, SOFT, Bed, finished, name_of, pack
 from dem.scene import Cylinder, Friction, Material, Scene, State, box
-from dem.dynamics.simulation import Simulation
 
 START = 0.74  # packing fraction of the bed before it is pressed: no shape jams there
 STEP = 0.005  # of the packing fraction, at most, between two rests
@@ -41,9 +41,11 @@ def compact(shape, width, height, cylinder: Cylinder, seed: int, friction: float
             f"{name_of(scene, width, height, seed)} is not at rest after it was pressed with "
             f"friction {friction:g}: net force {press.net_force:.2g} E* R^2."
         )
-    parts = constants(scene, SKIN)
-    world = relist(assemble(scene, press.state.checked(scene.granules), parts), parts)
-    return finished(scene, parts, world, width, height, press.net_force, seed)
+    table = granule_table(scene, SKIN)
+    world = rebuild_neighbor_list(
+        assemble(scene, press.state.checked(scene.granules), table), table
+    )
+    return finished(scene, table, world, width, height, press.net_force, seed)
 
 
 class Press:
@@ -60,7 +62,7 @@ class Press:
         room = width * height - math.pi * (0.5 * cylinder.diameter) ** 2
         self.full = float(shape.area.sum() / room)
         self.fraction = min(START, self.full)
-        self.unit = effective_modulus(SOFT, SOFT) * shape.part_radius.mean() ** 2  # N
+        self.unit = effective_modulus(SOFT, SOFT) * shape.constituent_radius.mean() ** 2  # N
         bed = pack(self.grown(), width, height, self.cylinder, seed)
         self.state = State(bed.position, angle=bed.angle)
         self.pressure, self.net_force = bed.pressure, bed.net_force
@@ -88,9 +90,9 @@ class Press:
 
     def _minimise(self):
         scene = Scene(self.grown(), SOFT, walls=self.walls, cylinder=self.cylinder)
-        parts = constants(scene, SKIN)
-        world = assemble(scene, self.state.checked(scene.granules), parts)
-        world, net_force = minimise(scene, parts, world, PATIENCE, RESTING * self.unit)
+        table = granule_table(scene, SKIN)
+        world = assemble(scene, self.state.checked(scene.granules), table)
+        world, net_force = minimise(scene, table, world, PATIENCE, RESTING * self.unit)
         self.state = State(world.bodies[:, :2].copy(), angle=world.angle.copy())
         self.net_force = net_force / self.unit
         forces(world, 1.0)
@@ -100,7 +102,7 @@ class Press:
         friction = Friction(self.friction, self.friction, self.friction)
         scene = Scene(self.grown(), DAMPED, friction, self.walls, self.cylinder)
         run = Simulation(scene, self.state, step_fraction=FRACTION)
-        radius = self.shape.part_radius.mean()
+        radius = self.shape.constituent_radius.mean()
         piece = PIECE * math.sqrt(scene.mass.mean() * radius / self.unit)
         for _ in range(PIECES):
             run.collect_impulses()

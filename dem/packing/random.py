@@ -11,14 +11,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.dynamics.assembly import assemble, constants
-from dem.contacts.force_law import effective_modulus
 from dem.base.errors import InputError, PackingError
-from dem.contacts.loops import forces
+from dem.base.validate import checked, one_of, or_none, positive, whole
+from dem.contacts.force_law import effective_modulus
+from dem.dynamics.assembly import assemble, granule_table
+from dem.dynamics.diagnostics import survey
+from dem.dynamics.forces import forces
 from dem.packing.minimise import minimise
 from dem.scene import Cylinder, Material, Scene, State, box, granules
-from dem.dynamics.diagnostics import survey
-from dem.base.validate import checked, one_of, or_none, positive, whole
 
 REST = 1e-9  # E* R^2: a bed is at rest when no granule feels a greater net force
 LOOSE = 0.3  # area fraction of the bounding circles at the start
@@ -116,11 +116,11 @@ def pack(shape, width: float, height: float, cylinder: Cylinder | None, seed: in
     while True:
         last = factor == 1.0
         scene = Scene(shape.scaled(factor), SOFT, walls=box(width, height), cylinder=still)
-        parts = constants(scene, SKIN)
-        world = assemble(scene, state.checked(len(position)), parts)
-        unit = effective_modulus(SOFT, SOFT) * parts.radius.mean() ** 2  # N
+        table = granule_table(scene, SKIN)
+        world = assemble(scene, state.checked(len(position)), table)
+        unit = effective_modulus(SOFT, SOFT) * table.radius.mean() ** 2  # N
         iterations, enough = (LONGEST, REST) if last else (PATIENCE, SETTLED)
-        world, net_force = minimise(scene, parts, world, iterations, enough * unit)
+        world, net_force = minimise(scene, table, world, iterations, enough * unit)
         if last:
             net_force /= unit
             if not net_force <= REST:
@@ -128,7 +128,7 @@ def pack(shape, width: float, height: float, cylinder: Cylinder | None, seed: in
                     f"{name_of(scene, width, height, seed)} is not at rest after {LONGEST} "
                     f"iterations: net force {net_force:.2g} E* R^2, asked for {REST:g}."
                 )
-            return finished(scene, parts, world, width, height, net_force, seed)
+            return finished(scene, table, world, width, height, net_force, seed)
         state = State(world.bodies[:, :2].copy(), angle=world.angle)
         factor = min(factor * GROWTH, 1.0)
 
@@ -140,11 +140,11 @@ def name_of(scene: Scene, width: float, height: float, seed: int) -> str:
     return f"the bed at packing fraction {fraction:.4g} (seed {seed})"
 
 
-def finished(scene: Scene, parts, world, width, height, net_force: float, seed: int) -> Bed:
+def finished(scene: Scene, table, world, width, height, net_force: float, seed: int) -> Bed:
     """The Bed in the arrays of the kernels, with net_force over E* R^2; raises PackingError where
     granules lie outside or too deep in each other."""
     cylinder, name = scene.cylinder, name_of(scene, width, height, seed)
-    touching, overlap, part, _ = survey(world, parts, 0.0)
+    touching, overlap, part, _ = survey(world, table, 0.0)
     position = world.bodies[:, :2].copy()
     lost = ((position < 0.0) | (position > [width, height])).any(axis=1)
     if cylinder is not None:
@@ -156,7 +156,7 @@ def finished(scene: Scene, parts, world, width, height, net_force: float, seed: 
         )
     if overlap > DEEPEST:
         raise PackingError(
-            f"{name} cannot be made: granule {part // parts.per} overlaps by {overlap:.2g} of the "
+            f"{name} cannot be made: granule {part // table.per} overlaps by {overlap:.2g} of the "
             f"smaller radius, at most {DEEPEST:g} is allowed: ask for a lower packing fraction."
         )
     forces(world, 1.0)  # nothing has been summed before: the impulse over one second

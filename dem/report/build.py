@@ -12,17 +12,17 @@ from jinja2.utils import htmlsafe_json_dumps
 from markdown_it import MarkdownIt
 from markupsafe import Markup
 
-from dem.sweep.combine import COMBINED, open_combined, open_lazily, require
-from dem.experiment.config import parse
-from dem.base.errors import InputError
-from dem.figures import FLOW, STUDY_FIGURES, captions, possible
-from dem.figures.style import percent
-from dem.base.files import atomic
 from dem.analysis.flow.layout import VARIABLES as FLOW_LAYOUT
 from dem.analysis.flow.verdict import sentences
-from dem.report.interactive import beds, chart
 from dem.analysis.statistics import change, summarise
 from dem.analysis.statistics import densities as densities_of
+from dem.base.errors import InputError
+from dem.base.files import atomic
+from dem.experiment.config import parse
+from dem.figures import FLOW, STUDY_FIGURES, captions, possible
+from dem.figures.style import percent
+from dem.report.interactive import beds, chart
+from dem.sweep.combine import COMBINED, open_combined, open_lazily, require
 
 # What the report needs of drag.nc, beside what all readers need.
 NEEDED = ("max_overlap", "run_time", "steps", "aspect_ratio", "diameter", "granules")

@@ -11,11 +11,11 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
-from dem.sweep.combine import COMBINED, open_lazily, require
-from dem.io.dataset import VARIABLES
+from dem.analysis.statistics import summarise, within
 from dem.base.errors import InputError
 from dem.base.schema import seed_words
-from dem.analysis.statistics import summarise, within
+from dem.io.dataset import VARIABLES
+from dem.sweep.combine import COMBINED, open_lazily, require
 
 # Headings in two lines, so that a row fits; LEGEND says what stands below them.
 COLUMNS = (

@@ -8,8 +8,8 @@ import xarray as xr
 from matplotlib.colors import to_hex
 from plotly.io import to_html
 
-from dem.figures import style
 from dem.analysis.statistics import edges_of_bins, running_mean
+from dem.figures import style
 
 DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot", "solid")
 COLORS = {  # of the page, one place with those of the figures

@@ -15,9 +15,9 @@ a third-order (Chebyshev) step and Taylor series around it gives the new contact
 import math
 from typing import NamedTuple
 
-from dem.jit.compilation import compiled, inlined
-from dem.shapes.geometry import SEPARATED, register
 from dem.base.validate import checked, up_to
+from dem.jit.compilation import compiled, inlined
+from dem.shapes.protocol import METHOD_QUESTIONS, SEPARATED, answer
 
 
 @checked(tolerance=up_to(1.0))
@@ -106,13 +106,13 @@ def deep(gap, own, other):
     return -2.0 * gap * own[2] > own[3] * own[3] or -2.0 * gap * other[2] > other[3] * other[3]
 
 
-def common_normal(method, dx, dy, own, other, guess):
+def ellipse_contact(method, dx, dy, own, other, guess):
     nx, ny = guess
     gap, slope, bend, h1, q1, rho1, h2, q2, rho2 = gap_along(dx, dy, own, other, nx, ny)
     reach = own[2] + other[2]
     apart = gap > 0.0 or dx * dx + dy * dy >= reach * reach
     near = abs(slope) <= -method.tolerance * bend
-    sure = apart or (near and not deep(gap, own, other))
+    converged = apart or (near and not deep(gap, own, other))
     inverse = 1.0 / bend
     turn = -slope * inverse
     drho1 = -3.0 * rho1 * q1 / h1
@@ -133,11 +133,11 @@ def common_normal(method, dx, dy, own, other, guess):
     t2 = -(q2 + turn * (rho2 - h2) + square * (drho2 - q2))
     rho1 += turn * drho1
     rho2 += turn * drho2
-    return (-gap, x * scale, y * scale, n1, t1, n2, t2, rho1, rho2), sure
+    return (-gap, x * scale, y * scale, n1, t1, n2, t2), (rho1, rho2), converged
 
 
-def settled(method, dx, dy, own, other, guess):
+def ellipse_normal(method, dx, dy, own, other, guess):
     return settle(dx, dy, own, other, guess[0], guess[1], method.tolerance)
 
 
-register(CommonNormal, meet=common_normal, find_normal=settled)
+answer(CommonNormal, ellipse_contact, ellipse_normal, questions=METHOD_QUESTIONS)

@@ -5,9 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.jit.lanes import N1, N2, NX, NY, OVERLAP
-from dem.shapes.geometry import register
 from dem.base.validate import OUTLINE, RATIO, SIZES, checked, positive
+from dem.shapes.protocol import ContactGeometry, answer
 
 
 @checked(radius=SIZES)
@@ -15,6 +14,8 @@ class Disc(NamedTuple):
     """Discs; radius (n,) in m."""
 
     radius: np.ndarray
+
+    needs_angle = False  # a disc looks the same at every angle
 
     @classmethod
     @checked(diameter=SIZES, aspect_ratio=RATIO)
@@ -38,12 +39,12 @@ class Disc(NamedTuple):
         return self.radius
 
     @property
-    def part_radius(self):
+    def constituent_radius(self):
         """Radius (parts,) in m that enters Hertz's law; a disc is its own only part."""
         return self.radius
 
     @property
-    def part_bounding_radius(self):
+    def constituent_bounding_radius(self):
         """Radius (parts,) in m of the circle that holds the part."""
         return self.radius
 
@@ -63,7 +64,7 @@ class Disc(NamedTuple):
         return Disc(self.radius * factor)
 
     @checked(points=OUTLINE)
-    def boundary(self, points=64):
+    def polygons(self, points=64):
         """Outlines (n, rings, points, 2) in m about the centre at angle zero, to draw or sample."""
         turn = np.linspace(0.0, 2.0 * np.pi, points)
         circle = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
@@ -71,54 +72,32 @@ class Disc(NamedTuple):
 
 
 TINY = 1e-300  # m, in place of a distance of zero
-TURNS = False  # a disc looks the same at every angle
 
 
-def outline(shape, part, frame):
-    return shape.radius[part]
+def outline(shape, constituent, frame):
+    return (shape.radius[constituent],)
 
 
-def round_outline(shape, radius):
-    return radius
+def circle(shape, radius):
+    return (radius,)
 
 
 def support(shape, own, nx, ny):
-    return own, None, None
+    return own[0], None, None
 
 
-def probe(shape, dx, dy, own, other, guess):
+def find_contact(shape, dx, dy, own, other, guess):
     distance = math.sqrt(dx * dx + dy * dy)
     inverse = 1.0 / max(distance, TINY)
-    overlap = own + other - distance
+    overlap = own[0] + other[0] - distance
     half = 0.5 * overlap
     nx = dx * inverse if distance > 0.0 else 1.0  # concentric: any normal is as good
-    return (overlap, nx, dy * inverse, own - half, None, other - half, None, None), None
+    n1, n2 = own[0] - half, other[0] - half
+    return ContactGeometry(overlap, nx, dy * inverse, n1, None, n2, None, None), None
 
 
-def save(shape, own, values, at):
-    values[at] = own
+def tangential_lever(shape):
+    return None
 
 
-def load(shape, values, at):
-    return values[at]
-
-
-def recall(shape, values, k):
-    return (
-        values[OVERLAP + k], values[NX + k], values[NY + k],
-        values[N1 + k], None, values[N2 + k], None, None,
-    )  # fmt: skip
-
-
-def place(shape, bodies, frame, parts, low, high):
-    pass
-
-
-def collect(shape, part_force, frame, force, low, high):
-    pass
-
-
-register(
-    Disc, outline=outline, round_outline=round_outline, support=support, probe=probe,
-    save=save, load=load, recall=recall, place=place, collect=collect,
-)  # fmt: skip
+answer(Disc, outline, circle, support, find_contact, tangential_lever)

@@ -1,16 +1,16 @@
 """Dumbbell: two equal discs rigidly joined where they touch (paper section 2.2, equations 3-6).
 
-The parts of dumbbell g are the discs 2g and 2g + 1; every contact is one between discs.
+The constituents of dumbbell g are the discs 2g and 2g + 1; every contact is one between discs.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
+from dem.base.validate import OUTLINE, RATIO, SIZES, checked, positive
 from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
 from dem.shapes import disc
-from dem.shapes.geometry import register
-from dem.base.validate import OUTLINE, RATIO, SIZES, checked, positive
+from dem.shapes.protocol import answer
 
 
 @checked(radius=SIZES)
@@ -18,6 +18,8 @@ class Dumbbell(NamedTuple):
     """Dumbbells; radius (n,) in m of each of the two discs, centres at plus and minus one radius."""
 
     radius: np.ndarray
+
+    needs_angle = True
 
     @classmethod
     @checked(diameter=SIZES, aspect_ratio=RATIO)
@@ -41,12 +43,12 @@ class Dumbbell(NamedTuple):
         return 2.0 * self.radius
 
     @property
-    def part_radius(self):
+    def constituent_radius(self):
         """Radius (2n,) in m of the discs."""
         return np.repeat(self.radius, 2)
 
     @property
-    def part_bounding_radius(self):
+    def constituent_bounding_radius(self):
         """Radius (2n,) in m of the circle that holds the part: the disc itself."""
         return np.repeat(self.radius, 2)
 
@@ -66,7 +68,7 @@ class Dumbbell(NamedTuple):
         return Dumbbell(self.radius * factor)
 
     @checked(points=OUTLINE)
-    def boundary(self, points=64):
+    def polygons(self, points=64):
         """Outlines (n, 2, points, 2) in m about the joint at angle zero, to draw or sample."""
         turn = np.linspace(0.0, 2.0 * np.pi, points)
         circle = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
@@ -74,14 +76,11 @@ class Dumbbell(NamedTuple):
         return self.radius[:, None, None, None] * pair
 
 
-TURNS = True
+def outline(shape, constituent, frame):
+    return (shape.radius[constituent // 2],)
 
 
-def outline(shape, part, frame):
-    return shape.radius[part // 2]
-
-
-def place(shape, bodies, frame, parts, low, high):
+def place(shape, bodies, frame, constituents, low, high):
     for g in range(low, high):
         ox = shape.radius[g] * frame[g, 0]
         oy = shape.radius[g] * frame[g, 1]
@@ -90,32 +89,31 @@ def place(shape, bodies, frame, parts, low, high):
             sign = 1.0 - 2.0 * q
             rx, ry = sign * ox, sign * oy
             row = 2 * g + q
-            parts[row, X] = bodies[g, X] + rx
-            parts[row, Y] = bodies[g, Y] + ry
-            parts[row, VX] = bodies[g, VX] - spin * ry
-            parts[row, VY] = bodies[g, VY] + spin * rx
-            parts[row, W] = spin
-            parts[row, DVX] = bodies[g, DVX] - dspin * ry
-            parts[row, DVY] = bodies[g, DVY] + dspin * rx
-            parts[row, DW] = dspin
+            constituents[row, X] = bodies[g, X] + rx
+            constituents[row, Y] = bodies[g, Y] + ry
+            constituents[row, VX] = bodies[g, VX] - spin * ry
+            constituents[row, VY] = bodies[g, VY] + spin * rx
+            constituents[row, W] = spin
+            constituents[row, DVX] = bodies[g, DVX] - dspin * ry
+            constituents[row, DVY] = bodies[g, DVY] + dspin * rx
+            constituents[row, DW] = dspin
 
 
-def collect(shape, part_force, frame, force, low, high):
+def collect(shape, constituent_force, frame, force, low, high):
     for g in range(low, high):
         ox = shape.radius[g] * frame[g, 0]
         oy = shape.radius[g] * frame[g, 1]
         a, b = 2 * g, 2 * g + 1
-        force[g, FX] = part_force[a, FX] + part_force[b, FX]
-        force[g, FY] = part_force[a, FY] + part_force[b, FY]
+        force[g, FX] = constituent_force[a, FX] + constituent_force[b, FX]
+        force[g, FY] = constituent_force[a, FY] + constituent_force[b, FY]
         force[g, TAU] = (
-            part_force[a, TAU] + part_force[b, TAU]
-            + ox * (part_force[a, FY] - part_force[b, FY])
-            - oy * (part_force[a, FX] - part_force[b, FX])
+            constituent_force[a, TAU] + constituent_force[b, TAU]
+            + ox * (constituent_force[a, FY] - constituent_force[b, FY])
+            - oy * (constituent_force[a, FX] - constituent_force[b, FX])
         )  # fmt: skip
 
 
-register(
-    Dumbbell, outline=outline, round_outline=disc.round_outline, support=disc.support,
-    probe=disc.probe, save=disc.save, load=disc.load, recall=disc.recall,
-    place=place, collect=collect,
+answer(
+    Dumbbell, outline, disc.circle, disc.support, disc.find_contact, disc.tangential_lever, place,
+    collect,
 )  # fmt: skip

@@ -5,13 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.jit.lanes import N1, N2, NX, NY, OVERLAP, RADIUS, ROW, T1, T2
+from dem.base.validate import OUTLINE, RATIO, SIZES, checked, flag, one_of, positive
 from dem.jit.optional import optional
 from dem.shapes.common_normal import CommonNormal, half_width
-from dem.shapes.disc import collect, place
 from dem.shapes.geometric_potential import GeometricPotential
-from dem.shapes.geometry import find_normal, meet, register
-from dem.base.validate import OUTLINE, RATIO, SIZES, checked, flag, one_of, positive
+from dem.shapes.protocol import ContactGeometry, answer, ellipse_contact, ellipse_normal
 
 COMMON_NORMAL = CommonNormal()
 
@@ -39,6 +37,8 @@ class Ellipse(NamedTuple):
     semi_minor: np.ndarray
     method: CommonNormal | GeometricPotential = COMMON_NORMAL
     local_curvature: bool | None = None
+
+    needs_angle = True
 
     @classmethod
     @checked(diameter=SIZES, aspect_ratio=RATIO)
@@ -77,12 +77,12 @@ class Ellipse(NamedTuple):
         return self.semi_major
 
     @property
-    def part_radius(self):
+    def constituent_radius(self):
         """Radius (n,) in m that enters Hertz's law; an ellipse is its own only part."""
         return np.sqrt(self.semi_major * self.semi_minor)
 
     @property
-    def part_bounding_radius(self):
+    def constituent_bounding_radius(self):
         """Radius (n,) in m of the circle that holds the part."""
         return self.semi_major
 
@@ -104,7 +104,7 @@ class Ellipse(NamedTuple):
         )
 
     @checked(points=OUTLINE)
-    def boundary(self, points=64):
+    def polygons(self, points=64):
         """Outlines (n, 1, points, 2) in m about the centre at angle zero, to draw or sample."""
         turn = np.linspace(0.0, 2.0 * np.pi, points)
         x = self.semi_major[:, None] * np.cos(turn)
@@ -112,15 +112,19 @@ class Ellipse(NamedTuple):
         return np.stack([x, y], axis=-1)[:, None]
 
 
-TURNS = True
+def outline(shape, constituent, frame):
+    return (
+        frame[constituent, 0], frame[constituent, 1],
+        shape.semi_major[constituent], shape.semi_minor[constituent],
+    )  # fmt: skip
 
 
-def outline(shape, part, frame):
-    return frame[part, 0], frame[part, 1], shape.semi_major[part], shape.semi_minor[part]
-
-
-def round_outline(shape, radius):
+def circle(shape, radius):
     return 1.0, 0.0, radius, radius
+
+
+def local_radius(shape):
+    return shape.local_curvature
 
 
 @optional
@@ -138,43 +142,15 @@ def support(shape, own, nx, ny):
     return h, q, flat_radius(shape.local_curvature, rho)
 
 
-def probe(shape, dx, dy, own, other, guess):
-    hit, sure = meet(shape.method, dx, dy, own, other, guess)
-    overlap, nx, ny, n1, t1, n2, t2, rho1, rho2 = hit
-    radius = effective_radius(shape.local_curvature, rho1, rho2)
-    return (overlap, nx, ny, n1, t1, n2, t2, radius), sure
+def find_contact(shape, dx, dy, own, other, guess):
+    found, rho, converged = ellipse_contact(shape.method, dx, dy, own, other, guess)
+    overlap, nx, ny, n1, t1, n2, t2 = found
+    radius = effective_radius(shape.local_curvature, rho[0], rho[1])
+    return ContactGeometry(overlap, nx, ny, n1, t1, n2, t2, radius), converged
 
 
-def seek(shape, dx, dy, own, other, guess):
-    return find_normal(shape.method, dx, dy, own, other, guess)
+def refine_normal(shape, dx, dy, own, other, guess):
+    return ellipse_normal(shape.method, dx, dy, own, other, guess)
 
 
-def save(shape, own, values, at):
-    values[at] = own[0]
-    values[at + ROW] = own[1]
-    values[at + ROW + ROW] = own[2]
-    values[at + ROW + ROW + ROW] = own[3]
-
-
-def load(shape, values, at):
-    return (
-        values[at], values[at + ROW], values[at + ROW + ROW], values[at + ROW + ROW + ROW],
-    )  # fmt: skip
-
-
-@optional
-def local_radius(local_curvature, values, k):
-    return values[RADIUS + k]
-
-
-def recall(shape, values, k):
-    return (
-        values[OVERLAP + k], values[NX + k], values[NY + k], values[N1 + k], values[T1 + k],
-        values[N2 + k], values[T2 + k], local_radius(shape.local_curvature, values, k),
-    )  # fmt: skip
-
-
-register(
-    Ellipse, outline=outline, round_outline=round_outline, support=support, probe=probe,
-    seek=seek, save=save, load=load, recall=recall, place=place, collect=collect,
-)  # fmt: skip
+answer(Ellipse, outline, circle, support, find_contact, refine_normal, local_radius)

@@ -10,9 +10,9 @@ however small the overlap, and a frictionless bounce does not conserve energy.
 import math
 from typing import NamedTuple
 
-from dem.jit.compilation import inlined
-from dem.shapes.geometry import SEPARATED, register
 from dem.base.validate import checked, up_to
+from dem.jit.compilation import inlined
+from dem.shapes.protocol import METHOD_QUESTIONS, SEPARATED, answer
 
 
 @checked(tolerance=up_to(1.0))
@@ -66,33 +66,33 @@ def deepest(dx, dy, own, other, tolerance):
     return rx * rx + ry * ry - 1.0, c1 * x - s1 * y, s1 * x + c1 * y, rho
 
 
-def chord(method, dx, dy, own, other, guess):
+def ellipse_contact(method, dx, dy, own, other, guess):
     reach = own[2] + other[2]
     # whoever asks how stiff a pair would be that is apart gets the greatest arms it could have; those
     # along the normal lead to the middle of the gap, as of all contacts
     half = 0.5 * SEPARATED
     apart = (
         SEPARATED, 1.0, 0.0, own[2] - half, own[2] - own[3], other[2] - half, other[2] - other[3],
-        reach, reach,
     )  # fmt: skip
+    flat = reach, reach
     if dx * dx + dy * dy >= reach * reach:
-        return apart, None
+        return apart, flat, None
     g1, x1, y1, rho1 = deepest(dx, dy, own, other, method.tolerance)
     if g1 >= 0.0:
-        return apart, None
+        return apart, flat, None
     _, x2, y2, rho2 = deepest(-dx, -dy, other, own, method.tolerance)
     ex, ey = x1 - dx - x2, y1 - dy - y2  # from the point of 2 inside 1 to that of 1 inside 2
     overlap = math.sqrt(ex * ex + ey * ey)
     if overlap == 0.0:
-        return apart, None
+        return apart, flat, None
     nx, ny = ex / overlap, ey / overlap
     rx, ry = x1 - 0.5 * ex, y1 - 0.5 * ey  # contact point from centre 1
     sx, sy = rx - dx, ry - dy  # and from centre 2
-    hit = (
+    found = (
         overlap, nx, ny, rx * nx + ry * ny, ry * nx - rx * ny,
-        -(sx * nx + sy * ny), sy * nx - sx * ny, rho1, rho2,
+        -(sx * nx + sy * ny), sy * nx - sx * ny,
     )  # fmt: skip
-    return hit, None
+    return found, (rho1, rho2), None
 
 
-register(GeometricPotential, meet=chord)
+answer(GeometricPotential, ellipse_contact, questions=METHOD_QUESTIONS)

@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dem.base.errors import InputError, RunError
 from dem.experiment import drag
 from dem.experiment.config import Sweep
-from dem.base.errors import InputError, RunError
 
 FIRST_SEED = 1_000_000
 MODULI = (0.8, 0.9, 1.0, 1.1, 1.2)  # times that of the configuration

@@ -1,1 +1,1 @@
-"""How a bed moves: its snapshots, measures of them, pictures and films."""
+"""How beds move: the motion of a replicate, measures of it, verdicts on them, flow.nc."""

@@ -4,16 +4,16 @@ from pathlib import Path
 
 import numpy as np
 
-from dem.base import provenance
-from dem.sweep import failures
-from dem.sweep.combine import places_of
-from dem.experiment.config import Replicate, Sweep
-from dem.io.dataset import global_attributes, write
-from dem.base.errors import InputError
-from dem.sweep.failures import Failed
 from dem.analysis.flow import measures
 from dem.analysis.flow.layout import VARIABLES
 from dem.analysis.flow.motion import Motion, read_motion
+from dem.base import provenance
+from dem.base.errors import InputError
+from dem.experiment.config import Replicate, Sweep
+from dem.io.dataset import global_attributes, write
+from dem.sweep import failures
+from dem.sweep.combine import places_of
+from dem.sweep.failures import Failed
 
 LAG = 0.5e-3  # m of displacement of the cylinder over which motions are compared
 

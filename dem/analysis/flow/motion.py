@@ -7,15 +7,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dem.base.errors import InputError
+from dem.dynamics.simulation import Simulation
+from dem.dynamics.touching import Touching
 from dem.experiment import drag
 from dem.experiment.config import Replicate, parse
 from dem.io.dataset import content_of, read
-from dem.base.errors import InputError
 from dem.packing.random import Bed
 from dem.scene import State
-from dem.shapes import SHAPES
-from dem.dynamics.simulation import Simulation
-from dem.dynamics.touching import Touching
+from dem.shapes import KINDS
 
 READ = (
     "snapshot_displacement", "cylinder_y", "granule_x", "granule_y", "granule_angle",
@@ -43,8 +43,8 @@ class Motion(NamedTuple):
     @property
     def outlines(self) -> np.ndarray:
         """Outlines (n, rings, points, 2) in m about the centre at angle zero."""
-        kind = SHAPES[self.replicate.shape.kind][0]
-        return kind.of_size(self.diameters, self.replicate.shape.ratio).boundary(33)
+        kind = KINDS[self.replicate.shape.kind].shape
+        return kind.of_size(self.diameters, self.replicate.shape.ratio).polygons(33)
 
     def nearest(self, displacement: float) -> int:
         """The snapshot nearest to a displacement of the cylinder (m)."""

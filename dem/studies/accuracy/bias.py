@@ -6,8 +6,8 @@ import numpy as np
 import xarray as xr
 from scipy.stats import t
 
-from dem.studies.accuracy.plan import LARGEST
 from dem.analysis.statistics import LEVEL
+from dem.studies.accuracy.plan import LARGEST
 
 FAILED = 0.02  # share of failed runs up to which a step counts: those that fail are not any
 

@@ -9,12 +9,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.studies.benchmark.measure import one_core
-from dem.contacts.force_law import effective_modulus, impact_overlap
 from dem.base.errors import RunError
-from dem.scene import Material, Scene, State, box
-from dem.shapes import CommonNormal, Disc, Ellipse, GeometricPotential
+from dem.contacts.force_law import effective_modulus, impact_overlap
 from dem.dynamics.simulation import Simulation
+from dem.scene import Material, Scene, State, box
+from dem.shapes.common_normal import CommonNormal
+from dem.shapes.disc import Disc
+from dem.shapes.ellipse import Ellipse
+from dem.shapes.geometric_potential import GeometricPotential
+from dem.studies.benchmark.measure import one_core
 
 SEED = 2
 MATERIAL = Material(restitution=1.0)

@@ -8,13 +8,14 @@ from functools import cached_property
 
 import numpy as np
 
+from dem.base.errors import InputError
+from dem.contacts.force_law import effective_modulus
+from dem.dynamics.simulation import SKIN, Simulation
 from dem.experiment import drag
 from dem.experiment.config import Sweep
-from dem.contacts.force_law import effective_modulus
-from dem.base.errors import InputError
 from dem.scene import Friction, Material, Scene, State
-from dem.shapes import Disc, Ellipse
-from dem.dynamics.simulation import SKIN, Simulation
+from dem.shapes.disc import Disc
+from dem.shapes.ellipse import Ellipse
 
 OVERLAP = 0.05  # of the radius, in an elastic head-on collision: between light touch and the bed
 SLANT = 0.25  # tangential over normal speed: for mu = 0.3 contacts stick at first and slide at last
@@ -203,11 +204,11 @@ def impact_speed(shape, properties, overlap: float) -> float:
     The inverse of dem.contacts.force_law.impact_overlap.
     """
     mass, radius, modulus = _effective(shape, properties)
-    depth = overlap * shape.part_radius[0]
+    depth = overlap * shape.constituent_radius[0]
     return float(np.sqrt(16.0 * modulus * np.sqrt(radius) * depth**2.5 / (15.0 * mass)))
 
 
 def _effective(shape, properties):
     """m* (kg), R* (m) and E* (Pa) of two equal granules."""
     mass, material = Scene(shape, **properties).mass[0], properties["material"]
-    return 0.5 * mass, 0.5 * shape.part_radius[0], effective_modulus(material, material)
+    return 0.5 * mass, 0.5 * shape.constituent_radius[0], effective_modulus(material, material)

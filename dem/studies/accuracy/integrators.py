@@ -10,15 +10,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.dynamics.assembly import assemble, constants
+from dem.dynamics.assembly import assemble, granule_table
+from dem.dynamics.forces import forces, greater
+from dem.dynamics.integration import drift, move_cylinder
+from dem.dynamics.neighbor_list import rebuild_neighbor_list
+from dem.dynamics.simulation import MARGIN, SKIN
 from dem.jit.columns import DVX, DVY, DW, VX, VY, W, X, Y
 from dem.jit.compilation import compiled, inlined
-from dem.dynamics.integration import drift, move_roller
-from dem.contacts.loops import forces, greater
-from dem.dynamics.neighbor_list import relist
 from dem.jit.optional import optional
 from dem.scene import Scene, State
-from dem.dynamics.simulation import MARGIN, SKIN
 
 KICK, DRIFT, AHEAD, EVALUATE = range(4)  # columns of a table of stages
 INSTANT = 1e-30  # s: nothing slips in it
@@ -77,11 +77,11 @@ class Tally(NamedTuple):
 
 
 @optional
-def weigh(roller, span, push):
+def weigh(cylinder, span, push):
     """The force on the cylinder, out of an impulse that counts it over the span (s)."""
     for c in range(2):
-        push[c] = (roller.impulse[c] + roller.impulse[c + 2]) / span
-        roller.impulse[c] = roller.impulse[c + 2] = 0.0
+        push[c] = (cylinder.impulse[c] + cylinder.impulse[c + 2]) / span
+        cylinder.impulse[c] = cylinder.impulse[c + 2] = 0.0
 
 
 @inlined
@@ -116,14 +116,14 @@ def advance(world, stages, tally, dt, steps, room):
                 continue  # the next stage makes this kick with its own
             count(tally, kick)
             drift(world, kick, move, 0, granules)
-            farther = move_roller(world.roller, move)
+            farther = move_cylinder(world.cylinder, move)
             tally.span[0] += move
             kick = 0.0
             if evaluate:
                 if stages[s, AHEAD] != 1.0:
                     look_ahead(world.bodies, stages[s, AHEAD])
                 moved = greater(farther, forces(world, tally.span[0]))
-                weigh(world.roller, tally.span[0], tally.push)
+                weigh(world.cylinder, tally.span[0], tally.push)
                 tally.span[0] = 0.0
         done += 1
     count(tally, kick)
@@ -140,17 +140,17 @@ class Motion:
     def __init__(
         self, scene: Scene, state: State, method: Integrator, time_step: float, skin: float = SKIN
     ):
-        self._parts = constants(scene, skin)
+        self._table = granule_table(scene, skin)
         self._stages, self._step = method.stages, float(time_step)
-        self.world = assemble(scene, state.checked(scene.granules), self._parts)
-        self.world = relist(self.world, self._parts)
+        self.world = assemble(scene, state.checked(scene.granules), self._table)
+        self.world = rebuild_neighbor_list(self.world, self._table)
         self._tally = Tally(np.zeros(1), np.zeros(2), np.zeros(2))
         forces(self.world, INSTANT)
-        weigh(self.world.roller, INSTANT, self._tally.push)
+        weigh(self.world.cylinder, INSTANT, self._tally.push)
 
     def advance(self, steps: int) -> bool:
         """Take a number of steps; False where the granules went too far to know their contacts."""
-        reach = 0.5 * self._parts.skin
+        reach = 0.5 * self._table.skin
         while steps > 0:
             done, moved = advance(
                 self.world, self._stages, self._tally, self._step, steps, MARGIN * reach
@@ -158,7 +158,7 @@ class Motion:
             if not moved <= reach:
                 return False
             if moved > MARGIN * reach:
-                self.world = relist(self.world, self._parts)
+                self.world = rebuild_neighbor_list(self.world, self._table)
             steps -= done
         return True
 

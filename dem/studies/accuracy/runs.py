@@ -7,11 +7,11 @@ import time
 
 import numpy as np
 
-from dem.experiment import drag
-from dem.studies.accuracy.plan import density_of
-from dem.experiment.config import Replicate, Sweep
 from dem.base.errors import RunError
 from dem.dynamics.simulation import Simulation
+from dem.experiment import drag
+from dem.experiment.config import Replicate, Sweep
+from dem.studies.accuracy.plan import density_of
 
 
 def shortened(sweep: Sweep, stroke: float) -> Sweep:

@@ -14,11 +14,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.contacts.blocks import doubt, put
+from dem.contacts.blocks import put, unconverged
 from dem.jit.compilation import compiled, inlined
 from dem.jit.lanes import BLOCK, ROW
 from dem.jit.optional import optional
-from dem.shapes.geometry import SEPARATED, find_normal, meet, register
+from dem.shapes.protocol import METHOD_QUESTIONS, SEPARATED, answer, ellipse_contact, ellipse_normal
 
 
 class Intersection(NamedTuple):
@@ -34,7 +34,8 @@ class Polygon(NamedTuple):
 
 
 ITERATIONS = 40
-APART = SEPARATED, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, None, None  # no radii of curvature, ever
+APART = SEPARATED, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0
+NO_RADII = None, None  # no radii of curvature, ever
 
 
 @inlined
@@ -54,7 +55,7 @@ def to_circle(e, x, y):
 def touching(overlap, nx, ny, x, y, dx, dy):
     """The hit of a contact at (x, y), from centre 1; centre 2 lies at (dx, dy)."""
     n1, t1, n2, t2 = x * nx + y * ny, y * nx - x * ny, dx * nx + dy * ny, dx * ny - dy * nx
-    return overlap, nx, ny, n1, t1, n2 - n1, t2 + t1, None, None
+    return overlap, nx, ny, n1, t1, n2 - n1, t2 + t1
 
 
 @inlined
@@ -100,7 +101,7 @@ def crossing(method, dx, dy, own, other, guess):
     eccentric angle from the direction of 2. All that the chord needs is in p, q and the width."""
     reach = own[2] + other[2]
     if dx * dx + dy * dy >= reach * reach:
-        return APART, None
+        return APART, NO_RADII, None
     ex, ey = to_circle(other, dx, dy)
     ux, uy = to_circle(own, dx, dy)
     scale = 1.0 / math.sqrt(ux * ux + uy * uy)
@@ -109,7 +110,7 @@ def crossing(method, dx, dy, own, other, guess):
     qx, qy = to_circle(other, *from_circle(own, -uy, ux))
     p, q, width = crossings(px, py, qx, qy, ex, ey, method.tolerance)
     if width <= 0.0:
-        return APART, None
+        return APART, NO_RADII, None
     square = 1.0 / ((1.0 - q) * (1.0 - q) + p * p)
     scale = math.sqrt(square)
     cosine, sine = (1.0 - q) * scale, -p * scale  # of the mean of both angles
@@ -125,7 +126,7 @@ def crossing(method, dx, dy, own, other, guess):
         *to_circle(other, dx - mx, dy - my), *to_circle(other, nx, ny), half * (kx * kx + ky * ky)
     )
     shift = 0.5 * (front - rear)
-    return touching(front + rear, nx, ny, mx + shift * nx, my + shift * ny, dx, dy), None
+    return touching(front + rear, nx, ny, mx + shift * nx, my + shift * ny, dx, dy), NO_RADII, None
 
 
 @inlined
@@ -187,22 +188,22 @@ def separate(method, dx, dy, own, other, guess):
     gx, gy = guess
     reach = own[2] + other[2]
     if dx * dx + dy * dy >= reach * reach:
-        return APART, None
+        return APART, NO_RADII, None
     overlap, nx, ny, x, y = best_edge(method.circle, dx, dy, own, other, gx, gy)
     if overlap > 0.0:
         least, mx, my, px, py = best_edge(method.circle, -dx, -dy, other, own, -gx, -gy)
         if least < overlap:
             overlap, nx, ny, x, y = least, -mx, -my, dx + px, dy + py
     if overlap <= 0.0:
-        return APART, None
-    return touching(overlap, nx, ny, x, y, dx, dy), None
+        return APART, NO_RADII, None
+    return touching(overlap, nx, ny, x, y, dx, dy), NO_RADII, None
 
 
-register(Intersection, meet=crossing)
-register(Polygon, meet=separate)
+answer(Intersection, questions=METHOD_QUESTIONS, ellipse_contact=crossing)
+answer(Polygon, questions=METHOD_QUESTIONS, ellipse_contact=separate)
 
 # Pairs side by side, BLOCK at a time, as the kernels lay them out (dem.jit.lanes).
-(DX, DY, GX, GY, OWN, _, _, _, OTHER, _, _, _, OVERLAP, NX, NY, N1, T1, N2, T2, DOUBT) = (
+(DX, DY, GX, GY, OWN, _, _, _, OTHER, _, _, _, OVERLAP, NX, NY, N1, T1, N2, T2, UNCONVERGED) = (
     np.uint64(r * int(ROW)) for r in range(20)
 )
 
@@ -219,8 +220,8 @@ def pair(values, k):
 
 
 @inlined
-def keep(hit, values, k):
-    overlap, nx, ny, n1, t1, n2, t2, _, _ = hit
+def keep(geometry, values, k):
+    overlap, nx, ny, n1, t1, n2, t2 = geometry
     values[OVERLAP + k], values[NX + k], values[NY + k] = overlap, nx, ny
     values[N1 + k], values[T1 + k], values[N2 + k], values[T2 + k] = n1, t1, n2, t2
 
@@ -229,10 +230,10 @@ def keep(hit, values, k):
 def look_again(doubts, method, values):
     for q in range(BLOCK):
         k = np.uint64(q)
-        if values[DOUBT + k] != 0.0:
+        if values[UNCONVERGED + k] != 0.0:
             dx, dy, own, other, guess = pair(values, k)
-            guess = find_normal(method, dx, dy, own, other, guess)
-            keep(meet(method, dx, dy, own, other, guess)[0], values, k)
+            guess = ellipse_normal(method, dx, dy, own, other, guess)
+            keep(ellipse_contact(method, dx, dy, own, other, guess)[0], values, k)
 
 
 @compiled
@@ -243,7 +244,7 @@ def find_contacts(method, blocks, doubts, rounds):
         for i in range(len(blocks)):
             for q in range(BLOCK):
                 k = np.uint64(q)
-                hit, sure = meet(method, *pair(blocks[i], k))
-                keep(hit, blocks[i], k)
-                put(doubt(sure), blocks[i], DOUBT + k)
+                geometry, _, converged = ellipse_contact(method, *pair(blocks[i], k))
+                keep(geometry, blocks[i], k)
+                put(unconverged(converged), blocks[i], UNCONVERGED + k)
             look_again(doubts, method, blocks[i])

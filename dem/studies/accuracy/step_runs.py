@@ -6,11 +6,11 @@ from typing import NamedTuple
 import numpy as np
 from scipy.stats import linregress
 
+from dem.dynamics.simulation import Simulation
+from dem.scene import State
 from dem.studies.accuracy.collisions import error
 from dem.studies.accuracy.integrators import Integrator, Motion
 from dem.studies.peers import lammps
-from dem.scene import State
-from dem.dynamics.simulation import Simulation
 
 FITTED = 5  # of the smallest steps
 CLEAR = 10.0  # an error counts in a fit if it is so many times that of its reference

@@ -14,12 +14,19 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dem.dynamics.simulation import STEP_FRACTION
+from dem.experiment.config import Sweep
 from dem.studies.accuracy.collisions import BARE, ELLIPSES, HEAD_ON, Bed, Collision, error, scenes
 from dem.studies.accuracy.integrators import INTEGRATORS, PEFRL, VERLET
-from dem.studies.accuracy.step_runs import Outcome, by_integrator, errors, fitted_orders, ours, theirs
+from dem.studies.accuracy.step_runs import (
+    Outcome,
+    by_integrator,
+    errors,
+    fitted_orders,
+    ours,
+    theirs,
+)
 from dem.studies.peers import lammps
-from dem.experiment.config import Sweep
-from dem.dynamics.simulation import STEP_FRACTION
 
 HALVINGS = STEP_FRACTION * 2.0 ** np.arange(1, -9, -1)
 # Forces depend on the positions alone: a method of fourth order makes the better reference.

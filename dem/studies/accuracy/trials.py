@@ -7,10 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dem.jit.lanes import BLOCK, ROW
+from dem.shapes.common_normal import CommonNormal
+from dem.shapes.geometric_potential import GeometricPotential
 from dem.studies.accuracy import definitions, solvers
 from dem.studies.accuracy.pairs import Contact, Pairs, direction
-from dem.jit.lanes import BLOCK, ROW
-from dem.shapes import CommonNormal, GeometricPotential
 
 SHORTEST = 1e-3  # s, of one timing: clock, call and cold caches are then a per cent or two
 

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from dem.studies.peers import lammps
-from dem.studies.benchmark.scenes import Case
-from dem.scene import State
 from dem.dynamics.simulation import Simulation
+from dem.scene import State
+from dem.studies.benchmark.scenes import Case
+from dem.studies.peers import lammps
 
 SPEED = 1.0  # m/s, standard deviation of each component at the start
 SEED = 1

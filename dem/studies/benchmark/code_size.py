@@ -3,9 +3,9 @@
 import numba
 from llvmlite.binding.object_file import ObjectFileRef
 
-from dem.jit.compilation import OPTIONS
 from dem.dynamics.integration import advance
 from dem.dynamics.world import World
+from dem.jit.compilation import OPTIONS
 
 
 def code_size(world: World) -> int:

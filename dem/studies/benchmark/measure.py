@@ -13,15 +13,16 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.base import provenance
+from dem.base.sources import code_hash
+from dem.dynamics.simulation import Simulation
+from dem.experiment.config import Sweep
+from dem.io.dataset import global_attributes, write
 from dem.studies.benchmark.check import checks, differences
 from dem.studies.benchmark.code_size import code_size
 from dem.studies.benchmark.layout import VARIABLES
 from dem.studies.benchmark.peers import CODES, our_seconds
 from dem.studies.benchmark.scenes import FULL, Case, beds, variants
 from dem.studies.benchmark.sizes import TILES, compare_sizes
-from dem.experiment.config import Sweep
-from dem.io.dataset import global_attributes, write
-from dem.dynamics.simulation import Simulation
 
 # Scenes are compared on beds that stay as they are, with the same contacts: steps this short move
 # nothing, and the contacts are not listed anew.
@@ -82,9 +83,11 @@ def compare_codes(cases: dict[str, Case], plan: Plan) -> dict:
     """Granule-steps a second of every code that is there, on every bed it knows; else NaN."""
     absent = [code.available() for code in CODES]
     rates = np.full((len(cases), len(CODES), plan.repeats), np.nan)
-    glances = {kind: Simulation(*case).look() for kind, case in cases.items()}
+    glances = {kind: Simulation(*case).diagnose() for kind, case in cases.items()}
     granules = np.array([case.scene.granules for case in cases.values()])
-    contacts = granules * [glance.coordination_number / 2.0 for glance in glances.values()]
+    contacts = granules * [
+        diagnostics.coordination_number / 2.0 for diagnostics in glances.values()
+    ]
     contacts = np.rint(contacts).astype(int)
     for place, case in enumerate(cases.values()):
         for repeat in range(plan.repeats):
@@ -101,7 +104,9 @@ def compare_codes(cases: dict[str, Case], plan: Plan) -> dict:
         "time_per_contact": step_times / np.where(contacts > 0, contacts, np.nan)[:, None],
         "scene_granules": granules,
         "scene_contacts": contacts,
-        "scene_pairs": np.array([len(Simulation(*c).world.pairs.part) for c in cases.values()]),
+        "scene_pairs": np.array(
+            [len(Simulation(*c).world.pairs.constituent) for c in cases.values()]
+        ),
         "scene_time_step": np.array([case.time_step for case in cases.values()]),
     }
 
@@ -147,7 +152,7 @@ def write_benchmark(path: Path, sweep: Sweep, values: dict) -> None:
         versions=provenance.versions(),
         codes=", ".join(codes),
         git_revision=provenance.git_revision(),
-        source_hash=provenance.source_hash(),
+        source_hash=code_hash("dem.studies.benchmark.measure"),
         processor=processor(),
     )
     write(path, values, attrs, VARIABLES)

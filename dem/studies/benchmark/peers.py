@@ -6,10 +6,12 @@ import time
 from collections.abc import Callable
 from typing import NamedTuple
 
-from dem.studies.peers import lammps, liggghts
-from dem.scene import Scene, State
-from dem.shapes import Disc, Dumbbell, Ellipse
 from dem.dynamics.simulation import Simulation
+from dem.scene import Scene, State
+from dem.shapes.disc import Disc
+from dem.shapes.dumbbell import Dumbbell
+from dem.shapes.ellipse import Ellipse
+from dem.studies.peers import lammps, liggghts
 
 
 class Code(NamedTuple):

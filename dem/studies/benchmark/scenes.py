@@ -3,12 +3,12 @@
 from dataclasses import replace
 from typing import NamedTuple
 
+from dem.base.errors import InputError
+from dem.dynamics.simulation import STEP_FRACTION, Simulation
 from dem.experiment import drag
 from dem.experiment.config import Replicate, Sweep
-from dem.base.errors import InputError
 from dem.scene import Scene, State
-from dem.shapes import GeometricPotential
-from dem.dynamics.simulation import STEP_FRACTION, Simulation
+from dem.shapes.geometric_potential import GeometricPotential
 
 ASPECT_RATIO = 1.25  # of the ellipses, or the nearest to it in the sweep
 FULL = "discs: friction, damping, walls, cylinder"
@@ -24,7 +24,7 @@ class Case(NamedTuple):
 
 def make_case(scene: Scene, state: State) -> Case:
     """With the time step that a run would begin with."""
-    critical = Simulation(scene, state).look().critical_time_step
+    critical = Simulation(scene, state).diagnose().critical_time_step
     return Case(scene, state, STEP_FRACTION * critical)
 
 

@@ -5,13 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from dem.experiment.config import Sweep
-from dem.packing.random import pack
-from dem.experiment.fit import height_of_box, sample_diameters
-from dem.scene import Friction, Material, Scene, box
-from dem.shapes import Disc
 from dem.dynamics.simulation import STEP_FRACTION, Simulation
+from dem.experiment.config import Sweep
+from dem.experiment.fit import height_of_box, sample_diameters
+from dem.packing.random import pack
 from dem.packing.tiled import tiled
+from dem.scene import Friction, Material, Scene, box
+from dem.shapes.disc import Disc
 
 TILES = (1, 4, 16, 50)  # along each side of a bed: of 400 granules, to a million
 STEPS = 100  # of each run, all from the same start: lists are made anew two or three times
@@ -59,7 +59,7 @@ def compare_sizes(sweep: Sweep, repeats: int, threads=(1, 2), tiles=TILES) -> di
                 spent = 0.0
                 for _ in range(runs):
                     run = Simulation(scene, state, threads=number)
-                    step = STEP_FRACTION * run.look().critical_time_step
+                    step = STEP_FRACTION * run.diagnose().critical_time_step
                     started = time.perf_counter()
                     run.advance(STEPS * step)
                     spent += (time.perf_counter() - started) / run.steps

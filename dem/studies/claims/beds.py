@@ -1,10 +1,10 @@
 """Which beds are grown until they jam."""
 
+from dem.base.errors import InputError
+from dem.experiment.config import Replicate, Sweep
 from dem.studies.claims.changes import changed
 from dem.studies.claims.trials import BOXES as SIDES
 from dem.studies.claims.trials import box_label, density_of, ellipse_label, reference, scaled, seeds
-from dem.experiment.config import Replicate, Sweep
-from dem.base.errors import InputError
 
 RATIOS = "ratios"  # in place of a shape: ellipses of all aspect ratios
 BOXES = "boxes"  # in place of a shape: boxes of other sizes

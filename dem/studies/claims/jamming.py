@@ -11,12 +11,12 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from dem.experiment import drag
-from dem.packing.pressed import START, Press
-from dem.experiment.config import Replicate
 from dem.base.errors import InputError, PackingError
+from dem.experiment import drag
+from dem.experiment.config import Replicate
 from dem.experiment.fit import height_of_box
-from dem.shapes import SHAPES
+from dem.packing.pressed import START, Press
+from dem.shapes import KINDS
 
 STEP = 0.005  # of the packing fraction
 STEPS = 50  # at most
@@ -39,7 +39,7 @@ def compress(replicate: Replicate, friction: float) -> Path:
     """Grow the granules of a run until the bed is well above jamming; NaN where no bed is found."""
     sizes, sweep = drag.diameters(replicate), replicate.sweep
     height = height_of_box(sweep, sizes)
-    shape = SHAPES[replicate.shape.kind][0].of_size(sizes, replicate.shape.ratio)
+    shape = KINDS[replicate.shape.kind].shape.of_size(sizes, replicate.shape.ratio)
     room = shape, sweep.box_width, height, drag.cylinder(replicate, height)
     fractions, loads = [], []
     try:

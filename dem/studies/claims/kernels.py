@@ -2,9 +2,9 @@
 
 from itertools import product
 
-from dem.studies.claims.plan import Choice
 from dem.experiment.config import Sweep
 from dem.experiment.warmup import compile_kernels
+from dem.studies.claims.plan import Choice
 
 VARIANTS = ("ellipse.contact", "ellipse.curvature")  # values that select other machine code
 

@@ -7,10 +7,10 @@ import numpy as np
 import xarray as xr
 from scipy.stats import t
 
+from dem.analysis.statistics import LEVEL
 from dem.studies.claims.evidence import reference, rows, with_case
 from dem.studies.claims.influence import plane
 from dem.studies.claims.jamming import Jamming
-from dem.analysis.statistics import LEVEL
 
 EQUAL = "equal fraction"
 

@@ -8,16 +8,16 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
+from dem.analysis.statistics import LEVEL
+from dem.analysis.tables import numbers
+from dem.base.errors import InputError
+from dem.io.dataset import content_of
 from dem.studies.claims.compare import Comparison
 from dem.studies.claims.evidence import from_study, rows, scaled
 from dem.studies.claims.influence import influences, responses
 from dem.studies.claims.remains import Remaining, remaining, words
 from dem.studies.claims.sentences import CLAIMS, ratio
 from dem.studies.claims.verdicts import Share, Verdict, evidence_in, judge
-from dem.io.dataset import content_of
-from dem.base.errors import InputError
-from dem.analysis.statistics import LEVEL
-from dem.analysis.tables import numbers
 
 OTHER_MARGINS = (0.10, 0.25)
 RANKED = 4  # influences that are listed

@@ -5,17 +5,17 @@ import time
 
 import numpy as np
 
+from dem.analysis.flow.collect import LAG, measure
+from dem.analysis.flow.layout import MEASURES
+from dem.analysis.flow.motion import Motion
+from dem.base.errors import RunError
 from dem.experiment import drag
+from dem.experiment.config import Replicate, Sweep
 from dem.studies.accuracy.runs import inside_window
 from dem.studies.claims.alignment import alignment
 from dem.studies.claims.changes import changed
 from dem.studies.claims.design import number_of
 from dem.studies.claims.trials import Trial, reference
-from dem.experiment.config import Replicate, Sweep
-from dem.base.errors import RunError
-from dem.analysis.flow.collect import LAG, measure
-from dem.analysis.flow.layout import MEASURES
-from dem.analysis.flow.motion import Motion
 
 PLACES = 500  # of the drag along the displacement, at most
 NUMBERS = (

@@ -14,10 +14,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dem.analysis.statistics import densities, find
 from dem.studies.claims.compare import Comparison, Growth, Prediction
 from dem.studies.claims.evidence import Evidence, curves
 from dem.studies.claims.influence import plane
-from dem.analysis.statistics import densities, find
 
 INFINITE = float("inf")
 PAPERS_RUNS = 5

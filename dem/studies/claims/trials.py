@@ -2,8 +2,8 @@
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from dem.experiment.config import Sweep
 from dem.base.errors import InputError
+from dem.experiment.config import Sweep
 
 if TYPE_CHECKING:
     from dem.studies.claims.jamming import Jamming

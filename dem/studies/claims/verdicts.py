@@ -7,11 +7,11 @@ import numpy as np
 import xarray as xr
 from scipy.stats import binomtest
 
+from dem.analysis.flow.layout import MEASURES
+from dem.analysis.statistics import LEVEL
 from dem.studies.claims.compare import simultaneous, together
 from dem.studies.claims.evidence import MARGIN, Evidence, from_study, from_sweep
 from dem.studies.claims.sentences import CLAIMS, Claim
-from dem.analysis.flow.layout import MEASURES
-from dem.analysis.statistics import LEVEL
 
 
 class Share(NamedTuple):
@@ -68,9 +68,9 @@ def share(claim: Claim, found: Evidence) -> Share | None:
 
 def evidence_in(path: Path, margin: float = MARGIN) -> Evidence:
     """Runs in claims.nc, or in drag.nc with the flow.nc beside it; raises InputError."""
+    from dem.analysis.flow.layout import VARIABLES as FLOW
     from dem.studies.claims.layout import VARIABLES
     from dem.sweep.combine import open_combined, open_lazily, require
-    from dem.analysis.flow.layout import VARIABLES as FLOW
 
     with open_lazily(path) as dataset:
         if "run_part" in dataset:

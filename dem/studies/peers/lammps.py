@@ -17,10 +17,11 @@ from pathlib import Path
 
 import numpy as np
 
-from dem.studies.peers.material import hertz
 from dem.base.errors import InputError
 from dem.scene import Scene, State, box
-from dem.shapes import Disc, Dumbbell
+from dem.shapes.disc import Disc
+from dem.shapes.dumbbell import Dumbbell
+from dem.studies.peers.material import hertz
 
 SKIN = 0.3  # of the mean radius; timings are flat about it
 NOTHING = 1e-100  # 1/(m s), for no damping
@@ -60,7 +61,7 @@ class Run:
 
     def __init__(self, scene: Scene, state: State, time_step: float):
         _check(scene)
-        self._per = len(scene.shape.part_radius) // scene.granules
+        self._per = len(scene.shape.constituent_radius) // scene.granules
         state = state.checked(scene.granules)
         self._lammps = _start()
         self._commands(_space(scene, state, self._per))
@@ -86,7 +87,7 @@ class Run:
             count, ids, [1] * count,
             np.hstack([position, pad]).ravel().tolist(), np.hstack([velocity, pad]).ravel().tolist(),
         )  # fmt: skip
-        values = {"radius": shape.part_radius, "rmass": np.repeat(scene.mass / per, per)}
+        values = {"radius": shape.constituent_radius, "rmass": np.repeat(scene.mass / per, per)}
         order = self._local("id") - 1
         for name, value in values.items():
             self._local(name)[:] = value[order]
@@ -162,7 +163,7 @@ def _space(scene, state, per):
     yield from ("atom_modify map array", "comm_modify vel yes")
     if per > 1:
         yield "fix molecules all property/atom mol ghost yes"
-    depth = scene.shape.part_radius.max()
+    depth = scene.shape.constituent_radius.max()
     edges = low[0], high[0], low[1], high[1], -depth, depth
     yield "region all block " + " ".join(repr(float(edge)) for edge in edges)
     yield "create_box 1 all"

@@ -15,7 +15,7 @@ import numpy as np
 
 from dem.base.errors import InputError, RunError
 from dem.scene import Scene, State
-from dem.shapes import Disc
+from dem.shapes.disc import Disc
 
 PROGRAM = "liggghts"
 SKIN = 0.3  # of the mean radius

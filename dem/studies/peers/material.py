@@ -7,8 +7,8 @@ from typing import NamedTuple
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from dem.dynamics.assembly import partners
 from dem.contacts.force_law import effective_modulus, effective_shear_modulus
+from dem.dynamics.assembly import partners
 from dem.scene import Scene
 
 SPEED = 1.0  # m/s, at which a central collision returns the coefficient asked for
@@ -40,10 +40,12 @@ def hertz(scene: Scene, kind: str) -> Hertz:
     shear = effective_shear_modulus(*materials)
     normal = 4.0 / 3.0 * effective_modulus(*materials)
     share = 0.5 if kind == "granule" else 1.0
-    radius, mass = share * scene.shape.part_radius.mean(), share * scene.mass.mean()
+    radius, mass = share * scene.shape.constituent_radius.mean(), share * scene.mass.mean()
     damping = damping_rate(scene.material.restitution, normal, radius, mass)
     friction = getattr(scene.friction, kind) if scene.friction else 0.0
-    ratio = math.sqrt(8.0 * shear / (1.5 * normal))  # sqrt(k_t/k_n), as in dem.dynamics.assembly.tangent
+    ratio = math.sqrt(
+        8.0 * shear / (1.5 * normal)
+    )  # sqrt(k_t/k_n), as in dem.dynamics.assembly.friction_parameters
     return Hertz(normal, 8.0 * shear, damping, ratio * damping, friction)
 
 

@@ -8,11 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from dem.dynamics.simulation import Simulation
 from dem.experiment import drag
 from dem.jit.columns import VY
 from dem.scene import State
-from dem.shapes import Disc, Ellipse
-from dem.dynamics.simulation import Simulation
+from dem.shapes.disc import Disc
+from dem.shapes.ellipse import Ellipse
 from dem.studies.stability.catalogue import Changes
 from dem.studies.stability.scenes import bed_of, changed, start
 from dem.studies.stability.watching import LOOKS, watch
@@ -30,7 +31,7 @@ def draw(sweep, shape, change) -> dict:
 def rest(sweep, shape, change) -> dict:
     """The cylinder stands still for many steps."""
     simulation = start(changed(sweep, shape, change), still=True)
-    step = simulation.rules.fraction * simulation.look().critical_time_step
+    step = simulation.rules.fraction * simulation.diagnose().critical_time_step
     found = watch(simulation, step * (change.steps or 1000) / LOOKS)
     moving = 0.5 * simulation.scene.mass.sum() * sweep.cylinder.velocity**2
     return found | {"kinetic": found["kinetic"] / moving}
@@ -42,7 +43,7 @@ def accelerate(sweep, shape, change) -> dict:
     simulation, velocity = start(replicate, still=True), replicate.sweep.cylinder.velocity
 
     def faster(look):
-        simulation._world.roller.motion[0, VY] = velocity * (look + 1) / LOOKS
+        simulation._world.cylinder.motion[0, VY] = velocity * (look + 1) / LOOKS
 
     return watch(simulation, 2.0 * (change.displacement or STROKE) / velocity / LOOKS, faster)
 
@@ -50,7 +51,7 @@ def accelerate(sweep, shape, change) -> dict:
 def follow(sweep, shape, change) -> dict:
     """Does the critical time step follow the mass: as its square root, at the start?"""
     usual, other = (
-        start(changed(sweep, shape, c)).look().critical_time_step for c in (Changes(), change)
+        start(changed(sweep, shape, c)).diagnose().critical_time_step for c in (Changes(), change)
     )
     return {"scaling": abs(other / usual / np.sqrt(change.density / change.stiffness) - 1.0)}
 
@@ -77,7 +78,7 @@ def round_off(sweep, shape, change) -> dict:
     state = State(bed.position, angle=bed.angle)
     shapes = Disc.of_size(sizes), Ellipse.of_size(sizes, change.aspect_ratio)
     discs, ellipses = (Simulation(replace(scene, shape=s), state, ledger=True) for s in shapes)
-    step = discs.rules.fraction * discs.look().critical_time_step
+    step = discs.rules.fraction * discs.diagnose().critical_time_step
     for run in (discs, ellipses):
         run.rules = run.rules._replace(time_step=step)
         run.advance((change.steps or 500) * step)

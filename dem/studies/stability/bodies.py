@@ -7,7 +7,14 @@ import numpy as np
 
 from dem.contacts.force_law import effective_modulus
 from dem.scene import Cylinder, Friction, State
-from dem.studies.stability.scenes import free, granules, half_width, material_of, scattered, set_free
+from dem.studies.stability.scenes import (
+    free,
+    granules,
+    half_width,
+    material_of,
+    scattered,
+    set_free,
+)
 from dem.studies.stability.watching import LOOKS, contact_time, momenta, unlisted, watch, worse
 
 ROOM = 2.05  # spacing of granules at the start, over the greatest bounding radius
@@ -93,8 +100,8 @@ def _two(sweep, shape, change, friction=False):
 def overlapped(sweep, shape, change) -> dict:
     """Two granules that begin in each other, at rest, fly apart."""
     two, side, scene = _two(sweep, shape, change)
-    deep = change.overlap * two.part_radius[0]
-    apart = 2.0 * two.boundary(721)[0, ..., 0].max() - deep
+    deep = change.overlap * two.constituent_radius[0]
+    apart = 2.0 * two.polygons(721)[0, ..., 0].max() - deep
     place = [[0.5 * side, 0.5 * side], [0.5 * side + apart, 0.5 * side]]
     simulation = set_free(scene, State(place), change)
     freed = simulation.ledger().held
@@ -112,7 +119,7 @@ def concentric(sweep, shape, change) -> dict:
 def impact(sweep, shape, change) -> dict:
     """A head-on impact that an elastic pair ends at the overlap asked for, over the radius."""
     two, side, scene = _two(sweep, shape, change)
-    radius, mass = two.part_radius[0], 0.5 * scene.mass[0]
+    radius, mass = two.constituent_radius[0], 0.5 * scene.mass[0]
     modulus, deepest = effective_modulus(scene.material, scene.material), change.overlap * radius
     stiffness = 4.0 / 3.0 * modulus * math.sqrt(0.5 * radius)
     speed = math.sqrt(0.8 * stiffness * deepest**2.5 / mass)

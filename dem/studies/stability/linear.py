@@ -8,9 +8,9 @@ import math
 
 import numpy as np
 
-from dem.experiment.config import Replicate, Sweep
-from dem.contacts.loops import forces
+from dem.dynamics.forces import forces
 from dem.dynamics.simulation import Simulation
+from dem.experiment.config import Replicate, Sweep
 from dem.studies.stability.catalogue import Changes
 from dem.studies.stability.scenes import changed
 
@@ -43,17 +43,19 @@ class Nudged:
         self.world = world
         self.size = math.sqrt((scene.inertia / scene.mass).mean())  # m: makes turns lengths
         self.unit = NUDGE * world.bodies[:, :2].max()
-        barriers = [b.contacts for b in (world.walls, world.roller) if b is not None]
-        self._lists = [world.pairs, *barriers]
-        self._lists = [contacts for contacts in self._lists if contacts.spring is not None]
-        self._memory = [(c.spring.copy(), c.root.copy()) for c in self._lists]
+        boundaries = [b.contacts for b in (world.walls, world.cylinder) if b is not None]
+        self._lists = [world.pairs, *boundaries]
+        self._lists = [
+            contacts for contacts in self._lists if contacts.tangential_force is not None
+        ]
+        self._memory = [(c.tangential_force.copy(), c.sqrt_overlap.copy()) for c in self._lists]
         self._place, self._angle = world.bodies.copy(), world.angle.copy()
 
     def push(self, moved, velocity, dt):
         """Forces and torques (n, 3) on granules moved so far (m, rad), at such velocities."""
         world, bodies = self.world, self.world.bodies
-        for contacts, (spring, root) in zip(self._lists, self._memory, strict=True):
-            contacts.spring[:], contacts.root[:] = spring, root
+        for contacts, (spring, sqrt_overlap) in zip(self._lists, self._memory, strict=True):
+            contacts.tangential_force[:], contacts.sqrt_overlap[:] = spring, sqrt_overlap
         bodies[:] = self._place
         bodies[:, :2] += moved[:, :2]
         bodies[:, 2:5] = velocity

@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from dem.dynamics.simulation import STEP_FRACTION, Simulation
 from dem.experiment import drag
-from dem.studies.accuracy.plan import density_of
 from dem.experiment.config import Replicate, Sweep
 from dem.scene import Friction, Material, Scene, State, box
-from dem.shapes import SHAPES
-from dem.dynamics.simulation import STEP_FRACTION, Simulation
+from dem.shapes import KINDS
+from dem.studies.accuracy.plan import density_of
 from dem.studies.stability.catalogue import Changes
 
 
@@ -77,7 +77,7 @@ def granules(sweep: Sweep, shape: str, count: int, change: Changes, spread: floa
     """`count` granules of a shape of the sweep, diameters within +- spread of the mean."""
     section = sweep.shapes[shape]
     sizes = section.diameter * np.random.default_rng(1).uniform(1 - spread, 1 + spread, count)
-    return SHAPES[section.kind][0].of_size(sizes, change.aspect_ratio or section.ratio)
+    return KINDS[section.kind].shape.of_size(sizes, change.aspect_ratio or section.ratio)
 
 
 def free(sweep: Sweep, shape, change: Changes, side: float, friction: bool = False) -> Scene:
@@ -99,4 +99,4 @@ def scattered(shape, side: float, speed: float, seed: int = 1) -> State:
 
 def half_width(shape) -> float:
     """From the centre of the first granule to its edge along y, at angle zero (m)."""
-    return float(shape.boundary(721)[0, ..., 1].max())
+    return float(shape.polygons(721)[0, ..., 1].max())

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.experiment.config import Sweep
 from dem.base.errors import InputError, RunError
+from dem.experiment.config import Sweep
 from dem.studies.stability import beds, bodies, linear
 from dem.studies.stability.catalogue import QUANTITIES, RAN, Case, Catalogue, Changes, MapSection
 from dem.studies.stability.scenes import changed, start

@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 
-from dem.jit.columns import X, Y
 from dem.contacts.force_law import effective_modulus
-from dem.contacts.loops import forces
-from dem.jit.lanes import NX, NY, PUSH_X, PUSH_Y
+from dem.dynamics.forces import forces
 from dem.dynamics.simulation import Simulation
+from dem.jit.columns import X, Y
+from dem.jit.lanes import FORCE_X, FORCE_Y, NX, NY
 
 LOOKS = 20  # along a run
 
@@ -38,11 +38,11 @@ def worse(one: float, other: float) -> float:
 def friction_excess(simulation: Simulation) -> float:
     """By how much |T| exceeds mu N at the cylinder, over the force, for the bed as it is.
 
-    The forces are taken anew, and the simulation left as it was: the cylinder's contacts, which are
-    the last and less than a block, then stand in the lanes.
+    The forces are computed again, and the simulation left as it was: the cylinder's contacts, which are
+    the last and less than a block, are then in the lanes.
     """
-    roller = simulation.world.roller
-    if roller is None or roller.tangent is None:
+    cylinder = simulation.world.cylinder
+    if cylinder is None or cylinder.contacts.friction is None:
         return 0.0
     saved = simulation.checkpoint()
     forces(simulation._world, 0.0)
@@ -53,14 +53,14 @@ def friction_excess(simulation: Simulation) -> float:
 
 def excess(world) -> float:
     """The same from the lanes as the last forces have left them."""
-    roller = world.roller
-    count = len(roller.contacts.part)
+    cylinder = world.cylinder
+    count = len(cylinder.contacts.constituent)
     values = world.lanes.values
-    nx, ny, fx, fy = (values[int(at) : int(at) + count] for at in (NX, NY, PUSH_X, PUSH_Y))
+    nx, ny, fx, fy = (values[int(at) : int(at) + count] for at in (NX, NY, FORCE_X, FORCE_Y))
     normal, tangential = np.abs(fx * nx + fy * ny), np.abs(fy * nx - fx * ny)
     size = np.hypot(fx, fy)
     pressed = size > 0.0
-    beyond = (tangential - roller.tangent.coefficient * normal)[pressed] / size[pressed]
+    beyond = (tangential - cylinder.contacts.friction.coefficient * normal)[pressed] / size[pressed]
     return float(beyond.max(initial=0.0))
 
 
@@ -78,22 +78,22 @@ def momenta(simulation: Simulation):
 def contact_time(scene, speed: float) -> float:
     """Duration (s) of a head-on elastic collision of two mean granules (Hertz)."""
     modulus = effective_modulus(scene.material, scene.material)
-    mass, radius = 0.5 * scene.mass.mean(), 0.5 * scene.shape.part_radius.mean()
+    mass, radius = 0.5 * scene.mass.mean(), 0.5 * scene.shape.constituent_radius.mean()
     stiffness = 4.0 / 3.0 * modulus * math.sqrt(radius)
     deepest = (1.25 * mass * speed**2 / stiffness) ** 0.4
     return 2.9432 * deepest / speed
 
 
 def unlisted(simulation: Simulation) -> int:
-    """Number of pairs of circles around parts that overlap (all of them) and are not listed."""
+    """Number of pairs of circles around constituents that overlap (all of them) and are not listed."""
     world = simulation.world
-    per = len(world.parts) // len(world.bodies)
-    radius = simulation._parts.bounding
-    place = world.parts[:, [X, Y]]
+    per = len(world.constituents) // len(world.bodies)
+    radius = simulation._table.bounding
+    place = world.constituents[:, [X, Y]]
     apart = np.linalg.norm(place[:, None] - place, axis=2) - radius[:, None] - radius
     first, second = np.nonzero(np.triu(apart < 0.0, 1))
-    strangers = first // per != second // per  # parts of one granule do not touch
-    listed = set(zip(world.pairs.part.tolist(), world.pairs.other.tolist(), strict=True))
+    strangers = first // per != second // per  # constituents of one granule do not touch
+    listed = set(zip(world.pairs.constituent.tolist(), world.pairs.partner.tolist(), strict=True))
     return sum(
         (int(i), int(j)) not in listed
         for i, j in zip(first[strangers], second[strangers], strict=True)

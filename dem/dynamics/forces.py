@@ -1,0 +1,107 @@
+"""Forces on all granules for their present positions, chunk by chunk."""
+
+import numpy as np
+
+from dem.contacts.blocks import Constituents
+from dem.contacts.loops import cylinder_contacts, pair_contacts, wall_contacts
+from dem.dynamics.synchronise import barrier
+from dem.dynamics.world import granules_of, number_of_chunks
+from dem.jit.columns import FX, FY, TAU, X, Y
+from dem.jit.compilation import compiled, inlined
+from dem.jit.lanes import ACCOUNTS, FOUR, ONE, TWO, ZERO
+from dem.jit.optional import optional
+from dem.shapes.protocol import collect, place
+
+
+@optional
+def keep_account(account):
+    """Keep what the account holds before a step."""
+    for kind in range(ACCOUNTS):
+        account[ACCOUNTS + kind] = account[kind]
+
+
+@optional
+def add_forces_across_chunks(chunks, force, constituents, chunk):
+    """Add to the constituents of a chunk what pairs of other chunks have left for them."""
+    for q in range(chunks.first[chunk], chunks.first[chunk + 1]):
+        left = FOUR * (constituents + chunks.incoming[q])
+        at = FOUR * chunks.target[chunks.incoming[q]]
+        for c in (ZERO, ONE, TWO):
+            force[at + c] += force[left + c]
+            force[left + c] = 0.0
+
+
+@inlined
+def clear(force, low, high):
+    """No forces on constituents low to high."""
+    for i in range(low, high):
+        force[i, FX] = 0.0
+        force[i, FY] = 0.0
+        force[i, TAU] = 0.0
+
+
+@inlined
+def greater(a, b):
+    """The greater of two numbers, NaN if either is."""
+    return b if (b > a or b != b) and a == a else a
+
+
+@inlined
+def farthest(motion, reference, low, high):
+    """Largest squared displacement (m2) of constituents low to high since the lists were made."""
+    largest = 0.0
+    for i in range(low, high):
+        dx = motion[i, X] - reference[i, 0]
+        dy = motion[i, Y] - reference[i, 1]
+        largest = greater(largest, dx * dx + dy * dy)
+    return largest
+
+
+@compiled
+def add_forces(world, dt, begin, end, leads, thread):
+    """Forces on the constituents: of pairs in chunks begin to end; of walls and cylinder if this
+    thread leads.
+
+    Returns the largest squared displacement (m2) of these constituents since the lists were made.
+    To look at that and to clear the forces goes straight through the memory of a chunk: it is in
+    the cache when the pairs want it.
+    """
+    bodies = Constituents(world.shape, world.constituents, world.frame, world.inverse_inertia)
+    force, lanes = world.constituent_force, world.lanes
+    pairs, granules, moved = world.pairs, world.bodies.shape[0], 0.0
+    per = bodies.motion.shape[0] // granules
+    keep_account(lanes.account)
+    for chunk in range(begin, end):
+        low, high = granules_of(world.chunks, granules, chunk)
+        low, high = per * low, per * high
+        clear(force, low, high)
+        moved = greater(moved, farthest(bodies.motion, world.reference, low, high))
+        pair_contacts(
+            bodies, pairs, force, dt, lanes, world.chunks,
+            np.int64(pairs.first[low]), np.int64(pairs.first[high]),
+        )  # fmt: skip
+    barrier(thread)
+    for chunk in range(begin, end):
+        add_forces_across_chunks(
+            world.chunks, force.reshape(-1), np.uint64(bodies.motion.shape[0]), chunk
+        )
+    barrier(thread)
+    if leads:
+        wall_contacts(world.walls, bodies, force, dt, lanes)
+        cylinder_contacts(world.cylinder, bodies, force, dt, lanes)
+    return moved
+
+
+@compiled
+def forces(world, dt):
+    """Fill world.force (N, N m) for the present positions, at the end of a step of dt (s).
+
+    Returns the largest squared displacement (m2) since the lists were made.
+    """
+    granules = world.bodies.shape[0]
+    place(world.shape, world.bodies, world.frame, world.constituents, 0, granules)
+    chunks = number_of_chunks(world.chunks, granules)
+    begin = np.int64(0)  # of the type that advance has: else all is compiled twice
+    moved = add_forces(world, dt, begin, chunks, begin == 0, None)
+    collect(world.shape, world.constituent_force, world.frame, world.force, 0, granules)
+    return moved

@@ -1,0 +1,178 @@
+"""What the kernels ask of a shape, answered by the file of that shape.
+
+A granule is made of one or more convex *constituents*; contacts are between constituents. A shape
+is a NamedTuple of arrays with one entry a granule; its class selects, while compiling, the answers
+to the questions below. Conventions of a contact between constituents 1 and 2:
+
+* d = x2 - x1 (m); n is the unit normal from 1 to 2 and t = (-ny, nx) the tangent;
+* overlap (m) is positive where they touch;
+* the contact point lies midway between the two surfaces, on one line with both forces;
+* levers (m) lead from the centres to it: n1 n + t1 t for 1 and -n2 n + t2 t for 2.
+  A lever that a shape does not have is None, and so is all arithmetic with it.
+"""
+
+from typing import NamedTuple
+
+from numba.extending import overload
+
+from dem.base.errors import InputError
+from dem.jit.compilation import INLINED, inlined
+from dem.jit.optional import either, optional
+
+SEPARATED = -1.0  # overlap of constituents that do not touch
+
+
+class ContactGeometry(NamedTuple):
+    """One contact: overlap (m, negative for a gap), normal (nx, ny), levers n1, t1, n2, t2 (m).
+
+    t1 and t2 are None for discs, n2 and t2 for walls. radius: the effective radius R* (m) at the
+    contact, or None where the pair's constant counts.
+    """
+
+    overlap: float
+    nx: float
+    ny: float
+    n1: float
+    t1: float | None
+    n2: float | None
+    t2: float | None
+    radius: float | None
+
+
+def _question(stub):
+    """Turn a stub into a function whose compiled body is chosen by the class of its first argument.
+
+    The body of the stub is the answer of a class that has none; a stub that raises has no default.
+    """
+    answers = {}
+
+    def choose(first, *rest):
+        return answers.get(getattr(first, "instance_class", None), stub if default else None)
+
+    default = "NotImplementedError" not in stub.__code__.co_names
+    overload(stub, strict=False, jit_options=INLINED)(choose)
+    stub.answers, stub.has_default = answers, default
+    return stub
+
+
+@_question
+def outline(shape, constituent, frame):
+    """Numbers (a tuple, at most 8) that describe a constituent in its present orientation."""
+    raise NotImplementedError
+
+
+@_question
+def circle(shape, radius):
+    """The outline, in this shape's terms, of a circle (the cylinder)."""
+    raise NotImplementedError
+
+
+@_question
+def support(shape, own, nx, ny):
+    """Where a constituent touches a straight line with outward normal n: (h, q, radius).
+
+    h (m) is the distance of that line from the centre; q = dh/d(angle) (m) the coordinate along t
+    of the point that touches it, None for a disc; radius as in ContactGeometry.
+    """
+    raise NotImplementedError
+
+
+@_question
+def find_contact(shape, dx, dy, own, other, guess):
+    """Contact of two constituents, without a branch: (ContactGeometry, converged).
+
+    The overlap is negative where they do not touch; `guess` a normal near the right one, what the
+    contact remembers (None for discs). `converged` is False where the guess was too far off, None
+    where that cannot be.
+    """
+    raise NotImplementedError
+
+
+@_question
+def refine_normal(shape, dx, dy, own, other, guess):
+    """A guess near enough for find_contact, from any other."""
+    return guess
+
+
+@_question
+def tangential_lever(shape):
+    """None where a normal force never has a lever about a centre: discs."""
+    return True
+
+
+@_question
+def local_radius(shape):
+    """None where the effective radius R* is the pair's constant, and not found at the contact."""
+    return
+
+
+@_question
+def place(shape, bodies, frame, constituents, low, high):
+    """Motion of the constituents of granules low to high from that of the granules.
+
+    The default is for granules that are their own only constituent: both are one array.
+    """
+    return
+
+
+@_question
+def collect(shape, constituent_force, frame, force, low, high):
+    """Forces (N) and torques (N m) on granules low to high from those on their constituents."""
+    return
+
+
+@_question
+def ellipse_contact(method, dx, dy, own, other, guess):
+    """Contact of two ellipses by a method: (overlap, nx, ny, n1, t1, n2, t2), (rho1, rho2),
+    converged, with rho the radii of curvature (m) there."""
+    raise NotImplementedError
+
+
+@_question
+def ellipse_normal(method, dx, dy, own, other, guess):
+    """A guess near enough for ellipse_contact, from any other."""
+    return guess
+
+
+@inlined
+def solve_contact(shape, dx, dy, own, other, guess):
+    """Contact of two constituents: the ContactGeometry, from any guess."""
+    geometry, converged = find_contact(shape, dx, dy, own, other, guess)
+    return either(_refined(converged, geometry, shape, dx, dy, own, other, guess), geometry)
+
+
+@optional
+def _refined(converged, geometry, shape, dx, dy, own, other, guess):
+    if converged:
+        return geometry
+    better = refine_normal(shape, dx, dy, own, other, guess)
+    return find_contact(shape, dx, dy, own, other, better)[0]
+
+
+SHAPE_QUESTIONS = (
+    outline, circle, support, find_contact, refine_normal, tangential_lever, local_radius, place,
+    collect,
+)  # fmt: skip
+METHOD_QUESTIONS = ellipse_contact, ellipse_normal
+
+
+def is_shape(cls: type) -> bool:
+    """Whether the kernels know a class as a shape."""
+    return cls in outline.answers
+
+
+def answer(cls, *functions, questions=SHAPE_QUESTIONS, **renamed):
+    """Make a class known to the kernels: each function answers the question of its name, or of
+    the keyword that it is given for.
+
+    Raises InputError where it answers no such question, or leaves one open that has no default.
+    """
+    named = {each.__name__: each for each in functions} | renamed
+    known = {each.__name__: each for each in questions}
+    for name in named.keys() - known.keys():
+        raise InputError(f"{cls.__name__} answers {name}, which is no question of the kernels.")
+    for name, question in known.items():
+        if name not in named and not question.has_default:
+            raise InputError(f"{cls.__name__} does not answer the question {name} of the kernels.")
+    for name, function in named.items():
+        known[name].answers[cls] = function
