@@ -12,7 +12,6 @@ OUTPUTS
     {RESULTS}/figures/accuracy_{figure}.svg, {RESULTS}/figures/accuracy_{figure}.png
 """
 
-from dem.studies.accuracy.plan import density_of
 from dem.figures import ACCURACY
 
 STUDY = f"{RESULTS}/accuracy"
@@ -40,7 +39,7 @@ def plan_of(*keys):
 
 def run_of(shape):
     """What the run of a shape depends on, with its density and the window, as text."""
-    key = SWEEP.replicate(shape, density_of(SWEEP, shape), SWEEP.seeds[0]).run_key()
+    key = SWEEP.replicate(shape, SWEEP.density_of(shape), SWEEP.seeds[0]).run_key()
     return f"{key} {SWEEP.record.window}"
 
 

@@ -153,8 +153,7 @@ class Sweep(Section):
                 f"record.window ends at {self.record.window[1]:g} m, beyond cylinder.stroke, "
                 f"{self.cylinder.stroke:g} m"
             )
-        middles = (np.arange(self.record.bins) + 0.5) / self.record.bins * self.cylinder.stroke
-        if not ((middles >= self.record.window[0]) & (middles <= self.record.window[1])).any():
+        if not self.in_window.any():
             raise ValueError(
                 f"record.window {list(self.record.window)} holds no bin; each is "
                 f"{self.cylinder.stroke / self.record.bins:.3g} m wide"
@@ -202,6 +201,17 @@ class Sweep(Section):
                 + "."
             )
         return found
+
+    def density_of(self, shape: str) -> float:
+        """Density (kg/m3) of the first case of a shape, or of the first case of all."""
+        cases = list(self.cases.values())
+        return next((case.density for case in cases if case.shape == shape), cases[0].density)
+
+    @property
+    def in_window(self) -> np.ndarray:
+        """Which bins (bins,) of a run have their middle in the averaging window."""
+        middle = (np.arange(self.record.bins) + 0.5) / self.record.bins * self.cylinder.stroke
+        return (middle >= self.record.window[0]) & (middle <= self.record.window[1])
 
     def replicates(self) -> list["Replicate"]:
         """All runs, case by case, seeds in the order of the file."""

@@ -61,9 +61,7 @@ def mean_drag(sweep: Sweep, shape: str, density: float, seed: int, moduli) -> li
         material = sweep.material.model_copy(update={"young_modulus": modulus})
         changed = sweep.model_copy(update={"material": material})
         values = drag.run(changed.replicate(shape, density, seed), bed)
-        low, high = sweep.record.window
-        inside = (values["displacement"] > low) & (values["displacement"] < high)
-        means.append(float(values["drag"][inside].mean()))
+        means.append(float(values["drag"][sweep.in_window].mean()))
     return means
 
 

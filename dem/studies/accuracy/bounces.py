@@ -17,7 +17,7 @@ from dem.shapes.common_normal import CommonNormal
 from dem.shapes.disc import Disc
 from dem.shapes.ellipse import Ellipse
 from dem.shapes.geometric_potential import GeometricPotential
-from dem.studies.benchmark.measure import one_core
+from dem.studies.timing import one_core
 
 SEED = 2
 MATERIAL = Material(restitution=1.0)

@@ -13,7 +13,7 @@ import xarray as xr
 from dem.shapes.common_normal import CommonNormal
 from dem.studies.accuracy import trials
 from dem.studies.accuracy.pairs import Contact, Pairs, difference, dot, make_pairs, starts
-from dem.studies.benchmark.measure import one_core
+from dem.studies.timing import one_core
 
 SEED = 1
 WRONG_OVERLAP = 0.1  # a contact whose overlap is off by more than this share,

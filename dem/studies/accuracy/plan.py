@@ -29,12 +29,6 @@ Steps = Annotated[dict[Fraction, Count], Field(min_length=2), BeforeValidator(_d
 LARGEST = 1.2  # step over the bound on the critical one up to which no bed has been seen to break
 
 
-def density_of(sweep, shape: str) -> float:
-    """Density (kg/m3) of the first case of a shape, or of the first case of all."""
-    cases = list(sweep.cases.values())
-    return next((case.density for case in cases if case.shape == shape), cases[0].density)
-
-
 class ReplicatesSection(Section):
     """Many replicates of one shape, over a stroke (m) of their own."""
 

@@ -11,7 +11,6 @@ from dem.base.errors import RunError
 from dem.dynamics.simulation import Simulation
 from dem.experiment import drag
 from dem.experiment.config import Replicate, Sweep
-from dem.studies.accuracy.plan import density_of
 
 
 def shortened(sweep: Sweep, stroke: float) -> Sweep:
@@ -30,12 +29,6 @@ def draw(simulation: Simulation, sweep: Sweep, bins: int):
     return -(record.normal_force + record.tangential_force)[:, 1], record
 
 
-def inside_window(sweep: Sweep) -> np.ndarray:
-    """Which bins (bins,) have their middle in the averaging window."""
-    middle = (np.arange(sweep.record.bins) + 0.5) / sweep.record.bins * sweep.cylinder.stroke
-    return (middle >= sweep.record.window[0]) & (middle <= sweep.record.window[1])
-
-
 def vary_step(sweep: Sweep, shape: str, group: int, progress=lambda done: None) -> dict:
     """Mean drag of the beds of one group at every step that counts them in.
 
@@ -48,7 +41,7 @@ def vary_step(sweep: Sweep, shape: str, group: int, progress=lambda done: None) 
     sweep = shortened(sweep, sweep.record.window[1])
     trials = []
     for seed in plan.members(group, plan.most(shape)):
-        replicate = sweep.replicate(shape, density_of(sweep, shape), seed)
+        replicate = sweep.replicate(shape, sweep.density_of(shape), seed)
         bed = drag.make_bed(replicate)
         load_kernels(replicate, bed, bool(trials))
         for fraction in (fraction for fraction, seeds in wanted.items() if seed in seeds):
@@ -73,14 +66,14 @@ def one_step(replicate: Replicate, bed, fraction: float):
     simulation = drag.start(replicate, bed)
     # a Simulation takes no step above the critical one, nor one in which a granule moves far: the study
     # goes on to where the method breaks
-    simulation.rules = simulation.rules._replace(fraction=fraction, flight=np.inf)
+    simulation.rules = simulation.rules._replace(fraction=fraction, largest_motion=np.inf)
     started = time.process_time()
     try:
         force, record = draw(simulation, sweep, sweep.record.bins)
     except RunError as error:
         return np.nan, np.nan, time.process_time() - started, type(error).__name__
     spent = time.process_time() - started
-    return force[inside_window(sweep)].mean(), np.median(record.time_step), spent, "ran"
+    return force[sweep.in_window].mean(), np.median(record.time_step), spent, "ran"
 
 
 def many_replicates(sweep: Sweep, group: int, progress=lambda done: None) -> dict:
@@ -93,7 +86,7 @@ def many_replicates(sweep: Sweep, group: int, progress=lambda done: None) -> dic
     before = min(bins, int(np.ceil(window[1] / sweep.cylinder.stroke * bins - 1e-9)))
     forces, times = [], []
     for done, seed in enumerate(seeds):
-        replicate = sweep.replicate(wanted.shape, density_of(sweep, wanted.shape), seed)
+        replicate = sweep.replicate(wanted.shape, sweep.density_of(wanted.shape), seed)
         bed = drag.make_bed(replicate)
         load_kernels(replicate, bed, bool(forces))
         simulation = drag.start(replicate, bed)

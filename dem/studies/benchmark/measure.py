@@ -4,9 +4,7 @@ All but the comparison of threads runs on one core, one after the other, in turn
 meets all alike; every repeat starts from the same state.
 """
 
-import os
 import platform
-from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
@@ -23,6 +21,7 @@ from dem.studies.benchmark.layout import VARIABLES
 from dem.studies.benchmark.peers import CODES, our_seconds
 from dem.studies.benchmark.scenes import FULL, Case, beds, variants
 from dem.studies.benchmark.sizes import TILES, compare_sizes
+from dem.studies.timing import one_core
 
 # Scenes are compared on beds that stay as they are, with the same contacts: steps this short move
 # nothing, and the contacts are not listed anew.
@@ -44,20 +43,6 @@ class Plan(NamedTuple):
 
 
 USUAL = Plan()
-
-
-@contextmanager
-def one_core():
-    """This process, and those it starts, on one core; not where the system has no such call."""
-    if not hasattr(os, "sched_setaffinity"):
-        yield
-        return
-    before = os.sched_getaffinity(0)
-    os.sched_setaffinity(0, {max(before)})
-    try:
-        yield
-    finally:
-        os.sched_setaffinity(0, before)
 
 
 def measure(sweep: Sweep, plan: Plan = USUAL, progress=lambda done: None) -> dict:

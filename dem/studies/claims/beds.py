@@ -4,7 +4,7 @@ from dem.base.errors import InputError
 from dem.experiment.config import Replicate, Sweep
 from dem.studies.claims.changes import changed
 from dem.studies.claims.trials import BOXES as SIDES
-from dem.studies.claims.trials import box_label, density_of, ellipse_label, reference, scaled, seeds
+from dem.studies.claims.trials import box_label, ellipse_label, reference, scaled, seeds
 
 RATIOS = "ratios"  # in place of a shape: ellipses of all aspect ratios
 BOXES = "boxes"  # in place of a shape: boxes of other sizes
@@ -41,6 +41,6 @@ def beds_of(sweep: Sweep, label: str) -> dict[str, list[Replicate]]:
         }
     some = seeds(sweep, plan.jamming.seeds)
     return {
-        name: [changed(sweep, changes, shape, density_of(sweep, shape), seed) for seed in some]
+        name: [changed(sweep, changes, shape, sweep.density_of(shape), seed) for seed in some]
         for name, (shape, changes) in found.items()
     }

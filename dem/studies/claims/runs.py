@@ -11,7 +11,6 @@ from dem.analysis.flow.motion import Motion
 from dem.base.errors import RunError
 from dem.experiment import drag
 from dem.experiment.config import Replicate, Sweep
-from dem.studies.accuracy.runs import inside_window
 from dem.studies.claims.alignment import alignment
 from dem.studies.claims.changes import changed
 from dem.studies.claims.design import number_of
@@ -74,7 +73,7 @@ def blocks(values: np.ndarray) -> np.ndarray:
 def measured(replicate: Replicate, values: dict) -> dict:
     """The numbers of one run, by name."""
     sweep, motion = replicate.sweep, motion_of(replicate, values)
-    inside = inside_window(sweep)
+    inside = sweep.in_window
     force = values["drag"][inside]
     moved, window = motion.displacement, sweep.record.window
     seen = (moved >= window[0]) & (moved <= window[1])

@@ -29,12 +29,6 @@ class Trial(NamedTuple):
     point: int = -1
 
 
-def density_of(sweep: Sweep, shape: str) -> float:
-    """Density (kg/m3) of the first case of a shape, or of the first case of all."""
-    densities = [case.density for case in sweep.cases.values() if case.shape == shape]
-    return densities[0] if densities else reference(sweep)[1]
-
-
 def seeds(sweep: Sweep, count: int) -> range:
     """The first `count` seeds of the study."""
     return range(sweep.claims.first_seed, sweep.claims.first_seed + count)
@@ -116,7 +110,7 @@ def scaling(sweep: Sweep, jamming: "Jamming") -> list[Trial]:
     as far from jamming as the sweep's own."""
     wanted, (first, _), found = sweep.claims.scaling, reference(sweep), []
     for shape in wanted.shapes:
-        density = density_of(sweep, shape)
+        density = sweep.density_of(shape)
         for setting in ("velocity", *SIZES):
             if setting == "velocity" and shape != first:
                 continue

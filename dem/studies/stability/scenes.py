@@ -10,7 +10,6 @@ from dem.experiment import drag
 from dem.experiment.config import Replicate, Sweep
 from dem.scene import Friction, Material, Scene, State, box
 from dem.shapes import KINDS
-from dem.studies.accuracy.plan import density_of
 from dem.studies.stability.catalogue import Changes
 
 
@@ -31,7 +30,7 @@ def changed(sweep: Sweep, shape: str, change: Changes) -> Replicate:
     if change.aspect_ratio is not None:
         section = sweep.shapes[shape].model_copy(update={"aspect_ratio": change.aspect_ratio})
         sections["shapes"] = sweep.shapes | {shape: section}
-    density = change.density * density_of(sweep, shape)
+    density = change.density * sweep.density_of(shape)
     return sweep.model_copy(update=sections).replicate(shape, density, sweep.seeds[0])
 
 

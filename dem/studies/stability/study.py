@@ -133,7 +133,7 @@ def run_map(sweep: Sweep, wanted: MapSection, shape: str, progress=lambda done: 
             changed(sweep, shape, Changes(stiffness=stiffness, restitution=restitution))
         )
         # the step under test is taken, whatever a granule may move in it
-        simulation.rules = simulation.rules._replace(fraction=fraction, flight=math.inf)
+        simulation.rules = simulation.rules._replace(fraction=fraction, largest_motion=math.inf)
         with suppress(RunError):
             residual[place] = watch(simulation, interval)["residual"]
         progress((done + 1) / residual.size)
