@@ -68,18 +68,18 @@ def main(counts: list[int]) -> None:
                 print(f"  planned, {size} seeds a job: {measured(place, *plan)}", flush=True)
             config = place.sweep("many", seeds=seeds, batch=100)
             copies(results, results / one.replicates()[0].path, load(place.folder / config))
-            verb = ["dem.cli.app", "combine", "--config", config, "-o", data]
+            verb = ["dem", "combine", "--config", config, "-o", data]
             print(f"  combined: {measured(place, *verb)}", flush=True)
             began = time.perf_counter()
             prepare(results)[0].release()
             print(f"  folder made ready: {time.perf_counter() - began:.2f} s")
             print(
-                f"  figure13: {measured(place, 'dem.cli.app', 'figure', 'figure13', data)}",
+                f"  figure13: {measured(place, 'dem', 'figure', 'figure13', data)}",
                 flush=True,
             )
-            print(f"  dem info: {measured(place, 'dem.cli.app', 'info', data)}", flush=True)
+            print(f"  dem info: {measured(place, 'dem', 'info', data)}", flush=True)
             if count <= FLOW:
-                verb = ["dem.cli.app", "flow", "--config", config, "-o", "results/many/flow.nc"]
+                verb = ["dem", "flow", "--config", config, "-o", "results/many/flow.nc"]
                 print(f"  flow.nc: {measured(place, *verb)}", flush=True)
 
 

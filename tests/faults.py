@@ -192,7 +192,7 @@ def kills_of_compiling(place: Place, count: int, rng: random.Random) -> str:
     """dem compile killed, always with the same cache; then a run with what is in it."""
     with tempfile.TemporaryDirectory() as cache:
         log = place.folder / "compile.log"
-        command = [sys.executable, "-m", "dem.cli.app", "compile", "--config", place.sweep("whole")]
+        command = [sys.executable, "-m", "dem", "compile", "--config", place.sweep("whole")]
         done = 0
         for _ in range(count):
             with log.open("w") as out:
@@ -202,7 +202,7 @@ def kills_of_compiling(place: Place, count: int, rng: random.Random) -> str:
                 except subprocess.TimeoutExpired:
                     kill(process)
                     done += 1
-        run = [sys.executable, "-m", "dem.cli.app", "simulate", "--config", "config/whole.yaml", "--shape", "c1",
+        run = [sys.executable, "-m", "dem", "simulate", "--config", "config/whole.yaml", "--shape", "c1",
                "--density", "3900", "--seed", "1", "-o", "compiled.nc"]  # fmt: skip
         ended = subprocess.run(
             run, cwd=place.folder, env=place.environment | {"NUMBA_CACHE_DIR": cache}, check=False

@@ -82,7 +82,7 @@ def main(seeds: int = 200, batch: int = 100) -> None:
         wall = timed(place, *workflow)
         results, count = place.results("many"), len(load(many).cases) * seeds
         made = len(list((results / "replicates").rglob("*.nc")))
-        started = timed(place, "dem.cli.app", "compile", "--config", config, "--shape", "c1")
+        started = timed(place, "dem", "compile", "--config", config, "--shape", "c1")
         jobs, combining = wall_of_jobs(results, "batches"), sum(wall_of_jobs(results, "combine"))
         whole = timed(place, "snakemake", f"-j{CORES}", "--configfile", config)
     print(

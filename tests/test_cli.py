@@ -29,7 +29,7 @@ RUN = (
 
 
 def dem(*arguments):
-    command = [sys.executable, "-m", "dem.cli.app", *map(str, arguments)]
+    command = [sys.executable, "-m", "dem", *map(str, arguments)]
     return subprocess.run(command, cwd=ROOT, text=True, capture_output=True)
 
 

@@ -335,7 +335,7 @@ def test_files_follow_the_cf_conventions(finished, name):
 def test_info_shows_every_case(finished):
     """dem info prints a line a case with its mean drag."""
     run = subprocess.run(
-        [sys.executable, "-m", "dem.cli.app", "info", "results/smoke/drag.nc"],
+        [sys.executable, "-m", "dem", "info", "results/smoke/drag.nc"],
         cwd=finished, env=environment(finished), text=True, capture_output=True,
     )  # fmt: skip
     assert run.returncode == 0, run.stderr
