@@ -19,12 +19,12 @@ from dem.analysis.flow.collect import collect, write_flow
 from dem.analysis.statistics import change, summarise
 from dem.base.errors import InputError, OverlapError, PackingError, RunError
 from dem.experiment import drag
+from dem.experiment.config import Replicate
 from dem.figures import FLOW, draw
 from dem.io.progress import TimeLeft, span
 from dem.io.results_folder import hold, redate
 from dem.report.build import build
 from dem.report.info import summary
-from dem.sweep import batch as batches
 from dem.sweep.batch import batch, settled
 from dem.sweep.combine import combine, open_combined
 from dem.sweep.failures import sort_out
@@ -140,7 +140,7 @@ def test_a_run_that_failed_is_tried_again_when_something_changes(tmp_path, monke
     rough = discs(failures=0.5, friction=friction)
     assert not settled(path, rough.replicate("c1", 3.9e3, 2))
     assert len(sort_out(rough, tmp_path)[1]) == 0
-    monkeypatch.setattr(batches.provenance, "source_hash", lambda: "other")
+    monkeypatch.setattr(Replicate, "source_hash", "other")
     assert not settled(path, replicate)
 
 

@@ -147,9 +147,8 @@ def _draw_study(name, data, folder):
     from dem.figures.style import save
     from dem.sweep.combine import open_lazily, require
 
-    of = {"flow": FLOW} | STUDY_FIGURES
-    study = next(each for each, figures in of.items() if name in figures)
-    layout = import_module(f"dem.{study}.layout").VARIABLES
+    package = "dem.analysis.flow" if name in FLOW else f"dem.studies.{FILE_OF[name]}"
+    layout = import_module(f"{package}.layout").VARIABLES
     with open_lazily(data) as dataset:
         require(dataset, data, layout, STUDIES[name][1])
         try:

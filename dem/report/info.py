@@ -32,28 +32,31 @@ ORIGIN = ("title", "history", "git_revision", "source_hash", "versions", "config
 WINDOW = ("window_start", "window_stop")
 SWEEP = (*WINDOW, "cylinder_velocity")
 OF_A_RUN = ("steps", "box_height", "packing_pressure")
-# The variable that tells a study's file: its package, what else its report needs of variables and
-# of attributes.
+# The variable that tells a study's file: the package with its `layout` and `report`, what else its
+# report needs of variables and of attributes.
 STUDIES = {
-    "granule_steps_per_second": ("benchmark", (), ("history", "processor", "versions", "codes")),
+    "granule_steps_per_second": (
+        "dem.studies.benchmark", (), ("history", "processor", "versions", "codes")),
     "trial_drag": (
-        "accuracy", ("contact_method", "integrator", "replicate_drag"),
+        "dem.studies.accuracy", ("contact_method", "integrator", "replicate_drag"),
         (*WINDOW, "default_fraction"),
     ),
-    "non_affine": ("flow", ("case", "seed", "shape", "density", "displacement"), WINDOW),
-    "run_part": ("claims", ("run_drag", "jam_fraction", "run_factor"), WINDOW),
-    "check_value": ("stability", ("map_residual", "paper_residual"), ("default_fraction",)),
+    "non_affine": (
+        "dem.analysis.flow", ("case", "seed", "shape", "density", "displacement"), WINDOW),
+    "run_part": ("dem.studies.claims", ("run_drag", "jam_fraction", "run_factor"), WINDOW),
+    "check_value": (
+        "dem.studies.stability", ("map_residual", "paper_residual"), ("default_fraction",)),
 }  # fmt: skip
 
 
 def summary(path: Path) -> Group:
     """Renderable summary of drag.nc, a replicate or the file of a study; raises InputError for other files."""
     with open_lazily(path) as dataset:
-        for sign, (study, variables, attributes) in STUDIES.items():
+        for sign, (package, variables, attributes) in STUDIES.items():
             if sign in dataset:
-                layout = import_module(f"dem.{study}.layout").VARIABLES
+                layout = import_module(f"{package}.layout").VARIABLES
                 require(dataset, path, layout, variables, ("title", *attributes))
-                return import_module(f"dem.{study}.report").summary(dataset.load())
+                return import_module(f"{package}.report").summary(dataset.load())
         if "displacement" not in dataset.dims:
             raise InputError(f"{path}: it is neither drag.nc nor a replicate: it holds no drag.")
         if "case" in dataset.dims:
