@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from dem.base.provenance import PACKAGE
+from dem.base.sources import PACKAGE
 
 ASK = """
 import numpy as np
@@ -28,15 +28,16 @@ def asked(folder, cache):
 
 
 def test_copies_share_kernels_and_edits_do_not(tmp_path):
-    """Another copy of the same sources compiles nothing; one edited character does."""
+    """Another copy of the same sources compiles nothing, nor does a comment; a line of code does."""
     ignore = shutil.ignore_patterns("__pycache__")
     for name in ("first", "second"):
         shutil.copytree(PACKAGE, tmp_path / name / "dem", ignore=ignore)
     assert asked(tmp_path / "first", tmp_path / "cache") == (0, 1)
     assert asked(tmp_path / "second", tmp_path / "cache") == (1, 0)
-    with (tmp_path / "second/dem/columns.py").open("a") as file:
-        file.write("#")
-    assert asked(tmp_path / "second", tmp_path / "cache") == (0, 1)
+    for line, compiled in (("# edited", (1, 0)), ("EDITED = True", (0, 1))):
+        with (tmp_path / "second/dem/jit/columns.py").open("a") as file:
+            file.write(f"{line}\n")
+        assert asked(tmp_path / "second", tmp_path / "cache") == compiled
 
 
 TINY = """

@@ -42,15 +42,8 @@ def touching(world, names: np.ndarray) -> Touching:
     if world.walls is not None:
         listed = world.walls.contacts
         geometries = wall_geometries(shape, motion, frame, world.walls)
-        found.append(
-            _rows(
-                world,
-                names,
-                listed,
-                geometries,
-                FIRST_WALL - listed.constituentner.astype(np.int64),
-            )
-        )
+        walls = FIRST_WALL - listed.partner.astype(np.int64)
+        found.append(_rows(world, names, listed, geometries, walls))
     return Touching(*map(np.concatenate, zip(*found, strict=True)))
 
 
