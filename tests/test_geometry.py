@@ -155,7 +155,7 @@ def test_ellipse_of_aspect_ratio_one_is_a_disc(method):
         r, s, angle = *rng.uniform(0.5, 1.5, 2), rng.uniform(0.0, 2.0 * np.pi)
         distance = (r + s) * rng.uniform(0.5, 0.999)
         d = distance * np.cos(angle), distance * np.sin(angle)
-        disc = _touch(Disc(np.ones(1)), *d, r, s, None)
+        disc = _touch(Disc(np.ones(1)), *d, (r,), (s,), None)
         geometry = contact(d, ellipse(1.0, angle, r), ellipse(1.0, 2.0, s), method=method)
         assert_allclose(geometry[[0, 1, 2, 3, 5]], [disc[k] for k in (0, 1, 2, 3, 5)], atol=1e-13)
         assert_allclose(geometry[[4, 6]], 0.0, atol=1e-13)

@@ -227,7 +227,7 @@ def test_a_run_whose_steps_shrink_ends():
 
 def test_no_more_threads_start_than_the_bed_has_pieces():
     """A small bed is one piece: it runs in the thread that calls."""
-    assert simulation(threads=max(64, 4 * os.cpu_count()))._crew is None
+    assert simulation(threads=max(64, 4 * os.cpu_count()))._threads is None
 
 
 TAMPERED = {

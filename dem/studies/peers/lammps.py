@@ -180,7 +180,7 @@ def _law(scene, kind):
 def _contacts(scene, time_step):
     yield f"pair_style gran/{_law(scene, 'granule')}"
     yield "pair_coeff * *"
-    yield f"neighbor {SKIN * float(scene.shape.part_radius.mean())!r} bin"
+    yield f"neighbor {SKIN * float(scene.shape.constituent_radius.mean())!r} bin"
     yield "neigh_modify every 1 delay 0 check yes"
     yield f"timestep {float(time_step)!r}"
 
