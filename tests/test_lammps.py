@@ -30,7 +30,7 @@ def apart(small, steps, speed=1.0, **changes):
     scene = small.scene(material=ELASTIC, **changes)
     velocity = speed * np.random.default_rng(1).normal(size=small.bed.position.shape)
     state = dem.State(small.bed.position, velocity, small.bed.angle)
-    step = 0.3 * dem.Simulation(scene, state).look().critical_time_step
+    step = 0.3 * dem.Simulation(scene, state).diagnose().critical_time_step
     ours = dem.Simulation(scene, state, time_step=step)
     ours.advance(steps * step)
     with lammps.Run(scene, state, step) as theirs:

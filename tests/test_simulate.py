@@ -196,7 +196,7 @@ def test_too_large_a_time_step_is_an_error_with_a_name(small_bed, kind, factor):
     """A fixed step far beyond the critical one ends in a RunError, not in numbers."""
     small = small_bed(kind, fraction=0.88 if kind == "ellipse" else 0.84)
     run = dem.Simulation(small.scene(), small.state)
-    step = factor * run.look().critical_time_step
+    step = factor * run.diagnose().critical_time_step
     with pytest.raises(dem.RunError, match="step"):
         dem.simulate(small.scene(), small.state, 300 * step, time_step=step)
 
@@ -207,7 +207,7 @@ def test_critical_time_step_does_not_depend_on_how_contacts_are_found():
     steps = []
     for method in (CommonNormal(), GeometricPotential()):
         scene = bed._replace(shape=bed.shape._replace(method=method)).scene()
-        steps.append(dem.Simulation(scene, bed.state).look().critical_time_step)
+        steps.append(dem.Simulation(scene, bed.state).diagnose().critical_time_step)
     assert 0.5 * steps[0] < steps[1] < 1.1 * steps[0]
 
 
@@ -217,7 +217,7 @@ def test_critical_time_step_is_a_bound_and_a_close_one(small_bed, kind, fraction
     small = small_bed(kind, fraction=fraction)
     still = dem.Cylinder(small.cylinder.diameter, small.cylinder.position)
     run = dem.Simulation(small.scene(cylinder=still), small.state)
-    critical = run.look().critical_time_step
+    critical = run.diagnose().critical_time_step
     matrices = linear.matrices(run)
     assert linear.growth(*matrices, critical) < 1.0 + 1e-6
     assert linear.growth(*matrices, 2.0 * critical) > 1.1
@@ -249,7 +249,7 @@ def test_looking_changes_nothing_and_runs_repeat(small_bed, kind):
         simulation = dem.Simulation(small.scene(), small.state)
         for _ in range(8):
             if look:
-                simulation.look()
+                simulation.diagnose()
             simulation.advance(5e-6)
         return simulation.state, simulation.collect_impulses()
 

@@ -93,7 +93,7 @@ def follow(scene: Scene, state: State, steps: int, numbers):
     duration = first_speed()[1]
     run = Simulation(scene, state, time_step=duration / steps)
     energy = np.full(len(numbers), np.nan)
-    first, touching, done, filled = run.look().kinetic_energy, 0, 0, 0
+    first, touching, done, filled = run.diagnose().kinetic_energy, 0, 0, 0
     while filled < len(numbers):
         try:
             record = run.record(duration / LOOKS, AT_ONCE)

@@ -75,7 +75,7 @@ class Collision:
     @cached_property
     def critical_step(self) -> float:
         """Bound on the critical time step (s) of dem.dynamics.diagnostics."""
-        return Simulation(*self.start(0.0, 1)).look().critical_time_step
+        return Simulation(*self.start(0.0, 1)).diagnose().critical_time_step
 
     def steps(self, time_step: float, share: float = 0.0) -> tuple[int, float]:
         """Number and length (s) of steps near a wanted one.
@@ -126,7 +126,7 @@ class Bed:
         self.scene = replace(scene, material=elastic, friction=None) if bare else scene
         self._state = State(packed.position, angle=packed.angle)
         self.duration = STROKE / sweep.cylinder.velocity
-        self.critical_step = Simulation(self.scene, self._state).look().critical_time_step
+        self.critical_step = Simulation(self.scene, self._state).diagnose().critical_time_step
 
     def steps(self, time_step: float, share: float = 0.0) -> tuple[int, float]:
         """Number and length (s) of steps near a wanted one that end with the stroke."""

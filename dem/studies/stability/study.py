@@ -150,7 +150,7 @@ def bounds(sweep: Sweep, shape: str, wanted: MapSection) -> dict:
     """The bound of the critical step beside the true limit, of a small bed, linearised."""
     change = Changes(fraction=wanted.limited_fraction.get(shape))
     simulation = start(linear.small(sweep, shape, wanted.limited, change), still=True)
-    bound = simulation.look().critical_time_step
+    bound = simulation.diagnose().critical_time_step
     matrices = linear.matrices(simulation)
     limit = linear.limit(*matrices, bound, GROWN)
     return {
