@@ -5,8 +5,10 @@ SI units throughout. Angles in rad, anticlockwise; x to the right, y upwards.
 
 import math
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dem.base.errors import InputError
 from dem.base.validate import (
@@ -18,6 +20,7 @@ from dem.base.validate import (
     one_of,
     or_none,
     positive,
+    reals,
     refuse,
     vector,
 )
@@ -79,7 +82,7 @@ class Cylinder:
 
 
 @checked("box ", width=positive("m"), height=positive("m"))
-def box(width, height):
+def box(width: float, height: float) -> np.ndarray:
     """Four walls around 0 <= x <= width, 0 <= y <= height (m): left, right, bottom, top.
 
     Returns (4, 3) rows (nx, ny, offset); a wall is solid where n.x > offset.
@@ -87,12 +90,12 @@ def box(width, height):
     return np.array([[-1, 0, 0], [1, 0, width], [0, -1, 0], [0, 1, height]], float)
 
 
-def arrays_of(shape) -> dict[str, np.ndarray]:
+def arrays_of(shape: Any) -> dict[str, np.ndarray]:
     """The sizes (n,) in m that a shape is made of, by name."""
     return {name: size for name, size in shape._asdict().items() if isinstance(size, np.ndarray)}
 
 
-def granules(name, value):
+def granules(name: str, value: Any) -> Any:
     """Kind: granules of one shape; returned with sizes of their own that cannot be written."""
     from dem.shapes.protocol import is_shape
 
@@ -110,7 +113,7 @@ def granules(name, value):
     return value._replace(**sizes)
 
 
-def planes(name, value):
+def planes(name: str, value: Any) -> np.ndarray:
     """Kind: walls, as box returns them; returned as a copy that cannot be written."""
     rows = fixed(array(FINITE, None, 3, each="row")(name, value))
     if not np.allclose(np.hypot(rows[:, 0], rows[:, 1]), 1.0, rtol=1e-9):
@@ -118,7 +121,7 @@ def planes(name, value):
     return rows
 
 
-def fixed(array):
+def fixed(array: np.ndarray) -> np.ndarray:
     """A copy that cannot be written."""
     array = array.copy()
     array.flags.writeable = False
@@ -132,27 +135,33 @@ def fixed(array):
     walls=or_none(planes),
     cylinder=or_none(one_of(Cylinder)),
     gravity=or_none(vector("m/s2")),
-    thickness=positive("m"),
+    thickness=or_none(positive("m")),
     boundary=or_none(one_of(Material)),
 )
 @dataclass(frozen=True)
 class Scene:
     """All that does not change during a run; whatever is None is absent from the compiled code.
 
-    shape: Disc, Dumbbell or Ellipse with the sizes of all granules. thickness (m): out of the
-    plane, for the mass only. boundary: material of walls and cylinder, None for rigid ones.
-    walls (w, 3): see box. gravity (x, y) in m/s2. Sizes and walls are copies that cannot be
-    written. Raises InputError for values that cannot be used.
+    shape: Disc, Dumbbell, Ellipse or Superellipse with the sizes of all granules. thickness (m):
+    out of the plane, for the mass only; None for the mean volume diameter of the granules (that of
+    the disc of equal area), as in the paper. boundary: material of walls and cylinder, None for
+    rigid ones. walls (w, 3): see box. gravity (x, y) in m/s2. Sizes and walls are copies that
+    cannot be written. Raises InputError for values that cannot be used.
     """
 
-    shape: tuple
+    shape: Any
     material: Material = field(default_factory=Material)
     friction: Friction | None = None
     walls: np.ndarray | None = None
     cylinder: Cylinder | None = None
     gravity: tuple[float, float] | None = None
-    thickness: float = 1.0
+    thickness: float = None  # type: ignore[assignment]  # a number once the scene is made
     boundary: Material | None = None
+
+    def __post_init__(self) -> None:
+        if self.thickness is None:
+            mean = float(np.mean(2.0 * np.sqrt(self.shape.area / np.pi)))
+            object.__setattr__(self, "thickness", mean)
 
     @property
     def granules(self) -> int:
@@ -160,39 +169,49 @@ class Scene:
         return np.size(self.shape[0])
 
     @property
-    def mass(self):
+    def mass(self) -> np.ndarray:
         """Mass (n,) in kg."""
         return self.material.density * self.shape.area * self.thickness
 
     @property
-    def inertia(self):
+    def inertia(self) -> np.ndarray:
         """Moment of inertia (n,) in kg m2."""
         return self.mass * self.shape.gyration_squared
 
 
-@dataclass
+@dataclass(init=False)
 class State:
     """Where the granules are and how they move: position (n, 2) in m, the rest zero if not given.
 
-    velocity (n, 2) in m/s, angle (n,) in rad, angular_velocity (n,) in rad/s.
+    velocity (n, 2) in m/s, angle (n,) in rad, angular_velocity (n,) in rad/s. Raises InputError for
+    what is no array of real numbers of these shapes.
     """
 
     position: np.ndarray
-    velocity: np.ndarray | None = None
-    angle: np.ndarray | None = None
-    angular_velocity: np.ndarray | None = None
+    velocity: np.ndarray
+    angle: np.ndarray
+    angular_velocity: np.ndarray
 
-    def checked(self, granules) -> "State":
-        """A copy of float64 arrays of the right shapes; raises InputError for anything else."""
-        shapes = {
-            "position": (granules, 2), "velocity": (granules, 2),
-            "angle": (granules,), "angular_velocity": (granules,),
-        }  # fmt: skip
-        arrays = {}
-        for name, shape in shapes.items():
-            value = getattr(self, name)
-            if value is None and name != "position":
-                arrays[name] = np.zeros(shape)
-            else:
-                arrays[name] = array(FINITE, *shape)(name, value).copy()
-        return State(**arrays)
+    def __init__(
+        self,
+        position: ArrayLike,
+        velocity: ArrayLike | None = None,
+        angle: ArrayLike | None = None,
+        angular_velocity: ArrayLike | None = None,
+    ):
+        self.position = reals(None, 2)("position", position)
+        for name, value in (
+            ("velocity", velocity), ("angle", angle), ("angular_velocity", angular_velocity)
+        ):  # fmt: skip
+            shape = self._shapes(len(self.position))[name]
+            setattr(self, name, np.zeros(shape) if value is None else reals(*shape)(name, value))
+
+    @staticmethod
+    def _shapes(granules: int) -> dict[str, tuple[int, ...]]:
+        pair, one = (granules, 2), (granules,)
+        return {"position": pair, "velocity": pair, "angle": one, "angular_velocity": one}
+
+    def checked(self, granules: int) -> "State":
+        """A copy for so many granules; raises InputError where a number is not finite, too."""
+        shapes = self._shapes(granules).items()
+        return State(*(array(FINITE, *s)(k, getattr(self, k)).copy() for k, s in shapes))

@@ -46,7 +46,7 @@ class Small(NamedTuple):
     def scene(self, **changes):
         """Scene with friction, damping, walls and cylinder: one compilation a kind of granule."""
         usual = {
-            "friction": dem.Friction(), "walls": dem.box(self.bed.width, self.bed.height),
+            "friction": dem.Friction(), "walls": self.bed.walls,
             "cylinder": self.cylinder, "thickness": 1e-3,
         }  # fmt: skip
         return dem.Scene(self.shape, **usual | changes)

@@ -9,22 +9,27 @@ import functools
 import inspect
 import math
 import warnings
+from collections.abc import Callable
+from typing import Any, NoReturn, TypeVar
 
 import numpy as np
 
 from dem.base.errors import InputError
 
+Kind = Callable[[str, Any], Any]
+Target = TypeVar("Target", bound=Callable[..., Any])
+
 # Sizes of numbers: products and quotients of several of them stay finite.
 LEAST, MOST = 1e-20, 1e20
 
 
-def checked(prefix="", /, **kinds):
+def checked(prefix: str = "", /, **kinds: Kind) -> Callable[[Target], Target]:
     """Decorator of a class or a function: its arguments are of these kinds, by their names.
 
     What is called gets the values that the kinds return. prefix: put before names in sentences.
     """
 
-    def check(target):
+    def check(target: Any) -> Any:
         if isinstance(target, type):
             maker = "__new__" if issubclass(target, tuple) else "__init__"
             setattr(target, maker, check(getattr(target, maker)))
@@ -32,7 +37,7 @@ def checked(prefix="", /, **kinds):
         signature = inspect.signature(target)
 
         @functools.wraps(target)
-        def call(*given, **named):
+        def call(*given: Any, **named: Any) -> Any:
             bound = signature.bind(*given, **named)
             values = bound.arguments
             for name, kind in kinds.items():
@@ -45,7 +50,7 @@ def checked(prefix="", /, **kinds):
     return check
 
 
-def shown(value) -> str:
+def shown(value: Any) -> str:
     """A value in a sentence: short, and in one line."""
     if isinstance(value, np.ma.MaskedArray):
         return "a masked array"
@@ -58,12 +63,12 @@ def shown(value) -> str:
     return words if len(words) <= 60 else words[:57] + "..."
 
 
-def refuse(name: str, value, words: str):
+def refuse(name: str, value: Any, words: str) -> NoReturn:
     """Raise InputError: what the value is, and what it must do."""
     raise InputError(f"{name} is {shown(value)}; it must {words}.")
 
 
-def _scalar(value, types):
+def _scalar(value: Any, types: tuple[type, ...]) -> Any:
     """A number of one of these types, also in an array without axes; None for anything else."""
     if type(value) is np.ndarray and value.ndim == 0 and value.dtype.kind in "iuf":
         value = value[()]
@@ -72,10 +77,10 @@ def _scalar(value, types):
     return value
 
 
-def number(words: str, low: float = -MOST, high: float = MOST):
+def number(words: str, low: float = -MOST, high: float = MOST) -> Kind:
     """Kind: a real number from low to high."""
 
-    def take(name, value):
+    def take(name: str, value: Any) -> Any:
         found = _scalar(value, (int, float, np.integer, np.floating))
         if found is None or not low <= found <= high:
             refuse(name, value, words)
@@ -84,26 +89,26 @@ def number(words: str, low: float = -MOST, high: float = MOST):
     return take
 
 
-def positive(unit: str):
+def positive(unit: str) -> Kind:
     """Kind: a positive number, in such a unit."""
     return number(f"be a positive number ({unit}), {LEAST:g} to {MOST:g}", LEAST)
 
 
-def not_negative(unit: str = ""):
+def not_negative(unit: str = "") -> Kind:
     """Kind: zero or a positive number."""
     unit = f" ({unit})" if unit else ""
     return number(f"be zero or a positive number{unit}, up to {MOST:g}", 0.0)
 
 
-def up_to(high: float):
+def up_to(high: float) -> Kind:
     """Kind: a number above 0 and up to `high`."""
     return number(f"lie above 0 and up to {high:g}", math.nextafter(0.0, 1.0), high)
 
 
-def whole(low: int, high: int):
+def whole(low: int, high: int) -> Kind:
     """Kind: a whole number from low to high."""
 
-    def take(name, value):
+    def take(name: str, value: Any) -> Any:
         found = _scalar(value, (int, np.integer))
         if found is None or not low <= found <= high:
             refuse(name, value, f"be a whole number, {low} to {high:,}")
@@ -112,17 +117,17 @@ def whole(low: int, high: int):
     return take
 
 
-def flag(name, value) -> bool:
+def flag(name: str, value: Any) -> bool:
     """Kind: True or False."""
     if not isinstance(value, bool | np.bool_):
         refuse(name, value, "be True or False")
     return bool(value)
 
 
-def one_of(*classes):
+def one_of(*classes: type) -> Kind:
     """Kind: an instance of one of these classes."""
 
-    def take(name, value):
+    def take(name: str, value: Any) -> Any:
         if not isinstance(value, classes):
             names = " or ".join(f"dem.{each.__name__}" for each in classes)
             refuse(name, value, f"be a {names}")
@@ -131,18 +136,33 @@ def one_of(*classes):
     return take
 
 
-def or_none(kind):
+def named(choices: dict[str, Any], *classes: type) -> Kind:
+    """Kind: one of these texts, what one of them stands for, or an instance of these classes."""
+
+    def take(name: str, value: Any) -> Any:
+        known = value in choices if isinstance(value, str) else isinstance(value, classes)
+        if not known and not any(value is each for each in choices.values()):
+            texts = [*map(repr, choices), *(f"a dem.{each.__name__}" for each in classes)]
+            refuse(name, value, "be " + " or ".join(texts))
+        return value
+
+    return take
+
+
+def or_none(kind: Kind) -> Kind:
     """Kind: None, or what another kind takes."""
     return lambda name, value: None if value is None else kind(name, value)
 
 
-def array(words: str, *shape, low: float = -MOST, high: float = MOST, each: str = "granule"):
-    """Kind: real numbers from low to high in an array of a shape; None: any length but zero.
+def reals(*shape: int | None) -> Kind:
+    """Kind: real numbers in an array of a shape, NaN among them; None: any length but zero.
 
-    It returns a float64 array, the one that was given if that is one. each: what a row is of.
+    It returns a float64 array, the one that was given if that is one.
     """
+    wanted = str(tuple("n" if n is None else n for n in shape)).replace("'", "")
+    wanted += ", n at least 1" if None in shape else ""
 
-    def take(name, value):
+    def take(name: str, value: Any) -> np.ndarray:
         found = _reals(value)
         if found is None:
             refuse(name, value, "hold real numbers")
@@ -150,9 +170,23 @@ def array(words: str, *shape, low: float = -MOST, high: float = MOST, each: str 
             have != want and (want or not have)
             for have, want in zip(found.shape, shape, strict=True)
         ):
-            wanted = str(tuple("n" if n is None else n for n in shape)).replace("'", "")
-            wanted += ", n at least 1" if None in shape else ""
             raise InputError(f"{name} has shape {found.shape}; it must have shape {wanted}.")
+        return found
+
+    return take
+
+
+def array(
+    words: str, *shape: int | None, low: float = -MOST, high: float = MOST, each: str = "granule"
+) -> Kind:
+    """Kind: real numbers from low to high in an array of a shape, as reals takes them.
+
+    each: what a row is of.
+    """
+    take_reals = reals(*shape)
+
+    def take(name: str, value: Any) -> np.ndarray:
+        found: np.ndarray = take_reals(name, value)
         wrong = np.argwhere(~((found >= low) & (found <= high)))
         if len(wrong):
             at = tuple(wrong[0])
@@ -162,11 +196,11 @@ def array(words: str, *shape, low: float = -MOST, high: float = MOST, each: str 
     return take
 
 
-def vector(unit: str):
+def vector(unit: str) -> Kind:
     """Kind: two finite numbers (x, y), in such a unit."""
     take_array = array("be finite", 2)
 
-    def take(name, value):
+    def take(name: str, value: Any) -> Any:
         try:
             return tuple(take_array(name, value).tolist())
         except InputError:
@@ -175,7 +209,7 @@ def vector(unit: str):
     return take
 
 
-def _reals(value):
+def _reals(value: Any) -> np.ndarray | None:
     """A float64 array of real numbers, not copied if it is one; None for anything else."""
     if not _holds_reals(value, 3):
         return None
@@ -190,7 +224,7 @@ def _reals(value):
             return None
 
 
-def _holds_reals(value, depth):
+def _holds_reals(value: Any, depth: int) -> bool:
     """Whether lists hold nothing that NumPy would take for a number, and is none: truth values,
     text, masked arrays."""
     if isinstance(value, list | tuple) and depth:

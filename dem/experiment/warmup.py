@@ -4,7 +4,6 @@ from dem.dynamics.simulation import Simulation
 from dem.experiment.config import Replicate, Sweep
 from dem.experiment.drag import cylinder, diameters, make_scene
 from dem.packing.random import pack
-from dem.scene import State
 from dem.shapes import KINDS
 
 
@@ -18,4 +17,4 @@ def compile_kernels(sweep: Sweep, label: str) -> None:
     shape = KINDS[few.kind].shape.of_size(diameters(replicate), few.ratio)
     bed = pack(shape, sweep.box_width, height, cylinder(replicate, height), seed=0)
     scene = make_scene(replicate, bed)
-    Simulation(scene, State(bed.position, angle=bed.angle)).advance(1e-9)
+    Simulation(scene, bed.state).advance(1e-9)

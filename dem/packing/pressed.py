@@ -16,7 +16,7 @@ from dem.dynamics.forces import forces
 from dem.dynamics.neighbor_list import rebuild_neighbor_list
 from dem.dynamics.simulation import Simulation
 from dem.packing.minimise import minimise
-from dem.packing.random import SKIN, SOFT, Bed, finished, name_of, pack
+from dem.packing.random import SKIN, SOFT, Bed, finished, name_of, pack, soft_scene
 from dem.scene import Cylinder, Friction, Material, Scene, State, box
 
 START = 0.74  # packing fraction of the bed before it is pressed: no shape jams there
@@ -35,7 +35,7 @@ def compact(shape, width, height, cylinder: Cylinder, seed: int, friction: float
     depends on how it was pressed. Raises PackingError."""
     press = Press(shape, width, height, cylinder, seed, friction)
     press.press(press.full)
-    scene = Scene(shape, SOFT, walls=press.walls, cylinder=press.cylinder)
+    scene = soft_scene(shape, press.walls, press.cylinder)
     if not press.net_force <= MOVING:
         raise PackingError(
             f"{name_of(scene, width, height, seed)} is not at rest after it was pressed with "
@@ -64,7 +64,7 @@ class Press:
         self.fraction = min(START, self.full)
         self.unit = effective_modulus(SOFT, SOFT) * shape.constituent_radius.mean() ** 2  # N
         bed = pack(self.grown(), width, height, self.cylinder, seed)
-        self.state = State(bed.position, angle=bed.angle)
+        self.state = bed.state
         self.pressure, self.net_force = bed.pressure, bed.net_force
 
     def grown(self):
@@ -89,7 +89,7 @@ class Press:
             self._minimise()
 
     def _minimise(self):
-        scene = Scene(self.grown(), SOFT, walls=self.walls, cylinder=self.cylinder)
+        scene = soft_scene(self.grown(), self.walls, self.cylinder)
         table = granule_table(scene, SKIN)
         world = assemble(scene, self.state.checked(scene.granules), table)
         world, net_force = minimise(scene, table, world, PATIENCE, RESTING * self.unit)
@@ -100,7 +100,9 @@ class Press:
 
     def _damp(self):
         friction = Friction(self.friction, self.friction, self.friction)
-        scene = Scene(self.grown(), DAMPED, friction, self.walls, self.cylinder)
+        scene = Scene(
+            self.grown(), DAMPED, friction, self.walls, self.cylinder, thickness=1.0
+        )  # fmt: skip
         run = Simulation(scene, self.state, step_fraction=FRACTION)
         radius = self.shape.constituent_radius.mean()
         piece = PIECE * math.sqrt(scene.mass.mean() * radius / self.unit)
@@ -110,8 +112,8 @@ class Press:
             net = np.linalg.norm(run.world.force[:, :2], axis=1).max()
             if net <= RESTING * self.unit:
                 break
-        self.state = run.state
-        self.state.velocity, self.state.angular_velocity = None, None
+        end = run.state
+        self.state = State(end.position, angle=end.angle)
         self.net_force = float(net) / self.unit
         self._read(run.collect_impulses()[1].sum() / piece)
 

@@ -7,16 +7,17 @@ the geometry and the seed alone: moduli and masses cancel.
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from dem.base.errors import InputError, PackingError
 from dem.base.validate import checked, one_of, or_none, positive, whole
 from dem.contacts.force_law import effective_modulus
-from dem.dynamics.assembly import assemble, granule_table
+from dem.dynamics.assembly import GranuleTable, assemble, granule_table
 from dem.dynamics.diagnostics import survey
 from dem.dynamics.forces import forces
+from dem.dynamics.world import World
 from dem.packing.minimise import minimise
 from dem.scene import Cylinder, Material, Scene, State, box, granules
 
@@ -32,7 +33,7 @@ SOFT = Material(density=1.0, young_modulus=1.0, poisson_ratio=0.0, restitution=1
 
 
 class Bed(NamedTuple):
-    """A finished bed.
+    """A finished bed: `state` and `walls` are what a Scene and a Simulation of it take.
 
     position (n, 2) in m and angle (n,) in rad; width and height (m) of the box. What remains in
     it: net_force, the largest on a granule over E* R^2; pressure, the mean normal stress on the
@@ -48,8 +49,20 @@ class Bed(NamedTuple):
     coordination_number: float
     max_overlap: float
 
+    @property
+    def state(self) -> State:
+        """The granules at rest where they are."""
+        return State(self.position, angle=self.angle)
 
-def scatter(shape, width, height, cylinder, rng):
+    @property
+    def walls(self) -> np.ndarray:
+        """The box around them, as dem.box gives it."""
+        return box(self.width, self.height)
+
+
+def scatter(
+    shape: Any, width: float, height: float, cylinder: Cylinder | None, rng: np.random.Generator
+) -> np.ndarray:
     """Random sequential addition of the bounding circles: positions (n, 2) in m.
 
     A grid of squares, none smaller than the largest circle is wide, tells who is near: the work
@@ -57,7 +70,7 @@ def scatter(shape, width, height, cylinder, rng):
     """
     radius = shape.bounding_radius
     size = max(2.0 * radius.max(), math.sqrt(width * height / len(radius)))
-    grid = {}
+    grid: dict[tuple[int, int], list[int]] = {}
     position = np.empty((len(radius), 2))
     for i, r in enumerate(radius):
         for _ in range(1000):
@@ -82,7 +95,7 @@ def scatter(shape, width, height, cylinder, rng):
     return position
 
 
-def _blocked(place, radius, cylinder):
+def _blocked(place: np.ndarray, radius: float, cylinder: Cylinder | None) -> bool:
     if cylinder is None:
         return False
     return math.dist(place, cylinder.position) < radius + 0.5 * cylinder.diameter
@@ -95,7 +108,7 @@ def _blocked(place, radius, cylinder):
     cylinder=or_none(one_of(Cylinder)),
     seed=whole(0, 2**63 - 1),
 )
-def pack(shape, width: float, height: float, cylinder: Cylinder | None, seed: int) -> Bed:
+def pack(shape: Any, width: float, height: float, cylinder: Cylinder | None, seed: int) -> Bed:
     """Random bed at rest of all granules of `shape` in a box of width and height (m).
 
     cylinder: room is left for it; None for a bed without. The packing fraction follows from the
@@ -115,7 +128,7 @@ def pack(shape, width: float, height: float, cylinder: Cylinder | None, seed: in
     state = State(position, angle=rng.uniform(0.0, 2.0 * np.pi, len(position)))
     while True:
         last = factor == 1.0
-        scene = Scene(shape.scaled(factor), SOFT, walls=box(width, height), cylinder=still)
+        scene = soft_scene(shape.scaled(factor), box(width, height), still)
         table = granule_table(scene, SKIN)
         world = assemble(scene, state.checked(len(position)), table)
         unit = effective_modulus(SOFT, SOFT) * table.radius.mean() ** 2  # N
@@ -133,6 +146,11 @@ def pack(shape, width: float, height: float, cylinder: Cylinder | None, seed: in
         factor = min(factor * GROWTH, 1.0)
 
 
+def soft_scene(shape: Any, walls: np.ndarray, cylinder: Cylinder | None) -> Scene:
+    """Granules of unit modulus and density, one metre thick, without friction."""
+    return Scene(shape, SOFT, walls=walls, cylinder=cylinder, thickness=1.0)
+
+
 def name_of(scene: Scene, width: float, height: float, seed: int) -> str:
     """What a sentence calls a bed."""
     radius = 0.0 if scene.cylinder is None else 0.5 * scene.cylinder.diameter
@@ -140,7 +158,15 @@ def name_of(scene: Scene, width: float, height: float, seed: int) -> str:
     return f"the bed at packing fraction {fraction:.4g} (seed {seed})"
 
 
-def finished(scene: Scene, table, world, width, height, net_force: float, seed: int) -> Bed:
+def finished(
+    scene: Scene,
+    table: GranuleTable,
+    world: World,
+    width: float,
+    height: float,
+    net_force: float,
+    seed: int,
+) -> Bed:
     """The Bed in the arrays of the kernels, with net_force over E* R^2; raises PackingError where
     granules lie outside or too deep in each other."""
     cylinder, name = scene.cylinder, name_of(scene, width, height, seed)
@@ -160,6 +186,7 @@ def finished(scene: Scene, table, world, width, height, net_force: float, seed: 
             f"smaller radius, at most {DEEPEST:g} is allowed: ask for a lower packing fraction."
         )
     forces(world, 1.0)  # nothing has been summed before: the impulse over one second
+    assert world.walls is not None
     stress = world.walls.impulse.sum() / (2.0 * (width + height))
     return Bed(
         position=position,

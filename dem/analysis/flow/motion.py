@@ -14,7 +14,6 @@ from dem.experiment import drag
 from dem.experiment.config import Replicate, parse
 from dem.io.dataset import content_of, read
 from dem.packing.random import Bed
-from dem.scene import State
 from dem.shapes import KINDS
 
 READ = (
@@ -59,7 +58,7 @@ class Motion(NamedTuple):
         scene = drag.make_scene(replicate, bed)
         axis = scene.cylinder.position[0], float(self.cylinder_y[snapshot])
         scene = replace(scene, cylinder=replace(scene.cylinder, position=axis))
-        return Simulation(scene, State(place, angle=self.angle[snapshot])).contacts()
+        return Simulation(scene, bed.state).contacts()
 
 
 def read_motion(path: Path) -> Motion:
