@@ -16,15 +16,12 @@ from dem.experiment.resume import Going, read_checkpoint, write_checkpoint
 from dem.io.dataset import WALLS, global_attributes, read, write
 from dem.packing.pressed import compact
 from dem.packing.random import Bed, pack
-from dem.scene import Cylinder, Friction, Material, Scene, State, box
+from dem.scene import Cylinder, Friction, Material, Scene
 from dem.shapes import KINDS
-from dem.shapes.common_normal import CommonNormal
 from dem.shapes.ellipse import Ellipse
-from dem.shapes.geometric_potential import GeometricPotential
 
 BINS_A_CALL = 20  # between two signs of progress
 SAVED_EVERY = 60.0  # s between two checkpoints
-METHODS = {"common_normal": CommonNormal, "geometric_potential": GeometricPotential}
 
 
 def diameters(replicate: Replicate) -> np.ndarray:
@@ -37,8 +34,7 @@ def granules(replicate: Replicate):
     shape = KINDS[replicate.shape.kind].shape.of_size(diameters(replicate), replicate.shape.ratio)
     if isinstance(shape, Ellipse):
         wanted = replicate.sweep.ellipse
-        local = True if wanted.curvature == "local" else None
-        shape = shape._replace(method=METHODS[wanted.contact](), local_curvature=local)
+        shape = Ellipse(shape.semi_major, shape.semi_minor, wanted.contact, wanted.curvature)
     return shape
 
 
@@ -68,20 +64,21 @@ def make_scene(replicate: Replicate, bed: Bed) -> Scene:
             replicate.density, material.young_modulus, material.poisson_ratio, material.restitution
         ),
         friction=Friction(**sweep.friction.model_dump()),
-        walls=box(bed.width, bed.height),
+        walls=bed.walls,
         cylinder=cylinder(replicate, bed.height),
         gravity=(0.0, -sweep.gravity) if sweep.gravity > 0.0 else None,
         thickness=material.thickness or replicate.shape.diameter,
     )
 
 
-def start(replicate: Replicate, bed: Bed, threads: int = 1) -> Simulation:
-    """The bed at rest with the cylinder at its start; raises RunError where that can not be."""
+def start(replicate: Replicate, bed: Bed, **options) -> Simulation:
+    """The bed at rest with the cylinder at its start; options of the Simulation count before those
+    of the configuration. Raises RunError where that cannot be."""
     numerics = replicate.sweep.numerics
-    return Simulation(
-        make_scene(replicate, bed), State(bed.position, angle=bed.angle),
-        numerics.time_step, numerics.step_fraction, numerics.max_overlap, threads=threads,
-    )  # fmt: skip
+    usual = {
+        name: getattr(numerics, name) for name in ("time_step", "step_fraction", "max_overlap")
+    }
+    return Simulation(make_scene(replicate, bed), bed.state, **usual | options)
 
 
 def run(
@@ -98,7 +95,7 @@ def run(
     to remove once the result is on disk. Raises RunError where the run fails.
     """
     sweep, record = replicate.sweep, replicate.sweep.record
-    simulation = start(replicate, bed, threads)
+    simulation = start(replicate, bed, threads=threads)
     material = simulation.scene.material
     interval = sweep.cylinder.stroke / sweep.cylinder.velocity / record.bins
     every = record.bins // (record.snapshots - 1)

@@ -1,59 +1,85 @@
 """Ellipse (paper section 2.3), with two ways of finding a contact and two radii for Hertz's law."""
 
 import math
-from typing import NamedTuple
+from typing import Any, Literal, NamedTuple, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from dem.base.validate import OUTLINE, RATIO, SIZES, checked, flag, one_of, positive
+from dem.base.validate import OUTLINE, RATIO, SIZES, checked, named, positive
 from dem.jit.optional import optional
 from dem.shapes.common_normal import CommonNormal, half_width
 from dem.shapes.geometric_potential import GeometricPotential
 from dem.shapes.protocol import ContactGeometry, answer, ellipse_contact, ellipse_normal
 
-COMMON_NORMAL = CommonNormal()
+CONTACTS: dict[Any, Any] = {
+    "common_normal": CommonNormal(),
+    "geometric_potential": GeometricPotential(),
+}
+RADII: dict[Any, Any] = {"volume": None, "local": True}  # what is None is absent from kernels
+Contact = Literal["common_normal", "geometric_potential"] | CommonNormal | GeometricPotential
+HertzRadius = Literal["volume", "local"]
 
 
-def _present(name, value) -> bool | None:
-    """Kind: True, or None; False is None too, for the kernels only ask whether it is there."""
-    return None if value is None else flag(name, value) or None
+class _Fields(NamedTuple):
+    """What the kernels read: types choose what is compiled, texts could not."""
+
+    semi_major: np.ndarray
+    semi_minor: np.ndarray
+    contact: CommonNormal | GeometricPotential
+    local_curvature: bool | None
 
 
 @checked(
     semi_major=SIZES,
     semi_minor=SIZES,
-    method=one_of(CommonNormal, GeometricPotential),
-    local_curvature=_present,
+    contact=named(CONTACTS, CommonNormal, GeometricPotential),
+    hertz_radius=named(RADII),
 )
-class Ellipse(NamedTuple):
+class Ellipse(_Fields):
     """Ellipses; semi-axes (n,) in m, the major one along x at angle zero.
 
-    method: CommonNormal() or GeometricPotential(), how contacts are found.
-    local_curvature: None takes sqrt(ab) as the radius R of Hertz's law, which conserves energy;
-    True takes the radius of curvature at the contact, which does not.
+    contact: how a contact is found, "common_normal" or "geometric_potential" (the paper's), or
+    CommonNormal or GeometricPotential with a tolerance.
+    hertz_radius: the radius R of Hertz's law. "volume" takes sqrt(ab), which conserves energy;
+    "local" the radius of curvature at the contact, which does not.
     """
 
-    semi_major: np.ndarray
-    semi_minor: np.ndarray
-    method: CommonNormal | GeometricPotential = COMMON_NORMAL
-    local_curvature: bool | None = None
-
+    __slots__ = ()
     needs_angle = True
+
+    def __new__(
+        cls,
+        semi_major: ArrayLike,
+        semi_minor: ArrayLike,
+        contact: Contact = "common_normal",
+        hertz_radius: HertzRadius = "volume",
+    ) -> Self:
+        sizes = np.asarray(semi_major, float), np.asarray(semi_minor, float)
+        # compiled code that returns an Ellipse makes it of its fields
+        method, local = CONTACTS.get(contact, contact), RADII.get(hertz_radius, hertz_radius)
+        return super().__new__(cls, *sizes, method, local)
 
     @classmethod
     @checked(diameter=SIZES, aspect_ratio=RATIO)
-    def of_size(cls, diameter, aspect_ratio, method=COMMON_NORMAL, local_curvature=None):
+    def of_size(
+        cls,
+        diameter: ArrayLike,
+        aspect_ratio: float,
+        contact: Contact = "common_normal",
+        hertz_radius: HertzRadius = "volume",
+    ) -> Self:
         """Ellipses whose area is that of discs of the given diameter (n,) in m."""
-        root = math.sqrt(aspect_ratio)
-        return cls(0.5 * diameter * root, 0.5 * diameter / root, method, local_curvature)
+        sizes, root = np.asarray(diameter), math.sqrt(aspect_ratio)
+        return cls(0.5 * sizes * root, 0.5 * sizes / root, contact, hertz_radius)
 
     @property
-    def guesses(self):
+    def guesses(self) -> bool:
         """Whether a contact remembers its normal."""
-        return isinstance(self.method, CommonNormal)
+        return isinstance(self.contact, CommonNormal)
 
     @property
-    def fault(self):
+    def fault(self) -> str | None:
         """Why these are no ellipses, or None."""
         if np.any(self.semi_minor > self.semi_major):
             return (
@@ -62,49 +88,49 @@ class Ellipse(NamedTuple):
         return None
 
     @property
-    def area(self):
+    def area(self) -> np.ndarray:
         """Area (n,) in m2."""
         return np.pi * self.semi_major * self.semi_minor
 
     @property
-    def gyration_squared(self):
+    def gyration_squared(self) -> np.ndarray:
         """Squared radius of gyration (n,) in m2."""
         return 0.25 * (self.semi_major**2 + self.semi_minor**2)
 
     @property
-    def bounding_radius(self):
+    def bounding_radius(self) -> np.ndarray:
         """Radius (n,) in m of the circle about the centre that holds the granule."""
         return self.semi_major
 
     @property
-    def constituent_radius(self):
+    def constituent_radius(self) -> np.ndarray:
         """Radius (n,) in m that enters Hertz's law; an ellipse is its own only part."""
         return np.sqrt(self.semi_major * self.semi_minor)
 
     @property
-    def constituent_bounding_radius(self):
+    def constituent_bounding_radius(self) -> np.ndarray:
         """Radius (n,) in m of the circle that holds the part."""
         return self.semi_major
 
     @property
-    def normal_lever(self):
+    def normal_lever(self) -> np.ndarray:
         """Greatest distance (n,) in m of a line of normal force from the centre."""
         return self.semi_major - self.semi_minor
 
     @property
-    def normal_bend(self):
+    def normal_bend(self) -> np.ndarray:
         """Greatest second derivative (n,) in m of the support distance with the granule's angle."""
         return self.semi_major**2 / self.semi_minor - self.semi_minor
 
     @checked(factor=positive("ratio"))
-    def scaled(self, factor):
+    def scaled(self, factor: float) -> Self:
         """The same granules, larger by the given factor."""
         return self._replace(
             semi_major=self.semi_major * factor, semi_minor=self.semi_minor * factor
         )
 
     @checked(points=OUTLINE)
-    def polygons(self, points=64):
+    def polygons(self, points: int = 64) -> np.ndarray:
         """Outlines (n, 1, points, 2) in m about the centre at angle zero, to draw or sample."""
         turn = np.linspace(0.0, 2.0 * np.pi, points)
         x = self.semi_major[:, None] * np.cos(turn)
@@ -143,14 +169,14 @@ def support(shape, own, nx, ny):
 
 
 def find_contact(shape, dx, dy, own, other, guess):
-    found, rho, converged = ellipse_contact(shape.method, dx, dy, own, other, guess)
+    found, rho, converged = ellipse_contact(shape.contact, dx, dy, own, other, guess)
     overlap, nx, ny, n1, t1, n2, t2 = found
     radius = effective_radius(shape.local_curvature, rho[0], rho[1])
     return ContactGeometry(overlap, nx, ny, n1, t1, n2, t2, radius), converged
 
 
 def refine_normal(shape, dx, dy, own, other, guess):
-    return ellipse_normal(shape.method, dx, dy, own, other, guess)
+    return ellipse_normal(shape.contact, dx, dy, own, other, guess)
 
 
 answer(Ellipse, outline, circle, support, find_contact, refine_normal, local_radius)

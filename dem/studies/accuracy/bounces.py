@@ -13,10 +13,8 @@ from dem.base.errors import RunError
 from dem.contacts.force_law import effective_modulus, impact_overlap
 from dem.dynamics.simulation import Simulation
 from dem.scene import Material, Scene, State, box
-from dem.shapes.common_normal import CommonNormal
 from dem.shapes.disc import Disc
 from dem.shapes.ellipse import Ellipse
-from dem.shapes.geometric_potential import GeometricPotential
 from dem.studies.timing import one_core
 
 SEED = 2
@@ -31,10 +29,10 @@ AT_ONCE = 200  # looks: some ten bounces
 BURST = 100.0  # times the first energy: far enough
 DISC = "disc"
 ELLIPSES = {  # method: what Ellipse takes, beside the sizes
-    "common normal": (CommonNormal(), None),
-    "common normal, local curvature": (CommonNormal(), True),
-    "geometric potential": (GeometricPotential(), None),
-    "geometric potential, local curvature": (GeometricPotential(), True),
+    "common normal": ("common_normal", "volume"),
+    "common normal, local curvature": ("common_normal", "local"),
+    "geometric potential": ("geometric_potential", "volume"),
+    "geometric potential, local curvature": ("geometric_potential", "local"),
 }
 
 

@@ -8,7 +8,6 @@ from dem.dynamics.simulation import STEP_FRACTION, Simulation
 from dem.experiment import drag
 from dem.experiment.config import Replicate, Sweep
 from dem.scene import Scene, State
-from dem.shapes.geometric_potential import GeometricPotential
 
 ASPECT_RATIO = 1.25  # of the ellipses, or the nearest to it in the sweep
 FULL = "discs: friction, damping, walls, cylinder"
@@ -42,7 +41,7 @@ def beds(sweep: Sweep) -> dict[str, Case]:
         replicate = Replicate(sweep=sweep, label=label, density=density, seed=sweep.seeds[0])
         bed = drag.make_bed(replicate)
         scene = drag.make_scene(replicate, bed)
-        found[kind] = make_case(scene, State(bed.position, angle=bed.angle))
+        found[kind] = make_case(scene, bed.state)
     return found
 
 
@@ -50,7 +49,7 @@ def variants(cases: dict[str, Case]) -> dict[str, Case]:
     """By what each has: scenes on the beds of `beds`, full ones first."""
     disc, dumbbell, ellipse = (cases[kind] for kind in ("disc", "dumbbell", "ellipse"))
     elastic = replace(disc.scene.material, restitution=1.0)
-    chord = ellipse.scene.shape._replace(method=GeometricPotential())
+    chord = ellipse.scene.shape._replace(contact="geometric_potential")
     return {
         FULL: disc,
         "dumbbells, full": dumbbell,
