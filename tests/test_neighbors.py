@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from dem import Simulation
 from dem.dynamics.assembly import granule_table
+from dem.dynamics.checkpoint import writable
 from dem.dynamics.neighbor_list import rebuild_neighbor_list
 from dem.dynamics.neighbors import near_circle, near_pairs, near_planes
 
@@ -74,7 +75,7 @@ def test_springs_survive_a_new_list(small_bed, kind):
     before = [memory(getattr(b, "pairs", None) or b.contacts) for b in boundaries]
     assert all(len(springs) > 2 for springs in before)
     for skin in (1.0, 0.01):
-        world = rebuild_neighbor_list(run._world, granule_table(run.scene, skin))
+        world = rebuild_neighbor_list(writable(run.world), granule_table(run.scene, skin))
         after = [memory(c) for c in (world.pairs, world.walls.contacts, world.cylinder.contacts)]
         assert after == before
 

@@ -39,6 +39,19 @@ def read_only(tree):
     return tree._make(map(read_only, tree))
 
 
+def writable(tree):
+    """The tree with copies of its arrays, which can be written; two that were one stay one."""
+    copies = {}
+
+    def copied(each):
+        if isinstance(each, np.ndarray):
+            key = each.ctypes.data, each.shape, each.dtype
+            return copies.setdefault(key, each.copy())
+        return each._make(map(copied, each)) if hasattr(each, "_fields") else each
+
+    return copied(tree)
+
+
 def moving(world) -> dict:
     """The arrays of a World that a run changes, by their path in it."""
     fixed = tuple(f"world.{name}" for name in FIXED)

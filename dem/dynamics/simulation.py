@@ -8,12 +8,26 @@ Two discs that collide in empty space need no more than that; the paper's experi
 
 import math
 import os
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, NamedTuple, NoReturn
 
 import numpy as np
 
 from dem.base.errors import InputError, OverlapError, StateError
-from dem.base.validate import checked, flag, not_negative, one_of, or_none, positive, up_to, whole
+from dem.base.validate import (
+    LEAST,
+    checked,
+    flag,
+    not_negative,
+    number,
+    one_of,
+    or_none,
+    positive,
+    refuse,
+    up_to,
+    vector,
+    whole,
+)
 from dem.dynamics.assembly import assemble, granule_table
 from dem.dynamics.checkpoint import clock, fingerprint, moving, read, read_only, replaced
 from dem.dynamics.diagnostics import Diagnostics, diagnose
@@ -39,6 +53,9 @@ from dem.dynamics.world import CHUNK, World
 from dem.jit.columns import VX, VY, W
 from dem.scene import Scene, State
 
+if TYPE_CHECKING:
+    import xarray
+
 SKIN = 0.12  # of the mean bounding radius; timings are flat from 0.1 to 0.2
 MARGIN = 0.75  # share of skin / 2 that a part may move before the lists are made anew
 STEP_FRACTION = 0.5  # of the bound on the critical time step
@@ -47,6 +64,8 @@ LONGEST_FLIGHT = 0.02  # of the smallest radius, in one step
 MOST_THREADS = max(64, 4 * (os.cpu_count() or 1))
 PIECES = whole(1, 10_000_000)  # beyond that their arrays fill any memory
 DURATION = positive("s")
+STABLE = "lie above 0 and up to 1, or with allow_unstable above 0"
+FRACTION = number(STABLE, LEAST)
 
 
 class Record(NamedTuple):
@@ -86,18 +105,47 @@ class Result(NamedTuple):
     state: State
     time_step: float
 
+    def to_dataset(self) -> "xarray.Dataset":
+        """All but the last state as a dataset with the dimensions time, granule, axis and wall.
+
+        Every variable has units and a long name (CF). Walls are numbered in the order of the scene.
+        """
+        import xarray
+
+        variables = {
+            name: (dimensions, getattr(self, name), {"units": units, "long_name": words})
+            for name, (dimensions, units, words) in RESULT.items()
+        }
+        attrs = {"Conventions": "CF-1.11", "title": "Motion of granules and forces on walls"}
+        return xarray.Dataset(
+            variables, {"axis": ("axis", ["x", "y"], {"long_name": "direction"})}, attrs
+        )
+
+
+# of a Result as a dataset: name: (dimensions, units, long name)
+RESULT = {
+    "time": (("time",), "s", "time since the start"),
+    "position": (("time", "granule", "axis"), "m", "position of the centre of the granule"),
+    "angle": (("time", "granule"), "rad", "angle of the granule, anticlockwise"),
+    "velocity": (("time", "granule", "axis"), "m s-1", "velocity of the granule"),
+    "angular_velocity": (("time", "granule"), "rad s-1", "angular velocity, anticlockwise"),
+    "cylinder_force": (("time", "axis"), "N", "mean force on the cylinder since the frame before"),
+    "wall_force": (("time", "wall"), "N", "mean normal force on the wall since the frame before"),
+    "time_step": ((), "s", "shortest time step taken"),
+}
+
 
 class Simulation:
     """A scene in motion: advances in place, to be read between calls.
 
     time_step (s): fixed, or None to take `step_fraction` of the critical step of the bed as it is
-    at each call of advance and each new contact list. max_overlap:
-    greatest allowed overlap over the smaller radius.
-    rules: how steps are chosen and where a run stops (dem.dynamics.stepping.Rules), made from these options.
-    skin: of the contact lists, over the mean bounding radius. ledger: keep an energy ledger, at a
-    cost of some ten per cent; without it no instruction is spent on it. threads: for beds of thousands of
-    granules, at most MOST_THREADS; the result does not depend on it, and no more start than the bed
-    has pieces for (dem.dynamics.world.CHUNK granules each). Raises InputError for values that cannot be used
+    at each call of advance and each new contact list. allow_unstable: take that step whatever comes
+    of it: step_fraction may then exceed 1, and no step is shortened because a granule would move
+    far in it. max_overlap: greatest allowed overlap over the smaller radius. skin: of the contact
+    lists, over the mean bounding radius. ledger: keep an energy ledger, at a cost of some ten per
+    cent; without it no instruction is spent on it. threads: for beds of thousands of granules, at
+    most MOST_THREADS; the result does not depend on it, and no more start than the bed has pieces
+    for (dem.dynamics.world.CHUNK granules each). Raises InputError for values that cannot be used
     and StateError or OverlapError for a state that cannot be.
     """
 
@@ -105,11 +153,12 @@ class Simulation:
         scene=one_of(Scene),
         state=one_of(State),
         time_step=or_none(positive("s")),
-        step_fraction=up_to(1.0),
+        step_fraction=FRACTION,
         max_overlap=up_to(1.5),
         skin=up_to(100.0),
         threads=whole(1, MOST_THREADS),
         ledger=flag,
+        allow_unstable=flag,
     )
     def __init__(
         self,
@@ -121,7 +170,10 @@ class Simulation:
         skin: float = SKIN,
         threads: int = 1,
         ledger: bool = False,
+        allow_unstable: bool = False,
     ):
+        if step_fraction > 1.0 and not allow_unstable:
+            refuse("step_fraction", step_fraction, STABLE)
         if ledger and threads > 1:
             raise InputError(f"threads is {threads}; with an energy ledger it must be 1.")
         self.scene = scene
@@ -138,21 +190,20 @@ class Simulation:
         if self._order is not None:
             scene, state = ordered(scene, state, self._order)
         self._table = granule_table(scene, skin)
-        self.rules = self._make_rules()
+        self._rules = self._make_rules(allow_unstable)
         self._world = assemble(scene, state, self._table, ledger)
         self._check_inside()
         self._world = rebuild_neighbor_list(self._world, self._table)
         forces(self._world, 0.0)
         self._bookkeeper = Bookkeeper(self._world) if ledger else None
 
-    def _make_rules(self) -> Rules:
+    def _make_rules(self, allow_unstable: bool) -> Rules:
         reach = 0.5 * self._table.skin
+        farthest = min(LONGEST_FLIGHT * self._table.radius.min(), (1.0 - MARGIN) * reach)
         return Rules(
             time_step=float(self.time_step or 0.0),
             fraction=self.step_fraction,
-            largest_motion=float(
-                min(LONGEST_FLIGHT * self._table.radius.min(), (1.0 - MARGIN) * reach)
-            ),
+            largest_motion=math.inf if allow_unstable else float(farthest),
             max_overlap=float(self.max_overlap),
             rebuild_at=MARGIN * reach,
             list_range=reach,
@@ -162,8 +213,9 @@ class Simulation:
 
     @property
     def world(self) -> World:
-        """The arrays of the kernels, in their order (dem.dynamics.ordering); all else is in the order of the
-        scene. They are views that cannot be written: contact lists and the step rely on them."""
+        """The arrays of the kernels, in their order (dem.dynamics.ordering); all else is in the order
+        of the scene. They are views that cannot be written, because contact lists and the step rely
+        on them; dem.dynamics.checkpoint.writable copies them."""
         return read_only(self._world)
 
     @property
@@ -175,7 +227,7 @@ class Simulation:
             bodies, angle = bodies[back], angle[back]
         return State(bodies[:, :2].copy(), bodies[:, [VX, VY]], angle.copy(), bodies[:, W].copy())
 
-    def collect_impulses(self):
+    def collect_impulses(self) -> tuple[np.ndarray, np.ndarray]:
         """Impulses since the last call, in N s: on the cylinder (2, 2), on the walls (w,).
 
         Rows of the first: of the normal parts and of the tangential parts; of the second: normal.
@@ -208,7 +260,7 @@ class Simulation:
         advance and record raise StateError where it would not at a step that they choose. Raises
         OverlapError where the guard on overlaps trips.
         """
-        step = longest_step.py_func(self.rules, self.diagnose())
+        step = longest_step.py_func(self._rules, self.diagnose())
         if not duration <= MOST_STEPS * step:
             raise InputError(self._endless("duration", duration, step))
         self._until = self.time + duration
@@ -232,7 +284,7 @@ class Simulation:
         saved |= {"time": np.array(self.time), "steps": np.array(self.steps, np.int64)}
         return saved | {"scene": self._fingerprint()}
 
-    def restore(self, saved: dict[str, np.ndarray]) -> None:
+    def restore(self, saved: Mapping[str, np.ndarray]) -> None:
         """Go on from a checkpoint of a simulation that began with the same scene and state.
 
         The motion that follows has the same bits as without interruption, if it is advanced in the
@@ -248,7 +300,7 @@ class Simulation:
         self._world = world._replace(force=world.constituent_force) if alone else world
         self.time, self.steps = time, steps
 
-    def _fingerprint(self):
+    def _fingerprint(self) -> np.ndarray:
         """Tells scenes, options and the order of granules in memory apart."""
         world, order = self._world, None if self._order is None else self._order.copy()
         boundaries = [b for b in (world.walls, world.cylinder) if b is not None]
@@ -256,13 +308,22 @@ class Simulation:
             (b.contacts.friction, b.contacts.modulus, b.contacts.damping is None)
             for b in boundaries
         ]
-        held = [world.shape, self._table, self.rules, world.pairs.friction, world.pairs.modulus]
+        held = [world.shape, self._table, self._rules, world.pairs.friction, world.pairs.modulus]
         arrays = [world.inverse_mass, world.inverse_inertia, world.gravity, order]
         planes = None if world.walls is None else world.walls.planes
         radius = None if world.cylinder is None else world.cylinder.radius
         return fingerprint(*held, fixed, radius, *arrays, planes)
 
     # Motion
+
+    @checked(velocity=vector("m/s"))
+    def set_cylinder_velocity(self, velocity: tuple[float, float]) -> None:
+        """Move the cylinder at another velocity (x, y) in m/s from now on; raises InputError where
+        the scene has none."""
+        cylinder = self._world.cylinder
+        if cylinder is None:
+            raise InputError("velocity cannot be set: the scene has no cylinder.")
+        cylinder.motion[0, [VX, VY]] = velocity
 
     @checked(duration=not_negative("s"))
     def advance(self, duration: float) -> float:
@@ -288,11 +349,13 @@ class Simulation:
         energy, contacts, overlap, step = rows[:, :4].T
         return Record(rows[:, 4:6], rows[:, 6:8], rows[:, 8:], energy, contacts, overlap, step)
 
-    def _run_steps(self, name, interval, count, rows):
+    def _run_steps(
+        self, name: str, interval: float, count: int, rows: np.ndarray | None
+    ) -> float:  # fmt: skip
         run = run_steps if self._threads is None else run_steps.py_func
         schedule = Schedule(self.time, float(interval), count, self._until)
         self._world, report = run(
-            self._world, self._table, self.rules, schedule, rows, self._threads
+            self._world, self._table, self._rules, schedule, rows, self._threads
         )
         self.time = report.time
         self.steps += report.steps
@@ -302,7 +365,7 @@ class Simulation:
             self._fail(report.outcome, report.value, report.granule)
         return report.shortest
 
-    def _endless(self, name, duration, step):
+    def _endless(self, name: str, duration: float, step: float) -> str:
         return (
             f"{name} is {duration:g} s, more than {MOST_STEPS:.0e} time steps of {step:.3g} s: "
             "granules are too small, stiff, light or fast for it."
@@ -311,12 +374,12 @@ class Simulation:
     # Guards: between two lists no part moves by more than half the skin, so that checks at a new
     # list see every overlap before it has grown by more than the skin.
 
-    def _name(self, granule):
+    def _name(self, granule: int) -> int:
         """The user's number of a granule."""
         return granule if self._order is None else int(self._order[granule])
 
     @np.errstate(all="ignore")
-    def _fail(self, outcome, value, granule):
+    def _fail(self, outcome: int, value: float, granule: int) -> NoReturn:
         when = f"at step {self.steps}, time {self.time:.6g} s"
         lost = ~np.isfinite(self._world.bodies).all(axis=1)
         if lost.any():
@@ -329,7 +392,8 @@ class Simulation:
             farthest = int(moved.argmax()) // self._table.per
             raise StateError(
                 f"granule {self._name(farthest)} moved {value:.3g} m before its contacts were listed "
-                f"again {when}; it may move {self.rules.list_range:.3g} m: take a smaller time step."
+                f"again {when}; it may move {self._rules.list_range:.3g} m: take a smaller time "
+                "step."
             )
         if outcome == TOO_LONG:
             raise StateError(
@@ -337,8 +401,9 @@ class Simulation:
                 f"than {MOST_STEPS:.0e}: granules are too fast for a run of this duration."
             )
         if outcome == OUTSIDE:
-            walls = self._world.walls.planes
-            beyond = walls[:, :2] @ self._world.bodies[granule, :2] - walls[:, 2]
+            assert self._world.walls is not None
+            planes = self._world.walls.planes
+            beyond = planes[:, :2] @ self._world.bodies[granule, :2] - planes[:, 2]
             raise StateError(
                 f"granule {self._name(granule)} has its centre {beyond.max():.3g} m behind wall "
                 f"{beyond.argmax()} {when}: put it inside, or take a smaller time step."
@@ -349,7 +414,7 @@ class Simulation:
             "packing fraction."
         )
 
-    def _check_inside(self):
+    def _check_inside(self) -> None:
         lost = outside(self._world.walls, self._world.bodies)
         if lost >= 0:
             self._fail(OUTSIDE, 0.0, lost)
@@ -362,16 +427,24 @@ def simulate(
     duration: float,
     time_step: float | None = None,
     frames: int = 1,
-    **options,
+    *,
+    step_fraction: float = STEP_FRACTION,
+    max_overlap: float = LARGEST_OVERLAP,
+    skin: float = SKIN,
+    threads: int = 1,
+    allow_unstable: bool = False,
 ) -> Result:
     """Simulate a scene from a state for a duration (s) and return arrays.
 
     time_step (s): None to choose it from the stiffness of the contacts (recommended). frames:
-    number of equal intervals after each of which the state is kept. Further options as for
-    Simulation. Raises InputError for values that cannot be used and RunError (StateError,
-    OverlapError) where a run fails.
+    number of equal intervals after each of which the state is kept. step_fraction, max_overlap,
+    skin, threads, allow_unstable: see Simulation. Raises InputError for values that cannot be used
+    and RunError (StateError, OverlapError) where a run fails.
     """
-    run = Simulation(scene, state, time_step, **options)
+    run = Simulation(
+        scene, state, time_step, step_fraction, max_overlap, skin, threads,
+        allow_unstable=allow_unstable,
+    )  # fmt: skip
     run.check_duration(duration)
     nothing = np.full(2, np.nan), np.full(len(run.collect_impulses()[1]), np.nan)
     history = [(0.0, run.state, *nothing)]

@@ -124,7 +124,7 @@ class Bed:
         elastic = replace(scene.material, restitution=1.0)
         self.name = name
         self.scene = replace(scene, material=elastic, friction=None) if bare else scene
-        self._state = State(packed.position, angle=packed.angle)
+        self._state = packed.state
         self.duration = STROKE / sweep.cylinder.velocity
         self.critical_step = Simulation(self.scene, self._state).diagnose().critical_time_step
 

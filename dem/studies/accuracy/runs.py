@@ -63,10 +63,8 @@ def load_kernels(replicate: Replicate, bed, loaded: bool) -> None:
 def one_step(replicate: Replicate, bed, fraction: float):
     """Mean drag (N), median step (s), processor time (s) and status of a run at one step."""
     sweep = replicate.sweep
-    simulation = drag.start(replicate, bed)
-    # a Simulation takes no step above the critical one, nor one in which a granule moves far: the study
-    # goes on to where the method breaks
-    simulation.rules = simulation.rules._replace(fraction=fraction, largest_motion=np.inf)
+    # the study goes on to where the method breaks
+    simulation = drag.start(replicate, bed, step_fraction=fraction, allow_unstable=True)
     started = time.process_time()
     try:
         force, record = draw(simulation, sweep, sweep.record.bins)

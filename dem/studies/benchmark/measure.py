@@ -12,6 +12,7 @@ import numpy as np
 
 from dem.base import provenance
 from dem.base.sources import code_hash
+from dem.dynamics.checkpoint import writable
 from dem.dynamics.simulation import Simulation
 from dem.experiment.config import Sweep
 from dem.io.dataset import global_attributes, write
@@ -110,7 +111,9 @@ def compare_scenes(cases: dict[str, Case], plan: Plan) -> dict:
         "variant": np.array(list(cases)),
         "variant_step_time": times,
         "variant_ratio": middle / middle[list(cases).index(FULL)],
-        "variant_code_size": np.array([code_size(Simulation(*c)._world) for c in cases.values()]),
+        "variant_code_size": np.array(
+            [code_size(writable(Simulation(*c).world)) for c in cases.values()]
+        ),
     }
 
 

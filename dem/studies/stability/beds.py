@@ -8,10 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from dem.dynamics.simulation import Simulation
+from dem.dynamics.simulation import STEP_FRACTION, Simulation
 from dem.experiment import drag
-from dem.jit.columns import VY
-from dem.scene import State
 from dem.shapes.disc import Disc
 from dem.shapes.ellipse import Ellipse
 from dem.studies.stability.catalogue import Changes
@@ -31,7 +29,7 @@ def draw(sweep, shape, change) -> dict:
 def rest(sweep, shape, change) -> dict:
     """The cylinder stands still for many steps."""
     simulation = start(changed(sweep, shape, change), still=True)
-    step = simulation.rules.fraction * simulation.diagnose().critical_time_step
+    step = simulation.step_fraction * simulation.diagnose().critical_time_step
     found = watch(simulation, step * (change.steps or 1000) / LOOKS)
     moving = 0.5 * simulation.scene.mass.sum() * sweep.cylinder.velocity**2
     return found | {"kinetic": found["kinetic"] / moving}
@@ -43,7 +41,7 @@ def accelerate(sweep, shape, change) -> dict:
     simulation, velocity = start(replicate, still=True), replicate.sweep.cylinder.velocity
 
     def faster(look):
-        simulation._world.cylinder.motion[0, VY] = velocity * (look + 1) / LOOKS
+        simulation.set_cylinder_velocity((0.0, velocity * (look + 1) / LOOKS))
 
     return watch(simulation, 2.0 * (change.displacement or STROKE) / velocity / LOOKS, faster)
 
@@ -75,12 +73,11 @@ def round_off(sweep, shape, change) -> dict:
     replicate = changed(sweep, shape, change.model_copy(update={"aspect_ratio": None}))
     bed, sizes = bed_of(replicate), drag.diameters(replicate)
     scene = drag.make_scene(replicate, bed)
-    state = State(bed.position, angle=bed.angle)
     shapes = Disc.of_size(sizes), Ellipse.of_size(sizes, change.aspect_ratio)
-    discs, ellipses = (Simulation(replace(scene, shape=s), state, ledger=True) for s in shapes)
-    step = discs.rules.fraction * discs.diagnose().critical_time_step
+    scenes = [replace(scene, shape=shape) for shape in shapes]
+    step = STEP_FRACTION * Simulation(scenes[0], bed.state).diagnose().critical_time_step
+    discs, ellipses = (Simulation(each, bed.state, step, ledger=True) for each in scenes)
     for run in (discs, ellipses):
-        run.rules = run.rules._replace(time_step=step)
         run.advance((change.steps or 500) * step)
     apart = np.abs(discs.state.position - ellipses.state.position).max()
     residual = max(run.ledger().residual for run in (discs, ellipses))

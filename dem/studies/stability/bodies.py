@@ -70,7 +70,7 @@ def sizes(sweep, shape, change) -> dict:
     missed, residual = 0, 0.0
     for _ in range(LOOKS):
         simulation.advance(20e-6)
-        missed += unlisted(simulation)
+        missed += unlisted(simulation.world)
         residual = worse(residual, simulation.ledger().residual)
     return {"residual": residual, "missed": missed}
 

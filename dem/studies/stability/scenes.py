@@ -45,17 +45,15 @@ def bed_of(replicate: Replicate):
     return _beds[key]
 
 
-def start(replicate: Replicate, still: bool = False) -> Simulation:
-    """The replicate's bed with an energy ledger; still: the cylinder does not move."""
-    bed = bed_of(replicate)
+def start(replicate: Replicate, still: bool = False, **options) -> Simulation:
+    """The replicate's bed with an energy ledger; still: the cylinder does not move. Options of the
+    Simulation count before those of the configuration."""
+    bed, numerics = bed_of(replicate), replicate.sweep.numerics
     scene = drag.make_scene(replicate, bed)
     if still:
         scene = replace(scene, cylinder=replace(scene.cylinder, velocity=(0.0, 0.0)))
-    numerics = replicate.sweep.numerics
-    return Simulation(
-        scene, State(bed.position, angle=bed.angle), step_fraction=numerics.step_fraction,
-        max_overlap=numerics.max_overlap, ledger=True,
-    )  # fmt: skip
+    usual = {"step_fraction": numerics.step_fraction, "max_overlap": numerics.max_overlap}
+    return Simulation(scene, bed.state, ledger=True, **usual | options)
 
 
 def set_free(scene: Scene, state: State, change: Changes) -> Simulation:

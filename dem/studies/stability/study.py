@@ -129,11 +129,8 @@ def run_map(sweep: Sweep, wanted: MapSection, shape: str, progress=lambda done: 
     interval = wanted.displacement / sweep.cylinder.velocity / LOOKS
     for done, place in enumerate(np.ndindex(residual.shape)):
         stiffness, restitution, fraction = (a[i] for a, i in zip(axes, place, strict=True))
-        simulation = start(
-            changed(sweep, shape, Changes(stiffness=stiffness, restitution=restitution))
-        )
-        # the step under test is taken, whatever a granule may move in it
-        simulation.rules = simulation.rules._replace(fraction=fraction, largest_motion=math.inf)
+        replicate = changed(sweep, shape, Changes(stiffness=stiffness, restitution=restitution))
+        simulation = start(replicate, step_fraction=fraction, allow_unstable=True)
         with suppress(RunError):
             residual[place] = watch(simulation, interval)["residual"]
         progress((done + 1) / residual.size)

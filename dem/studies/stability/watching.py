@@ -5,8 +5,10 @@ import math
 import numpy as np
 
 from dem.contacts.force_law import effective_modulus
+from dem.dynamics.checkpoint import writable
 from dem.dynamics.forces import forces
 from dem.dynamics.simulation import Simulation
+from dem.dynamics.world import World
 from dem.jit.columns import X, Y
 from dem.jit.lanes import FORCE_X, FORCE_Y, NX, NY
 
@@ -38,17 +40,15 @@ def worse(one: float, other: float) -> float:
 def friction_excess(simulation: Simulation) -> float:
     """By how much |T| exceeds mu N at the cylinder, over the force, for the bed as it is.
 
-    The forces are computed again, and the simulation left as it was: the cylinder's contacts, which are
-    the last and less than a block, are then in the lanes.
+    The forces are computed again, in a copy: the cylinder's contacts, which are the last and less
+    than a block, are then in the lanes.
     """
     cylinder = simulation.world.cylinder
     if cylinder is None or cylinder.contacts.friction is None:
         return 0.0
-    saved = simulation.checkpoint()
-    forces(simulation._world, 0.0)
-    found = excess(simulation.world)
-    simulation.restore(saved)
-    return found
+    world = writable(simulation.world)
+    forces(world, 0.0)
+    return excess(world)
 
 
 def excess(world) -> float:
@@ -84,11 +84,10 @@ def contact_time(scene, speed: float) -> float:
     return 2.9432 * deepest / speed
 
 
-def unlisted(simulation: Simulation) -> int:
+def unlisted(world: World) -> int:
     """Number of pairs of circles around constituents that overlap (all of them) and are not listed."""
-    world = simulation.world
     per = len(world.constituents) // len(world.bodies)
-    radius = simulation._table.bounding
+    radius = world.shape.constituent_bounding_radius
     place = world.constituents[:, [X, Y]]
     apart = np.linalg.norm(place[:, None] - place, axis=2) - radius[:, None] - radius
     first, second = np.nonzero(np.triu(apart < 0.0, 1))
