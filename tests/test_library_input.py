@@ -94,14 +94,14 @@ ARGUMENTS = {
     "Dumbbell radius": (dem.Dumbbell, SIZES),
     "Ellipse semi_major": (lambda v: ellipse(semi_major=v), SIZES),
     "Ellipse semi_minor": (lambda v: ellipse(semi_minor=v), SIZES),
-    "Ellipse method": (lambda v: ellipse(method=v), [*THING, dem.CommonNormal]),
-    "Ellipse local_curvature": (lambda v: ellipse(local_curvature=v), FLAG),
+    "Ellipse contact": (lambda v: ellipse(contact=v), [*THING, dem.CommonNormal, "volume"]),
+    "Ellipse hertz_radius": (lambda v: ellipse(hertz_radius=v), [False, *FLAG, "common_normal"]),
     "Disc.of_size diameter": (dem.Disc.of_size, SIZES),
     "Dumbbell.of_size diameter": (dem.Dumbbell.of_size, SIZES),
     "Ellipse.of_size diameter": (lambda v: dem.Ellipse.of_size(v, 1.5), SIZES),
     "Ellipse.of_size aspect_ratio": (lambda v: dem.Ellipse.of_size([1.0], v), [None, 0.9, *NUMBER]),
     "Disc.scaled factor": (DISCS.scaled, POSITIVE),
-    "Disc.boundary points": (DISCS.boundary, COUNT),
+    "Disc.polygons points": (DISCS.polygons, COUNT),
     "CommonNormal tolerance": (dem.CommonNormal, FRACTION),
     "GeometricPotential tolerance": (dem.GeometricPotential, FRACTION),
     "Scene shape": (lambda v: scene(shape=v), [*THING, dem.State(PLACES)]),
@@ -110,7 +110,7 @@ ARGUMENTS = {
     "Scene walls": (lambda v: scene(walls=v), [1.0, [[1.0, 0.0]], [[1, 1, 0]], *of_shape(2, 3)]),
     "Scene cylinder": (lambda v: scene(cylinder=v), THING[1:]),
     "Scene gravity": (lambda v: scene(gravity=v), VECTOR),
-    "Scene thickness": (lambda v: scene(thickness=v), POSITIVE),
+    "Scene thickness": (lambda v: scene(thickness=v), POSITIVE[1:]),
     "Scene boundary": (lambda v: scene(boundary=v), THING[1:]),
     "State position": (lambda v: state(position=v), [None, *PLACE]),
     "State velocity": (lambda v: state(velocity=v), PLACE),
@@ -124,6 +124,10 @@ ARGUMENTS = {
     "Simulation skin": (lambda v: simulation(skin=v), FRACTION),
     "Simulation threads": (lambda v: simulation(threads=v), [100_000, *COUNT]),
     "Simulation ledger": (lambda v: simulation(ledger=v), [None, *FLAG]),
+    "Simulation allow_unstable": (lambda v: simulation(allow_unstable=v), [None, *FLAG]),
+    "set_cylinder_velocity velocity": (
+        lambda v: simulation().set_cylinder_velocity(v), [None, *VECTOR]
+    ),
     "advance duration": (lambda v: simulation().advance(v), [1e15, *NOT_NEGATIVE]),
     "check_duration duration": (lambda v: simulation().check_duration(v), [1e15, *POSITIVE]),
     "record interval": (lambda v: record(interval=v), [1e15, *POSITIVE]),
@@ -189,7 +193,6 @@ def test_scalars_of_any_kind_are_taken_alike():
     """A whole number, a float32 and an array without axes are numbers."""
     assert dem.Material(3900) == dem.Material(np.float32(3900)) == dem.Material(np.array(3900.0))
     assert dem.Cylinder(1, [0, 1], np.zeros(2)) == dem.Cylinder(1.0, (0.0, 1.0))
-    assert not ellipse(local_curvature=False).local_curvature
 
 
 def test_a_scene_does_not_follow_the_arrays_of_its_user():

@@ -1,9 +1,10 @@
 """Disc: the cylindrical granule of the paper (cases c1 and c2)."""
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dem.base.validate import OUTLINE, RATIO, SIZES, checked, positive
 from dem.shapes.protocol import ContactGeometry, answer
@@ -15,56 +16,59 @@ class Disc(NamedTuple):
 
     radius: np.ndarray
 
-    needs_angle = False  # a disc looks the same at every angle
-
     @classmethod
     @checked(diameter=SIZES, aspect_ratio=RATIO)
-    def of_size(cls, diameter, aspect_ratio=1.0):
+    def of_size(cls, diameter: ArrayLike, aspect_ratio: float = 1.0) -> Self:
         """Discs of the given diameter (n,) in m."""
-        return cls(0.5 * diameter)
+        return cls(0.5 * np.asarray(diameter))
 
     @property
-    def area(self):
+    def needs_angle(self) -> bool:
+        """False: a disc looks the same at every angle."""
+        return False
+
+    @property
+    def area(self) -> np.ndarray:
         """Area (n,) in m2."""
         return np.pi * self.radius**2
 
     @property
-    def gyration_squared(self):
+    def gyration_squared(self) -> np.ndarray:
         """Squared radius of gyration (n,) in m2: moment of inertia over mass."""
         return 0.5 * self.radius**2
 
     @property
-    def bounding_radius(self):
+    def bounding_radius(self) -> np.ndarray:
         """Radius (n,) in m of the circle about the centre that holds the granule."""
         return self.radius
 
     @property
-    def constituent_radius(self):
+    def constituent_radius(self) -> np.ndarray:
         """Radius (parts,) in m that enters Hertz's law; a disc is its own only part."""
         return self.radius
 
     @property
-    def constituent_bounding_radius(self):
+    def constituent_bounding_radius(self) -> np.ndarray:
         """Radius (parts,) in m of the circle that holds the part."""
         return self.radius
 
     @property
-    def normal_lever(self):
+    def normal_lever(self) -> np.ndarray:
         """Greatest distance (n,) in m of a line of normal force from the centre."""
         return np.zeros_like(self.radius)
 
     @property
-    def normal_bend(self):
+    def normal_bend(self) -> np.ndarray:
         """Greatest second derivative (n,) in m of the support distance with the granule's angle."""
         return np.zeros_like(self.radius)
 
     @checked(factor=positive("ratio"))
-    def scaled(self, factor):
+    def scaled(self, factor: float) -> Self:
         """The same granules, larger by the given factor."""
-        return Disc(self.radius * factor)
+        return self._replace(radius=self.radius * factor)
 
     @checked(points=OUTLINE)
-    def polygons(self, points=64):
+    def polygons(self, points: int = 64) -> np.ndarray:
         """Outlines (n, rings, points, 2) in m about the centre at angle zero, to draw or sample."""
         turn = np.linspace(0.0, 2.0 * np.pi, points)
         circle = np.stack([np.cos(turn), np.sin(turn)], axis=-1)

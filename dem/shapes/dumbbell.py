@@ -3,9 +3,10 @@
 The constituents of dumbbell g are the discs 2g and 2g + 1; every contact is one between discs.
 """
 
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dem.base.validate import OUTLINE, RATIO, SIZES, checked, positive
 from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
@@ -19,56 +20,59 @@ class Dumbbell(NamedTuple):
 
     radius: np.ndarray
 
-    needs_angle = True
-
     @classmethod
     @checked(diameter=SIZES, aspect_ratio=RATIO)
-    def of_size(cls, diameter, aspect_ratio=2.0):
+    def of_size(cls, diameter: ArrayLike, aspect_ratio: float = 2.0) -> Self:
         """Dumbbells whose area is that of discs of the given diameter (n,) in m."""
-        return cls(diameter / np.sqrt(8.0))
+        return cls(np.asarray(diameter) / np.sqrt(8.0))
 
     @property
-    def area(self):
+    def needs_angle(self) -> bool:
+        """Whether the kernels must know its angle."""
+        return True
+
+    @property
+    def area(self) -> np.ndarray:
         """Area (n,) in m2."""
         return 2.0 * np.pi * self.radius**2
 
     @property
-    def gyration_squared(self):
+    def gyration_squared(self) -> np.ndarray:
         """Squared radius of gyration (n,) in m2: 3/2 r^2 about the joint."""
         return 1.5 * self.radius**2
 
     @property
-    def bounding_radius(self):
+    def bounding_radius(self) -> np.ndarray:
         """Radius (n,) in m of the circle about the joint that holds the granule."""
         return 2.0 * self.radius
 
     @property
-    def constituent_radius(self):
+    def constituent_radius(self) -> np.ndarray:
         """Radius (2n,) in m of the discs."""
         return np.repeat(self.radius, 2)
 
     @property
-    def constituent_bounding_radius(self):
+    def constituent_bounding_radius(self) -> np.ndarray:
         """Radius (2n,) in m of the circle that holds the part: the disc itself."""
         return np.repeat(self.radius, 2)
 
     @property
-    def normal_lever(self):
+    def normal_lever(self) -> np.ndarray:
         """Greatest distance (n,) in m of a line of normal force from the joint."""
         return self.radius
 
     @property
-    def normal_bend(self):
+    def normal_bend(self) -> np.ndarray:
         """Greatest second derivative (n,) in m of the support distance with the granule's angle."""
         return self.radius
 
     @checked(factor=positive("ratio"))
-    def scaled(self, factor):
+    def scaled(self, factor: float) -> Self:
         """The same granules, larger by the given factor."""
-        return Dumbbell(self.radius * factor)
+        return self._replace(radius=self.radius * factor)
 
     @checked(points=OUTLINE)
-    def polygons(self, points=64):
+    def polygons(self, points: int = 64) -> np.ndarray:
         """Outlines (n, 2, points, 2) in m about the joint at angle zero, to draw or sample."""
         turn = np.linspace(0.0, 2.0 * np.pi, points)
         circle = np.stack([np.cos(turn), np.sin(turn)], axis=-1)

@@ -1,11 +1,12 @@
 """Rounded superellipse: between an ellipse (exponent 2) and a rectangle with round corners."""
 
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dem.base.validate import RATIO, SIZES, checked, number
-from dem.shapes.smooth import area, smooth
+from dem.shapes.smooth import area, scaled, smooth
 
 EXPONENT = number("lie in 1.2 to 20", 1.2, 20.0)
 ROUNDING = number("lie in 0.01 to 10", 0.01, 10.0)  # over the semi-minor axis
@@ -42,7 +43,13 @@ class Superellipse(NamedTuple):
 
     @classmethod
     @checked(diameter=SIZES, aspect_ratio=RATIO, exponent=EXPONENT, rounding=ROUNDING)
-    def of_size(cls, diameter, aspect_ratio=1.0, exponent=4.0, rounding=0.2):
+    def of_size(
+        cls,
+        diameter: ArrayLike,
+        aspect_ratio: float = 1.0,
+        exponent: float = 4.0,
+        rounding: float = 0.2,
+    ) -> Self:
         """Superellipses whose area is that of discs of the given diameter (n,) in m; rounding: over
         the semi-minor axis."""
         unit = cls(
@@ -51,4 +58,4 @@ class Superellipse(NamedTuple):
             np.array([float(rounding)]),
             float(exponent),
         )
-        return unit.scaled(0.5 * diameter / np.sqrt(area(unit) / np.pi))
+        return scaled(unit, 0.5 * np.asarray(diameter) / np.sqrt(area(unit) / np.pi))

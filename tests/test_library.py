@@ -1,0 +1,164 @@
+"""What the library promises to those who know numpy and xarray."""
+
+import inspect
+import pickle
+
+import numpy as np
+import pytest
+import xarray as xr
+from numpy.testing import assert_array_equal
+
+import dem
+from dem.dynamics.checkpoint import writable
+
+SIZES = np.array([1e-3, 2e-3])
+STATE = {"position": [[2e-3, 2e-3], [6e-3, 2e-3]], "velocity": [[1.0, 0.0], [0.0, 0.0]]}
+
+
+def discs(**changes):
+    """Two discs in a box with a cylinder, at rest but for one."""
+    usual = {
+        "shape": dem.Disc(SIZES), "friction": dem.Friction(), "walls": dem.box(2e-2, 1e-2),
+        "cylinder": dem.Cylinder(1e-3, (1.5e-2, 5e-3), (0.0, 1.0)),
+    }  # fmt: skip
+    return dem.Scene(**usual | changes)
+
+
+def test_a_result_is_a_dataset_with_units(tmp_path):
+    """Each variable has its dimensions, units and long name, and a file gives them all back."""
+    result = dem.simulate(discs(), dem.State(**STATE), 1e-5, frames=3)
+    dataset = result.to_dataset()
+    assert dict(dataset.sizes) == {"time": 4, "granule": 2, "axis": 2, "wall": 4}
+    assert {name: each.attrs["units"] for name, each in dataset.items()} == {
+        "position": "m", "angle": "rad", "velocity": "m s-1", "angular_velocity": "rad s-1",
+        "cylinder_force": "N", "wall_force": "N", "time_step": "s",
+    }  # fmt: skip
+    assert dataset["time"].attrs["units"] == "s"
+    assert all(each.attrs["long_name"] for each in dataset.variables.values())
+    for name in set(result._fields) - {"state"}:
+        assert_array_equal(dataset[name], getattr(result, name))
+    assert_array_equal(dataset["position"].sel(axis="y").isel(time=-1), result.state.position[:, 1])
+    dataset.to_netcdf(tmp_path / "run.nc")
+    with xr.open_dataset(tmp_path / "run.nc") as read:
+        xr.testing.assert_identical(read.load(), dataset)
+
+
+def test_a_result_without_walls_is_a_dataset_too():
+    """No walls: a dimension of none."""
+    scene = discs(walls=None, cylinder=None)
+    dataset = dem.simulate(scene, dem.State(**STATE), 1e-6).to_dataset()
+    assert dataset.sizes["wall"] == 0 and np.isfinite(dataset["position"]).all()
+
+
+def test_thickness_is_the_mean_volume_diameter_unless_it_is_given():
+    """As the paper's L = D_g: of discs the diameter, of others that of the disc of equal area."""
+    assert discs().thickness == pytest.approx(3e-3)
+    assert discs(thickness=0.5).thickness == 0.5
+    assert_array_equal(discs(thickness=3e-3).mass * 2.0, discs(thickness=6e-3).mass)
+    for shape in (dem.Ellipse, dem.Dumbbell, dem.Superellipse):
+        made = shape.of_size(2.0 * SIZES, aspect_ratio=1.5)
+        assert dem.Scene(made).thickness == pytest.approx(3e-3, rel=1e-6)
+
+
+@pytest.mark.parametrize("make", [
+    lambda **words: dem.Ellipse(2.0 * SIZES, SIZES, **words),
+    lambda **words: dem.Ellipse.of_size(2.0 * SIZES, 2.0, **words),
+])  # fmt: skip
+def test_words_choose_how_ellipses_meet(make):
+    """Texts stop at the class; the kernels get types, and scenes, pickles and changes keep them."""
+    usual, other = make(), make(contact="geometric_potential", hertz_radius="local")
+    assert (usual.contact, usual.local_curvature) == (dem.CommonNormal(), None)
+    assert (other.contact, other.local_curvature) == (dem.GeometricPotential(), True)
+    assert make(contact="common_normal", hertz_radius="volume")[2:] == usual[2:]
+    assert make(contact=dem.CommonNormal(1e-6)).contact.tolerance == 1e-6
+    assert type(other)(*other)[2:] == other[2:]  # as compiled code makes it
+    assert pickle.loads(pickle.dumps(other))[2:] == other[2:]
+    assert dem.Scene(other.scaled(2.0)).shape[2:] == other[2:]
+    assert dem.Scene(usual._replace(contact="geometric_potential")).shape.contact == other.contact
+
+
+@pytest.mark.parametrize(("words", "sentence"), [
+    ({"contact": "chord"}, "contact is 'chord'; it must be 'common_normal' or 'geometric_potential'"),
+    ({"hertz_radius": "global"}, "hertz_radius is 'global'; it must be 'volume' or 'local'."),
+])  # fmt: skip
+def test_other_words_are_refused_with_those_that_there_are(words, sentence):
+    with pytest.raises(dem.InputError) as error:
+        dem.Ellipse(SIZES, SIZES, **words)
+    assert str(error.value).startswith(sentence)
+
+
+def test_simulate_lists_the_options_of_a_simulation():
+    """In its signature, with the same defaults; an energy ledger has no place in a Result."""
+    options = inspect.signature(dem.Simulation).parameters
+    given = inspect.signature(dem.simulate).parameters
+    assert not any(each.kind is each.VAR_KEYWORD for each in given.values())
+    assert set(options) - set(given) == {"ledger"}
+    assert set(given) - set(options) == {"duration", "frames"}
+    for name in set(given) & set(options):
+        assert given[name].default == options[name].default
+
+
+def test_a_state_is_arrays_whatever_it_was_made_of():
+    """Lists become arrays, what is not given is zero, and float64 arrays are not copied."""
+    state = dem.State([[0, 1], [2, 3]], angle=(1, 2))
+    assert_array_equal(state.position[:, 1], [1.0, 3.0])
+    assert state.angle.dtype == float and not state.angular_velocity.any()
+    assert dem.State(state.position).position is state.position
+    for wrong in ({"velocity": [[0.0, 0.0]]}, {"angle": [1.0]}, {"angular_velocity": "12"}):
+        with pytest.raises(dem.InputError, match=next(iter(wrong))):
+            dem.State([[0, 1], [2, 3]], **wrong)
+
+
+def test_a_bed_gives_its_state_and_its_walls(small_bed):
+    """They are what a scene and a simulation of it take."""
+    bed = small_bed("disc").bed
+    assert_array_equal(bed.state.position, bed.position)
+    assert_array_equal(bed.state.angle, bed.angle)
+    assert_array_equal(bed.walls, dem.box(bed.width, bed.height))
+
+
+def test_the_cylinder_takes_another_velocity(small_bed):
+    """From then on; a checkpoint keeps it."""
+    small = small_bed("disc")
+    run = dem.Simulation(small.scene(), small.state)
+    before = run.world.cylinder.motion[0, :2].copy()
+    run.set_cylinder_velocity((1.0, -2.0))
+    other = dem.Simulation(small.scene(), small.state)
+    other.restore(run.checkpoint())
+    for each in (run, other):
+        each.advance(1e-6)
+        moved = each.world.cylinder.motion[0, :2] - before
+        assert moved == pytest.approx([1e-6, -2e-6], rel=1e-6)
+    empty = dem.Simulation(small.scene(cylinder=None), small.state)
+    with pytest.raises(dem.InputError, match="the scene has no cylinder"):
+        empty.set_cylinder_velocity((0.0, 0.0))
+
+
+def test_a_step_beyond_the_bound_must_be_asked_for(small_bed):
+    """step_fraction above 1 is refused, but with allow_unstable it is the step that is taken."""
+    small = small_bed("disc")
+    with pytest.raises(dem.InputError, match=r"step_fraction is 1\.5; it must lie above 0"):
+        dem.Simulation(small.scene(), small.state, step_fraction=1.5)
+    run = dem.Simulation(small.scene(), small.state, step_fraction=1.5, allow_unstable=True)
+    step = 1.5 * run.diagnose().critical_time_step
+    assert run.advance(1.001 * step) == pytest.approx(0.5005 * step)
+    assert run.steps == 2
+
+
+@pytest.mark.parametrize("kind", ["disc", "dumbbell"])
+def test_a_writable_world_is_a_copy(small_bed, kind):
+    """Arrays that are one stay one, and the simulation sees nothing of what is written."""
+    small = small_bed(kind)
+    run = dem.Simulation(small.scene(), small.state)
+    world = writable(run.world)
+    assert (world.bodies is world.constituents) == (kind == "disc")
+    world.bodies[:] = 1.0
+    assert_array_equal(run.state.position, small.state.position)
+
+
+def test_contacts_of_a_bed_name_granules_cylinder_and_walls(small_bed):
+    """Partners are granules, -1 for the cylinder, -2 to -5 for the walls."""
+    small = small_bed("disc")
+    found = dem.Simulation(small.scene(), small.state).contacts()
+    assert set(found.partner[found.partner < 0]) <= {-1, -2, -3, -4, -5}
+    assert (found.partner <= -2).any() and (found.overlap > 0.0).all()
