@@ -17,7 +17,7 @@ from dem.dynamics.neighbor_list import rebuild_neighbor_list
 from dem.dynamics.simulation import MARGIN, SKIN
 from dem.jit.columns import DVX, DVY, DW, VX, VY, W, X, Y
 from dem.jit.compilation import compiled, inlined
-from dem.jit.optional import optional
+from dem.jit.optional import either, optional
 from dem.scene import Scene, State
 
 KICK, DRIFT, AHEAD, EVALUATE = range(4)  # columns of a table of stages
@@ -116,7 +116,7 @@ def advance(world, stages, tally, dt, steps, room):
                 continue  # the next stage makes this kick with its own
             count(tally, kick)
             drift(world, kick, move, 0, granules)
-            farther = move_cylinder(world.cylinder, move)
+            farther = either(move_cylinder(world.cylinder, move), 0.0)
             tally.span[0] += move
             kick = 0.0
             if evaluate:
