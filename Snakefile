@@ -22,9 +22,7 @@ from dem.studies import config as schema
 from dem.base.errors import InputError, RunError
 from dem.figures import FLOW, possible
 from dem.io.progress import WorkflowProgress
-from dem.base.sources import code_hash
 from dem.experiment.config import save
-from dem.shapes import KINDS
 from dem.io.results_folder import on_failure, prepare
 from dem.base.yaml_file import read
 
@@ -77,8 +75,7 @@ CONFIG = f"{RESULTS}/config.yaml"  # the configuration as resolved, written when
 # docstrings and sentences of errors. An edit of anything else makes no job again.
 def code_of(*modules, shapes=()):
     """Hash of the code that modules below dem/ and shapes of the sweep depend on."""
-    kinds = {KINDS[SWEEP.shapes[shape].kind].module for shape in shapes}
-    return code_hash(*(f"dem.{name}" for name in modules), *sorted(kinds))
+    return SWEEP.code_of(*(f"dem.{name}" for name in modules), shapes=shapes)
 
 
 def physics(*without):

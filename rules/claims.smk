@@ -37,7 +37,7 @@ def claims_parts(wildcards):
 
 def claims_plan(*keys):
     """What a job depends on in the section `claims`, as text."""
-    return SWEEP.claims.model_dump_json(include={"first_seed", "group", *keys}) if SWEEP.claims else ""
+    return SWEEP.claims.model_dump_json(include=set(keys)) if SWEEP.claims else ""
 
 
 def needs_jamming(wildcards):
@@ -80,7 +80,7 @@ rule claims_jamming:
         CLAIMS_FOLDER + "/jamming/{shape}.nc",
     params:
         code=code_of("studies.claims.jamming", "studies.claims.beds", shapes=SWEEP.shapes),
-        plan=claims_plan("jamming", "ratios", "scaling"),
+        plan=claims_plan("first_seed", "jamming", "ratios", "scaling"),
         sweep=physics("record", "material", "cases"),
     priority: 10
     log:
@@ -101,7 +101,7 @@ rule claims_runs:
         CLAIMS_FOLDER + "/runs/{part}/{group}.nc",
     params:
         code=code_of("studies.claims.runs", shapes=SWEEP.shapes),
-        plan=lambda w: claims_plan(w.part),
+        plan=lambda w: claims_plan("first_seed", "group", w.part),
         sweep=physics(),
         jamming=lambda w, input: [f"--jamming {file}" for file in input.jamming],
     priority: 5

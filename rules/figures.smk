@@ -51,7 +51,7 @@ rule table:
     output:
         RESULTS + "/{study}.txt",
     params:
-        code=lambda w: code_of(f"studies.{w.study}.report"),
+        code=lambda w: code_of("report.info", f"studies.{w.study}.report"),
     wildcard_constraints:
         study="|".join(STUDY_FIGURES),
     log:

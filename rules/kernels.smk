@@ -1,7 +1,7 @@
 """Compile the kernels of each kind of granule once, before many processes need them.
 
 REQUIRED INPUTS
-    none; the machine code itself is kept in the cache folder of dem.jit.compilation
+    none; the machine code itself is kept in the cache folder of dem.base.sources
 OUTPUTS
     {RESULTS}/kernels/{kind}.done
 """
@@ -23,7 +23,7 @@ rule kernels:
     output:
         touch(RESULTS + "/kernels/{kind}.done"),
     params:
-        code=lambda w: code_hash("dem.experiment.warmup", KINDS[w.kind].module),
+        code=lambda w: code_of("experiment.warmup", shapes=[SHAPE_OF_KIND[w.kind]]),
         features=lambda w: features(w.kind),
         shape=lambda w: SHAPE_OF_KIND[w.kind],
     log:

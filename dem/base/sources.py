@@ -7,8 +7,16 @@ numbers, and the sentences of raised errors. It is the same on every supported v
 
 import ast
 import hashlib
+import json
+import os
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
+from typing import NamedTuple
+
+from platformdirs import user_cache_path
+
+from dem.base.files import atomic
 
 PACKAGE = Path(__file__).parent.parent
 ROOT = PACKAGE.parent
@@ -34,7 +42,7 @@ def closure(*modules: str) -> tuple[str, ...]:
         name = left.pop()
         if name not in found:
             found.add(name)
-            left += [each for each in _imported(_file(name)) if _file(each)]
+            left += [each for each in _read(_file(name)).imports if _file(each)]
             left += [name.rpartition(".")[0]] if "." in name else []
     return tuple(sorted(found))
 
@@ -44,7 +52,7 @@ def code_hash(*modules: str) -> str:
     """SHA-256 of the code of the closure of modules, as hexadecimal digits; raises as closure."""
     digest = hashlib.sha256()
     for name in closure(*modules):
-        digest.update(f"{name} {_tree_hash(_file(name))}\n".encode())
+        digest.update(f"{name} {_read(_file(name)).code}\n".encode())
     return digest.hexdigest()
 
 
@@ -59,28 +67,56 @@ def _file(module: str) -> Path | None:
     return next((path for path in choices if path.is_file()), None)
 
 
-@cache
-def _tree(path: Path) -> ast.Module:
-    return ast.parse(path.read_bytes(), str(path))
+def cache_folder() -> Path:
+    """Folder of what is made once and used often: $NUMBA_CACHE_DIR or the user's cache folder."""
+    return Path(os.environ.get("NUMBA_CACHE_DIR") or user_cache_path("dem", appauthor=False))
+
+
+class Source(NamedTuple):
+    """What a file says: names that it imports, as written (some are no modules but what a module
+    holds), and the SHA-256 of its code."""
+
+    imports: tuple[str, ...]
+    code: str
 
 
 @cache
-def _imported(path: Path) -> tuple[str, ...]:
-    """Names that a source file imports, as written; some are no modules but what a module holds."""
+def _read(path: Path) -> Source:
+    """What a file says; kept on disk by the content of the file and of this one, sealed with a
+    digest, because to parse all files takes as long as to start Python."""
+    content = path.read_bytes()
+    kept = cache_folder() / "sources" / f"{_digest(content + Path(__file__).read_bytes())}.json"
+    with suppress(OSError, ValueError):  # absent, or damaged
+        seal, _, text = kept.read_text().partition("\n")
+        if seal == _digest(text.encode()):
+            imports, code = json.loads(text)
+            return Source(tuple(imports), code)
+    source = _parse(content, path)
+    text = json.dumps(source)
+    with suppress(OSError), atomic(kept) as part:  # nothing is lost where it cannot be kept
+        part.write_text(f"{_digest(text.encode())}\n{text}")
+    return source
+
+
+def _digest(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
+
+
+def _parse(content: bytes, path: Path) -> Source:
+    tree = ast.parse(content, str(path))
+    return Source(_imported(tree, path), _digest(_code(tree).encode()))
+
+
+def _imported(tree: ast.Module, path: Path) -> tuple[str, ...]:
     names = []
-    for node in ast.walk(_tree(path)):
+    for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             names += [each.name for each in node.names]
         elif isinstance(node, ast.ImportFrom):
             if node.level:
                 raise ValueError(f"{path}, line {node.lineno}: write imports in full, not relative")
             names += [node.module, *(f"{node.module}.{each.name}" for each in node.names)]
-    return tuple(names)
-
-
-@cache
-def _tree_hash(path: Path) -> str:
-    return hashlib.sha256(_code(_tree(path)).encode()).hexdigest()
+    return tuple(dict.fromkeys(names))
 
 
 def _code(node) -> str:
@@ -91,7 +127,7 @@ def _code(node) -> str:
     if isinstance(node, list):
         return f"[{','.join(map(_code, node))}]"
     if not isinstance(node, ast.AST):
-        return repr(node)
+        return ascii(node)  # which characters repr shows differs between versions
     fields = [(name, getattr(node, name, None)) for name in node._fields if name not in _NO_CODE]
     if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call):
         fields = [("exc", node.exc.func)]  # which error, not what it says

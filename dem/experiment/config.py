@@ -6,6 +6,7 @@ whatever cannot be simulated is refused with one sentence a fault, naming key an
 
 import json
 import math
+from collections.abc import Iterable
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
@@ -176,6 +177,11 @@ class Sweep(Section):
         """The values of this room as a dictionary, without sections of studies."""
         return self.model_dump(include=set(Sweep.model_fields), exclude=exclude)
 
+    def code_of(self, *modules: str, shapes: Iterable[str]) -> str:
+        """SHA-256 of the code that modules and some shapes of this sweep depend on."""
+        kinds = {KINDS[self.shapes[shape].kind].module for shape in shapes}
+        return code_hash(*modules, *sorted(kinds))
+
     def batches(self) -> int:
         """Number of jobs that make the replicates of a shape."""
         return -(-len(self.seeds) // self.batch)
@@ -269,14 +275,18 @@ class Replicate(Section):
     @property
     def source_hash(self) -> str:
         """SHA-256 of the code that this run depends on."""
-        return code_hash("dem.experiment.drag", KINDS[self.shape.kind].module)
+        return self.sweep.code_of("dem.experiment.drag", shapes=[self.label])
+
+    def _granules(self) -> dict:
+        """The section of the shape, with the aspect ratio that its kind may give it."""
+        return self.shape.model_dump() | {"aspect_ratio": self.shape.ratio}
 
     def bed_key(self) -> str:
         """All that the bed depends on, as text: the packing is made anew when it changes."""
         s = self.sweep
         cylinder = (s.cylinder.diameter, s.cylinder.start)
         return json.dumps(
-            [self.shape.model_dump(), s.packing.model_dump(), s.box_width, cylinder, self.seed]
+            [self._granules(), s.packing.model_dump(), s.box_width, cylinder, self.seed]
         )
 
     def run_key(self) -> str:
@@ -295,7 +305,7 @@ class Replicate(Section):
         if self.shape.kind != "ellipse":
             unread["ellipse"] = True
         common = self.sweep.own_dump(exclude=unread)
-        return json.dumps([self.shape.model_dump(), common, self.density, self.seed])
+        return json.dumps([self._granules(), common, self.density, self.seed])
 
 
 def density_label(density: float) -> str:

@@ -9,7 +9,6 @@ every save holds a lock, and files carry their digest. An edit of a comment comp
 
 import functools
 import hashlib
-import os
 import pickle
 import sys
 from pathlib import Path
@@ -18,20 +17,13 @@ import numba
 from filelock import FileLock
 from numba.core import types
 from numba.core.caching import CacheImpl, IndexDataCacheFile, _CacheLocator
-from platformdirs import user_cache_path
 
-from dem.base.sources import code_hash
+from dem.base.sources import cache_folder, code_hash
 
 # nnan and ninf stay off: they would remove the very tests that find a NaN.
 # reassoc stays off: a sum has one order, so a seed has one result.
 OPTIONS = {"error_model": "numpy", "fastmath": {"contract", "arcp", "nsz"}}
 INLINED = {"forceinline": True, **OPTIONS}
-
-
-def cache_folder() -> Path:
-    """Folder of machine code: $NUMBA_CACHE_DIR or the user's cache folder."""
-    base = os.environ.get("NUMBA_CACHE_DIR") or user_cache_path("dem", appauthor=False)
-    return Path(base) / "kernels"
 
 
 @functools.cache
@@ -66,7 +58,7 @@ class KernelLocator(_CacheLocator):
     def __init__(self, function, file):
         name = function.__module__
         found = module_hash(name) if name in sys.modules else content_hash(file)
-        self._folder, self._stamp = cache_folder() / f"{name}-{found[:16]}", found
+        self._folder, self._stamp = cache_folder() / "kernels" / f"{name}-{found[:16]}", found
 
     @classmethod
     def from_function(cls, function, file):
@@ -183,7 +175,7 @@ def _content(path) -> bytes | None:
 @functools.cache
 def _say(sentence: str) -> None:
     """Say something about the folder of machine code, once."""
-    print(f"{cache_folder()}: {sentence}", file=sys.stderr)
+    print(f"{cache_folder() / 'kernels'}: {sentence}", file=sys.stderr)
 
 
 def spare_blas():

@@ -1,11 +1,13 @@
-"""The shapes, one file each. A new shape is a new file and one line of KINDS.
+"""The shapes, one file each. A new shape is a new file and one line of kinds.toml.
 
 In: sizes of granules (m). Out: what dem.shapes.protocol lists, for the kernels and for Python. A
 smooth convex shape is its support function (see superellipse.py); `dem.check_shape` says what is
 wrong with a shape. Here you may add a shape, or a way to find a contact.
 """
 
+import tomllib
 from importlib import import_module
+from pathlib import Path
 from typing import NamedTuple
 
 
@@ -29,10 +31,5 @@ class Kind(NamedTuple):
         return getattr(import_module(self.module), self.where.rpartition(".")[2])
 
 
-# by the name that configurations and data use
-KINDS = {
-    "disc": Kind("dem.shapes.disc.Disc", 1.0),
-    "dumbbell": Kind("dem.shapes.dumbbell.Dumbbell", 2.0),
-    "ellipse": Kind("dem.shapes.ellipse.Ellipse"),
-    "superellipse": Kind("dem.shapes.superellipse.Superellipse"),
-}
+_TABLE = (Path(__file__).parent / "kinds.toml").read_text(encoding="utf-8")
+KINDS = {name: Kind(**line) for name, line in tomllib.loads(_TABLE).items()}

@@ -8,7 +8,6 @@ import xarray as xr
 from dem.base import provenance
 from dem.base.errors import InputError
 from dem.base.files import atomic
-from dem.base.sources import code_hash
 from dem.experiment.config import Sweep
 from dem.io.checksums import seal
 from dem.io.dataset import content_of, global_attributes, write
@@ -36,7 +35,7 @@ class Study(NamedTuple):
             self.command,
             versions=provenance.versions(),
             git_revision=provenance.git_revision(),
-            source_hash=code_hash(*self.makers),
+            source_hash=sweep.code_of(*self.makers, shapes=sweep.shapes),
             default_fraction=sweep.numerics.step_fraction,
             window_start=low,
             window_stop=high,

@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.base import provenance
-from dem.base.sources import code_hash
 from dem.dynamics.checkpoint import writable
 from dem.dynamics.simulation import Simulation
 from dem.experiment.config import Sweep
@@ -140,7 +139,7 @@ def write_benchmark(path: Path, sweep: Sweep, values: dict) -> None:
         versions=provenance.versions(),
         codes=", ".join(codes),
         git_revision=provenance.git_revision(),
-        source_hash=code_hash("dem.studies.benchmark.measure"),
+        source_hash=sweep.code_of("dem.studies.benchmark.measure", shapes=sweep.shapes),
         processor=processor(),
     )
     write(path, values, attrs, VARIABLES)
