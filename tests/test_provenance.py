@@ -1,53 +1,226 @@
-"""The compiled kernels are never stale."""
+"""What depends on a line of code is found: a table of edits against what each makes again."""
 
+import ast
+import json
+import os
 import re
 import shutil
+import subprocess
+import sys
+from pathlib import Path
 
-from dem.base import provenance
+import pytest
+
+from dem.base import sources
+from dem.base.sources import PACKAGE, ROOT, closure
+from dem.figures import captions
+from dem.shapes import KINDS
+
+DISC, ELLIPSE = KINDS["disc"].module, KINDS["ellipse"].module
+# What a result depends on, by its name in the table below.
+RESULTS = {
+    "disc run": ("dem.experiment.drag", DISC),
+    "ellipse run": ("dem.experiment.drag", ELLIPSE),
+    "superellipse run": ("dem.experiment.drag", KINDS["superellipse"].module),
+    "drag.nc": ("dem.sweep.combine",),
+    "flow.nc": ("dem.analysis.flow.collect", DISC),
+    "figure": ("dem.figures.figure13",),
+    "claims": ("dem.studies.claims.runs", DISC),
+    "claims.txt": ("dem.report.info", "dem.studies.claims.report"),
+    "page": ("dem.report.build",),
+    "kernel": ("dem.contacts.loops",),
+    "accuracy": ("dem.studies.accuracy.contacts", "dem.studies.accuracy.bounces"),
+}
+RUNS = {"disc run", "ellipse run", "superellipse run", "flow.nc", "claims", "claims.txt"}
+KERNELS = RUNS | {"kernel", "accuracy"}
+READERS = {"drag.nc", "figure", "page"}
+LINE = "\nEDITED = True\n"
+
+# (file, what stands there and what is put instead, or a line that is added): what is made again
+EDITS = {
+    "a line of a kernel": ("dem/contacts/force_law.py", LINE, KERNELS),
+    "a line of columns": ("dem/jit/columns.py", LINE, KERNELS),
+    "a line of every shape's questions": ("dem/shapes/protocol.py", LINE, KERNELS),
+    "a line of a shape": ("dem/shapes/superellipse.py", LINE, {"superellipse run"}),
+    "a line of discs": (
+        "dem/shapes/disc.py", LINE, {"disc run", "flow.nc", "claims", "accuracy"},
+    ),
+    "a line of the dynamics": ("dem/dynamics/stepping.py", LINE, RUNS | {"accuracy"}),
+    "a line of packing": ("dem/packing/minimise.py", LINE, RUNS),
+    "a line of the layout": ("dem/io/dataset.py", LINE, RUNS | READERS),
+    "a line of the experiment": ("dem/experiment/drag.py", LINE, RUNS),
+    "a line of the sweep": ("dem/sweep/combine.py", LINE, READERS | {"flow.nc", "claims", "claims.txt"}),
+    "a line of statistics": (
+        "dem/analysis/statistics.py", LINE, {"figure", "page", "claims.txt"},
+    ),
+    "a line of a study": ("dem/studies/claims/trials.py", LINE, {"claims"}),
+    "a line of style": ("dem/figures/style.py", LINE, {"figure", "page"}),
+    "a line of a figure": ("dem/figures/figure13.py", LINE, {"figure"}),
+    "a line of the report": ("dem/report/interactive.py", LINE, {"page"}),
+    "a line of the command line": ("dem/cli/app.py", LINE, set()),
+    "one more shape": (
+        "dem/shapes/kinds.toml", '\ntriangle = { where = "dem.shapes.triangle.Triangle" }\n', set(),
+    ),
+    "a comment": ("dem/contacts/force_law.py", "\n# edited\n", set()),
+    "empty lines": ("dem/experiment/drag.py", "\n\n\n", set()),
+    "a docstring": (
+        "dem/experiment/drag.py", ('"""The scene of the run."""', '"""Another word."""'), set(),
+    ),
+    "an error sentence": (
+        "dem/experiment/config.py", ("it must not be negative.", "it must be positive or zero."),
+        set(),
+    ),
+    "an annotation": (
+        "dem/experiment/drag.py", ("threads: int = 1,", "threads: float = 1,"), set(),
+    ),
+    "another error": (
+        "dem/experiment/config.py", ('raise InputError(f"seed is', 'raise ValueError(f"seed is'),
+        RUNS | READERS,
+    ),
+    "a default": (
+        "dem/experiment/drag.py", ("SAVED_EVERY = 60.0", "SAVED_EVERY = 61.0"), RUNS,
+    ),
+}  # fmt: skip
+
+ASK = """
+import json, sys
+from dem.base.sources import code_hash
+print(json.dumps({name: code_hash(*modules) for name, modules in json.loads(sys.argv[1]).items()}))
+"""
 
 
-def holds_compiled_code(file):
-    """Whether a file decorates functions for the compiler."""
-    return re.search(r"^@(compiled|inlined|optional)\b|njit", file.read_text(), re.M)
+def hashes(folder, python=sys.executable) -> dict[str, str]:
+    """Hash of the code of each of RESULTS, of the package in a folder."""
+    command = [python, "-c", ASK, json.dumps(RESULTS)]
+    environment = os.environ | {"PYTHONPATH": str(folder)}
+    ran = subprocess.run(command, cwd=folder, env=environment, text=True, capture_output=True)
+    assert ran.returncode == 0, ran.stderr
+    return json.loads(ran.stdout)
 
 
-def test_every_file_with_compiled_code_counts():
-    """No file left out of the hash of the cache folder feeds code that is compiled elsewhere.
-
-    Numba notices an edit of the file that holds a compiled function, so that a study may compile
-    functions for itself, but no other file with compiled code may take them from it.
-    """
-    left_out = {
-        file for name in provenance._NOT_COMPILED for file in
-        ((provenance.PACKAGE / name).rglob("*.py") if (provenance.PACKAGE / name).is_dir()
-         else [provenance.PACKAGE / name])
-    }  # fmt: skip
-    compiled = {file for file in provenance.PACKAGE.rglob("*.py") if holds_compiled_code(file)}
-    studies = compiled & left_out
-    assert {file.parent.name for file in studies} <= {"accuracy"}
-    for study in studies:
-        for file in compiled - {study}:
-            assert not re.search(
-                rf"\b{study.parent.name}[. ].*\b{study.stem}\b", file.read_text()
-            ), file
+@pytest.fixture(scope="module")
+def copy(tmp_path_factory):
+    """A copy of the package."""
+    folder = tmp_path_factory.mktemp("copy")
+    shutil.copytree(PACKAGE, folder / "dem", ignore=shutil.ignore_patterns("__pycache__"))
+    return folder
 
 
-def test_an_edit_changes_the_hash(monkeypatch, tmp_path):
-    """A copy of the package with one edited kernel has another hash; an edited figure has not."""
-    shutil.copytree(provenance.PACKAGE, tmp_path / "dem")
-    monkeypatch.setattr(provenance, "PACKAGE", tmp_path / "dem")
+@pytest.fixture(scope="module")
+def before(copy):
+    return hashes(copy)
 
-    def hashes():
-        names = provenance._NOT_PHYSICS, provenance._NOT_COMPILED
-        return tuple(provenance._hash_without(left_out) for left_out in names)
 
-    before = hashes()
-    with (tmp_path / "dem/figures/style.py").open("a") as file:
-        file.write("# edited\n")
-    assert hashes() == before
-    with (tmp_path / "dem/dynamics/simulation.py").open("a") as file:
-        file.write("# edited\n")
-    assert hashes()[0] != before[0] and hashes()[1] == before[1]
-    with (tmp_path / "dem/contacts/loops.py").open("a") as file:
-        file.write("# edited\n")
-    assert hashes()[1] != before[1]
+@pytest.mark.parametrize("edit", EDITS)
+def test_an_edit_makes_again_what_depends_on_it_and_nothing_else(copy, before, edit):
+    name, change, again = EDITS[edit]
+    path = copy / name
+    text = path.read_text()
+    if isinstance(change, tuple):
+        assert text.count(change[0]) == 1
+        path.write_text(text.replace(*change))
+    else:
+        path.write_text(text + change)
+    after = hashes(copy)
+    path.write_text(text)
+    assert {name for name in RESULTS if after[name] != before[name]} == again
+
+
+def test_each_room_has_an_edit():
+    rooms = {path.name for path in PACKAGE.iterdir() if (path / "__init__.py").is_file()}
+    assert rooms - {Path(name).parts[1] for name, *_ in EDITS.values()} == {"base"}
+
+
+def test_a_figure_depends_on_its_own_file_and_not_on_another():
+    for name in captions():
+        assert {f"dem.figures.{name}", "dem.figures.style"} <= set(closure(f"dem.figures.{name}"))
+    assert "dem.analysis.flow.verdict" in closure("dem.figures.irregularity")
+    assert "dem.figures.figure08" not in closure("dem.figures.figure07")
+
+
+@pytest.mark.parametrize(
+    "name", ["dem.figures.irregularity", "dem.studies.claims.verdicts", "dem.experiment.drag"]
+)
+def test_all_that_python_loads_is_found(name):
+    """What importing a module loads of the package is in its closure."""
+    words = f"import sys, {name}; print(*[n for n in sys.modules if n.partition('.')[0] == 'dem'])"
+    run = subprocess.run([sys.executable, "-c", words], cwd=ROOT, text=True, capture_output=True, check=True)  # fmt: skip
+    assert set(run.stdout.split()) <= set(closure(name))
+
+
+def test_no_module_takes_a_name_from_the_package_itself():
+    """Public names are loaded by a table that the closure does not follow."""
+    for path in PACKAGE.rglob("*.py"):
+        assert not re.search(r"^\s*(import dem$|from dem import )", path.read_text(), re.M), path
+
+
+def test_a_module_that_is_not_of_the_package_is_refused():
+    for name in ("numpy", "dem.nothing", "dem.base.errors.InputError"):
+        with pytest.raises(ValueError, match="module is"):
+            closure(name)
+
+
+WRITTEN = '''
+"""A docstring."""
+
+def f(x: int = 1) -> "float":  # a comment
+    """Another."""
+    if x > 2:
+        raise ValueError(f"x is {x}, too great.")
+    return (x, u"é", None)
+'''
+SAID = (
+    "Module(body=[FunctionDef(name='f',args=arguments(args=[arg(arg='x')],defaults=[Constant(value=1)]),"
+    "body=[If(test=Compare(left=Name(id='x'),ops=[Gt()],comparators=[Constant(value=2)]),"
+    "body=[Raise(exc=Name(id='ValueError'))]),"
+    "Return(value=Tuple(elts=[Name(id='x'),Constant(value='\\xe9'),Constant()]))])])"
+)
+
+
+def test_the_text_of_code_holds_no_words_and_nothing_that_a_version_of_python_adds():
+    assert sources._code(ast.parse(WRITTEN)) == SAID
+
+
+def other_pythons():
+    """Supported versions of Python that are installed beside this one."""
+    names = [f"python3.{minor}" for minor in range(11, 15)]
+    places = [*map(shutil.which, names), *Path.home().glob(".pyenv/versions/3.1[1-9]*/bin/python")]
+    return [str(place) for place in places if place]
+
+
+# Alone, without what sources.py imports of other packages: only they differ between installations.
+TREES = """
+import sys, types
+sys.modules["platformdirs"] = types.SimpleNamespace(user_cache_path=lambda *_, **__: sys.argv[1])
+from pathlib import Path
+from dem.base import sources
+files = sorted(sources.PACKAGE.rglob("*.py"))
+print(sys.version_info[:2], *(sources._parse(path.read_bytes(), path).code for path in files), sep="\\n")
+"""
+
+
+def test_hashes_are_those_of_every_python():
+    said = {}
+    for python in {sys.executable, *other_pythons()}:
+        command, environment = [python, "-c", TREES], os.environ | {"PYTHONPATH": str(ROOT)}
+        ran = subprocess.run(command, cwd=ROOT, env=environment, text=True, capture_output=True)
+        if ran.returncode == 0:  # else a version that is named but cannot be started
+            version, _, codes = ran.stdout.partition("\n")
+            said[version] = codes
+    if len(said) == 1:
+        pytest.skip("there is one version of Python only")
+    assert len(set(said.values())) == 1, said.keys()
+
+
+@pytest.mark.parametrize("damage", [b"", b"{", b"0" * 64 + b'\n[[], "0"]'])
+def test_a_damaged_note_of_a_source_is_made_again(tmp_path, monkeypatch, damage):
+    """And one that is there is used: hashes come without parsing."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    path = PACKAGE / "scene.py"
+    right = sources._read.__wrapped__(path)
+    (note,) = tmp_path.rglob("*.json")
+    whole = note.read_bytes()
+    note.write_bytes(damage)
+    assert sources._read.__wrapped__(path) == right and note.read_bytes() == whole
+    monkeypatch.setattr(sources, "_parse", None)
+    assert sources._read.__wrapped__(path) == right
