@@ -188,10 +188,11 @@ def other_pythons():
     return [str(place) for place in places if place]
 
 
-# Alone, without what sources.py imports of other packages: only they differ between installations.
+# Without the two packages that it imports, which other installations may not have.
 TREES = """
 import sys, types
-sys.modules["platformdirs"] = types.SimpleNamespace(user_cache_path=lambda *_, **__: sys.argv[1])
+sys.modules["platformdirs"] = types.SimpleNamespace(user_cache_path=None)
+sys.modules["lazy_loader"] = types.SimpleNamespace(attach_stub=lambda *_: (None, None, None))
 from pathlib import Path
 from dem.base import sources
 files = sorted(sources.PACKAGE.rglob("*.py"))

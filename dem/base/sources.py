@@ -132,23 +132,22 @@ def _code(node) -> str:
     if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call):
         fields = [("exc", node.exc.func)]  # which error, not what it says
     inner = ",".join(
-        f"{name}={_code(_without_docstring(name, value))}"
+        f"{name}={_code(_parts(node, name, value))}"
         for name, value in fields
         if value is not None and value != []
     )
     return f"{type(node).__name__}({inner})"
 
 
-def _without_docstring(name: str, value):
-    """The statements of a body that do something: strings alone are docstrings."""
-    if name != "body" or not isinstance(value, list):
-        return value
-    return [each for each in value if not _is_text(each)]
+def _parts(node, name: str, value):
+    """A field without what does nothing: strings alone, which are docstrings, and empty pieces of
+    f-strings, which some versions of Python leave out."""
+    if name == "body" and isinstance(value, list):
+        return [each for each in value if not (isinstance(each, ast.Expr) and _is_text(each.value))]
+    if isinstance(node, ast.JoinedStr):
+        return [each for each in value if not (_is_text(each) and not each.value)]
+    return value
 
 
 def _is_text(node) -> bool:
-    return (
-        isinstance(node, ast.Expr)
-        and isinstance(node.value, ast.Constant)
-        and isinstance(node.value.value, str)
-    )
+    return isinstance(node, ast.Constant) and isinstance(node.value, str)
