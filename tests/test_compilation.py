@@ -119,3 +119,39 @@ def test_a_cache_that_cannot_be_written_does_not_stop_a_run(tmp_path, fault):
     assert hits == ["0", "0"] and len(said.splitlines()) == 1
     assert str(cache) in said and "cannot be kept here" in said
     assert not [*tmp_path.rglob("*.nbc"), *tmp_path.rglob("*.nbi"), *tmp_path.rglob("*.tmp.*")]
+
+
+INTERRUPTED = """
+import random, signal
+import numpy as np
+import dem
+
+signal.signal(signal.SIGALRM, signal.default_int_handler)
+scene = dem.Scene(
+    dem.Disc(np.full(2, 5e-4)), friction=dem.Friction(), walls=dem.box(1e-2, 1e-2),
+    cylinder=dem.Cylinder(1e-3, (5e-3, 5e-3), (0.0, 1.0)), thickness=1e-3,
+)
+run = dem.Simulation(scene, dem.State([[1e-3, 1e-3], [3e-3, 1e-3]]), time_step=1e-9)
+caught = 0
+
+def interrupt():
+    global caught
+    try:
+        signal.setitimer(signal.ITIMER_REAL, random.uniform(1e-5, 1e-3))
+        while True:
+            run.advance(1e-12)
+    except KeyboardInterrupt:
+        caught += 1
+
+run.advance(1e-12)
+for _ in range(2000):
+    interrupt()
+print(caught)
+"""
+
+
+def test_a_signal_between_python_and_machine_code_is_an_exception():
+    """Handlers that raise, as that of Ctrl-C does, never see values that are made by halves."""
+    command = [sys.executable, "-c", INTERRUPTED]
+    ran = subprocess.run(command, cwd=PACKAGE.parent, capture_output=True, text=True)
+    assert (ran.returncode, ran.stdout) == (0, "2000\n"), ran.stderr

@@ -18,6 +18,7 @@ from filelock import FileLock
 from numba.core import types
 from numba.core.caching import CacheImpl, IndexDataCacheFile, _CacheLocator
 
+import dem.jit.boxing  # noqa: F401 takes effect by being imported
 from dem.base.sources import cache_folder, code_hash
 
 # nnan and ninf stay off: they would remove the very tests that find a NaN.
