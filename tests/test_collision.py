@@ -13,7 +13,6 @@ from dem import (
     Ellipse,
     Friction,
     GeometricPotential,
-    InputError,
     Material,
     Scene,
     Simulation,
@@ -174,17 +173,13 @@ def test_restitution_is_as_asked_for_at_any_speed(restitution):
 
 @pytest.mark.parametrize("restitution", [0.9, 0.5, 0.1, 0.02, 0.01, 0.001])
 def test_restitution_holds_at_the_default_time_step(restitution):
-    """At the library's own step restitution is met to 0.01, or was refused as too small."""
-    try:
-        material = Material(restitution=restitution)
-    except InputError:
-        assert restitution < 0.1
-        return
+    """At the library's own step restitution is met to 4 % of itself, down to the least allowed."""
+    material = Material(restitution=restitution)
     scene, state = head_on(
         [[1e-3, 1e-3]] * 5, [1.0] * 5, np.arange(5) * 2e-8, material=material, friction=SLIPPERY
     )
     after = simulate(scene, state, 5e-3).state
-    assert_allclose(-approach(after.velocity), restitution, atol=0.01)
+    assert_allclose(-approach(after.velocity), restitution, rtol=0.04)
 
 
 def floor(**properties):
