@@ -22,6 +22,7 @@ from dem import (
 )
 
 SLIPPERY = Friction(0.5, 0.5, 0.5)
+HEAVY = {"thickness": 1.0}  # m: contacts last long enough for the time steps of these tests
 
 
 def head_on(radii, speeds, gap=0.0, **properties):
@@ -32,7 +33,7 @@ def head_on(radii, speeds, gap=0.0, **properties):
     position = np.stack([x, np.broadcast_to(rows[:, None], x.shape)], axis=-1)
     velocity = np.zeros_like(position)
     velocity[:, 0, 0], velocity[:, 1, 0] = 0.5 * speeds, -0.5 * speeds
-    scene = Scene(Disc(radii.ravel()), **properties)
+    scene = Scene(Disc(radii.ravel()), **HEAVY | properties)
     return scene, State(position.reshape(-1, 2), velocity.reshape(-1, 2))
 
 
@@ -75,7 +76,7 @@ def volley(shape, seed, spin, **properties):
     state = State(
         position, velocity, rng.uniform(0.0, 2.0 * np.pi, 2 * n), rng.uniform(-spin, spin, 2 * n)
     )
-    return Scene(shape, **properties), state
+    return Scene(shape, **HEAVY | properties), state
 
 
 def gains(scene, state, step_fraction):
@@ -242,7 +243,7 @@ def test_momentum_and_angular_momentum_are_conserved(kind):
     grid = pitch * np.stack(np.meshgrid(np.arange(6.0), np.arange(6.0)), -1).reshape(-1, 2)
     velocity = rng.normal(size=(n, 2)) - 200.0 * (grid - grid.mean(axis=0))
     state = State(grid, velocity, rng.uniform(0.0, 7.0, n), rng.normal(scale=500.0, size=n))
-    scene = Scene(SHAPES[kind](sizes(n)), friction=SLIPPERY)
+    scene = Scene(SHAPES[kind](sizes(n)), friction=SLIPPERY, **HEAVY)
     after = simulate(scene, state, 8e-3).state
     m = scene.mass[:, None]
 

@@ -121,7 +121,7 @@ def test_tiles_keep_the_way_contacts_are_found():
     shape = Ellipse.of_size(np.full(3, 1e-3), 1.25)
     bed = Bed(np.full((3, 2), 1e-3), np.arange(3.0), 2e-3, 2e-3, 0.0, 0.0, 0.0, 0.0)
     large, state, *_ = tiled(shape, bed, 2, 2)
-    assert large.method == shape.method and len(large.semi_minor) == len(state.position) == 12
+    assert large.contact == shape.contact and len(large.semi_minor) == len(state.position) == 12
     assert_array_equal(state.angle[3:6], -np.arange(3.0))
 
 
