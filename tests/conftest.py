@@ -9,6 +9,7 @@ from typing import NamedTuple
 import hypothesis
 import numpy as np
 import pytest
+from PIL import Image
 
 import dem
 from dem import shapes
@@ -100,6 +101,30 @@ def assert_alone(browser):
     ]  # fmt: skip
     assert asked and all(re.search(r'"url":"(file|data|blob):', one) for one in asked), asked
     assert not [line for line in browser.get_log("browser") if line["level"] == "SEVERE"]
+
+
+def places_shown(axes):
+    """Finite places (k, 2) of the data that an axes shows: lines, bars, marks and areas."""
+    held = [(line.get_transform(), line.get_xydata()) for line in axes.lines]
+    for patch in axes.patches:
+        corners = patch.get_patch_transform().transform_path(patch.get_path()).vertices
+        held.append((patch.get_transform(), corners))
+    for each in axes.collections:
+        places = np.concatenate([path.vertices for path in each.get_paths()] or [np.empty((0, 2))])
+        held += [(each.get_transform(), places), (each.get_offset_transform(), each.get_offsets())]
+    of_data = [
+        np.ma.filled(places, np.nan) for transform, places in held
+        if all(transform.contains_branch_seperately(axes.transData))
+    ]  # fmt: skip
+    places = np.concatenate([*of_data, np.empty((0, 2))])
+    return places[np.isfinite(places).all(axis=1)]
+
+
+def assert_not_blank(picture):
+    """Data are drawn in colour; axes, grid and words are grey."""
+    with Image.open(picture) as drawn:
+        pixels = np.asarray(drawn.convert("RGB")).astype(int)
+    assert (np.ptp(pixels, axis=2) > 30).mean() > 3e-3, f"{picture} shows no data"
 
 
 @pytest.fixture(scope="session")

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from conftest import places_shown
 from numpy.testing import assert_allclose
 from reference import parting, potential
 
@@ -178,10 +179,12 @@ def test_the_study_has_all_its_variables(study):
     assert not contacts.in_the_beds(study)["contact_start"].isin([contacts.COLD]).any()
 
 
-def test_the_figure_is_drawn_from_the_study_alone(study):
-    """Three panels, each with its reading as a title."""
+def test_the_figure_shows_the_errors_and_times_of_the_study(study):
+    """Three panels, each with its reading as a title and with data."""
     panels = accuracy_contacts.plot(study).axes
     assert len(panels) == 3 and all(panel.get_title(loc="left") for panel in panels)
+    assert all(len(places_shown(panel)) >= study.sizes["contact_method"] for panel in panels[:2])
+    assert len(places_shown(panels[2])) >= study.sizes["bounce_number"]
 
 
 def test_the_default_keeps_the_energy_of_bouncing_ellipses(study):

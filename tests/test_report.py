@@ -2,11 +2,12 @@
 
 import re
 import shutil
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import assert_alone
+from conftest import assert_alone, assert_not_blank, places_shown
 
 from dem.analysis.flow.collect import collect, write_flow
 from dem.base.errors import InputError
@@ -14,7 +15,7 @@ from dem.experiment import drag
 from dem.figures import FLOW, draw, possible
 from dem.report.build import build, section
 from dem.studies.config import load
-from dem.sweep.combine import combine
+from dem.sweep.combine import combine, open_combined
 
 ROOT = Path(__file__).parent.parent
 
@@ -49,6 +50,8 @@ def test_nothing_is_fetched_and_all_is_there(page):
     assert not re.findall(
         r"""<(?:script|link|img|iframe)[^>]*(?:src|href)=["'](?!data:)[^"']+""", body
     )
+    for picture in (page.parent / "figures").glob("*.png"):
+        assert_not_blank(picture)
     pictures = re.findall(r"<img [^>]*>", body)
     assert len(pictures) >= 4 and all(re.search(r'alt="[^"]{10,}"', tag) for tag in pictures)
     assert "a table of &lt;b&gt;stability&lt;/b&gt;" in body
@@ -69,6 +72,33 @@ def test_its_table_holds_the_means(page):
     assert {case: round(mean) for case, mean in means.items()} == {
         k: int(v) for k, v in rows.items()
     }
+
+
+def panels(page, name):
+    """Data (k, 2) that each panel of a figure of drag.nc shows, and the file itself."""
+    with open_combined(page.parent / "drag.nc") as dataset:
+        figure = import_module(f"dem.figures.{name}").plot(dataset)
+        return [places_shown(axes) for axes in figure.axes], dataset.load()
+
+
+def test_bars_are_the_means_and_marks_the_runs(page):
+    """Of figure 13: the top of each bar and each mark follow from drag.nc."""
+    (shown,), data = panels(page, "figure13")
+    inside = data["drag"].sel(displacement=slice(data.window_start, data.window_stop))
+    runs = inside.mean("displacement")
+    for wanted in [*runs.values.ravel(), *runs.mean("seed").values]:
+        assert np.isclose(shown[:, 1], wanted, rtol=1e-9).any()
+
+
+def test_curves_go_through_the_bins(page):
+    """Of figure 7: the mean over the seeds at every displacement is in the panel of its case."""
+    shown, data = panels(page, "figure07")
+    assert len(shown) == data.sizes["case"]
+    for panel, case in zip(shown, data["case"].values, strict=True):
+        wanted = data["drag"].sel(case=case).mean("seed").values
+        place = np.column_stack([1e3 * data["displacement"], wanted])
+        apart = np.abs(panel[:, None] - place).max(axis=2).min(axis=0)
+        assert apart.max() < 1e-6 * wanted.max()
 
 
 def test_a_readme_without_the_section_is_refused(page, tmp_path):
