@@ -1,5 +1,6 @@
 """The command line's promises: exit status, one sentence, nothing written."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -7,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from typer.main import get_command
 from typer.testing import CliRunner
 
 from dem.base.errors import InputError, RunError
@@ -33,24 +35,35 @@ def dem(*arguments):
     return subprocess.run(command, cwd=ROOT, text=True, capture_output=True)
 
 
-@pytest.mark.parametrize(
-    "verb",
-    [
-        "compile",
-        "pack",
-        "simulate",
-        "combine",
-        "benchmark",
-        "figure",
-        "info",
-        "calibrate",
-        "accuracy",
-    ],
-)
+def verbs(command, words=()):
+    """The words of every verb of the command line, those of groups too."""
+    if not hasattr(command, "commands"):
+        return [words]
+    return [each for name, sub in command.commands.items() for each in verbs(sub, (*words, name))]
+
+
+VERBS = verbs(get_command(app))
+
+
+@pytest.mark.parametrize("verb", VERBS, ids=" ".join)
 def test_every_verb_has_help(verb):
-    """--help explains each verb."""
-    run = dem(verb, "--help")
-    assert run.returncode == 0 and "--help" in run.stdout
+    """--help says what each verb does, and what each of its options is for."""
+    result = CliRunner().invoke(app, [*verb, "--help"], env={"COLUMNS": "200", "TERM": "dumb"})
+    assert result.exit_code == 0, result.output
+    command = get_command(app)
+    for word in verb:
+        command = command.commands[word]
+    assert command.help.split()[0] in result.output
+    assert all(option.help for option in command.params)
+
+
+def test_the_workflow_calls_verbs_that_exist():
+    """Every command in the rules begins with the words of a verb."""
+    text = "".join(path.read_text() for path in (ROOT / "rules").glob("*.smk"))
+    called = [words.split() for words in re.findall(r"\bdem ((?:[a-z]+ )+)", text)]
+    assert len(called) > 10
+    for words in called:
+        assert any(all(a == b for a, b in zip(words, verb, strict=False)) for verb in VERBS), words
 
 
 @pytest.mark.parametrize(
