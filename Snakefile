@@ -101,7 +101,7 @@ FIGURES = possible(SWEEP) + possible(SWEEP, FLOW)
 
 
 def quoted(text):
-    """A word of the shell; Snakemake fills in what stands in braces."""
+    """A word of the shell; Snakemake fills in what is in braces."""
     return shlex.quote(str(text)).replace("{", "{{").replace("}", "}}")
 
 
@@ -162,7 +162,7 @@ onstart:
         print(error, file=sys.stderr)
         sys.exit(1)
     print(*said, sep="\n", end="\n" if said else "", file=sys.stderr)
-    logging.raiseExceptions = False  # that Snakemake's log can not grow on a full disk is said once
+    logging.raiseExceptions = False  # that Snakemake's log cannot grow on a full disk is said once
     logging.getLogger("snakemake.logging").addHandler(WorkflowProgress())
 
 

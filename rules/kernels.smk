@@ -6,7 +6,7 @@ OUTPUTS
     {RESULTS}/kernels/{kind}.done
 """
 
-# the first shape of each kind, so that a further shape does not compile (and run) all anew
+# the first shape of each kind, so that a further shape does not compile (and run) all again
 SHAPE_OF_KIND = {section.kind: label for label, section in reversed(SWEEP.shapes.items())}
 
 

@@ -114,7 +114,7 @@ def finished(results: Path) -> dict[Path, int]:
 
 
 def unreadable(results: Path) -> list[Path]:
-    """netCDF files under their own names that can not be read whole."""
+    """netCDF files under their own names that cannot be read whole."""
     found = []
     for path in results.rglob("*.nc"):
         if not path.name.startswith("."):
@@ -395,10 +395,10 @@ def disk_full_everywhere(place: Place) -> str:
 
 
 def read_only(place: Place) -> str:
-    """A folder that can not be written."""
+    """A folder that cannot be written."""
     at = "results/readonly"
     mount = f"mount -t tmpfs none {at} && mount -o remount,ro {at}"
-    return mounted(place, "readonly", mount, f"mount -o remount,rw {at}", "can not be written")
+    return mounted(place, "readonly", mount, f"mount -o remount,rw {at}", "cannot be written")
 
 
 FAULTS = (

@@ -401,7 +401,7 @@ WORDS = (
 
 
 def a_command_line(rng, folder):
-    """A verb with options that can not all be right: its configuration is never a good one."""
+    """A verb with options that cannot all be right: its configuration is never a good one."""
     bring(folder, "README.md", "pyproject.toml", "bed.nc")
     verb = rng.choice(list(GOOD))
     options = {name: rng.choice(WORDS) for name in GOOD[verb] if rng.random() < 0.8}

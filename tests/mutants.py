@@ -29,7 +29,7 @@ MUTANTS = (
            "tests/test_collision.py"),
     Mutant("memory not carried to a new list", "dem/dynamics/neighbor_list.py",
            "new[p] = old[source[p]]", "new[p] = 0.0", "tests/test_neighbors.py"),
-    Mutant("list never made anew", "dem/dynamics/stepping.py",
+    Mutant("list never made again", "dem/dynamics/stepping.py",
            "world = relist(world, parts)", "world = world", "tests/test_simulate.py"),
     Mutant("torque of walls and cylinder reversed", "dem/contacts/blocks.py",
            "    add(take(turns, values, row.TWIST1 + k), force, at + TWO)",

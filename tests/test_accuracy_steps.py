@@ -63,7 +63,7 @@ def far():
 
 
 def test_verlet_in_stages_is_the_one_of_the_package(small_bed):
-    """The bed with friction and damping moves alike, contacts listed anew on the way."""
+    """The bed with friction and damping moves alike, contacts listed again on the way."""
     small = small_bed("disc")
     scene, state = small.scene(), small.state
     step = 0.3 * dem.Simulation(scene, state).diagnose().critical_time_step

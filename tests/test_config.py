@@ -82,7 +82,7 @@ WRONG = [
 
 @pytest.mark.parametrize(("key", "value", "words"), WRONG, ids=[f"{k}={v}" for k, v, _ in WRONG])
 def test_wrong_values_are_named(key, value, words):
-    """What can not be simulated is refused with a sentence that names key and value."""
+    """What cannot be simulated is refused with a sentence that names key and value."""
     path = [int(part) if part.isdigit() else part for part in key.split(".")]
     with pytest.raises(InputError) as error:
         parse(changed(path, value), "my.yaml")

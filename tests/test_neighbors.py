@@ -1,4 +1,4 @@
-"""Contact lists are complete and exact, and nothing is forgotten when they are made anew."""
+"""Contact lists are complete and exact, and nothing is forgotten when they are made again."""
 
 import numpy as np
 import pytest

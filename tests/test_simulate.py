@@ -81,7 +81,7 @@ WRONG = {
 
 @pytest.mark.parametrize("sentence", WRONG)
 def test_wrong_input_is_named(sentence):
-    """A value that can not be used is refused before anything runs, in one sentence."""
+    """A value that cannot be used is refused before anything runs, in one sentence."""
     with pytest.raises(dem.InputError) as error:
         WRONG[sentence]()
     assert sentence in str(error.value) and "\n" not in str(error.value)
@@ -115,7 +115,7 @@ def test_any_array_is_simulated_or_refused(name, value, place, form):
 
 @pytest.mark.parametrize("semi_minor", [[2e-3, 1e-3], [1e-3]])
 def test_axes_of_ellipses_that_make_no_sense_are_refused(semi_minor):
-    """A minor axis longer than the major one, or lists of unequal lengths, can not be simulated."""
+    """A minor axis longer than the major one, or lists of unequal lengths, cannot be simulated."""
     with pytest.raises(dem.InputError):
         two_discs(shape=dem.Ellipse(np.full(2, 1.5e-3), np.array(semi_minor)))
 

@@ -2,7 +2,7 @@
 
 
 class InputError(ValueError):
-    """A value that the user gave can not be used; nothing has been written (exit status 2)."""
+    """A value that the user gave cannot be used; nothing has been written (exit status 2)."""
 
 
 class RunError(RuntimeError):

@@ -75,7 +75,7 @@ def _seeds(value):
 
 
 def seed_words(seeds) -> str:
-    """Seeds as words that can stand in a configuration: 1 to 5, 7."""
+    """Seeds as words that a configuration may hold: 1 to 5, 7."""
     parts = []
     for seed in seeds:
         if parts and seed == parts[-1][1] + 1:

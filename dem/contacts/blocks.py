@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.contacts.response import relative_velocity, respond
-from dem.jit import lanes as row
+from dem.jit import lanes as lane
 from dem.jit.compilation import inlined
 from dem.jit.lanes import EIGHT, FOUR, ONE, THREE, TWO, load_outline, store_outline
 from dem.jit.optional import either, minus, optional, plus, times
@@ -64,26 +64,26 @@ def gather(one, two, contacts, start, stop, lanes):
         k, p = np.uint64(q), np.uint64(start + q)
         at = FOUR * k
         i, j = EIGHT * contacts.constituent[p], EIGHT * contacts.partner[p]
-        copy_four(one, i, motion, at + row.X1)
-        copy_four(two, j, motion, at + row.X2)
-        copy_rates(rates, one, i, motion, at + row.W1)
-        copy_rates(rates, two, j, motion, at + row.W2)
+        copy_four(one, i, motion, at + lane.X1)
+        copy_four(two, j, motion, at + lane.X2)
+        copy_rates(rates, one, i, motion, at + lane.W1)
+        copy_rates(rates, two, j, motion, at + lane.W2)
 
 
 @inlined
 def gather_pairs(shape, frame, contacts, start, stop, values):
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
-        store_outline(outline(shape, contacts.constituent[p], frame), values, row.OWN + k)
-        store_outline(outline(shape, contacts.partner[p], frame), values, row.OTHER + k)
+        store_outline(outline(shape, contacts.constituent[p], frame), values, lane.OWN + k)
+        store_outline(outline(shape, contacts.partner[p], frame), values, lane.OTHER + k)
 
 
 @inlined
 def gather_circle(shape, radius, frame, contacts, start, stop, values):
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
-        store_outline(outline(shape, contacts.constituent[p], frame), values, row.OWN + k)
-        store_outline(circle(shape, radius), values, row.OTHER + k)
+        store_outline(outline(shape, contacts.constituent[p], frame), values, lane.OWN + k)
+        store_outline(circle(shape, radius), values, lane.OTHER + k)
 
 
 @inlined
@@ -91,23 +91,23 @@ def gather_planes(shape, planes, frame, contacts, start, stop, values):
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         wall = contacts.partner[p]
-        store_outline(outline(shape, contacts.constituent[p], frame), values, row.OWN + k)
-        values[row.NX + k], values[row.NY + k] = planes[wall, 0], planes[wall, 1]
-        values[row.OTHER + k] = planes[wall, 2]
+        store_outline(outline(shape, contacts.constituent[p], frame), values, lane.OWN + k)
+        values[lane.NX + k], values[lane.NY + k] = planes[wall, 0], planes[wall, 1]
+        values[lane.OTHER + k] = planes[wall, 2]
 
 
 @inlined
 def spacing(motion, k):
     """Position (m) of body 2 of lane k from body 1."""
     at = FOUR * k
-    return motion[at + row.X2] - motion[at + row.X1], motion[at + row.Y2] - motion[at + row.Y1]
+    return motion[at + lane.X2] - motion[at + lane.X1], motion[at + lane.Y2] - motion[at + lane.Y1]
 
 
 @inlined
 def outlines(shape, values, k):
     """Outlines of both bodies of lane k."""
     like = circle(shape, 0.0)
-    return load_outline(like, values, row.OWN + k), load_outline(like, values, row.OTHER + k)
+    return load_outline(like, values, lane.OWN + k), load_outline(like, values, lane.OTHER + k)
 
 
 @optional
@@ -140,23 +140,23 @@ def store_geometry(geometry, contacts, p, lanes, k):
     at = FOUR * k
     overlap, nx, ny, n1, t1, n2, t2, radius = geometry
     velocity = relative_velocity(
-        (motion[at + row.VX1], motion[at + row.VY1], motion[at + row.W1]),
-        (motion[at + row.VX2], motion[at + row.VY2], motion[at + row.W2]), geometry,
+        (motion[at + lane.VX1], motion[at + lane.VY1], motion[at + lane.W1]),
+        (motion[at + lane.VX2], motion[at + lane.VY2], motion[at + lane.W2]), geometry,
     )  # fmt: skip
     change = relative_velocity(
-        (motion[at + row.DVX1], motion[at + row.DVY1], motion[at + row.DW1]),
-        (motion[at + row.DVX2], motion[at + row.DVY2], motion[at + row.DW2]), geometry,
+        (motion[at + lane.DVX1], motion[at + lane.DVY1], motion[at + lane.DW1]),
+        (motion[at + lane.DVX2], motion[at + lane.DVY2], motion[at + lane.DW2]), geometry,
     )  # fmt: skip
-    values[row.OVERLAP + k], values[row.NX + k], values[row.NY + k] = overlap, nx, ny
-    values[row.N1 + k] = n1
-    put(n2, values, row.N2 + k)
-    put(t1, values, row.T1 + k)
-    put(t2, values, row.T2 + k)
-    put(radius, values, row.RADIUS + k)
-    put_for(contacts.damping, velocity[0], values, row.V_NORMAL + k)
-    put_for(contacts.friction, velocity[1], values, row.V_TANGENT + k)
-    put_for(contacts.damping, change[0], values, row.DV_NORMAL + k)
-    put_for(contacts.friction, change[1], values, row.DV_TANGENT + k)
+    values[lane.OVERLAP + k], values[lane.NX + k], values[lane.NY + k] = overlap, nx, ny
+    values[lane.N1 + k] = n1
+    put(n2, values, lane.N2 + k)
+    put(t1, values, lane.T1 + k)
+    put(t2, values, lane.T2 + k)
+    put(radius, values, lane.RADIUS + k)
+    put_for(contacts.damping, velocity[0], values, lane.V_NORMAL + k)
+    put_for(contacts.friction, velocity[1], values, lane.V_TANGENT + k)
+    put_for(contacts.damping, change[0], values, lane.DV_NORMAL + k)
+    put_for(contacts.friction, change[1], values, lane.DV_TANGENT + k)
     remember(contacts.normal_x, contacts.normal_y, p, nx, ny)
 
 
@@ -164,10 +164,10 @@ def store_geometry(geometry, contacts, p, lanes, k):
 def load_geometry(shape, values, k):
     """The geometry of lane k; n2 and t2 mean nothing for walls, which ask for neither."""
     return ContactGeometry(
-        values[row.OVERLAP + k], values[row.NX + k], values[row.NY + k],
-        values[row.N1 + k], take(tangential_lever(shape), values, row.T1 + k),
-        values[row.N2 + k], take(tangential_lever(shape), values, row.T2 + k),
-        take(local_radius(shape), values, row.RADIUS + k),
+        values[lane.OVERLAP + k], values[lane.NX + k], values[lane.NY + k],
+        values[lane.N1 + k], take(tangential_lever(shape), values, lane.T1 + k),
+        values[lane.N2 + k], take(tangential_lever(shape), values, lane.T2 + k),
+        take(local_radius(shape), values, lane.RADIUS + k),
     )  # fmt: skip
 
 
@@ -181,7 +181,7 @@ def find_contacts(shape, contacts, start, stop, lanes):
         guess = remembered(contacts.normal_x, contacts.normal_y, p)
         geometry, converged = find_contact(shape, dx, dy, own, other, guess)
         store_geometry(geometry, contacts, p, lanes, k)
-        put(unconverged(converged), values, row.UNCONVERGED + k)
+        put(unconverged(converged), values, lane.UNCONVERGED + k)
 
 
 @inlined
@@ -189,12 +189,12 @@ def find_wall_contacts(shape, contacts, start, stop, lanes):
     motion, values = lanes.motion, lanes.values
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
-        nx, ny = values[row.NX + k], values[row.NY + k]
-        own = load_outline(circle(shape, 0.0), values, row.OWN + k)
+        nx, ny = values[lane.NX + k], values[lane.NY + k]
+        own = load_outline(circle(shape, 0.0), values, lane.OWN + k)
         reach, t1, radius = support(shape, own, nx, ny)
         at = FOUR * k
-        here = motion[at + row.X1] * nx + motion[at + row.Y1] * ny
-        overlap = reach + here - values[row.OTHER + k]
+        here = motion[at + lane.X1] * nx + motion[at + lane.Y1] * ny
+        overlap = reach + here - values[lane.OTHER + k]
         n1 = reach - 0.5 * overlap
         geometry = ContactGeometry(overlap, nx, ny, n1, t1, None, None, radius)
         store_geometry(geometry, contacts, p, lanes, k)
@@ -210,7 +210,7 @@ def refine_contacts(normal_x, shape, contacts, start, stop, lanes):
     motion, values = lanes.motion, lanes.values
     for p in range(start, stop):
         k = np.uint64(p - start)
-        if values[row.UNCONVERGED + k] != 0.0:
+        if values[lane.UNCONVERGED + k] != 0.0:
             dx, dy = spacing(motion, k)
             own, other = outlines(shape, values, k)
             last = normal_x[p], contacts.normal_y[p]
@@ -225,16 +225,16 @@ def contact_forces(shape, contacts, start, stop, dt, lanes):
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         geometry = load_geometry(shape, values, k)
-        velocity = values[row.V_NORMAL + k], values[row.V_TANGENT + k]
-        change = values[row.DV_NORMAL + k], values[row.DV_TANGENT + k]
+        velocity = values[lane.V_NORMAL + k], values[lane.V_TANGENT + k]
+        change = values[lane.DV_NORMAL + k], values[lane.DV_TANGENT + k]
         n, t, damped, slid = respond(contacts, p, geometry, velocity, change, dt, lanes.account)
-        put(damped, values, row.DAMPED + k)
-        put(slid, values, row.SLID + k)
+        put(damped, values, lane.DAMPED + k)
+        put(slid, values, lane.SLID + k)
         _, nx, ny, n1, t1, n2, t2, _ = geometry
-        values[row.FORCE_X + k] = minus(n * nx, times(t, ny))
-        values[row.FORCE_Y + k] = plus(n * ny, times(t, nx))
-        put(minus(times(t1, n), times(n1, t)), values, row.TORQUE_1 + k)
-        put(minus(minus(None, times(n2, t)), times(t2, n)), values, row.TORQUE_2 + k)
+        values[lane.FORCE_X + k] = minus(n * nx, times(t, ny))
+        values[lane.FORCE_Y + k] = plus(n * ny, times(t, nx))
+        put(minus(times(t1, n), times(n1, t)), values, lane.TORQUE_1 + k)
+        put(minus(minus(None, times(n2, t)), times(t2, n)), values, lane.TORQUE_2 + k)
 
 
 @optional
@@ -243,8 +243,8 @@ def add_losses(account, contacts, start, stop, values):
     lossy = either(contacts.damping, contacts.friction)
     for q in range(stop - start):
         k = np.uint64(q)
-        add_loss(lossy, account, row.LOST_DAMPED, values, row.DAMPED + k)
-        add_loss(contacts.friction, account, row.LOST_SLID, values, row.SLID + k)
+        add_loss(lossy, account, lane.LOST_DAMPED, values, lane.DAMPED + k)
+        add_loss(contacts.friction, account, lane.LOST_SLID, values, lane.SLID + k)
 
 
 @optional
@@ -274,15 +274,15 @@ def accumulate(contacts, start, stop, values, inverse_inertia, force):
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         i, j = FOUR * contacts.constituent[p], FOUR * contacts.force_row[p]
-        gx, gy = values[row.FORCE_X + k], values[row.FORCE_Y + k]
+        gx, gy = values[lane.FORCE_X + k], values[lane.FORCE_Y + k]
         force[j] += gx
         force[j + ONE] += gy
-        add(take(inverse_inertia, values, row.TORQUE_2 + k), force, j + TWO)
+        add(take(inverse_inertia, values, lane.TORQUE_2 + k), force, j + TWO)
         same = i == last
         fx = (fx if same else force[i]) - gx
         fy = (fy if same else force[i + ONE]) - gy
         torque = plus(
-            torque if same else force[i + TWO], take(inverse_inertia, values, row.TORQUE_1 + k)
+            torque if same else force[i + TWO], take(inverse_inertia, values, lane.TORQUE_1 + k)
         )
         force[i], force[i + ONE], force[i + TWO] = fx, fy, torque
         last = i
@@ -295,11 +295,11 @@ def boundary_reaction(contacts, p, k, values, inverse_inertia, force):
     Returns the wall and the forces on it: normal (x, y) and tangential (x, y), in N.
     """
     at = FOUR * contacts.constituent[p]
-    gx, gy = values[row.FORCE_X + k], values[row.FORCE_Y + k]
+    gx, gy = values[lane.FORCE_X + k], values[lane.FORCE_Y + k]
     force[at] -= gx
     force[at + ONE] -= gy
-    add(take(inverse_inertia, values, row.TORQUE_1 + k), force, at + TWO)
-    nx, ny = values[row.NX + k], values[row.NY + k]
+    add(take(inverse_inertia, values, lane.TORQUE_1 + k), force, at + TWO)
+    nx, ny = values[lane.NX + k], values[lane.NY + k]
     normal = gx * nx + gy * ny
     hx, hy = normal * nx, normal * ny
     return contacts.partner[p], normal, (hx, hy, gx - hx, gy - hy)

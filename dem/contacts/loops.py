@@ -29,7 +29,7 @@ def fetch(numbers, p):
 
 @optional
 def fetch_ahead(chunks, rows, contacts, start, end):
-    """Ask for what the block after the next needs, and for the motion of bodies in the next."""
+    """Ask for what the block after the next needs, and for the motion of constituents in the next."""
     far = start + 2 * BLOCK
     for p in range(far, min(far + BLOCK, end), 8):
         prefetch(contacts.constituent, p)
@@ -47,10 +47,10 @@ def fetch_ahead(chunks, rows, contacts, start, end):
 
 
 @compiled
-def pair_contacts(bodies, contacts, force, dt, lanes, chunks, begin, end):
-    """Add the forces of rows begin to end of the list; bodies: Constituents of dem.contacts.blocks."""
-    shape, frame = bodies.shape, bodies.frame
-    rows, flat = bodies.motion.reshape(-1), force.reshape(-1)
+def pair_contacts(constituents, contacts, force, dt, lanes, chunks, begin, end):
+    """Add the forces of rows begin to end of the list, see dem.contacts.blocks."""
+    shape, frame = constituents.shape, constituents.frame
+    rows, flat = constituents.motion.reshape(-1), force.reshape(-1)
     for start in range(begin, end, BLOCK):
         stop = min(start + BLOCK, end)
         fetch_ahead(chunks, rows, contacts, start, end)
@@ -60,18 +60,18 @@ def pair_contacts(bodies, contacts, force, dt, lanes, chunks, begin, end):
         refine_contacts(contacts.normal_x, shape, contacts, start, stop, lanes)
         contact_forces(shape, contacts, start, stop, dt, lanes)
         add_losses(lanes.account, contacts, start, stop, lanes.values)
-        accumulate(contacts, start, stop, lanes.values, bodies.inverse_inertia, flat)
+        accumulate(contacts, start, stop, lanes.values, constituents.inverse_inertia, flat)
 
 
 @optional
-def wall_contacts(walls, bodies, force, dt, lanes):
-    _wall_contacts(walls, bodies, force, dt, lanes)
+def wall_contacts(walls, constituents, force, dt, lanes):
+    _wall_contacts(walls, constituents, force, dt, lanes)
 
 
 @compiled
-def _wall_contacts(walls, bodies, force, dt, lanes):
-    contacts, shape, frame = walls.contacts, bodies.shape, bodies.frame
-    rows, still = bodies.motion.reshape(-1), walls.motion.reshape(-1)
+def _wall_contacts(walls, constituents, force, dt, lanes):
+    contacts, shape, frame = walls.contacts, constituents.shape, constituents.frame
+    rows, still = constituents.motion.reshape(-1), walls.motion.reshape(-1)
     flat, count = force.reshape(-1), contacts.constituent.shape[0]
     for start in range(0, count, BLOCK):
         stop = min(start + BLOCK, count)
@@ -83,20 +83,20 @@ def _wall_contacts(walls, bodies, force, dt, lanes):
         for p in range(start, stop):
             k = np.uint64(p - start)
             wall, normal, _ = boundary_reaction(
-                contacts, p, k, lanes.values, bodies.inverse_inertia, flat
+                contacts, p, k, lanes.values, constituents.inverse_inertia, flat
             )
             walls.impulse[wall] += normal * dt
 
 
 @optional
-def cylinder_contacts(cylinder, bodies, force, dt, lanes):
-    _cylinder_contacts(cylinder, bodies, force, dt, lanes)
+def cylinder_contacts(cylinder, constituents, force, dt, lanes):
+    _cylinder_contacts(cylinder, constituents, force, dt, lanes)
 
 
 @compiled
-def _cylinder_contacts(cylinder, bodies, force, dt, lanes):
-    contacts, shape, frame = cylinder.contacts, bodies.shape, bodies.frame
-    rows, axis = bodies.motion.reshape(-1), cylinder.motion.reshape(-1)
+def _cylinder_contacts(cylinder, constituents, force, dt, lanes):
+    contacts, shape, frame = cylinder.contacts, constituents.shape, constituents.frame
+    rows, axis = constituents.motion.reshape(-1), cylinder.motion.reshape(-1)
     flat, count = force.reshape(-1), contacts.constituent.shape[0]
     for start in range(0, count, BLOCK):
         stop = min(start + BLOCK, count)
@@ -109,7 +109,7 @@ def _cylinder_contacts(cylinder, bodies, force, dt, lanes):
         for p in range(start, stop):
             k = np.uint64(p - start)
             _, _, shares = boundary_reaction(
-                contacts, p, k, lanes.values, bodies.inverse_inertia, flat
+                contacts, p, k, lanes.values, constituents.inverse_inertia, flat
             )
             for c in range(4):
                 cylinder.impulse[c] += shares[c] * dt

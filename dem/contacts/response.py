@@ -29,7 +29,7 @@ def dashpot(damping, p, ratio, sqrt_overlap, slip_rate):
 
 @optional
 def friction_force(friction, contacts, p, normal, elastic, slip, account, dt):
-    """Spring and dashpot, each within Coulomb's cap: neither can then feed energy to the slip.
+    """The spring is capped first, then spring and dashpot, so that friction never does positive work.
 
     elastic: stiffness (N m^-1.5) and sqrt_overlap (m^0.5); slip: in this step (m), and its rate at
     the full step (m/s). Returns the force (N) and the energies (J) that dashpot and sliding took,
@@ -45,8 +45,8 @@ def friction_force(friction, contacts, p, normal, elastic, slip, account, dt):
     force = capped(force, limit)
     contacts.tangential_force[p] = force
     contacts.sqrt_overlap[p] = sqrt_overlap
-    drag = dashpot(contacts.damping, p, friction.damping_ratio, sqrt_overlap, rate)
-    total = capped(minus(force, drag), limit)
+    dashpot_force = dashpot(contacts.damping, p, friction.damping_ratio, sqrt_overlap, rate)
+    total = capped(minus(force, dashpot_force), limit)
     left = spring_energy(account, force, stiffness * sqrt_overlap)
     gone = minus(stored, left)
     return (

@@ -29,8 +29,8 @@ class GranuleTable(NamedTuple):
 
     per: constituents a granule; radius, bounding (constituents,) in m: for Hertz's law, and of the
     circle that holds one; mass (constituents,) in kg: of the whole granule; mobility: greatest
-    1/m + lever^2/I (1/kg) of a contact; bend (n,) in 1/(kg m): how much, at most, the force 2/3 k
-    delta at a contact of normal stiffness k stiffens the rotation, over k delta; skin (m);
+    1/m + lever^2/I (1/kg) of a contact; bend (n,) in 1/(kg m): 2/3 normal_bend / I, which
+    bounds the rotational stiffness that a normal force adds, over k delta; skin (m);
     alpha: dashpot constant; modulus: E* of two granules (Pa); mean_radius (m), mean_mass (kg).
     """
 

@@ -32,7 +32,7 @@ class Diagnostics(NamedTuple):
     """The bed at one moment; coordination number: touching pairs of constituents, twice, a granule."""
 
     kinetic_energy: float  # J
-    fastest: float  # m/s: greatest speed to be expected before the lists are made anew
+    speed_bound: float  # m/s: greatest speed to be expected before the lists are rebuilt
     coordination_number: float
     max_overlap: float  # over the smaller radius
     deepest: int  # the granule it belongs to
@@ -47,13 +47,13 @@ def spin_energy(inverse_inertia, i, spin):
 @compiled
 def kinetic(bodies, inverse_mass, inverse_inertia):
     """Kinetic energy (J) and greatest speed (m/s); NaN wins."""
-    energy, fastest = 0.0, 0.0
+    energy, speed_bound = 0.0, 0.0
     for i in range(bodies.shape[0]):
         squared = bodies[i, VX] ** 2 + bodies[i, VY] ** 2
         energy += 0.5 * squared / inverse_mass[i]
         energy = plus(energy, spin_energy(inverse_inertia, i, bodies[i, W]))
-        fastest = greater(fastest, squared)
-    return energy, math.sqrt(fastest)
+        speed_bound = greater(speed_bound, squared)
+    return energy, math.sqrt(speed_bound)
 
 
 @inlined
@@ -236,7 +236,7 @@ def swing(inverse_inertia, i, torque, lever):
 
 @compiled
 def greatest_acceleration(force, inverse_mass, inverse_inertia, table):
-    """Of any part (m/s2), from the forces on its granule; gravity not counted."""
+    """Of any constituent (m/s2), from the forces on its granule; gravity not counted."""
     greatest = 0.0
     for i in range(inverse_mass.shape[0]):
         push = math.sqrt(force[i, FX] ** 2 + force[i, FY] ** 2) * inverse_mass[i]
@@ -251,9 +251,9 @@ def speed_squared(cylinder):
 
 
 @inlined
-def expected_speed(cylinder, gravity, skin, fastest):
-    """Greatest speed (m/s) before the lists are made anew: of granules, cylinder, and a fall."""
-    squared = max(fastest * fastest, either(speed_squared(cylinder), 0.0))
+def expected_speed(cylinder, gravity, skin, speed_bound):
+    """Greatest speed (m/s) before the lists are rebuilt: of granules, cylinder, and a fall."""
+    squared = max(speed_bound * speed_bound, either(speed_squared(cylinder), 0.0))
     return math.sqrt(plus(squared, fall_squared(gravity, skin)))
 
 
@@ -263,10 +263,10 @@ def diagnose(world, table):
 
     The critical step is bounded from below by stiffness and damping of all contacts; pairs that
     are near but do not touch count with the overlap of a collision at the greatest speed to be
-    expected, and so does a granule that meets its like.
+    expected, and as if any granule could collide with one of its own size.
     """
-    energy, fastest = kinetic(world.bodies, world.inverse_mass, world.inverse_inertia)
-    speed = expected_speed(world.cylinder, world.gravity, table.skin, fastest)
+    energy, speed_bound = kinetic(world.bodies, world.inverse_mass, world.inverse_inertia)
+    speed = expected_speed(world.cylinder, world.gravity, table.skin, speed_bound)
     radius, mass = 0.5 * table.mean_radius, 0.5 * table.mean_mass
     least = max(impact_overlap(mass, radius, table.modulus, speed), 1e-8 * radius)
     touching, overlap, deepest, step = survey(world, table, least)

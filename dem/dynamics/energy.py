@@ -1,8 +1,8 @@
 """The energy ledger: what a bed holds, what it was given, what it lost; only where asked for.
 
 The kernels add up three things over time (dem.jit.lanes): what dashpots took, what sliding took, and
-the work of the cylinder. What the slip does against a tangential spring beyond what the spring then
-holds counts as slid; so does what a spring gives away when the overlap changes, without any sliding.
+the work of the cylinder. Slid is the work of the slip less the gain in stored spring energy; energy that a
+spring loses while the overlap shrinks counts as slid too.
 Kinetic and elastic energies are taken from the state. The force at the end of each step counts for
 the whole of it; of the last step only half is taken, which makes the sums those of the trapezoidal
 rule, of second order in the time step, where nothing works or is lost at the very start. A cylinder that

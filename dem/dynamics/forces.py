@@ -66,29 +66,29 @@ def add_forces(world, dt, begin, end, leads, thread):
     To look at that and to clear the forces goes straight through the memory of a chunk: it is in
     the cache when the pairs want it.
     """
-    bodies = Constituents(world.shape, world.constituents, world.frame, world.inverse_inertia)
+    constituents = Constituents(world.shape, world.constituents, world.frame, world.inverse_inertia)
     force, lanes = world.constituent_force, world.lanes
     pairs, granules, moved = world.pairs, world.bodies.shape[0], 0.0
-    per = bodies.motion.shape[0] // granules
+    per = constituents.motion.shape[0] // granules
     keep_account(lanes.account)
     for chunk in range(begin, end):
         low, high = granules_of(world.chunks, granules, chunk)
         low, high = per * low, per * high
         clear(force, low, high)
-        moved = greater(moved, farthest(bodies.motion, world.reference, low, high))
+        moved = greater(moved, farthest(constituents.motion, world.reference, low, high))
         pair_contacts(
-            bodies, pairs, force, dt, lanes, world.chunks,
+            constituents, pairs, force, dt, lanes, world.chunks,
             np.int64(pairs.first[low]), np.int64(pairs.first[high]),
         )  # fmt: skip
     barrier(thread)
     for chunk in range(begin, end):
         add_forces_across_chunks(
-            world.chunks, force.reshape(-1), np.uint64(bodies.motion.shape[0]), chunk
+            world.chunks, force.reshape(-1), np.uint64(constituents.motion.shape[0]), chunk
         )
     barrier(thread)
     if leads:
-        wall_contacts(world.walls, bodies, force, dt, lanes)
-        cylinder_contacts(world.cylinder, bodies, force, dt, lanes)
+        wall_contacts(world.walls, constituents, force, dt, lanes)
+        cylinder_contacts(world.cylinder, constituents, force, dt, lanes)
     return moved
 
 

@@ -1,6 +1,6 @@
 """Velocity Verlet at one time step, until a number of steps is done or a list is out of date.
 
-Velocities stand at half steps inside the loop; the first and the last kick are half ones, so
+Velocities are those of half steps inside the loop; the first and the last kick are half ones, so
 that state goes in and comes out at full steps. A dashpot sees the velocity at the full step,
 v(t + dt/2) + a(t) dt/2, which keeps the method of second order with damping (a dashpot on the
 half-step velocity is of first order).
@@ -37,7 +37,7 @@ def turn(spin, frame, angle, i, dt):
 def reorient(frame, i, angle, step):
     """Cosine and sine (frame) after a last turn by `step` (rad): without trigonometry if small.
 
-    Rounding then adds up, some 1e-16 a step, until dem.dynamics.neighbor_list.rebuild_neighbor_list takes them anew.
+    Rounding then adds up, some 1e-16 a step, until dem.dynamics.neighbor_list.rebuild_neighbor_list computes them from the angle.
     """
     if abs(step) < 1e-3:
         frame[i, 0], frame[i, 1] = turned(frame[i, 0], frame[i, 1], step)
@@ -101,9 +101,9 @@ def told(thread):
 
 
 @compiled
-def advance(world, dt, steps, list_range, thread):
+def advance(world, dt, steps, rebuild_at, thread):
     """Take up to `steps` steps of dt (s); stop when a constituent has moved farther than
-    `list_range` (m).
+    `rebuild_at` (m).
 
     thread: None, or its place among those that call this together (dem.dynamics.synchronise).
     Returns the number of steps done and the largest displacement (m).
@@ -113,7 +113,7 @@ def advance(world, dt, steps, list_range, thread):
     chunks = number_of_chunks(world.chunks, granules)
     begin, end = either(portion(thread, chunks), (0, chunks))
     kick, done, moved = 0.5 * dt, 0, 0.0
-    while done < steps and moved <= list_range * list_range:
+    while done < steps and moved <= rebuild_at * rebuild_at:
         for chunk in range(begin, end):
             low, high = granules_of(world.chunks, granules, chunk)
             drift(world, kick, dt, low, high)

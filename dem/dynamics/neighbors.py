@@ -1,6 +1,6 @@
 """Who may touch whom: Verlet lists with a skin, made from a cell list.
 
-A list holds every pair of parts whose bounding circles are less than `skin` apart. It is
+A list holds every pair of constituents whose bounding circles are less than `skin` apart. It is
 complete until something has moved by skin / 2. The order of a list depends on the present
 positions alone. What a contact remembers is carried from the old list to the new one.
 """
@@ -13,10 +13,10 @@ from dem.jit.compilation import compiled, inlined
 
 @compiled(allocates=True)
 def cells(constituents, size):
-    """Sort parts into square cells of the given size (m): counting sort.
+    """Sort constituents into square cells of the given size (m): counting sort.
 
-    Returns cell of each part (parts,), members sorted by cell (parts,), start of each cell in
-    members (cells + 1,), and the number of columns. Cells never outnumber the parts fourfold.
+    Returns cell of each constituent (constituents,), members sorted by cell (constituents,), start of each cell in
+    members (cells + 1,), and the number of columns. Cells never outnumber the constituents fourfold.
     """
     n = constituents.shape[0]
     left, bottom, right, top = (
@@ -62,30 +62,30 @@ def sort_few(values, start, stop):
 
 
 @compiled(allocates=True)
-def near_pairs(constituents, radius, skin, parts_per_granule):
-    """Pairs of parts of different granules closer than skin (m): (first, part, other) of Contacts.
+def near_pairs(constituents, radius, skin, per_granule):
+    """Pairs of constituents of different granules closer than skin (m): (first, constituent, partner) of Contacts.
 
-    radius (parts,): bounding radius (m). Each pair stands once, under its lower index, partners
+    radius (constituents,): bounding radius (m). Each pair is listed once, under its lower index, partners
     in ascending order.
     """
     n = constituents.shape[0]
     where, members, start, columns = cells(constituents, 2.0 * radius.max() + skin)
     rows = (start.shape[0] - 1) // columns
     first = np.zeros(n + 1, np.uint32)
-    other = np.empty(8 * n + 8, np.uint32)
+    partner = np.empty(8 * n + 8, np.uint32)
     count = 0
     for i in range(n):
         row, column = where[i] // columns, where[i] % columns
-        if count + n > other.shape[0]:
-            larger = np.empty(2 * other.shape[0] + n, np.uint32)
-            larger[:count] = other[:count]
-            other = larger
+        if count + n > partner.shape[0]:
+            larger = np.empty(2 * partner.shape[0] + n, np.uint32)
+            larger[:count] = partner[:count]
+            partner = larger
         for r in range(max(row - 1, 0), min(row + 2, rows)):
             low = start[r * columns + max(column - 1, 0)]
             high = start[r * columns + min(column + 1, columns - 1) + 1]
             for m in range(low, high):
                 j = members[m]
-                if j <= i or j // parts_per_granule == i // parts_per_granule:
+                if j <= i or j // per_granule == i // per_granule:
                     continue
                 dx, dy = (
                     constituents[j, X] - constituents[i, X],
@@ -93,22 +93,22 @@ def near_pairs(constituents, radius, skin, parts_per_granule):
                 )
                 reach = radius[i] + radius[j] + skin
                 if dx * dx + dy * dy < reach * reach:
-                    other[count] = j
+                    partner[count] = j
                     count += 1
-        sort_few(other, first[i], count)
+        sort_few(partner, first[i], count)
         first[i + 1] = count
-    part = np.empty(count, np.uint32)
+    constituent = np.empty(count, np.uint32)
     for i in range(n):
         for p in range(first[i], first[i + 1]):
-            part[p] = i
-    return first, part, other[:count].copy()
+            constituent[p] = i
+    return first, constituent, partner[:count].copy()
 
 
 @compiled(allocates=True)
 def near_planes(constituents, radius, skin, planes):
-    """Parts closer than skin (m) to each wall: (part, other) of Contacts, by part, then by wall."""
-    part = np.empty(constituents.shape[0] * planes.shape[0], np.uint32)
-    other = np.empty_like(part)
+    """Parts closer than skin (m) to each wall: (constituent, partner) of Contacts, by constituent, then by wall."""
+    constituent = np.empty(constituents.shape[0] * planes.shape[0], np.uint32)
+    partner = np.empty_like(constituent)
     count = 0
     for i in range(constituents.shape[0]):
         for k in range(planes.shape[0]):
@@ -119,51 +119,56 @@ def near_planes(constituents, radius, skin, planes):
                 + skin
             )
             if reach > planes[k, 2]:
-                part[count], other[count] = i, k
+                constituent[count], partner[count] = i, k
                 count += 1
-    return part[:count].copy(), other[:count].copy()
+    return constituent[:count].copy(), partner[:count].copy()
 
 
 @compiled(allocates=True)
 def near_circle(constituents, radius, skin, x, y, size):
-    """Parts closer than skin (m) to a circle of radius size (m) at x, y: (part, other)."""
-    part = np.empty(constituents.shape[0], np.uint32)
+    """Parts closer than skin (m) to a circle of radius size (m) at x, y: (constituent, partner)."""
+    constituent = np.empty(constituents.shape[0], np.uint32)
     count = 0
     for i in range(constituents.shape[0]):
         dx, dy = constituents[i, X] - x, constituents[i, Y] - y
         reach = radius[i] + size + skin
         if dx * dx + dy * dy < reach * reach:
-            part[count] = i
+            constituent[count] = i
             count += 1
-    return part[:count].copy(), np.zeros(count, np.uint32)
+    return constituent[:count].copy(), np.zeros(count, np.uint32)
 
 
 @compiled(allocates=True)
-def match_pairs(first, other, old_first, old_other):
+def match_pairs(first, partner, old_first, old_partner):
     """Row of each pair in the old list, -1 for a new pair."""
-    source = np.empty(other.shape[0], np.int64)
+    source = np.empty(partner.shape[0], np.int64)
     for i in range(first.shape[0] - 1):
         q = old_first[i]
         for p in range(first[i], first[i + 1]):
             source[p] = -1
-            while q < old_first[i + 1] and old_other[q] < other[p]:
+            while q < old_first[i + 1] and old_partner[q] < partner[p]:
                 q += 1
-            if q < old_first[i + 1] and old_other[q] == other[p]:
+            if q < old_first[i + 1] and old_partner[q] == partner[p]:
                 source[p] = q
     return source
 
 
 @compiled(allocates=True)
-def match_listed(part, other, old_part, old_other):
+def match_listed(constituent, partner, old_constituent, old_partner):
     """The same for the lists of walls and cylinder."""
-    source = np.empty(part.shape[0], np.int64)
+    source = np.empty(constituent.shape[0], np.int64)
     q = 0
-    for p in range(part.shape[0]):
+    for p in range(constituent.shape[0]):
         source[p] = -1
-        while q < old_part.shape[0] and (
-            old_part[q] < part[p] or (old_part[q] == part[p] and old_other[q] < other[p])
+        while q < old_constituent.shape[0] and (
+            old_constituent[q] < constituent[p]
+            or (old_constituent[q] == constituent[p] and old_partner[q] < partner[p])
         ):
             q += 1
-        if q < old_part.shape[0] and old_part[q] == part[p] and old_other[q] == other[p]:
+        if (
+            q < old_constituent.shape[0]
+            and old_constituent[q] == constituent[p]
+            and old_partner[q] == partner[p]
+        ):
             source[p] = q
     return source

@@ -1,4 +1,4 @@
-"""Granules that are near each other stand near each other in memory, in large beds.
+"""In large beds, granules near each other are near each other in memory.
 
 The order is Morton's (1966): the bits of the two cell numbers interleaved, so that a run of
 granules is a compact patch. A chunk (dem.dynamics.world) then has few neighbours in other chunks.
@@ -24,7 +24,7 @@ def _spread(number):
 
 
 def order_of(scene: Scene, state: State) -> np.ndarray | None:
-    """Granules (n,) in the order of memory, or None where a bed is so small that it is as well."""
+    """Granules (n,) in the order of memory, or None for a bed of one chunk: the user's order is kept."""
     if scene.granules <= CHUNK:
         return None
     cell = 2.0 * scene.shape.bounding_radius.mean()

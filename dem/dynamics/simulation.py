@@ -41,8 +41,8 @@ from dem.dynamics.stepping import (
     OUTSIDE,
     TOO_DEEP,
     TOO_LONG,
-    Rules,
     Schedule,
+    StepControl,
     longest_step,
     outside,
     run_steps,
@@ -57,7 +57,7 @@ if TYPE_CHECKING:
     import xarray
 
 SKIN = 0.12  # of the mean bounding radius; timings are flat from 0.1 to 0.2
-MARGIN = 0.75  # share of skin / 2 that a part may move before the lists are made anew
+MARGIN = 0.75  # share of skin / 2 that a constituent may move before the lists are rebuilt
 STEP_FRACTION = 0.5  # of the bound on the critical time step
 LARGEST_OVERLAP = 1.2  # of the smaller radius
 LONGEST_FLIGHT = 0.02  # of the smallest radius, in one step
@@ -71,7 +71,7 @@ FRACTION = number(STABLE, LEAST)
 class Record(NamedTuple):
     """What Simulation.record measures, a row for each of c intervals.
 
-    normal_force, tangential_force (c, 2): mean force on the cylinder (N), its parts normal and
+    normal_force, tangential_force (c, 2): mean force on the cylinder (N), its components normal and
     tangential to it; wall_force (c, w): mean normal force on each wall (N); kinetic_energy (c,) in
     J, coordination_number (c,) and max_overlap (c,), over the smaller radius, at the end of the
     interval; time_step (c,): the shortest taken (s).
@@ -197,10 +197,10 @@ class Simulation:
         forces(self._world, 0.0)
         self._bookkeeper = Bookkeeper(self._world) if ledger else None
 
-    def _make_rules(self, allow_unstable: bool) -> Rules:
+    def _make_rules(self, allow_unstable: bool) -> StepControl:
         reach = 0.5 * self._table.skin
         farthest = min(LONGEST_FLIGHT * self._table.radius.min(), (1.0 - MARGIN) * reach)
-        return Rules(
+        return StepControl(
             time_step=float(self.time_step or 0.0),
             fraction=self.step_fraction,
             largest_motion=math.inf if allow_unstable else float(farthest),
@@ -230,7 +230,7 @@ class Simulation:
     def collect_impulses(self) -> tuple[np.ndarray, np.ndarray]:
         """Impulses since the last call, in N s: on the cylinder (2, 2), on the walls (w,).
 
-        Rows of the first: of the normal parts and of the tangential parts; of the second: normal.
+        Rows of the first: of the normal forces and of the tangential forces; of the second: normal.
         """
         cylinder, walls = self._world.cylinder, self._world.walls
         on_cylinder = (
@@ -276,7 +276,7 @@ class Simulation:
             raise InputError("ledger is False; make the Simulation with ledger=True.")
         return self._bookkeeper.ledger(self._world)
 
-    # Saved and gone on with
+    # Saved and continued
 
     def checkpoint(self) -> dict[str, np.ndarray]:
         """All that moves, remembers or counts, as arrays by name (for np.savez)."""
@@ -329,7 +329,7 @@ class Simulation:
     def advance(self, duration: float) -> float:
         """Advance by a duration (s); returns the shortest time step taken (s).
 
-        The step is chosen at the start and again whenever the contacts are listed anew. Raises
+        The step is chosen at the start and again whenever the contacts are listed again. Raises
         InputError for a duration of too many steps, and StateError or OverlapError (both RunError),
         naming step, time and granule.
         """
@@ -371,7 +371,7 @@ class Simulation:
             "granules are too small, stiff, light or fast for it."
         )
 
-    # Guards: between two lists no part moves by more than half the skin, so that checks at a new
+    # Guards: between two lists nothing moves by more than half the skin, so that checks at a new
     # list see every overlap before it has grown by more than the skin.
 
     def _name(self, granule: int) -> int:

@@ -8,9 +8,9 @@ granule 1. For any s > 0
     g g^T <= (1 + s) g1 g1^T + (1 + 1/s) g2 g2^T,
 
 so that both matrices are bounded by blocks of three by three, one a granule, and their greatest
-eigenvalues by those of the blocks; s = |g2| / |g1|. The force at a contact lowers the stiffness,
-but where it acts off the centre of a granule that turns: that part is bounded by GranuleTable.bend.
-All contacts are taken to stick. Not in the bound: that contacts grow stiffer until the next look,
+eigenvalues by those of the blocks; s = |g2| / |g1|. The force at a contact usually lowers
+the stiffness; off the centre of a granule it can raise that of rotation, by GranuleTable.bend at most.
+All contacts are taken to stick. Not in the bound: that contacts grow stiffer until the next survey,
 and that the dashpot of a contact changes with its overlap.
 """
 

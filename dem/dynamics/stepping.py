@@ -16,11 +16,11 @@ FINE, LOST, TOO_DEEP, OUTSIDE, TOO_LONG = range(5)
 MOST_STEPS = 1e11  # an hour or more for two granules, weeks for a bed of hundreds
 
 
-class Rules(NamedTuple):
+class StepControl(NamedTuple):
     """time_step (s): fixed, or 0 to take `fraction` of the critical one, less where a granule would
     move farther than `largest_motion` (m) in it. max_overlap over the smaller radius. rebuild_at (m):
-    lists are rebuilt when a constituent has moved as far; list_range (m): it must not have moved
-    farther than this.
+    displacement of a constituent that triggers a rebuild of the lists; list_range (m): displacement
+    beyond which a contact may have been missed, so that the run stops.
     """
 
     time_step: float
@@ -32,8 +32,8 @@ class Rules(NamedTuple):
 
 
 class Schedule(NamedTuple):
-    """From time (s) on, a number of equal intervals (s). until (s): the time to which the caller
-    will go on, if that is later; more than MOST_STEPS to there are not begun."""
+    """`intervals` intervals of `interval` (s) from `time` (s) on. until (s): end of the whole run, used
+    only to refuse more than MOST_STEPS steps."""
 
     time: float
     interval: float
@@ -41,7 +41,7 @@ class Schedule(NamedTuple):
     until: float
 
 
-class Report(NamedTuple):
+class StepOutcome(NamedTuple):
     """How a run_steps went: FINE or why it stopped, with the value and the granule that say so (moved
     distance, overlap or time step); time (s); steps and intervals done; shortest time step (s)."""
 
@@ -58,7 +58,7 @@ class Report(NamedTuple):
 def longest_step(rules, diagnostics):
     if rules.time_step > 0.0:
         return rules.time_step
-    largest_motion = rules.largest_motion / max(diagnostics.fastest, 1e-300)
+    largest_motion = rules.largest_motion / max(diagnostics.speed_bound, 1e-300)
     return min(rules.fraction * diagnostics.critical_time_step, largest_motion)
 
 
@@ -75,7 +75,7 @@ def behind(walls, bodies):
 
 @compiled
 def outside(walls, bodies):
-    """The same, -1 also where there are no walls."""
+    """First granule whose centre is behind a wall; -1 if there is none, or no wall."""
     return either(behind(walls, bodies), -1)
 
 
@@ -133,7 +133,7 @@ def _step_alone(threads, world, dt, steps, list_range):
 
 @compiled(allocates=True)
 def run_steps(world, table, rules, schedule, record, threads):
-    """Advance as a Schedule says; returns the world and a Report.
+    """Advance as a Schedule says; returns the world and a StepOutcome.
 
     record: an array with a row for each interval, or None. threads: None, or those that take the
     steps (dem.dynamics.threads.Threads; this function then runs as it is here, uncompiled). The step
@@ -175,4 +175,4 @@ def run_steps(world, table, rules, schedule, record, threads):
                 outcome = OUTSIDE
                 break
             world = rebuild_neighbor_list(world, table)
-    return world, Report(outcome, value, granule, time, steps, n, shortest)
+    return world, StepOutcome(outcome, value, granule, time, steps, n, shortest)

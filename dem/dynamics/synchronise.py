@@ -58,7 +58,7 @@ def _arrive(typing, gate):
 
 @intrinsic
 def _arrived(typing, gate):
-    """gate[0], read anew each time."""
+    """gate[0], read each time."""
 
     def generate(context, builder, signature, arguments):
         return builder.load_atomic(

@@ -15,10 +15,10 @@ class Threads:
         self._lanes = [make_lanes() for _ in range(threads)]
         self._pool = ThreadPoolExecutor(threads)
 
-    def advance(self, world, dt, steps, list_range):
+    def advance(self, world, dt, steps, rebuild_at):
         """As dem.dynamics.integration.advance, with the same result for any number of threads."""
         runs = [
-            self._pool.submit(advance, world._replace(lanes=lanes), dt, steps, list_range, thread)
+            self._pool.submit(advance, world._replace(lanes=lanes), dt, steps, rebuild_at, thread)
             for thread, lanes in zip(self._places, self._lanes, strict=True)
         ]
         results = [run.result() for run in runs]

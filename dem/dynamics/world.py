@@ -14,7 +14,7 @@ CHUNK = 1024  # granules: what a chunk needs fits into the second-level cache
 class FrictionParameters(NamedTuple):
     """Friction of one kind of contact.
 
-    coefficient: Coulomb's mu; stiffness_ratio: 8 G* over 4/3 E*; damping_ratio: tangential over
+    coefficient: Coulomb's mu; stiffness_ratio: 8 G* over 4/3 E*, times Friction.stiffness; damping_ratio: tangential over
     normal damping, sqrt(k_t/k_n).
     """
 
@@ -24,7 +24,7 @@ class FrictionParameters(NamedTuple):
 
 
 class Contacts(NamedTuple):
-    """Pairs near enough to touch before the list is rebuilt, m in all.
+    """Neighbour list: m candidate pairs, touching or not.
 
     constituent, partner (m,): the constituent, and its partner: one with a higher index, a wall, or
     0 for the cylinder. force_row (m,): where the force on the partner is added, see Chunks. first

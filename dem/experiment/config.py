@@ -263,7 +263,7 @@ class Replicate(Section):
 
     @property
     def key(self) -> tuple[str, str, int]:
-        """Shape, density as it stands in paths, and seed."""
+        """Shape, density as paths have it, and seed."""
         return self.label, density_label(self.density), self.seed
 
     @property
@@ -282,7 +282,7 @@ class Replicate(Section):
         return self.shape.model_dump() | {"aspect_ratio": self.shape.ratio}
 
     def bed_key(self) -> str:
-        """All that the bed depends on, as text: the packing is made anew when it changes."""
+        """All that the bed depends on, as text: the packing is made again when it changes."""
         s = self.sweep
         cylinder = (s.cylinder.diameter, s.cylinder.start)
         return json.dumps(
@@ -309,7 +309,7 @@ class Replicate(Section):
 
 
 def density_label(density: float) -> str:
-    """A density (kg/m3) as it stands in paths."""
+    """A density (kg/m3) as paths have it."""
     return f"{density:.10g}"
 
 

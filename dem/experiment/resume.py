@@ -1,4 +1,4 @@
-"""A run of the experiment that can be stopped, and gone on with, bit for bit."""
+"""A run of the experiment that can be stopped and continued, bit for bit."""
 
 import hashlib
 import os

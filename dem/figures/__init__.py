@@ -135,7 +135,7 @@ def draw(name: str, data: Path, folder: Path) -> list[Path]:
             try:
                 figure = import_module(f"dem.figures.{each}").plot(dataset)
             except InputError as error:
-                faults.append(f"{data}: {each} can not be drawn: {error}")
+                faults.append(f"{data}: {each} cannot be drawn: {error}")
                 continue
             files += save(figure, Path(folder) / each)
     if not files:
@@ -154,5 +154,5 @@ def _draw_study(name, data, folder):
         try:
             figure = import_module(f"dem.figures.{name}").plot(dataset.load())
         except InputError as error:
-            raise InputError(f"{data}: {name} can not be drawn: {error}") from None
+            raise InputError(f"{data}: {name} cannot be drawn: {error}") from None
         return save(figure, folder / name)

@@ -67,7 +67,7 @@ def _methods(dataset, kind):
 
 def _starts(here, kind, method):
     """Starts that are shown: all but the exact one for the common normal, one as in runs for others
-    that start from a normal, and any for those that begin anew."""
+    that start from a normal, and any for those that begin again."""
     starts = here["contact_start"].values
     if kind == "common normal":
         return starts[1:]

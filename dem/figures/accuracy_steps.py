@@ -85,7 +85,7 @@ def _peers(axes, here, scene):
 
 
 def _draw(axes, here, scene, curves, labels):
-    """Curves with the words that stand for their orders; collisions in us, beds in ms."""
+    """Curves with the words for their orders; collisions in us, beds in ms."""
     factor, unit = (1e3, "ms a run") if "bed" in scene else (1e6, "µs a collision")
     for number, ((times, errors), label) in enumerate(zip(curves, labels, strict=True)):
         if np.isfinite(errors).any():

@@ -1,6 +1,6 @@
 """Figure 8: the ellipse code at aspect ratio 1 against the disc code, beside the paper's means.
 
-The paper gives a standard deviation without saying of what; the deviation over a run stands
+The paper gives a standard deviation without saying of what; the deviation over a run is
 beside it. Runs with the same seed start from the same bed but for rounding: the change is one of pairs.
 """
 
@@ -82,7 +82,7 @@ def _means(axes, numbers, place, paper) -> None:
 
 
 def _finish(figure, dataset, numbers, found) -> None:
-    """Axes, title and legends; the values stand below the means."""
+    """Axes, title and legends; the values are below the means."""
     curves, means = figure.axes
     ticks = []
     for shape, label in found.items():

@@ -31,7 +31,7 @@ def plot(dataset: xr.Dataset) -> Figure:
 
 
 def _catalogue(axes, dataset, rows) -> None:
-    """Values over their limits; cases that are refused stand in words."""
+    """Values over their limits; cases that are refused are named."""
     shapes = list(dict.fromkeys(dataset["check_shape"].values.tolist()))
     columns = [dataset[f"check_{name}"].values for name in (
         "case", "quantity", "shape", "value", "limit", "outcome", "expected", "passed",

@@ -85,7 +85,7 @@ def describe(case: xr.Dataset, separator: str = ", ") -> str:
 
 
 def runs(dataset: xr.Dataset) -> str:
-    """How many runs stand behind a number: "5 runs"."""
+    """How many runs a number comes from: "5 runs"."""
     values = dataset["run_mean"] if "run_mean" in dataset else dataset["drag"].isel(displacement=0)
     count = int(values.count("seed").max())
     return f"{count} runs" if count > 1 else "one run"
@@ -150,7 +150,7 @@ def finish_bars(figure: Figure, axes, ticks: list[str], dataset: xr.Dataset) -> 
 def legend(figure: Figure, axes, place: str, grey: str = "", **options) -> None:
     """Legend of the figure from the labels of one of its axes, each once.
 
-    The patch of the label that begins with `grey` stands for several colours: it is shown in none.
+    The patch of the label that begins with `grey` means several colours: it is shown in none.
     """
     handles, names = axes.get_legend_handles_labels()
     unique = dict(zip(names, handles, strict=True))

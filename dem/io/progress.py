@@ -14,7 +14,9 @@ class TimeLeft:
         """every: s between two lines; clock: a function that gives s and never goes back."""
         self.clock, self.every = clock, every
         self.started = self.told = clock()
-        self.first = None  # share that was done at the first call: what is gone on with counts not
+        self.first = (
+            None  # share that was done at the first call: what was done before does not count
+        )
 
     def words(self, share: float) -> str | None:
         """A line for this share (0 to 1), None where it is too early for the next."""

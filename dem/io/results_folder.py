@@ -22,7 +22,7 @@ def prepare(folder: Path) -> tuple[FileLock, list[str]]:
     """Make a folder ready; returns what holds it, and what there is to say about it.
 
     The folder is held until the process ends, however it ends: no lock is left behind by a run that
-    was killed. Raises RunError where another run works in it, OSError where it can not be written.
+    was killed. Raises RunError where another run works in it, OSError where it cannot be written.
     """
     held = hold(folder)
     said = []
@@ -51,7 +51,7 @@ def hold(folder: Path) -> FileLock:
         ) from None
     except OSError as error:
         raise OSError(
-            f"{folder}: it can not be written ({(error.strerror or str(error)).lower()}); mend that and "
+            f"{folder}: it cannot be written ({(error.strerror or str(error)).lower()}); mend that and "
             "run the same command again; snakemake -n and dem info only read."
         ) from None
     return lock
@@ -59,7 +59,7 @@ def hold(folder: Path) -> FileLock:
 
 def on_failure(folder: Path) -> str:
     """What is to be done after a workflow has ended before its time."""
-    # said here because jobs can not write their logs to a disk that is full
+    # said here because jobs cannot write their logs to a disk that is full
     full = "the disk is full; make room. " if is_full(folder) else ""
     return (
         f"{folder}: {full}What is finished is kept and whole; the same command goes on from here."

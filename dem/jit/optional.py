@@ -14,7 +14,7 @@ from dem.jit.compilation import INLINED
 
 
 def optional(function):
-    """Decorator: a function to inline that is None, and not even compiled, if its first argument is."""
+    """Decorator: an inlined function that returns None, compiling nothing, if its first argument is None."""
 
     def absent(*arguments):
         return None

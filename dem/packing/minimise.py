@@ -95,16 +95,16 @@ def push_all(world, dt):
 
 
 @compiled
-def fire(world, memory, longest, steps, room, enough):
+def fire(world, memory, longest, steps, list_range, enough):
     """Minimise the elastic energy until no net force exceeds `enough` (N).
 
     memory: time step (s), mixing share and number of steps downhill, carried between calls;
-    longest (s): largest time step; room (m): stop when a part has moved farther than that.
+    longest (s): largest time step; list_range (m): stop when something has moved farther than that.
     Returns iterations done, largest displacement (m) and largest net force (N).
     """
     dt, share, downhill = memory[0], memory[1], memory[2]
     done, moved, largest = 0, 0.0, math.inf
-    while done < steps and moved <= room * room:
+    while done < steps and moved <= list_range * list_range:
         power, _, _, largest = powers(world)
         if largest <= enough:
             break
@@ -130,7 +130,7 @@ def fire(world, memory, longest, steps, room, enough):
     return done, math.sqrt(moved), largest
 
 
-def longest_step(scene, table: GranuleTable, world: World) -> float:
+def relaxation_step(scene, table: GranuleTable, world: World) -> float:
     """Largest time step (s) of the minimiser: stable at overlaps of 2 % of the radius."""
     radius, modulus = table.radius.mean(), effective_modulus(scene.material, scene.material)
     least = 0.02 * radius
@@ -146,16 +146,16 @@ def minimise(scene, table: GranuleTable, world: World, iterations: int, enough: 
     Returns the world and its largest net force (N), greater than `enough` if the iterations did
     not suffice. Raises PackingError if a position becomes infinite.
     """
-    room = 0.45 * table.skin
+    list_range = 0.45 * table.skin
     world = rebuild_neighbor_list(world, table)
     forces(world, 0.0)
-    longest = longest_step(scene, table, world)
+    longest = relaxation_step(scene, table, world)
     memory = np.array([0.1 * longest, MIXING, 0.0])
     left, largest = iterations, math.inf
     while left > 0 and not largest <= enough:
-        done, moved, largest = fire(world, memory, longest, left, room, enough)
+        done, moved, largest = fire(world, memory, longest, left, list_range, enough)
         left -= max(done, 1)
-        if not moved <= room:
+        if not moved <= list_range:
             if not np.isfinite(world.bodies).all():
                 raise PackingError("a position became infinite while the bed was relaxed.")
             world = rebuild_neighbor_list(world, table)

@@ -17,7 +17,7 @@ from dem.base.schema import seed_words
 from dem.io.dataset import VARIABLES
 from dem.sweep.combine import COMBINED, open_lazily, require
 
-# Headings in two lines, so that a row fits; LEGEND says what stands below them.
+# Headings in two lines, so that a row fits; LEGEND explains them.
 COLUMNS = (
     "case", "kind", "ratio", "D_g\nµm", "density\nkg/m³", "runs", "mean\nN", "95 %\n± N",
     "sd over\nrun %", "sd betw.\nruns %", "great.\noverlap", "step\nns", "run\ntime s",
@@ -26,7 +26,7 @@ LEGEND = """\
 mean drag within the window; 95 % interval of the mean by Student's t over the runs; standard
 deviation of the drag over a run and of the means between runs, both over the mean drag; greatest
 overlap over the smaller granule radius; median time step; mean processor time of a run"""
-# What a file must hold to be summarised; SWEEP stands in drag.nc only.
+# What a file must hold to be summarised; SWEEP is for drag.nc only.
 NEEDED = ("drag", "max_overlap", "time_step", "run_time", "kind", "seed")
 ORIGIN = ("title", "history", "git_revision", "source_hash", "versions", "configuration")
 WINDOW = ("window_start", "window_stop")
@@ -112,7 +112,7 @@ def _row(case: xr.Dataset, numbers: xr.Dataset) -> list[str]:
 
 
 def _replicate(dataset: xr.Dataset) -> Group:
-    """Title, provenance and the numbers of one run; its window stands in its configuration."""
+    """Title, provenance and the numbers of one run; its window is in its configuration."""
     attrs, record = dataset.attrs, json.loads(dataset.attrs["configuration"])
     start, stop = record["record"]["window"]
     drag = within(dataset["drag"], start, stop)

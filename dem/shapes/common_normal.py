@@ -29,7 +29,7 @@ class CommonNormal(NamedTuple):
 
 ITERATIONS = 30
 LARGEST_TURN = 0.5  # rad, of one Newton step
-DIRECTIONS = 64  # of the search when Newton's method can not be trusted
+DIRECTIONS = 64  # of the search when Newton's method cannot be trusted
 
 
 @inlined

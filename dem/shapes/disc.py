@@ -44,12 +44,12 @@ class Disc(NamedTuple):
 
     @property
     def constituent_radius(self) -> np.ndarray:
-        """Radius (parts,) in m that enters Hertz's law; a disc is its own only part."""
+        """Radius (constituents,) in m that enters Hertz's law; a disc is its own only constituent."""
         return self.radius
 
     @property
     def constituent_bounding_radius(self) -> np.ndarray:
-        """Radius (parts,) in m of the circle that holds the part."""
+        """Radius (constituents,) in m of the circle that holds the constituent."""
         return self.radius
 
     @property

@@ -53,7 +53,7 @@ class Dumbbell(NamedTuple):
 
     @property
     def constituent_bounding_radius(self) -> np.ndarray:
-        """Radius (2n,) in m of the circle that holds the part: the disc itself."""
+        """Radius (2n,) in m of the circle that holds the constituent: the disc itself."""
         return np.repeat(self.radius, 2)
 
     @property

@@ -104,12 +104,12 @@ class Ellipse(_Fields):
 
     @property
     def constituent_radius(self) -> np.ndarray:
-        """Radius (n,) in m that enters Hertz's law; an ellipse is its own only part."""
+        """Radius (n,) in m that enters Hertz's law; an ellipse is its own only constituent."""
         return np.sqrt(self.semi_major * self.semi_minor)
 
     @property
     def constituent_bounding_radius(self) -> np.ndarray:
-        """Radius (n,) in m of the circle that holds the part."""
+        """Radius (n,) in m of the circle that holds the constituent."""
         return self.semi_major
 
     @property

@@ -96,13 +96,13 @@ def refine_normal(shape, dx, dy, own, other, guess):
 
 @_question
 def tangential_lever(shape):
-    """None where a normal force never has a lever about a centre: discs."""
+    """True if normal forces can exert a torque about a centre; None for discs."""
     return True
 
 
 @_question
 def local_radius(shape):
-    """None where the effective radius R* is the pair's constant, and not found at the contact."""
+    """Not None if R* is computed at each contact; None: one R* a pair."""
     return
 
 

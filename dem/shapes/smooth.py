@@ -80,7 +80,7 @@ def circle(shape, radius):
 
 
 @inlined
-def half_width(shape, own, nx, ny):
+def support_at(shape, own, nx, ny):
     """Support distance h (m), its derivative q = dh/d(angle) (m), radius of curvature rho (m)."""
     c, s, share, radius = own[0], own[1], own[2], own[3]
     h, q, rho = support_of(shape, c * nx + s * ny, c * ny - s * nx, own[4:])
@@ -88,7 +88,7 @@ def half_width(shape, own, nx, ny):
 
 
 def support(shape, own, nx, ny):
-    h, q, _ = half_width(shape, own, nx, ny)
+    h, q, _ = support_at(shape, own, nx, ny)
     return h, q, None
 
 
@@ -96,7 +96,7 @@ def support(shape, own, nx, ny):
 def gap_along(shape, dx, dy, own, other, normal):
     """Gap s (m), slope s' and bend s'' with the angle of n, and (h, q, rho) of both granules."""
     nx, ny = normal
-    one, two = half_width(shape, own, nx, ny), half_width(shape, other, -nx, -ny)
+    one, two = support_at(shape, own, nx, ny), support_at(shape, other, -nx, -ny)
     gap = nx * dx + ny * dy - one[0] - two[0]
     return gap, nx * dy - ny * dx - one[1] - two[1], -gap - one[2] - two[2], one, two
 

@@ -1,4 +1,4 @@
-"""Runs of a large sweep that can not be made: what is kept of each, and how many there may be.
+"""Runs of a large sweep that cannot be made: what is kept of each, and how many there may be.
 
 A small file beside the place of the replicate says which run it was, what went wrong and with which
 sources, so that it is not tried again before something changes.

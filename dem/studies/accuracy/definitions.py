@@ -1,7 +1,7 @@
 """What each way of finding a contact would find if it computed without error.
 
 Every definition is worked out slowly, by a search over the whole boundary and in extended
-precision, from the description alone. NaN stands where a definition has no answer. Pairs as in
+precision, from the description alone. NaN where a definition has no answer. Pairs as in
 dem.studies.accuracy.pairs.
 """
 
@@ -133,7 +133,7 @@ def crossing(pairs: Pairs) -> Contact:
 def polygon(pairs: Pairs, sides: int) -> Contact:
     """Along the edge normal, of either polygon, of the least translation that parts the two.
 
-    The vertices stand on the outline at equal steps of the eccentric angle.
+    The vertices lie on the outline at equal steps of the eccentric angle.
     """
     d, own, other = exact(pairs)
     mine, theirs = best_edge(d, own, other, sides), best_edge(-d, other, own, sides)

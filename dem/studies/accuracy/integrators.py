@@ -41,7 +41,7 @@ def integrator(name: str, *stages: tuple, looks_ahead: bool = True) -> Integrato
     """From rows (kick, drift, evaluate forces).
 
     looks_ahead: a dashpot sees the velocity at the time of the positions, v + a (what the drifts
-    are ahead of the kicks); else it sees v as it stands. drift leaves a dt / 2 in the columns of the
+    are ahead of the kicks); else it sees v. drift leaves a dt / 2 in the columns of the
     change of velocity, so that AHEAD counts in halves of the drift.
     """
     kick, move, evaluate = np.array(stages, float).T

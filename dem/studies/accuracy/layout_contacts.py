@@ -8,7 +8,7 @@ EACH = (*METHOD, *STRATUM, "contact_start")
 VARIABLES = {
     "contact_method": (METHOD, None, "method: kind, and tolerance or number of sides"),
     "contact_kind": (METHOD, None, "kind of method"),
-    "contact_remembers": (METHOD, "1", "1 for a method that starts from the normal of the last step, 0 for one that begins anew"),
+    "contact_remembers": (METHOD, "1", "1 for a method that starts from the normal of the last step, 0 for one that begins again"),
     "contact_aspect_ratio": (("contact_aspect_ratio",), "1", "aspect ratio of both ellipses"),
     "contact_overlap": (("contact_overlap",), "1", "overlap over the smaller minor semi-axis b"),
     "contact_start": (("contact_start",), None, "normal that is remembered: up to so far off the right one; cold: the line of centres"),

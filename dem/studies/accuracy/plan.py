@@ -48,7 +48,7 @@ class AccuracySection(Section):
     replicates: ReplicatesSection
 
     def check(self, sweep) -> None:
-        """Raise ValueError where the study can not be made of this sweep."""
+        """Raise ValueError where the study cannot be made of this sweep."""
         default, window = sweep.numerics.step_fraction, sweep.record.window
         if sweep.numerics.time_step is not None:
             raise ValueError(

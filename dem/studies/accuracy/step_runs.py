@@ -19,7 +19,7 @@ CLEAR = 10.0  # an error counts in a fit if it is so many times that of its refe
 class Outcome(NamedTuple):
     """values: what the scene reads; impulse (2,) on the cylinder (N s); seconds of processor time.
 
-    NaN where the motion was lost, or what can not be had.
+    NaN where the motion was lost, or what cannot be had.
     """
 
     values: np.ndarray

@@ -15,7 +15,7 @@ KINDS = ("disc", "dumbbell")  # of granules that LAMMPS has too
 
 
 def checks(cases: dict[str, Case]) -> dict[str, Case]:
-    """Undamped beds with random velocities around a cylinder that stands still, by what they have.
+    """Undamped beds with random velocities around a cylinder at rest, by what they have.
 
     Undamped, so that energy stays; with friction, LAMMPS takes the radius as the arm of the
     tangential force, where ours takes radius - overlap / 2, and unloads its spring differently.

@@ -12,7 +12,7 @@ def code_size(world: World) -> int:
     """Bytes of machine code of dem.dynamics.integration.advance, for scenes like this, with all it calls.
 
     The text of the object file, the few hundred bytes that call it from Python included. Compiled
-    anew for this: what Numba reads from the disk it hands on to the linker and forgets.
+    again for this: what Numba reads from the disk it hands on to the linker and forgets.
     """
     like = world, 1.0, 1, 1.0, None  # as dem.dynamics.stepping calls it
     signature = tuple(map(numba.typeof, like))

@@ -17,7 +17,7 @@ VARIABLES = {
     "variant_code_size": (("variant",), "1", "bytes of machine code of one step with all that it calls"),
     "size": (("size",), "1", "number of discs of a bed of mirrored tiles, with friction and damping, without a cylinder"),
     "threads": (("threads",), "1", "number of threads"),
-    "size_step_time": (("size", "threads", "repeat"), "s", "time of one step of one granule, contacts listed anew as needed"),
+    "size_step_time": (("size", "threads", "repeat"), "s", "time of one step of one granule, contacts listed again as needed"),
     "size_memory": (("size",), "byte", "memory of all arrays of the kernels over the number of granules"),
     "comparison": (("comparison",), None, "undamped bed that two programs move from the same start"),
     "comparison_steps": (("comparison_steps",), "1", "time steps from the start"),

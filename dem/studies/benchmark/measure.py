@@ -24,7 +24,7 @@ from dem.studies.benchmark.sizes import TILES, compare_sizes
 from dem.studies.timing import one_core
 
 # Scenes are compared on beds that stay as they are, with the same contacts: steps this short move
-# nothing, and the contacts are not listed anew.
+# nothing, and the contacts are not listed again.
 STILL = 1e-3
 
 

@@ -14,7 +14,7 @@ another form than ours, with the same restitution (LAMMPS: at 1 m/s)."""
 SCENES = """\
 contacts held as they are, by time steps a thousand times shorter; code: machine code of one step"""
 SIZES = """\
-discs in motion, in a box without a cylinder; contacts listed anew as needed; memory: all arrays"""
+discs in motion, in a box without a cylinder; contacts listed again as needed; memory: all arrays"""
 MOTION = """\
 greatest distance of a granule between ours and LAMMPS over the mean radius, undamped, from the same
 start; with friction the arm and the unloading of the tangential spring differ"""

@@ -6,7 +6,7 @@ from dem.experiment.config import Replicate, Sweep, parse
 
 
 def changed(sweep: Sweep, changes: dict, shape: str, density: float, seed: int) -> Replicate:
-    """One run of the changed sweep; raises InputError where that can not be simulated."""
+    """One run of the changed sweep; raises InputError where that cannot be simulated."""
     data = json.loads(sweep.model_dump_json(exclude={"accuracy", "claims"}))
     data |= {"seeds": [seed], "shapes": {shape: data["shapes"][shape]}}
     data["cases"] = {"run": {"shape": shape, "density": density}}

@@ -126,7 +126,7 @@ class Growth(NamedTuple):
 
     @property
     def runs(self) -> int:
-        """Degrees of freedom: as many independent runs stand behind the interval."""
+        """Degrees of freedom: the number of independent runs behind the interval."""
         return int(self.freedom)
 
     def interval(self, level: float = LEVEL) -> tuple[float, float]:

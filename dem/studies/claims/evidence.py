@@ -97,7 +97,7 @@ def first_come(runs: xr.Dataset, case: str) -> xr.Dataset:
 
 
 def scaled(dataset: xr.Dataset, setting: str, shape: str) -> xr.Dataset:
-    """Runs of a shape by the factor on one of the sweep's values; the replicates stand at 1."""
+    """Runs of a shape by the factor on one of the sweep's values; the replicates are at 1."""
     _, density, _ = reference(dataset)
     changed = rows(dataset, "scaling", setting)
     changed = changed.isel(run=np.flatnonzero(changed["run_shape"].values == shape))

@@ -55,7 +55,7 @@ def compress(replicate: Replicate, friction: float) -> Path:
 
 
 def line(fraction: np.ndarray, load: np.ndarray) -> Path:
-    """The Path through these points; NaN where fewer than three stand above the noise."""
+    """The Path through these points; NaN where fewer than three are above the noise."""
     quiet = np.flatnonzero(load <= NOISE)
     start = quiet[-1] + 1 if len(quiet) else 0
     if len(fraction) - start < 3:

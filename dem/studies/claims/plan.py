@@ -57,7 +57,7 @@ Value = Annotated[int | float | str, BeforeValidator(_value)]
 
 
 class Choice(Section):
-    """One of some values, equally likely; a value may stand more than once."""
+    """One of some values, equally likely; a value may be listed more than once."""
 
     choices: Annotated[tuple[Value, ...], Field(min_length=2)]
 
@@ -138,7 +138,7 @@ class ClaimsSection(Section):
     scaling: ScalingSection
 
     def check(self, sweep) -> None:
-        """Raise ValueError where the study can not be made of this sweep."""
+        """Raise ValueError where the study cannot be made of this sweep."""
         for key, labels in (
             ("matched.shapes", self.matched.shapes),
             ("ratios.shape", (self.ratios.shape,)),

@@ -73,7 +73,7 @@ def per_cent(share: Share | None) -> str:
 
 
 def legend(found: list[Verdict]) -> str:
-    """What stands in the table of claims."""
+    """The table of claims."""
     level = 100.0 * found[0].level
     return (
         f"Ratios of means over runs, with 95 % intervals. A verdict takes intervals at {level:.2f} %, so\n"

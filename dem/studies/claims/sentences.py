@@ -85,7 +85,7 @@ def shapes(found: Evidence, measure, one: str, other: str, low=0.0, high=INFINIT
 
 
 def all_of(*parts: list) -> list:
-    """All parts of a claim; none if one of them can not be tested."""
+    """All parts of a claim; none if one of them cannot be tested."""
     return [each for part in parts for each in part] if all(parts) else []
 
 

