@@ -52,6 +52,7 @@ WRONG = {
     ),
     "frames is 0": lambda: call(frames=0),
     "frames is 2.5": lambda: call(frames=2.5),
+    "frames is 10000000; of 2 granules they fill 1.12 GiB, more than 1": lambda: call(frames=10**7),
     "radius": lambda: two_discs(shape=dem.Disc(np.array([1e-3, -1e-3]))),
     "semi_minor": lambda: two_discs(shape=dem.Ellipse(np.ones(2), np.array([1.0, NAN]))),
     "radius has shape (0,)": lambda: two_discs(shape=dem.Disc(np.zeros(0))),

@@ -63,6 +63,7 @@ LARGEST_OVERLAP = 1.2  # of the smaller radius
 LONGEST_FLIGHT = 0.02  # of the smallest radius, in one step
 MOST_THREADS = max(64, 4 * (os.cpu_count() or 1))
 PIECES = whole(1, 10_000_000)  # beyond that their arrays fill any memory
+MOST_KEPT = 2**30  # bytes of the frames of a result
 DURATION = positive("s")
 STABLE = "lie above 0 and up to 1, or with allow_unstable above 0"
 FRACTION = number(STABLE, LEAST)
@@ -437,32 +438,46 @@ def simulate(
     """Simulate a scene from a state for a duration (s) and return arrays.
 
     time_step (s): None to choose it from the stiffness of the contacts (recommended). frames:
-    number of equal intervals after each of which the state is kept. step_fraction, max_overlap,
-    skin, threads, allow_unstable: see Simulation. Raises InputError for values that cannot be used
-    and RunError (StateError, OverlapError) where a run fails.
+    number of equal intervals after each of which the state is kept; all must fit into MOST_KEPT
+    bytes. step_fraction, max_overlap, skin, threads, allow_unstable: see Simulation. Raises
+    InputError for values that cannot be used and RunError (StateError, OverlapError) where a run
+    fails.
     """
     run = Simulation(
         scene, state, time_step, step_fraction, max_overlap, skin, threads,
         allow_unstable=allow_unstable,
     )  # fmt: skip
     run.check_duration(duration)
-    nothing = np.full(2, np.nan), np.full(len(run.collect_impulses()[1]), np.nan)
-    history = [(0.0, run.state, *nothing)]
-    shortest, interval = math.inf, duration / frames
-    for _ in range(frames):
+    kept = _room(frames, run)
+    interval, shortest = duration / frames, math.inf
+    for frame in range(1, frames + 1):
         shortest = min(shortest, run.advance(interval))
         on_cylinder, on_walls = run.collect_impulses()
-        force = on_cylinder.sum(axis=0) / interval
-        history.append((run.time, run.state, force, on_walls / interval))
-    times, states, cylinder_force, wall_force = zip(*history, strict=True)
-    return Result(
-        np.array(times),
-        np.stack([s.position for s in states]),
-        np.stack([s.angle for s in states]),
-        np.stack([s.velocity for s in states]),
-        np.stack([s.angular_velocity for s in states]),
-        np.stack(cylinder_force),
-        np.stack(wall_force),
-        states[-1],
-        shortest,
-    )
+        _keep(kept, frame, run, on_cylinder.sum(axis=0) / interval, on_walls / interval)
+    return Result(**kept, state=run.state, time_step=shortest)
+
+
+def _room(frames, run) -> dict[str, np.ndarray]:
+    """Arrays of a Result by name, with the start in them; raises InputError if they are too large."""
+    n, walls = run.scene.granules, len(run.collect_impulses()[1])
+    shapes = {
+        "time": (), "position": (n, 2), "angle": (n,), "velocity": (n, 2), "angular_velocity": (n,),
+        "cylinder_force": (2,), "wall_force": (walls,),
+    }  # fmt: skip
+    held = 8 * (frames + 1) * sum(map(math.prod, shapes.values()))
+    if held > MOST_KEPT:
+        raise InputError(
+            f"frames is {frames}; of {n} granules they fill {held / 2**30:.3g} GiB, more than "
+            f"{MOST_KEPT / 2**30:g}: keep fewer, or advance a Simulation and save what you need."
+        )
+    kept = {name: np.empty((frames + 1, *shape)) for name, shape in shapes.items()}
+    _keep(kept, 0, run, math.nan, math.nan)
+    return kept
+
+
+def _keep(kept, frame, run, cylinder_force, wall_force) -> None:
+    """Note the simulation as it is, and the mean forces (N) since the frame before."""
+    for name, values in vars(run.state).items():
+        kept[name][frame] = values
+    kept["time"][frame] = run.time
+    kept["cylinder_force"][frame], kept["wall_force"][frame] = cylinder_force, wall_force
