@@ -87,20 +87,19 @@ def simulate(
 ):  # fmt: skip
     """Draw the cylinder through one bed and record the forces on it."""
     start_lean()
-    from dem.experiment import drag
-    from dem.experiment import resume as stopping
+    from dem.experiment import drag, resume
 
     replicate = _replicate(config, shape, density, seed)
     at_rest = drag.read_bed(bed, replicate) if bed else None
     if checkpoint:
-        own = stopping.is_own(checkpoint, replicate, Path(replicate.sweep.results))
-        stopping.clear_way(checkpoint, replicate, at_rest, own)
+        own = resume.is_own(checkpoint, replicate, Path(replicate.sweep.results))
+        resume.clear_way(checkpoint, replicate, at_rest, own)
     at_rest = at_rest or drag.make_bed(replicate)
     with bar(f"{shape}, {density:g} kg/m3, seed {seed}", replicate.sweep.record.bins) as update:
         values = drag.run(replicate, at_rest, update, threads, checkpoint)
     drag.write_replicate(output, replicate, values)
     if checkpoint:
-        stopping.forget(checkpoint)
+        resume.forget(checkpoint)
 
 
 @app.command()

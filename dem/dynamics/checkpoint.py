@@ -73,7 +73,8 @@ def _numbers(tree):
     if isinstance(tree, np.ndarray):
         return "array"
     if hasattr(tree, "_fields"):
-        return [_numbers(getattr(tree, name)) for name in tree._fields]
+        numbers = [_numbers(getattr(tree, name)) for name in tree._fields]
+        return type(tree).__qualname__, *numbers
     return tree
 
 
@@ -113,6 +114,9 @@ def replaced(world, arrays: dict):
         if other is None or (other.dtype, other.ndim) != (own.dtype, own.ndim):
             _damaged(path)
         if other.dtype.kind == "f" and not np.isfinite(other).all():
+            _damaged(path)
+    for path in arrays:
+        if path.startswith("world.") and path not in moving(world):
             _damaged(path)
     arrays = {path: arrays[path] for path in moving(world)}
     count = len(world.constituents)

@@ -42,7 +42,7 @@ class Schedule(NamedTuple):
 
 
 class StepOutcome(NamedTuple):
-    """How a run_steps went: FINE or why it stopped, with the value and the granule that say so (moved
+    """How a run went: FINE or why it stopped, with the value and the granule that say so (moved
     distance, overlap or time step); time (s); steps and intervals done; shortest time step (s)."""
 
     outcome: int
@@ -122,7 +122,7 @@ def measure(record, n, cylinder, walls, diagnostics, interval, shortest):
 
 
 def step_on(threads, world, dt, steps, list_range):
-    """dem.dynamics.integration.advance, by a crew of threads or alone."""
+    """dem.dynamics.integration.advance, by several threads or alone."""
     return threads.advance(world, dt, steps, list_range)
 
 

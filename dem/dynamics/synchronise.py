@@ -79,7 +79,7 @@ else:
 
 @optional
 def barrier(thread):
-    """Wait until all threads of all are here."""
+    """Wait until all threads are here."""
     number = _arrive(thread.gate)
     full = (number + thread.size - 1) // thread.size * thread.size
     looks = 0

@@ -174,7 +174,7 @@ class Sweep(Section):
         return self
 
     def own_dump(self, exclude=None) -> dict:
-        """The values of this room as a dictionary, without sections of studies."""
+        """The values as a dictionary, without sections of studies."""
         return self.model_dump(include=set(Sweep.model_fields), exclude=exclude)
 
     def code_of(self, *modules: str, shapes: Iterable[str]) -> str:

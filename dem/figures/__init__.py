@@ -92,9 +92,10 @@ def drawable(folder: Path) -> list[str]:
 
     Raises InputError where drag.nc is absent, or where a file of results is damaged.
     """
+    from dem.analysis.flow.layout import VARIABLES
     from dem.sweep.combine import COMBINED, open_lazily, require
 
-    found = []
+    found, layout = [], {"drag": COMBINED, "flow": VARIABLES}
     for file, figures in FILES.items():
         data = Path(folder) / f"{file}.nc"
         if not data.is_file():
@@ -105,7 +106,7 @@ def drawable(folder: Path) -> list[str]:
             continue
         with open_lazily(data) as dataset:
             if figures in (FIGURES, FLOW):
-                require(dataset, data, COMBINED, ("shape", "density"))
+                require(dataset, data, layout[file], ("shape", "density"))
                 shapes, densities = (dataset[key].values.tolist() for key in ("shape", "density"))
                 cases = list(zip(shapes, densities, strict=True))
                 found += [name for name, (_, suffices) in figures.items() if suffices(cases)]

@@ -27,14 +27,9 @@ OPTIONS = {"error_model": "numpy", "fastmath": {"contract", "arcp", "nsz"}}
 INLINED = {"forceinline": True, **OPTIONS}
 
 
-@functools.cache
-def module_hash(name: str) -> str:
-    """Hash of all code that a module depends on; of a module outside this package, of its file."""
-    try:
-        return code_hash(name)
-    except ValueError:
-        file = getattr(sys.modules.get(name), "__file__", None)
-        return content_hash(file) if file else ""
+def is_ours(module: str) -> bool:
+    """Whether a module is one of this package, so that all code that it depends on is known."""
+    return module.partition(".")[0] == __name__.partition(".")[0]
 
 
 def classes_in(kind):
@@ -45,11 +40,18 @@ def classes_in(kind):
         yield from classes_in(each)
 
 
-def with_classes(key):
-    """A key of Numba's cache, with the code of the classes that choose what is compiled: a shape
-    answers the kernels from a module that they do not import."""
+def with_classes(key) -> str | None:
+    """A key of Numba's cache as text, with the code of the classes that choose what is compiled: a
+    shape answers the kernels from a module that they do not import.
+
+    None where a class is none of this package: what its code depends on is not known, and kernels
+    for it are compiled in each process.
+    """
     found = {each for kind in key[0] for each in classes_in(kind)}
-    return *key, tuple(sorted(f"{c.__qualname__} {module_hash(c.__module__)}" for c in found))
+    if not all(is_ours(each.__module__) for each in found):
+        return None
+    classes = sorted(f"{each.__qualname__} {code_hash(each.__module__)}" for each in found)
+    return repr((*map(str, key), classes))
 
 
 class KernelLocator(_CacheLocator):
@@ -58,7 +60,7 @@ class KernelLocator(_CacheLocator):
 
     def __init__(self, function, file):
         name = function.__module__
-        found = module_hash(name) if name in sys.modules else content_hash(file)
+        found = code_hash(name) if is_ours(name) else content_hash(file)
         self._folder, self._stamp = cache_folder() / "kernels" / f"{name}-{found[:16]}", found
 
     @classmethod
@@ -104,7 +106,7 @@ class _CacheFile(IndexDataCacheFile):
     """
 
     def load(self, key):
-        name = self._load_index().get(with_classes(key))
+        name = self._load_index().get(with_classes(key))  # None is never a key
         content = _content(self._data_path(name)) if name else None
         if content is None:
             return None
@@ -115,6 +117,8 @@ class _CacheFile(IndexDataCacheFile):
 
     def save(self, key, data):
         key = with_classes(key)
+        if key is None:
+            return
         content = self._dump(data)
         name = self._name_of(content)
         try:
@@ -202,7 +206,8 @@ def compiled(function=None, *, allocates=False):
     if function is None:
         return functools.partial(compiled, allocates=allocates)
     setattr(function, MARK, True)
-    dispatcher = numba.njit(cache=True, nogil=True, _nrt=allocates, **OPTIONS)(function)
+    kept = Path(function.__code__.co_filename).is_file()  # no file, no way to tell one from another
+    dispatcher = numba.njit(cache=kept, nogil=True, _nrt=allocates, **OPTIONS)(function)
     cache_file = getattr(dispatcher._cache, "_cache_file", None)  # absent under NUMBA_DISABLE_CACHE
     if cache_file is not None:
         cache_file.__class__ = _CacheFile

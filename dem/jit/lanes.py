@@ -9,6 +9,7 @@ constants: the compiler then sees that nothing wraps around or overlaps, and mak
 from typing import NamedTuple
 
 import numpy as np
+from numba.core.errors import TypingError
 from numba.extending import overload
 
 from dem.jit.columns import rows
@@ -65,6 +66,8 @@ def store_outline(outline, values, at):
 
 @overload(store_outline, jit_options=INLINED)
 def _store_outline(outline, values, at):
+    if len(outline) > OUTLINE:
+        raise TypingError(f"an outline has {len(outline)} numbers; it may have {OUTLINE}")
     if len(outline) == 0:
         return lambda outline, values, at: None
 

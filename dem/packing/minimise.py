@@ -14,7 +14,7 @@ from dem.base.errors import PackingError
 from dem.contacts.force_law import effective_modulus
 from dem.dynamics.assembly import GranuleTable
 from dem.dynamics.diagnostics import survey
-from dem.dynamics.forces import forces
+from dem.dynamics.forces import forces, greater
 from dem.dynamics.integration import reorient
 from dem.dynamics.neighbor_list import rebuild_neighbor_list
 from dem.dynamics.world import World
@@ -59,7 +59,7 @@ def powers(world):
         if g2 > 0.0:
             push += torque * torque / g2
             f2 = max(f2, torque * torque / g2)
-        largest = max(largest, f2)
+        largest = greater(largest, f2)  # a force that is no number is not at rest
     return power, speed, push, math.sqrt(largest)
 
 

@@ -180,7 +180,7 @@ def finished(
             f"{name} cannot be made: the centre of granule {lost.argmax()} was pushed into the "
             "cylinder or out of the box: ask for a lower packing fraction."
         )
-    if overlap > DEEPEST:
+    if not overlap <= DEEPEST:
         raise PackingError(
             f"{name} cannot be made: granule {part // table.per} overlaps by {overlap:.2g} of the "
             f"smaller radius, at most {DEEPEST:g} is allowed: ask for a lower packing fraction."

@@ -7,8 +7,7 @@ left alone, so that a batch that was stopped, or got one more seed, goes on wher
 from pathlib import Path
 
 from dem.base.errors import InputError, RunError
-from dem.experiment import drag
-from dem.experiment import resume as stopping
+from dem.experiment import drag, resume
 from dem.experiment.config import Replicate, Sweep
 from dem.io.dataset import read
 from dem.sweep import failures
@@ -54,12 +53,12 @@ def make(
         return [(replicate, error) for replicate in replicates]
     failed = []
     for number, replicate in enumerate(replicates):
-        path, checkpoint = folder / replicate.path, folder / stopping.checkpoint_of(replicate)
+        path, checkpoint = folder / replicate.path, folder / resume.checkpoint_of(replicate)
 
         def update(bins, number=number, whole=replicate.sweep.record.bins):
             progress((number + bins / whole) / len(replicates))
 
-        stopping.clear_way(checkpoint, replicate, bed, own=True)
+        resume.clear_way(checkpoint, replicate, bed, own=True)
         try:
             values = drag.run(replicate, bed, update, checkpoint=checkpoint)
         except RunError as error:
@@ -67,7 +66,7 @@ def make(
         else:
             drag.write_replicate(path, replicate, values)
             failures.forget(path)
-        stopping.forget(checkpoint)
+        resume.forget(checkpoint)
     return failed
 
 

@@ -53,7 +53,7 @@ def to_circle(e, x, y):
 
 @inlined
 def touching(overlap, nx, ny, x, y, dx, dy):
-    """The hit of a contact at (x, y), from centre 1; centre 2 lies at (dx, dy)."""
+    """The geometry of a contact at (x, y), from centre 1; centre 2 lies at (dx, dy)."""
     n1, t1, n2, t2 = x * nx + y * ny, y * nx - x * ny, dx * nx + dy * ny, dx * ny - dy * nx
     return overlap, nx, ny, n1, t1, n2 - n1, t2 + t1
 

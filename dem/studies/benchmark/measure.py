@@ -46,7 +46,7 @@ USUAL = Plan()
 
 
 def measure(sweep: Sweep, plan: Plan = USUAL, progress=lambda done: None) -> dict:
-    """Variables of the benchmark by the names of dem.io.dataset; progress is told the share done.
+    """Variables of the benchmark by the names of dem.studies.benchmark.layout; progress is told the share done.
 
     The first time, kernels of all scenes are compiled, which takes minutes.
     """
@@ -68,10 +68,10 @@ def compare_codes(cases: dict[str, Case], plan: Plan) -> dict:
     """Granule-steps a second of every code that is there, on every bed it knows; else NaN."""
     absent = [code.available() for code in CODES]
     rates = np.full((len(cases), len(CODES), plan.repeats), np.nan)
-    glances = {kind: Simulation(*case).diagnose() for kind, case in cases.items()}
+    diagnostics = {kind: Simulation(*case).diagnose() for kind, case in cases.items()}
     granules = np.array([case.scene.granules for case in cases.values()])
     contacts = granules * [
-        diagnostics.coordination_number / 2.0 for diagnostics in glances.values()
+        diagnostics.coordination_number / 2.0 for diagnostics in diagnostics.values()
     ]
     contacts = np.rint(contacts).astype(int)
     for place, case in enumerate(cases.values()):
