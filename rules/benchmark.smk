@@ -31,6 +31,7 @@ rule measure:
         RESULTS + "/benchmark.nc",
     params:
         code=code_of("studies.benchmark.measure", shapes=SWEEP.shapes),
+        sweep=physics("record"),
     threads: workflow.cores
     log:
         RESULTS + "/logs/benchmark.log",

@@ -49,7 +49,7 @@ EDITS = {
     "a line of packing": ("dem/packing/minimise.py", LINE, RUNS),
     "a line of the layout": ("dem/io/dataset.py", LINE, RUNS | READERS),
     "a line of the experiment": ("dem/experiment/drag.py", LINE, RUNS),
-    "a line of the sweep": ("dem/sweep/combine.py", LINE, READERS | {"flow.nc", "claims", "claims.txt"}),
+    "a line of the sweep": ("dem/sweep/combine.py", LINE, READERS | {"flow.nc", "claims.txt"}),
     "a line of statistics": (
         "dem/analysis/statistics.py", LINE, {"figure", "page", "claims.txt"},
     ),

@@ -165,36 +165,6 @@ def test_batches_give_the_bits_of_single_jobs(finished):
         np.testing.assert_array_equal(values, two[name], err_msg=name)
 
 
-def test_one_more_seed_runs_only_that_seed(finished):
-    """Replicates that exist stay as they are when the sweep grows."""
-    text = (finished / SMOKE).read_text().replace("seeds: [1, 2]", "seeds: [1, 2, 3]")
-    (finished / "config/more.yaml").write_text(text)
-    jobs = planned(finished, configfile="config/more.yaml")
-    assert (jobs["pack"], jobs["simulate"]) == (4, 5)
-
-
-def test_a_changed_value_reruns_what_depends_on_it(finished):
-    """Friction changes the runs but not the beds."""
-    text = (finished / SMOKE).read_text().replace("granule: 0.3", "granule: 0.31")
-    (finished / "config/rough.yaml").write_text(text)
-    jobs = planned(finished, configfile="config/rough.yaml")
-    assert jobs["simulate"] == 10 and "pack" not in jobs
-
-
-def test_an_edit_reruns_what_depends_on_it(finished):
-    """An edit of a figure draws that figure again, one of the kernel runs all replicates again."""
-    for name, expected in (("figures/figure13.py", {"figure": 1}), ("kernel.py", {"simulate": 10})):
-        path = finished / "dem" / name
-        before, stamp = path.read_text(), path.stat()
-        path.write_text(before + "\n# edited\n")
-        jobs = planned(finished)
-        path.write_text(before)
-        os.utime(path, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))
-        for rule, count in expected.items():
-            assert jobs[rule] == count, jobs
-        assert ("simulate" in jobs) == (name == "kernel.py")
-
-
 def test_figures_draws_all_again_and_simulates_nothing(finished, tmp_path):
     """Also where kernels are newer than the results; then all is up to date, for every target."""
     folder = tmp_path / "edited"

@@ -7,6 +7,7 @@ import numpy as np
 from dem.analysis.flow import measures
 from dem.analysis.flow.layout import VARIABLES
 from dem.analysis.flow.motion import Motion, read_motion
+from dem.analysis.flow.one_run import lag_of, measure
 from dem.base import provenance
 from dem.base.errors import InputError
 from dem.experiment.config import Replicate, Sweep
@@ -14,44 +15,6 @@ from dem.io.dataset import global_attributes, write
 from dem.sweep import failures
 from dem.sweep.combine import places_of
 from dem.sweep.failures import Failed
-
-LAG = 0.5e-3  # m of displacement of the cylinder over which motions are compared
-
-
-def lag_of(displacement: np.ndarray) -> int:
-    """Number of snapshots a lag, at least one."""
-    return max(1, round(LAG / (displacement[1] - displacement[0])))
-
-
-def touching(motion: Motion, snapshot: int) -> set:
-    """Pairs of granules in contact at a snapshot."""
-    found = motion.contacts(snapshot)
-    pairs = np.sort(np.column_stack([found.granule, found.partner]), axis=1)
-    return set(map(tuple, pairs[pairs[:, 0] >= 0].tolist()))
-
-
-def measure(motion: Motion) -> dict:
-    """Measures (snapshots,) by name, NaN where the lag reaches back beyond the start."""
-    count, lag = len(motion.displacement), lag_of(motion.displacement)
-    diameter = motion.replicate.shape.diameter
-    layers = measures.layers_of(motion.position[0], motion.height)
-    names = "non_affine", "fluctuation", "mixing", "contacts_lost"
-    found = {name: np.full(count, np.nan) for name in names}
-    contacts = [touching(motion, snapshot) for snapshot in range(count)]
-    for now in range(count):
-        after = motion.position[now]
-        found["mixing"][now] = measures.mixing(layers, after, diameter)
-        if now >= lag:
-            before, drawn = (
-                motion.position[now - lag],
-                np.ptp(motion.displacement[[now - lag, now]]),
-            )
-            apart = measures.fluctuation(before, after, diameter)
-            found["non_affine"][now] = np.nanmean(measures.non_affine(before, after, diameter))
-            found["fluctuation"][now] = np.nanmean(apart) / drawn
-            found["contacts_lost"][now] = measures.lost(contacts[now - lag], contacts[now])
-    found["mixing"] -= found["mixing"][0]
-    return found
 
 
 def same_run(replicate: Replicate, sweep: Sweep) -> bool:

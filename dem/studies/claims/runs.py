@@ -5,9 +5,9 @@ import time
 
 import numpy as np
 
-from dem.analysis.flow.collect import LAG, measure
 from dem.analysis.flow.layout import MEASURES
 from dem.analysis.flow.motion import Motion
+from dem.analysis.flow.one_run import LAG, measure
 from dem.base.errors import RunError
 from dem.experiment import drag
 from dem.experiment.config import Replicate, Sweep
