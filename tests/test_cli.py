@@ -131,6 +131,8 @@ SMOKE = ("--config", "config/smoke.yaml")
         (("claims", "runs", *SMOKE, "--part", "zz", "-o", "OUT"), "part is 'zz'"),
         (("claims", "test", "README.md", "--margin", "nan"), "margin is nan"),
         (("batch", *SMOKE, "--shape", "c1", "--number", str(2**63), "-o", "OUT"), f"batch is {2**63}"),
+        (("pack", "--config", "q.yaml\n", "--shape", "c1", "--seed", "1", "-o", "OUT"), r"config is 'q.yaml\n'; its name"),
+        (("pack", *SMOKE, "--shape", "c1", "--seed", "1", "-o", "a\u202e.nc"), r"output is 'a\u202e.nc'; its name"),
     ],
 )  # fmt: skip
 def test_a_value_that_no_verb_can_use_is_refused(tmp_path, monkeypatch, arguments, sentence):
@@ -140,6 +142,7 @@ def test_a_value_that_no_verb_can_use_is_refused(tmp_path, monkeypatch, argument
     result = CliRunner().invoke(app, words)
     assert result.exit_code == 2, (result.output, result.exception)
     assert sentence in result.stderr and not list(tmp_path.iterdir())
+    assert len(result.stderr.splitlines()) == 1
 
 
 @pytest.mark.parametrize("displacement", [np.nan, np.inf, -1.0, -1e-9, 1e9, 6.1e-3])

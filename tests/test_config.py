@@ -100,6 +100,17 @@ def test_all_faults_are_told_at_once():
     assert len(str(error.value).splitlines()) == 2
 
 
+@pytest.mark.parametrize(
+    ("faults", "last"),
+    [(20, "seeds.19 is -1; it must be zero or positive."), (21, "and 1 more fault."), (200, "and 180 more faults.")],
+)  # fmt: skip
+def test_of_many_faults_twenty_are_told_and_the_rest_counted(faults, last):
+    with pytest.raises(InputError) as error:
+        parse(changed(["seeds"], [-1] * faults), "my.yaml")
+    lines = str(error.value).splitlines()
+    assert len(lines) == min(faults, 21) and lines[-1] == f"my.yaml: {last}"
+
+
 # key: value: what is said of it, whole, because half a sentence may be true and the other half not
 SENTENCES = [
     ("seeds", [-1], "seeds.0 is -1; it must be zero or positive."),

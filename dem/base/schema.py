@@ -106,9 +106,16 @@ class Section(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, validate_default=True)
 
 
+MOST_SENTENCES = 20
+
+
 def sentences(source: str, error: ValidationError) -> str:
-    """One sentence a fault of what a file holds."""
-    return "\n".join(dict.fromkeys(_sentence(source, e) for e in error.errors() if not _follows(e)))
+    """One sentence a fault of what a file holds, of very many the first and how many more there are."""
+    faults = list(dict.fromkeys(_sentence(source, e) for e in error.errors() if not _follows(e)))
+    if len(faults) > MOST_SENTENCES:
+        more = len(faults) - MOST_SENTENCES
+        faults[MOST_SENTENCES:] = [f"{source}: and {more} more fault{'s' * (more > 1)}."]
+    return "\n".join(faults)
 
 
 def _follows(error) -> bool:
