@@ -45,6 +45,7 @@ EDITS = {
     "a line of discs": (
         "dem/shapes/disc.py", LINE, {"disc run", "flow.nc", "claims", "accuracy"},
     ),
+    "a line of ellipses": ("dem/shapes/ellipse.py", LINE, {"ellipse run", "accuracy"}),
     "a line of the dynamics": ("dem/dynamics/stepping.py", LINE, RUNS | {"accuracy"}),
     "a line of packing": ("dem/packing/minimise.py", LINE, RUNS),
     "a line of the layout": ("dem/io/dataset.py", LINE, RUNS | READERS),

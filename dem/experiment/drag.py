@@ -18,7 +18,6 @@ from dem.packing.pressed import compact
 from dem.packing.random import Bed, pack
 from dem.scene import Cylinder, Friction, Material, Scene
 from dem.shapes import KINDS
-from dem.shapes.ellipse import Ellipse
 
 BINS_A_CALL = 20  # between two signs of progress
 SAVED_EVERY = 60.0  # s between two checkpoints
@@ -31,11 +30,9 @@ def diameters(replicate: Replicate) -> np.ndarray:
 
 def granules(replicate: Replicate):
     """Shape of all granules of this seed, contacts as the configuration asks."""
-    shape = KINDS[replicate.shape.kind].shape.of_size(diameters(replicate), replicate.shape.ratio)
-    if isinstance(shape, Ellipse):
-        wanted = replicate.sweep.ellipse
-        shape = Ellipse(shape.semi_major, shape.semi_minor, wanted.contact, wanted.curvature)
-    return shape
+    kind, wanted = replicate.shape.kind, replicate.sweep.ellipse
+    options = (wanted.contact, wanted.curvature) if kind == "ellipse" else ()
+    return KINDS[kind].shape.of_size(diameters(replicate), replicate.shape.ratio, *options)
 
 
 def cylinder(replicate: Replicate, height: float) -> Cylinder:
