@@ -1,13 +1,13 @@
-"""The README's examples run as they stand."""
+"""The README's examples run as they are, and the files that documents name exist."""
 
 import re
 from pathlib import Path
 
 import pytest
+from mutants import MUTANTS
 
-BLOCKS = re.findall(
-    r"```python\n(.*?)```", (Path(__file__).parent.parent / "README.md").read_text(), re.S
-)
+ROOT = Path(__file__).parent.parent
+BLOCKS = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.S)
 LIBRARY = [block for block in BLOCKS if "import dem" in block]
 
 
@@ -36,3 +36,16 @@ def test_a_bed_resists_the_cylinder():
     names = run(LIBRARY[2])
     assert -names["result"].cylinder_force[1:, 1].mean() > 0.0
     assert len(LIBRARY) == 3
+
+
+@pytest.mark.parametrize(
+    "name", ["README.md", "CONTRIBUTING.md", "docs/million.md", "pyproject.toml"]
+)
+def test_the_files_that_a_document_names_exist(name):
+    named = re.findall(r"\b(?:dem|tests|rules|config|docs)/[\w/.]*\w", (ROOT / name).read_text())
+    assert [each for each in named if not (ROOT / each).exists()] == []
+
+
+def test_a_mutant_finds_the_line_that_it_breaks():
+    for mutant in MUTANTS:
+        assert (ROOT / mutant.file).read_text().count(mutant.right) == 1, mutant.fault
