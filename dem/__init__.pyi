@@ -14,6 +14,7 @@ from .scene import Material as Material
 from .scene import Scene as Scene
 from .scene import State as State
 from .scene import box as box
+from .shapes.check import check_shape as check_shape
 from .shapes.common_normal import CommonNormal as CommonNormal
 from .shapes.disc import Disc as Disc
 from .shapes.dumbbell import Dumbbell as Dumbbell

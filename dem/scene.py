@@ -107,9 +107,8 @@ def granules(name: str, value: Any) -> Any:
     if len(set(counts.values())) > 1:
         words = " and ".join(f"{count} of {k}" for k, count in counts.items())
         raise InputError(f"{name} has {words}; it must have one of each a granule.")
-    fault = getattr(value, "fault", None)
-    if fault:
-        raise InputError(fault)
+    if value.fault:
+        raise InputError(value.fault)
     return value._replace(**sizes)
 
 

@@ -104,7 +104,7 @@ def contacts(scene: Scene, table: GranuleTable, kind: str) -> Contacts:
     index, numbers = np.empty(0, np.uint32), np.empty(0)
     friction = friction_parameters(scene, kind)
     memory = numbers if friction else None
-    guesses = numbers if kind != "wall" and getattr(scene.shape, "guesses", False) else None
+    guesses = numbers if kind != "wall" and scene.shape.guesses else None
     return Contacts(
         first=np.zeros(len(table.radius) + 1, np.uint32) if kind == "granule" else None,
         constituent=index,

@@ -1,8 +1,9 @@
-"""What the kernels ask of a shape, answered by the file of that shape.
+"""What the kernels and Python ask of a shape, answered by the file of that shape.
 
 A granule is made of one or more convex *constituents*; contacts are between constituents. A shape
 is a NamedTuple of arrays with one entry a granule; its class selects, while compiling, the answers
-to the questions below. Conventions of a contact between constituents 1 and 2:
+to the questions of the kernels, and has the members of `Shape` for Python. `dem.check_shape` tests
+both. Conventions of a contact between constituents 1 and 2:
 
 * d = x2 - x1 (m); n is the unit normal from 1 to 2 and t = (-ny, nx) the tangent;
 * overlap (m) is positive where they touch;
@@ -11,8 +12,9 @@ to the questions below. Conventions of a contact between constituents 1 and 2:
   A lever that a shape does not have is None, and so is all arithmetic with it.
 """
 
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
+import numpy as np
 from numba.extending import overload
 
 from dem.base.errors import InputError
@@ -37,6 +39,77 @@ class ContactGeometry(NamedTuple):
     n2: float | None
     t2: float | None
     radius: float | None
+
+
+class Shape(Protocol):
+    """What Python asks of n granules with p constituents each: read by whom, and what a wrong
+    answer breaks. `answer` refuses a class that lacks a member; guesses, fault have a default.
+
+    Lengths in m. of_size(diameter, aspect_ratio) is asked only of the shapes of KINDS:
+    granules with the area of discs of these diameters (n,), for configurations.
+    """
+
+    guesses: bool = False
+    """Whether a contact remembers its normal. Read by the contact lists. Wrong: the search for a
+    normal begins at every step from the line of centres, or memory is kept that nothing reads."""
+
+    fault: str | None = None
+    """Why these granules cannot be used, as a sentence, or None. Read by Scene. Wrong: they run."""
+
+    needs_angle: bool
+    """Whether the granule looks different when it turns. Read by the integrator. Wrong: granules
+    keep the orientation that they start with."""
+
+    @property
+    def area(self) -> np.ndarray:
+        """Area (n,) in m2. Read by mass, packing and configuration. Wrong: the packing fraction,
+        every mass and so every velocity after an impact."""
+
+    @property
+    def gyration_squared(self) -> np.ndarray:
+        """Moment of inertia over mass (n,) in m2. Read by inertia. Wrong: spins and the time step;
+        energy is still conserved, so nothing else tells."""
+
+    @property
+    def bounding_radius(self) -> np.ndarray:
+        """Radius (n,) in m of the circle about the centre of mass that holds the granule. Read by
+        packing, ordering and the bound of how far a surface moves. Too small: contacts are noticed
+        late; too large: packing begins looser and takes longer."""
+
+    @property
+    def constituent_radius(self) -> np.ndarray:
+        """Radius (p n,) in m that enters Hertz's law. Read by stiffness and by the guard of overlaps.
+        Wrong: contacts too stiff or too soft."""
+
+    @property
+    def constituent_bounding_radius(self) -> np.ndarray:
+        """Radius (p n,) in m of the circle about a constituent's centre that holds it. Read by the
+        neighbour list. Too small: contacts are missed; too large: the list is long."""
+
+    @property
+    def normal_lever(self) -> np.ndarray:
+        """Greatest distance (n,) in m of a line of normal force from the granule's centre. Read by
+        the minimiser of packings, and to tell whether granules turn without friction. Too small:
+        the minimiser's steps are too long; zero: granules do not turn."""
+
+    @property
+    def normal_bend(self) -> np.ndarray:
+        """Greatest second derivative (n,) in m of the support distance with the granule's angle.
+        Read by the bound of the time step. Too small: a turning granule gains energy; unbounded, as
+        at a flat side: the step is none."""
+
+    def scaled(self, factor: float) -> "Shape":
+        """The same granules, larger by a factor. Read by packing. Wrong: beds of other sizes."""
+
+    def polygons(self, points: int = 64) -> np.ndarray:
+        """Outlines (n, rings, points, 2) in m about the centre at angle zero, closed: the first
+        point is the last. Read by figures, films, export, report. Wrong: pictures only."""
+
+
+MEMBERS = (
+    "needs_angle", "area", "gyration_squared", "bounding_radius", "constituent_radius",
+    "constituent_bounding_radius", "normal_lever", "normal_bend", "scaled", "polygons",
+)  # fmt: skip
 
 
 def _question(stub):
@@ -165,7 +238,8 @@ def answer(cls, *functions, questions=SHAPE_QUESTIONS, **renamed):
     """Make a class known to the kernels: each function answers the question of its name, or of
     the keyword that it is given for.
 
-    Raises InputError where it answers no such question, or leaves one open that has no default.
+    Raises InputError where it answers no such question, leaves one open that has no default, or
+    lacks a member of Shape.
     """
     named = {each.__name__: each for each in functions} | renamed
     known = {each.__name__: each for each in questions}
@@ -174,5 +248,17 @@ def answer(cls, *functions, questions=SHAPE_QUESTIONS, **renamed):
     for name, question in known.items():
         if name not in named and not question.has_default:
             raise InputError(f"{cls.__name__} does not answer the question {name} of the kernels.")
+    if questions is SHAPE_QUESTIONS:
+        _complete(cls)
     for name, function in named.items():
         known[name].answers[cls] = function
+
+
+def _complete(cls):
+    """Give a shape the members of Shape that have a default; raises InputError for another one."""
+    for name in MEMBERS:
+        if not hasattr(cls, name):
+            raise InputError(f"{cls.__name__} has no {name}; see dem.shapes.protocol.Shape.")
+    for name in ("guesses", "fault"):
+        if not hasattr(cls, name):
+            setattr(cls, name, getattr(Shape, name))

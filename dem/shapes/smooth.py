@@ -42,15 +42,17 @@ def _choose_sizes(fields, g):
     return lambda fields, g: (fields[0],) + _sizes(fields[1:], g)
 
 
-def _ones(fields):
-    """As many ones as there are sizes."""
+def _any_sizes(fields):
+    """Sizes of no granule: ones for lengths, and plain numbers as they are."""
 
 
-@overload(_ones, jit_options=INLINED)
-def _choose_ones(fields):
+@overload(_any_sizes, jit_options=INLINED)
+def _choose_any_sizes(fields):
     if len(fields) == 0:
         return lambda fields: ()
-    return lambda fields: (1.0,) + _ones(fields[1:])
+    if isinstance(fields[0], types.Array):
+        return lambda fields: (1.0,) + _any_sizes(fields[1:])
+    return lambda fields: (fields[0],) + _any_sizes(fields[1:])
 
 
 def support_of(shape, nx, ny, sizes):
@@ -76,7 +78,7 @@ def outline(shape, constituent, frame):
 
 
 def circle(shape, radius):
-    return (1.0, 0.0, 0.0, radius) + _ones(shape)
+    return (1.0, 0.0, 0.0, radius) + _any_sizes(shape)
 
 
 @inlined

@@ -1,0 +1,406 @@
+"""Whether granules keep the laws of dem.shapes.protocol: contacts and outlines, sampled.
+
+In: granules of any shape, of the registry or a user's own. Out: nothing, or one InputError with a
+sentence for each law that is broken. Forces stand for the square of the overlap, so that one
+potential serves all shapes. Here you may add a law that every shape must keep.
+"""
+
+import math
+
+import numpy as np
+
+from dem.base.errors import InputError
+from dem.jit.columns import FX, FY, TAU, X, Y, rows
+from dem.jit.compilation import compiled
+from dem.jit.optional import either
+from dem.shapes.protocol import (
+    MEMBERS,
+    SHAPE_QUESTIONS,
+    circle,
+    collect,
+    is_shape,
+    outline,
+    place,
+    solve_contact,
+    support,
+)
+
+GRANULES = 3  # at most, that are tested: all follow one rule
+PAIRS = 40  # random contacts
+DEPTH = 1e-3  # overlap over size: what simulations have, well above rounding
+STEP = 1e-6  # of finite differences, over size: errors are of STEP^2 / DEPTH^2 and 1e-16 / STEP
+CLOSE = 1e-2  # relative error of forces; a forgotten lever is wrong by 1
+SAME = 1e-6  # relative error where two ways lead to one number
+NEAR = 1e-3  # relative error of what is compared with a polygon of POINTS corners
+POINTS = 1025
+DIRECTIONS = 4096  # at which the outline is felt
+LOOSE = 1.2  # bounding circle over the outline's own
+BEND = 1e3  # over size: at overlaps of a thousandth it turns a granule as the longest lever does
+
+
+@compiled
+def _pair(shape, frame, bodies, constituents, per, order, found, pushed, force):
+    """Contacts of granules order[0] and order[1]: rows (overlap, nx, ny, n1, t1, n2, t2) of `found`,
+    and `force` (m2), minus the gradient of half the sum of their squared overlaps."""
+    place(shape, bodies, frame, constituents, 0, len(bodies))
+    pushed[:] = 0.0
+    for i in range(per):
+        for j in range(per):
+            a, b = per * order[0] + i, per * order[1] + j
+            dx = constituents[b, X] - constituents[a, X]
+            dy = constituents[b, Y] - constituents[a, Y]
+            own, other = outline(shape, a, frame), outline(shape, b, frame)
+            apart = math.sqrt(dx * dx + dy * dy)
+            guess = (dx / apart, dy / apart) if apart > 0.0 else (1.0, 0.0)
+            c = solve_contact(shape, dx, dy, own, other, guess)
+            t1, t2 = either(c.t1, 0.0), either(c.t2, 0.0)
+            row, push = found[i * per + j], max(c.overlap, 0.0)
+            row[0], row[1], row[2] = c.overlap, c.nx, c.ny
+            row[3], row[4], row[5], row[6] = c.n1, t1, c.n2, t2
+            pushed[a, FX] -= push * c.nx
+            pushed[a, FY] -= push * c.ny
+            pushed[a, TAU] += push * t1
+            pushed[b, FX] += push * c.nx
+            pushed[b, FY] += push * c.ny
+            pushed[b, TAU] -= push * t2
+    collect(shape, pushed, frame, force, 0, len(bodies))
+
+
+@compiled
+def _feel(shape, frame, bodies, constituents, constituent, directions, found):
+    """Rows (h, q) of `found` in m: tangent lines of a constituent, from its own centre."""
+    place(shape, bodies, frame, constituents, 0, len(bodies))
+    own = outline(shape, constituent, frame)
+    for k in range(len(directions)):
+        h, q, _ = support(shape, own, directions[k, 0], directions[k, 1])
+        found[k, 0], found[k, 1] = h, either(q, 0.0)
+
+
+@compiled
+def _feel_circle(shape, radius, directions, found):
+    """Rows (h, q) of `found` in m: tangent lines of what this shape calls a circle."""
+    own = circle(shape, radius)
+    for k in range(len(directions)):
+        h, q, _ = support(shape, own, directions[k, 0], directions[k, 1])
+        found[k, 0], found[k, 1] = h, either(q, 0.0)
+
+
+class Few:
+    """A few granules as the kernels see them."""
+
+    def __init__(self, shape):
+        self.shape = shape
+        self.count, self.size = len(shape.bounding_radius), shape.bounding_radius
+        self.per = len(shape.constituent_radius) // self.count
+
+    def _arrays(self, position, angle):
+        bodies = rows(self.count, 8)
+        bodies[:, [X, Y]] = position
+        constituents = bodies if self.per == 1 else rows(self.per * self.count, 8)
+        frame = np.column_stack([np.cos(angle), np.sin(angle)])
+        return frame, bodies, constituents
+
+    def pair(self, d, angle, order=(0, -1)):
+        """Contacts (per^2, 7) of the first granule, at zero, with the last, at d; forces (n, 3)."""
+        position = np.zeros((self.count, 2))
+        position[-1] = d
+        found, force = np.zeros((self.per**2, 7)), rows(self.count, 4)
+        pushed = force if self.per == 1 else rows(self.per * self.count, 4)
+        order = np.arange(self.count)[list(order)]
+        _pair(self.shape, *self._arrays(position, angle), self.per, order, found, pushed, force)
+        return found, force
+
+    def feel(self, g, angle, directions):
+        """Of the constituents of granule g: h, q and lever about its centre (per, k) in m, and the
+        centres' distances along the directions (per, k)."""
+        place_all = self._arrays(np.zeros((self.count, 2)), np.full(self.count, angle))
+        felt, centre = np.zeros((self.per, len(directions), 2)), []
+        for i in range(self.per):
+            _feel(self.shape, *place_all, self.per * g + i, directions, felt[i])
+            centre.append(place_all[2][self.per * g + i, [X, Y]])
+        along = np.array(centre) @ directions.T
+        across = np.array(centre) @ np.column_stack([-directions[:, 1], directions[:, 0]]).T
+        return felt[..., 0], felt[..., 1], felt[..., 1] + across, along
+
+
+def check_shape(shape) -> None:
+    """Test granules of any shape against what the kernels and Python rely on.
+
+    shape: an instance of its class, such as dem.Superellipse.of_size(diameters, 1.5); a few of its
+    granules are tested, the first three. Raises InputError with a sentence for each law that they
+    break; it compiles some functions for the class, which takes seconds.
+    """
+    name = type(shape).__name__
+    _refuse(name, _unknown(shape))
+    few = Few(_some(shape))
+    _refuse(name, [shape.fault] if shape.fault else [])
+    _refuse(name, _wrong_numbers(few))
+    for law in (_flat_faults, _outline_faults, _boundary_faults, _bound_faults, _contact_faults):
+        _refuse(name, law(few))  # what breaks one law breaks the later ones too, in worse words
+
+
+def _refuse(name, sentences):
+    if sentences:
+        raise InputError(" ".join(f"{name}: {each}" for each in dict.fromkeys(sentences)))
+
+
+def _unknown(shape):
+    """What a class does not answer at all."""
+    cls = type(shape)
+    if not is_shape(cls):
+        first = SHAPE_QUESTIONS[0].__name__
+        return [
+            f"it does not answer the question {first} of the kernels; call "
+            "dem.shapes.protocol.answer for the class, or decorate it with dem.shapes.smooth.smooth."
+        ]
+    return [f"it has no {each}; see dem.shapes.protocol.Shape." for each in MEMBERS
+            if not hasattr(shape, each)]  # fmt: skip
+
+
+def _some(shape):
+    """The first granules, at least two, with arrays of their own."""
+    sizes = {k: v for k, v in shape._asdict().items() if isinstance(v, np.ndarray)}
+    n = len(next(iter(sizes.values())))
+    index = np.arange(max(2, min(n, GRANULES))) % n
+    return shape._replace(**{k: np.array(v, float)[index] for k, v in sizes.items()})
+
+
+def _wrong_numbers(few):
+    """Numbers that are none, of another count, or do not grow with the granules."""
+    shape, larger, n = few.shape, few.shape.scaled(2.0), few.count
+    powers = {"area": 2, "gyration_squared": 2, "bounding_radius": 1, "constituent_radius": 1,
+              "constituent_bounding_radius": 1, "normal_lever": 1, "normal_bend": 1}  # fmt: skip
+    said = []
+    for name, power in powers.items():
+        value, grown = np.asarray(getattr(shape, name)), np.asarray(getattr(larger, name))
+        count = few.per * n if name.startswith("constituent") else n
+        least = 0.0 if name.startswith("normal") else np.finfo(float).tiny
+        if value.shape != (count,):
+            said.append(f"{name} has shape {value.shape}; it must have shape ({count},) for {n}.")
+        elif not (np.isfinite(value) & (value >= least)).all():
+            said.append(
+                f"{name} is {value.min():g}; it must be finite and positive, bounds may be 0."
+            )
+        elif not np.allclose(grown, 2.0**power * value, rtol=SAME):
+            said.append(
+                f"{name} does not grow by the power {power} of the factor that scaled is given."
+            )
+    return said
+
+
+def _outline_faults(few):
+    """Of polygons: closed, convex, about its centroid, with the area and inertia that are told."""
+    shape, said = few.shape, []
+    rings = np.asarray(shape.polygons(POINTS))
+    if rings.ndim != 4 or rings.shape[0] != few.count or rings.shape[2:] != (POINTS, 2):
+        return [
+            f"polygons({POINTS}) has shape {rings.shape}; it must have shape (n, rings, {POINTS}, 2)."
+        ]
+    if not np.isfinite(rings).all():
+        return ["polygons are not finite."]
+    for g in range(few.count):
+        own, size = rings[g], few.size[g]
+        if np.abs(own[:, 0] - own[:, -1]).max() > NEAR * size:
+            return ["the outline is not closed: the last point of polygons is not the first."]
+        if not all(_convex(ring, size) for ring in own):
+            said.append(
+                "the outline of a constituent is not convex, and contacts are found for convex ones: "
+                "its radius of curvature must be positive everywhere."
+            )
+        area, centroid, moment = _moments(own)
+        told, spread = shape.area[g], shape.gyration_squared[g]
+        if not np.isclose(area, told, rtol=NEAR):
+            said.append(f"area is {told:g} m2; its outline has {area:g} m2.")
+        if np.hypot(*centroid) > NEAR * size:
+            said.append(
+                f"the centre of mass is {np.hypot(*centroid) / size:.2g} bounding radii from the "
+                "centre; it must be the centre."
+            )
+        elif not np.isclose(moment / area, spread, rtol=NEAR):
+            said.append(f"gyration_squared is {spread:g} m2; its outline has {moment / area:g} m2.")
+        far = np.hypot(*own.reshape(-1, 2).T).max()
+        if far > size * (1.0 + SAME) or size > LOOSE * far:
+            said.append(
+                f"bounding_radius is {size:g} m; the outline reaches {far:g} m, and the circle must "
+                f"hold it and be at most {LOOSE:g} times as large."
+            )
+    return said
+
+
+def _convex(ring, size):
+    """Whether a closed ring turns one way, and once."""
+    edges = np.diff(ring, axis=0)
+    edges = edges[np.hypot(*edges.T) > SAME * size * 1e-3]
+    after = np.roll(edges, -1, axis=0)
+    turn = np.arctan2(
+        edges[:, 0] * after[:, 1] - edges[:, 1] * after[:, 0], (edges * after).sum(axis=1)
+    )
+    return turn.min() > -1e-6 and abs(turn.sum() - 2.0 * np.pi) < 1e-3
+
+
+def _moments(rings):
+    """Area (m2), centroid (m) and second moment of area about the centre (m4), of all rings."""
+    area, first, second = 0.0, np.zeros(2), 0.0
+    for ring in rings:
+        a, b = ring[:-1], ring[1:]
+        triangle = 0.5 * (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+        area += triangle.sum()
+        first += (triangle[:, None] * (a + b) / 3.0).sum(axis=0)
+        second += (triangle * (a * a + a * b + b * b).sum(axis=1)).sum() / 6.0
+    return area, first / area, second
+
+
+def _directions():
+    angle = 2.0 * np.pi * np.arange(DIRECTIONS + 1) / DIRECTIONS
+    return angle, np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+def _boundary_faults(few):
+    """Of walls and the cylinder: support against the polygon, in any orientation."""
+    (turn, directions), said = _directions(), []
+    rings = few.shape.polygons(POINTS)
+    for g in range(few.count):
+        size = few.size[g]
+        for angle in (0.0, 2.1):
+            h, q, _, along = few.feel(g, angle, directions)
+            turned = directions if not angle else directions @ [
+                [np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]
+            ]  # fmt: skip
+            reach = (rings[g].reshape(-1, 2) @ turned.T).max(axis=0)
+            if np.abs((along + h).max(axis=0) - reach).max() > NEAR * size:
+                said.append(
+                    "support and the outline of polygons differ, at angle "
+                    f"{angle:g} rad: walls would touch elsewhere than pictures show."
+                )
+            slope, least = np.diff(h) / np.diff(turn), np.minimum(q[:, 1:], q[:, :-1])
+            most = np.maximum(q[:, 1:], q[:, :-1])
+            if max((least - slope).max(), (slope - most).max()) > NEAR * size:
+                said.append("q of support is not dh/d(angle): torques at walls would be wrong.")
+            if np.hypot(h, q).max() > few.shape.constituent_bounding_radius[
+                few.per * g : few.per * (g + 1)
+            ].max() * (1.0 + SAME):
+                said.append(
+                    "constituent_bounding_radius does not hold the constituent: contacts would be "
+                    "missed."
+                )
+    radius, found = 0.37 * few.size[0], np.zeros((len(directions), 2))
+    _feel_circle(few.shape, radius, directions, found)
+    if not np.allclose(found, [radius, 0.0], atol=SAME * radius):
+        said.append("circle does not give the outline of a circle: the cylinder would be none.")
+    return said
+
+
+def _flat_faults(few):
+    """Of normal_bend as told and as felt: bounded."""
+    (turn, directions), shape = _directions(), few.shape
+    for g in range(few.count):
+        lever = few.feel(g, 0.0, directions)[2]
+        bend = max(shape.normal_bend[g], (np.diff(lever) / np.diff(turn)).max()) / few.size[g]
+        if not bend <= BEND:
+            return [
+                f"the outline is too flat: its radius of curvature is {bend:.3g} times its bounding "
+                f"radius, more than {BEND:g}. On a flat side the lever of a force jumps from end to end, "
+                "and no time step is short enough; round the sides (of a superellipse with an exponent "
+                "above 2, by rounding)."
+            ]
+    return []
+
+
+def _bound_faults(few):
+    """Of normal_lever and normal_bend, which must be bounds."""
+    (turn, directions), said = _directions(), []
+    shape = few.shape
+    for g in range(few.count):
+        size = few.size[g]
+        _, _, lever, _ = few.feel(g, 0.0, directions)
+        bend = (np.diff(lever) / np.diff(turn)).max()
+        most = np.abs(lever).max()
+        if most > shape.normal_lever[g] * (1.0 + NEAR) + SAME * size:
+            said.append(
+                f"normal_lever is {shape.normal_lever[g]:g} m; normal forces have levers up to {most:g} m."
+            )
+        if bend > shape.normal_bend[g] * (1.0 + NEAR) + NEAR * size:
+            said.append(
+                f"normal_bend is {shape.normal_bend[g]:g} m; the outline bends by up to {bend:g} m, "
+                "and the step of time would be too long."
+            )
+        if not shape.needs_angle and most > SAME * size:
+            said.append("needs_angle is False; normal forces have a lever, so that granules turn.")
+    return said
+
+
+def _contact_faults(few):
+    """Of contacts of the first granule with the last: both see the same, and forces have a
+    potential."""
+    rng, said = np.random.default_rng(1), []
+    for _ in range(PAIRS):
+        angle, away = rng.uniform(0.0, 2.0 * np.pi, few.count), rng.uniform(0.0, 2.0 * np.pi)
+        d = _touching(few, angle, np.array([np.cos(away), np.sin(away)]))
+        if d is None:
+            return ["two granules never touch, however near their centres are."]
+        said += _swap_faults(few, d, angle) + _force_faults(few, d, angle)
+    return said
+
+
+def _touching(few, angle, way):
+    """Where the last granule, coming from a direction, overlaps the first by DEPTH; None if it
+    never does."""
+    want, reach = DEPTH * few.size.min(), few.size[0] + few.size[-1]
+
+    def deepest(distance):
+        return few.pair(distance * way, angle)[0][:, 0].max()
+
+    low = high = reach
+    while low > 0.0 and not deepest(low) > want:
+        low, high = low - 0.02 * reach, low
+    if low <= 0.0:
+        return None
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if deepest(middle) > want else (low, middle)
+    return low * way
+
+
+def _swap_faults(few, d, angle):
+    """The contact of 2 with 1 is that of 1 with 2, seen from the other side."""
+    first, _ = few.pair(d, angle)
+    second, _ = few.pair(d, angle, (-1, 0))
+    other = second.reshape(few.per, few.per, 7).swapaxes(0, 1).reshape(-1, 7)
+    mirrored = other[:, [0, 1, 2, 5, 6, 3, 4]] * [1.0, -1.0, -1.0, 1.0, -1.0, 1.0, -1.0]
+    touch = first[:, 0] > 0.0
+    scale = np.array([1.0, few.size.min(), few.size.min(), 1.0, 1.0, 1.0, 1.0])
+    if np.abs((first - mirrored) * scale)[touch].max(initial=0.0) > SAME * few.size.min():
+        return ["a contact depends on which of two granules is asked: swapping them changes it."]
+    return []
+
+
+def _force_faults(few, d, angle):
+    """Forces and torques are minus the gradient of a potential of the overlaps."""
+    contacts, force = few.pair(d, angle)
+    size, told, found = few.size.min(), [], []
+    for g, column in ((-1, FX), (-1, FY), (0, TAU), (-1, TAU)):
+        held = []
+        for sign in (1.0, -1.0):
+            place, turn = d.copy(), angle.copy()
+            if column == TAU:
+                turn[g] += sign * STEP
+            else:
+                place[column] += sign * STEP * size
+            overlap = np.maximum(few.pair(place, turn)[0][:, 0], 0.0)
+            held.append(0.5 * (overlap**2).sum())
+        step = STEP if column == TAU else STEP * size
+        found.append((held[1] - held[0]) / (2.0 * step))
+        told.append(force[g, column])
+    wrong = np.abs(np.array(told) - found) / [1.0, 1.0, size, size]
+    said, scale = [], contacts[:, 0].max()
+    if wrong[:2].max() > CLOSE * scale:
+        said.append(
+            "the normal of a contact is not the gradient of its overlap with the position: "
+            "bounces would make or lose energy."
+        )
+    if wrong[2:].max() > CLOSE * scale:
+        said.append(
+            "the levers of a contact are not the gradient of its overlap with the angle: "
+            "bounces would make or lose energy."
+        )
+    return said
