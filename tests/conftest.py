@@ -13,6 +13,7 @@ from PIL import Image
 
 import dem
 from dem import shapes
+from dem.experiment.config import ShapeSection
 from dem.experiment.fit import height_of_box, sample_diameters
 from dem.studies.config import load
 
@@ -20,7 +21,7 @@ from dem.studies.config import load
 hypothesis.settings.register_profile("suite", deadline=None, derandomize=True, max_examples=100)
 hypothesis.settings.load_profile("suite")
 
-KINDS = ("dumbbell", "ellipse", "disc")
+KINDS = sorted(shapes.KINDS, key=len, reverse=True)  # "superellipse" before "ellipse"
 
 
 @pytest.hookimpl(tryfirst=True)  # before pytest-xdist reads the groups
@@ -33,7 +34,14 @@ def pytest_collection_modifyitems(items):
 
 
 CONFIG = Path(__file__).parent.parent / "config"
-LABELS = {"disc": "c1", "dumbbell": "d1", "ellipse": "e3"}  # of config/smoke.yaml
+FRACTIONS = {"ellipse": 0.88}  # at which beds of a kind are stiff; 0.84 for all others
+STIFF = [(kind, FRACTIONS.get(kind, 0.84)) for kind in shapes.KINDS]
+
+
+def section_of(kind):
+    """The granules of the small beds, as in config/smoke.yaml."""
+    ratio = None if shapes.KINDS[kind].aspect_ratio else 1.375
+    return ShapeSection(kind=kind, diameter=1092e-6, granules=60, aspect_ratio=ratio)
 
 
 class Small(NamedTuple):
@@ -60,7 +68,7 @@ class Small(NamedTuple):
 @cache
 def make_small_bed(kind, seed=1, fraction=0.84, aspect_ratio=None):
     sweep = load(CONFIG / "smoke.yaml")
-    section = sweep.shapes[LABELS[kind]]
+    section = section_of(kind)
     sweep = sweep.model_copy(
         update={"packing": sweep.packing.model_copy(update={"fraction": fraction})}
     )

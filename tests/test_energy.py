@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import dem
+from dem.shapes import KINDS
 
 FAR = 1.0  # m: walls and cylinder that nothing meets, so that one compilation serves all
 
@@ -22,9 +23,10 @@ def pair(small, velocity, restitution=0.5):
     return dem.Simulation(scene, dem.State(place, velocity), ledger=True, step_fraction=0.05)
 
 
-def test_a_bed_adds_up(small_bed):
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_bed_adds_up(small_bed, kind):
     """Work of the cylinder is energy held, damped and lost by sliding, to a thousandth of it."""
-    small = small_bed("disc")
+    small = small_bed(kind)
     run = dem.Simulation(small.scene(), small.state, ledger=True)
     for _ in range(20):
         run.record(5e-6, 1)

@@ -6,6 +6,7 @@ import meshio
 import numpy as np
 import pytest
 import xarray as xr
+from conftest import STIFF
 from PIL import Image
 from typer.testing import CliRunner
 
@@ -21,8 +22,6 @@ from dem.figures.film import encoder, film, picture
 from dem.io.dataset import VARIABLES
 from dem.report.info import summary
 from dem.studies.config import load
-
-KINDS = ["disc", "dumbbell", "ellipse"]
 
 
 @pytest.fixture(scope="module")
@@ -85,10 +84,10 @@ def test_contacts_lost():
     assert np.isnan(measures.lost(set(), {(0, 1)}))
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_contacts_of_a_bed_at_rest_balance(small_bed, kind):
+@pytest.mark.parametrize(("kind", "fraction"), STIFF)
+def test_contacts_of_a_bed_at_rest_balance(small_bed, kind, fraction):
     """The normal forces on every granule of a packed bed add up to nothing."""
-    small = small_bed(kind, fraction=0.88 if kind == "ellipse" else 0.84)
+    small = small_bed(kind, fraction=fraction)
     found = dem.Simulation(small.scene(), small.state).contacts()
     net, push = np.zeros((60, 2)), found.force[:, None] * found.normal
     np.add.at(net, found.granule, -push)

@@ -11,6 +11,7 @@ from dem.dynamics.assembly import granule_table
 from dem.dynamics.checkpoint import writable
 from dem.dynamics.neighbor_list import rebuild_neighbor_list
 from dem.dynamics.neighbors import near_circle, near_pairs, near_planes
+from dem.shapes import KINDS
 
 
 @st.composite
@@ -65,7 +66,7 @@ def memory(contacts):
     return {pair: row for pair, row in zip(pairs, remembered, strict=True) if any(row)}
 
 
-@pytest.mark.parametrize("kind", ["disc", "dumbbell", "ellipse"])
+@pytest.mark.parametrize("kind", KINDS)
 def test_springs_survive_a_new_list(small_bed, kind):
     """Every spring is carried to the same pair, whether the new list is longer or shorter."""
     small = small_bed(kind)
@@ -80,7 +81,7 @@ def test_springs_survive_a_new_list(small_bed, kind):
         assert after == before
 
 
-@pytest.mark.parametrize("kind", ["disc", "dumbbell", "ellipse"])
+@pytest.mark.parametrize("kind", KINDS)
 def test_the_skin_changes_nothing(small_bed, kind):
     """Lists made every few steps and lists made hardly ever lead to the same motion."""
     small = small_bed(kind)

@@ -4,16 +4,17 @@ import math
 
 import numpy as np
 import pytest
-from conftest import make_small_bed
+from conftest import STIFF, make_small_bed
 from numpy.testing import assert_allclose
 from reference import bed_forces, parting
 
 import dem
 from dem.contacts.force_law import effective_modulus
 from dem.packing.pressed import Press, compact
+from dem.shapes import KINDS
 
 # At 0.84 ellipses are below jamming and touch nothing; at 0.88 they press on each other.
-BEDS = [("disc", 0.84), ("dumbbell", 0.84), ("ellipse", 0.84), ("ellipse", 0.88)]
+BEDS = [*STIFF, ("ellipse", 0.84)]
 
 
 @pytest.fixture(params=BEDS, ids=lambda bed: f"{bed[0]} at {bed[1]}")
@@ -111,7 +112,7 @@ def test_same_seed_same_bits_other_seed_other_bed(small):
 
 
 @pytest.mark.parametrize(
-    ("kind", "fraction"), [("disc", 0.97), ("dumbbell", 0.97), ("ellipse", 0.99)]
+    ("kind", "fraction"), [(kind, {"ellipse": 0.99}.get(kind, 0.97)) for kind in KINDS]
 )
 def test_impossible_fraction_is_refused(kind, fraction):
     """A fraction that no bed can have ends in a PackingError that names it."""

@@ -4,16 +4,16 @@ import math
 
 import numpy as np
 import pytest
-from conftest import make_small_bed
+from conftest import STIFF, make_small_bed
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 import dem
+from dem.shapes import KINDS
 from dem.studies.stability import linear
 
 NAN = float("nan")
-KINDS = [("disc", 0.84), ("dumbbell", 0.84), ("ellipse", 0.88)]
 
 
 def two_discs(**changes):
@@ -150,7 +150,7 @@ def test_result_has_the_shapes_it_promises(small_bed):
     assert_array_equal(run.position[-1], run.state.position)
 
 
-@pytest.mark.parametrize(("kind", "fraction"), KINDS)
+@pytest.mark.parametrize(("kind", "fraction"), STIFF)
 def test_forces_on_boundaries_are_the_change_of_momentum(small_bed, kind, fraction):
     """The momentum that granules lose goes into the reported forces on cylinder and walls."""
     small = small_bed(kind, fraction=fraction)
@@ -174,7 +174,7 @@ def test_granule_behind_a_wall_is_an_error(small_bed):
         dem.simulate(small.scene(), state, 1e-6)
 
 
-@pytest.mark.parametrize("kind", ["disc", "dumbbell", "ellipse"])
+@pytest.mark.parametrize("kind", KINDS)
 def test_overlap_guard_names_granule_and_step(small_bed, kind):
     """Where granules overlap by more than the limit the run stops, before and during the motion."""
     small = small_bed(kind)
@@ -190,10 +190,10 @@ def test_overlap_guard_names_granule_and_step(small_bed, kind):
 
 
 @pytest.mark.parametrize("factor", [3.0, 10.0, 1e3, 1e6])
-@pytest.mark.parametrize("kind", ["disc", "dumbbell", "ellipse"])
-def test_too_large_a_time_step_is_an_error_with_a_name(small_bed, kind, factor):
+@pytest.mark.parametrize(("kind", "fraction"), STIFF)
+def test_too_large_a_time_step_is_an_error_with_a_name(small_bed, kind, fraction, factor):
     """A fixed step far beyond the critical one ends in a RunError, not in numbers."""
-    small = small_bed(kind, fraction=0.88 if kind == "ellipse" else 0.84)
+    small = small_bed(kind, fraction=fraction)
     run = dem.Simulation(small.scene(), small.state)
     step = factor * run.diagnose().critical_time_step
     with pytest.raises(dem.RunError, match="step"):
@@ -210,7 +210,7 @@ def test_critical_time_step_does_not_depend_on_how_contacts_are_found():
     assert 0.5 * steps[0] < steps[1] < 1.1 * steps[0]
 
 
-@pytest.mark.parametrize(("kind", "fraction"), KINDS)
+@pytest.mark.parametrize(("kind", "fraction"), STIFF)
 def test_critical_time_step_is_a_bound_and_a_close_one(small_bed, kind, fraction):
     """No motion of a frictional, damped bed grows at the critical step, and some do at twice it."""
     small = small_bed(kind, fraction=fraction)
@@ -239,7 +239,7 @@ def test_round_ellipses_follow_discs(small_bed):
     assert_allclose(*spin, rtol=0.0, atol=1e-7 * np.abs(spin[0]).max())
 
 
-@pytest.mark.parametrize("kind", ["disc", "dumbbell", "ellipse"])
+@pytest.mark.parametrize("kind", KINDS)
 def test_looking_changes_nothing_and_runs_repeat(small_bed, kind):
     """A run has the same bits with and without looks in between, and every time."""
     small = small_bed(kind)

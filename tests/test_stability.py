@@ -14,6 +14,7 @@ from dem.dynamics.checkpoint import writable
 from dem.dynamics.forces import forces
 from dem.figures import STABILITY, draw
 from dem.report.info import summary
+from dem.shapes import KINDS
 from dem.studies.config import load
 from dem.studies.stability import catalogue, study
 from dem.studies.stability.layout import STUDY
@@ -21,7 +22,6 @@ from dem.studies.stability.report import edges
 from dem.studies.stability.watching import excess, friction_excess, momenta, unlisted
 
 CONFIG = Path(__file__).parent.parent / "config"
-KINDS = ["disc", "dumbbell", "ellipse"]
 SHORT = {
     "paper": {"experiment": "draw", "shapes": ["c1"], "change": {"displacement": 5e-5},
               "limits": {"residual": 1e-2, "excess": 1e-14}},

@@ -5,9 +5,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from dem import Cylinder, Scene, Simulation, State
+from dem.shapes import KINDS
 
 STEP, STEPS = 4e-8, 500
-SHAPES = ["disc", "dumbbell", "ellipse"]
 
 
 def run(scene, state):
@@ -59,7 +59,7 @@ def agree(state, expected, size):
     assert_allclose(state.angular_velocity, expected.angular_velocity, atol=1e-7 * scale)
 
 
-@pytest.mark.parametrize("kind", SHAPES)
+@pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize(
     "matrix", [[[-1, 0], [0, 1]], [[0, -1], [1, 0]], [[0, 1], [1, 0]]],
     ids=["mirror", "quarter turn", "diagonal mirror"],
@@ -76,7 +76,7 @@ def test_mirrors_and_quarter_turns(small_bed, kind, matrix):
     assert_allclose(seen_on_walls, on_walls, rtol=1e-6)
 
 
-@pytest.mark.parametrize("kind", SHAPES)
+@pytest.mark.parametrize("kind", KINDS)
 def test_the_order_of_granules_does_not_matter(small_bed, kind):
     """Granules listed in another order move as before."""
     small = small_bed(kind)

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from dem.base.files import atomic
+from dem.shapes import KINDS
 
 RC = {
     "font.family": "DejaVu Sans",
@@ -64,7 +65,12 @@ LOOKS = {
     "dumbbell": Look("#b34700", "#f5c49a", (0, (5, 1.5)), "s", "///"),
     "ellipse": Look("#0f5a30", "#d5eedd", (0, (3, 1, 1, 1)), "D", "..."),
 }
-OTHER = Look("#5b4a8a", "#d9d2ea", (0, (1, 1)), "^", "xx")  # any kind that is not named here
+# of kinds without a look of their own, in turn
+OTHERS = (
+    Look("#5b4a8a", "#d9d2ea", (0, (1, 1)), "^", "xx"),
+    Look("#8a1c4a", "#f0cbdb", (0, (7, 1.5, 1, 1.5)), "v", "\\\\\\"),
+    Look("#55606a", "#d3d8dc", (0, (3, 1, 1, 1, 1, 1)), "P", "++"),
+)
 
 # of any number of cases in turn, where kinds of granules do not suffice
 CASES = ("#2f7fd1", "#b34700", "#5b4a8a", "#6fae8a", "#2f7d4f", "#0f5a30", "black")
@@ -74,14 +80,18 @@ OUTLINE, STEEL = "0.25", "0.55"  # of granules; the cylinder
 
 def look(case: xr.Dataset) -> Look:
     """Look of one case, by the kind of its granules."""
-    return LOOKS.get(str(case["kind"].values), OTHER)
+    kind = str(case["kind"].values)
+    others = [each for each in KINDS if each not in LOOKS]
+    number = others.index(kind) if kind in others else 0  # of data made with other shapes
+    return LOOKS.get(kind, OTHERS[number % len(OTHERS)])
 
 
 def describe(case: xr.Dataset, separator: str = ", ") -> str:
     """What the granules of one case are: kind, mean diameter and, if it is free, aspect ratio."""
     kind, ratio = str(case["kind"].values), float(case["aspect_ratio"])
     parts = [kind, f"{1e6 * float(case['diameter']):.4g} µm"]
-    return separator.join(parts + [f"{ratio:g}:1"] * (kind not in ("disc", "dumbbell")))
+    free = kind not in KINDS or KINDS[kind].aspect_ratio is None
+    return separator.join(parts + [f"{ratio:g}:1"] * free)
 
 
 def runs(dataset: xr.Dataset) -> str:

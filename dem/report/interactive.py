@@ -10,6 +10,7 @@ from plotly.io import to_html
 
 from dem.analysis.statistics import edges_of_bins, running_mean
 from dem.figures import style
+from dem.figures.bed import outlines
 
 DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot", "solid")
 COLORS = {  # of the page, one place with those of the figures
@@ -62,6 +63,12 @@ def _packed(values, largest: float) -> str:
     return base64.b64encode(steps.astype("<i2").tobytes()).decode()
 
 
+def _rings(kind: str, ratio: float) -> list:
+    """Outline of a granule of diameter 1, as rings of x, y, x, y, ... without the closing point."""
+    rings = outlines(kind, np.ones(1), ratio)[0, :, :-1]
+    return rings.reshape(len(rings), -1).round(4).tolist()
+
+
 def beds(flow: xr.Dataset) -> dict:
     """Snapshots of one run a case, as integers: the script of the page knows how to read them."""
     count = flow.sizes["snapshot"]
@@ -73,7 +80,7 @@ def beds(flow: xr.Dataset) -> dict:
         x, y, angle = (one[f"bed_{name}"].values[:, known] for name in ("x", "y", "angle"))
         scale = 1.2 * max(width, float(one["bed_height"]))
         found[str(case)] = {
-            "kind": str(one["kind"].values), "ratio": float(one["aspect_ratio"]),
+            "rings": _rings(str(one["kind"].values), float(one["aspect_ratio"])),
             "height": float(one["bed_height"]), "scale": scale,
             "granules": int(known.sum()), "diameter": one["bed_diameter"].values[known].round(9).tolist(),
             "x": _packed(x, scale), "y": _packed(y, scale),

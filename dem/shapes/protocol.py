@@ -238,9 +238,14 @@ def answer(cls, *functions, questions=SHAPE_QUESTIONS, **renamed):
     """Make a class known to the kernels: each function answers the question of its name, or of
     the keyword that it is given for.
 
-    Raises InputError where it answers no such question, leaves one open that has no default, or
-    lacks a member of Shape.
+    Raises InputError where it answers no such question, leaves one open that has no default, lacks
+    a member of Shape, or bears the name of another class.
     """
+    if any(each is not cls and each.__name__ == cls.__name__ for each in questions[0].answers):
+        raise InputError(
+            f"{cls.__name__} is the name of a class that the kernels know already, and Numba tells "
+            "classes apart by their names; choose another name, or start Python again."
+        )
     named = {each.__name__: each for each in functions} | renamed
     known = {each.__name__: each for each in questions}
     for name in named.keys() - known.keys():

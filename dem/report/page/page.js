@@ -21,16 +21,11 @@ function bedOf(name) {
   return bed;
 }
 
-function outline(pen, kind, size, ratio) {
+function outline(pen, rings, size) {
   pen.beginPath();
-  if (kind === "dumbbell") {
-    const half = size / Math.SQRT2 / 2;
-    pen.arc(half, 0, half, 0, 2 * Math.PI);
-    pen.moveTo(0, 0);
-    pen.arc(-half, 0, half, 0, 2 * Math.PI);
-  } else {
-    const root = Math.sqrt(kind === "ellipse" ? ratio : 1);
-    pen.ellipse(0, 0, (size / 2) * root, size / 2 / root, 0, 0, 2 * Math.PI);
+  for (const ring of rings) {
+    for (let k = 0; k < ring.length; k += 2) pen.lineTo(ring[k] * size, ring[k + 1] * size);
+    pen.closePath();
   }
   pen.fill();
   pen.stroke();
@@ -54,7 +49,7 @@ function draw() {
     pen.translate(bed.x[at] * unit, bed.y[at] * unit);
     pen.rotate((bed.angle[at] / BEDS.steps) * 2 * Math.PI);
     pen.fillStyle = COLORS.layers[layer % COLORS.layers.length];
-    outline(pen, bed.kind, bed.diameter[i], bed.ratio);
+    outline(pen, bed.rings, bed.diameter[i]);
     pen.restore();
   }
   pen.fillStyle = COLORS.steel;

@@ -1,0 +1,262 @@
+"""What a shape must answer: every shape of the registry does, and wrong ones are told what is wrong."""
+
+import itertools
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from conftest import section_of
+from test_collision import gains, volley
+
+import dem
+from dem.jit.compilation import inlined
+from dem.shapes import KINDS, protocol, smooth, superellipse
+
+SIZES = 1e-3 * np.array([0.5, 0.7, 1.0])
+
+
+def egg_support(nx, ny, sizes):
+    """Three bulges: h = r (1 + e cos 3 phi), without a centre of symmetry."""
+    r, e = sizes
+    cosine, sine = nx * (4.0 * nx * nx - 3.0), ny * (3.0 - 4.0 * ny * ny)
+    return r * (1.0 + e * cosine), -3.0 * r * e * sine, r * (1.0 - 8.0 * e * cosine)
+
+
+@smooth.smooth(egg_support)
+class Egg(NamedTuple):
+    """Granules that no half turn brings back."""
+
+    radius: np.ndarray
+    bulge: float = 0.08
+
+
+def granules(kind, diameters=SIZES):
+    return KINDS[kind].shape.of_size(diameters, section_of(kind).ratio)
+
+
+RIGHT = {kind: lambda kind=kind: granules(kind) for kind in KINDS} | {
+    "egg": lambda: Egg(SIZES),
+    "one granule": lambda: dem.Superellipse.of_size(SIZES[:1], 1.5),
+    "box": lambda: dem.Superellipse.of_size(SIZES, 3.0, 20.0, 0.01),
+    "star": lambda: dem.Superellipse.of_size(SIZES, 1.0, 1.2, 0.1),
+    "needle": lambda: dem.Ellipse.of_size(SIZES, 10.0),
+}
+
+
+@pytest.mark.parametrize("name", RIGHT)
+def test_shapes_keep_the_laws(name):
+    """All shapes of the registry, long and nearly flat ones and one without symmetry are accepted."""
+    dem.check_shape(RIGHT[name]())
+
+
+class Stranger(NamedTuple):
+    """A class that no kernel knows."""
+
+    radius: np.ndarray
+
+
+NUMBERS = itertools.count()
+
+
+def like(function, **members):
+    """A smooth shape with a support function (r, ) and some members of its own."""
+    made = NamedTuple(f"Wrong{next(NUMBERS)}", [("radius", np.ndarray)])  # noqa: UP014
+    for name, member in members.items():
+        setattr(made, name, member)
+    return smooth.smooth(function)(made)(SIZES)
+
+
+def oval(slope=1.0, curvature=1.0, shift=0.0):
+    """Support function of an ellipse of 3:2, a = r, with faults: factors, and a centre off by shift."""
+
+    def support(nx, ny, sizes):
+        (r,) = sizes
+        h = r * np.sqrt(nx * nx + 4.0 / 9.0 * ny * ny)
+        q, rho = -5.0 / 9.0 * r * r * nx * ny / h, 4.0 / 9.0 * r**4 / h**3
+        return h + shift * r * nx, slope * q - shift * r * ny, curvature * rho
+
+    return support
+
+
+round_support = oval()
+
+
+def dented(nx, ny, sizes):
+    (r,) = sizes
+    cosine, sine = nx * (4.0 * nx * nx - 3.0), ny * (3.0 - 4.0 * ny * ny)
+    return r * (1.0 + 0.2 * cosine), -0.6 * r * sine, r * (1.0 - 1.6 * cosine)
+
+
+def not_for_kernels(nx, ny, sizes):
+    r = np.asarray(sizes[0])
+    return r + 0.0 * nx, 0.0 * ny, r + 0.0 * sorted(str(type(nx)))[0].count("x")
+
+
+def stadium(nx, ny, sizes):
+    (r,) = sizes
+    return r * (1.0 + np.abs(nx)), -r * np.sign(nx) * ny, r + 0.0 * nx
+
+
+find_contact = inlined(smooth.find_contact)
+
+
+def no_second_lever(shape, dx, dy, own, other, guess):
+    c, converged = find_contact(shape, dx, dy, own, other, guess)
+    none = 0.0 * c.t2
+    return protocol.ContactGeometry(c.overlap, c.nx, c.ny, c.n1, c.t1, c.n2, none, None), converged
+
+
+def biased_normal(shape, dx, dy, own, other, guess):
+    c, converged = find_contact(shape, dx, dy, own, other, guess)
+    nx, ny = c.nx - 0.05 * c.ny, c.ny + 0.05 * c.nx
+    return protocol.ContactGeometry(c.overlap, nx, ny, c.n1, c.t1, c.n2, c.t2, None), converged
+
+
+def with_contact(find_contact):
+    """The round shape with another way to find a contact."""
+    shape = like(round_support)
+    protocol.answer(
+        type(shape), smooth.outline, smooth.circle, smooth.support, smooth.refine_normal,
+        find_contact=find_contact,
+    )  # fmt: skip
+    return shape
+
+
+def with_circle():
+    """The round shape with a cylinder that is none."""
+    shape = like(round_support)
+    protocol.answer(
+        type(shape), smooth.outline, smooth.support, smooth.refine_normal, smooth.find_contact,
+        circle=lambda shape, radius: (1.0, 0.0, 0.0, 1.1 * radius) + (1.0,),
+    )  # fmt: skip
+    return shape
+
+
+def halved(name):
+    function = smooth.DERIVED[name]
+    return property(lambda shape: 0.5 * function(shape))
+
+
+def open_polygons(shape, points=64):
+    return smooth.polygons(shape, points + 20)[:, :, :points]
+
+
+WRONG = {
+    "does not answer the question outline": lambda: Stranger(SIZES),
+    "area is": lambda: like(round_support, area=halved("area")),
+    "gyration_squared is": lambda: like(round_support, gyration_squared=halved("gyration_squared")),
+    "bounding_radius is": lambda: like(round_support, bounding_radius=halved("bounding_radius")),
+    "constituent_bounding_radius does not hold": lambda: like(
+        round_support, constituent_bounding_radius=halved("bounding_radius")
+    ),
+    "normal_lever is": lambda: like(round_support, normal_lever=halved("normal_lever")),
+    "normal_bend is": lambda: like(round_support, normal_bend=halved("normal_bend")),
+    "must have shape": lambda: like(round_support, area=property(lambda shape: 1.0)),
+    "must be finite": lambda: like(round_support, area=property(lambda s: np.nan * s.radius)),
+    "does not grow": lambda: like(round_support, scaled=lambda shape, factor: shape),
+    "not closed": lambda: like(round_support, polygons=open_polygons),
+    "not convex": lambda: like(dented),
+    "centre of mass": lambda: like(oval(shift=0.1)),
+    "m2; its outline has": lambda: like(oval(curvature=1.05)),
+    "differ": lambda: like(
+        round_support, polygons=lambda s, points=64: smooth.polygons(s, points)[..., ::-1] * [1, -1]
+    ),
+    "q of support": lambda: like(oval(slope=1.05)),
+    "cannot be compiled": lambda: like(not_for_kernels),
+    "too flat": lambda: like(stadium),
+    "too flat: its radius of curvature": lambda: dem.Superellipse(SIZES, SIZES, 1e-9 * SIZES),
+    "levers of a contact": lambda: with_contact(no_second_lever),
+    "swapping them changes it": lambda: with_contact(no_second_lever),
+    "normal of a contact": lambda: with_contact(biased_normal),
+    "circle": with_circle,
+    "bounces would make or lose energy": lambda: dem.Ellipse.of_size(
+        SIZES, 1.5, dem.GeometricPotential()
+    ),
+    "semi_minor must not exceed": lambda: dem.Ellipse(SIZES, 2.0 * SIZES),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("sentence", WRONG)
+def test_what_breaks_a_law_is_told(sentence):
+    """A wrong answer is named in a sentence that begins with the shape."""
+    shape = WRONG[sentence]()
+    with pytest.raises(dem.InputError) as error:
+        dem.check_shape(shape)
+    assert sentence in str(error.value) and str(error.value).endswith(".")
+    assert str(error.value).startswith(type(shape).__name__)
+
+
+@pytest.mark.parametrize("missing", ["find_contact", "support", "circle"])
+def test_an_open_question_is_refused_when_the_shape_is_made_known(missing):
+    """A class that leaves a question of the kernels open is refused, with both names."""
+    answers = [getattr(smooth, name) for name in ("outline", "circle", "support", "find_contact")
+               if name != missing]  # fmt: skip
+    with pytest.raises(dem.InputError, match=f"Stranger does not answer the question {missing}"):
+        protocol.answer(Stranger, *answers)
+    assert not protocol.is_shape(Stranger)
+
+
+def test_a_missing_member_is_refused_when_the_shape_is_made_known():
+    """A class that lacks what Python asks is refused, with both names."""
+    answers = smooth.outline, smooth.circle, smooth.support, smooth.find_contact
+    with pytest.raises(dem.InputError, match="Stranger has no needs_angle"):
+        protocol.answer(Stranger, *answers)
+    assert not protocol.is_shape(Stranger)
+
+
+def test_a_name_is_given_once():
+    """Two classes of one name would run each other's machine code: the second one is refused."""
+    twin = NamedTuple("Egg", [("radius", np.ndarray)])  # noqa: UP014
+    with pytest.raises(dem.InputError, match="Egg is the name of a class"):
+        smooth.smooth(egg_support)(twin)
+
+
+def test_an_unknown_question_is_refused():
+    """An answer to what no kernel asks is refused, with both names."""
+    with pytest.raises(dem.InputError, match="Egg answers colour, which is no question"):
+        protocol.answer(Egg, colour=egg_support)
+
+
+def test_a_superellipse_of_exponent_two_without_rounding_is_an_ellipse():
+    """Support, slope and curvature of the limit are those of the ellipse."""
+    angle = np.linspace(0.1, 6.0, 50)
+    nx, ny = np.cos(angle), np.sin(angle)
+    h = np.sqrt(4.0 * nx**2 + ny**2)
+    found = superellipse.support(nx, ny, (2.0, 1.0, 0.0, 2.0))
+    np.testing.assert_allclose(found, [h, -3.0 * nx * ny / h, 4.0 / h**3], rtol=1e-12, atol=1e-14)
+
+
+BOUNCING = {
+    "ellipse": lambda d: dem.Ellipse.of_size(d, 1.5),
+    "superellipse": lambda d: dem.Superellipse.of_size(d, 1.5),
+    "box": lambda d: dem.Superellipse.of_size(d, 1.5, 10.0, 0.05),
+    "egg": lambda d: Egg(0.5 * d),
+}
+
+
+@pytest.mark.parametrize("name", BOUNCING)
+def test_elastic_bounces_keep_energy_alike(name):
+    """The error of energy falls with the step at one order, and is as small for all smooth shapes."""
+    sizes = 1e-3 * np.random.default_rng(0).uniform(1.0, 2.0, 200)
+    scene, state = volley(BOUNCING[name](sizes), 1, 500.0, material=dem.Material(restitution=1.0))
+    steps = np.array([0.04, 0.02, 0.01])
+    error = [np.median(np.abs(gains(scene, state, step))) for step in steps]
+    assert np.polyfit(np.log(steps), np.log(error), 1)[0] > 2.0
+    assert error[-1] < 3e-8
+
+
+def test_a_bed_without_symmetry_packs_and_runs():
+    """Egg-like granules pack, press on all walls, and their energy adds up while they are stirred."""
+    radius = 1e-3 * np.random.default_rng(1).uniform(0.4, 0.6, 50)
+    cylinder = dem.Cylinder(1.5e-3, (4e-3, 2e-3), (0.0, 2.0))
+    area = Egg(radius).area.sum() / 0.84 + 0.25 * np.pi * cylinder.diameter**2
+    bed = dem.pack(Egg(radius), 8e-3, area / 8e-3, cylinder, 1)
+    assert bed.pressure > 0.0 and bed.max_overlap < 0.2
+    scene = dem.Scene(
+        Egg(radius), friction=dem.Friction(), walls=dem.box(bed.width, bed.height),
+        cylinder=cylinder, thickness=1e-3,
+    )  # fmt: skip
+    run = dem.Simulation(scene, dem.State(bed.position, angle=bed.angle), ledger=True)
+    run.record(1e-4, 1)
+    ledger = run.ledger()
+    assert ledger.residual < 1e-3 and ledger.work > 0.0
