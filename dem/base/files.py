@@ -77,7 +77,9 @@ def _identity(path):
 def _kind_of(place: Place) -> str:
     """What a path leads to, links followed: "a file", "a folder", another kind, "" for nothing."""
     if not str(place.path).isprintable():  # sentences name it, in one line
-        raise InputError(f"{place.words}; its name must have no line ends or other unseen characters.")
+        raise InputError(
+            f"{place.words}; its name must have no line ends or other unseen characters."
+        )
     try:
         str(place.path).encode()  # netCDF takes no other names
         status = place.path.stat()

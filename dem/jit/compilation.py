@@ -50,7 +50,9 @@ def with_classes(key) -> str | None:
     found = {each for kind in key[0] for each in classes_in(kind)}
     if not all(is_ours(each.__module__) for each in found):
         return None
-    classes = sorted(f"{each.__module__}.{each.__qualname__} {code_hash(each.__module__)}" for each in found)
+    classes = sorted(
+        f"{each.__module__}.{each.__qualname__} {code_hash(each.__module__)}" for each in found
+    )
     return repr((*map(str, key), classes))
 
 

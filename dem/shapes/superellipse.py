@@ -18,8 +18,8 @@ def support(nx, ny, sizes):
     q = n / (n - 1.0)
     aa, bb, m, dm = a * a, b * b, nx * ny, nx * nx - ny * ny
     u, v = aa * nx * nx + c * c, bb * ny * ny + c * c  # A^2, B^2
-    s = u ** (0.5 * q) + v ** (0.5 * q)
-    u2, v2 = u ** (0.5 * q - 1.0), v ** (0.5 * q - 1.0)
+    up, vp = u ** (0.5 * q), v ** (0.5 * q)
+    s, u2, v2 = up + vp, up / u, vp / v
     p = m * (bb * v2 - aa * u2)  # dS / q
     dp = (q - 2.0) * m * m * (aa * aa * u2 / u + bb * bb * v2 / v) + dm * (bb * v2 - aa * u2)
     root = s ** (1.0 / q)
