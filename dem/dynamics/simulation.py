@@ -9,7 +9,7 @@ Two discs that collide in empty space need no more than that; the paper's experi
 import math
 import os
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 import numpy as np
 
@@ -448,7 +448,7 @@ def simulate(
         allow_unstable=allow_unstable,
     )  # fmt: skip
     run.check_duration(duration)
-    kept = _room(frames, run)
+    kept = _history(frames, run)
     interval, shortest = duration / frames, math.inf
     for frame in range(1, frames + 1):
         shortest = min(shortest, run.advance(interval))
@@ -457,7 +457,7 @@ def simulate(
     return Result(**kept, state=run.state, time_step=shortest)
 
 
-def _room(frames, run) -> dict[str, np.ndarray]:
+def _history(frames: int, run: Simulation) -> dict[str, np.ndarray]:
     """Arrays of a Result by name, with the start in them; raises InputError if they are too large."""
     n, walls = run.scene.granules, len(run.collect_impulses()[1])
     shapes = {
@@ -475,7 +475,9 @@ def _room(frames, run) -> dict[str, np.ndarray]:
     return kept
 
 
-def _keep(kept, frame, run, cylinder_force, wall_force) -> None:
+def _keep(
+    kept: dict[str, np.ndarray], frame: int, run: Simulation, cylinder_force: Any, wall_force: Any
+) -> None:
     """Note the simulation as it is, and the mean forces (N) since the frame before."""
     for name, values in vars(run.state).items():
         kept[name][frame] = values
