@@ -40,10 +40,12 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 import yaml
+from numba.core import event
 from typer.testing import CliRunner
 
 import dem
 from dem.base.errors import InputError, RunError
+from dem.base.schema import MOST_SENTENCES
 from dem.cli.app import app
 from dem.io.dataset import read
 from dem.studies.config import load, parse
@@ -59,7 +61,9 @@ except ImportError:
 ROOT = Path(__file__).parent.parent
 SMOKE = ROOT / "config/smoke.yaml"
 LONGEST = 20  # s: more is a hang
+COMPILATION = 600  # s: more is one of the compiler
 MEMORY = 6 * 2**30  # bytes of address space: an input that asks for more gets a MemoryError
+MANY = MOST_SENTENCES + 1  # sentences about a configuration, the last one counting the rest
 NASTY = (
     math.nan, math.inf, -math.inf, -1, 0, -0.0, 1, 2**31, 2**63, 10**400, 1e-300, 1e300, -1e300, 1e15,
     True, None, "", " ", "nan", "inf", "1e400", "c1", "../../etc", "/tmp/x", "results/../..", "é\u0000x",
@@ -310,7 +314,7 @@ def an_extreme_value(rng, folder):
     options = GOOD["simulate"] | {"--density": rng.choice(["3900", "3900", "5e-324", "1e300"])}
     unwanted = "--checkpoint", rng.choice(["--bed", "--threads"])
     options = {name: word for name, word in options.items() if name not in unwanted}
-    command(folder, words("simulate", options), "new.nc", most=20)
+    command(folder, words("simulate", options), "new.nc", most=MANY)
 
 
 BYTES = (
@@ -388,7 +392,7 @@ def a_yaml(rng, folder):
     else:
         file.mkdir()
     line = words("pack", GOOD["pack"] | {"--config": "fuzz.yaml"})
-    command(folder, line, "new.nc", bad=sort != "utf-16", most=20)
+    command(folder, line, "new.nc", bad=sort != "utf-16", most=MANY)
 
 
 # Kinds of input: command lines and paths
@@ -448,7 +452,7 @@ def a_device(path: Path, minor: int):
 def odd_path(rng, folder) -> str:
     """One of the files of the folder, a link to it or another spelling of it; or no file at all."""
     name = rng.choice(["q.yaml", "bed.nc", "rep.nc", "drag.nc", "run.npz", "note.txt"])
-    plain = ["", ".", "sub", "figures", "note.txt/new.nc", "sub/deep/new.nc", "x" * 300, "\udcff.nc",
+    plain = ["", ".", "sub", "figures", "note.txt/new.nc", "sub/deep/new.nc", "x" * 300, "\udcff.nc", "a\nb.nc",
              "fifo", "null", "full", "zero"]  # fmt: skip
     links = {"dangling": "nowhere.nc", "loop": "loop", "tosub": "sub", "tonull": "null", "to": name}
     made = rng.choice([name, name, "hard", "to", "spelled", *plain, *links])
@@ -623,6 +627,7 @@ def a_long_run(rng, folder):
     rng.choice([
         lambda: run.advance(long), lambda: run.record(long, 1), lambda: run.record(1e-9, 10**12),
         lambda: run.record(1e-3, 10**10), lambda: dem.simulate(run.scene, run.state, long),
+        lambda: dem.simulate(run.scene, run.state, 1e-6, frames=10**7),
         lambda: run.advance(1e-3),
     ])()  # fmt: skip
 
@@ -921,10 +926,32 @@ def warm_up(kinds):
 
 # Runs of inputs
 
+COMPILING, COMPILED = "compiling", "compiled"  # told instead of an outcome
+
+
+class Stopwatch(event.Listener):
+    """The alarm, which stands still while Numba compiles: machine code of another kind of input is
+    made once, and an exception in the middle of it would be a fault of the fuzzer."""
+
+    def __init__(self, tell):
+        self.tell, self.depth, self.left = tell, 0, 0
+
+    def on_start(self, event):
+        if self.depth == 0:
+            self.left = signal.alarm(0)
+            self.tell(COMPILING)
+        self.depth += 1
+
+    def on_end(self, event):
+        self.depth -= 1
+        if self.depth == 0:
+            self.tell(COMPILED)
+            signal.alarm(self.left)
+
 
 @contextlib.contextmanager
-def limited(seconds=LONGEST):
-    """Raise Hang after so many seconds, as far as a signal is answered."""
+def limited(seconds=LONGEST, tell=lambda word: None):
+    """Raise Hang after so many seconds without those of compilations, as far as a signal is answered."""
 
     def ring(*_):
         raise Hang
@@ -932,24 +959,30 @@ def limited(seconds=LONGEST):
     old = signal.signal(signal.SIGALRM, ring)
     signal.alarm(seconds)
     try:
-        yield
+        with event.install_listener("numba:compile", Stopwatch(tell)):
+            yield
     finally:
         signal.alarm(0)
         signal.signal(signal.SIGALRM, old)
 
 
-def one(seed: int, kinds=KINDS, folder: Path | None = None) -> str:
-    """What came of one input: taken, refused, or a fault with its traceback."""
+def one(seed: int, kinds=KINDS, folder: Path | None = None, tell=lambda word: None) -> str:
+    """What came of one input: taken, refused, or a fault with its traceback. tell: is called when a
+    compilation begins and ends."""
     rng, folder = random.Random(seed), folder or Path(tempfile.mkdtemp())
     kind = rng.choices(list(kinds), kinds.values())[0]
     folder.mkdir(exist_ok=True)
     try:
-        with warnings.catch_warnings(record=True) as warned, limited(), contextlib.chdir(folder):
+        with (
+            warnings.catch_warnings(record=True) as warned,
+            limited(tell=tell),
+            contextlib.chdir(folder),
+        ):
             warnings.simplefilter("always")
             try:
                 kind(rng, folder.resolve())
             except (InputError, RunError) as error:
-                check_sentences(str(error), 20)
+                check_sentences(str(error), MANY)
                 check_silence(warned)
         return f"sound: {kind.__name__}"
     except Hang:
@@ -967,7 +1000,7 @@ def _work(pipe, seeds, kinds, folder):
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     for seed in seeds:
-        pipe.send(one(seed, kinds, folder / str(seed)))
+        pipe.send(one(seed, kinds, folder / str(seed), pipe.send))
 
 
 def outcomes(seeds, kinds):
@@ -981,11 +1014,13 @@ def outcomes(seeds, kinds):
             worker.start()
             theirs.close()
             with contextlib.suppress(EOFError):
-                since = time.monotonic()
-                while seeds and ours.poll(LONGEST + 5):
+                since, patience = time.monotonic(), LONGEST + 5
+                while seeds and ours.poll(patience):
                     outcome = ours.recv()
-                    yield seeds[0], outcome
-                    since, seeds = time.monotonic(), seeds[1:]
+                    patience = COMPILATION if outcome == COMPILING else LONGEST + 5
+                    if outcome not in (COMPILING, COMPILED):
+                        yield seeds[0], outcome
+                        since, seeds = time.monotonic(), seeds[1:]
             if seeds:
                 kind = random.Random(seeds[0]).choices(list(kinds), kinds.values())[0].__name__
                 worker.join(1)
