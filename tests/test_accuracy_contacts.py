@@ -142,7 +142,7 @@ def test_outlines_that_cross_four_times_have_no_chord():
     assert np.isnan(definitions.crossing(pairs).overlap).all()
 
 
-def test_the_front_is_of_what_no_other_kind_beats():
+def test_pareto_front_holds_what_no_other_kind_beats():
     """Slower and less exact than one of another kind is not on the front; of the same kind, it is."""
     names = ["fast", "exact", "slow sibling of fast", "beaten"]
     each = ("contact_method",)

@@ -104,7 +104,7 @@ def test_longer_windows_scatter_as_independent_pieces_do():
     assert short / np.interp(8e-3, lengths, scatter) == pytest.approx(2.0, rel=0.15)
 
 
-def test_replicates_that_are_needed():
+def test_needed_replicates_reach_the_target_interval():
     """With as many runs as are said to be needed, random groups reach the interval asked for."""
     dataset = series(0.2e-3)
     found = replicates.replicates(dataset)
@@ -145,7 +145,7 @@ def test_a_shorter_stroke_keeps_the_bins():
         ("replicates", {"shape": "c1", "seeds": 4, "stroke": 1e-4}, "accuracy.replicates.stroke"),
     ],
 )
-def test_a_study_that_can_not_be_made_is_refused(key, value, sentence):
+def test_a_study_that_cannot_be_made_is_refused(key, value, sentence):
     """Before anything runs, with the key in the sentence."""
     data = yaml.safe_load((CONFIG / "smoke.yaml").read_text())
     data["accuracy"][key] = value

@@ -191,7 +191,7 @@ def test_the_oblique_contact_sticks_at_first_and_slides_at_last():
     assert_allclose(used[-50:], 1.0)
 
 
-def test_steps_back_in_time_do_not_get_back_what_a_spring_has_lost():
+def test_with_friction_only_verlet_converges():
     """With friction the fourth-order method converges to another law; Verlet converges."""
     scene = SCENES[collisions.OBLIQUE]
     plan = steps.Plan(8, 1, (0.02, 0.002), reference_pairs=4, collision_references=(4e-4, 2e-4))

@@ -392,7 +392,7 @@ def test_shapes_under_the_load_of_another():
     assert jamming.at_load("e1", "c1", 0.80) < jamming.fraction("e1")
 
 
-def test_runs_that_can_not_be_are_refused_before_any_is_made():
+def test_impossible_runs_are_refused_before_any_is_made():
     """A design that leaves what can be simulated is named with its value."""
     data = yaml.safe_load((CONFIG / "smoke.yaml").read_text())
     data["claims"]["scaling"]["height"] = [0.3]

@@ -281,18 +281,18 @@ def bounces(method):
     return gains(*volley(shape, 2, 300.0, material=Material(restitution=1.0)), 0.0125)
 
 
-def test_ellipses_bounce_without_loss():
+def test_elastic_bounces_of_ellipses_conserve_energy():
     """A frictionless elastic bounce of ellipses by their common normal conserves energy."""
     assert np.abs(bounces(CommonNormal())).max() < 1e-6
 
 
-def test_the_chord_of_the_paper_makes_energy():
+def test_the_contact_normal_of_the_paper_does_not_conserve_energy():
     """The paper's contact normal, the chord of the two deepest points, does not conserve energy."""
     gain = bounces(GeometricPotential())
     assert gain.max() > 0.1 and np.sqrt(np.mean(gain**2)) > 0.01
 
 
-def test_two_bodies_know_each_other_from_both_sides():
+def test_newtons_third_law():
     """The forces on two granules that touch are opposite, whatever their order."""
     scene, state = volley(Ellipse(1.4 * sizes(2), sizes(2)), 5, 300.0, friction=SLIPPERY)
     state.position[1] = state.position[0] + 0.8 * (state.position[1] - state.position[0])

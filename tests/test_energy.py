@@ -24,7 +24,7 @@ def pair(small, velocity, restitution=0.5):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_bed_adds_up(small_bed, kind):
+def test_energy_balance_of_a_bed(small_bed, kind):
     """Work of the cylinder is energy held, damped and lost by sliding, to a thousandth of it."""
     small = small_bed(kind)
     run = dem.Simulation(small.scene(), small.state, ledger=True)
@@ -38,7 +38,7 @@ def test_a_bed_adds_up(small_bed, kind):
     )
 
 
-def test_what_does_not_add_up_falls_faster_than_the_step(small_bed):
+def test_the_energy_residual_falls_faster_than_the_time_step(small_bed):
     """Half the step leaves clearly less than half the residual, though contacts come and slide."""
     small = small_bed("disc")
     still = replace(small.cylinder, velocity=(0.0, 0.0))
@@ -53,7 +53,7 @@ def test_what_does_not_add_up_falls_faster_than_the_step(small_bed):
     assert found[0] / found[1] > 2.4
 
 
-def test_a_ledger_changes_nothing(small_bed):
+def test_an_energy_ledger_does_not_change_the_motion(small_bed):
     """A run moves alike, to rounding, whether it is accounted for or not."""
     small = small_bed("disc")
     runs = [dem.Simulation(small.scene(), small.state, ledger=kept) for kept in (False, True)]
@@ -90,7 +90,7 @@ def test_gross_sliding_loses_friction_times_slip(small_bed):
     )
 
 
-def test_a_ledger_that_is_not_kept(small_bed):
+def test_an_energy_ledger_must_be_asked_for(small_bed):
     """Asking for what was not kept, or for threads with it, is refused in words."""
     small = small_bed("disc")
     with pytest.raises(dem.InputError, match="ledger"):

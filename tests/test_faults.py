@@ -189,7 +189,7 @@ def test_time_left_of_a_steady_job():
 
 @pytest.mark.parametrize("verb", ["simulate", "pack"])
 @pytest.mark.parametrize("asked", [signal.SIGINT, signal.SIGTERM])
-def test_to_be_stopped_is_one_sentence(tmp_path, verb, asked):
+def test_a_stopped_command_says_one_sentence(tmp_path, verb, asked):
     """Of a job that ignores signals until it can answer, as the workflow starts its jobs."""
     command = [sys.executable, "-m", "dem", verb, "--config", CONFIG / "smoke.yaml", "--shape", "c1", "--seed", "1",
                "-o", tmp_path / "out.nc", *(["--density", "3900"] if verb == "simulate" else [])]  # fmt: skip

@@ -78,14 +78,14 @@ def test_layers_that_do_not_mix(grid):
     assert measures.mixing(shuffled, grid, 1e-3) == pytest.approx(1.0 - (counts**2).sum(), abs=0.08)
 
 
-def test_contacts_lost():
+def test_lost_contacts_are_a_share_of_those_before():
     """A share of those before, whatever is new."""
     assert measures.lost({(0, 1), (1, 2), (2, 3), (3, 4)}, {(0, 1), (8, 9)}) == 0.75
     assert np.isnan(measures.lost(set(), {(0, 1)}))
 
 
 @pytest.mark.parametrize(("kind", "fraction"), STIFF)
-def test_contacts_of_a_bed_at_rest_balance(small_bed, kind, fraction):
+def test_contact_forces_on_a_granule_at_rest_balance(small_bed, kind, fraction):
     """The normal forces on every granule of a packed bed add up to nothing."""
     small = small_bed(kind, fraction=fraction)
     found = dem.Simulation(small.scene(), small.state).contacts()

@@ -67,7 +67,7 @@ def memory(contacts):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_springs_survive_a_new_list(small_bed, kind):
+def test_contact_memory_survives_a_new_neighbor_list(small_bed, kind):
     """Every spring is carried to the same pair, whether the new list is longer or shorter."""
     small = small_bed(kind)
     run = Simulation(small.scene(), small.state)
@@ -82,7 +82,7 @@ def test_springs_survive_a_new_list(small_bed, kind):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_the_skin_changes_nothing(small_bed, kind):
+def test_motion_does_not_depend_on_the_skin(small_bed, kind):
     """Lists made every few steps and lists made hardly ever lead to the same motion."""
     small = small_bed(kind)
     runs = [Simulation(small.scene(), small.state, 4e-8, skin=skin) for skin in (0.004, 0.5)]

@@ -60,7 +60,7 @@ def test_nothing_is_fetched_and_all_is_there(page):
     )
 
 
-def test_its_table_holds_the_means(page):
+def test_the_table_of_the_report_holds_the_means(page):
     """The mean drag of each case, as it follows from drag.nc."""
     import xarray as xr
 
@@ -115,7 +115,7 @@ def test_a_readme_without_the_section_is_refused(page, tmp_path):
 
 
 @pytest.mark.parametrize("width", [1280, 400])
-def test_in_a_browser(page, browser, width):
+def test_the_report_works_in_a_browser(page, browser, width):
     """No request leaves, no script fails, nothing is cut; boxes and pointer do what they say."""
     browser.execute_cdp_cmd(
         "Emulation.setDeviceMetricsOverride",

@@ -240,7 +240,7 @@ def test_round_ellipses_follow_discs(small_bed):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_looking_changes_nothing_and_runs_repeat(small_bed, kind):
+def test_diagnosing_changes_no_bit_and_runs_repeat(small_bed, kind):
     """A run has the same bits with and without looks in between, and every time."""
     small = small_bed(kind)
 

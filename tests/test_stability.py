@@ -196,7 +196,7 @@ def test_the_released_catalogue_fits_the_released_configurations():
     assert {case.experiment for case in cases.cases.values()} == set(study.EXPERIMENTS)
 
 
-def test_the_map_is_read_aright():
+def test_edges_of_the_map_in_words():
     """Where energy is off and where runs break, failed ones included, beside the default."""
     dims = "map_shape", "map_stiffness", "map_restitution", "map_fraction"
     residual = np.array([[1e-4, 0.02, 0.05, np.nan], [1e-4, 1e-3, 0.05, 0.06]])

@@ -66,7 +66,7 @@ def contents(path):
         return {n: np.array(v[...]) for n, v in file.variables.items() if n not in NOT_COMPARED}
 
 
-def test_everything_is_there(finished):
+def test_one_command_makes_all_results(finished):
     """One command leaves drag.nc, flow.nc, a file a replicate and the figures."""
     results = finished / "results/smoke"
     assert len(list((results / "replicates").rglob("seed*.nc"))) == 5 * 2
