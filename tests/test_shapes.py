@@ -1,6 +1,8 @@
 """What a shape must answer: every shape of the registry does, and wrong ones are told what is wrong."""
 
 import itertools
+import re
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -170,7 +172,7 @@ WRONG = {
     "normal of a contact": lambda: with_contact(biased_normal),
     "circle": with_circle,
     "bounces would make or lose energy": lambda: dem.Ellipse.of_size(
-        SIZES, 1.5, dem.GeometricPotential()
+        SIZES, 1.5, "geometric_potential"
     ),
     "semi_minor must not exceed": lambda: dem.Ellipse(SIZES, 2.0 * SIZES),
 }  # fmt: skip
@@ -215,6 +217,13 @@ def test_an_unknown_question_is_refused():
     """An answer to what no kernel asks is refused, with both names."""
     with pytest.raises(dem.InputError, match="Egg answers colour, which is no question"):
         protocol.answer(Egg, colour=egg_support)
+
+
+def test_the_shape_of_the_documentation_works():
+    """The page on shapes shows a whole shape, which is accepted."""
+    page = (Path(__file__).parent.parent / "docs/shapes.md").read_text()
+    code = re.search(r"```python\n(.*?)```", page, re.S).group(1)
+    exec(compile(code, "shapes.md", "exec"), {"__name__": "shape_of_the_page"})
 
 
 def test_a_superellipse_of_exponent_two_without_rounding_is_an_ellipse():
