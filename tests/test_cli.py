@@ -3,6 +3,8 @@
 import re
 import subprocess
 import sys
+import tomllib
+from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -185,3 +187,9 @@ def test_the_interval_of_the_modulus_is_positive_and_holds_it():
 def test_a_calibration_that_says_nothing_fails(means, target, sentence):
     with pytest.raises(RunError, match=sentence):
         fit(*means, target)
+
+
+def test_the_console_script_is_the_application():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    module, _, name = project["scripts"]["dem"].partition(":")
+    assert getattr(import_module(module), name) is app

@@ -11,7 +11,7 @@ import time
 import netCDF4
 import numpy as np
 import pytest
-from conftest import CONFIG
+from conftest import CONFIG, assert_not_blank
 from rich.console import Console
 from test_stopping import smoke
 
@@ -94,7 +94,10 @@ def shows_no_gaps(folder):
     """Figures, tables and the page of a sweep with failed runs hold numbers, and the count of runs."""
     drag, flow = folder / "drag.nc", folder / "flow.nc"
     for name in ("all", "figure09", "irregularity"):
-        assert draw(name, flow if name in FLOW else drag, folder / "figures")
+        draw(name, flow if name in FLOW else drag, folder / "figures")
+    for picture in (folder / "figures").glob("*.png"):
+        assert_not_blank(picture)
+    assert len(list((folder / "figures").glob("*.png"))) > 3
     build(drag, flow, CONFIG.parent / "README.md", folder / "report.html")
     page = re.sub(r"<script.*?</script>", "", (folder / "report.html").read_text(), flags=re.S)
     assert not re.search(r"\bnan\b", page) and re.search(r"\b3 runs\b", page)

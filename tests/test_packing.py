@@ -121,9 +121,9 @@ def test_impossible_fraction_is_refused(kind, fraction):
 
 
 def test_box_too_small_to_scatter_is_refused():
-    """Granules longer than the box find no place, which is an error with a name."""
-    shape = dem.Ellipse(np.full(9, 6e-3), np.full(9, 1e-3))
-    with pytest.raises(dem.PackingError):
+    """A granule that has no room beside the cylinder finds no place, which is an error with a name."""
+    shape = dem.Ellipse(np.full(1, 6e-3), np.full(1, 1e-3))
+    with pytest.raises(dem.PackingError, match=r"granule 0 of 1 found no free place .* too small"):
         dem.pack(shape, 8e-3, 8e-3, dem.Cylinder(1e-3, (4e-3, 4e-3)), 1)
 
 

@@ -117,7 +117,7 @@ def test_any_array_is_simulated_or_refused(name, value, place, form):
 @pytest.mark.parametrize("semi_minor", [[2e-3, 1e-3], [1e-3]])
 def test_axes_of_ellipses_that_make_no_sense_are_refused(semi_minor):
     """A minor axis longer than the major one, or lists of unequal lengths, cannot be simulated."""
-    with pytest.raises(dem.InputError):
+    with pytest.raises(dem.InputError, match="semi_minor"):
         two_discs(shape=dem.Ellipse(np.full(2, 1.5e-3), np.array(semi_minor)))
 
 
