@@ -1,6 +1,6 @@
 """Bad input at random: configurations, command lines, paths, arrays, files; no traceback, hang or loss.
 
-    python tests/fuzz.py 10000 [seed]
+    python tests/fuzz.py 10000 [seed] [quick]     quick: without the kinds that compile
 
 An input may be taken, or refused with a sentence (InputError, RunError, exit status 1 or 2). A fault
 is all else: a traceback, more than LONGEST seconds, the death of the process, a file of the inputs
@@ -1049,5 +1049,7 @@ def main(count: int, first: int = 0, kinds=KINDS) -> int:
 
 
 if __name__ == "__main__":
-    arguments = [int(word) for word in sys.argv[1:]]
-    sys.exit(main(*(arguments or [1000])) > 0)
+    numbers = [int(word) for word in sys.argv[1:] if word.isdigit()]
+    slow = () if "quick" not in sys.argv else SLOW
+    kinds = {kind: weight for kind, weight in KINDS.items() if kind not in slow}
+    sys.exit(main(*(numbers or [1000]), kinds=kinds) > 0)

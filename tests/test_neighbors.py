@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from conftest import STIFF
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
@@ -66,10 +67,10 @@ def memory(contacts):
     return {pair: row for pair, row in zip(pairs, remembered, strict=True) if any(row)}
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_contact_memory_survives_a_new_neighbor_list(small_bed, kind):
+@pytest.mark.parametrize(("kind", "fraction"), STIFF)
+def test_contact_memory_survives_a_new_neighbor_list(small_bed, kind, fraction):
     """Every spring is carried to the same pair, whether the new list is longer or shorter."""
-    small = small_bed(kind)
+    small = small_bed(kind, fraction=fraction)
     run = Simulation(small.scene(), small.state)
     run.advance(3e-5)
     boundaries = run.world, run.world.walls, run.world.cylinder

@@ -177,12 +177,13 @@ def test_figures_draws_all_again_and_simulates_nothing(finished, tmp_path):
     made = {path: path.stat().st_mtime_ns for path in results.rglob("*.nc")}
     drawn = {path: path.stat().st_mtime_ns for path in (results / "figures").iterdir()}
     assert planned(folder)["simulate"] == 10
-    assert planned(folder, "figures") == {"figure": 9, "figures": 1}
+    assert len(drawn) >= 18 and planned(folder, "figures") == {
+        "figure": len(drawn) // 2,
+        "figures": 1,
+    }
     run = snakemake(folder, "figures", "-j2")
     assert run.returncode == 0, run.stdout + run.stderr
-    assert (
-        all(path.stat().st_mtime_ns > stamp for path, stamp in drawn.items()) and len(drawn) == 18
-    )
+    assert all(path.stat().st_mtime_ns > stamp for path, stamp in drawn.items())
     assert made == {path: path.stat().st_mtime_ns for path in results.rglob("*.nc")}
     assert planned(folder, "figures") == {}
     assert "Nothing to be done" in snakemake(folder, "figures", "-j2").stderr
@@ -192,13 +193,15 @@ def test_figures_draws_all_again_and_simulates_nothing(finished, tmp_path):
 
 
 def test_figures_draws_what_is_there(finished, tmp_path):
-    """From flow.nc and a study's file only if they are there; without drag.nc there is a sentence."""
+    """From drag.nc alone where flow.nc and the files of studies are absent; without it, a sentence."""
     folder = tmp_path / "some"
     shutil.copytree(
         finished, folder, ignore=shutil.ignore_patterns("figures", "replicates", ".snakemake")
     )
     shutil.copytree(finished / "dem/figures", folder / "dem/figures")
-    (folder / "results/smoke/flow.nc").unlink()
+    for file in (folder / "results/smoke").glob("*.nc"):
+        if file.stem != "drag":
+            file.unlink()
     assert planned(folder, "figures") == {"figure": 4, "figures": 1}
     for arguments, words in (
         (("figures", "all"), "ask for it alone"),
