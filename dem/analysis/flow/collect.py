@@ -11,7 +11,7 @@ from dem.analysis.flow.one_run import lag_of, measure
 from dem.base import provenance
 from dem.base.errors import InputError
 from dem.experiment.config import Replicate, Sweep
-from dem.io.dataset import global_attributes, write
+from dem.io.dataset import content_of, global_attributes, write
 from dem.sweep import failures
 from dem.sweep.combine import places_of
 from dem.sweep.failures import Failed
@@ -47,7 +47,9 @@ def collect(
             raise InputError(
                 f"{path}: it is not a run of this configuration, or it is there twice."
             )
-        for name, found in measure(motion).items():
+        with content_of(path):
+            measured = measure(motion)
+        for name, found in measured.items():
             shape = len(sweep.cases), len(sweep.seeds), snapshots
             values.setdefault(name, np.full(shape, np.nan))[place] = found
         if place[1] == first[place[0]]:

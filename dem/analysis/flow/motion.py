@@ -68,13 +68,21 @@ def read_motion(path: Path) -> Motion:
     values, attrs = read(path, READ)
     if "configuration" not in attrs:
         raise InputError(f"{path}: it has no attribute configuration; is it another file?")
+    moved = values["snapshot_displacement"]
+    if not (len(moved) > 1 and np.isfinite(moved).all() and (np.diff(moved) > 0.0).all()):
+        raise InputError(f"{path}: its snapshots do not follow each other; is it another file?")
     with content_of(path):
-        sweep = parse(json.loads(attrs["configuration"]), str(path))
+        try:
+            sweep = parse(json.loads(attrs["configuration"]))
+        except InputError:
+            raise InputError(
+                f"{path}: its configuration is none of a run; is it another file?"
+            ) from None
         density, seed = float(values["density"]), int(values["seed"])
         return Motion(
             sweep.replicate(str(values["shape"]), density, seed),
             float(values["box_height"]),
-            values["snapshot_displacement"],
+            moved,
             values["cylinder_y"],
             np.stack([values["granule_x"], values["granule_y"]], axis=-1),
             values["granule_angle"],
