@@ -40,11 +40,12 @@ BEND = 1e3  # over size: at overlaps of a thousandth it turns a granule as the l
 
 
 @compiled
-def _pair(shape, frame, bodies, constituents, per, order, found, pushed, force):
+def _pair(shape, frame, bodies, constituents, order, found, pushed, force):
     """Contacts of granules order[0] and order[1]: rows (overlap, nx, ny, n1, t1, n2, t2) of `found`,
     and `force` (m2), minus the gradient of half the sum of their squared overlaps."""
     place(shape, bodies, frame, constituents, 0, len(bodies))
     pushed[:] = 0.0
+    per = len(constituents) // len(bodies)
     for i in range(per):
         for j in range(per):
             a, b = per * order[0] + i, per * order[1] + j
@@ -108,7 +109,7 @@ class Few:
         found, force = np.zeros((self.per**2, 7)), rows(self.count, 4)
         pushed = force if self.per == 1 else rows(self.per * self.count, 4)
         order = np.arange(self.count)[list(order)]
-        _pair(self.shape, *self._arrays(position, angle), self.per, order, found, pushed, force)
+        _pair(self.shape, *self._arrays(position, angle), order, found, pushed, force)
         return found, force
 
     def feel(self, g, angle, directions):
