@@ -1,4 +1,4 @@
-"""The paper from one configuration file: kernels, beds, replicates, drag.nc, figures.
+"""The paper, or any sweep, from one configuration file: kernels, chunks of runs, drag.nc, figures.
 
     snakemake -j2                                         config/paper.yaml into results/
     snakemake -j2 --configfile config/smoke.yaml          another sweep into its own folder
@@ -14,17 +14,20 @@ import json
 import logging
 import shlex
 import sys
+from functools import cache
+from itertools import chain
 
 from snakemake.cli import get_argument_parser
 
 import dem
-from dem.studies import config as schema
 from dem.base.errors import InputError, RunError
+from dem.base.sources import code_hash
+from dem.base.yaml_file import read
 from dem.figures import FLOW, possible
 from dem.io.progress import WorkflowProgress
-from dem.experiment.config import save
 from dem.io.results_folder import on_failure, prepare
-from dem.base.yaml_file import read
+from dem.sweep import config as schema
+from dem.sweep.work import Work
 
 
 def refuse(sentence):
@@ -48,56 +51,97 @@ if not workflow.overwrite_configfiles:
 
 
 try:
-    SWEEP = schema.parse(config, ", ".join(CONFIG_FILES))
+    MAIN = Work(schema.parse(config, ", ".join(CONFIG_FILES)))
 except InputError as error:
     refuse(error)
+SWEEP, STORE = MAIN.sweep, MAIN.store
 
-
-def targets():
-    """Targets of the command line: Snakemake itself tells them only once it has read this file."""
-    if "snakemake" not in Path(sys.argv[0]).parts[-2:] or "--target-jobs" in sys.argv:
-        return set()  # another program's, or a job that Snakemake sent
-    return set(get_argument_parser().parse_known_args(sys.argv[1:])[0].targets)
-
+# The command line: Snakemake itself tells it only once it has read this file. Not that of another program, nor of
+# a job that Snakemake sent.
+OWN = "snakemake" in Path(sys.argv[0]).parts[-2:] and "--target-jobs" not in sys.argv
+ARGUMENTS = get_argument_parser().parse_known_args(sys.argv[1:] if OWN else [])[0]
+TARGETS = set(ARGUMENTS.targets)
 
 # `figures` draws what lies there: without the rules that make results, drag.nc and the like are files like any
 # other, and nothing is simulated, however much older than the code they are
-ONLY_FIGURES = "figures" in targets()
-if ONLY_FIGURES and len(targets()) > 1:
-    others = ", ".join(sorted(targets() - {"figures"}))
+ONLY_FIGURES = "figures" in TARGETS
+if ONLY_FIGURES and len(TARGETS) > 1:
+    others = ", ".join(sorted(TARGETS - {"figures"}))
     refuse(f"figures is asked for with {others}; ask for it alone, because it makes no results.")
 
 RESULTS = SWEEP.results
 CONFIG = f"{RESULTS}/config.yaml"  # the configuration as resolved, written when the run starts
+WORKS = {RESULTS: MAIN}  # sweeps by their folder of results; those of studies when they are asked for
+
+
+@cache
+def study(name):
+    """The sweep of a study."""
+    if name not in SWEEP.studies:
+        refuse(f"studies.{name} is missing in {', '.join(CONFIG_FILES)}; see config/paper.yaml.")
+    try:
+        found = Work(schema.load(SWEEP.studies[name]), STORE)
+    except InputError as error:
+        refuse(error)
+    return WORKS.setdefault(found.sweep.results, found)
+
+
+def study_needed(name):
+    """Combined files of blocks that values of others are derived from."""
+    work = study(name)
+    return sorted({str(path) for block in work.sweep.blocks for path in work.needed(block)})
+
+
+def study_chunks(name, derived=False):
+    """The chunks of those blocks of a study whose values are derived from other blocks, or of the others."""
+    work = study(name)
+    folders = [work.folder_of(each) for each in work.sweep.blocks if bool(work.needed(each)) == derived]
+    return list(dict.fromkeys(link for folder in folders for link in chunks_in(folder)))
+
+
+def study_config(name):
+    """The configuration of a study as resolved."""
+    return f"{study(name).sweep.results}/config.yaml"
+
+
+def place_of(folder):
+    """The sweep whose folder this is, and the block whose combined files lie in it."""
+    for work in chain(list(WORKS.values()), map(study, SWEEP.studies)):  # each study when it is looked at
+        if folder in work.folders:
+            return work, work.folders[folder]
+    raise ValueError(f"{folder} is no folder of this sweep")
+
+
+def values_of_block(folder):
+    """What is made of the runs of a block depends on in a configuration, as text."""
+    work, block = place_of(folder)
+    return values_of(work.sweep, "sweep", *UNREAD) + json.dumps(work.sweep.blocks[block])
 
 
 # Code is a parameter of a rule, and not an input: what its module and the shapes depend on, without comments,
-# docstrings and sentences of errors. An edit of anything else makes no job again.
+# docstrings and sentences of errors. An edit of anything else makes no job again. Runs need no such parameter:
+# the code is part of what they are known by.
 def code_of(*modules, shapes=()):
     """Hash of the code that modules below dem/ and shapes of the sweep depend on."""
     return SWEEP.code_of(*(f"dem.{name}" for name in modules), shapes=shapes)
 
 
-def physics(*without):
-    """What runs of a study depend on in the configuration, as text: not how many there are, nor what they are called."""
-    return json.dumps(SWEEP.own_dump({"title", "results", "seeds", "batch", "failures", *without}))
+def values_of(sweep, *without):
+    """What a job depends on in a configuration, as text."""
+    return json.dumps({key: new for key, new in sweep.dump().items() if key not in without})
 
 
-def run_code(wildcards):
-    """What a bed and a run of a shape depend on."""
-    return code_of("experiment.drag", shapes=[wildcards.shape])
+SHOWN = "title", "results", "chunk", "failures", "studies"  # no run reads them
+UNREAD = "chunk", "results", "size", "studies"  # nor does what is made of runs
 
-
-# what says that all replicates are there: with one seed a job their files, else a mark a job
-if SWEEP.batch == 1:
-    REPLICATES = [f"{RESULTS}/{replicate.path}" for replicate in SWEEP.replicates()]
-else:
-    REPLICATES = [
-        f"{RESULTS}/batches/{shape}/{number}.done"
-        for shape in dict.fromkeys(case.shape for case in SWEEP.cases.values())
-        for number in range(SWEEP.batches())
-    ]
-FIGURES = possible(SWEEP) + possible(SWEEP, FLOW)
+# what the sweep gives: of each of its blocks the combined files, and the figures that they suffice for
+COMBINED, FIGURES = [], []
+for folder, name in MAIN.folders.items():
+    drawn = possible(MAIN.block(name)), possible(MAIN.block(name), FLOW)
+    found = [*MAIN.observables(name), *(["flow"] if drawn[1] else [])]
+    COMBINED += [f"{folder}/{observable}.nc" for observable in dict.fromkeys(found)]
+    FIGURES += [(folder, figure) for some in drawn for figure in some]
+PICTURES = [f"{folder}/figures/{figure}.{kind}" for folder, figure in FIGURES for kind in ("svg", "png")]
 
 
 def quoted(text):
@@ -111,17 +155,18 @@ def quoted(text):
 shell.prefix(
     "set -euo pipefail; trap '' INT; "
     f"export PYTHONPATH={quoted(Path(dem.__file__).parent.parent)}${{{{PYTHONPATH:+:$PYTHONPATH}}}}; "
-    f'dem() {{{{ {quoted(sys.executable)} -P -m dem "$@"; }}}}; '
+    + f'dem() {{{{ {quoted(sys.executable)} -P -m dem "$@"; }}}}; '
+    # --forceall and -R chunk make runs again that are there
+    + ("export DEM_AGAIN=1; " if ARGUMENTS.forceall or "chunk" in (ARGUMENTS.forcerun or ()) else "")
 )
 
 
 wildcard_constraints:
+    folder="results(/[A-Za-z0-9][A-Za-z0-9._ -]*)*",
+    chunk="[0-9a-f]{16}",
+    kernels="[0-9a-f]{16}",
     shape="[A-Za-z][A-Za-z0-9_-]*",
-    density="[0-9.e+-]+",
-    seed="[0-9]+",
-    group="[0-9]+",
-    number="[0-9]+",
-    part="[a-z]+",
+    part="catalogue|limits",
 
 
 localrules:
@@ -131,8 +176,8 @@ localrules:
 
 rule all:
     input:
-        f"{RESULTS}/drag.nc",
-        expand(f"{RESULTS}/figures/{{figure}}.{{kind}}", figure=FIGURES, kind=["svg", "png"]),
+        COMBINED,
+        PICTURES,
     default_target: True
 
 
@@ -142,8 +187,7 @@ include: "rules/figures.smk"
 if not ONLY_FIGURES:
 
     include: "rules/kernels.smk"
-    include: "rules/pack.smk"
-    include: "rules/simulate.smk"
+    include: "rules/chunk.smk"
     include: "rules/combine.smk"
     include: "rules/flow.smk"
     include: "rules/benchmark.smk"
@@ -153,12 +197,18 @@ if not ONLY_FIGURES:
     include: "rules/report.smk"
 
 
+STARTED = False
+
+
 onstart:
-    global HELD  # the folder, until the process ends
+    global HELD, STARTED  # the folder, until the process ends
     try:
         HELD, said = prepare(RESULTS)
-        save(SWEEP, CONFIG)
-    except (RunError, OSError) as error:
+        for work in WORKS.values():
+            schema.save(work.sweep, f"{work.sweep.results}/config.yaml")
+            work.settle()
+        STARTED = True
+    except (InputError, RunError, OSError) as error:
         print(error, file=sys.stderr)
         sys.exit(1)
     print(*said, sep="\n", end="\n" if said else "", file=sys.stderr)

@@ -21,3 +21,5 @@ from .shapes.dumbbell import Dumbbell as Dumbbell
 from .shapes.ellipse import Ellipse as Ellipse
 from .shapes.geometric_potential import GeometricPotential as GeometricPotential
 from .shapes.superellipse import Superellipse as Superellipse
+from .sweep.library import load_sweep as load_sweep
+from .sweep.library import run_experiment as run_experiment

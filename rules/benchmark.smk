@@ -31,7 +31,7 @@ rule measure:
         RESULTS + "/benchmark.nc",
     params:
         code=code_of("studies.benchmark.measure", shapes=SWEEP.shapes),
-        sweep=physics("record"),
+        sweep=values_of(SWEEP, "record", "sweep", *SHOWN),
     threads: workflow.cores
     log:
         RESULTS + "/logs/benchmark.log",

@@ -1,25 +1,49 @@
-"""Combine all replicates into one file over case, seed and displacement.
+"""Combine the runs of a block into one file an observable, over its axes.
 
 REQUIRED INPUTS
-    {RESULTS}/replicates/{shape}/density{density}/seed{seed}.nc, for all cases and seeds
+    {folder}/chunks/{chunk}.nc, for all runs
 OUTPUTS
-    {RESULTS}/drag.nc
+    {folder}/{observable}.nc, such as {RESULTS}/drag.nc
 """
 
 
-rule combine:
+def chunks_in(folder):
+    """The chunks of a block; those of a derived one are known once the blocks that it needs are combined."""
+    work, block = place_of(folder)
+    for path in work.needed(block):
+        checkpoints.combine.get(folder=path.parent, observable=path.stem)
+    try:
+        found = work.links(block)
+        if STARTED:  # before that nothing is written
+            work.settle()
+    except (InputError, RunError) as error:
+        refuse(error)
+    return found
+
+
+def chunks_of(wildcards):
+    return chunks_in(wildcards.folder)
+
+
+# of a whole checkpoint Snakemake asks again, once it is made, what the rest needs
+checkpoint combine:
     message:
-        "Combine the replicates into {output}"
+        "Combine the runs into {output}"
     input:
-        replicates=REPLICATES,
+        chunks=chunks_of,
     output:
-        RESULTS + "/drag.nc",
+        "{folder}/{observable}.nc",
     params:
         code=code_of("sweep.combine"),
-        sweep=SWEEP.model_dump_json(include={"title", "seeds", "failures", "shapes", "cases", "record"}),
+        sweep=lambda w: values_of_block(w.folder),
+        block=lambda w: place_of(w.folder)[1],
+        config=lambda w: f"{place_of(w.folder)[0].sweep.results}/config.yaml",
+    wildcard_constraints:
+        observable="drag|ledger|alignment|jamming",
     log:
-        RESULTS + "/logs/combine.log",
+        "{folder}/logs/combine/{observable}.log",
     benchmark:
-        RESULTS + "/benchmarks/combine.tsv"
+        "{folder}/benchmarks/combine/{observable}.tsv"
     shell:
-        "dem combine --config {CONFIG} -o {output} 2> {log}"
+        "dem combine --config {params.config} --block {params.block:q}"
+        " --observable {wildcards.observable} -o {output:q} 2> {log:q}"

@@ -11,16 +11,17 @@ OUTPUTS
 from dem.figures import FILE_OF, STUDY_FIGURES, drawable
 
 
-def pictures(names):
+def pictures(names, folder=RESULTS):
     """Both files of each of some figures."""
-    return expand(RESULTS + "/figures/{figure}.{kind}", figure=names, kind=["svg", "png"])
+    return expand("{folder}/figures/{figure}.{kind}", folder=folder, figure=names, kind=["svg", "png"])
 
 
 def pictures_of_results(wildcards):
     if not ONLY_FIGURES:  # the rules that make results are there, and would run
         refuse("figures must be a target on the command line: snakemake -j2 figures.")
+    drawn = [folder for folder, block in MAIN.folders.items() if possible(MAIN.block(block))]
     try:
-        return pictures(drawable(RESULTS))
+        return [each for folder in drawn or [RESULTS] for each in pictures(drawable(folder), folder)]
     except InputError as error:
         refuse(error)
 
@@ -29,16 +30,16 @@ rule figure:
     message:
         "Draw {wildcards.figure}"
     input:
-        data=lambda w: f"{RESULTS}/{FILE_OF[w.figure]}.nc",
+        data=lambda w: f"{w.folder}/{FILE_OF[w.figure]}.nc",
     output:
-        RESULTS + "/figures/{figure}.svg",
-        RESULTS + "/figures/{figure}.png",
+        "{folder}/figures/{figure}.svg",
+        "{folder}/figures/{figure}.png",
     params:
         code=lambda w: code_of(f"figures.{w.figure}"),
     wildcard_constraints:
         figure="|".join(FILE_OF),
     log:
-        RESULTS + "/logs/figures/{figure}.log",
+        "{folder}/logs/figures/{figure}.log",
     shell:
         "dem figure {wildcards.figure} {input.data} 2> {log}"
 

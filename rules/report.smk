@@ -8,7 +8,7 @@ report, provenance.html:
     snakemake -j1 --report {RESULTS}/provenance.html
 
 REQUIRED INPUTS
-    {RESULTS}/drag.nc, {RESULTS}/flow.nc, all figures
+    {RESULTS}/drag.nc, and what else the sweep gives; all figures
 OUTPUTS
     {RESULTS}/report.html
 """
@@ -41,9 +41,8 @@ rule report_page:
     message:
         "Write {output}"
     input:
-        drag=RESULTS + "/drag.nc",
-        flow=RESULTS + "/flow.nc",
-        figures=expand(RESULTS + "/figures/{figure}.png", figure=FIGURES),
+        combined=COMBINED,
+        figures=PICTURES,
         readme="README.md",
         page=sorted(map(str, Path("dem/report/page").iterdir())),
     output:
@@ -54,4 +53,4 @@ rule report_page:
     log:
         RESULTS + "/logs/report.log",
     shell:
-        "dem report {input.drag} --flow {input.flow} --readme {input.readme} -o {output} 2> {log}"
+        "dem report {RESULTS}/drag.nc --readme {input.readme} -o {output} 2> {log}"

@@ -3,7 +3,7 @@
     snakemake -j2 stability
 
 REQUIRED INPUTS
-    config/stability.yaml
+    the chunks of the sweep that the configuration names as studies.stability; config/catalogue.yaml
 OUTPUTS
     {RESULTS}/stability/{part}/{shape}.nc, {RESULTS}/stability.nc, {RESULTS}/stability.txt
     {RESULTS}/figures/stability_{figure}.svg, {RESULTS}/figures/stability_{figure}.png
@@ -11,21 +11,22 @@ OUTPUTS
 
 from dem.figures import STABILITY
 
-CATALOGUE = "config/stability.yaml"
+CATALOGUE = "config/catalogue.yaml"
 
 
 def stability_parts(wildcards):
-    """The files of all jobs."""
-    from dem.studies.stability import catalogue, study
+    """The files of the parts that are scripts."""
+    from dem.studies.stability import catalogue, study as cases_of
+    from dem.studies.stability.table import blocks_of
 
     try:
+        blocks_of(study("stability").sweep)
         cases = catalogue.load(CATALOGUE)
-        study.check(SWEEP, cases)
+        cases_of.check(study("stability").sweep, cases)
     except InputError as error:
         refuse(error)
     jobs = [("catalogue", shape) for shape in cases.shapes]
-    jobs += [("map", shape) for shape in cases.map.shapes]
-    jobs += [("paper", shape) for shape in dict.fromkeys(c.shape for c in SWEEP.cases.values())]
+    jobs += [("limits", shape) for shape in cases.limits.shapes]
     return [f"{RESULTS}/stability/{part}/{shape}.nc" for part, shape in jobs]
 
 
@@ -47,28 +48,32 @@ rule stability_part:
     output:
         RESULTS + "/stability/{part}/{shape}.nc",
     params:
-        code=lambda w: code_of("studies.stability.study", shapes=[w.shape]),
-        sweep=physics("record"),
-        seed=SWEEP.seeds[0],
+        code=lambda w: SWEEP.code_of("dem.studies.stability.study", shapes=[w.shape]),
+        sweep=lambda w: values_of(study("stability").sweep, "record", "sweep", *SHOWN),
+        seed=lambda w: study("stability").sweep.first_seed,
+        config=lambda w: study_config("stability"),
     log:
         RESULTS + "/logs/stability/{part}/{shape}.log",
     benchmark:
         RESULTS + "/benchmarks/stability/{part}/{shape}.tsv"
     shell:
-        "dem stability {wildcards.part} --config {CONFIG} --catalogue {input.catalogue}"
+        "dem stability {wildcards.part} --config {params.config} --catalogue {input.catalogue}"
         " --shape {wildcards.shape} -o {output} 2> {log}"
 
 
-rule stability_join:
+rule stability_table:
     message:
-        "Combine the study into {output}"
+        "Gather the study into {output}"
     input:
         parts=stability_parts,
+        chunks=lambda w: study_chunks("stability"),
     output:
         RESULTS + "/stability.nc",
     params:
-        code=code_of("studies.stability.layout"),
+        code=code_of("studies.stability.table"),
+        sweep=lambda w: values_of(study("stability").sweep, *UNREAD),
+        config=lambda w: study_config("stability"),
     log:
-        RESULTS + "/logs/stability/join.log",
+        RESULTS + "/logs/stability/table.log",
     shell:
-        "dem stability combine -o {output} {input.parts} 2> {log}"
+        "dem stability table --config {params.config} -o {output} {input.parts} 2> {log}"

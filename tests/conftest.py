@@ -15,7 +15,7 @@ import dem
 from dem import shapes
 from dem.experiment.config import ShapeSection
 from dem.experiment.fit import height_of_box, sample_diameters
-from dem.studies.config import load
+from dem.sweep.config import load
 
 # Compiling takes seconds, so no deadlines; the same examples each time, so no surprises.
 hypothesis.settings.register_profile("suite", deadline=None, derandomize=True, max_examples=100)

@@ -1,24 +1,25 @@
-"""Time and memory of planning, combining and drawing thousands of replicates on one computer.
+"""Time and memory of planning, combining and drawing thousands of runs on one computer.
 
     python tests/ensembles.py 100 1000 10000
 
-One smoke replicate is simulated; the others are copies of it that say that they are other seeds, so that
+One smoke run is simulated; the chunks of the others hold it over and over, under their names, so that
 it is the files that are measured. Each command runs in a process of its own; memory is its peak.
 """
 
-import shutil
+import contextlib
 import sys
 import tempfile
 import time
 from pathlib import Path
 
-import netCDF4
 from faults import Place
 
-from dem.io.checksums import seal
+from dem.experiment import drag
+from dem.experiment.bed import make_bed
 from dem.io.results_folder import prepare
-from dem.studies.config import load
-from dem.sweep.batch import batch
+from dem.sweep.chunk import write_chunk
+from dem.sweep.config import load
+from dem.sweep.work import Work, link
 
 MEASURED = """
 import resource, subprocess, sys, time
@@ -28,20 +29,21 @@ assert done.returncode == 0, done.stdout
 peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
 print(f"{time.time() - started:.1f} s, {peak:.0f} MB")
 """
-ONE = {"c1": {"shape": "c1", "density": 3.9e3}}
-FLOW = 1000  # replicates up to which their flow is measured too, which takes long
+FLOW = 1000  # runs up to which their flow is measured too, which takes long
 
 
-def copies(folder: Path, first: Path, sweep) -> None:
-    """A file for every replicate that has none."""
-    for replicate in sweep.replicates():
-        target = folder / replicate.path
-        if not target.exists():
-            shutil.copy(first, target)
-            with netCDF4.Dataset(target, "a") as file:
-                file["seed"][...] = replicate.seed
-                file.run_key = replicate.run_key()
-            seal(target)
+def copies(place: Place, config: str, row: dict) -> None:
+    """Write all chunks of a sweep, each run as if it had given this row."""
+    with contextlib.chdir(place.folder):
+        work = Work(load(Path(config)))
+        runs = {run.id: run for run in work.sweep.block("drag").unique()}
+        chunks = work.chunks("drag")
+        work.settle()
+        for chunk in chunks:
+            if not work.store.file_of(chunk.id).exists():
+                mine = [runs[name] for name in chunk.runs]
+                write_chunk(work.store.file_of(chunk.id), mine, [row] * len(mine))
+        link(work.store, chunks, work.sweep.results)
 
 
 def measured(place: Place, *command) -> str:
@@ -54,33 +56,31 @@ def measured(place: Place, *command) -> str:
 
 def main(counts: list[int]) -> None:
     with tempfile.TemporaryDirectory() as name:
-        place = Place(Path(name), cases=ONE)
-        one = load(place.folder / place.sweep("many", seeds=[1]))
+        place = Place(Path(name), sweep={"case": ["c1"], "seed": [1]})
+        one = next(load(place.folder / place.sweep("many")).block("drag").unique())
+        row = drag.run(one, make_bed(one))
+        row |= {"failure": 0, "failure_reason": "", "spent": row["run_time"]}
         results = place.results("many")
-        batch(one, "c1", 0, results)
         for count in counts:
-            seeds = f"1 to {count}"
-            data = "results/many/drag.nc"
-            print(f"{count} replicates")
-            for size in (1, 100):  # before there are replicates: all jobs are planned
-                config = place.sweep("plan", seeds=seeds, batch=size)
+            runs, data = {"case": ["c1"], "seed": f"1 to {count}"}, "results/many/drag.nc"
+            print(f"{count} runs")
+            for size in (1, 100):  # before there are runs: all jobs are planned
+                config = place.sweep("plan", sweep=runs, chunk=size, gravity=count)
                 plan = "snakemake", "-n", "results/plan/drag.nc", "--configfile", config
-                print(f"  planned, {size} seeds a job: {measured(place, *plan)}", flush=True)
-            config = place.sweep("many", seeds=seeds, batch=100)
-            copies(results, results / one.replicates()[0].path, load(place.folder / config))
+                print(f"  planned, {size} runs a job: {measured(place, *plan)}", flush=True)
+            config = place.sweep("many", sweep=runs, chunk=100)
+            copies(place, config, row)
             verb = ["dem", "combine", "--config", config, "-o", data]
             print(f"  combined: {measured(place, *verb)}", flush=True)
             began = time.perf_counter()
             prepare(results)[0].release()
             print(f"  folder made ready: {time.perf_counter() - began:.2f} s")
-            print(
-                f"  figure13: {measured(place, 'dem', 'figure', 'figure13', data)}",
-                flush=True,
-            )
+            figure = measured(place, "dem", "figure", "figure13", data)
+            print(f"  figure13: {figure}", flush=True)
             print(f"  dem info: {measured(place, 'dem', 'info', data)}", flush=True)
             if count <= FLOW:
-                verb = ["dem", "flow", "--config", config, "-o", "results/many/flow.nc"]
-                print(f"  flow.nc: {measured(place, *verb)}", flush=True)
+                flow = ["snakemake", "-j2", "results/many/flow.nc", "--configfile", config]
+                print(f"  flow.nc: {measured(place, *flow)}", flush=True)
 
 
 if __name__ == "__main__":

@@ -48,7 +48,7 @@ from dem.base.errors import InputError, RunError
 from dem.base.schema import MOST_SENTENCES
 from dem.cli.app import app
 from dem.io.dataset import read
-from dem.studies.config import load, parse
+from dem.sweep.config import load, parse
 
 try:  # a file of results may end with its checksum
     from dem.io.checksums import seal as reseal
@@ -96,11 +96,15 @@ def good_files() -> Path:
     """Folder with one good file of each sort: a configuration and what the verbs make of it."""
     folder = _kept_folder()
     data = yaml.safe_load(SMOKE.read_text())
-    data = {key: value for key, value in data.items() if key not in ("accuracy", "claims")}
-    data |= {"seeds": [1], "shapes": {"c1": data["shapes"]["c1"]}}
+    data = {key: value for key, value in data.items() if key != "studies"}
+    data |= {
+        "sweep": {"case": "all", "seed": [1]},
+        "results": "results",
+        "shapes": {"c1": data["shapes"]["c1"]},
+    }
     data |= {"cases": {"c1": data["cases"]["c1"]}, "record": data["record"] | {"snapshots": 3}}
     (folder / "q.yaml").write_text(yaml.safe_dump(data))
-    for name in ("README.md", "pyproject.toml", "config/stability.yaml", "config/smoke.yaml"):
+    for name in ("README.md", "pyproject.toml", "config/catalogue.yaml", "config/smoke.yaml"):
         shutil.copy(ROOT / name, folder)
     (folder / "note.txt").write_text("A note that nobody may lose.\n")
     (folder / "sub").mkdir()
@@ -110,26 +114,43 @@ def good_files() -> Path:
 
     Image.new("RGB", (40, 30)).save(folder / "figures" / "irregularity.png")
     with contextlib.chdir(folder):
-        for verb, output in (("pack", "bed.nc"), ("simulate", "rep.nc"), ("combine", "drag.nc"), ("flow", "flow.nc")):  # fmt: skip
+        for verb, output in (("pack", "bed.nc"), ("simulate", "rep.nc")):
             options = {k: v for k, v in GOOD[verb].items() if k != "--checkpoint"}
             result = CliRunner().invoke(app, words(verb, options | {"-o": output}))
             assert result.exit_code == 0, result.output
+        _make_sweep()
         _make_checkpoint()
     return folder
+
+
+def _make_sweep():
+    """The store of the sweep with its only run, drag.nc and flow.nc."""
+    from dem.analysis.flow.collect import measure_chunk, write_flow
+    from dem.sweep import chunk as making
+    from dem.sweep.work import Work
+
+    work = Work(load(Path("q.yaml")))
+    (chunk,) = work.chunks("drag")
+    work.settle()
+    made = making.make(work.store, chunk.id)
+    work.combine("drag", "drag", Path("drag.nc"))
+    measure_chunk(made, Path(f"results/flow/{chunk.id}.nc"))
+    write_flow(work, "drag", Path("flow.nc"))
 
 
 def _make_checkpoint():
     """The checkpoint of a run that was stopped in the middle: run.npz."""
     from dem.experiment import drag
+    from dem.experiment.bed import read_bed
 
     def stop(done):
-        if done >= 60:
+        if done >= 0.5:
             raise KeyboardInterrupt
 
     often, drag.SAVED_EVERY = drag.SAVED_EVERY, 0.0
     replicate = load("q.yaml").replicate("c1", 3.9e3, 1)
     with contextlib.suppress(KeyboardInterrupt):
-        drag.run(replicate, drag.read_bed("bed.nc", replicate), stop, checkpoint=Path("run.npz"))
+        drag.run(replicate, read_bed("bed.nc", replicate), stop, checkpoint=Path("run.npz"))
     drag.SAVED_EVERY = often
     assert Path("run.npz").is_file()
 
@@ -139,20 +160,20 @@ RUN = {"--config": "q.yaml", "--shape": "c1", "--density": "3900", "--seed": "1"
 GOOD = {
     "simulate": RUN | {"--bed": "bed.nc", "--threads": "1", "--checkpoint": "run.npz", "-o": "new.nc"},
     "pack": {"--config": "q.yaml", "--shape": "c1", "--seed": "1", "-o": "new.nc"},
-    "combine": {"file": "rep.nc", "--config": "q.yaml", "-o": "new.nc"},
-    "flow": {"file": "rep.nc", "--config": "q.yaml", "-o": "new.nc"},
+    "combine": {"--config": "q.yaml", "--block": "drag", "--observable": "drag", "-o": "new.nc"},
+    "flow": {"file": "rep.nc", "-o": "new.nc"},
+    "store": {"value": "shape=c1"},
     "info": {"file": "drag.nc", "-o": "new.txt"},
     "picture": {"file": "rep.nc", "--displacement": "0.001", "--color": "layer", "-o": "new.png"},
     "export": {"file": "rep.nc", "-o": "new"},
     "figure": {"name": "figure13", "file": "drag.nc", "-o": "new"},
     "report": {"file": "drag.nc", "--flow": "flow.nc", "--readme": "README.md", "-o": "new.html"},
-    "batch": {"--config": "q.yaml", "--shape": "c1", "--number": "0", "-o": "new"},
     "calibrate": {"--config": "q.yaml", "--shape": "c1", "--density": "3900", "--target": "1295", "--seeds": "2", "-j": "1"},
     "claims test": {"file": "drag.nc"},
     "film": {"file": "rep.nc", "--color": "speed", "-o": "new.gif"},
     "compile": {"--config": "q.yaml", "--shape": "c1"},
     "benchmark": {"--config": "q.yaml", "-o": "new.nc"},
-    "stability catalogue": {"--config": "smoke.yaml", "--shape": "c1", "--catalogue": "stability.yaml", "-o": "new.nc"},
+    "stability catalogue": {"--config": "smoke.yaml", "--shape": "c1", "--catalogue": "catalogue.yaml", "-o": "new.nc"},
 }  # fmt: skip
 
 
@@ -251,7 +272,7 @@ def values_of(file) -> dict:
         found = {name: np.asarray(each[...]) for name, each in opened.variables.items()}
         attributes = {name: np.asarray(opened.getncattr(name)) for name in opened.ncattrs()}
     attributes = {k: v for k, v in attributes.items() if not re.search("history|digest|sum|sha", k)}
-    return {k: v for k, v in found.items() if k != "run_time"} | attributes
+    return {k: v for k, v in found.items() if k not in ("run_time", "spent")} | attributes
 
 
 def check_same(found: dict, wanted: dict):
@@ -422,8 +443,8 @@ BAD = {
     "--seed": ("-1", str(2**63), str(2**70), "1.5", *NUMBER), "--density": ("0", "-inf", *NUMBER),
     "--threads": ("0", "100000", str(2**40), *NUMBER), "--target": ("0", "-inf", *NUMBER),
     "--displacement": ("1e9", "-inf", *NUMBER), "--shape": ("zz", "", "é", "c1 "), "--color": ("zz", ""),
-    "--readme": ("flow.nc", "none.md", ".", "note.txt"), "--flow": ("rep.nc", "q.yaml", "."), "--number": ("1", *NUMBER),
-    "--bed": ("rep.nc", "q.yaml", "none.nc", "."), "--checkpoint": ("x.npy", "q.yaml", "note.txt", "."),
+    "--readme": ("flow.nc", "none.md", ".", "note.txt"), "--flow": ("rep.nc", "q.yaml", "."), "value": ("gravty=1", "shape", "seed=", "density=x=y", ""),
+    "--block": ("zz", ""), "--observable": ("zz", "", "snapshots"), "--bed": ("rep.nc", "q.yaml", "none.nc", "."), "--checkpoint": ("x.npy", "q.yaml", "note.txt", "."),
     "--config": ("bed.nc", "README.md", "none.yaml", "."), "--seeds": ("1", "0", "1.5", *NUMBER), "-j": ("0", *NUMBER),
     "file": ("q.yaml", "bed.nc", "run.npz", "none.nc", "."), "name": ("figure99", "", "../figure13"),
 }  # fmt: skip
@@ -471,7 +492,7 @@ def odd_path(rng, folder) -> str:
 
 
 PATHS = ("-o", "-o", "--checkpoint", "--bed", "--config", "file", "--flow", "--readme")
-WRITES = {"simulate": 8, "pack": 2, "combine": 3, "flow": 2, "info": 4, "export": 2, "batch": 2, "report": 1, "picture": 1, "figure": 1}  # fmt: skip
+WRITES = {"simulate": 8, "pack": 2, "combine": 3, "flow": 2, "info": 4, "export": 2, "report": 1, "picture": 1, "figure": 1}  # fmt: skip
 
 
 def a_path(rng, folder):
@@ -709,6 +730,9 @@ def a_checkpoint(rng, folder):
             raise Fault("a checkpoint with values that are not numbers is taken")
 
 
+CHUNK = "the chunk of the store"
+
+
 @functools.cache
 def answer(verb: str, name: str):
     """What a verb makes of a good file: values by name."""
@@ -724,6 +748,8 @@ def _answer(verb, folder, name):
         values, attributes = read(folder / name, names)
         return values | {key: np.asarray(value) for key, value in attributes.items()}
     options = GOOD[verb] | {"--bed" if verb == "simulate" else "file": name}
+    if verb == "combine":
+        del options["file"]
     for unwanted in ("--checkpoint", *(["-o"] if verb == "info" else [])):
         options.pop(unwanted, None)
     result = command(folder, words(verb, options), options.get("-o"))
@@ -734,12 +760,13 @@ def _answer(verb, folder, name):
 
 def a_flip(rng, folder):
     """A replicate, a bed or drag.nc with a bit turned round, given to all that reads it."""
-    bring(folder, "q.yaml", "bed.nc", "rep.nc", "drag.nc")
+    bring(folder, "q.yaml", "bed.nc", "rep.nc", "drag.nc", "results")
     verb, name = rng.choice([
-        ("read", "rep.nc"), ("read", "bed.nc"), ("info", "rep.nc"), ("combine", "rep.nc"), ("flow", "rep.nc"),
+        ("read", "rep.nc"), ("read", "bed.nc"), ("info", "rep.nc"), ("combine", CHUNK), ("flow", "rep.nc"),
         ("simulate", "bed.nc"), ("info", "drag.nc"),
     ])  # fmt: skip
-    flip(folder / name, rng, rng.choice([1, 1, 1, 10]))
+    file = next((folder / "results/store/chunks").glob("*.nc")) if name is CHUNK else folder / name
+    flip(file, rng, rng.choice([1, 1, 1, 10]))
     wanted, found = answer(verb, name), _answer(verb, folder, name)
     if found is not None:
         check_same(found, wanted)
@@ -795,7 +822,9 @@ def _relabelled(file):
         for name, variable in old.variables.items():
             made = new.createVariable(name, variable.dtype, variable.dimensions)
             made.setncatts({k: v for k, v in variable.__dict__.items() if k != "_FillValue"})
-            made[...] = np.array([EVIL]) if name == "case" else variable[...]
+            for each in (variable, made):
+                each.set_auto_chartostring(False)
+            made[...] = np.array([list(EVIL)], "S1") if name == "case" else variable[...]
     file.with_suffix(".new").replace(file)
     reseal(file)
 
@@ -804,7 +833,7 @@ def a_tampered_file(rng, folder):
     """A file of results with other text or values in it; a page or a terminal never obeys its text."""
     bring(folder)
     verb = rng.choice(
-        ["info", "info", "figure", "claims test", "combine", "flow", "picture", "export", "report"]
+        ["info", "info", "figure", "claims test", "flow", "picture", "export", "report"]
     )
     options = dict(GOOD[verb])
     if verb == "info":

@@ -8,10 +8,14 @@ import xarray as xr
 import yaml
 
 import dem
-from dem.studies.accuracy import replicates
-from dem.studies.accuracy.bias import bias, change, failures, table
-from dem.studies.accuracy.runs import shortened, vary_step
-from dem.studies.config import load, parse
+from dem.studies.accuracy import bias as biases
+from dem.studies.accuracy import layout_contacts, layout_steps, replicates, table
+from dem.studies.accuracy.bias import bias, change, failures
+from dem.sweep import chunk
+from dem.sweep.config import load, parse
+from dem.sweep.store import Store
+from dem.sweep.table import rows, write_part
+from dem.sweep.work import Work
 
 CONFIG = Path(__file__).parent.parent / "config"
 MEAN, SCATTER = 1000.0, 0.1
@@ -63,7 +67,7 @@ def test_runs_that_fail_are_counted_and_leave_the_means_alone():
     """A step at which all runs fail shows as such."""
     dataset = trials(0.0)
     assert failures(dataset, "c1") == {0.25: 0.0, 0.5: 0.0, 1.0: 0.0, 2.0: 1.0}
-    found = change(table(dataset, "c1"), 0.5)
+    found = change(biases.table(dataset, "c1"), 0.5)
     assert np.isnan(found["value"].sel(fraction=2.0))
     assert abs(float(found["value"].sel(fraction=0.25))) < 3 * float(
         found["half"].sel(fraction=0.25)
@@ -113,41 +117,103 @@ def test_needed_replicates_reach_the_target_interval():
     assert covered > 0.93
 
 
-def test_trials_hold_what_the_plan_asks_for():
-    """Each bed runs at the steps that count it in, and the mean drag hardly depends on the step."""
-    sweep = load(CONFIG / "smoke.yaml")
-    found = vary_step(sweep, "c1", 0)
-    plan = sweep.accuracy.steps["c1"]
-    assert len(found["trial_drag"]) == sum(
-        min(count, sweep.accuracy.group) for count in plan.values()
-    )
-    assert set(found["trial_status"]) == {"ran"}
-    first = found["trial_seed"] == found["trial_seed"][0]
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    """A sweep of both kinds of blocks, one step of them far beyond the critical one, and its runs."""
+    data = yaml.safe_load((CONFIG / "smoke/accuracy.yaml").read_text())
+    seeds = "1001 to 1002"
+    data["sweep"]["blocks"] = {
+        "steps": {"shape": "c1", "numerics.step_fraction": [0.5, 1.0, 8.0], "seed": seeds},
+        "fine": {"shape": "c1", "numerics.step_fraction": 0.25, "seed": 1001},
+        "replicates": data["sweep"]["blocks"]["replicates"] | {"seed": seeds},
+    }
+    work = Work(parse(data), Store(tmp_path_factory.mktemp("store")))
+    chunks = {name: work.chunks(name) for name in work.sweep.blocks}
+    work.settle()
+    for each in chunks.values():
+        for one in each:
+            chunk.make(work.store, one.id)
+    return work
+
+
+def test_trials_hold_what_the_sweep_asks_for(runs):
+    """Each bed at its steps, in order; the drag hardly depends on them; what breaks is named."""
+    wanted, _ = table.runs_of(runs.sweep)
+    found = table.trials(runs.files("steps") + runs.files("fine"), wanted)
+    places = zip(found["trial_seed"], found["trial_fraction"], strict=True)
+    assert list(places) == [
+        *((1001, f) for f in (0.25, 0.5, 1, 8)),
+        *((1002, f) for f in (0.5, 1, 8)),
+    ]
+    broken = found["trial_fraction"] == 8.0
+    assert set(found["trial_status"][~broken]) == {"ran"}
+    assert set(found["trial_status"][broken]) <= {"OverlapError", "StateError"}
+    assert (np.isnan(found["trial_drag"]) == broken).all()
+    first = (found["trial_seed"] == 1001) & ~broken
     assert np.ptp(found["trial_drag"][first]) < 0.01 * found["trial_drag"][first].mean()
 
 
-def test_a_shorter_stroke_keeps_the_bins():
-    """Bins stay as wide as they are, so that a window means the same."""
-    sweep = load(CONFIG / "paper.yaml")
-    short = shortened(sweep, 5e-3)
-    before = sweep.cylinder.stroke / sweep.record.bins
-    assert short.cylinder.stroke / short.record.bins == pytest.approx(before, rel=1e-12)
-    assert short.record.bins == 500
+def test_replicates_must_all_have_run(runs):
+    """Rows in the order of the seeds; a failed or a missing run is named."""
+    beyond, wanted = table.runs_of(runs.sweep)
+    found = table.replicates(runs.files("replicates"), wanted)
+    assert found["replicate"].tolist() == [1001, 1002]
+    assert found["replicate_drag"].shape == (2, found["replicate_displacement"].size) == (2, 120)
+    assert (found["replicate_time"] > 0.0).all()
+    with pytest.raises(dem.RunError, match="c1 at 3900 kg/m3, seed 1001 could not be made"):
+        list(rows(runs.files("steps"), ("drag",), beyond))
+    with pytest.raises(dem.InputError, match="seed 1001 is in none of the 1 files"):
+        table.replicates(runs.files("fine"), wanted)
+
+
+def test_scripts_and_runs_make_one_file(runs, tmp_path):
+    """What scripts wrote is in accuracy.nc as it was; another file in their place is refused."""
+    few = {
+        "bounce_overlap": (0.05, layout_contacts),
+        "peer": (np.array(["dem", "LAMMPS"]), layout_steps),
+    }
+    files = [tmp_path / f"{name}.nc" for name in few]
+    for file, (name, (value, layout)) in zip(files, few.items(), strict=True):
+        write_part(
+            file, runs.sweep, ("dem.studies.accuracy.steps",), {name: value}, layout.VARIABLES
+        )
+    whole = tmp_path / "accuracy.nc"
+    table.write_study(whole, runs, *files)
+    with xr.open_dataset(whole) as dataset:
+        assert dataset["peer"].values.tolist() == ["dem", "LAMMPS"]
+        assert float(dataset["bounce_overlap"]) == 0.05
+        assert dataset.sizes["trial"] == 7 and dataset.attrs["default_fraction"] == 0.5
+        assert dataset.attrs["source_hash"].count(";") >= 1
+    with pytest.raises(dem.InputError, match="no part of this study"):
+        table.write_study(whole, runs, *reversed(files))
+
+
+def test_the_bins_are_as_wide_as_the_papers():
+    """So that a window means the same."""
+    paper, study = load(CONFIG / "paper.yaml"), load(CONFIG / "accuracy.yaml")
+    width = paper.cylinder.stroke / paper.record.bins
+    for run in table.runs_of(study):
+        own = next(iter(run.values())).configuration
+        assert own.cylinder.stroke / own.record.bins == width
 
 
 @pytest.mark.parametrize(
-    ("key", "value", "sentence"),
+    ("blocks", "more", "sentence"),
     [
-        ("steps", {"c1": {0.1: 2, 1.0: 2}}, "accuracy.steps.c1"),
-        ("steps", {"c1": {0.5: 2, 2.0: 2}}, "accuracy.steps.c1"),
-        ("steps", {"x9": {0.5: 2, 1.0: 2}}, "'x9'"),
-        ("first_seed", 2, "accuracy.first_seed is 2"),
-        ("replicates", {"shape": "c1", "seeds": 4, "stroke": 1e-4}, "accuracy.replicates.stroke"),
+        ({}, {}, "sweep.blocks must be replicates"),
+        ({"steps": [0.1, 1.0]}, {}, r"run c1 at numerics.step_fraction \[0.1, 1.0\]"),
+        ({"steps": [0.5, 2.0]}, {}, "another up to 1.2"),
+        ({"steps": [0.5, 1.0]}, {"shape": ["c1", "d1"]}, "one shape"),
+        ({"steps": [0.5, 1.0]}, {"time_step": 1e-9}, "numerics.time_step is 1e-09 s"),
     ],
 )
-def test_a_study_that_cannot_be_made_is_refused(key, value, sentence):
+def test_a_study_that_cannot_be_made_is_refused(blocks, more, sentence):
     """Before anything runs, with the key in the sentence."""
-    data = yaml.safe_load((CONFIG / "smoke.yaml").read_text())
-    data["accuracy"][key] = value
+    data = yaml.safe_load((CONFIG / "smoke/accuracy.yaml").read_text())
+    many = {"shape": more.get("shape", "c1"), "seed": [1, 2]}
+    data["sweep"]["blocks"] = {"replicates": many} | {
+        name: {"shape": "c1", "numerics.step_fraction": steps} for name, steps in blocks.items()
+    }
+    data["numerics"]["time_step"] = more.get("time_step")
     with pytest.raises(dem.InputError, match=sentence):
-        parse(data)
+        table.runs_of(parse(data))

@@ -22,8 +22,8 @@ from dem.studies.accuracy.integrators import (
 )
 from dem.studies.accuracy.layout_steps import VARIABLES
 from dem.studies.accuracy.step_runs import fitted_order
-from dem.studies.config import load
 from dem.studies.peers import lammps
+from dem.sweep.config import load
 
 SWEEP = load(Path(__file__).parent.parent / "config/smoke.yaml")
 SCENES = {scene.name: scene for scene in collisions.collisions(SWEEP)}

@@ -1,7 +1,7 @@
-"""Claims: verdicts that deserve their names, a design that fills its space, jamming, alignment."""
+"""Claims: verdicts that deserve their names, a design that fills its space, a row a run, jamming."""
 
-import copy
 import io
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,11 +13,10 @@ from rich.console import Console
 from scipy.stats import qmc
 
 from dem.base.errors import InputError
+from dem.experiment.jamming import NOISE, line
+from dem.experiment.observables.alignment import alignment
 from dem.packing.pressed import Press
-from dem.studies.claims import design, report
-from dem.studies.claims import trials as runs_of
-from dem.studies.claims.alignment import alignment
-from dem.studies.claims.changes import changed
+from dem.studies.claims import report
 from dem.studies.claims.compare import (
     CONTRADICTED,
     SUPPORTED,
@@ -28,13 +27,14 @@ from dem.studies.claims.compare import (
 )
 from dem.studies.claims.evidence import NOTHING, Evidence, from_study
 from dem.studies.claims.influence import influences
-from dem.studies.claims.jamming import NOISE, Jamming, line
-from dem.studies.claims.plan import Choice, Range, SensitivitySection
-from dem.studies.claims.remains import remaining
+from dem.studies.claims.remains import jamming_in, remaining
 from dem.studies.claims.sentences import CLAIMS
-from dem.studies.claims.trials import trials
+from dem.studies.claims.table import make
 from dem.studies.claims.verdicts import judge, share
-from dem.studies.config import load, parse
+from dem.sweep import design
+from dem.sweep.chunk import write_chunk
+from dem.sweep.config import load, parse
+from dem.sweep.work import Work
 
 INFINITE = float("inf")
 SHAPES = {"c1": 1300.0, "d1": 2900.0, "c2": 560.0, "e1": 900.0, "e2": 600.0, "e3": 400.0, "e0": 1300.0}  # fmt: skip
@@ -213,47 +213,157 @@ def test_the_report_tells_every_claim_with_what_it_takes_to_check_it():
 
 
 FACTORS = {
-    "friction.granule": Range(low=0.1, high=0.6),
-    "material.young_modulus": Range(low=1e9, high=1e11, scale="log"),
-    "packing.friction": Choice(choices=(0.0, 0.3)),
+    "friction.granule": {"low": 0.1, "high": 0.6},
+    "material.young_modulus": {"low": 1e9, "high": 1e11, "scale": "log"},
+    "packing.friction": {"choices": (0.0, 0.3)},
 }
-DESIGN = SensitivitySection(points=40, cases=("c1",), factors=FACTORS)
+
+
+def points(seed):
+    """Forty points of a Latin hypercube over the factors."""
+    spec = {"design": "latin_hypercube", "points": 40, "draw": seed, "over": FACTORS}
+    return design.points(design.parse(spec, "point"))
 
 
 def test_design_fills_every_range():
     """Every fortieth of every range, on its scale, holds one point; choices come equally often."""
-    found = design.points(DESIGN, 1)
+    found = points(1)
     linear = np.array([point["friction.granule"] for point in found])
     log = np.log([point["material.young_modulus"] for point in found])
     for values, low, high in ((linear, 0.1, 0.6), (log, np.log(1e9), np.log(1e11))):
         assert sorted(((values - low) / (high - low) * 40).astype(int)) == list(range(40))
     assert [point["packing.friction"] for point in found].count(0.3) == 20
-    assert design.points(DESIGN, 1) == found != design.points(DESIGN, 2)
+    assert points(1) == found != points(2)
 
 
 def test_a_change_reaches_its_value_and_no_other():
     sweep = load(CONFIG / "smoke.yaml")
-    before = changed(sweep, {}, "c1", 3.9e3, 7)
-    after = changed(sweep, {"friction.wall": 0.7, "shapes.d1.granules": 5}, "c1", 3.9e3, 7)
-    assert after.sweep.friction.wall == 0.7
-    assert after.sweep.model_copy(update={"friction": before.sweep.friction}) == before.sweep
-    assert changed(sweep, {"shapes.d1.granules": 50}, "d1", 3.9e3, 7).shape.granules == 50
-    with pytest.raises(InputError, match=r"seed 7: friction.wall is -1"):
-        changed(sweep, {"friction.wall": -1.0}, "c1", 3.9e3, 7)
+    before = sweep.changed({}, "c1")
+    after = sweep.changed({"friction.wall": 0.7, "shapes.d1.granules": 5}, "c1")
+    assert after.friction.wall == 0.7
+    assert after.model_copy(update={"friction": before.friction}) == before
+    assert sweep.changed({"shapes.d1.granules": 50}, "d1").shapes["d1"].granules == 50
+    with pytest.raises(InputError, match=r"c1 with friction.wall -1.0: friction.wall is -1"):
+        sweep.changed({"friction.wall": -1.0}, "c1")
 
 
-def test_jobs_share_out_all_runs_of_a_part():
-    """No run is lost between two jobs or made twice, and those of a bed stay together."""
-    sweep = load(CONFIG / "paper.yaml")
-    for part in ("replicates", "sensitivity"):
-        every = trials(sweep, part)
-        size = sweep.claims.group
-        jobs = [runs_of.share(sweep, part, n) for n in range(-(-len(every) // size))]
-        assert [t for job in jobs for t in job] == every
-        with pytest.raises(InputError, match="group is"):
-            runs_of.share(sweep, part, len(jobs))
-    with pytest.raises(InputError, match="part is 'others'"):
-        trials(sweep, "others")
+# The table
+
+
+def smoke():
+    """The small study as its file has it."""
+    data = yaml.safe_load((CONFIG / "smoke" / "claims.yaml").read_text())
+    return data | {"extends": str(CONFIG / "smoke.yaml")}
+
+
+def made_up(replicate):
+    """What a run may have given; seed 2002 of c12 fails."""
+    if replicate.density > 1e4 and replicate.seed == 2002:
+        return {"failure": 3, "failure_reason": "StateError: it flew: far", "spent": 1.0}
+    rng = np.random.default_rng(int(replicate.id[:8], 16))
+    experiment = replicate.configuration.module
+    sizes = experiment.sizes(replicate)
+    values = {
+        name: rng.random([sizes[dim] for dim in dims])
+        for name, (dims, *_) in experiment.layout(replicate.configuration).items()
+    }
+    if "jam_fraction" in values:
+        values["jam_fraction"] = 0.81 + 0.01 * values["jam_fraction"]
+        values["jam_friction"] = replicate.configuration.packing.friction
+    return values | {"failure": 0, "failure_reason": "", "spent": 1.0}
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """The small study with numbers that are made up, and claims.nc of it."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(tmp_path_factory.mktemp("study"))
+        work = Work(parse(smoke()))
+        for name in work.sweep.blocks:
+            chunks = work.chunks(name)
+            work.settle()
+            for chunk in chunks:
+                replicates = work.store.replicates(chunk.id)
+                path = work.store.file_of(chunk.id)
+                path.parent.mkdir(parents=True, exist_ok=True)
+                write_chunk(path, replicates, list(map(made_up, replicates)))
+            if name.startswith("jamming"):
+                output = Path(work.folder_of(name)) / "jamming.nc"
+                output.parent.mkdir(parents=True)
+                work.combine(name, "jamming", output)
+        make(work, Path("claims.nc"))
+        return work, xr.load_dataset("claims.nc")
+
+
+def test_every_run_of_the_study_is_a_row(whole):
+    """No run is lost or there twice, and each has the numbers of that run."""
+    work, dataset = whole
+    blocks = [work.block(name) for name in work.sweep.blocks if not name.startswith("jamming")]
+    runs = [run.replicate for block in blocks for run in block.runs]
+    names = "part", "case", "setting", "x", "point", "seed"
+    keys = list(zip(*(map(str, dataset[f"run_{name}"].values) for name in names), strict=True))
+    assert len(runs) == len(keys) == len(set(keys)) == 63
+    for row, replicate in enumerate(runs):
+        here, own = dataset.isel(run=row), made_up(replicate)
+        assert int(here["run_seed"]) == replicate.seed
+        assert float(here["run_packing"]) == replicate.configuration.packing.fraction
+        if "drag" in own:
+            inside = replicate.configuration.in_window
+            assert float(here["run_drag"]) == own["drag"][inside].mean()
+            assert np.array_equal(here["run_curve"], own["drag"])
+            assert str(here["run_status"].values) == "ran"
+
+
+def test_a_run_that_failed_is_a_row_with_its_error(whole):
+    _, dataset = whole
+    failed = dataset.isel(run=np.flatnonzero(dataset["run_status"] != "ran"))
+    assert failed["run_status"].values.tolist() == ["StateError"]
+    assert failed["run_case"].values.tolist() == ["c12"]
+    assert failed["run_drag"].isnull().all() and failed["run_curve"].isnull().all()
+    assert "1 StateError in replicates" in report.failures(dataset)
+
+
+def test_points_of_the_design_have_their_factors(whole):
+    """Both cases of a point share its values, a choice is its number; other parts have none."""
+    _, dataset = whole
+    designed = dataset["run_point"].values >= 0
+    assert (dataset["run_part"].values[designed] == "sensitivity").all()
+    assert np.isnan(dataset["run_factor"].values[~designed]).all()
+    at = dict(zip(dataset["factor"].values.tolist(), dataset["run_factor"].values[designed].T, strict=True))  # fmt: skip
+    assert np.array_equal(at["packing.fraction"], dataset["run_packing"].values[designed])
+    assert sorted(at["packing.friction"]) == [0.0] * 10 + [1.0] * 10
+    point = dataset["run_point"].values[designed]
+    assert np.array_equal(dataset["run_seed"].values[designed], 2001 + point)
+
+
+def test_derived_fractions_are_those_of_the_beds_in_the_file(whole):
+    """Each shape, aspect ratio and box is as far from jamming as the paper's bed is."""
+    _, dataset = whole
+    jamming = jamming_in(dataset)
+    seen = set()
+    for run in range(dataset.sizes["run"]):
+        here = {name: dataset[f"run_{name}"].values[run] for name in ("part", "case", "setting", "x", "packing")}  # fmt: skip
+        part, words = str(here["part"]), str(here["setting"])
+        if part not in ("matched", "ratios", "scaling") or "equal" not in words:
+            continue
+        kind, other = {
+            "matched": (str(here["case"]), "c1"),
+            "ratios": (f"{here['x']:g}:1", "c1"),
+            "scaling": (f"{here['case']} {words.partition(',')[0]} {here['x']:g}", str(here["case"])),
+        }[part]  # fmt: skip
+        friction = 0.3 if "friction" in words else 0.0
+        wanted = {
+            "equal fraction": 0.84,
+            "equal load": jamming.at_load(kind, other, 0.84),
+        }.get(words, jamming.at_distance(kind, other, 0.84, friction))
+        assert here["packing"] == wanted
+        seen.add((part, words))
+    assert len(seen) == 7
+
+
+def test_a_sweep_without_the_study_is_refused(tmp_path):
+    with pytest.raises(InputError, match="has no replicates; see config"):
+        make(Work(load(CONFIG / "smoke.yaml")), tmp_path / "claims.nc")
 
 
 # What decides
@@ -356,7 +466,8 @@ def study(drag_at_distance=1600.0, friction=0.0):
         {f"run_{name}": ("run", array) for name, array in runs.items()} | along | {
             "jam_shape": ("jam", shapes), "jam_friction": ("jam", np.full(30, friction)),
             "jam_fraction": ("jam", jam + rng.normal(0.0, 1e-3, 30)),
-            "jam_slope": ("jam", np.ones(30)), "reference_shape": "c1",
+            "jam_slope": ("jam", np.ones(30)), "jam_diameter": ("jam", np.full(30, 1e-3)),
+            "reference_shape": "c1",
             "reference_density": 3.9e3, "reference_packing": 0.84,
         },
         {"place": np.linspace(1e-3, 5e-3, 5), "moment": [2e-3, 4e-3], "factor": ["a.b"]},
@@ -381,7 +492,7 @@ def test_shapes_under_the_load_of_another():
     """at_load inverts the law it was fitted by: loads over E* are equal there."""
     rows = study().assign(jam_diameter=("jam", np.repeat([1.0, 0.5, 2.0], 10)))
     rows["jam_slope"].values[10:20] = 0.7
-    jamming = Jamming(rows)
+    jamming = jamming_in(rows)
     fraction = jamming.at_load("e1", "c1", 0.84)
 
     def load(shape, at, slope, diameter):
@@ -392,21 +503,43 @@ def test_shapes_under_the_load_of_another():
 
 
 def test_impossible_runs_are_refused_before_any_is_made():
-    """A design that leaves what can be simulated is named with its value."""
-    data = yaml.safe_load((CONFIG / "smoke.yaml").read_text())
-    data["claims"]["scaling"]["height"] = [0.3]
-    with pytest.raises(InputError, match=r"granules: 18.*cylinder would"):
-        runs_of.check_all(parse(data))
+    """A block that leaves what can be simulated is named with its value."""
+    data = smoke()
+    points = {"0.3": {"cylinder.start": 0.8, "shapes.c1.granules": 18}}
+    data["sweep"]["blocks"]["jamming_height"]["factor"] = points
+    with pytest.raises(InputError, match=r"jamming_height asks for .* cylinder would"):
+        parse(data, "claims.yaml")
     for key, value, words in (
-        ("cylinder.speed", {"low": 1.0, "high": 2.0}, "no value that may vary"),
-        ("claims.group", {"low": 1.0, "high": 2.0}, "no value that may vary"),
-        ("friction", {"low": 1.0, "high": 2.0}, "is a section"),
+        ("cylinder.speed", {"low": 1.0, "high": 2.0}, "no value that can vary"),
+        ("sweep.chunk", {"low": 1.0, "high": 2.0}, "no value that can vary"),
+        ("friction", {"low": 1.0, "high": 2.0}, "no value that can vary"),
         ("friction.wall", {"low": 2.0, "high": 1.0}, "must be less than high"),
     ):
-        wrong = copy.deepcopy(data)
-        wrong["claims"]["sensitivity"]["factors"][key] = value
+        wrong = smoke()
+        wrong["sweep"]["blocks"]["sensitivity"]["point"]["over"][key] = value
         with pytest.raises(InputError, match=words):
-            parse(wrong)
-    data["claims"]["scaling"]["velocity"] = [0.5, 1.0]
-    with pytest.raises(InputError, match="leave out 1"):
-        parse(data)
+            parse(wrong, "claims.yaml")
+
+
+@pytest.mark.parametrize(
+    ("value", "words"),
+    [
+        ({"derive": "equal_pressure"}, "it must be derive"),
+        ({"derive": "equal_load", "shape": "z9"}, "shape is 'z9'"),
+        ({"derive": "equal_distance", "friction": -0.1}, "friction is -0.1"),
+        ({"derive": "equal_distance", "of": "c1"}, "it must be derive"),
+    ],
+)
+def test_what_cannot_be_derived_is_refused(value, words):
+    data = smoke()
+    blocks = data["sweep"]["blocks"]
+    blocks["matched"]["setting"]["equal load"]["packing.fraction"] = value
+    with pytest.raises(InputError, match=words):
+        parse(data, "claims.yaml")
+
+
+def test_a_block_that_derives_needs_the_beds():
+    data = smoke()
+    del data["sweep"]["blocks"]["matched"]["needs"]
+    with pytest.raises(InputError, match="matched derives values; needs must name"):
+        parse(data, "claims.yaml")

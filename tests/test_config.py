@@ -14,10 +14,8 @@ from hypothesis import strategies as st
 
 from dem.base.errors import InputError
 from dem.base.yaml_file import LARGEST, read
-from dem.experiment.config import save
 from dem.experiment.fit import height_of_box, sample_diameters
-from dem.studies.config import Sweep, load, parse
-from dem.studies.stability import catalogue
+from dem.sweep.config import Sweep, load, parse, save
 
 PAPER = (CONFIG / "paper.yaml").read_text(encoding="utf-8")
 
@@ -37,12 +35,11 @@ WRONG = [
     ("material.young", 1e9, "material.young is not a known key"),
     ("shapes.c1.density", 1e3, "shapes.c1.density is not a known key"),
     ("box_width", "wide", "box_width is 'wide'"),
-    ("seeds", 3, "seeds is 3"),
-    ("seeds.0", 1.5, "seeds.0 is 1.5"),
+    ("sweep.seed", 1.5, "sweep.seed has 1.5"),
+    ("sweep.seed", [True], "sweep.seed has True"),
     ("record.bins", "many", "record.bins is 'many'"),
     ("cylinder", [1, 2], "cylinder is [1, 2]"),
     ("gravity", True, "gravity is True"),
-    ("seeds.1", True, "seeds.1 is True"),
     ("material.restitution", False, "material.restitution is False"),
     ("gravity", float("nan"), "gravity is nan"),
     ("cylinder.velocity", float("inf"), "cylinder.velocity is inf"),
@@ -67,15 +64,15 @@ WRONG = [
     ("record.snapshots", 8, "snapshots - 1 (7)"),
     ("cases.c1.shape", "c9", "cases.c1.shape is 'c9'"),
     ("cases.c12.density", 3.9e3, "cases.c12 repeats cases.c1"),
-    ("cases", {}, "cases is {}"),
-    ("seeds", [1, 2, 1], "seeds has 1 twice"),
-    ("seeds", [], "seeds is []"),
-    ("seeds.0", -1, "seeds.0 is -1"),
+    ("cases", {}, "sweep must vary shape or case; there are c1, d1"),
+    ("sweep.seed", [1, 2, 1], "sweep.seed has 1 twice"),
+    ("sweep.seed", [], "sweep.seed is []"),
+    ("sweep.seed", -1, "sweep.seed has -1"),
     ("results", "results/../..", "results is 'results/../..'"),
     ("results", "/tmp/results", "results is '/tmp/results'"),
     ("results", "elsewhere", "results is 'elsewhere'"),
     ("ellipse.contact", "guess", "ellipse.contact is 'guess'"),
-    ("numerics.step_fraction", 1.0, "numerics.step_fraction is 1.0"),
+    ("numerics.step_fraction", 1.0, "numerics: step_fraction is 1; it must be less than 1"),
     ("numerics.time_step", 0.0, "numerics.time_step is 0.0"),
 ]
 
@@ -102,22 +99,38 @@ def test_all_faults_are_told_at_once():
 
 @pytest.mark.parametrize(
     ("faults", "last"),
-    [(20, "seeds.19 is -1; it must be zero or positive."), (21, "and 1 more fault."), (200, "and 180 more faults.")],
+    [(20, "cases.c19 is 1; it must be a group of keys."), (21, "and 1 more fault."), (200, "and 180 more faults.")],
 )  # fmt: skip
 def test_of_many_faults_twenty_are_told_and_the_rest_counted(faults, last):
     with pytest.raises(InputError) as error:
-        parse(changed(["seeds"], [-1] * faults), "my.yaml")
+        parse(changed(["cases"], {f"c{n}": 1 for n in range(faults)}), "my.yaml")
     lines = str(error.value).splitlines()
     assert len(lines) == min(faults, 21) and lines[-1] == f"my.yaml: {last}"
 
 
+A_LABEL = (
+    "it must be a label: a letter from A to Z, then letters, digits, - and _, at most 32 in all."
+)
 # key: value: what is said of it, whole, because half a sentence may be true and the other half not
 SENTENCES = [
-    ("seeds", [-1], "seeds.0 is -1; it must be zero or positive."),
-    ("seeds", [], "seeds is []; it must not be empty."),
-    ("seeds", [1.0], "seeds.0 is 1.0; it must be a whole number without a point."),
-    ("seeds", "1 to 99999999999", "seeds is '1 to 99999999999'; each must be less than 2147483648."),
-    ("seeds", "5 to 1", "seeds is '5 to 1'; each part must run from less to more."),
+    ("sweep.seed", [-1], "sweep.seed has -1; a seed is a whole number below 2147483648."),
+    ("sweep.seed", [], "sweep.seed is []; it must be a list of values."),
+    ("sweep.seed", "1 to 99999999999", "sweep.seed is '1 to 99999999999'; each must be less than 2147483648."),
+    ("sweep.seed", "5 to 1", "sweep.seed is '5 to 1'; each part must run from less to more."),
+    ("sweep.seed", "1 to 100000", "sweep has 1,100,000 runs; it must have at most 1,000,000."),
+    ("sweep.case", ["c1", "c13"], "sweep.case names 'c13', which is not one of cases; the nearest is c1."),
+    ("sweep.case", ["c1", "c1"], "sweep.case has 'c1' twice; list each once."),
+    ("sweep.density", [1e3], "sweep varies density in two ways; name it once."),
+    ("sweep.frictoin", [0.1], "sweep: frictoin is no value that can vary; the nearest is friction.wall."),
+    ("sweep.gravity", {"times": ["x"]}, "sweep.gravity has 'x'; it must be a number."),
+    ("sweep.mean", {"a": {"gravity": 1}, "b": 3}, "sweep: mean is no value that can vary."),
+    ("sweep.m n", {"a": {"gravity": 1}}, f"sweep has the name 'm n'; {A_LABEL}"),
+    ("sweep.bins", {"a": {"record.bins": 60}}, "sweep varies record.bins, which runs of one block share; use blocks."),
+    ("sweep", {"blocks": {"../x": {"case": "all"}}}, f"sweep.blocks has the name '../x'; {A_LABEL}"),
+    ("sweep", {"blocks": {"a": 3}}, "sweep.blocks.a is 3; it must be a group of what varies."),
+    ("sweep", {"blocks": {"a": {"needs": "b"}}}, "sweep.blocks.a.needs is 'b'; it must be a block before it: there is none."),
+    ("chunk", 0, "chunk is 0; it must be at least 1."),
+    ("studies", {"x": "x.yaml"}, "studies.x is 'x'; it must be 'accuracy', 'claims' or 'stability'."),
     ("gravity", float("nan"), "gravity is nan; it must be a finite number."),
     ("gravity", -(10**5000), "gravity is a number of thousands of digits; its magnitude must be at most 1e+15."),
     ("gravity", -1, "gravity is -1; it must be zero or positive."),
@@ -126,12 +139,8 @@ SENTENCES = [
     ("material.poisson_ratio", -2, "material.poisson_ratio is -2; it must be greater than -1."),
     ("record.window", [1e-3, 2e-3, 3e-3], "record.window is [0.001, 0.002, 0.003]; it must have at most 2 items."),
     ("cases", {"c1": 3}, "cases.c1 is 3; it must be a group of keys."),
-    ("cases", {"c" * 33: 3}, f"cases.{'c' * 33} is '{'c' * 33}'; it must be a label: a letter from A to Z, then letters, digits, - and _, at most 32 in all.\ncases.{'c' * 33} is 3; it must be a group of keys."),
-    ("cylinder.start", 0.99, "cylinder.start is 0.99: with shapes.c1 the box is 0.02 m by 0.02275 m, and the cylinder would begin above its top."),
-    ("accuracy.steps.c1", {0.5: 2, "5e-1": 3, 1.0: 2}, "accuracy.steps.c1: it has 0.5 twice; list each step once."),
-    ("claims.sensitivity.factors", {"friction.wall": {"low": 1}}, "claims.sensitivity.factors.friction.wall.high is missing."),
-    ("claims.sensitivity.factors", {"friction.wall": {"choices": [1, None]}}, "claims.sensitivity.factors.friction.wall.choices.1 is None; it must be a number or text."),
-    ("claims.scaling.width", [1.0], "claims.scaling.width is [1.0]; list each factor once, and leave out 1 (the replicates already cover it)."),
+    ("cases", {"c" * 33: 3}, f"cases.{'c' * 33} is '{'c' * 33}'; {A_LABEL}\ncases.{'c' * 33} is 3; it must be a group of keys."),
+    ("cylinder.start", 0.99, "sweep asks for a run that cannot be: cylinder.start is 0.99: with shapes.c1 the box is 0.02 m by 0.02275 m, and the cylinder would begin above its top."),
 ]  # fmt: skip
 
 
@@ -175,13 +184,12 @@ NO_CONFIGURATION = {
 
 
 @pytest.mark.parametrize("text", NO_CONFIGURATION, ids=range(len(NO_CONFIGURATION)))
-@pytest.mark.parametrize("loads", [load, catalogue.load])
-def test_files_that_are_no_configuration_are_refused(tmp_path, text, loads):
+def test_files_that_are_no_configuration_are_refused(tmp_path, text):
     """Whatever a YAML file holds, reading it ends at once in a sentence with its name and line."""
     path, start = tmp_path / "broken.yaml", time.perf_counter()
     path.write_text(text)
     with pytest.raises(InputError) as error:
-        loads(path)
+        load(path)
     assert str(error.value).startswith(str(path))
     assert "\n" not in str(error.value)
     assert NO_CONFIGURATION[text] in str(error.value)
@@ -221,7 +229,8 @@ def test_files_that_cannot_be_read_are_refused(tmp_path):
 def test_paper_has_eleven_cases_and_55_replicates():
     """The published sweep: 11 cases of five seeds, at two densities, as in Table 1."""
     sweep = load(CONFIG / "paper.yaml")
-    assert len(sweep.cases) == 11 and len(sweep.cases) * len(sweep.seeds) == 55
+    assert len(sweep.cases) == 11 and sweep.block("drag").shape == (11, 5)
+    assert len(list(sweep.block("drag").unique())) == 55
     assert {case.density for case in sweep.cases.values()} == {3.9e3, 3.9e4}
     assert {k: s.ratio for k, s in sweep.shapes.items()} == {
         "c1": 1.0, "d1": 2.0, "c2": 1.0, "e1": 1.125, "e2": 1.25, "e3": 1.375, "e0": 1.0,
@@ -230,7 +239,7 @@ def test_paper_has_eleven_cases_and_55_replicates():
 
 
 @pytest.mark.parametrize("line", [
-    line for line in PAPER.split("\naccuracy:")[0].splitlines() if re.search(r":.*(?<![\w.])\d", line.split("#")[0])
+    line for line in PAPER.split("\nsweep:")[0].splitlines() if re.search(r":.*(?<![\w.])\d", line.split("#")[0])
 ])  # fmt: skip
 def test_every_number_of_the_paper_says_where_it_is_from(line):
     """A line with a number is marked reported, derived, assumed or calibrated."""
@@ -242,7 +251,7 @@ def test_box_holds_the_sampled_granules_and_the_cylinder():
     """Granules of diameters within the spread fill the asked share of the box, seed by seed."""
     sweep = load(CONFIG / "paper.yaml")
     heights = set()
-    for seed in sweep.seeds:
+    for seed in range(1, 6):
         sizes = sample_diameters(sweep.shapes["c1"], 0.2, seed)
         assert sizes.min() >= 0.8 * 1092e-6 and sizes.max() <= 1.2 * 1092e-6
         assert abs(sizes.mean() / 1092e-6 - 1.0) < 0.03 and sizes.std() > 0.1 * 1092e-6
@@ -262,19 +271,19 @@ def test_saved_configuration_is_the_same(tmp_path):
 
 
 @pytest.mark.parametrize("words, seeds", [
-    ("1 to 5", (1, 2, 3, 4, 5)), ("7, 1 to 3", (7, 1, 2, 3)), ("12", (12,)), ([3, 1, 2], (3, 1, 2)),
+    ("1 to 5", [1, 2, 3, 4, 5]), ("7, 1 to 3", [1, 2, 3, 7]), ("12", [12]), ([3, 1, 2], [1, 2, 3]), (4, [4]),
 ])  # fmt: skip
 def test_seeds_may_be_words(words, seeds):
-    """And are saved as words, in their order: a sweep of a million has a short file."""
-    sweep = parse(changed(("seeds",), words))
-    assert sweep.seeds == seeds
-    assert parse(changed(("seeds",), sweep.model_dump()["seeds"])).seeds == seeds
+    """And are kept as words: a sweep of a million has a short file."""
+    sweep = parse(changed(("sweep", "seed"), words))
+    assert sweep.block("drag").axes[-1].coordinate == seeds
+    assert sweep.dump()["sweep"]["seed"] == words
 
 
 @pytest.mark.parametrize("words", ["5 to 1", "1 to", "one to two", "1 to 99999999999", "0 to 999999999", "1, 1", "", "-1 to 3", "2147483648 to 2147583647"])  # fmt: skip
 def test_words_that_are_no_seeds_are_refused(words):
-    with pytest.raises(InputError, match="seeds") as error:
-        parse(changed(("seeds",), words))
+    with pytest.raises(InputError, match=r"sweep\.seed") as error:
+        parse(changed(("sweep", "seed"), words))
     assert "\n" not in str(error.value)
 
 

@@ -1,5 +1,6 @@
 """Files whose content is damaged, foreign or hostile: noticed, refused with their name, never obeyed."""
 
+import contextlib
 import json
 import shutil
 import warnings
@@ -9,19 +10,21 @@ import numpy as np
 import pytest
 import xarray as xr
 from conftest import CONFIG
-from test_stopping import smoke
+from test_stopping import combined, planned, smoke
 from typer.testing import CliRunner
 
-from dem.analysis.flow.collect import collect, write_flow
+from dem.analysis.flow.collect import measure_chunk, write_flow
 from dem.analysis.flow.layout import VARIABLES as FLOW
 from dem.base.errors import InputError
 from dem.base.plain import plain
 from dem.cli.app import app
-from dem.experiment import drag
+from dem.experiment.bed import make_bed, write_bed
+from dem.experiment.observables.drag import VARIABLES as DRAG
 from dem.io.checksums import LENGTH, is_sealed, seal
-from dem.io.dataset import is_text, read
+from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP, is_text, read
+from dem.io.lazily import open_lazily
 from dem.report.build import build
-from dem.sweep.combine import COMBINED, ON_CASE, combine, open_lazily
+from dem.sweep import chunk as making
 
 README = CONFIG.parent / "README.md"
 HOSTILE = "</script><script>alert(1)</script>"
@@ -30,17 +33,17 @@ TITLE = "a [red]title[/red] \x1b[31m\x1b]0;name\x07 \x9b2J \u202egnp\u2069 [/not
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
-    """A folder with the bed and the replicate of a run, and drag.nc and flow.nc of two."""
+    """A folder with the bed and the chunk of two runs, and their drag.nc and flow.nc."""
     folder = tmp_path_factory.mktemp("made")
-    sweep = smoke(cases={"c1": {"shape": "c1", "density": 3.9e3}}, seeds=[1, 2])
-    files = []
-    for replicate in sweep.replicates():
-        files.append(folder / f"run{replicate.seed}.nc")
-        bed = drag.make_bed(replicate)
-        drag.write_replicate(files[-1], replicate, drag.run(replicate, bed))
-    drag.write_bed(folder / "bed.nc", replicate, bed)
-    combine(files, sweep, folder / "drag.nc")
-    write_flow(folder / "flow.nc", sweep, collect(files, sweep))
+    with contextlib.chdir(folder):
+        sweep = smoke(sweep={"case": ["c1"], "seed": [1, 2]}, results="results")
+        work, chunk = planned(sweep, folder)
+        shutil.copy(making.make(work.store, chunk), folder / "runs.nc")
+        replicate = work.store.replicates(chunk)[0]
+        write_bed(folder / "bed.nc", replicate, make_bed(replicate))
+        combined(work, folder)
+        measure_chunk(folder / "runs.nc", folder / f"results/flow/{chunk}.nc")
+        write_flow(work, "drag", folder / "flow.nc")
     return folder
 
 
@@ -53,10 +56,10 @@ def hostile(made, tmp_path_factory):
             changed = dataset.load().drop_encoding().assign_coords(case=[HOSTILE])
         changed.attrs["title"] = TITLE
         changed.to_netcdf(folder / name)
-    shutil.copy(made / "run1.nc", folder)
-    with netCDF4.Dataset(folder / "run1.nc", "a") as file:
+    shutil.copy(made / "runs.nc", folder)
+    with netCDF4.Dataset(folder / "runs.nc", "a") as file:
         file.title = TITLE
-    seal(folder / "run1.nc")
+    seal(folder / "runs.nc")
     return folder
 
 
@@ -80,7 +83,7 @@ def contents(path):
     return read(path, names)
 
 
-@pytest.mark.parametrize("name", ["run1.nc", "bed.nc"])
+@pytest.mark.parametrize("name", ["runs.nc", "bed.nc"])
 def test_a_flipped_bit_is_refused(made, tmp_path, name):
     """One at every thousandth byte, and in every scalar: what is read is what was written."""
     values, _ = contents(made / name)
@@ -114,15 +117,15 @@ def test_a_flipped_bit_in_a_result_is_refused(made, tmp_path, name):
 
 def test_other_programs_notice_damage_to_arrays(made):
     """By netCDF's own checksums, whoever reads them."""
-    for name in ("run1.nc", "bed.nc", "drag.nc", "flow.nc"):
+    for name in ("runs.nc", "bed.nc", "drag.nc", "flow.nc"):
         with netCDF4.Dataset(made / name) as file:
             for variable in file.variables.values():
                 if variable.dtype is not str and "S" not in str(variable.dtype) and variable.ndim:
-                    unguarded = variable.name in (*AXES, "wall", *ON_CASE) and name == "drag.nc"
+                    unguarded = variable.name in (*AXES, *LABELS) and name in ("drag.nc", "flow.nc")
                     assert variable.filters()["fletcher32"] or unguarded, variable.name
 
 
-@pytest.mark.parametrize("name", ["run1.nc", "drag.nc"])
+@pytest.mark.parametrize("name", ["runs.nc", "drag.nc"])
 def test_a_file_that_another_program_changed_is_the_users_own(made, tmp_path, name):
     """Readers of results take it; it is no replicate any more."""
     path = shutil.copy(made / name, tmp_path)
@@ -154,14 +157,26 @@ def told(*words):
     return result.exit_code, result.output
 
 
-AXES = "displacement", "displacement_bounds", "seed"
+RISING = "displacement", "displacement_bounds", "seed"
+CASE_AND_SEED = "case", "seed"
+COMBINED = (
+    AXES
+    | {name: (("case",), *LABELS[name][1:]) for name in LABELS}
+    | {
+        name: ((name,), *entry[1:])
+        for name, entry in (LABELS | OF_SWEEP).items()
+        if name in CASE_AND_SEED
+    }
+    | {name: ((*CASE_AND_SEED, *dims), *rest) for name, (dims, *rest) in (DRAG | OF_RUN).items()}
+    | {name: (CASE_AND_SEED, *OF_STORE[name][1:]) for name in ("run_id",)}
+)
 
 
 def foreign(path, layout, skip=(), text_as_number=False, attrs=(), size=3, fill=0.5, axes=0.5):
     """A file of the user's own making, after a layout, of one value everywhere but on its axes."""
     with netCDF4.Dataset(path, "w") as file:
         file.setncatts(dict(attrs))
-        for name, (dims, _, _) in layout.items():
+        for name, (dims, *_) in layout.items():
             for dim in dims:
                 if dim not in file.dimensions:
                     file.createDimension(dim, size)
@@ -176,7 +191,7 @@ def foreign(path, layout, skip=(), text_as_number=False, attrs=(), size=3, fill=
                 else "c1"
                 if text
                 else axes
-                if name in AXES
+                if name in RISING
                 else fill
             )
     return path
@@ -268,7 +283,7 @@ def test_text_of_a_readme_is_no_script_in_the_report(made, tmp_path):
     assert "<script>alert" not in build_report(made, tmp_path, readme)
 
 
-@pytest.mark.parametrize("name", ["drag.nc", "run1.nc", "flow.nc"])
+@pytest.mark.parametrize("name", ["drag.nc", "runs.nc", "flow.nc"])
 def test_text_of_a_file_is_shown_on_the_terminal_and_not_obeyed(hostile, name):
     """Neither escape sequences nor markup of rich."""
     status, output = told("info", hostile / name)

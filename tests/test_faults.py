@@ -13,62 +13,63 @@ import numpy as np
 import pytest
 from conftest import CONFIG, assert_not_blank
 from rich.console import Console
-from test_stopping import smoke
+from test_stopping import combined, discs, planned
+from typer.testing import CliRunner
 
-from dem.analysis.flow.collect import collect, write_flow
+from dem.analysis.flow.collect import measure_chunk, write_flow
 from dem.analysis.statistics import change, summarise
-from dem.base.errors import InputError, OverlapError, PackingError, RunError
+from dem.base.errors import OverlapError, PackingError, RunError
+from dem.cli.app import app
 from dem.experiment import drag
-from dem.experiment.config import Replicate
+from dem.experiment.bed import make_bed
 from dem.figures import FLOW, draw
+from dem.io.dataset import read
 from dem.io.progress import TimeLeft, span
 from dem.io.results_folder import hold, redate
 from dem.report.build import build
 from dem.report.info import summary
-from dem.sweep.batch import batch, settled
-from dem.sweep.combine import combine, open_combined
-from dem.sweep.failures import sort_out
+from dem.sweep import chunk as making
+from dem.sweep import work as working
+from dem.sweep.combine import open_combined
+from dem.sweep.config import save
+from dem.sweep.estimate import retried
 
 
 @pytest.fixture
 def two_fail(monkeypatch):
     """The bed of seed 2, and the run of seed 3 at the higher density, fail; how often they are tried."""
-    tried, make_bed, run = [], drag.make_bed, drag.run
+    tried, make_bed, run = [], making.make_bed, drag.run
 
     def bed(replicate):
         if replicate.seed == 2:
-            tried.append(replicate.key)
+            tried.append((replicate.seed, replicate.density))
             raise PackingError("seed 2 cannot be made.")
         return make_bed(replicate)
 
     def running(replicate, *rest, **more):
-        if replicate.key == ("c1", "39000", 3):
-            tried.append(replicate.key)
+        if (replicate.seed, replicate.density) == (3, 3.9e4):
+            tried.append((replicate.seed, replicate.density))
             raise OverlapError("granule 7 at step 12.")
         return run(replicate, *rest, **more)
 
-    monkeypatch.setattr(drag, "make_bed", bed)
+    monkeypatch.setattr(making, "make_bed", bed)
     monkeypatch.setattr(drag, "run", running)
     return tried
 
 
-def discs(**changes):
-    case = {"shape": "c1", "density": 3.9e3}
-    return smoke(
-        cases={"c1": case, "c12": case | {"density": 3.9e4}}, seeds=[1, 2, 3], batch=3, **changes
-    )
+def done(sweep, folder):
+    """A sweep at work, its only chunk made."""
+    work, chunk = planned(sweep, folder)
+    making.make(work.store, chunk)
+    return work
 
 
 def test_runs_that_fail_are_gaps_where_the_sweep_allows_them(tmp_path, two_fail):
     """They are tried once, drag.nc says why they are missing, and numbers are those of the others."""
-    sweep = discs(failures=0.5)
-    made, sentences = batch(sweep, "c1", 0, tmp_path)
-    assert made == 3 and [s.split(":")[1].strip() for s in sentences] == ["PackingError", "PackingError", "OverlapError"]  # fmt: skip
-    assert batch(sweep, "c1", 0, tmp_path) == (0, []) and len(two_fail) == 2
-    files, failed = sort_out(sweep, tmp_path)
-    assert (len(files), len(failed)) == (3, 3)
-    combine(files, sweep, tmp_path / "drag.nc", failed=failed)
-    with netCDF4.Dataset(tmp_path / "drag.nc") as file:
+    sweep = discs([1, 2, 3], failures=0.5)
+    work = done(sweep, tmp_path)
+    assert len(two_fail) == 3 and done(sweep, tmp_path) and len(two_fail) == 3
+    with netCDF4.Dataset(combined(work, tmp_path)) as file:
         flags = dict(
             zip(file["failure"].flag_meanings.split(), file["failure"].flag_values, strict=True)
         )
@@ -84,22 +85,28 @@ def test_runs_that_fail_are_gaps_where_the_sweep_allows_them(tmp_path, two_fail)
         assert float(numbers["mean"].sel(case="c1")) == pytest.approx(runs.mean())
         pair = numbers["run_mean"].sel(seed=1).values  # the only seed with both
         assert change(numbers["run_mean"], "c1", "c12")[0] == pytest.approx(pair[1] / pair[0] - 1.0)
-    flow = collect(files, sweep, failed=failed)
-    np.testing.assert_array_equal(np.isnan(flow["mixing"]).all(axis=-1), gaps)
-    write_flow(tmp_path / "flow.nc", sweep, flow)
-    shows_no_gaps(tmp_path)
 
 
-def shows_no_gaps(folder):
-    """Figures, tables and the page of a sweep with failed runs hold numbers, and the count of runs."""
-    drag, flow = folder / "drag.nc", folder / "flow.nc"
+def test_what_is_shown_of_a_sweep_with_failed_runs_has_no_gaps(tmp_path, monkeypatch, two_fail):
+    """Figures, tables and the page hold numbers, and the count of runs."""
+    monkeypatch.chdir(tmp_path)
+    work = done(discs([1, 2, 3], failures=0.5, results="results"), tmp_path)
+    drag, flow = combined(work, tmp_path), tmp_path / "flow.nc"
+    for chunk in work.chunks("drag"):
+        measure_chunk(work.store.file_of(chunk.id), tmp_path / f"results/flow/{chunk.id}.nc")
+    write_flow(work, "drag", flow)
+    with netCDF4.Dataset(drag) as one, netCDF4.Dataset(flow) as two:
+        gaps = one["failure"][:] != 0
+        mixing = np.ma.filled(two["mixing"][:], np.nan)
+        np.testing.assert_array_equal(np.isnan(mixing).all(axis=-1), gaps)
     for name in ("all", "figure09", "irregularity"):
-        draw(name, flow if name in FLOW else drag, folder / "figures")
-    for picture in (folder / "figures").glob("*.png"):
+        draw(name, flow if name in FLOW else drag, tmp_path / "figures")
+    for picture in (tmp_path / "figures").glob("*.png"):
         assert_not_blank(picture)
-    assert len(list((folder / "figures").glob("*.png"))) > 3
-    build(drag, flow, CONFIG.parent / "README.md", folder / "report.html")
-    page = re.sub(r"<script.*?</script>", "", (folder / "report.html").read_text(), flags=re.S)
+    assert len(list((tmp_path / "figures").glob("*.png"))) > 3
+    build(drag, flow, CONFIG.parent / "README.md", tmp_path / "report.html")
+    page = (tmp_path / "report.html").read_text()
+    page = re.sub(r"<script.*?</script>", "", page, flags=re.S)
     assert not re.search(r"\bnan\b", page) and re.search(r"\b3 runs\b", page)
     console = Console(width=160, file=io.StringIO())
     console.print(summary(drag))
@@ -109,47 +116,73 @@ def shows_no_gaps(folder):
 
 def test_a_case_without_any_run_stops_a_sweep(tmp_path, two_fail):
     """There is nothing to show of it, however many failures the sweep allows."""
-    case = {"shape": "c1", "density": 3.9e3}
-    sweep = smoke(cases={"c1": case}, seeds=[2], batch=2, failures=0.9)
-    batch(sweep, "c1", 0, tmp_path)
-    files, failed = sort_out(sweep, tmp_path)
-    with pytest.raises(RunError, match="c1 at 3900 kg/m3: none of its 1 replicates"):
-        combine(files, sweep, tmp_path / "drag.nc", failed=failed)
+    work = done(discs([2], failures=0.9), tmp_path)
+    with pytest.raises(RunError, match="c1 at 3900 kg/m3: none of its 1 runs could be made"):
+        combined(work, tmp_path)
 
 
-def test_runs_that_fail_stop_a_sweep_that_does_not_allow_so_many(tmp_path, two_fail):
-    """All of them are named; what could be made is kept."""
-    with pytest.raises(
-        RunError, match=r"(?s)seed2.nc: PackingError.*density39000/seed3.nc: Overlap"
-    ):
-        batch(discs(), "c1", 0, tmp_path)
-    assert len(list(tmp_path.rglob("*.nc"))) == 3 and not list(tmp_path.rglob("*.failed"))
-    sweep = discs(failures=0.4)
-    batch(sweep, "c1", 0, tmp_path)
-    files, failed = sort_out(sweep, tmp_path)
-    with pytest.raises(RunError, match=r"3 of 6 replicates could not be made.*0.4 of them.*seed2"):
-        combine(files, sweep, tmp_path / "drag.nc", failed=failed)
+@pytest.mark.parametrize("failures", [0.0, 0.4])
+def test_runs_that_fail_stop_a_sweep_that_does_not_allow_so_many(tmp_path, two_fail, failures):
+    """The first is named with its reason; no drag.nc is left, and what could be made is kept."""
+    work = done(discs([1, 2, 3], failures=failures), tmp_path)
+    sentence = (
+        rf"3 of 6 runs .* failures allows {failures:g} .* c1 at 3900 kg/m3, seed 2: PackingError"
+    )
+    with pytest.raises(RunError, match=sentence):
+        combined(work, tmp_path)
     assert not (tmp_path / "drag.nc").exists()
+    values, _ = read(work.files("drag")[0], ("failure", "failure_reason", "seed"))
+    assert (values["failure"] == 0).sum() == 3
+    assert set(values["failure_reason"][values["seed"] == 2]) == {
+        "PackingError: seed 2 cannot be made."
+    }
 
 
-def test_a_run_that_failed_is_tried_again_when_something_changes(tmp_path, monkeypatch, two_fail):
-    """Other values, or other sources, and the note of the failure is nothing."""
-    sweep = discs(failures=0.5)
-    batch(sweep, "c1", 0, tmp_path)
-    replicate = sweep.replicate("c1", 3.9e3, 2)
-    path = tmp_path / replicate.path
-    assert settled(path, replicate)
-    friction = {"granule": 0.1, "wall": 0.1, "cylinder": 0.1}
-    rough = discs(failures=0.5, friction=friction)
-    assert not settled(path, rough.replicate("c1", 3.9e3, 2))
-    assert len(sort_out(rough, tmp_path)[1]) == 0
-    monkeypatch.setattr(Replicate, "source_hash", "other")
-    assert not settled(path, replicate)
+def test_a_run_that_failed_is_tried_again_when_it_is_asked_for(tmp_path, monkeypatch, two_fail):
+    """Or other values make it another run; those that did not fail are kept as they are."""
+    sweep = discs([1, 2, 3], failures=0.5)
+    work = done(sweep, tmp_path)
+    (file,), names = work.files("drag"), ("drag", "failure", "spent", "steps")
+    before, _ = read(file, names)
+    assert retried(work) == 3 and len(two_fail) == 3
+    monkeypatch.undo()
+    done(sweep, tmp_path)
+    after, _ = read(file, names)
+    kept = before["failure"] == 0
+    assert not after["failure"].any() and np.isfinite(after["drag"]).all()
+    for name in names:
+        np.testing.assert_array_equal(before[name][kept], after[name][kept])
+    assert retried(work) == 0 and file.is_file()
+    rough = discs([1, 2, 3], friction={"granule": 0.1, "wall": 0.1, "cylinder": 0.1})
+    assert not set(rough.block("drag").places) & set(sweep.block("drag").places)
 
 
-def test_failures_need_batches():
-    with pytest.raises(InputError, match=r"failures is 0.1; with batch 1 it must be 0"):
-        smoke(failures=0.1)
+def test_the_command_ends_with_1_where_runs_failed_and_tries_them_again(tmp_path, monkeypatch):
+    """One sentence; with --retry the failed runs are made, and the same command ends well."""
+    monkeypatch.chdir(tmp_path)
+    sweep = discs([1, 2], results="results/few")
+    save(sweep, tmp_path / "few.yaml")
+    arguments = ["sweep", "few.yaml", "-j", "1"]
+    monkeypatch.setattr(working, "make_chunks", in_this_process)
+    monkeypatch.setattr(making, "make_bed", failing)
+    result = CliRunner().invoke(app, arguments)
+    assert result.exit_code == 1, (result.output, result.exception)
+    (line,) = [line for line in result.stderr.splitlines() if "could be made" in line]
+    assert "c1 at 3900 kg/m3: none of its 2 runs" in line
+    monkeypatch.setattr(making, "make_bed", make_bed)
+    assert CliRunner().invoke(app, arguments).exit_code == 1
+    result = CliRunner().invoke(app, [*arguments, "--retry"])
+    assert result.exit_code == 0 and "4 failed runs are tried again" in result.stdout, result.output
+    assert (tmp_path / "results/few/drag.nc").is_file()
+
+
+def failing(replicate):
+    raise PackingError("it cannot be made.")
+
+
+def in_this_process(store, chunks, jobs, progress):
+    for chunk in chunks:
+        making.make(store, chunk.id)
 
 
 def test_a_folder_is_held_until_its_process_ends(tmp_path):
@@ -203,6 +236,6 @@ def test_a_stopped_command_says_one_sentence(tmp_path, verb, asked):
     while process.poll() is None:
         process.send_signal(asked)
         time.sleep(0.1)
-    assert process.returncode == 128 + asked
+    assert process.returncode == 128 + asked, process.stderr.read()
     assert process.stderr.read() == "Interrupted; no half-written file is left.\n"
     assert not list(tmp_path.iterdir())

@@ -1,27 +1,29 @@
 """How beds move: measures with known answers, pictures, films, exports."""
 
-from pathlib import Path
+import re
+import shutil
+from contextlib import chdir
 
 import meshio
 import numpy as np
 import pytest
 import xarray as xr
 from conftest import STIFF, assert_not_blank
+from made import made
 from PIL import Image
 from typer.testing import CliRunner
 
 import dem
-from dem.analysis.flow import measures
-from dem.analysis.flow.collect import collect, write_flow
-from dem.analysis.flow.motion import read_motion
+from dem.analysis.flow.collect import write_flow
 from dem.analysis.flow.verdict import compared
+from dem.analysis.one_run import open_run, read_motion
+from dem.base.errors import InputError
 from dem.cli.app import app
-from dem.experiment import drag
+from dem.experiment import flow_measures as measures
+from dem.experiment.observables import flow as observable
 from dem.figures.export import export
 from dem.figures.film import encoder, film, picture
-from dem.io.dataset import VARIABLES
 from dem.report.info import summary
-from dem.studies.config import load
 
 
 @pytest.fixture(scope="module")
@@ -32,21 +34,28 @@ def grid():
 
 
 @pytest.fixture(scope="module")
-def runs(tmp_path_factory):
-    """Two cases of the smoke sweep with one seed, as files, and that sweep."""
-    sweep = load(Path(__file__).parent.parent / "config/smoke.yaml")
-    sweep = sweep.model_copy(
-        update={
-            "seeds": (1,), "cases": {name: sweep.cases[name] for name in ("c1", "e3")},
-            "record": sweep.record.model_copy(update={"snapshots": 13}),
-        }
-    )  # fmt: skip
-    files = []
-    for name, case in sweep.cases.items():
-        replicate = sweep.replicate(case.shape, case.density, 1)
-        files.append(tmp_path_factory.mktemp("runs") / f"{name}.nc")
-        drag.write_replicate(files[-1], replicate, drag.run(replicate, drag.make_bed(replicate)))
-    return sweep, files
+def results(tmp_path_factory):
+    """Results of two cases of the smoke sweep with one seed."""
+    folder = tmp_path_factory.mktemp("runs")
+    made(folder, flow=True, sweep={"case": ["c1", "e3"], "seed": 1},
+         record={"snapshots": 13})  # fmt: skip
+    return folder / "results"
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory):
+    """Results of a sweep over three axes."""
+    folder = tmp_path_factory.mktemp("swept")
+    made(folder, sweep={"shape": ["c1", "d1"], "friction.granule": [0.1, 0.3],
+                        "box": {"wide": {"box_width": 10e-3, "shapes.c1.granules": 75},
+                                "same": {"box_width": 8e-3}}, "seed": "1 to 2"})  # fmt: skip
+    return folder / "results"
+
+
+@pytest.fixture
+def motion(results):
+    """The run of discs."""
+    return read_motion(results / "drag.nc", ["case=c1"])
 
 
 def test_affine_motions_are_not_irregular(grid):
@@ -100,39 +109,114 @@ def test_contact_forces_on_a_granule_at_rest_balance(small_bed, kind, fraction):
     assert np.abs(found.point[walls, 0]).max() < 0.5e-3
 
 
-def test_motion_is_what_was_recorded(runs):
-    """Snapshots, geometry and drag of a file come back as they were written."""
-    sweep, files = runs
-    motion = read_motion(files[1])
+def test_motion_is_what_was_recorded(results):
+    """Snapshots, geometry and drag of a run come back as they were written."""
+    motion = read_motion(results / "drag.nc", ["case=e3", "seed=1"])
+    own = motion.replicate.configuration
     assert motion.replicate.label == "e3" and motion.position.shape == (13, 60, 2)
     assert motion.nearest(0.61e-3) == 6
-    assert np.ptp(motion.cylinder_y) == pytest.approx(sweep.cylinder.stroke)
+    assert np.ptp(motion.cylinder_y) == pytest.approx(own.cylinder.stroke)
     areas = motion.outlines[:, 0]
     x, y = areas[..., 0], areas[..., 1]
     shoelace = 0.5 * np.abs((x[:, :-1] * y[:, 1:] - x[:, 1:] * y[:, :-1]).sum(axis=1))
     np.testing.assert_allclose(shoelace, np.pi / 4 * motion.diameters**2, rtol=0.01)
+    with xr.open_dataset(results / "drag.nc") as data:
+        np.testing.assert_array_equal(motion.drag, data["drag"].sel(case="e3", seed=1))
 
 
-def test_flow_nc(runs, tmp_path):
-    """Measures of every run and the snapshots of one a case; a missing or a foreign run is named."""
-    sweep, files = runs
-    values = collect(files[::-1], sweep)
-    write_flow(tmp_path / "flow.nc", sweep, values)
-    with xr.open_dataset(tmp_path / "flow.nc") as flow:
+def test_flow_nc(results, motion):
+    """Measures of every run are those of its snapshots, and the snapshots of one a case are there."""
+    with xr.open_dataset(results / "flow.nc") as flow:
         assert flow["non_affine"].dims == ("case", "seed", "snapshot")
         assert float(flow["non_affine"].isel(snapshot=-1).min()) > 0.0
         assert (flow["mixing"].isel(snapshot=0) == 0.0).all()
         lost = flow["contacts_lost"].isel(snapshot=slice(6, None)).values
         assert ((lost >= 0.0) & (lost <= 1.0)).all() and lost.max() > 0.0
-        motion = read_motion(files[0])
         np.testing.assert_array_equal(flow["bed_x"].sel(case="c1"), motion.position[..., 0])
-    assert "Irregularity" in str(
-        summary(tmp_path / "flow.nc").renderables[1]
-    )  # one run: no verdict
-    with pytest.raises(dem.InputError, match="none of the files"):
-        collect(files[:1], sweep)
-    with pytest.raises(dem.InputError, match="twice"):
-        collect([files[0], files[0]], sweep)
+        for name, wanted in observable.measured(motion).items():
+            np.testing.assert_array_equal(flow[name].sel(case="c1", seed=1), wanted)
+    assert "Irregularity" in str(summary(results / "flow.nc").renderables[1])  # one run: no verdict
+
+
+def test_a_recorded_flow_is_that_of_the_snapshots(results, tmp_path):
+    """The same bits, whether a run measures its flow or its snapshots are measured."""
+    made(tmp_path, sweep={"case": ["c1"], "seed": 1},
+         record={"snapshots": 13, "observables": ["drag", "flow"]})  # fmt: skip
+    with (
+        xr.open_dataset(tmp_path / "results/flow.nc") as one,
+        xr.open_dataset(results / "flow.nc") as other,
+    ):
+        for name in observable.VARIABLES:
+            np.testing.assert_array_equal(one[name].sel(case="c1"), other[name].sel(case="c1"))
+
+
+def test_flow_of_runs_that_are_not_measured_is_one_sentence(tmp_path):
+    """The file that is missing is named, and what makes it."""
+    work = made(tmp_path, sweep={"case": ["c1"], "seed": 1}, record={"snapshots": 13})
+    with (
+        chdir(tmp_path),
+        pytest.raises(InputError, match="is missing; make it from results/chunks"),
+    ):
+        write_flow(work, "drag", tmp_path / "flow.nc")
+    assert not (tmp_path / "flow.nc").exists()
+
+
+def test_a_run_is_found_by_its_values(swept):
+    """By axes, by labels and by paths, in the combined file and in the file of its runs."""
+    words = ["shape=d1", "friction.granule=0.3", "box=wide", "seed=2"]
+    replicate, values = open_run(swept / "drag.nc", words)
+    own = replicate.configuration
+    assert (replicate.label, replicate.seed) == ("d1", 2)
+    assert (own.friction.granule, own.box_width) == (0.3, 10e-3)
+    with xr.open_dataset(swept / "drag.nc") as data:
+        place = {"shape": "d1", "friction_granule": 0.3, "box": "wide", "seed": 2}
+        np.testing.assert_array_equal(values["drag"], data["drag"].sel(place))
+    by_label = ["shape=d1", "friction_granule=0.3", "box_width=0.01", "seed=2"]
+    assert open_run(swept / "drag.nc", by_label)[0].id == replicate.id
+    for chunk in (swept / "chunks").glob("*.nc"):
+        try:
+            found = open_run(chunk, [*words[:2], "box_width=0.01", "seed=2"])[0]
+        except InputError:
+            continue
+        assert found.id == replicate.id
+        break
+    else:
+        raise AssertionError("no file holds the run")
+
+
+@pytest.mark.parametrize(
+    ("select", "words"),
+    [
+        (
+            ["shape=d1", "seed=1"],
+            "choose one by friction_granule, box, such as friction_granule=0.1",
+        ),
+        ([], "it has 16 runs; choose one by shape, friction_granule, box, seed"),
+        (
+            ["frction.granule=0.1"],
+            "frction.granule is nothing that its runs have; the nearest is fr",
+        ),
+        (["friction.granule=0.2"], "friction.granule=0.2; friction_granule is 0.1, 0.3"),
+        (["shape=e3"], "no run with shape=e3; shape is c1, d1"),
+        (["seed=one"], "no run with seed=one; seed is 1, 2"),
+        (["d1"], "'d1' selects no run; write a name and a value"),
+    ],
+)
+def test_a_wrong_selection_is_one_sentence(swept, select, words):
+    with pytest.raises(InputError, match=re.escape(words)) as found:
+        open_run(swept / "drag.nc", select)
+    assert "\n" not in str(found.value)
+
+
+def test_a_run_that_is_gone_or_was_not_watched_is_named(swept, tmp_path):
+    """Chunks that are not there; runs without snapshots."""
+    shutil.copy(swept / "drag.nc", tmp_path / "drag.nc")
+    words = ["shape=d1", "friction.granule=0.3", "box=wide", "seed=2"]
+    with pytest.raises(InputError, match="is in no file of"):
+        read_motion(tmp_path / "drag.nc", words)
+    made(tmp_path, sweep={"case": ["c1"], "seed": 1}, record={"observables": ["drag"]})
+    with pytest.raises(InputError, match="add snapshots to record"):
+        read_motion(tmp_path / "results/drag.nc", [])
 
 
 def test_verdicts_of_known_flows():
@@ -145,7 +229,7 @@ def test_verdicts_of_known_flows():
             "case": ["round", "long"],
             "shape": ("case", ["c1", "e3"]),
             "density": ("case", [1.0, 1.0]),
-            "displacement": ("snapshot", [0.0, 1e-3, 2e-3, 9e-3]),
+            "snapshot_displacement": ("snapshot", [0.0, 1e-3, 2e-3, 9e-3]),
         },
         {"window_start": 1e-3, "window_stop": 5e-3},
     )
@@ -155,9 +239,9 @@ def test_verdicts_of_known_flows():
 
 
 @pytest.mark.parametrize(("color", "forces"), [("speed", False), ("force", True), ("layer", True)])
-def test_films_and_pictures(runs, tmp_path, color, forces):
+def test_films_and_pictures(motion, tmp_path, color, forces):
     """A frame a snapshot, at 720p, in which granules are drawn and move; pictures by the name."""
-    motion, seen = read_motion(runs[1][0]), []
+    seen = []
     written = film(motion, tmp_path / "bed.gif", color, forces, seen.append)
     with Image.open(written) as frames:
         assert (frames.n_frames, frames.size) == (13, (1280, 720))
@@ -173,15 +257,15 @@ def test_films_and_pictures(runs, tmp_path, color, forces):
 
 
 @pytest.mark.skipif(encoder() is None, reason="there is no ffmpeg")
-def test_a_film_is_a_film(runs, tmp_path):
+def test_a_film_is_a_film(motion, tmp_path):
     """MP4 where there is an encoder."""
-    written = film(read_motion(runs[1][0]), tmp_path / "bed.mp4", "cluster", False)
+    written = film(motion, tmp_path / "bed.mp4", "cluster", False)
     assert written.suffix == ".mp4" and written.read_bytes()[4:8] == b"ftyp"
 
 
-def test_export_for_paraview(runs, tmp_path):
+def test_export_for_paraview(results, tmp_path):
     """Polygons with the granules' areas and numbers, a file a snapshot, and one that lists them."""
-    motion = read_motion(runs[1][1])
+    motion = read_motion(results / "drag.nc", ["case=e3"])
     listed = export(motion, tmp_path / "vtk").read_text()
     assert listed.count("<DataSet") == 13
     mesh = meshio.read(tmp_path / "vtk/bed0012.vtu")
@@ -197,26 +281,30 @@ def test_export_for_paraview(runs, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["film", "RUN", "-o", "bed.avi"], "bed.avi"),
+        (["film", "DRAG", "case=c1", "-o", "bed.avi"], "bed.avi"),
         (["film", "none.nc", "-o", "bed.mp4"], "none.nc"),
-        (["film", "RUN", "-o", "bed.mp4", "--color", "mauve"], "mauve"),
-        (["picture", "RUN", "-o", "bed.txt"], "bed.txt"),
-        (["picture", "BED", "-o", "bed.png"], "snapshot_displacement"),
+        (["film", "DRAG", "case=c1", "-o", "bed.mp4", "--color", "mauve"], "mauve"),
+        (["picture", "DRAG", "case=c1", "-o", "bed.txt"], "bed.txt"),
+        (["picture", "DRAG", "-o", "bed.png"], "case=c1"),
+        (["export", "BED", "-o", "vtk"], "holds no runs"),
     ],
 )
-def test_bad_input_is_one_sentence(runs, tmp_path, monkeypatch, arguments, words):
+def test_bad_input_is_one_sentence(results, tmp_path, monkeypatch, arguments, words):
     """Exit status 2, the value named, nothing written."""
     monkeypatch.chdir(tmp_path)
-    replicate = runs[0].replicate("c1", 3.9e3, 1)
-    drag.write_bed(tmp_path / "packed.nc", replicate, drag.make_bed(replicate))
-    names = {"RUN": str(runs[1][0]), "BED": "packed.nc"}
+    xr.Dataset({"x": 1.0}).to_netcdf("bed.nc")
+    names = {"DRAG": str(results / "drag.nc"), "BED": "bed.nc"}
     ran = CliRunner().invoke(app, [names.get(a, a) for a in arguments])
     assert ran.exit_code == 2 and words in ran.output and ran.output.count("\n") == 1
-    assert [file.name for file in tmp_path.iterdir()] == ["packed.nc"]
+    assert [file.name for file in tmp_path.iterdir()] == ["bed.nc"]
 
 
-def test_layout_of_replicates_has_all_that_motion_reads():
-    """The names that pictures need are in the table of the files."""
-    from dem.analysis.flow.motion import READ
-
-    assert set(READ) <= set(VARIABLES)
+def test_a_run_of_one_file_is_filmed_by_its_name_alone(results, tmp_path):
+    """Verbs take the file of a single run, and drag.nc with what selects one."""
+    made(tmp_path, sweep={"case": ["c1"], "seed": 1}, chunk=1)
+    (chunk,) = (tmp_path / "results/chunks").glob("*.nc")
+    for number, words in enumerate(([chunk], [results / "drag.nc", "case=e3", "seed=1"])):
+        output = tmp_path / f"bed{number}.png"
+        ran = CliRunner().invoke(app, ["picture", *map(str, words), "-o", str(output)])
+        assert ran.exit_code == 0, ran.output
+        assert_not_blank(output)

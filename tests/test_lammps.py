@@ -17,8 +17,8 @@ from dem.studies.benchmark.measure import (
 )
 from dem.studies.benchmark.scenes import FULL, make_case
 from dem.studies.benchmark.sizes import compare_sizes
-from dem.studies.config import load
 from dem.studies.peers import lammps
+from dem.sweep.config import load
 
 pytestmark = pytest.mark.skipif(lammps.available() is not None, reason=str(lammps.available()))
 CONFIG = Path(__file__).parent.parent / "config/smoke.yaml"

@@ -17,23 +17,33 @@ from dem.figures import captions
 from dem.shapes import KINDS
 
 DISC, ELLIPSE = KINDS["disc"].module, KINDS["ellipse"].module
+RUN = (
+    "dem.experiment.drag",
+    *(f"dem.experiment.observables.{name}" for name in ("drag", "snapshots")),
+)
 # What a result depends on, by its name in the table below.
 RESULTS = {
-    "disc run": ("dem.experiment.drag", DISC),
-    "ellipse run": ("dem.experiment.drag", ELLIPSE),
-    "superellipse run": ("dem.experiment.drag", KINDS["superellipse"].module),
+    "disc run": (*RUN, DISC),
+    "ellipse run": (*RUN, ELLIPSE),
+    "superellipse run": (*RUN, KINDS["superellipse"].module),
+    "ledger run": (*RUN, "dem.experiment.observables.ledger", DISC),
+    "jamming": ("dem.experiment.jamming", DISC),
+    "bed": ("dem.experiment.bed", DISC),
     "drag.nc": ("dem.sweep.combine",),
     "flow.nc": ("dem.analysis.flow.collect", DISC),
     "figure": ("dem.figures.figure13",),
-    "claims": ("dem.studies.claims.runs", DISC),
+    "claims": ("dem.studies.claims.table",),
     "claims.txt": ("dem.report.info", "dem.studies.claims.report"),
     "page": ("dem.report.build",),
     "kernel": ("dem.contacts.loops",),
     "accuracy": ("dem.studies.accuracy.contacts", "dem.studies.accuracy.bounces"),
 }
-RUNS = {"disc run", "ellipse run", "superellipse run", "flow.nc", "claims", "claims.txt"}
-KERNELS = RUNS | {"kernel", "accuracy"}
-READERS = {"drag.nc", "figure", "page"}
+BEDS = {"jamming", "bed"}
+RUNS = {"disc run", "ellipse run", "superellipse run", "ledger run"}
+MADE = {"flow.nc", "claims"}  # by what can make runs too
+MOVING = RUNS | BEDS | MADE | {"claims.txt", "page"}
+KERNELS = MOVING | {"kernel", "accuracy"}
+READERS = {"drag.nc", "figure"}
 LINE = "\nEDITED = True\n"
 
 # (file, what stands there and what is put instead, or a line that is added): what is made again
@@ -42,19 +52,21 @@ EDITS = {
     "a line of columns": ("dem/jit/columns.py", LINE, KERNELS),
     "a line of every shape's questions": ("dem/shapes/protocol.py", LINE, KERNELS),
     "a line of a shape": ("dem/shapes/superellipse.py", LINE, {"superellipse run"}),
-    "a line of discs": (
-        "dem/shapes/disc.py", LINE, {"disc run", "flow.nc", "claims", "accuracy"},
-    ),
+    "a line of discs": ("dem/shapes/disc.py", LINE, {"disc run", "ledger run", "flow.nc", "accuracy"} | BEDS),
     "a line of ellipses": ("dem/shapes/ellipse.py", LINE, {"ellipse run", "accuracy"}),
-    "a line of the dynamics": ("dem/dynamics/stepping.py", LINE, RUNS | {"accuracy"}),
-    "a line of packing": ("dem/packing/minimise.py", LINE, RUNS),
-    "a line of the layout": ("dem/io/dataset.py", LINE, RUNS | READERS),
-    "a line of the experiment": ("dem/experiment/drag.py", LINE, RUNS),
-    "a line of the sweep": ("dem/sweep/combine.py", LINE, READERS | {"flow.nc", "claims.txt"}),
+    "a line of the dynamics": ("dem/dynamics/stepping.py", LINE, MOVING | {"accuracy"}),
+    "a line of packing": ("dem/packing/minimise.py", LINE, MOVING),
+    "a line of the layout": ("dem/io/dataset.py", LINE, MOVING | READERS),
+    "a line of the experiment": ("dem/experiment/drag.py", LINE, RUNS | MADE),
+    "a line of an observable": ("dem/experiment/observables/ledger.py", LINE, {"ledger run"}),
+    "a line of growing beds": ("dem/experiment/jamming.py", LINE, MADE | {"jamming"}),
+    "a line of the store": ("dem/sweep/store.py", LINE, MADE | {"claims.txt", "page"}),
+    "a line of a chunk": ("dem/sweep/chunk.py", LINE, MADE),
+    "a line of the sweep": ("dem/sweep/combine.py", LINE, MADE | READERS | {"claims.txt", "page"}),
     "a line of statistics": (
         "dem/analysis/statistics.py", LINE, {"figure", "page", "claims.txt"},
     ),
-    "a line of a study": ("dem/studies/claims/trials.py", LINE, {"claims"}),
+    "a line of a study": ("dem/studies/claims/table.py", LINE, {"claims"}),
     "a line of style": ("dem/figures/style.py", LINE, {"figure", "page"}),
     "a line of a figure": ("dem/figures/figure13.py", LINE, {"figure"}),
     "a line of the report": ("dem/report/interactive.py", LINE, {"page"}),
@@ -65,7 +77,7 @@ EDITS = {
     "a comment": ("dem/contacts/force_law.py", "\n# edited\n", set()),
     "empty lines": ("dem/experiment/drag.py", "\n\n\n", set()),
     "a docstring": (
-        "dem/experiment/drag.py", ('"""The scene of the run."""', '"""Another word."""'), set(),
+        "dem/experiment/scene.py", ('"""The scene of the run."""', '"""Another word."""'), set(),
     ),
     "an error sentence": (
         "dem/experiment/config.py", ("it must not be negative.", "it must be positive or zero."),
@@ -74,13 +86,8 @@ EDITS = {
     "an annotation": (
         "dem/experiment/drag.py", ("threads: int = 1,", "threads: float = 1,"), set(),
     ),
-    "another error": (
-        "dem/experiment/config.py", ('raise InputError(f"seed is', 'raise ValueError(f"seed is'),
-        RUNS | READERS,
-    ),
-    "a default": (
-        "dem/experiment/drag.py", ("SAVED_EVERY = 60.0", "SAVED_EVERY = 61.0"), RUNS,
-    ),
+    "another error": ("dem/experiment/config.py", ('raise InputError(f"seed is', 'raise ValueError(f"seed is'), MOVING | READERS),
+    "a default": ("dem/experiment/drag.py", ("SAVED_EVERY = 60.0", "SAVED_EVERY = 61.0"), RUNS | MADE),
 }  # fmt: skip
 
 ASK = """

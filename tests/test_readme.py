@@ -8,7 +8,7 @@ from mutants import MUTANTS
 
 ROOT = Path(__file__).parent.parent
 BLOCKS = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.S)
-LIBRARY = [block for block in BLOCKS if "import dem" in block]
+LIBRARY = [block for block in BLOCKS if "dem.Scene" in block or "dem.pack" in block]
 
 
 def run(block):

@@ -9,40 +9,50 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import assert_alone, assert_not_blank, places_shown
+from made import made
 from rich.console import Console
 
-from dem.analysis.flow.collect import collect, write_flow
+from dem.analysis.statistics import summarise
 from dem.base.errors import InputError
-from dem.experiment import drag
-from dem.figures import FLOW, draw, possible
+from dem.figures import draw, drawable
 from dem.report.build import build, section
 from dem.report.info import summary
-from dem.studies.config import load
-from dem.sweep.combine import combine, open_combined
+from dem.sweep.combine import open_combined
 
 ROOT = Path(__file__).parent.parent
+BOXES = {"wide": {"box_width": 10e-3, "shapes.c1.granules": 75}, "same": {"box_width": 8e-3}}
+SWEEPS = {
+    "grid": {"shape": ["c1", "d1"], "friction.granule": [0.1, 0.2, 0.3], "box": BOXES,
+             "seed": "1 to 2"},
+    "names": {"shape": ["c1", "d1"], "box": BOXES},
+    "many": {"shape": ["c1"], "gravity": [0.0, 1.0, 2.0, 3.0], "box": BOXES,
+             "friction.granule": [0.1, 0.2, 0.3], "friction.wall": [0.1, 0.3], "seed": "1 to 2"},
+    "point": {"shape": ["c1"], "friction.granule": [0.3], "seed": "1 to 2"},
+    "design": {"shape": ["c1", "d1"], "point": {
+        "design": "latin_hypercube", "points": 6, "first_seed": 11,
+        "over": {"friction.granule": {"low": 0.1, "high": 0.5},
+                 "ellipse.curvature": {"choices": ["volume", "local"]},
+                 "material.young_modulus": {"low": 1e10, "high": 1e11, "scale": "log"}}}},
+}  # fmt: skip
 
 
 @pytest.fixture(scope="module")
 def page(tmp_path_factory):
     """The report of two cases and two seeds of the smoke sweep."""
-    folder, sweep = tmp_path_factory.mktemp("report"), load(ROOT / "config/smoke.yaml")
-    sweep = sweep.model_copy(update={"cases": {name: sweep.cases[name] for name in ("c1", "e3")}})
-    files = []
-    for case in sweep.cases.values():
-        for seed in sweep.seeds:
-            replicate = sweep.replicate(case.shape, case.density, seed)
-            files.append(folder / f"{case.shape}{seed}.nc")
-            drag.write_replicate(
-                files[-1], replicate, drag.run(replicate, drag.make_bed(replicate))
-            )
-    combine(files, sweep, folder / "drag.nc")
-    write_flow(folder / "flow.nc", sweep, collect(files, sweep))
-    for name in ("figure13", *possible(sweep, FLOW)):
-        draw(name, folder / ("drag.nc" if name == "figure13" else "flow.nc"), folder / "figures")
+    folder = tmp_path_factory.mktemp("report")
+    made(folder, flow=True, sweep={"case": ["c1", "e3"], "seed": [1, 2]})
+    folder = folder / "results"
     (folder / "stability.txt").write_text("a table of <b>stability</b>")
     build(folder / "drag.nc", folder / "flow.nc", ROOT / "README.md", folder / "report.html")
     return folder / "report.html"
+
+
+@pytest.fixture(scope="module", params=SWEEPS)
+def swept(request, tmp_path_factory):
+    """Name and results of sweeps over other values than cases."""
+    folder = tmp_path_factory.mktemp(request.param)
+    made(folder, sweep=SWEEPS[request.param], record={"observables": ["drag"]})
+    return request.param, folder / "results"
 
 
 def test_nothing_is_fetched_and_all_is_there(page):
@@ -112,6 +122,112 @@ def test_curves_go_through_the_bins(page):
         place = np.column_stack([1e3 * data["displacement"], wanted])
         apart = np.abs(panel[:, None] - place).max(axis=2).min(axis=0)
         assert apart.max() < 1e-6 * wanted.max()
+
+
+def figure_of(data):
+    """The figure of a sweep, its file and its means."""
+    with open_combined(data) as dataset:
+        figure = import_module("dem.figures.sweep").plot(dataset)
+        return figure, dataset.load(), summarise(dataset)
+
+
+def test_every_mean_of_a_sweep_is_drawn(swept):
+    """Each within the panels; of two axes more than there is room for, their mean."""
+    name, folder = swept
+    assert drawable(folder) == ["sweep"]
+    assert_not_blank(folder / "figures/sweep.png")
+    figure, _, found = figure_of(folder / "drag.nc")
+    shown = np.concatenate([places_shown(axes)[:, 1] for axes in figure.axes])
+    wanted = found["mean"]
+    if name == "many":  # 4 x 2 x 3 x 2: gravity along x, friction by lines, two by panels
+        left_out = re.search(r"averaged over (\w+)", figure.get_suptitle())
+        wanted = wanted.mean(left_out[1]) if left_out else wanted
+    for value in wanted.values.ravel():
+        assert np.isclose(shown, value, rtol=1e-9).any()
+    assert len(figure.axes) <= 12
+
+
+def test_axes_of_a_sweep_have_names_and_units(swept):
+    name, folder = swept
+    figure, _, _ = figure_of(folder / "drag.nc")
+    assert "(N)" in figure.axes[0].get_ylabel() and "0.4 mm to 1 mm" in figure.axes[0].get_ylabel()
+    labels = {" ".join(axes.get_xlabel().split()) for axes in figure.axes} - {""}
+    wanted = {
+        "grid": {"Friction between granules"},
+        "names": {"Box"},
+        "many": {"Gravity, downwards (m s⁻²)"},
+        "point": {"Friction between granules"},
+        "design": {"Friction between granules", "Radius of ellipses in Hertz's law",
+                   "Young's modulus (10⁹ Pa)"},
+    }  # fmt: skip
+    assert labels == wanted[name]
+    if name not in ("point", "many"):
+        assert [text.get_text() for text in figure.legends[0].get_texts()] == [
+            "shape: c1", "shape: d1"]  # fmt: skip
+
+
+def test_info_prints_the_mean_of_any_sweep(swept):
+    """A row a place, with its values, mean and runs; of a file of runs a row a run."""
+    _, folder = swept
+    console = Console(width=200, file=io.StringIO())
+    console.print(summary(folder / "drag.nc"))
+    text = console.file.getvalue()
+    _, _, found = figure_of(folder / "drag.nc")
+    for mean in found["mean"].values.ravel():
+        assert re.search(rf"\b{mean:.0f}\b", text)
+    for chunk in (folder / "chunks").glob("*.nc"):
+        console = Console(width=200, file=io.StringIO())
+        console.print(summary(chunk))
+        with open_combined(folder / "drag.nc") as data:
+            ids = {str(run)[:12] for run in data["run_id"].values.ravel()}
+        told = console.file.getvalue()
+        rows = re.findall(r"(?m)^ *([0-9a-f]{12}) ", told)
+        assert set(rows) <= ids and (rows or "mean drag within the window" in told)
+
+
+def test_a_long_table_says_how_much_is_left_out(swept, monkeypatch):
+    import dem.report.info as info
+
+    monkeypatch.setattr(info, "ROWS", 1)
+    _, folder = swept
+    console = Console(width=200, file=io.StringIO())
+    console.print(summary(folder / "drag.nc"))
+    _, _, found = figure_of(folder / "drag.nc")
+    more = found["mean"].size - 1
+    assert (f"... and {more} rows more" in console.file.getvalue()) == (more > 0)
+
+
+def test_the_report_of_a_sweep_tells_what_each_value_does(swept):
+    """Its figure, its table, and a sentence a value that was varied."""
+    name, folder = swept
+    output = folder / "report.html"
+    build(folder / "drag.nc", folder / "flow.nc", ROOT / "README.md", output)
+    body = output.read_text()
+    assert 'id="sweep"' in body and 'id="play"' not in body and "<script" not in body
+    told = re.findall(r"<li>(.*?)</li>", body.partition("What was varied")[2].partition("</ul>")[0])
+    number = {"grid": 3, "names": 2, "many": 4, "point": 0, "design": 4}
+    assert len(told) == number[name]
+    if name == "grid":
+        _, _, found = figure_of(folder / "drag.nc")
+        means = found["run_mean"].mean(("shape", "box", "seed"))
+        share = float(means.sel(friction_granule=0.3) / means.sel(friction_granule=0.1)) - 1.0
+        (line,) = [line for line in told if line.startswith("Friction between granules")]
+        assert f"by {100 * share:+.1f} " in line and "0.1, 0.2, 0.3" in line
+
+
+def test_a_figure_of_cases_is_not_drawn_of_other_sweeps(swept):
+    with pytest.raises(InputError, match="figure13 shows runs that differ in case, or shape"):
+        draw("figure13", swept[1] / "drag.nc", swept[1] / "figures")
+
+
+def test_shapes_and_seeds_are_cases(tmp_path):
+    """A sweep over shapes has the figures of the paper, of each shape as a case."""
+    made(tmp_path, flow=True, sweep={"shape": ["c1", "e3"], "seed": [1, 2]})
+    folder = tmp_path / "results"
+    assert {"figure07", "figure13", "figure09", "figure12", "irregularity"} <= set(drawable(folder))
+    for name in drawable(folder):
+        assert_not_blank(folder / f"figures/{name}.png")
+    build(folder / "drag.nc", folder / "flow.nc", ROOT / "README.md", folder / "report.html")
 
 
 def test_a_readme_without_the_section_is_refused(page, tmp_path):

@@ -15,11 +15,15 @@ from dem.dynamics.forces import forces
 from dem.figures import STABILITY, draw
 from dem.report.info import summary
 from dem.shapes import KINDS
-from dem.studies.config import load
-from dem.studies.stability import catalogue, study
-from dem.studies.stability.layout import STUDY
+from dem.studies.stability import catalogue, study, table
+from dem.studies.stability.layout import VARIABLES
 from dem.studies.stability.report import edges
 from dem.studies.stability.watching import excess, friction_excess, momenta, unlisted
+from dem.sweep import chunk
+from dem.sweep.config import load, parse
+from dem.sweep.store import Store
+from dem.sweep.table import write_part
+from dem.sweep.work import Work
 
 CONFIG = Path(__file__).parent.parent / "config"
 SHORT = {
@@ -32,24 +36,39 @@ SHORT = {
     "restart": {"experiment": "restart", "shapes": ["c1"], "change": {"displacement": 5e-5},
                 "limits": {"difference": 0}},
     "full": {"experiment": "draw", "shapes": ["c1"], "change": {"fraction": 1.6},
-             "expect": "PackingError"},
+             "expect": "InputError"},
     "harmless": {"experiment": "draw", "shapes": ["c1"], "change": {"displacement": 5e-5},
                  "expect": "OverlapError"},
 }  # fmt: skip
-MAP = {
-    "shapes": ["c1"], "fractions": [0.5, 3.0], "restitutions": [0.5], "stiffness": [1.0],
-    "displacement": 5e-5, "limited": 60,
-}  # fmt: skip
+LIMITS = {"shapes": ["c1"], "granules": 60}
 
 
 @pytest.fixture(scope="module")
 def sweep():
-    return load(CONFIG / "smoke.yaml")
+    """The smoke sweep with few runs."""
+    data = yaml.safe_load((CONFIG / "smoke/stability.yaml").read_text())
+    blocks = data["sweep"]["blocks"]
+    steps = {"material.restitution": 0.5, "numerics.step_fraction": [0.5, 3.0]}
+    few = {"shape": "c1", "material.young_modulus": {"times": 1.0}} | steps
+    blocks["map"] = {name: few.get(name, value) for name, value in blocks["map"].items()}
+    blocks["paper"] |= {"case": ["c1", "c12"]}
+    return parse(data)
 
 
-def written(folder, cases=SHORT, **more):
+@pytest.fixture(scope="module")
+def runs(sweep, tmp_path_factory):
+    """Its runs."""
+    work = Work(sweep, Store(tmp_path_factory.mktemp("store")))
+    chunks = [each for name in sweep.blocks for each in work.chunks(name)]
+    work.settle()
+    for each in chunks:
+        chunk.make(work.store, each.id)
+    return work
+
+
+def written(folder, cases=SHORT):
     file = folder / "catalogue.yaml"
-    file.write_text(yaml.safe_dump({"cases": cases, "map": MAP | more}))
+    file.write_text(yaml.safe_dump({"cases": cases, "limits": LIMITS}))
     return file
 
 
@@ -139,35 +158,66 @@ def test_verdicts_follow_limits(sweep, tmp_path):
     assert "packing" in words["full"] and not words["paper"]
 
 
-def test_the_map_tells_sound_steps_from_broken_ones(sweep, tmp_path):
+def test_the_map_tells_sound_steps_from_broken_ones(runs):
     """At the default step energy adds up, at three times the bound it does not."""
-    wanted = catalogue.load(written(tmp_path)).map
-    found = study.run_map(sweep, wanted, "c1")
+    block, modulus = table.blocks_of(runs.sweep)["map"], runs.sweep.material.young_modulus
+    found = table.energy_map(runs.files("map"), block, modulus)
+    assert found["map_stiffness"].tolist() == [1.0] and found["map_fraction"].tolist() == [0.5, 3.0]
     sound, broken = found["map_residual"].ravel()
     assert sound < 1e-3 and not broken < 1e-2
+
+
+def test_a_bed_grows_beyond_its_limit_only(sweep, tmp_path):
+    """The bound lies below the true limit of the linearised bed."""
+    found = study.run_limits(sweep, catalogue.load(written(tmp_path)), "c1")
     assert found["limit_growth_bound"][0] < 1.0 + 1e-6 < found["limit_growth_above"][0]
     assert found["limit_bound"][0] < found["limit_limit"][0]
 
 
-def test_the_study_end_to_end(sweep, tmp_path):
-    """Parts of two jobs make one file, which is summarised and drawn."""
+def test_the_study_end_to_end(runs, tmp_path):
+    """Runs and the parts of two jobs make one file, which is summarised and drawn."""
+    sweep = runs.sweep
     cases = catalogue.load(written(tmp_path, {"paper": SHORT["paper"], "full": SHORT["full"]}))
     study.check(sweep, cases)
-    work = {
-        "catalogue": study.run_catalogue(sweep, cases, "c1"),
-        "map": study.run_map(sweep, cases.map, "c1"),
-        "paper": study.run_paper(sweep, "c1"),
-    }
-    files = [tmp_path / f"{name}.nc" for name in work]
-    for file, values in zip(files, work.values(), strict=True):
-        STUDY.write_part(file, sweep, values)
+    made = study.run_catalogue(sweep, cases, "c1"), study.run_limits(sweep, cases, "c1")
+    files = [tmp_path / "catalogue.nc", tmp_path / "limits.nc"]
+    for file, values in zip(files, made, strict=True):
+        write_part(file, sweep, ("dem.studies.stability.study",), values, VARIABLES)
     whole = tmp_path / "stability.nc"
-    STUDY.write_joined(whole, STUDY.join(files))
+    with pytest.raises(dem.InputError, match="the parts lack limit_shape"):
+        table.write_study(whole, runs, files[:1])
+    table.write_study(whole, runs, files)
+    with xr.open_dataset(whole) as dataset:
+        assert dataset["paper_case"].values.tolist() == ["c1", "c12"]
+        assert float(dataset["paper_residual"].max()) < 1e-3
     assert "3 of 3 checks passed" in str(summary(whole).renderables[-1])
     for name in STABILITY:
         vector, pixels = draw(name, whole, tmp_path)
         assert vector.is_file()
         assert_not_blank(pixels)
+
+
+@pytest.mark.parametrize(
+    ("block", "change", "words"),
+    [
+        ("paper", None, "must be map and paper"),
+        ("map", {"seed": [1, 2]}, "sweep.blocks.map varies"),
+        ("paper", {"cylinder.start": [0.2, 0.3]}, "sweep.blocks.paper varies"),
+        (None, None, "lacks ledger"),
+    ],
+)
+def test_a_sweep_that_is_no_study_is_refused(block, change, words):
+    """Before anything runs, with the block in the sentence."""
+    data = yaml.safe_load((CONFIG / "smoke/stability.yaml").read_text())
+    blocks = data["sweep"]["blocks"]
+    if block is None:
+        data["record"]["observables"] = ["drag"]
+    elif change is None:
+        del blocks[block]
+    else:
+        blocks[block] |= change
+    with pytest.raises(dem.InputError, match=words):
+        table.blocks_of(parse(data))
 
 
 @pytest.mark.parametrize(
@@ -191,8 +241,11 @@ def test_a_wrong_catalogue_is_refused_in_words(sweep, tmp_path, change, words):
 
 def test_the_released_catalogue_fits_the_released_configurations():
     """Every case names an experiment and shapes that are there, and every experiment is used."""
-    cases = catalogue.load(CONFIG / "stability.yaml")
-    study.check(load(CONFIG / "paper.yaml"), cases)
+    cases = catalogue.load(CONFIG / "catalogue.yaml")
+    for name in ("stability.yaml", "smoke/stability.yaml"):
+        sweep = load(CONFIG / name)
+        study.check(sweep, cases)
+        assert set(table.blocks_of(sweep)) == {"map", "paper"}
     assert {case.experiment for case in cases.cases.values()} == set(study.EXPERIMENTS)
 
 

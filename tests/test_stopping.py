@@ -1,7 +1,6 @@
-"""Runs, batches and files that are stopped in the middle, and gone on with."""
+"""Runs, chunks and files that are stopped in the middle, and gone on with."""
 
 import os
-import shutil
 import socket
 import time
 
@@ -14,20 +13,40 @@ from dem.base.errors import InputError
 from dem.base.files import atomic
 from dem.cli.app import app
 from dem.experiment import drag
-from dem.experiment.resume import checkpoint_of
-from dem.io.checksums import seal
+from dem.experiment.bed import make_bed
+from dem.experiment.config import Replicate
+from dem.io.dataset import read
 from dem.io.results_folder import clear_parts
-from dem.studies.config import load, parse
-from dem.sweep.batch import batch, settled
-from dem.sweep.combine import combine
+from dem.sweep import chunk as making
+from dem.sweep.config import load, parse
+from dem.sweep.store import Store
+from dem.sweep.work import Work
 
 CLOCKS = ("run_time",)
 
 
 def smoke(**changes):
-    sweep = load(CONFIG / "smoke.yaml")
-    data = sweep.model_dump(mode="json", exclude={"accuracy", "claims"}) | changes
-    return parse(data)
+    return parse(load(CONFIG / "smoke.yaml").dump() | {"studies": {}} | changes)
+
+
+def discs(seeds, **changes):
+    """The smoke sweep's discs at both densities, all runs in one chunk."""
+    return smoke(**{"chunk": 100, "sweep": {"case": ["c1", "c12"], "seed": seeds}} | changes)
+
+
+def planned(sweep, folder):
+    """A sweep at work with a store in a folder, its plan written; and its only chunk."""
+    work = Work(sweep, Store(folder / "store"))
+    (chunk,) = work.chunks("drag")
+    work.settle()
+    return work, chunk.id
+
+
+def combined(work, folder):
+    """drag.nc of a sweep whose chunks are made."""
+    path = folder / "drag.nc"
+    work.combine("drag", "drag", path)
+    return path
 
 
 def simulate(output, checkpoint):
@@ -36,12 +55,16 @@ def simulate(output, checkpoint):
             "--seed", "1", "-o", str(output), "--checkpoint", str(checkpoint)]  # fmt: skip
 
 
-def stop_after(bins):
-    """A progress that stops the run."""
+class Killed(BaseException):
+    """What takes a process away in the middle of its work."""
+
+
+def killed_at(share):
+    """A progress that ends what is under way where so much of it is done."""
 
     def progress(done):
-        if done >= bins:
-            raise KeyboardInterrupt
+        if done >= share:
+            raise Killed
 
     return progress
 
@@ -51,15 +74,15 @@ def test_a_run_goes_on_from_a_checkpoint_with_the_same_bits(tmp_path, monkeypatc
     """Stopped at any piece and started again, a run gives what it would have given undisturbed."""
     monkeypatch.setattr(drag, "SAVED_EVERY", 0.0)
     replicate = smoke().replicate(shape, 3.9e3, 1)
-    bed, checkpoint = drag.make_bed(replicate), tmp_path / "run.npz"
+    bed, checkpoint = make_bed(replicate), tmp_path / "run.npz"
     whole = drag.run(replicate, bed)
-    for bins in (40, 80):
-        with pytest.raises(KeyboardInterrupt):
-            drag.run(replicate, bed, stop_after(bins), checkpoint=checkpoint)
+    for share in (0.3, 0.6):
+        with pytest.raises(Killed):
+            drag.run(replicate, bed, killed_at(share), checkpoint=checkpoint)
         assert checkpoint.is_file()
     seen = []
     again = drag.run(replicate, bed, seen.append, checkpoint=checkpoint)
-    assert seen[0] > 20
+    assert seen[0] > 0.2
     for name in whole.keys() - set(CLOCKS):
         np.testing.assert_array_equal(whole[name], again[name], err_msg=name)
 
@@ -74,7 +97,7 @@ def test_a_checkpoint_is_there_until_the_result_is(tmp_path, monkeypatch, writes
     monkeypatch.setattr(drag, "SAVED_EVERY", 0.0)
     checkpoint, output = tmp_path / "run.npz", tmp_path / "run.nc"
     if not writes:
-        monkeypatch.setattr(drag, "write_replicate", write)
+        monkeypatch.setattr(making, "write_one", write)
     result = CliRunner().invoke(app, simulate(output, checkpoint))
     assert result.exit_code == (0 if writes else 1)
     assert (output.exists(), checkpoint.exists()) == (writes, not writes)
@@ -83,8 +106,8 @@ def test_a_checkpoint_is_there_until_the_result_is(tmp_path, monkeypatch, writes
 def stopped(folder, replicate, bed):
     """A checkpoint of a run that was stopped."""
     checkpoint = folder / "run.npz"
-    with pytest.raises(KeyboardInterrupt):
-        drag.run(replicate, bed, stop_after(40), checkpoint=checkpoint)
+    with pytest.raises(Killed):
+        drag.run(replicate, bed, killed_at(0.3), checkpoint=checkpoint)
     return checkpoint
 
 
@@ -93,7 +116,9 @@ DAMAGE = {
     "head only": lambda content: content[:200],
     "empty": lambda content: b"",
     "a flipped bit": lambda content: (
-        content[:-5000] + bytes([content[-5000] ^ 1]) + content[-4999:]
+        content[: len(content) // 2]
+        + bytes([content[len(content) // 2] ^ 1])
+        + content[len(content) // 2 + 1 :]
     ),
 }
 
@@ -103,12 +128,12 @@ def test_a_damaged_checkpoint_is_not_used(tmp_path, monkeypatch, capfd, damage):
     """The run then begins again, and says so in one line."""
     monkeypatch.setattr(drag, "SAVED_EVERY", 0.0)
     replicate = smoke().replicate("c1", 3.9e3, 1)
-    bed = drag.make_bed(replicate)
+    bed = make_bed(replicate)
     checkpoint = stopped(tmp_path, replicate, bed)
     checkpoint.write_bytes(DAMAGE[damage](checkpoint.read_bytes()))
     seen = []
     again = drag.run(replicate, bed, seen.append, checkpoint=checkpoint)
-    assert seen[0] == 20
+    assert seen[0] == pytest.approx(20 / 120)
     said = capfd.readouterr().err.splitlines()
     assert len(said) == 1 and "damaged; the run begins again" in said[0]
     np.testing.assert_array_equal(again["drag"], drag.run(replicate, bed)["drag"])
@@ -131,11 +156,11 @@ def test_a_file_that_is_no_checkpoint_of_the_run_is_refused(tmp_path, monkeypatc
     """It stays as it is; the workflow's own file is deleted instead, and said so."""
     monkeypatch.setattr(drag, "SAVED_EVERY", 0.0)
     one, two = (smoke().replicate("c1", 3.9e3, seed) for seed in (1, 2))
-    bed, checkpoint = drag.make_bed(one), tmp_path / "run.npz"
+    bed, checkpoint = make_bed(one), tmp_path / "run.npz"
     if fault in FOREIGN:
         FOREIGN[fault](checkpoint)
     elif fault == "another seed":
-        stopped(tmp_path, two, drag.make_bed(two))
+        stopped(tmp_path, two, make_bed(two))
     else:
         stopped(tmp_path, one, bed._replace(angle=bed.angle + 1.0))
     before = checkpoint.read_bytes()
@@ -155,80 +180,156 @@ def test_the_command_deletes_no_file_that_it_did_not_write(tmp_path, fault):
     assert checkpoint.read_bytes() == before and not output.exists()
 
 
-def test_a_stale_checkpoint_of_the_workflow_is_replaced(tmp_path, monkeypatch):
-    """After an edit or damage the sweep goes on: its own file is deleted, and said so in one line."""
-    monkeypatch.chdir(tmp_path)
-    replicate = load(CONFIG / "smoke.yaml").replicate("c1", 3.9e3, 1)
-    own = tmp_path / replicate.sweep.results / checkpoint_of(replicate)
+@pytest.fixture
+def tried(monkeypatch):
+    """Seeds and densities of the runs that begin, and the share that is done when they first tell."""
+    found, run = [], drag.run
+
+    def running(replicate, bed, progress, *rest, **more):
+        found.append((replicate.seed, replicate.density, told := []))
+        return run(replicate, bed, lambda s: (told.append(s), progress(s)), *rest, **more)
+
+    monkeypatch.setattr(drag, "run", running)
+    monkeypatch.setattr(drag, "SAVED_EVERY", 0.0)
+    return found
+
+
+def same(one, two):
+    """Whether all that runs gave is the same in two files, but for clocks."""
+    names = ("drag", "granule_x", "steps", "packing_pressure", "run_id", "failure")
+    (a, _), (b, _) = read(one, names), read(two, names)
+    for name in names:
+        np.testing.assert_array_equal(a[name], b[name], err_msg=name)
+
+
+def test_a_chunk_that_is_stopped_goes_on_with_the_run_under_way(tmp_path, tried):
+    """Finished runs are kept and the one under way goes on from its checkpoint; bits are the same."""
+    sweep = discs([1, 2])  # four runs, of which one and a half are done
+    whole, chunk = planned(sweep, tmp_path / "whole")
+    making.make(whole.store, chunk)
+    work, again = planned(sweep, tmp_path / "stopped")
+    assert again == chunk
+    tried.clear()
+    with pytest.raises(Killed):
+        making.make(work.store, chunk, progress=killed_at(0.375))
+    first, second = (key for *key, _ in tried)
+    assert not work.store.file_of(chunk).exists()
+    tried.clear()
+    making.make(work.store, chunk)
+    begun = [key for *key, _ in tried]
+    assert begun[0] == second and first not in begun and len(begun) == 3
+    assert tried[0][2][0] > 0.2  # not from its start
+    same(whole.store.file_of(chunk), work.store.file_of(chunk))
+    left = [path for path in (work.store.folder / "runs").rglob("*") if path.is_file()]
+    assert left == []
+
+
+def test_a_stale_checkpoint_of_the_store_is_replaced(tmp_path, capfd):
+    """After damage the sweep goes on: its own file is deleted, and said so in one line."""
+    work, chunk = planned(discs([1]), tmp_path)
+    run = work.store.replicates(chunk)[0]
+    own = work.store.run_of(run.id, ".checkpoint.npz")
     own.parent.mkdir(parents=True)
     FOREIGN["text"](own)
-    result = CliRunner().invoke(app, simulate(tmp_path / "run.nc", own))
-    assert result.exit_code == 0, result.output
-    said = [line for line in result.stderr.splitlines() if "deleted; the run begins again" in line]
-    assert len(said) == 1 and not own.exists()
+    making.make(work.store, chunk)
+    said = capfd.readouterr().err.splitlines()
+    assert len([line for line in said if "deleted; the run begins again" in line]) == 1
+    assert not own.exists()
 
 
-def test_a_batch_leaves_alone_what_is_there(tmp_path):
-    """A batch that was stopped makes what is missing, damaged or of other values, and no more."""
-    sweep = smoke(seeds=[1, 2, 3], batch=3)
-    assert batch(sweep, "c1", 0, tmp_path) == (3 * 2, [])
-    files = {each.path: tmp_path / each.path for each in sweep.replicates() if each.label == "c1"}
-    stamps = {name: file.stat().st_mtime_ns for name, file in files.items()}
-    first, second, *others = files
-    files[first].unlink()
-    files[second].write_bytes(files[second].read_bytes()[:5000])
-    assert batch(sweep, "c1", 0, tmp_path) == (2, [])
-    assert all(files[name].stat().st_mtime_ns == stamps[name] for name in others)
-    rough = smoke(seeds=[1, 2, 3], batch=3, friction={"granule": 0.2, "wall": 0.2, "cylinder": 0.2})
-    assert not any(settled(files[each.path], each) for each in rough.replicates() if each.label == "c1")  # fmt: skip
-    with pytest.raises(InputError, match="batch is 1; there are 1"):
-        batch(sweep, "c1", 1, tmp_path)
+def test_a_chunk_that_is_there_is_left_alone(tmp_path, tried):
+    """One that is damaged is made again, and one that is wanted again is."""
+    work, chunk = planned(discs([1]), tmp_path)
+    path = making.make(work.store, chunk)
+    stamp = path.stat().st_mtime_ns
+    tried.clear()
+    making.make(work.store, chunk)
+    assert path.stat().st_mtime_ns == stamp and not tried
+    content = path.read_bytes()
+    path.write_bytes(content[: len(content) // 2])
+    making.make(work.store, chunk)
+    assert len(tried) == 2
+    read(path, ("drag",))
+    making.make(work.store, chunk, again=True)
+    assert len(tried) == 4
 
 
-def test_a_batch_gives_the_bits_of_single_runs(tmp_path):
-    sweep = smoke(seeds=[1, 2], batch=2)
-    batch(sweep, "c1", 0, tmp_path)
-    replicate = sweep.replicate("c1", 3.9e4, 2)
-    alone = drag.run(replicate, drag.make_bed(replicate))
-    from dem.io.dataset import read
+@pytest.mark.parametrize("damage", DAMAGE)
+@pytest.mark.parametrize("what", ["runs", "beds"])
+def test_a_damaged_file_of_the_store_is_made_again(tmp_path, tried, what, damage):
+    """A finished run of a chunk under way, or a bed: the chunk is as if nothing had been damaged."""
+    sweep = discs([1])
+    whole, chunk = planned(sweep, tmp_path / "whole")
+    making.make(whole.store, chunk)
+    work, _ = planned(sweep, tmp_path / "stopped")
+    with pytest.raises(Killed):
+        making.make(work.store, chunk, progress=killed_at(0.7))
+    files = (work.store.folder / what).rglob("[!.]*.npz")
+    (file,) = (path for path in files if "checkpoint" not in path.name)
+    file.write_bytes(DAMAGE[damage](file.read_bytes()))
+    tried.clear()
+    making.make(work.store, chunk)
+    assert len(tried) == (2 if what == "runs" else 1)
+    same(whole.store.file_of(chunk), work.store.file_of(chunk))
 
-    values, _ = read(tmp_path / replicate.path, ("drag", "granule_x", "steps"))
+
+def test_a_plan_of_other_code_is_refused(tmp_path, monkeypatch):
+    """In one sentence, before any run: its runs would be called what they are not."""
+    work, chunk = planned(discs([1]), tmp_path)
+    monkeypatch.setattr(Replicate, "source_hash", "other")
+    with pytest.raises(InputError, match="planned for other code; start the sweep again"):
+        making.make(work.store, chunk)
+
+
+@pytest.mark.parametrize(
+    "content", ["", "{", "[]", "{}", '{"values": [], "of": [[0, {}]], "runs": []}']
+)
+def test_a_damaged_plan_is_refused(tmp_path, content):
+    """And planned again when the sweep starts again; one that is not there is named."""
+    sweep = discs([1])
+    work, chunk = planned(sweep, tmp_path)
+    work.store.plan_of(chunk).write_text(content)
+    with pytest.raises(InputError, match=f"{chunk}.json: it is no plan of a chunk"):
+        work.store.replicates(chunk)
+    work.store.plan_of(chunk).unlink()
+    with pytest.raises(InputError, match="there is no such plan; start the sweep again"):
+        work.store.replicates(chunk)
+    work.store.plan_of(chunk).write_text(content)
+    assert planned(sweep, tmp_path)[0].store.replicates(chunk)
+
+
+def test_a_chunk_gives_the_bits_of_single_runs(tmp_path):
+    work, chunk = planned(discs([1, 2]), tmp_path)
+    values, _ = read(
+        making.make(work.store, chunk), ("drag", "granule_x", "steps", "seed", "density")
+    )
+    (row,) = np.flatnonzero((values.pop("seed") == 2) & (values.pop("density") == 3.9e4))
+    replicate = work.sweep.replicate("c1", 3.9e4, 2)
+    alone = drag.run(replicate, make_bed(replicate))
     for name, value in values.items():
-        np.testing.assert_array_equal(value, alone[name])
+        np.testing.assert_array_equal(value[row], alone[name])
 
 
-def test_memory_of_combining_does_not_grow_with_the_replicates(tmp_path):
-    """Ten times the replicates take less than twice the memory that Python hands out."""
+def test_memory_of_combining_does_not_grow_with_the_runs(tmp_path):
+    """Ten times the chunks take less than twice the memory that Python hands out."""
     import tracemalloc
 
-    base = smoke(seeds=[1], cases={"c1": {"shape": "c1", "density": 3.9e3}})
-    batch(base, "c1", 0, tmp_path)
-    source, peaks = tmp_path / base.replicates()[0].path, []
-    for count in (30, 300):
-        sweep = smoke(
-            seeds=list(range(1, count + 1)), cases={"c1": {"shape": "c1", "density": 3.9e3}}
-        )
-        for each in sweep.replicates():
-            renamed(source, tmp_path / each.path, each)
-        files = [tmp_path / each.path for each in sweep.replicates()]
+    record = smoke().dump()["record"] | {"observables": ["drag"]}
+    work, chunk = planned(discs([1], record=record), tmp_path)
+    names = tuple(making.layout_of(work.store.replicates(chunk)[0]))
+    values, _ = read(making.make(work.store, chunk), names)
+    row, peaks = {name: value[0] for name, value in values.items() if len(value) == 2}, []
+    for count in (20, 200):
+        sweep = discs(f"1 to {count}", chunk=10, record=record)
+        many = Work(sweep, Store(tmp_path / f"store{count}"))
+        for each in many.chunks("drag"):
+            runs = [run for run in sweep.block("drag").unique() if run.id in each.runs]
+            making.write_chunk(many.store.file_of(each.id), runs, [row] * len(runs))
         tracemalloc.start()
-        combine(files, sweep, tmp_path / f"drag{count}.nc")
+        combined(many, tmp_path)
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
     assert peaks[1] < 2.0 * peaks[0]
-
-
-def renamed(source, target, replicate):
-    """A copy of a replicate that says that it is another seed."""
-    import netCDF4
-
-    if target != source:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(source, target)
-    with netCDF4.Dataset(target, "a") as file:
-        file["seed"][...] = replicate.seed
-        file.run_key = replicate.run_key()
-    seal(target)
 
 
 def test_what_killed_processes_left_is_cleared_away(tmp_path):

@@ -15,9 +15,12 @@ import numpy as np
 import pytest
 from conftest import assert_alone, assert_not_blank
 
+import dem
+from dem.sweep.config import load
+
 ROOT = Path(__file__).parent.parent
 SMOKE = "config/smoke.yaml"
-NOT_COMPARED = {"run_time"}
+NOT_COMPARED = {"run_time", "spent"}
 
 
 @pytest.fixture(scope="module")
@@ -66,10 +69,23 @@ def contents(path):
         return {n: np.array(v[...]) for n, v in file.variables.items() if n not in NOT_COMPARED}
 
 
+def runs_of(folder):
+    """Every run of the chunks of a folder of results: its variables, by shape, density and seed."""
+    found = {}
+    for path in (folder / "chunks").glob("*.nc"):
+        values = contents(path)
+        names = list(zip(*(values[n].tolist() for n in ("shape", "density", "seed")), strict=True))
+        with netCDF4.Dataset(path) as file:
+            of_run = {n for n in values if "run" in file[n].dimensions}
+        for row, name in enumerate(names):
+            found[name] = {n: values[n][row] for n in of_run}
+    return found
+
+
 def test_one_command_makes_all_results(finished):
-    """One command leaves drag.nc, flow.nc, a file a replicate and the figures."""
+    """One command leaves drag.nc, flow.nc, every run once and the figures."""
     results = finished / "results/smoke"
-    assert len(list((results / "replicates").rglob("seed*.nc"))) == 5 * 2
+    assert len(runs_of(results)) == 5 * 2
     assert (results / "flow.nc").is_file()
     for figure in (
         "figure07",
@@ -122,47 +138,68 @@ def test_a_second_run_does_nothing(finished):
     assert planned(finished) == {}
 
 
-def test_drag_is_that_of_the_replicates(finished):
-    """drag.nc holds, for each case and seed, the very numbers of the replicate."""
+def test_drag_is_that_of_the_runs(finished):
+    """drag.nc holds, for each case and seed, the very numbers of the run."""
     results = finished / "results/smoke"
+    runs = runs_of(results)
     with netCDF4.Dataset(results / "drag.nc") as file:
         assert file["drag"].dimensions == ("case", "seed", "displacement")
         assert list(file["case"][:]) == ["c1", "d1", "e0", "e3", "c12"]
         assert list(file["seed"][:]) == [1, 2]
-        for case, (shape, density) in enumerate(
-            zip(file["shape"][:], file["density"][:], strict=True)
-        ):
+        cases = zip(file["shape"][:], file["density"][:], strict=True)
+        for case, (shape, density) in enumerate(cases):
             for k, seed in enumerate(file["seed"][:]):
-                one = contents(results / f"replicates/{shape}/density{density:g}/seed{seed}.nc")
+                one = runs[shape, float(density), int(seed)]
                 for name in ("drag", "transverse_force", "wall_force", "time_step"):
                     np.testing.assert_array_equal(file[name][case, k], one[name])
 
 
-def test_bits_do_not_depend_on_the_number_of_jobs(finished):
-    """The same seed gives the same bits, one job at a time or two."""
-    text = (finished / SMOKE).read_text().replace("results/smoke", "results/alone")
-    (finished / "config/alone.yaml").write_text(text)
-    paths = [f"replicates/{shape}/density3900/seed1.nc" for shape in ("c1", "d1", "e3")]
-    targets = [f"results/alone/{path}" for path in paths]
-    run = snakemake(finished, *targets, "-j1", configfile="config/alone.yaml")
+def test_bits_do_not_depend_on_chunks_or_processes(finished, tmp_path):
+    """The same bits with a run a chunk in a store of its own, one process at a time."""
+    folder = tmp_path / "alone"
+    shutil.copytree(finished, folder, ignore=shutil.ignore_patterns("results", ".snakemake"))
+    text = (folder / SMOKE).read_text().replace("case: all", "case: [c1, d1, e3]")
+    (folder / "config/alone.yaml").write_text(text + "\nchunk: 1\n")
+    assert planned(folder, configfile="config/alone.yaml")["chunk"] == 3 * 2
+    run = snakemake(folder, "results/smoke/drag.nc", "-j1", configfile="config/alone.yaml")
     assert run.returncode == 0, run.stderr
-    for path in paths:
-        one, two = (contents(finished / "results" / f / path) for f in ("smoke", "alone"))
-        assert one.keys() == two.keys()
-        for name, values in one.items():
-            np.testing.assert_array_equal(values, two[name], err_msg=f"{path}: {name}")
+    one, two = (runs_of(each / "results/smoke") for each in (finished, folder))
+    for name, values in two.items():
+        for variable in values.keys() - NOT_COMPARED:
+            np.testing.assert_array_equal(values[variable], one[name][variable], err_msg=variable)
 
 
-def test_batches_give_the_bits_of_single_jobs(finished):
-    """With several seeds a job there are fewer jobs, and the same drag.nc; one more seed is made alone."""
-    text = (finished / SMOKE).read_text().replace("results/smoke", "results/batched")
-    (finished / "config/batched.yaml").write_text(text + "\nbatch: 2\n")
-    assert planned(finished, configfile="config/batched.yaml")["batch"] == 4
-    run = snakemake(finished, "results/batched/drag.nc", "-j2", configfile="config/batched.yaml")
+def test_another_sweep_takes_what_is_there(finished):
+    """Chunks of the store are linked, not made: another file, folder, order and chunk of the same runs."""
+    text = (
+        "extends: config/smoke.yaml\nresults: results/again\nchunk: 1\nsweep: {case: [c12, c1]}\n"
+    )
+    (finished / "config/again.yaml").write_text(text)
+    chunks = {
+        path: path.stat().st_mtime_ns for path in (finished / "results/store/chunks").iterdir()
+    }
+    run = snakemake(finished, "results/again/drag.nc", "-j2", configfile="config/again.yaml")
     assert run.returncode == 0, run.stderr
-    one, two = (contents(finished / f"results/{name}/drag.nc") for name in ("smoke", "batched"))
-    for name, values in one.items():
-        np.testing.assert_array_equal(values, two[name], err_msg=name)
+    assert chunks == {path: path.stat().st_mtime_ns for path in chunks}
+    assert planned(finished) == {}
+    one, two = (contents(finished / f"results/{name}/drag.nc") for name in ("smoke", "again"))
+    np.testing.assert_array_equal(two["drag"], one["drag"][[4, 0]][:, :1])
+
+
+def test_what_is_forced_is_made_again(finished, tmp_path):
+    """--forceall makes runs anew, with the same bits; the same command without it finds them there."""
+    folder = tmp_path / "forced"
+    shutil.copytree(finished, folder, symlinks=True)
+    before = contents(folder / "results/smoke/drag.nc")
+    stamps = [path.stat().st_mtime_ns for path in (folder / "results/store/chunks").iterdir()]
+    run = snakemake(folder, "results/smoke/drag.nc", "-j2", "--forceall")
+    assert run.returncode == 0, run.stderr
+    assert min(p.stat().st_mtime_ns for p in (folder / "results/smoke/chunks").iterdir()) > max(
+        stamps
+    )
+    for name, values in contents(folder / "results/smoke/drag.nc").items():
+        np.testing.assert_array_equal(values, before[name], err_msg=name)
+    assert planned(folder, "results/smoke/drag.nc") == {}
 
 
 def test_figures_draws_all_again_and_simulates_nothing(finished, tmp_path):
@@ -176,7 +213,7 @@ def test_figures_draws_all_again_and_simulates_nothing(finished, tmp_path):
         style.write("\nEDITED = True\n")
     made = {path: path.stat().st_mtime_ns for path in results.rglob("*.nc")}
     drawn = {path: path.stat().st_mtime_ns for path in (results / "figures").iterdir()}
-    assert planned(folder)["simulate"] == 10
+    assert planned(folder)["chunk"] == 3
     assert len(drawn) >= 18 and planned(folder, "figures") == {
         "figure": len(drawn) // 2,
         "figures": 1,
@@ -196,7 +233,7 @@ def test_figures_draws_what_is_there(finished, tmp_path):
     """From drag.nc alone where flow.nc and the files of studies are absent; without it, a sentence."""
     folder = tmp_path / "some"
     shutil.copytree(
-        finished, folder, ignore=shutil.ignore_patterns("figures", "replicates", ".snakemake")
+        finished, folder, ignore=shutil.ignore_patterns("figures", "chunks", "store", ".snakemake")
     )
     shutil.copytree(finished / "dem/figures", folder / "dem/figures")
     for file in (folder / "results/smoke").glob("*.nc"):
@@ -232,7 +269,9 @@ def test_jobs_run_the_python_of_snakemake(finished, tmp_path):
 def test_a_killed_run_is_taken_up_again(finished):
     """After SIGKILL in the middle the same command finishes, with the bits of an undisturbed run."""
     text = (finished / SMOKE).read_text().replace("results/smoke", "results/killed")
-    (finished / "config/killed.yaml").write_text(text)
+    (finished / "config/killed.yaml").write_text(
+        text.replace("size_spread: 0.2", "size_spread: 0.19")
+    )
     target = "results/killed/drag.nc"  # figures are drawn elsewhere
     command = [
         sys.executable,
@@ -249,17 +288,23 @@ def test_a_killed_run_is_taken_up_again(finished):
     )  # fmt: skip
     results = finished / "results/killed"
     for _ in range(600):
-        if len(list(results.rglob("replicates/**/*.nc"))) >= 2 or victim.poll() is not None:
+        if list((finished / "results/store/runs").rglob("*.npz")) or victim.poll() is not None:
             break
         time.sleep(0.1)
     os.killpg(victim.pid, signal.SIGKILL)
     victim.wait()
     assert not (results / "drag.nc").exists()
+    kept = {
+        path: path.stat().st_mtime_ns for path in (finished / "results/store/runs").rglob("*.npz")
+    }
     run = snakemake(finished, target, "-j2", configfile="config/killed.yaml")
     assert run.returncode == 0, run.stderr
-    same = contents(results / "drag.nc")
-    for name, values in contents(finished / "results/smoke/drag.nc").items():
-        np.testing.assert_array_equal(values, same[name], err_msg=name)
+    assert kept and not any(path.exists() for path in kept)
+    one = contents(results / "drag.nc")
+    sweep = load(finished / "config/killed.yaml")
+    for run in sweep.block("drag").runs[::3]:
+        alone = dem.run_experiment(run.replicate.values())
+        np.testing.assert_array_equal(one["drag"][run.place], alone["drag"].values)
 
 
 def test_a_wrong_configuration_writes_nothing(copy):
@@ -280,7 +325,7 @@ BOMB = "a: &a [x, x, x, x, x, x, x, x]\n" + "".join(
 @pytest.mark.parametrize(
     ("added", "words"),
     [
-        ("\nseeds: [3]\n", "'seeds' is a key here and in line "),
+        ("\ntitle: other\n", "'title' is a key here and in line "),
         ("\n" + BOMB, "aliases repeat more than"),
     ],
 )
@@ -296,13 +341,12 @@ def test_what_snakemake_would_read_is_refused(copy, tmp_path, named, added, word
     assert not (folder / "results").exists()
 
 
-@pytest.mark.parametrize(
-    "name", ["drag.nc", "replicates/e3/density3900/seed1.nc", "packings/d1/seed2.nc"]
-)
+@pytest.mark.parametrize("name", ["drag.nc", "flow.nc", "chunks/*.nc"])
 def test_files_follow_the_cf_conventions(finished, name):
     """Every netCDF file passes the checker for CF-1.11."""
+    path = next((finished / "results/smoke").glob(name))
     run = subprocess.run(
-        ["compliance-checker", "--test=cf:1.11", str(finished / "results/smoke" / name)],
+        ["compliance-checker", "--test=cf:1.11", str(path)],
         text=True, capture_output=True, env=environment(finished),
     )  # fmt: skip
     assert run.returncode == 0, run.stdout
@@ -317,10 +361,3 @@ def test_info_shows_every_case(finished):
     assert run.returncode == 0, run.stderr
     for case in ("c1", "d1", "e0", "e3", "c12"):
         assert re.search(rf"\b{case}\b.*\d", run.stdout)
-
-
-def test_the_study_of_accuracy_is_planned_as_configured(copy):
-    """A job for each group of beds, of every shape; the parts themselves have tests of their own."""
-    jobs = planned(copy, "accuracy")
-    assert jobs["accuracy_drag"] == 3 and jobs["accuracy_replicates"] == 2
-    assert jobs["figure"] == 4

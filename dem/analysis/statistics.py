@@ -1,8 +1,9 @@
 """Drag in numbers, as `dem info` and the figures show them: means, scatter, confidence.
 
-A `dataset` has the layout of drag.nc: drag (case, seed, displacement) in N, displacement in m
-and the averaging window in its attributes. It may be backed by dask: only reduced values,
-at most one number a run, are ever loaded, except where a function says otherwise.
+A `dataset` has the layout of drag.nc: drag (..., seed, displacement) in N, displacement in m and the
+averaging window in its attributes; before the seed is whatever the sweep varies. It may be backed by
+dask: only reduced values, at most one number a run, are ever loaded, except where a function says
+otherwise.
 """
 
 import numpy as np
@@ -23,6 +24,26 @@ def within(drag: xr.DataArray, start: float, stop: float) -> xr.DataArray:
     return drag.isel(displacement=inside)
 
 
+def by_case(dataset: xr.Dataset) -> xr.Dataset | None:
+    """The dataset over (case, seed), where its runs differ in case, or shape, and seed alone; None
+    for any other. A shape of a sweep without cases is its own case."""
+    dims = set(dataset["run_id"].dims)
+    if dims == {"shape", "seed"}:
+        shapes = dataset["shape"].values
+        dataset = dataset.drop_vars("shape").rename_dims(shape="case")
+        dataset = dataset.assign_coords(case=("case", shapes), shape=("case", shapes))
+    elif dims != {"case", "seed"}:
+        return None
+    return dataset.transpose("case", "seed", ...)
+
+
+def over_seeds(values: xr.DataArray) -> xr.DataArray:
+    """One value a run, with a dimension of seeds: runs whose seeds are no axis have one each."""
+    if "seed" in values.dims:
+        return values
+    return values.drop_vars("seed", errors="ignore").expand_dims("seed", -1)
+
+
 def spread(sample: xr.DataArray) -> xr.DataArray:
     """Standard deviation of a sample (seed, ...) between runs; NaN for a single run."""
     runs = sample.count("seed")
@@ -35,23 +56,26 @@ def half_interval(sample: xr.DataArray) -> xr.DataArray:
 
     Runs are independent, so the sample is one value a run; NaN for a single run.
     """
-    from scipy.stats import t
+    from scipy.special import stdtrit  # scipy.stats takes half a second to load
 
     runs = sample.count("seed").compute()
-    quantile = t.ppf(0.5 + 0.5 * LEVEL, (runs - 1).where(runs > 1))
+    quantile = stdtrit((runs - 1).where(runs > 1), 0.5 + 0.5 * LEVEL)
     return runs.copy(data=quantile) * spread(sample) / np.sqrt(runs)
 
 
 def summarise(dataset: xr.Dataset) -> xr.Dataset:
-    """Drag within the averaging window: one number a case, and `run_mean` (case, seed).
+    """Drag within the averaging window: one number a case, or a place on the axes of any sweep, and
+    `run_mean` (..., seed).
 
     All in N: `mean` over the runs; `sd_over_run`, of the drag about the mean of its own run (root
     mean square over the runs); `sd_between_runs` and `half_interval`, of and from the run means
-    (NaN for a single run). The coordinates on case stay.
+    (NaN for a single run). The coordinates but seed stay.
     """
     drag = within(dataset["drag"], dataset.attrs["window_start"], dataset.attrs["window_stop"])
     along = {"dim": "displacement", "skipna": False}  # a run is there as a whole or not at all
-    runs = xr.Dataset({"mean": drag.mean(**along), "sd": drag.std(**along)}).compute()
+    runs = (
+        xr.Dataset({"mean": drag.mean(**along), "sd": drag.std(**along)}).compute().map(over_seeds)
+    )
     found = {
         "run_mean": (runs["mean"], "mean drag of a run within the window"),
         "mean": (runs["mean"].mean("seed"), "mean drag over the runs"),

@@ -33,7 +33,7 @@ def number(value):
     return value
 
 
-def _label(value: str) -> str:
+def label(value: str) -> str:
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_-]{0,31}", value):
         raise ValueError(
             "it must be a label: a letter from A to Z, then letters, digits, - and _, at most 32 in all"
@@ -50,11 +50,11 @@ def _folder(value: str) -> str:
     return value
 
 
-MOST = 10_000_000  # seeds of a sweep
+MOST = 1_000_000  # seeds of a list, and runs of a block
 SEEDS = 2**31  # beyond all seeds
 
 
-def _seeds(value):
+def seeds_of(value):
     """A list as it is; words such as "1 to 100, 205" as the seeds that they name."""
     if not isinstance(value, str):
         return value
@@ -89,13 +89,13 @@ Number = Annotated[float, BeforeValidator(number)]
 Positive = Annotated[Number, Field(ge=LEAST_POSITIVE)]
 NotNegative = Annotated[Number, Field(ge=0)]
 Whole = Annotated[int, Field(strict=True)]
-Label = Annotated[str, AfterValidator(_label)]
+Label = Annotated[str, AfterValidator(label)]
 Folder = Annotated[str, AfterValidator(_folder)]
 Seed = Annotated[Whole, Field(ge=0, lt=SEEDS)]
 Seeds = Annotated[
     tuple[Seed, ...],
     Field(min_length=1),
-    BeforeValidator(_seeds),
+    BeforeValidator(seeds_of),
     PlainSerializer(seed_words, return_type=str),
 ]
 
@@ -150,7 +150,7 @@ _PLAINER = {
 
 
 def _sentence(source, error) -> str:
-    parts = [str(part) for part in error["loc"]]
+    parts = [text if text.isprintable() else repr(text) for text in map(str, error["loc"])]
     key = ".".join(part for part in parts if not part.startswith(("function-", "[key]")))
     message = error["msg"].removeprefix("Value error, ").rstrip(".")
     if error["type"] == "missing":

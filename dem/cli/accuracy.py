@@ -5,106 +5,60 @@ from typing import Annotated
 
 import typer
 
-from dem.base.errors import InputError
-from dem.cli.terminal import PAPER, ConfigOption, OutputOption, Verbs, bar, start_lean
+from dem.cli.terminal import ConfigOption, OutputOption, Verbs, bar, start_lean
 
 app = Verbs(help="Error against run time: the parts of the study.", no_args_is_help=True)
 
-GroupOption = Annotated[int, typer.Option("--group", min=0, help="Which seeds: job number from 0.")]
+ACCURACY = Path("config/accuracy.yaml")
+HERE = "dem.studies.accuracy"
 
 
-def _planned(config: Path):
-    """The sweep of a configuration that has a section `accuracy`."""
-    from dem.studies.config import load
+def _sized(study, sweep):
+    """The plan of a study that the configuration asks for."""
+    return study.SMOKE if sweep.size == "smoke" else study.USUAL
+
+
+@app.command()
+def contacts(output: OutputOption, config: ConfigOption = ACCURACY):
+    """Contact of two ellipses: nanoseconds against error; energy over many bounces."""
+    start_lean()
+    from dem.studies.accuracy import bounces, contacts
+    from dem.studies.accuracy.layout_contacts import VARIABLES
+    from dem.sweep.config import load
+    from dem.sweep.table import write_part
 
     sweep = load(config)
-    if sweep.accuracy is None:
-        raise InputError(
-            f"{config}: accuracy is missing; the study needs it, see config/paper.yaml."
-        )
-    return sweep
-
-
-def _size(study, sweep):
-    """The plan of a study that the configuration asks for."""
-    return study.SMOKE if sweep.accuracy.size == "smoke" else study.USUAL
-
-
-def _run(config, output, label, work):
-    """Do a part with a progress bar and write its file."""
-    start_lean()
-    from dem.studies.accuracy.files import STUDY
-
-    sweep = _planned(config)
-    with bar(label, 1.0) as update:
-        values = work(sweep, update)
-    STUDY.write_part(output, sweep, values)
+    with bar("contacts", 1.0) as update:
+        values = contacts.measure(_sized(contacts, sweep), lambda done: update(0.5 * done))
+        values |= bounces.measure(_sized(bounces, sweep), lambda done: update(0.5 + 0.5 * done))
+    write_part(output, sweep, (f"{HERE}.contacts", f"{HERE}.bounces"), values, VARIABLES)
 
 
 @app.command()
-def contacts(output: OutputOption, config: ConfigOption = PAPER):
-    """Contact of two ellipses: nanoseconds against error; energy over many bounces."""
-
-    def work(sweep, update):
-        from dem.studies.accuracy import bounces, contacts
-
-        found = contacts.measure(_size(contacts, sweep), lambda done: update(0.5 * done))
-        return found | bounces.measure(_size(bounces, sweep), lambda done: update(0.5 + 0.5 * done))
-
-    _run(config, output, "contacts", work)
-
-
-@app.command()
-def steps(output: OutputOption, config: ConfigOption = PAPER):
+def steps(output: OutputOption, config: ConfigOption = ACCURACY):
     """Time step and integrator: collisions and the bed before chaos; LAMMPS beside it."""
+    start_lean()
+    from dem.studies.accuracy import steps
+    from dem.studies.accuracy.layout_steps import VARIABLES
+    from dem.sweep.config import load
+    from dem.sweep.table import write_part
 
-    def work(sweep, update):
-        from dem.studies.accuracy import steps
-
-        return steps.measure(sweep, _size(steps, sweep), update)
-
-    _run(config, output, "time steps", work)
+    sweep = load(config)
+    with bar("time steps", 1.0) as update:
+        values = steps.measure(sweep, _sized(steps, sweep), update)
+    write_part(output, sweep, (f"{HERE}.steps",), values, VARIABLES)
 
 
 @app.command()
-def drag(
+def table(
     output: OutputOption,
-    shape: Annotated[str, typer.Option("--shape", help="Shape label.")],
-    group: GroupOption = 0,
-    config: ConfigOption = PAPER,
+    contacts: Annotated[Path, typer.Option("--contacts", help="What `contacts` wrote.")],
+    steps: Annotated[Path, typer.Option("--steps", help="What `steps` wrote.")],
+    config: ConfigOption = ACCURACY,
 ):
-    """Mean drag at many time steps, of some of the beds of a shape."""
+    """The runs of the sweep and both files into accuracy.nc."""
+    from dem.studies.accuracy.table import write_study
+    from dem.sweep.config import load
+    from dem.sweep.work import Work
 
-    def work(sweep, update):
-        from dem.studies.accuracy.runs import vary_step
-
-        if shape not in sweep.accuracy.steps:
-            raise InputError(
-                f"shape is {shape!r}; accuracy.steps has " + ", ".join(sweep.accuracy.steps) + "."
-            )
-        return vary_step(sweep, shape, group, update)
-
-    _run(config, output, f"{shape}, group {group}", work)
-
-
-@app.command()
-def replicates(output: OutputOption, group: GroupOption = 0, config: ConfigOption = PAPER):
-    """Drag along a long stroke, of some of many beds."""
-
-    def work(sweep, update):
-        from dem.studies.accuracy.runs import many_replicates
-
-        return many_replicates(sweep, group, update)
-
-    _run(config, output, f"replicates, group {group}", work)
-
-
-@app.command()
-def combine(
-    files: Annotated[list[Path], typer.Argument(help="The files of all parts.")],
-    output: OutputOption,
-):
-    """All parts into accuracy.nc."""
-    from dem.studies.accuracy.files import STUDY
-
-    STUDY.write_joined(output, STUDY.join(files))
+    write_study(output, Work(load(config)), contacts, steps)

@@ -12,6 +12,7 @@ from dem.cli.claims import app as claims
 from dem.cli.flow import VERBS as moving
 from dem.cli.report import report
 from dem.cli.stability import app as stability
+from dem.cli.sweep import VERBS as sweeping
 from dem.cli.terminal import (
     PAPER,
     ConfigOption,
@@ -19,7 +20,6 @@ from dem.cli.terminal import (
     Verbs,
     Writes,
     bar,
-    replicates_of,
     start_lean,
 )
 
@@ -33,45 +33,45 @@ app = Verbs(
 app.add_typer(accuracy, name="accuracy")
 app.add_typer(stability, name="stability")
 app.add_typer(claims, name="claims")
-for verb in (*moving, report):
+for verb in (*sweeping, *moving, report):
     app.command()(verb)
 
 ShapeOption = Annotated[str, typer.Option("--shape", help="Shape label of the configuration.")]
 DensityOption = Annotated[float, typer.Option("--density", help="Density of the granules, kg/m3.")]
 SeedOption = Annotated[int, typer.Option("--seed", help="Seed of the replicate.")]
+ValuesArgument = Annotated[list[str] | None, typer.Argument(help="Other values, such as friction.granule=0.2.", metavar="[PATH=VALUE]...")]  # fmt: skip
 
 
-@app.command()
-def compile(config: ConfigOption = PAPER, shape: ShapeOption = "c1"):
-    """Compile the kernels that a shape needs and keep them on disk."""
-    start_lean()
-    from dem.experiment.warmup import compile_kernels
-    from dem.studies.config import load
-
-    sweep = load(config)
-    sweep.replicate(shape, 1.0, sweep.seeds[0])
-    compile_kernels(sweep, shape)
-
-
-def _replicate(config, shape, density, seed):
-    """One run of a configuration; raises InputError where it cannot be."""
+def _replicate(config, shape, density, seed, values=None):
+    """One run of a configuration with some values changed; raises InputError where it cannot be."""
     from dem.base.errors import InputError
     from dem.base.schema import SEEDS
-    from dem.studies.config import load
+    from dem.sweep.axis import changes_of_words
+    from dem.sweep.config import load
 
     if not 0 <= seed < SEEDS:
         raise InputError(f"seed is {seed}; it must be a whole number from 0 to {SEEDS - 1}.")
-    return load(config).replicate(shape, density, seed)
+    sweep = load(config)
+    sweep.replicate(shape, density, seed)
+    return sweep.changed(changes_of_words(sweep, values or []), shape).replicate(
+        shape, density, seed
+    )
 
 
 @app.command()
-def pack(shape: ShapeOption, seed: SeedOption, output: OutputOption, config: ConfigOption = PAPER):
+def pack(
+    shape: ShapeOption,
+    seed: SeedOption,
+    output: OutputOption,
+    values: ValuesArgument = None,
+    config: ConfigOption = PAPER,
+):
     """Make the bed of one shape and seed, at rest."""
     start_lean()
-    from dem.experiment import drag
+    from dem.experiment.bed import make_bed, write_bed
 
-    replicate = _replicate(config, shape, 1.0, seed)
-    drag.write_bed(output, replicate, drag.make_bed(replicate))
+    replicate = _replicate(config, shape, 1.0, seed, values)
+    write_bed(output, replicate, make_bed(replicate))
 
 
 @app.command()
@@ -80,6 +80,7 @@ def simulate(
     density: DensityOption,
     seed: SeedOption,
     output: OutputOption,
+    values: ValuesArgument = None,
     config: ConfigOption = PAPER,
     bed: Annotated[Path | None, typer.Option(help="Bed from dem pack; packed if absent.")] = None,
     threads: Annotated[int, typer.Option(min=1, help="Useful from some thousand granules; the result stays the same.")] = 1,
@@ -88,62 +89,26 @@ def simulate(
     """Draw the cylinder through one bed and record the forces on it."""
     start_lean()
     from dem.experiment import drag, resume
+    from dem.experiment.bed import make_bed, read_bed
+    from dem.sweep.chunk import write_one
 
-    replicate = _replicate(config, shape, density, seed)
-    at_rest = drag.read_bed(bed, replicate) if bed else None
+    replicate = _replicate(config, shape, density, seed, values)
+    at_rest = read_bed(bed, replicate) if bed else None
     if checkpoint:
-        own = resume.is_own(checkpoint, replicate, Path(replicate.sweep.results))
-        resume.clear_way(checkpoint, replicate, at_rest, own)
-    at_rest = at_rest or drag.make_bed(replicate)
-    with bar(f"{shape}, {density:g} kg/m3, seed {seed}", replicate.sweep.record.bins) as update:
-        values = drag.run(replicate, at_rest, update, threads, checkpoint)
-    drag.write_replicate(output, replicate, values)
+        resume.clear_way(checkpoint, replicate, at_rest)
+    at_rest = at_rest or make_bed(replicate)
+    with bar(f"{shape}, {density:g} kg/m3, seed {seed}", 1.0) as update:
+        found = drag.run(replicate, at_rest, update, threads, checkpoint)
+    write_one(output, replicate, found)
     if checkpoint:
         resume.forget(checkpoint)
-
-
-@app.command()
-def batch(
-    shape: ShapeOption,
-    number: Annotated[int, typer.Option("--number", min=0, help="Which seeds: job number from 0.")],
-    output: Annotated[
-        Path, typer.Option("-o", "--output", help="Folder of results."), Writes(FOLDER)
-    ],
-    config: ConfigOption = PAPER,
-):
-    """Make many replicates of a shape in one process; those that are up to date are left alone."""
-    start_lean()
-    from dem.studies.config import load
-    from dem.sweep.batch import batch as make
-
-    sweep = load(config)
-    with bar(f"{shape}, batch {number}", 1.0) as update:
-        _, failed = make(sweep, shape, number, output, update)
-    for sentence in failed:
-        typer.echo(sentence, err=True)
-
-
-@app.command()
-def combine(
-    output: OutputOption,
-    files: Annotated[list[Path] | None, typer.Argument(help="Replicates of all cases and seeds; those of the configuration beside the output if absent.")] = None,
-    config: ConfigOption = PAPER,
-):  # fmt: skip
-    """Combine replicates into one file over case, seed and displacement."""
-    from dem.studies.config import load
-    from dem.sweep.combine import combine as combined
-
-    sweep = load(config)
-    files, failed = replicates_of(sweep, output, files)
-    with bar("combining", 1.0) as update:
-        combined(files, sweep, output, update, failed)
 
 
 @app.command()
 def benchmark(output: OutputOption, config: ConfigOption = PAPER):
     """Time the kernels, alone and beside other codes, on beds of the configuration."""
     from dem.studies.benchmark.measure import measure, write_benchmark
-    from dem.studies.config import load
+    from dem.sweep.config import load
 
     sweep = load(config)
     with bar("benchmark", 1.0) as update:
@@ -167,7 +132,7 @@ def figure(
 
 @app.command()
 def info(
-    data: Annotated[Path, typer.Argument(help="drag.nc, a replicate, or the file of a study.")],
+    data: Annotated[Path, typer.Argument(help="drag.nc, a file of runs, or the file of a study.")],
     output: Annotated[Path | None, typer.Option("-o", "--output", help="Text file (.txt); the terminal if absent."), Writes(".txt")] = None,
 ):  # fmt: skip
     """Print what a file holds: cases, mean drag, scatter and intervals."""
@@ -195,7 +160,7 @@ def calibrate(
     """Fit Young's modulus to a mean drag: the one calibrated number."""
     from dem.studies.calibrate import MODULI
     from dem.studies.calibrate import calibrate as fit
-    from dem.studies.config import load
+    from dem.sweep.config import load
 
     sweep = load(config)
     with bar("calibrating", len(MODULI) * seeds) as update:

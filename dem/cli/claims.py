@@ -1,4 +1,4 @@
-"""Command line of the study: `dem claims PART`, a verb a part, and `dem claims test`."""
+"""Command line of the study: `dem claims table` and `dem claims test`."""
 
 from pathlib import Path
 from typing import Annotated
@@ -6,84 +6,23 @@ from typing import Annotated
 import typer
 
 from dem.base.errors import InputError
-from dem.cli.terminal import PAPER, ConfigOption, OutputOption, Verbs, bar, start_lean
+from dem.cli.terminal import ConfigOption, OutputOption, Verbs, bar, start_lean
 
-app = Verbs(help="Which of the paper's claims hold: the parts of the study.", no_args_is_help=True)  # fmt: skip
+CLAIMS = Path("config/claims.yaml")
 
-
-def _planned(config: Path):
-    """The sweep of a configuration that has a section `claims`."""
-    from dem.studies.config import load
-
-    sweep = load(config)
-    if sweep.claims is None:
-        raise InputError(f"{config}: claims is missing; the study needs it, see config/paper.yaml.")
-    return sweep
+app = Verbs(help="Which of the paper's claims hold.", no_args_is_help=True)
 
 
 @app.command()
-def compile(config: ConfigOption = PAPER):
-    """Compile the kernels that the runs need, once."""
+def table(output: OutputOption, config: ConfigOption = CLAIMS):
+    """What claims are about, of all runs of the study, in one file."""
     start_lean()
-    from dem.studies.claims.kernels import compile_all
+    from dem.studies.claims.table import make
+    from dem.sweep.config import load
+    from dem.sweep.work import Work
 
-    compile_all(_planned(config))
-
-
-@app.command()
-def jamming(
-    output: OutputOption,
-    shape: Annotated[str, typer.Option("--shape", help="Shape label, ratios or boxes.")],
-    config: ConfigOption = PAPER,
-):
-    """The packing fraction at which beds of a shape jam, without friction and with the run's."""
-    start_lean()
-    from dem.studies.claims.beds import beds_of, frictions
-    from dem.studies.claims.jamming import measure
-    from dem.studies.claims.layout import STUDY
-
-    sweep = _planned(config)
-    beds = beds_of(sweep, shape)
-    with bar(f"jamming of {shape}", 1.0) as update:
-        values = measure(beds, frictions(sweep, shape), update)
-    STUDY.write_part(output, sweep, values)
-
-
-@app.command()
-def runs(
-    output: OutputOption,
-    part: Annotated[str, typer.Option("--part", help="replicates, sensitivity, matched, ratios or scaling.")],
-    group: Annotated[int, typer.Option("--group", min=0, help="Job number from 0.")] = 0,
-    jamming: Annotated[list[Path] | None, typer.Option("--jamming", help="A file of dem claims jamming; as often as there are files.")] = None,
-    config: ConfigOption = PAPER,
-):  # fmt: skip
-    """Some of the runs of a part."""
-    start_lean()
-    from dem.studies.claims.layout import STUDY
-    from dem.studies.claims.runs import perform
-    from dem.studies.claims.trials import share
-
-    sweep = _planned(config)
-    known = None
-    if jamming:
-        from dem.studies.claims.jamming import Jamming
-
-        known = Jamming(STUDY.join(jamming))
-    mine = share(sweep, part, group, known)
-    with bar(f"{part}, group {group}", 1.0) as update:
-        values = perform(sweep, part, mine, update)
-    STUDY.write_part(output, sweep, values)
-
-
-@app.command()
-def combine(
-    files: Annotated[list[Path], typer.Argument(help="The files of all parts.")],
-    output: OutputOption,
-):
-    """All parts into claims.nc."""
-    from dem.studies.claims.layout import STUDY
-
-    STUDY.write_joined(output, STUDY.join(files))
+    with bar("claims", 1.0) as update:
+        make(Work(load(config)), output, update)
 
 
 @app.command()

@@ -6,57 +6,66 @@ from typing import Annotated
 import typer
 
 from dem.base.errors import InputError
-from dem.cli.terminal import PAPER, ConfigOption, OutputOption, Verbs, bar, start_lean
+from dem.cli.terminal import ConfigOption, OutputOption, Verbs, bar, start_lean
 
 app = Verbs(help="Stiff and extreme cases: the parts of the study.", no_args_is_help=True)
 
-CatalogueOption = Annotated[Path, typer.Option("--catalogue", help="Cases and map (YAML).")]
+CatalogueOption = Annotated[Path, typer.Option("--catalogue", help="Cases and limits (YAML).")]
 ShapeOption = Annotated[str, typer.Option("--shape", help="Shape label.")]
-CATALOGUE = Path("config/stability.yaml")
+STABILITY, CATALOGUE = Path("config/stability.yaml"), Path("config/catalogue.yaml")
 
 
-def _verb(part: str, about: str, shapes, work) -> None:
-    """Add the verb of a part; work(study, sweep, cases, shape, update) does it, for one of
-    shapes(sweep, cases)."""
+def _script(part: str, config, catalogue, shape, output, shapes, work) -> None:
+    """Do a part for one of shapes(cases): work(study, sweep, cases, update) returns its variables."""
+    start_lean()
+    from dem.studies.stability import study
+    from dem.studies.stability.catalogue import load as load_catalogue
+    from dem.studies.stability.layout import VARIABLES
+    from dem.sweep.config import load
+    from dem.sweep.table import write_part
 
-    def run(
-        output: OutputOption, shape: ShapeOption, config: ConfigOption = PAPER,
-        catalogue: CatalogueOption = CATALOGUE,
-    ):  # fmt: skip
-        start_lean()
-        from dem.studies.config import load
-        from dem.studies.stability import study
-        from dem.studies.stability.catalogue import load as load_catalogue
-        from dem.studies.stability.layout import STUDY
-
-        sweep, cases = load(config), load_catalogue(catalogue)
-        study.check(sweep, cases)
-        if shape not in (known := list(dict.fromkeys(shapes(sweep, cases)))):
-            raise InputError(f"shape is {shape!r}; there are {', '.join(known)}.")
-        with bar(f"{part}, {shape}", 1.0) as update:
-            values = work(study, sweep, cases, shape, update)
-        STUDY.write_part(output, sweep, values)
-
-    app.command(part, help=about)(run)
-
-
-_verb("catalogue", "All cases of one shape, each against its limits.",
-      lambda sweep, cases: cases.shapes,
-      lambda study, sweep, cases, shape, update: study.run_catalogue(sweep, cases, shape, update))  # fmt: skip
-_verb("map", "Time step, stiffness and restitution of one shape: where does energy stop adding up?",
-      lambda sweep, cases: sweep.shapes,
-      lambda study, sweep, cases, shape, update: study.run_map(sweep, cases.map, shape, update))  # fmt: skip
-_verb("paper", "The sweep's cases of one shape over the whole stroke, with an energy ledger.",
-      lambda sweep, cases: [case.shape for case in sweep.cases.values()],
-      lambda study, sweep, cases, shape, update: study.run_paper(sweep, shape, update))  # fmt: skip
+    sweep, cases = load(config), load_catalogue(catalogue)
+    study.check(sweep, cases)
+    if shape not in (known := shapes(cases)):
+        raise InputError(f"shape is {shape!r}; there are {', '.join(known)}.")
+    with bar(f"{part}, {shape}", 1.0) as update:
+        values = work(study, sweep, cases, update)
+    write_part(output, sweep, ("dem.studies.stability.study",), values, VARIABLES)
 
 
 @app.command()
-def combine(
-    files: Annotated[list[Path], typer.Argument(help="The files of all parts.")],
-    output: OutputOption,
-):
-    """All parts into stability.nc."""
-    from dem.studies.stability.layout import STUDY
+def catalogue(
+    output: OutputOption, shape: ShapeOption, config: ConfigOption = STABILITY,
+    catalogue: CatalogueOption = CATALOGUE,
+):  # fmt: skip
+    """All cases of one shape, each against its limits."""
+    _script(
+        "catalogue", config, catalogue, shape, output, lambda cases: cases.shapes,
+        lambda study, sweep, cases, update: study.run_catalogue(sweep, cases, shape, update),
+    )  # fmt: skip
 
-    STUDY.write_joined(output, STUDY.join(files))
+
+@app.command()
+def limits(
+    output: OutputOption, shape: ShapeOption, config: ConfigOption = STABILITY,
+    catalogue: CatalogueOption = CATALOGUE,
+):  # fmt: skip
+    """The bound of the critical time step beside the true limit, of a small bed of one shape."""
+    _script(
+        "limits", config, catalogue, shape, output, lambda cases: cases.limits.shapes,
+        lambda study, sweep, cases, update: study.run_limits(sweep, cases, shape),
+    )  # fmt: skip
+
+
+@app.command()
+def table(
+    files: Annotated[list[Path], typer.Argument(help="What `catalogue` and `limits` wrote.")],
+    output: OutputOption,
+    config: ConfigOption = STABILITY,
+):
+    """The runs of the sweep and all parts into stability.nc."""
+    from dem.studies.stability.table import write_study
+    from dem.sweep.config import load
+    from dem.sweep.work import Work
+
+    write_study(output, Work(load(config)), files)

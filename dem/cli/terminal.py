@@ -78,17 +78,6 @@ def _stop(number, frame):
     raise Stopped(number)
 
 
-def replicates_of(sweep, output: Path, files: list[Path] | None):
-    """Replicates to put together into `output`, those beside it if none are named, and what failed."""
-    if files:
-        return files, []
-    from dem.sweep.failures import sort_out
-
-    files, failed = sort_out(sweep, output.parent)
-    check_paths([Place("output", output)], [Place("a replicate", file) for file in files])
-    return files, failed
-
-
 def _tell(sentence: str) -> None:
     """Show a sentence; what it repeats of a file or a path is shown, never obeyed."""
     from dem.base.plain import plain

@@ -1,76 +1,101 @@
-"""The one schema: a configuration file is a sweep, a sweep expands to replicates.
+"""The values of one run: what a configuration file says of the experiment, checked in one place.
 
-SI units throughout. Workflow, command line and library read configurations only through here;
-whatever cannot be simulated is refused with one sentence a fault, naming key and value.
+SI units throughout. Workflow, command line and library read values only through here; whatever
+cannot be simulated is refused with one sentence a fault, naming key and value.
 """
 
+import hashlib
 import json
 import math
 from collections.abc import Iterable
-from functools import cached_property
-from itertools import pairwise
-from pathlib import Path
-from typing import Annotated, Literal
+from difflib import get_close_matches
+from functools import cache, cached_property
+from importlib import import_module
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
-import yaml
-from pydantic import Field, ValidationError, model_validator
+from pydantic import BaseModel, BeforeValidator, Field, ValidationError, model_validator
 
 from dem.base.errors import InputError
-from dem.base.files import atomic
-from dem.base.schema import (
-    Folder,
-    Label,
-    NotNegative,
-    Number,
-    Positive,
-    Section,
-    Seeds,
-    Whole,
-    sentences,
-)
+from dem.base.schema import Label, NotNegative, Number, Positive, Section, Whole, sentences
 from dem.base.sources import code_hash
-from dem.base.yaml_file import read
-from dem.experiment.fit import check_room, check_rooms
+from dem.experiment.fit import check_room
+from dem.experiment.observables import OBSERVABLES
 from dem.shapes import KINDS
+
+EXPERIMENTS = ("drag", "jamming")  # modules of this room
+
+
+def value(units: str | None, about: str, **limits):
+    """A value of the configuration: its units (None: a text) and what it is, no code of a run."""
+    return Field(description=about, json_schema_extra={"units": units}, **limits)
 
 
 class CylinderSection(Section):
-    diameter: Positive  # m
-    velocity: Positive  # m/s, upwards
-    start: Annotated[Positive, Field(lt=1)]  # height of the axis over that of the box
-    stroke: Positive  # m
+    diameter: Annotated[Positive, value("m", "diameter of the cylinder")]
+    velocity: Annotated[Positive, value("m s-1", "velocity of the cylinder, upwards")]
+    start: Annotated[
+        Positive, value("1", "height of the cylinder's axis over that of the box", lt=1)
+    ]
+    stroke: Annotated[Positive, value("m", "distance over which the cylinder is drawn")]
 
 
 class PackingSection(Section):
-    fraction: Annotated[Positive, Field(lt=1)]  # V_f
-    size_spread: Annotated[Number, Field(ge=0, lt=1)]  # diameters uniform within +- this share
-    friction: NotNegative = 0.0  # of all contacts while the bed is packed
+    fraction: Annotated[Positive, value("1", "packing fraction", lt=1)]
+    size_spread: Annotated[
+        Number, value("1", "diameters are uniform within +- this share", ge=0, lt=1)
+    ]
+    friction: Annotated[
+        NotNegative, value("1", "friction of all contacts while the bed is packed")
+    ] = 0.0
 
 
 class MaterialSection(Section):
-    young_modulus: Positive  # Pa
-    poisson_ratio: Annotated[Number, Field(gt=-1, le=0.5)]
-    restitution: Annotated[Number, Field(ge=1e-3, le=1)]
-    thickness: Positive | None = None  # m out of the plane, for the mass; None: mean diameter
+    young_modulus: Annotated[Positive, value("Pa", "Young's modulus")]
+    poisson_ratio: Annotated[Number, value("1", "Poisson's ratio", gt=-1, le=0.5)]
+    restitution: Annotated[Number, value("1", "coefficient of restitution", ge=1e-3, le=1)]
+    thickness: Annotated[
+        Positive | None, value("m", "thickness out of the plane; none: mean diameter")
+    ] = None
 
 
 class FrictionSection(Section):
-    granule: NotNegative
-    wall: NotNegative
-    cylinder: NotNegative
-    stiffness: Positive = 1.0  # of the tangential springs, over Mindlin's
+    granule: Annotated[NotNegative, value("1", "friction between granules")]
+    wall: Annotated[NotNegative, value("1", "friction at the walls")]
+    cylinder: Annotated[NotNegative, value("1", "friction at the cylinder")]
+    stiffness: Annotated[Positive, value("1", "stiffness of tangential springs over Mindlin's")] = (
+        1.0
+    )
 
 
 class EllipseSection(Section):
-    contact: Literal["common_normal", "geometric_potential"] = "common_normal"
-    curvature: Literal["volume", "local"] = "volume"
+    contact: Annotated[
+        Literal["common_normal", "geometric_potential"],
+        value(None, "how a contact of ellipses is found"),
+    ] = "common_normal"
+    curvature: Annotated[
+        Literal["volume", "local"], value(None, "radius of ellipses in Hertz's law")
+    ] = "volume"
+
+
+def _observables(names):
+    """Names once each, in the order of the registry: another order is no other run."""
+    if isinstance(names, list | tuple) and all(name in OBSERVABLES for name in names):
+        return tuple(name for name in OBSERVABLES if name in names)
+    return names
 
 
 class RecordSection(Section):
-    bins: Annotated[Whole, Field(ge=1, le=100_000)]
-    window: tuple[NotNegative, Positive]  # m, displacements between which the drag is averaged
-    snapshots: Annotated[Whole, Field(ge=2, le=10_000)]  # of all granules, first and last included
+    bins: Annotated[Whole, value("1", "bins over the stroke", ge=1, le=100_000)]
+    window: Annotated[
+        tuple[NotNegative, Positive], value("m", "displacements of the mean drag's window")
+    ]
+    snapshots: Annotated[Whole, value("1", "snapshots of all granules", ge=2, le=10_000)]
+    observables: Annotated[
+        tuple[Literal[tuple(OBSERVABLES)], ...],
+        BeforeValidator(_observables),
+        value(None, "what is recorded", min_length=1),
+    ] = ("drag", "snapshots")
 
     @model_validator(mode="after")
     def _check(self):
@@ -85,16 +110,34 @@ class RecordSection(Section):
 
 
 class NumericsSection(Section):
-    step_fraction: Annotated[Positive, Field(lt=1)] = 0.5  # of the critical time step
-    time_step: Positive | None = None  # s, fixed; None: from the bed's stiffness
-    max_overlap: Annotated[Positive, Field(le=1.5)] = 1.2  # over the smaller radius
+    step_fraction: Annotated[Positive, value("1", "time step over the critical one", le=10)] = 0.5
+    allow_unstable: Annotated[
+        bool, value("1", "whether steps beyond the critical one are taken")
+    ] = False
+    time_step: Annotated[
+        Positive | None, value("s", "time step; none: from the bed's stiffness")
+    ] = None
+    max_overlap: Annotated[
+        Positive, value("1", "overlap over the smaller radius that stops", le=1.5)
+    ] = 1.2
+
+    @model_validator(mode="after")
+    def _check(self):
+        if self.step_fraction >= 1.0 and not self.allow_unstable:
+            raise ValueError(
+                f"step_fraction is {self.step_fraction:g}; it must be less than 1, or "
+                "allow_unstable be true"
+            )
+        return self
 
 
 class ShapeSection(Section):
-    kind: Literal[tuple(KINDS)]
-    diameter: Positive  # m, mean volume diameter
-    granules: Annotated[Whole, Field(ge=1, le=10_000_000)]
-    aspect_ratio: Annotated[Number, Field(ge=1)] | None = None
+    kind: Annotated[Literal[tuple(KINDS)], value(None, "kind of granule")]
+    diameter: Annotated[Positive, value("m", "mean volume diameter of the granules")]
+    granules: Annotated[Whole, value("1", "number of granules", ge=1, le=10_000_000)]
+    aspect_ratio: Annotated[Number | None, value("1", "length over width of a granule", ge=1)] = (
+        None
+    )
 
     @model_validator(mode="after")
     def _check(self):
@@ -114,41 +157,25 @@ class ShapeSection(Section):
         return self.aspect_ratio or KINDS[self.kind].aspect_ratio
 
 
-class CaseSection(Section):
-    shape: Label
-    density: Positive  # kg/m3
+class Configuration(Section):
+    """All values that a run can read."""
 
-
-class Sweep(Section):
-    """A whole configuration file."""
-
-    title: str = "Slow drag of a cylinder through a bed of granules"
-    results: Folder
-    seeds: Seeds  # a list, or words such as 1 to 10000
-    batch: Annotated[Whole, Field(ge=1, le=10_000)] = 1  # seeds that one job of the workflow makes
-    failures: Annotated[Number, Field(ge=0, lt=1)] = 0.0  # share of replicates that may fail
-    box_width: Positive  # m
+    experiment: Annotated[Literal[EXPERIMENTS], value(None, "what is done with the bed")] = "drag"
+    box_width: Annotated[
+        Positive, value("m", "width of the box; its height follows from packing.fraction")
+    ]
     cylinder: CylinderSection
     packing: PackingSection
     material: MaterialSection
     friction: FrictionSection
-    gravity: NotNegative = 0.0  # m/s2, downwards
+    gravity: Annotated[NotNegative, value("m s-2", "gravity, downwards")] = 0.0
     ellipse: EllipseSection = EllipseSection()
     shapes: Annotated[dict[Label, ShapeSection], Field(min_length=1)]
-    cases: Annotated[dict[Label, CaseSection], Field(min_length=1)]
     record: RecordSection
     numerics: NumericsSection = NumericsSection()
 
     @model_validator(mode="after")
-    def _check(self):
-        if len(set(self.seeds)) < len(self.seeds):
-            twice = next(a for a, b in pairwise(sorted(self.seeds)) if a == b)
-            raise ValueError(f"seeds has {twice} twice; list each seed once")
-        if self.failures and self.batch == 1:
-            raise ValueError(
-                f"failures is {self.failures:g}; with batch 1 it must be 0, because a failed run would "
-                "block every rule that depends on it"
-            )
+    def _check_window(self):
         if self.record.window[1] > self.cylinder.stroke:
             raise ValueError(
                 f"record.window ends at {self.record.window[1]:g} m, beyond cylinder.stroke, "
@@ -159,59 +186,7 @@ class Sweep(Section):
                 f"record.window {list(self.record.window)} holds no bin; each is "
                 f"{self.cylinder.stroke / self.record.bins:.3g} m wide"
             )
-        seen = {}
-        for label, case in self.cases.items():
-            if case.shape not in self.shapes:
-                raise ValueError(
-                    f"cases.{label}.shape is {case.shape!r}, which is not one of shapes: "
-                    + ", ".join(self.shapes)
-                )
-            twin = seen.setdefault((case.shape, density_label(case.density)), label)
-            if twin != label:
-                raise ValueError(f"cases.{label} repeats cases.{twin}")
-        for label in self.shapes:
-            check_rooms(self, label)
         return self
-
-    def own_dump(self, exclude=None) -> dict:
-        """The values as a dictionary, without sections of studies."""
-        return self.model_dump(include=set(Sweep.model_fields), exclude=exclude)
-
-    def code_of(self, *modules: str, shapes: Iterable[str]) -> str:
-        """SHA-256 of the code that modules and some shapes of this sweep depend on."""
-        kinds = {KINDS[self.shapes[shape].kind].module for shape in shapes}
-        return code_hash(*modules, *sorted(kinds))
-
-    def batches(self) -> int:
-        """Number of jobs that make the replicates of a shape."""
-        return -(-len(self.seeds) // self.batch)
-
-    def seeds_of_batch(self, number: int) -> list[int]:
-        """Seeds of one job, ascending; raises InputError where there is no such job."""
-        if not 0 <= number < self.batches():
-            raise InputError(f"batch is {number}; there are {self.batches()}, from 0.")
-        return self.ascending[number * self.batch : (number + 1) * self.batch]
-
-    @cached_property
-    def ascending(self) -> list[int]:
-        """Seeds in order."""
-        return sorted(self.seeds)
-
-    def densities(self, shape: str) -> list[float]:
-        """Densities (kg/m3) of the cases of a shape; raises InputError where it has none."""
-        found = [case.density for case in self.cases.values() if case.shape == shape]
-        if not found:
-            raise InputError(
-                f"shape is {shape!r}; the cases have "
-                + ", ".join(dict.fromkeys(case.shape for case in self.cases.values()))
-                + "."
-            )
-        return found
-
-    def density_of(self, shape: str) -> float:
-        """Density (kg/m3) of the first case of a shape, or of the first case of all."""
-        cases = list(self.cases.values())
-        return next((case.density for case in cases if case.shape == shape), cases[0].density)
 
     @property
     def in_window(self) -> np.ndarray:
@@ -219,16 +194,30 @@ class Sweep(Section):
         middle = (np.arange(self.record.bins) + 0.5) / self.record.bins * self.cylinder.stroke
         return (middle >= self.record.window[0]) & (middle <= self.record.window[1])
 
-    def replicates(self) -> list["Replicate"]:
-        """All runs, case by case, seeds in the order of the file."""
-        return [
-            Replicate.of(self, case.shape, case.density, seed)
-            for case in self.cases.values()
-            for seed in self.seeds
-        ]
+    def values(self) -> dict:
+        """The values as plain groups, without what a file says beside them."""
+        return json.loads(self.model_dump_json(include=set(Configuration.model_fields)))
+
+    @cached_property
+    def _read_by_all(self) -> str:
+        """Values that every run reads, whatever its shape, as text."""
+        unread = dict.fromkeys(("shapes", "ellipse", "experiment"), True)
+        included = set(Configuration.model_fields)
+        return json.dumps(
+            self.model_dump(include=included, exclude=unread | {"record": {"window"}}),
+            sort_keys=True,
+        )
+
+    @cached_property
+    def _granules(self) -> dict[str, str]:
+        """By shape, the section with the aspect ratio that its kind may give it, as text."""
+        return {
+            label: json.dumps(shape.model_dump() | {"aspect_ratio": shape.ratio})
+            for label, shape in self.shapes.items()
+        }
 
     def replicate(self, shape: str, density: float, seed: int) -> "Replicate":
-        """One run; raises InputError for a shape that the configuration does not have."""
+        """One run; raises InputError for one that cannot be."""
         if shape not in self.shapes:
             raise InputError(
                 f"shape is {shape!r}; the configuration has " + ", ".join(self.shapes) + "."
@@ -241,83 +230,148 @@ class Sweep(Section):
             check_room(self, shape, seed)
         except ValueError as error:
             raise InputError(f"{error}.") from None
-        return Replicate.of(self, shape, density, seed)
+        return Replicate(self, shape, density, seed)
+
+    @property
+    def module(self):
+        """The module of the experiment; loaded when it is used, so that who reads results does not
+        depend on the code that made them."""
+        return import_module(f"dem.experiment.{self.experiment}")
+
+    def code_of(self, *modules: str, shapes: Iterable[str]) -> str:
+        """SHA-256 of the code that modules and some shapes depend on."""
+        return code_hash(
+            *modules, *sorted({KINDS[self.shapes[shape].kind].module for shape in shapes})
+        )
+
+    def changed(self, changes: dict[str, Any], shape: str) -> "Configuration":
+        """These values with some changed by path, and one shape only; raises InputError.
+
+        A change of another shape is none of this one.
+        """
+        if not changes and set(self.shapes) == {shape} and type(self) is Configuration:
+            return self
+        data = self.values()
+        data["shapes"] = {shape: data["shapes"][shape]}
+        for path, new in changes.items():
+            *groups, last = path.split(".")
+            at = data
+            for name in groups:
+                at = at.get(name, {})
+            if last in at:
+                at[last] = new
+        return parse(data, f"{shape} with {words_of(changes)}" if changes else shape)
 
 
-class Replicate(Section):
-    """One run of the sweep: a shape at a density with a seed."""
+def words_of(changes: dict) -> str:
+    """Changed values in words: friction.granule 0.3, box_width 0.02."""
+    return ", ".join(f"{path} {new}" for path, new in changes.items())
 
-    sweep: Sweep
-    label: str
-    density: float
-    seed: int
 
-    @classmethod
-    def of(cls, sweep: Sweep, label: str, density: float, seed: int) -> "Replicate":
-        """A run of a sweep that is known to be sound: it is not checked all over again."""
-        return cls.model_construct(sweep=sweep, label=label, density=density, seed=seed)
+class Replicate:
+    """One run: values of a configuration, a shape of it, a density (kg/m3) and a seed."""
+
+    def __init__(self, configuration: Configuration, label: str, density: float, seed: int):
+        self.configuration, self.label = configuration, label
+        self.density, self.seed = float(density), int(seed)
 
     @property
     def shape(self) -> ShapeSection:
-        return self.sweep.shapes[self.label]
+        return self.configuration.shapes[self.label]
+
+    def values(self) -> dict:
+        """All values as plain groups, as `of_values` takes them."""
+        own = self.configuration.values()
+        own["shapes"] = {self.label: own["shapes"][self.label]}
+        return own | {"shape": self.label, "density": self.density, "seed": self.seed}
+
+    def words(self) -> str:
+        """The run in words, for sentences."""
+        return f"{self.label} at {density_label(self.density)} kg/m3, seed {self.seed}"
+
+    def _bed(self) -> str:
+        c = self.configuration
+        others = c.packing.size_spread, c.box_width, c.cylinder.diameter, c.cylinder.start
+        return f"{c._granules[self.label]} {others}"
 
     @property
-    def key(self) -> tuple[str, str, int]:
-        """Shape, density as paths have it, and seed."""
-        return self.label, density_label(self.density), self.seed
+    def variant(self) -> str:
+        """What selects the machine code of the run, as text."""
+        c = self.configuration
+        ellipse = c.ellipse.model_dump() if self.shape.kind == "ellipse" else {}
+        friction = [value > 0 for value in c.friction.model_dump().values()]
+        features = (
+            c.experiment, c.packing.friction > 0, c.material.restitution < 1, c.gravity > 0,
+            "ledger" in c.record.observables,
+        )  # fmt: skip
+        return " ".join(map(str, (self.shape.kind, *friction, *features, *ellipse.values())))
 
     @property
-    def path(self) -> str:
-        """Where its file lies below the folder of results."""
-        density = density_label(self.density)
-        return f"replicates/{self.label}/density{density}/seed{self.seed}.nc"
+    def bed_family(self) -> str:
+        """What beds like this are known by: a hash of all but packing fraction, friction and seed."""
+        return _digest(self._bed())
+
+    def bed_key(self) -> str:
+        """All that the bed depends on, as text."""
+        packing = self.configuration.packing
+        return f"{self._bed()} {packing.fraction} {packing.friction} {self.seed}"
+
+    def run_key(self) -> str:
+        """All that the run depends on, as text."""
+        c = self.configuration
+        if c.experiment == "jamming":
+            return f"jamming {self.bed_key()}"
+        ellipse = c.ellipse if self.shape.kind == "ellipse" else ""
+        own = c._granules[self.label], c._read_by_all, ellipse, self.density, self.seed
+        return " ".join(map(str, own))
 
     @property
     def source_hash(self) -> str:
         """SHA-256 of the code that this run depends on."""
-        return self.sweep.code_of("dem.experiment.drag", shapes=[self.label])
+        c = self.configuration
+        observables = () if c.experiment == "jamming" else c.record.observables
+        return _code(c.experiment, tuple(observables), self.shape.kind)
 
-    def _granules(self) -> dict:
-        """The section of the shape, with the aspect ratio that its kind may give it."""
-        return self.shape.model_dump() | {"aspect_ratio": self.shape.ratio}
+    @cached_property
+    def id(self) -> str:
+        """What this run is known by: a hash of the values that it reads and the code that it runs."""
+        return _digest(self.run_key(), self.source_hash)
 
-    def bed_key(self) -> str:
-        """All that the bed depends on, as text: the packing is made again when it changes."""
-        s = self.sweep
-        cylinder = (s.cylinder.diameter, s.cylinder.start)
-        return json.dumps(
-            [self._granules(), s.packing.model_dump(), s.box_width, cylinder, self.seed]
+    @property
+    def bed_id(self) -> str:
+        """The same of its bed."""
+        return _digest(
+            self.bed_key(), code_hash("dem.experiment.bed", KINDS[self.shape.kind].module)
         )
 
-    def run_key(self) -> str:
-        """All that the run depends on, as text."""
-        names = (
-            "title",
-            "results",
-            "seeds",
-            "batch",
-            "failures",
-            "shapes",
-            "cases",
-        )
-        unread = dict.fromkeys(names, True)
-        unread["record"] = {"window"}
-        if self.shape.kind != "ellipse":
-            unread["ellipse"] = True
-        common = self.sweep.own_dump(exclude=unread)
-        return json.dumps([self._granules(), common, self.density, self.seed])
+
+def _digest(*texts: str) -> str:
+    return hashlib.sha256("\n".join(texts).encode()).hexdigest()[:32]
+
+
+@cache
+def _code(experiment: str, observables: tuple[str, ...], kind: str) -> str:
+    modules = [f"dem.experiment.observables.{name}" for name in observables]
+    return code_hash(f"dem.experiment.{experiment}", *modules, KINDS[kind].module)
+
+
+def of_values(data: dict, source: str = "values") -> Replicate:
+    """One run from plain groups of values with `shape`, `density` and `seed`; raises InputError."""
+    own = dict(data)
+    try:
+        shape, density, seed = (own.pop(name) for name in ("shape", "density", "seed"))
+    except KeyError as error:
+        raise InputError(f"{source}: {error.args[0]} is missing.") from None
+    return parse(own, source).replicate(shape, density, seed)
 
 
 def density_label(density: float) -> str:
-    """A density (kg/m3) as paths have it."""
+    """A density (kg/m3) as sentences have it."""
     return f"{density:.10g}"
 
 
-def parse(data, source: str = "configuration", model: type[Sweep] = Sweep) -> Sweep:
-    """Sweep from the content of a file; raises InputError with one sentence a fault.
-
-    model: Sweep, or one with sections of its own beside (dem.studies.config).
-    """
+def parse(data, source: str = "configuration", model: type[Configuration] = Configuration):
+    """Values from the content of a file; raises InputError with one sentence a fault."""
     if not isinstance(data, dict):
         raise InputError(f"{source}: it must hold keys with values, see config/paper.yaml.")
     try:
@@ -327,15 +381,35 @@ def parse(data, source: str = "configuration", model: type[Sweep] = Sweep) -> Sw
         raise InputError(sentences(source, error)) from None
 
 
-def load(path: Path) -> Sweep:
-    """Sweep from a YAML file; raises InputError with one sentence a fault."""
-    return parse(read(path), str(path))
+class Entry(NamedTuple):
+    """A value that may vary: its path, units (None: a text) and what it is."""
+
+    path: str
+    units: str | None
+    about: str
 
 
-def save(sweep: Sweep, path: Path) -> None:
-    """Write the configuration as resolved, so that `load` gives the same sweep again."""
-    text = yaml.safe_dump(json.loads(sweep.model_dump_json()), sort_keys=False).encode()
-    path = Path(path)
-    if not path.exists() or path.read_bytes() != text:
-        with atomic(path) as part:
-            part.write_bytes(text)
+def entries(shapes: Iterable[str]) -> dict[str, Entry]:
+    """All values of a configuration that may vary, by path; shapes: labels of the configuration."""
+    found = {}
+
+    def visit(model, head):
+        for name, field in model.model_fields.items():
+            path = head + name
+            if path == "shapes":
+                for label in shapes:
+                    visit(ShapeSection, f"shapes.{label}.")
+            elif isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel):
+                visit(field.annotation, path + ".")
+            elif path not in ("record.window", "record.observables"):
+                units = (field.json_schema_extra or {}).get("units")
+                found[path] = Entry(path, units, field.description)
+
+    visit(Configuration, "")
+    return found
+
+
+def nearest(word: str, words: Iterable[str]) -> str:
+    """A hint at the word that was probably meant: "; the nearest is ...", or ""."""
+    close = get_close_matches(str(word), list(words), 1, 0.5)
+    return f"; the nearest is {close[0]}" if close else ""

@@ -11,47 +11,49 @@ def sample_diameters(shape, spread: float, seed: int) -> np.ndarray:
     return shape.diameter * rng.uniform(1.0 - spread, 1.0 + spread, shape.granules)
 
 
-def height_of_box(sweep, diameters: np.ndarray | float, each: int = 1) -> float:
+def height_of_box(configuration, diameters: np.ndarray | float, each: int = 1) -> float:
     """Height (m) for granules of the sampled diameters, V_f = V_g / (W H - V_c) (equation 18).
 
     each: how many granules there are of every diameter.
     """
     granules = 0.25 * math.pi * each * np.sum(np.square(diameters))
-    cylinder = 0.25 * math.pi * sweep.cylinder.diameter**2
-    return (granules / sweep.packing.fraction + cylinder) / sweep.box_width
+    cylinder = 0.25 * math.pi * configuration.cylinder.diameter**2
+    return (granules / configuration.packing.fraction + cylinder) / configuration.box_width
 
 
-def check_rooms(sweep, label: str) -> None:
+def check_rooms(configuration, label: str, seeds) -> None:
     """Raise ValueError where cylinder or granules do not fit for one of the seeds.
 
     What fits into the lowest box that could be, with the largest granule, fits for every seed:
     only where it does not is each looked at.
     """
-    shape, spread = sweep.shapes[label], sweep.packing.size_spread
+    shape, spread = configuration.shapes[label], configuration.packing.size_spread
     least, most = (shape.diameter * (1.0 + sign * spread) for sign in (-1.0, 1.0))
     try:
-        _check_box(sweep, label, height_of_box(sweep, least, shape.granules), most)
+        _check_box(configuration, label, height_of_box(configuration, least, shape.granules), most)
     except ValueError:
-        for seed in sweep.seeds:
-            check_room(sweep, label, seed)
+        for seed in seeds:
+            check_room(configuration, label, seed)
 
 
-def check_room(sweep, label: str, seed: int) -> None:
+def check_room(configuration, label: str, seed: int) -> None:
     """Raise ValueError where cylinder or granules of one seed do not fit into the box."""
-    diameters = sample_diameters(sweep.shapes[label], sweep.packing.size_spread, seed)
-    _check_box(sweep, label, height_of_box(sweep, diameters), diameters.max())
+    diameters = sample_diameters(
+        configuration.shapes[label], configuration.packing.size_spread, seed
+    )
+    _check_box(configuration, label, height_of_box(configuration, diameters), diameters.max())
 
 
-def _check_box(sweep, label: str, height: float, largest: float) -> None:
+def _check_box(configuration, label: str, height: float, largest: float) -> None:
     """Raise ValueError where cylinder or the largest granule (m) do not fit into a box (m)."""
-    shape, cylinder = sweep.shapes[label], sweep.cylinder
+    shape, cylinder = configuration.shapes[label], configuration.cylinder
     half = 0.5 * cylinder.diameter
     bottom, top = cylinder.start * height - half, cylinder.start * height + cylinder.stroke + half
-    where = f"with shapes.{label} the box is {sweep.box_width:.4g} m by {height:.4g} m"
-    if cylinder.diameter >= sweep.box_width:
+    where = f"with shapes.{label} the box is {configuration.box_width:.4g} m by {height:.4g} m"
+    if cylinder.diameter >= configuration.box_width:
         raise ValueError(
             f"cylinder.diameter is {cylinder.diameter:g} m; it must be less than box_width, "
-            f"{sweep.box_width:g} m"
+            f"{configuration.box_width:g} m"
         )
     if bottom < 0:
         raise ValueError(
@@ -68,7 +70,7 @@ def _check_box(sweep, label: str, height: float, largest: float) -> None:
             f"during its stroke; at most {cylinder.stroke + height - top:.3g} m fit"
         )
     length = largest * math.sqrt(shape.ratio)
-    if length > min(sweep.box_width, height):
+    if length > min(configuration.box_width, height):
         raise ValueError(
             f"shapes.{label}.diameter is {shape.diameter:g} m: {where}, and a granule of length "
             f"{length:.3g} m cannot fit"

@@ -14,17 +14,19 @@ from dem.base import provenance
 from dem.base.errors import InputError
 from dem.base.files import atomic
 from dem.dynamics.simulation import Record, Simulation
-from dem.experiment.config import Replicate, density_label
+from dem.experiment.config import Replicate
 from dem.io.checksums import is_sealed, seal
 from dem.packing.random import Bed
 from dem.scene import State
 
 
 class Going(NamedTuple):
-    """What a run has so far: records of pieces, states at snapshots, processor time (s)."""
+    """What a run has so far: records of pieces, states and residuals of the ledger at
+    snapshots, processor time (s)."""
 
     records: list[Record]
     states: list[State]
+    residuals: list[float]
     spent: float
 
     @property
@@ -63,7 +65,8 @@ def write_checkpoint(
     for name in STATE:
         arrays[f"state_{name}"] = np.stack([getattr(state, name) for state in going.states])
     with atomic(path) as part, part.open("wb") as file:
-        np.savez(file, mark=np.array(mark_of(replicate, bed)), spent=going.spent, **arrays)
+        own = {"spent": going.spent, "residuals": going.residuals}
+        np.savez(file, mark=np.array(mark_of(replicate, bed)), **own, **arrays)
         file.close()
         seal(part)
 
@@ -115,17 +118,6 @@ def clear_way(path: Path, replicate: Replicate, bed: Bed | None = None, own: boo
     _say(f"{path}: it was {fault}, and is deleted; the run begins again.")
 
 
-def checkpoint_of(replicate: Replicate) -> str:
-    """Where the workflow saves a long run, below the folder of results."""
-    density = density_label(replicate.density)
-    return f"checkpoints/{replicate.label}_{density}_{replicate.seed}.npz"
-
-
-def is_own(path: Path, replicate: Replicate, results: Path) -> bool:
-    """Whether a checkpoint is the workflow's own file of this run in a folder of results."""
-    return path.resolve() == (results / checkpoint_of(replicate)).resolve()
-
-
 def forget(path: Path) -> None:
     """Delete a checkpoint, of a link the file that it leads to."""
     Path(os.path.realpath(path)).unlink(missing_ok=True)
@@ -148,7 +140,8 @@ def read_checkpoint(path: Path, replicate: Replicate, bed: Bed) -> Saved | None:
             states = [State(*rows) for rows in zip(*columns, strict=True)]
             head = "simulation_"
             arrays = {k.removeprefix(head): file[k] for k in file.files if k.startswith(head)}
-            return Saved(Going([record], states, float(file["spent"])), arrays)
+            going = Going([record], states, file["residuals"].tolist(), float(file["spent"]))
+            return Saved(going, arrays)
     except Exception:  # see _fault
         _say(f"{path}: this checkpoint is damaged; the run begins again.")
         return None

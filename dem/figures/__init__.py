@@ -40,6 +40,9 @@ FLOW = {
     "irregularity": ("How irregular the flow is, by shape: four measures against displacement", _some_shape),
 }  # fmt: skip
 
+# from drag.nc too, where runs differ in more than case, or shape, and seed
+SWEPT = {"sweep": "Mean drag over what was varied"}
+
 # drawn from a study's own file: (what it shows, variables that the file must hold)
 ACCURACY = {
     "accuracy_contacts": ("Contacts of ellipses: error against time, and energy over many bounces", ("contact_method",)),
@@ -60,7 +63,7 @@ CLAIMS = {
 }  # fmt: skip
 BENCHMARK = {"benchmark": ("Speed beside other codes", ("granule_steps_per_second", "variant_step_time"))}  # fmt: skip
 STUDIES = (
-    {name: (words, ("bed_x", "non_affine")) for name, (words, _) in FLOW.items()}
+    {name: (words, ("non_affine",) if name == "irregularity" else ("bed_x",)) for name, (words, _) in FLOW.items()}
     | ACCURACY | STABILITY | CLAIMS | BENCHMARK
 )  # fmt: skip
 
@@ -71,19 +74,36 @@ STUDY_FIGURES = {
     "stability": STABILITY,
     "benchmark": BENCHMARK,
 }  # by file
-FILES = {"drag": FIGURES, "flow": FLOW} | STUDY_FIGURES  # by file of results, without .nc
+FILES = {"drag": FIGURES | SWEPT, "flow": FLOW} | STUDY_FIGURES  # by file of results, without .nc
 FILE_OF = {name: file for file, figures in FILES.items() for name in figures}
 
 
 def captions() -> dict[str, str]:
     """What each figure shows, by name, in the order of the paper, studies last."""
     paper = dict(sorted((FIGURES | FLOW).items()))
-    return {name: words for name, (words, _) in (paper | STUDIES).items()}
+    return SWEPT | {name: words for name, (words, _) in (paper | STUDIES).items()}
 
 
-def possible(sweep, figures=FIGURES) -> list[str]:
-    """Names of the figures of FIGURES or FLOW that the cases of a sweep suffice for."""
-    cases = [(case.shape, case.density) for case in sweep.cases.values()]
+def possible(block, figures=FIGURES) -> list[str]:
+    """Names of the figures of FIGURES or FLOW that the runs of a block suffice for."""
+    own = block.runs[0].replicate.configuration
+    if own.experiment != "drag":
+        return []
+    held = set(own.record.observables)
+    if figures is FIGURES and "drag" not in held:
+        return []
+    runs = [run.replicate for run in block.runs]
+    cases = list(dict.fromkeys((run.label, run.density) for run in runs))
+    found = _suffices(set(block.dims), cases, figures)
+    if figures is FLOW and "snapshots" not in held:  # the measures alone
+        return [name for name in found if name == "irregularity" and "flow" in held]
+    return found
+
+
+def _suffices(dims: set[str], cases: list, figures: dict) -> list[str]:
+    """Names of the figures that runs over some axes suffice for."""
+    if dims not in ({"case", "seed"}, {"shape", "seed"}):
+        return list(SWEPT) if figures is FIGURES else []
     return [name for name, (_, suffices) in figures.items() if suffices(cases)]
 
 
@@ -92,10 +112,9 @@ def drawable(folder: Path) -> list[str]:
 
     Raises InputError where drag.nc is absent, or where a file of results is damaged.
     """
-    from dem.analysis.flow.layout import VARIABLES
-    from dem.sweep.combine import COMBINED, open_lazily, require
+    from dem.io.lazily import open_lazily
 
-    found, layout = [], {"drag": COMBINED, "flow": VARIABLES}
+    found = []
     for file, figures in FILES.items():
         data = Path(folder) / f"{file}.nc"
         if not data.is_file():
@@ -105,36 +124,55 @@ def drawable(folder: Path) -> list[str]:
                 )
             continue
         with open_lazily(data) as dataset:
-            if figures in (FIGURES, FLOW):
-                require(dataset, data, layout[file], ("shape", "density"))
-                shapes, densities = (dataset[key].values.tolist() for key in ("shape", "density"))
-                cases = list(zip(shapes, densities, strict=True))
-                found += [name for name, (_, suffices) in figures.items() if suffices(cases)]
+            if file in ("drag", "flow"):
+                found += drawn_from(data, dataset, FIGURES if file == "drag" else FLOW)
             else:
                 held = set(dataset.variables)
                 found += [name for name, (_, needs) in figures.items() if held.issuperset(needs)]
     return found
 
 
+def drawn_from(data: Path, dataset, figures: dict) -> list[str]:
+    """Names of those of FIGURES or FLOW that drag.nc or flow.nc suffices for."""
+    from dem.analysis.statistics import by_case
+    from dem.io.lazily import require
+
+    require(dataset, data, {}, ("run_id",))
+    found = by_case(dataset)
+    if found is None:
+        return _suffices(set(), [], figures)
+    require(found, data, {}, ("shape", "density"))
+    shapes, densities = (found[key].values.tolist() for key in ("shape", "density"))
+    names = _suffices({"case", "seed"}, list(zip(shapes, densities, strict=True)), figures)
+    held = set(found.variables)
+    return [name for name in names if figures is FIGURES or held.issuperset(STUDIES[name][1])]
+
+
 def draw(name: str, data: Path, folder: Path) -> list[Path]:
     """Draw a figure, or "all", into a folder; returns the files, SVG and PNG.
 
-    All are those from drag.nc that its cases suffice for; a figure of STUDIES is drawn from the
+    All are those from drag.nc that its runs suffice for; a figure of STUDIES is drawn from the
     file of its study. Raises InputError if there is nothing to draw.
     """
+    from dem.analysis.statistics import by_case
     from dem.figures.style import save
     from dem.sweep.combine import open_combined
 
     if name in STUDIES:
         return _draw_study(name, data, Path(folder))
-    if name != "all" and name not in FIGURES:
-        names = ", ".join([*FIGURES, *STUDIES])
+    if name not in ("all", *FIGURES, *SWEPT):
+        names = ", ".join([*FIGURES, *SWEPT, *STUDIES])
         raise InputError(f"figure is {name!r}; there are {names} and all.")
     files, faults = [], []
     with open_combined(data) as dataset:
-        for each in FIGURES if name == "all" else (name,):
+        cases = by_case(dataset)
+        every = SWEPT if cases is None else FIGURES
+        for each in every if name == "all" else (name,):
+            if each in FIGURES and cases is None:
+                _refuse(each, data, dataset)
             try:
-                figure = import_module(f"dem.figures.{each}").plot(dataset)
+                whole = dataset if each in SWEPT else cases
+                figure = import_module(f"dem.figures.{each}").plot(whole)
             except InputError as error:
                 faults.append(f"{data}: {each} cannot be drawn: {error}")
                 continue
@@ -144,16 +182,31 @@ def draw(name: str, data: Path, folder: Path) -> list[Path]:
     return files
 
 
+def _refuse(name, data, dataset):
+    dims = ", ".join(map(str, dataset["run_id"].dims))
+    raise InputError(
+        f"{data}: {name} shows runs that differ in case, or shape, and seed alone; these differ in "
+        f"{dims}. Draw sweep."
+    )
+
+
 def _draw_study(name, data, folder):
+    from dem.analysis.statistics import by_case
     from dem.figures.style import save
-    from dem.sweep.combine import open_lazily, require
+    from dem.io.lazily import open_lazily, require
 
     package = "dem.analysis.flow" if name in FLOW else f"dem.studies.{FILE_OF[name]}"
     layout = import_module(f"{package}.layout").VARIABLES
     with open_lazily(data) as dataset:
-        require(dataset, data, layout, STUDIES[name][1])
+        whole = dataset
+        if name in FLOW:
+            require(dataset, data, {}, ("run_id",))
+            whole = by_case(dataset)
+            if whole is None:
+                _refuse(name, data, dataset)
+        require(whole, data, layout, STUDIES[name][1])
         try:
-            figure = import_module(f"dem.figures.{name}").plot(dataset.load())
+            figure = import_module(f"dem.figures.{name}").plot(whole.load())
         except InputError as error:
             raise InputError(f"{data}: {name} cannot be drawn: {error}") from None
         return save(figure, folder / name)

@@ -5,8 +5,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from dem.figures import style
-from dem.studies.accuracy.bias import bias, change, failures, shapes_of, table
-from dem.studies.accuracy.plan import LARGEST
+from dem.studies.accuracy.bias import LARGEST, bias, change, failures, shapes_of, table
 
 SHOWN = 0.15  # change of the mean drag at which the axis ends
 

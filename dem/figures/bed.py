@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.patches import Circle, Rectangle
 
-from dem.analysis.flow.measures import layers_of
+from dem.experiment.flow_measures import layers_of
 from dem.figures import style
 from dem.shapes import KINDS
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import meshio
 import numpy as np
 
-from dem.analysis.flow.motion import Motion
 from dem.base.files import atomic
+from dem.experiment.motion import Motion
 
 PVD = """<?xml version="1.0"?>
 <VTKFile type="Collection" version="0.1"><Collection>
@@ -41,10 +41,10 @@ def _mesh(motion: Motion, snapshot: int) -> meshio.Mesh:
 
     rings = motion.outlines[:, :, :-1]  # the last point is the first
     outlines = 1e-3 * placed(rings, motion.position[snapshot], motion.angle[snapshot])
-    sweep, count = motion.replicate.sweep, rings.shape[2]
+    own, count = motion.replicate.configuration, rings.shape[2]
     turn = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
-    circle = 0.5 * sweep.cylinder.diameter * np.column_stack([np.cos(turn), np.sin(turn)])
-    circle += [0.5 * sweep.box_width, motion.cylinder_y[snapshot]]
+    circle = 0.5 * own.cylinder.diameter * np.column_stack([np.cos(turn), np.sin(turn)])
+    circle += [0.5 * own.box_width, motion.cylinder_y[snapshot]]
     polygons = np.concatenate([outlines, circle[None]])
     points = np.concatenate([polygons.reshape(-1, 2), np.zeros((polygons.size // 2, 1))], axis=1)
     corners = np.arange(len(points)).reshape(len(polygons), count)
@@ -52,7 +52,7 @@ def _mesh(motion: Motion, snapshot: int) -> meshio.Mesh:
     inside = owner >= 0
     data = {
         "granule": owner,
-        "diameter": np.where(inside, motion.diameters[owner], sweep.cylinder.diameter),
+        "diameter": np.where(inside, motion.diameters[owner], own.cylinder.diameter),
         "angle": np.where(inside, motion.angle[snapshot][owner], 0.0),
     }
     return meshio.Mesh(points, [("polygon", corners)], cell_data={k: [v] for k, v in data.items()})

@@ -9,10 +9,10 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 
-from dem.analysis.flow.measures import LAYERS
-from dem.analysis.flow.motion import Motion
 from dem.base.errors import InputError
 from dem.base.files import Place, atomic, check_paths
+from dem.experiment.flow_measures import LAYERS
+from dem.experiment.motion import Motion
 from dem.figures import bed, style
 
 COLORS = ("speed", "force", "layer", "cluster")
@@ -28,8 +28,8 @@ class Scene:
         if color not in COLORS:
             raise InputError(f"color is {color!r}; it must be one of {', '.join(COLORS)}.")
         self.motion, self.color, self.forces = motion, color, forces
-        sweep = motion.replicate.sweep
-        self.width, self.size = sweep.box_width, sweep.cylinder.diameter
+        own = motion.replicate.configuration
+        self.width, self.size = own.box_width, own.cylinder.diameter
         self.contacts = _contacts(motion) if forces or color == "force" else None
         self.figure = Figure(figsize=SIZE, dpi=DPI)
         left, right = self.figure.subplots(1, 2, width_ratios=(1.15, 1.0))
@@ -50,7 +50,7 @@ class Scene:
     def _scale(self, axes):
         """Colour scale of speeds or forces, None for layers and cluster."""
         if self.color == "speed":
-            velocity = self.motion.replicate.sweep.cylinder.velocity
+            velocity = self.motion.replicate.configuration.cylinder.velocity
             scale, words = Normalize(0.0, velocity), "Speed (m/s)"
         elif self.color == "force":
             largest = max(forces.max(initial=0.0) for _, forces, _ in self.contacts) or 1.0
@@ -65,10 +65,11 @@ class Scene:
         """The drag along the stroke, with a mark that moves."""
         motion = self.motion
         x = style.millimetres(motion.drag_displacement)
-        axes.plot(x, motion.drag, color=style.CURVE, linewidth=0.8)
+        if motion.drag is not None:
+            axes.plot(x, motion.drag, color=style.CURVE, linewidth=0.8)
+            axes.set_ylim(bottom=min(0.0, motion.drag.min()))
         axes.set(xlabel="Displacement of the cylinder (mm)", ylabel="Drag (N)",
                  xlim=(0.0, style.millimetres(motion.displacement[-1])))  # fmt: skip
-        axes.set_ylim(bottom=min(0.0, motion.drag.min()))
         self.mark = axes.axvline(0.0, color="black", linewidth=1.6)
         self.caption = axes.set_title(" ", loc="left", fontsize=13)
 
@@ -102,7 +103,7 @@ def _speeds(motion: Motion, snapshot: int):
     first = max(snapshot - 1, 0)
     moved = np.linalg.norm(motion.position[first + 1] - motion.position[first], axis=1)
     drawn = motion.displacement[first + 1] - motion.displacement[first]
-    return moved / drawn * motion.replicate.sweep.cylinder.velocity
+    return moved / drawn * motion.replicate.configuration.cylinder.velocity
 
 
 def _contacts(motion: Motion):

@@ -24,7 +24,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     compared_cases = [find(dataset, shape) for shape in SHAPES]
     figure = Figure(figsize=(style.WIDTH, 7.2))
     grid = figure.subplots(2, 2, sharex=True).ravel()
-    x = style.millimetres(here["displacement"])
+    x = style.millimetres(here["snapshot_displacement"])
     for axes, name in zip(grid, MEASURES, strict=True):
         for number, case in enumerate(here["case"].values):
             mean, half = mean_and_half(here[name].sel(case=case))

@@ -19,8 +19,8 @@ def beds(dataset: xr.Dataset, shapes: tuple[str, ...], colors: str, title: str) 
     there = [case for case in (find(dataset, shape) for shape in shapes) if case]
     if not there:
         raise InputError(f"there is none of the shapes {', '.join(shapes)} in the data.")
-    shown = [dataset["displacement"].values[-1] * share for share in SHARES]
-    snapshots = [int(np.abs(dataset["displacement"].values - x).argmin()) for x in shown]
+    shown = [dataset["snapshot_displacement"].values[-1] * share for share in SHARES]
+    snapshots = [int(np.abs(dataset["snapshot_displacement"].values - x).argmin()) for x in shown]
     figure = Figure(figsize=(style.WIDTH, 0.9 + 3.05 * len(there)))
     grid = figure.subplots(len(there), len(snapshots), squeeze=False)
     for row, case in zip(grid, there, strict=True):
@@ -30,7 +30,7 @@ def beds(dataset: xr.Dataset, shapes: tuple[str, ...], colors: str, title: str) 
             xycoords="axes fraction", ha="right", va="center", fontsize=11,
         )  # fmt: skip
     for axes, snapshot in zip(grid[0], snapshots, strict=True):
-        moved = style.millimetres(dataset["displacement"].values[snapshot])
+        moved = style.millimetres(dataset["snapshot_displacement"].values[snapshot])
         axes.set_title(f"after {moved:.1f} mm" if moved else "at the start")
     figure.suptitle(title)
     return figure

@@ -1,10 +1,9 @@
-"""netCDF files: the layout of replicates, in one table; writing is atomic, reading is checked.
+"""netCDF files: the layout of runs, in tables; writing is atomic, reading is checked.
 
 Every file is sealed with a checksum (dem.io.checksums) and read only if it holds.
 
-CF-1.11, SI units. A replicate holds one run over `displacement`; drag.nc holds the same
-variables over (case, seed, displacement). Studies keep tables of the same form beside them
-(dem.studies.benchmark.layout, dem.studies.accuracy.layout).
+CF-1.11, SI units. Studies keep tables of the same form beside them (dem.studies.benchmark.layout,
+dem.studies.accuracy.layout).
 """
 
 import warnings
@@ -15,53 +14,61 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 
-from dem.base.errors import InputError, RunError
+from dem.base.errors import InputError, OverlapError, PackingError, RunError, StateError
 from dem.base.files import atomic
 from dem.io.checksums import Changed, is_sealed, seal
 
-# name: (dimensions in a replicate or packing, units, long name)
-VARIABLES = {
+# Tables of variables, name: (dimensions, units, long name). What a run records is in
+# dem.experiment.observables.
+AXES = {
     "displacement": (("displacement",), "m", "displacement of the cylinder, middle of the bin"),
     "displacement_bounds": (("displacement", "bound"), None, None),
-    "drag": (("displacement",), "N", "drag: force of the granules on the cylinder against its motion"),
-    "drag_normal": (("displacement",), "N", "part of the drag from normal contact forces"),
-    "drag_tangential": (("displacement",), "N", "part of the drag from tangential contact forces"),
-    "transverse_force": (("displacement",), "N", "force on the cylinder across its motion, to the right"),
-    "wall_force": (("wall", "displacement"), "N", "normal force of the granules on a wall, outwards"),
-    "kinetic_energy": (("displacement",), "J", "kinetic energy of the granules, end of the bin"),
-    "coordination_number": (("displacement",), "1", "contacts between granules, twice, over the number of granules, end of the bin"),
-    "max_overlap": (("displacement",), "1", "greatest overlap over the smaller granule radius, end of the bin"),
-    "time_step": (("displacement",), "s", "shortest time step in the bin"),
     "wall": (("wall",), None, "wall of the box"),
     "snapshot_displacement": (("snapshot",), "m", "displacement of the cylinder at the snapshot"),
-    "cylinder_y": (("snapshot",), "m", "height of the axis of the cylinder above the floor"),
-    "granule_x": (("snapshot", "granule"), "m", "distance of the granule's centre from the left wall"),
-    "granule_y": (("snapshot", "granule"), "m", "height of the granule's centre above the floor"),
-    "granule_angle": (("snapshot", "granule"), "rad", "angle of the granule, anticlockwise"),
-    "granule_diameter": (("granule",), "m", "volume diameter: diameter of the disc of equal area"),
+}
+BED = {
     "position_x": (("granule",), "m", "distance of the granule's centre from the left wall"),
     "position_y": (("granule",), "m", "height of the granule's centre above the floor"),
     "angle": (("granule",), "rad", "angle of the granule, anticlockwise"),
+    "granule_diameter": (("granule",), "m", "volume diameter: diameter of the disc of equal area"),
     "box_height": ((), "m", "height of the box"),
-    "packing_pressure": ((), "Pa", "mean normal stress on the walls before the cylinder moves"),
     "packing_coordination_number": ((), "1", "contacts between granules, twice, over the number of granules, before the cylinder moves"),
     "packing_net_force": ((), "1", "greatest net force on a granule in the bed at rest over E* R^2"),
     "packing_max_overlap": ((), "1", "greatest overlap over the smaller granule radius, before the cylinder moves"),
     "packing_pressure_over_modulus": ((), "m", "mean normal stress on the walls, unit thickness, over E*"),
-    "run_time": ((), "s", "processor time of the run, kernels compiled"),
-    "steps": ((), "1", "number of time steps of the run"),
-    "failure": ((), None, "why there is no run, and its values are missing"),
-    "case": ((), None, "case: a shape at a density, labels of Tables 1 and 2"),
-    "seed": ((), "1", "seed of the replicate"),
+}  # fmt: skip
+LABELS = {
     "shape": ((), None, "label of the shape, Table 1"),
     "kind": ((), None, "kind of granule"),
     "aspect_ratio": ((), "1", "length over width of a granule"),
     "density": ((), "kg m-3", "density of the granules"),
     "diameter": ((), "m", "mean volume diameter of the granules"),
     "granules": ((), "1", "number of granules"),
+    "seed": ((), "1", "seed of the replicate"),
+}
+OF_RUN = {
+    "run_time": ((), "s", "processor time of the run, kernels compiled"),
+    "steps": ((), "1", "number of time steps of the run"),
+    "box_height": BED["box_height"],
+    "packing_pressure": ((), "Pa", "mean normal stress on the walls before the cylinder moves"),
+    **{name: BED[name] for name in ("packing_coordination_number", "packing_net_force", "packing_max_overlap")},
 }  # fmt: skip
+OF_STORE = {  # of a run in a file of many
+    "run_id": ((), None, "identity of the run: a hash of the values that it reads and the code that it runs"),
+    "bed_family": ((), None, "all that beds like that of the run depend on, but packing fraction, friction and seed"),
+    "spent": ((), "s", "processor time of bed, run and observables, with compiling where it was the first"),
+    "failure": ((), None, "why there is no run, and its values are missing"),
+    "failure_reason": ((), None, "the error that stopped the run, empty where none did"),
+}  # fmt: skip
+OF_SWEEP = {"case": ((), None, "case: a shape at a density, labels of Tables 1 and 2")}
 
-AGAIN = "delete it, with the folder batches if there is one, and run again"
+# Why a run failed, and the attributes of the variable `failure` that say so (CF, section 3.5).
+FAILURES = ("none", PackingError.__name__, OverlapError.__name__, StateError.__name__, "other")
+FLAGS = {
+    "flag_values": np.arange(len(FAILURES), dtype="i1"),
+    "flag_meanings": " ".join(FAILURES),
+}
+AGAIN = "delete it and run again"
 COMPRESSED = 8192  # bytes of an array from which compressing it makes the file smaller
 WALLS = ("left", "right", "bottom", "top")
 MEANS = ("drag", "drag_normal", "drag_tangential", "transverse_force", "wall_force")
@@ -69,16 +76,18 @@ UNITLESS = ("displacement_bounds", "failure")  # numbers whose attributes say mo
 SEEDS = ("seed", "trial_seed", "replicate")
 
 
-def is_text(name: str, layout: dict = VARIABLES) -> bool:
+def is_text(name: str, layout: dict) -> bool:
     """Whether a variable holds texts: what has no unit and is no number that has none either."""
     return layout[name][1] is None and name not in UNITLESS
 
 
-def attributes(name: str, layout: dict = VARIABLES) -> dict:
+def attributes(name: str, layout: dict) -> dict:
     """CF attributes of a variable."""
     _, units, long_name = layout[name]
     found = {"long_name": long_name, "units": units}
-    if name == "displacement" and "displacement_bounds" in layout:
+    if name == "failure":
+        found |= FLAGS
+    elif name == "displacement" and "displacement_bounds" in layout:
         found["bounds"] = "displacement_bounds"
     elif name in SEEDS:
         found["standard_name"] = "realization"
@@ -114,8 +123,8 @@ def create(path: Path):
         seal(part)
 
 
-def write(path: Path, values: dict, attrs: dict, layout: dict = VARIABLES) -> None:
-    """Write one file: values by the names of a table like VARIABLES, atomically."""
+def write(path: Path, values: dict, attrs: dict, layout: dict) -> None:
+    """Write one file: values by the names of a layout, atomically."""
     with create(path) as file:
         file.setncatts(attrs)
         for name, value in values.items():

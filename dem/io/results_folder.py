@@ -108,5 +108,5 @@ def redate(folder: Path) -> tuple[int, float]:
     for place, (_, file) in enumerate(late):
         stamp = now - 1e-3 * (len(late) - place)
         with suppress(OSError):
-            os.utime(file, (stamp, stamp))
+            os.utime(file, (stamp, stamp), follow_symlinks=False)
     return len(late), late[-1][0] - now if late else 0.0

@@ -1,7 +1,6 @@
 """results/report.html from the files of results and the README."""
 
 import base64
-import json
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -12,46 +11,45 @@ from jinja2.utils import htmlsafe_json_dumps
 from markdown_it import MarkdownIt
 from markupsafe import Markup
 
-from dem.analysis.flow.layout import VARIABLES as FLOW_LAYOUT
+from dem.analysis.flow.layout import ATTRIBUTES, VARIABLES
 from dem.analysis.flow.verdict import sentences
-from dem.analysis.statistics import change, summarise
+from dem.analysis.statistics import by_case, change, summarise
 from dem.analysis.statistics import densities as densities_of
 from dem.base.errors import InputError
 from dem.base.files import atomic
-from dem.experiment.config import parse
-from dem.figures import FLOW, STUDY_FIGURES, captions, possible
+from dem.figures import FIGURES, FLOW, STUDY_FIGURES, captions, drawn_from
 from dem.figures.style import percent
+from dem.io.lazily import open_lazily, require
+from dem.report import varied
+from dem.report.info import drag_table
 from dem.report.interactive import beds, chart
-from dem.sweep.combine import COMBINED, open_combined, open_lazily, require
+from dem.sweep.combine import open_combined
 
 # What the report needs of drag.nc, beside what all readers need.
-NEEDED = ("max_overlap", "run_time", "steps", "aspect_ratio", "diameter", "granules")
-ORIGIN = ("title", "configuration", "versions", "git_revision", "references")
+NEEDED = (
+    "max_overlap", "time_step", "run_time", "steps", "aspect_ratio", "diameter", "granules",
+)  # fmt: skip
+ORIGIN = ("title", "versions", "git_revision", "references")
 OPEN = "## What the paper leaves open"  # section of the README that the report repeats
 
 
 def build(drag: Path, flow: Path, readme: Path, output: Path) -> None:
     """Write the report of a folder of results, atomically; raises InputError for other files.
 
-    Figures, and the studies that are shown, are those that lie beside drag.nc.
+    Figures, and the studies that are shown, are those that lie beside drag.nc; flow.nc is shown if it
+    is there. A sweep of other values than cases, or shapes, has a table over its axes instead.
     """
     folder = Path(drag).parent
     with open_combined(drag) as dataset:
-        require(dataset, drag, COMBINED, NEEDED, ORIGIN)
-        parts = {
-            "title": dataset.attrs["title"],
-            "cases": cases(dataset),
-            "densities": densities(dataset),
-            "chart": Markup(chart(dataset)),
-            "runs": runs(dataset),
-        }
-        names = shown(dataset, drag)
-    with open_lazily(flow) as moves:
-        require(
-            moves, flow, FLOW_LAYOUT, ("bed_x", "non_affine"),
-            ("box_width", "lag", "cylinder_diameter", "layers", "window_start", "window_stop"),
-        )  # fmt: skip
-        parts |= {"irregularity": sentences(moves), "beds": htmlsafe_json_dumps(beds(moves))}
+        require(dataset, drag, {}, NEEDED, ORIGIN)
+        names = {*drawn_from(drag, dataset, FIGURES), *drawn_studies(folder)}
+        parts = {"title": dataset.attrs["title"], "runs": runs(dataset)}
+        parts |= of_drag(dataset)
+    parts |= {"irregularity": None, "beds": ""}
+    if Path(flow).is_file():
+        with open_lazily(flow) as moves:
+            names |= {*drawn_from(flow, moves, FLOW)}
+            parts |= of_flow(flow, by_case(moves))
     page = _page().render(
         figures=figures(folder / "figures", names),
         made=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
@@ -62,6 +60,30 @@ def build(drag: Path, flow: Path, readme: Path, output: Path) -> None:
     )
     with atomic(output) as part:
         part.write_text(page, encoding="utf-8")
+
+
+def of_drag(dataset: xr.Dataset) -> dict:
+    """What the page says of drag.nc: its cases, or a table over what else was varied."""
+    found = by_case(dataset)
+    if found is not None:
+        return {"table": None, "varied": [], "cases": cases(found), "densities": densities(found),
+                "chart": Markup(chart(found))}  # fmt: skip
+    table, more = drag_table(dataset)
+    rows = list(zip(*(column.cells for column in table.columns), strict=True))
+    head = [str(column.header) for column in table.columns]
+    return {
+        "table": {"head": head, "rows": rows, "more": more},
+        "varied": varied.sentences(dataset),
+    }
+
+
+def of_flow(path: Path, moves: xr.Dataset | None) -> dict:
+    """What the page says of flow.nc: the verdict and the beds, where runs are by case."""
+    if moves is None:
+        return {}
+    require(moves, path, VARIABLES, ("non_affine",), ATTRIBUTES)
+    found = {"irregularity": sentences(moves)}
+    return found | ({"beds": htmlsafe_json_dumps(beds(moves))} if "bed_x" in moves else {})
 
 
 def _page():
@@ -103,13 +125,9 @@ def densities(dataset: xr.Dataset) -> list[str]:
     return found
 
 
-def shown(dataset: xr.Dataset, drag: Path) -> set[str]:
-    """Names of the figures of this sweep, and of the studies that were made."""
-    sweep = parse(json.loads(dataset.attrs["configuration"]), f"{drag}, configuration")
-    names = {*possible(sweep), *possible(sweep, FLOW)}
-    for name, drawn in STUDY_FIGURES.items():
-        names |= set(drawn) if study(Path(drag).parent, name) else set()
-    return names
+def drawn_studies(folder: Path) -> set[str]:
+    """Names of the figures of the studies that were made."""
+    return {name for each, drawn in STUDY_FIGURES.items() if study(folder, each) for name in drawn}
 
 
 def figures(folder: Path, names: set[str]) -> list[dict]:

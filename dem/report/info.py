@@ -1,37 +1,48 @@
 """What a file of results holds, as tables for the terminal (100 columns are enough)."""
 
-import json
 from importlib import import_module
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from rich import box
 from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
-from dem.analysis.statistics import summarise, within
+from dem.analysis.one_run import columns_of, replicate_of
+from dem.analysis.statistics import (
+    LEVEL,
+    by_case,
+    half_interval,
+    over_seeds,
+    summarise,
+    within,
+)
+from dem.analysis.tables import numbers
 from dem.base.errors import InputError
 from dem.base.schema import seed_words
-from dem.io.dataset import VARIABLES
-from dem.sweep.combine import COMBINED, open_lazily, require
+from dem.experiment.config import Replicate
+from dem.io.dataset import LABELS
+from dem.io.lazily import open_lazily, require
+from dem.sweep.combine import open_combined
 
-# Headings in two lines, so that a row fits; LEGEND explains them.
-COLUMNS = (
-    "case", "kind", "ratio", "D_g\nµm", "density\nkg/m³", "runs", "mean\nN", "95 %\n± N",
-    "sd over\nrun %", "sd betw.\nruns %", "great.\noverlap", "step\nns", "run\ntime s",
-)  # fmt: skip
+ROWS = 60  # of a table, at most
 LEGEND = """\
 mean drag within the window; 95 % interval of the mean by Student's t over the runs; standard
 deviation of the drag over a run and of the means between runs, both over the mean drag; greatest
 overlap over the smaller granule radius; median time step; mean processor time of a run"""
-# What a file must hold to be summarised; SWEEP is for drag.nc only.
-NEEDED = ("drag", "max_overlap", "time_step", "run_time", "kind", "seed")
-ORIGIN = ("title", "history", "git_revision", "source_hash", "versions", "configuration")
+OF_CASES = ("kind", "ratio", "D_g\nµm", "density\nkg/m³")  # beside the case
+OF_DRAG = (
+    "runs", "mean\nN", "95 %\n± N", "sd over\nrun %", "sd betw.\nruns %", "great.\noverlap", "step\nns",
+    "run\ntime s",
+)  # fmt: skip
+ORIGIN = ("title", "history", "git_revision", "source_hash", "versions")
 WINDOW = ("window_start", "window_stop")
-SWEEP = (*WINDOW, "cylinder_velocity")
-OF_A_RUN = ("steps", "box_height", "packing_pressure")
+OF_A_RUN = ("drag", "displacement", "max_overlap", "time_step", "run_time", "steps", "box_height")
+RUN = ("shape", "density\nkg/m³", "seed")
+VARIED = 4  # values more that runs of a file differ in, at most
+MEANS = 5  # quantities of a file without drag that are shown
 # The variable that tells a study's file: the package with its `layout` and `report`, what else its
 # report needs of variables and of attributes.
 STUDIES = {
@@ -41,8 +52,6 @@ STUDIES = {
         "dem.studies.accuracy", ("contact_method", "integrator", "replicate_drag"),
         (*WINDOW, "default_fraction"),
     ),
-    "non_affine": (
-        "dem.analysis.flow", ("case", "seed", "shape", "density", "displacement"), WINDOW),
     "run_part": ("dem.studies.claims", ("run_drag", "jam_fraction", "run_factor"), WINDOW),
     "check_value": (
         "dem.studies.stability", ("map_residual", "paper_residual"), ("default_fraction",)),
@@ -50,102 +59,227 @@ STUDIES = {
 
 
 def summary(path: Path) -> Group:
-    """Renderable summary of drag.nc, a replicate or the file of a study; raises InputError for other files."""
+    """Renderable summary of a combined file, a file of runs or the file of a study; raises InputError
+    for other files."""
     with open_lazily(path) as dataset:
         for sign, (package, variables, attributes) in STUDIES.items():
             if sign in dataset:
                 layout = import_module(f"{package}.layout").VARIABLES
                 require(dataset, path, layout, variables, ("title", *attributes))
                 return import_module(f"{package}.report").summary(dataset.load())
-        if "displacement" not in dataset.dims:
-            raise InputError(f"{path}: it is neither drag.nc nor a replicate: it holds no drag.")
-        if "case" in dataset.dims:
-            require(dataset, path, COMBINED, NEEDED, ORIGIN + SWEEP)
-            return _sweep(dataset)
-        require(dataset, path, VARIABLES, (*NEEDED, *OF_A_RUN), ORIGIN)
-        return _replicate(dataset)
+        if "run_id" not in dataset:
+            raise InputError(f"{path}: it holds no runs; name drag.nc or a file of runs.")
+        require(dataset, path, {}, (), ORIGIN)
+        if dataset["run_id"].dims == ("run",):
+            return _runs(path, dataset)
+        if "drag" not in dataset:
+            return _means(path, dataset)
+    with open_combined(path) as dataset:
+        require(dataset, path, {}, OF_A_RUN, (*ORIGIN, "cylinder_velocity"))
+        return _sweep(dataset)
+
+
+def drag_table(dataset: xr.Dataset) -> tuple[Table, int]:
+    """Mean drag and scatter, a row a place on the axes of drag.nc, and how many rows are left out."""
+    cases = by_case(dataset)
+    dataset = dataset if cases is None else cases
+    found, axes = summarise(dataset), _axes(dataset)
+    table = numbers(*axes, *(OF_CASES if cases is not None else ()), *OF_DRAG)
+    for place in islice(_places(dataset, axes), ROWS):
+        about, own = dataset.isel(place), found.isel(place)
+        labels = [_word(own[axis]) for axis in axes]
+        labels += _of_case(about) if cases is not None else []
+        table.add_row(*labels, *_of_drag(about, own))
+    return table, max(0, _count(dataset, axes) - ROWS)
+
+
+def _axes(dataset: xr.Dataset) -> list[str]:
+    """What the rows of a table differ in."""
+    return [str(dim) for dim in dataset["run_id"].dims if dim != "seed"]
+
+
+def _places(dataset: xr.Dataset, axes: list[str]):
+    """Places on some axes, the last one fastest."""
+    return (
+        dict(zip(axes, at, strict=True)) for at in np.ndindex(*(dataset.sizes[a] for a in axes))
+    )
+
+
+def _count(dataset: xr.Dataset, axes: list[str]) -> int:
+    return int(np.prod([dataset.sizes[axis] for axis in axes]))
+
+
+def _word(value) -> str:
+    """A value of an axis."""
+    value = np.asarray(value).item()
+    return f"{value:.5g}" if isinstance(value, float) else str(value)
+
+
+def _of_case(about: xr.Dataset) -> list[str]:
+    return [
+        str(about["kind"].values),
+        _number(about["aspect_ratio"], "g"),
+        _number(1e6 * about["diameter"], ".4g"),
+        _number(about["density"], "g"),
+    ]
+
+
+def _of_drag(about: xr.Dataset, own: xr.Dataset) -> list[str]:
+    """Cells in the order of OF_DRAG."""
+    mean = own["mean"]
+    return [
+        str(int(own["run_mean"].count())),
+        _number(mean, ".0f"),
+        _number(own["half_interval"], ".0f"),
+        _number(100.0 * own["sd_over_run"] / mean, ".1f"),
+        _number(100.0 * own["sd_between_runs"] / mean, ".1f"),
+        _number(about["max_overlap"].max(), ".3f"),
+        _number(1e9 * np.nanmedian(about["time_step"]), ".1f"),
+        _number(about["run_time"].mean(), ".1f"),
+    ]
 
 
 def _sweep(dataset: xr.Dataset) -> Group:
-    """Title, provenance and a table with a row a case."""
+    """Title, provenance and the table of drag.nc."""
     attrs = dataset.attrs
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
-    for number, name in enumerate(COLUMNS):
-        table.add_column(name, justify="left" if number < 2 else "right", no_wrap=True)
-    numbers = summarise(dataset)
-    for label in dataset["case"].values:
-        table.add_row(*_row(dataset.sel(case=label), numbers.sel(case=label)))
-    seeds = seed_words(dataset["seed"].values)
-    window = _millimetres(attrs["window_start"], attrs["window_stop"])
-    lines = _provenance(attrs, seeds, window, attrs["cylinder_velocity"])
+    table, more = drag_table(dataset)
+    window = f"{_millimetres(*(attrs[name] for name in WINDOW))} of displacement"
+    lines = _provenance(
+        attrs, seeds=_seeds(dataset),
+        window=f"{window}, cylinder at {attrs['cylinder_velocity']:g} m/s",
+    )  # fmt: skip
     if "failure" in dataset and (missing := _missing(dataset["failure"])):
         lines.add_row("missing", missing)
-    return Group(Text(attrs["title"], style="bold"), lines, "", table, Text(LEGEND, style="dim"))
+    return _told(attrs, lines, table, more, LEGEND)
+
+
+def _seeds(dataset: xr.Dataset) -> str:
+    return seed_words(dataset["seed"].values.ravel()) if "seed" in dataset else "-"
+
+
+def _told(attrs: dict, lines: Table, table: Table, more: int = 0, legend: str = "") -> Group:
+    parts = [Text(attrs["title"], style="bold"), lines, "", table]
+    if more:
+        parts.append(Text(f"... and {more} rows more; figure sweep shows all."))
+    return Group(*parts, Text(legend, style="dim"))
+
+
+def _means(path: Path, dataset: xr.Dataset) -> Group:
+    """Means of the first quantities of a combined file without drag, over the runs."""
+    axes, attrs = _axes(dataset), dataset.attrs
+    dims = set(dataset["run_id"].dims)
+    names = [
+        str(name) for name, values in dataset.data_vars.items()
+        if dims <= set(values.dims) and values.dtype.kind == "f"
+    ][:MEANS]  # fmt: skip
+    inside = dataset
+    if "snapshot_displacement" in dataset:
+        require(dataset, path, {}, (), WINDOW)
+        moved = dataset["snapshot_displacement"].values
+        held = (moved >= attrs["window_start"]) & (moved <= attrs["window_stop"])
+        inside = dataset.isel(snapshot=np.flatnonzero(held))
+    runs = {
+        name: over_seeds(inside[name].mean(set(inside[name].dims) - dims).compute())
+        for name in names
+    }
+    table = numbers(*axes, "runs", *(f"{name}\n± {LEVEL:.0%}" for name in names))
+    halves = {name: half_interval(values) for name, values in runs.items()}
+    for place in islice(_places(dataset, axes), ROWS):
+        cells = [
+            f"{_number(values.isel(place).mean(), '.4g')} ± {_number(halves[name].isel(place), '.2g')}"
+            for name, values in runs.items()
+        ]
+        count = max((int(values.isel(place).count()) for values in runs.values()), default=0)
+        table.add_row(
+            *(_word(dataset[axis].values[place[axis]]) for axis in axes), str(count), *cells
+        )
+    told = [Text(each) for each in _verdict(dataset)]
+    more = max(0, _count(dataset, axes) - ROWS)
+    group = _told(attrs, _provenance(attrs, seeds=_seeds(dataset)), table, more)
+    return Group(group, *told)
+
+
+def _verdict(dataset: xr.Dataset) -> list[str]:
+    """What flow.nc says of the paper's sentence on irregularity."""
+    cases = by_case(dataset)
+    if cases is None or "non_affine" not in dataset:
+        return []
+    from dem.analysis.flow.verdict import sentences, verdict
+
+    return [verdict(cases), *sentences(cases)]
+
+
+def _runs(path: Path, dataset: xr.Dataset) -> Group:
+    """The runs of a chunk, a row each; of one run all its numbers."""
+    attrs, count = dataset.attrs, dataset.sizes["run"]
+    replicates = [replicate_of(path, dataset, row) for row in range(min(count, ROWS))]
+    if count == 1 and not int(dataset["failure"][0]) and "drag" in dataset:
+        require(dataset, path, {}, OF_A_RUN)
+        return _one(dataset.isel(run=0), replicates[0])
+    varied = [each for each in columns_of(dataset) if len(set(each.values.tolist())) > 1]
+    varied = [each for each in varied if each.name not in LABELS][:VARIED]
+    names = (each.name for each in varied)
+    table = numbers("run", *RUN, *names, "mean\nN", "processor\ntime s", "failed")
+    for row, replicate in enumerate(replicates):
+        one = dataset.isel(run=row)
+        mean = _drag_of(one, replicate).mean() if "drag" in one else np.nan
+        table.add_row(
+            str(one["run_id"].values)[:12], replicate.label, f"{replicate.density:g}",
+            str(replicate.seed), *(_word(each.values[row]) for each in varied), _number(mean, ".0f"), _number(one.get("spent", np.nan), ".1f"),
+            str(one["failure_reason"].values).strip()[:60],
+        )  # fmt: skip
+    return _told(attrs, _provenance(attrs), table, count - len(replicates))
+
+
+def _drag_of(one: xr.Dataset, replicate: Replicate) -> xr.DataArray:
+    """Drag of a run within its window."""
+    return within(one["drag"], *replicate.configuration.record.window)
+
+
+def _one(one: xr.Dataset, replicate: Replicate) -> Group:
+    """Title, provenance and the numbers of one run."""
+    drag = _drag_of(one, replicate)
+    mean, own = drag.mean(), replicate.configuration
+    values = {
+        "mean drag within the window": f"{_number(mean, '.0f')} N",
+        "standard deviation over the run": f"{_number(100.0 * drag.std() / mean, '.1f')} %",
+        "greatest overlap over the smaller radius": _number(one["max_overlap"].max(), ".3f"),
+        "median time step": f"{1e9 * np.median(one['time_step']):.1f} ns",
+        "steps": str(int(one["steps"])),
+        "processor time": f"{float(one['run_time']):.1f} s",
+        "height of the box": f"{1e3 * float(one['box_height']):.2f} mm",
+        "pressure before the run": f"{1e-6 * float(one['packing_pressure']):.3g} MPa",
+    }
+    window = f"{_millimetres(*own.record.window)} of displacement"
+    lines = _provenance(
+        one.attrs, run=replicate.words(),
+        window=f"{window}, cylinder at {own.cylinder.velocity:g} m/s",
+    )  # fmt: skip
+    return _told(one.attrs, lines, _plain(values))
 
 
 def _missing(failure: xr.DataArray) -> str:
-    """How many runs failed, by the flags of dem.sweep.failures; "" where none did."""
+    """How many runs failed, by the flags of the variable; "" where none did."""
     meanings = failure.attrs["flag_meanings"].split()
     counts = np.bincount(failure.values.ravel(), minlength=len(meanings))
     words = [f"{n} {word}" for n, word in zip(counts[1:], meanings[1:], strict=True) if n]
     return f"{counts[1:].sum()} of {failure.size} runs: {', '.join(words)}" if words else ""
 
 
-def _row(case: xr.Dataset, numbers: xr.Dataset) -> list[str]:
-    """Cells of one case, in the order of COLUMNS."""
-    mean = numbers["mean"]
-    return [
-        str(case["case"].values),
-        str(case["kind"].values),
-        f"{float(case['aspect_ratio']):g}",
-        f"{1e6 * float(case['diameter']):.4g}",
-        f"{float(case['density']):g}",
-        str(int(numbers["run_mean"].count())),
-        _number(mean, ".0f"),
-        _number(numbers["half_interval"], ".0f"),
-        _number(100.0 * numbers["sd_over_run"] / mean, ".1f"),
-        _number(100.0 * numbers["sd_between_runs"] / mean, ".1f"),
-        _number(case["max_overlap"].max(), ".3f"),
-        _number(1e9 * np.nanmedian(case["time_step"]), ".1f"),
-        _number(case["run_time"].mean(), ".1f"),
-    ]
-
-
-def _replicate(dataset: xr.Dataset) -> Group:
-    """Title, provenance and the numbers of one run; its window is in its configuration."""
-    attrs, record = dataset.attrs, json.loads(dataset.attrs["configuration"])
-    start, stop = record["record"]["window"]
-    drag = within(dataset["drag"], start, stop)
-    mean = drag.mean()
-    values = {
-        "mean drag within the window": f"{_number(mean, '.0f')} N",
-        "standard deviation over the run": f"{_number(100.0 * drag.std() / mean, '.1f')} %",
-        "greatest overlap over the smaller radius": _number(dataset["max_overlap"].max(), ".3f"),
-        "median time step": f"{1e9 * np.median(dataset['time_step']):.1f} ns",
-        "steps": str(int(dataset["steps"])),
-        "processor time": f"{float(dataset['run_time']):.1f} s",
-        "height of the box": f"{1e3 * float(dataset['box_height']):.2f} mm",
-        "pressure before the run": f"{1e-6 * float(dataset['packing_pressure']):.3g} MPa",
-    }
-    table = Table(box=None, padding=(0, 2, 0, 0), pad_edge=False, show_header=False)
-    for name, value in values.items():
-        table.add_row(name, value)
-    seed, velocity = str(int(dataset["seed"])), record["cylinder"]["velocity"]
-    lines = _provenance(attrs, seed, _millimetres(start, stop), velocity)
-    return Group(Text(attrs["title"], style="bold"), lines, "", table)
-
-
-def _provenance(attrs: dict, seeds: str, window: str, velocity: float) -> Table:
+def _provenance(attrs: dict, **more: str) -> Table:
     """Where the numbers come from, a line each; more than one source hash where runs differ."""
-    table = Table(box=None, padding=(0, 2, 0, 0), pad_edge=False, show_header=False)
-    lines = {
+    return _plain({
         "written": attrs["history"],
         "revision": attrs["git_revision"],
         "sources": ", ".join(each[:16] for each in attrs["source_hash"].split("; ")),
         "versions": attrs["versions"],
-        "seeds": seeds,
-        "window": f"{window} of displacement, cylinder at {velocity:g} m/s",
-    }
+        **more,
+    })  # fmt: skip
+
+
+def _plain(lines: dict[str, str]) -> Table:
+    """Names and texts without headings."""
+    table = Table(box=None, padding=(0, 2, 0, 0), pad_edge=False, show_header=False)
     for name, line in lines.items():
         table.add_row(name, Text(line))
     return table

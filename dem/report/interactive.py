@@ -87,7 +87,7 @@ def beds(flow: xr.Dataset) -> dict:
             "angle": _packed(np.mod(angle, 2.0 * np.pi), 2.0 * np.pi),
             "axis": one["bed_cylinder_y"].values.tolist(),
         }  # fmt: skip
-    moved = (1e3 * flow["displacement"].values).tolist()
+    moved = (1e3 * flow["snapshot_displacement"].values).tolist()
     return {
         "width": width, "cylinder": float(flow.attrs["cylinder_diameter"]), "displacement": moved,
         "layers": int(flow.attrs["layers"]), "steps": STEPS, "cases": found, "colors": COLORS,

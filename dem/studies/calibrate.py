@@ -14,7 +14,9 @@ import numpy as np
 
 from dem.base.errors import InputError, RunError
 from dem.experiment import drag
-from dem.experiment.config import Sweep
+from dem.experiment.bed import make_bed
+from dem.experiment.config import Replicate
+from dem.sweep.config import Sweep, parse
 
 FIRST_SEED = 1_000_000
 MODULI = (0.8, 0.9, 1.0, 1.1, 1.2)  # times that of the configuration
@@ -52,16 +54,29 @@ class Calibration(NamedTuple):
         )
 
 
-def mean_drag(sweep: Sweep, shape: str, density: float, seed: int, moduli) -> list[float]:
-    """Mean drag (N) in the window, on one bed, for each modulus (Pa)."""
-    replicate = sweep.replicate(shape, density, seed)
-    bed = drag.make_bed(replicate)
-    means = []
-    for modulus in moduli:
-        material = sweep.material.model_copy(update={"young_modulus": modulus})
-        changed = sweep.model_copy(update={"material": material})
-        values = drag.run(changed.replicate(shape, density, seed), bed)
-        means.append(float(values["drag"][sweep.in_window].mean()))
+def runs(sweep: Sweep, shape: str, density: float, seeds: int) -> dict[int, list[Replicate]]:
+    """Runs by seed, one a modulus each; raises InputError for a shape or density that cannot be run."""
+    sweep.replicate(shape, density, FIRST_SEED)
+    varied = {
+        "shape": shape,
+        "density": density,
+        "seed": f"{FIRST_SEED} to {FIRST_SEED + seeds - 1}",
+        "material.young_modulus": {"times": list(MODULI)},
+    }
+    data = sweep.dump() | {"sweep": varied, "studies": {}, "experiment": "drag"}
+    data["record"]["observables"] = ["drag"]
+    found = {}
+    for replicate in parse(data).block("drag").unique():
+        found.setdefault(replicate.seed, []).append(replicate)
+    return found
+
+
+def mean_drag(replicates: list[Replicate]) -> list[float]:
+    """Mean drag (N) in the window, of runs on one bed."""
+    bed, means = make_bed(replicates[0]), []
+    for replicate in replicates:
+        force = drag.run(replicate, bed)["drag"]
+        means.append(float(force[replicate.configuration.in_window].mean()))
     return means
 
 
@@ -75,16 +90,12 @@ def calibrate(
     """
     if not (math.isfinite(target) and target > 0.0):
         raise InputError(f"target is {target}; it must be a positive number (N).")
-    sweep.replicate(shape, density, FIRST_SEED)
-    moduli = [factor * sweep.material.young_modulus for factor in MODULI]
-    sweep = sweep.model_copy(update={"seeds": tuple(range(FIRST_SEED, FIRST_SEED + seeds))})
+    beds = list(runs(sweep, shape, density, seeds).values())
+    moduli = [each.configuration.material.young_modulus for each in beds[0]]
     means = np.empty((seeds, len(moduli)))
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(min(jobs, seeds), mp_context=context) as pool:
-        pending = {
-            pool.submit(mean_drag, sweep, shape, density, seed, moduli): row
-            for row, seed in enumerate(sweep.seeds)
-        }
+        pending = {pool.submit(mean_drag, some): row for row, some in enumerate(beds)}
         try:
             for done, future in enumerate(as_completed(pending), 1):
                 means[pending[future]] = future.result()

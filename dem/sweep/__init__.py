@@ -1,4 +1,6 @@
-"""Many runs: which there are, several in one process, those that fail, all in one file.
+"""Many runs: what varies, which runs that makes, where they lie, all of them in one file.
 
-In: a configuration. Out: a file a replicate, drag.nc. Knows nothing of what is made of the numbers.
+In: a configuration file. Out: chunks of runs in a store that all sweeps share; drag.nc over what
+varied. A file goes config -> axis -> expand (a block of runs) -> store (a plan of chunks) -> chunk (runs made) -> combine.
+Knows nothing of what is made of the numbers. Here you may add a form of a sweep.
 """

@@ -1,223 +1,249 @@
-"""Many replicates into one file: drag.nc, over (case, seed, displacement).
+"""The runs of a block in one file, over its axes: drag.nc over (case, seed, displacement).
 
-Replicates are opened one after another (netCDF4 is not safe with threads) and written at once: at
-any moment one replicate, and the few blocks of the file that are not full yet, are in memory,
-however many there are. Snapshots stay in the replicates' own files.
+Chunks are read one after another (netCDF4 is not safe with threads) and written at once: at any
+moment one chunk, and the few blocks of the file that are not full yet, are in memory, however many
+there are. What has a value for every granule stays in the chunks.
 """
 
 import json
+from collections import Counter
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
-import xarray as xr
 
-from dem.base.errors import InputError
-from dem.experiment.config import Replicate, Sweep, density_label
-from dem.io.checksums import is_sealed
+from dem.base.errors import InputError, RunError
+from dem.experiment.config import Entry
 from dem.io.dataset import (
     AGAIN,
-    VARIABLES,
-    WALLS,
+    AXES,
+    LABELS,
+    OF_RUN,
+    OF_STORE,
+    OF_SWEEP,
     attributes,
     content_of,
     create,
     global_attributes,
-    is_text,
     read,
 )
-from dem.sweep import failures
-from dem.sweep.failures import Failed
+from dem.io.lazily import open_lazily, require
+from dem.sweep.config import Sweep
+from dem.sweep.expand import Block
 
-# What a replicate records along its stroke, once a run, and on the axis that all runs share.
-SERIES = tuple(
-    name
-    for name, (dims, _, _) in VARIABLES.items()
-    if dims[-1:] == ("displacement",) and name != "displacement"
-)
-SCALARS = (
-    "box_height", "packing_pressure", "packing_coordination_number", "packing_net_force",
-    "packing_max_overlap", "run_time", "steps",
-)  # fmt: skip
-AXIS = ("displacement", "displacement_bounds")
-# Which run a replicate holds, and the attributes that say what it was made from.
-LABELS = ("shape", "density", "seed")
 PROVENANCE = ("versions", "git_revision", "source_hash")
-ON_CASE = ("shape", "kind", "aspect_ratio", "density", "diameter", "granules")
-
-
-def _over(names, *dims: str) -> dict:
-    """Some of VARIABLES with further dimensions in front."""
-    return {name: ((*dims, *VARIABLES[name][0]), *VARIABLES[name][1:]) for name in names}
-
-
-# The layout of drag.nc, as in dem.io.dataset.
-COMBINED = (
-    _over(("case", *ON_CASE), "case") | _over(("seed",), "seed") | _over((*AXIS, "wall"))
-    | _over((*SERIES, *SCALARS, "failure"), "case", "seed")
-)  # fmt: skip
-NUMBERS = (
-    "window_start", "window_stop", "cylinder_velocity", "box_width", "lag", "cylinder_diameter",
-    "layers", "default_fraction",
-)  # attributes; all others are texts  # fmt: skip
-BLOCK = 64  # runs of a case that are kept, compressed and read together
+BLOCK = 64  # runs along the last axis that are kept, compressed and read together
+HELD = 8_000_000  # bytes of a variable that are in memory until they are written
 
 
 def combine(
-    paths: list[Path], sweep: Sweep, output: Path, progress=lambda done: None, failed: Failed = ()
-) -> None:
-    """Write all runs of a sweep, in the order of its cases, seeds ascending as CF wants an axis.
+    paths: list[Path], sweep: Sweep, block: Block, observable: str, output: Path,
+    progress=lambda done: None, more=lambda file: None,
+) -> None:  # fmt: skip
+    """Write what an observable gave for all runs of a block.
 
-    The replicates may come in any order; each says itself which run it holds. The attributes tell
-    the provenance of the replicates, all of it where they differ. The file is written atomically
-    and without loss. Where the sweep allows failures, those of dem.sweep.failures.sort_out are gaps (NaN)
-    and `failure` tells why. Raises InputError for a replicate that is missing, damaged or of another
-    configuration, and for a run that no file holds; RunError where too many failed.
+    paths: files of chunks, or of what was measured of them, in any order; runs of other sweeps in
+    them are left out. The attributes tell the provenance of the runs, all of it where they differ.
+    The file is written atomically and without loss. Where the sweep allows failures, those are gaps
+    (NaN) and `failure` tells why. more: adds to the file, a netCDF4.Dataset, what else it shall
+    hold. Raises InputError for a file that is damaged and for a run that
+    no file holds; RunError where too many runs failed, or all of a case or shape.
     """
-    failures.check(sweep, failed)
-    cases, seeds = case_places(sweep), seed_places(sweep)
-    origin = np.full((len(cases), len(seeds)), -1)  # number of the path that a run comes from
+    layout, names = layout_of(block, observable)
+    left, failed = set(block.places), []
     provenance = {name: {} for name in PROVENANCE}
     with create(output) as file:
-        for number, path in enumerate(paths):
-            replicate, run, attrs = _load(path, sweep)
-            shape, density, seed = replicate.key
-            place = cases.get((shape, density), -1), seeds.get(seed, -1)
-            if -1 in place:
-                raise InputError(
-                    f"{path}: it holds {shape} at {density} kg/m3, seed {seed}, which the "
-                    "configuration does not ask for."
+        made = False
+        for done, path in enumerate(sorted(paths, key=lambda path: str(path))):
+            present = [name for name in names if name in _variables(path)]
+            values, attrs = read(path, (*present, "run_id", "failure", "failure_reason"))
+            rows = [row for row, run in enumerate(values["run_id"].tolist()) if run in left]
+            ids = [str(values["run_id"][row]) for row in rows]
+            left -= set(ids)
+            if rows and not made:
+                _make_room(file, sweep, block, layout, {name: values[name] for name in present})
+                made = True
+            with content_of(path):
+                for name in PROVENANCE:
+                    provenance[name][attrs[name]] = None
+                places = sorted(
+                    (p, row) for row, run in zip(rows, ids, strict=True) for p in block.places[run]
                 )
-            if origin[place] >= 0:
-                raise InputError(f"{path}: it holds the same run as {paths[origin[place]]}.")
-            if number == 0:
-                _make_room(file, sweep, run)
-            origin[place] = number
-            for name in PROVENANCE:
-                provenance[name][attrs[name]] = None
-            for name in (*SERIES, *SCALARS):
-                file.variables[name][place] = run[name]
-            progress((number + 1) / len(paths))
-        for replicate, about in failed:
-            row, column = cases[replicate.key[:2]], seeds[replicate.seed]
-            origin[row, column] = len(paths)
-            file.variables["failure"][row, column] = failures.flag(about)
-        if (origin < 0).any():
-            row, column = np.argwhere(origin < 0)[0]
-            shape, density = list(cases)[row]
-            raise InputError(
-                f"{shape} at {density} kg/m3, seed {list(seeds)[column]}, is in none of the "
-                f"{len(paths)} files."
-            )
-        file.setncatts(_about(sweep, {name: "; ".join(kept) for name, kept in provenance.items()}))
+                _fill(
+                    file, {name: values[name] for name in present if name in file.variables}, places
+                )
+            failed += [
+                (place, int(values["failure"][row]), str(values["failure_reason"][row]))
+                for place, row in places if values["failure"][row]
+            ]  # fmt: skip
+            progress((done + 1) / len(paths))
+        if left:
+            missing = next(run for run in block.runs if run.replicate.id in left).replicate
+            raise InputError(f"{missing.words()} is in none of the {len(paths)} files; run again.")
+        _check(sweep, block, failed)
+        if sweep.failures:
+            for place, flag, _ in failed:
+                file.variables["failure"][place] = flag
+        file.setncatts(about(sweep, {name: "; ".join(kept) for name, kept in provenance.items()}))
+        more(file)
 
 
-def case_places(sweep: Sweep) -> dict[tuple[str, str], int]:
-    """Place of a shape at a density, as files name them, along the axis of cases."""
-    cases = sweep.cases.values()
-    return {(case.shape, density_label(case.density)): row for row, case in enumerate(cases)}
+def _variables(path: Path) -> set[str]:
+    """Names of the variables of a file that is known to be whole."""
+    import netCDF4
+
+    with content_of(path, AGAIN), netCDF4.Dataset(path) as file:
+        return set(file.variables)
 
 
-def seed_places(sweep: Sweep) -> dict[int, int]:
-    """Place of a seed along its axis."""
-    return {seed: column for column, seed in enumerate(sorted(sweep.seeds))}
+def layout_of(block: Block, observable: str) -> tuple[dict, list[str]]:
+    """Layout of the combined file, and the names of what its runs give."""
+    first = block.runs[0].replicate
+    experiment = first.configuration.module
+    if observable == "jamming":
+        of_run, axes = experiment.VARIABLES, experiment.AXIS
+    else:
+        from dem.experiment.observables import module_of
+
+        of_run, axes = module_of(observable).VARIABLES | OF_RUN, AXES
+    own = {name: entry for name, entry in of_run.items() if "granule" not in entry[0]}
+    store = {name: OF_STORE[name] for name in ("run_id", "bed_family", "failure")}
+    layout = {name: ((*block.dims, *dims), *rest) for name, (dims, *rest) in (own | store).items()}
+    used = {dim for dims, *_ in own.values() for dim in dims}
+    layout |= {name: entry for name, entry in axes.items() if set(entry[0]) & used}
+    return layout, list(own)
 
 
-def places_of(sweep: Sweep) -> dict[tuple, tuple[int, int]]:
-    """Place (case, seed) in the result of every run that the configuration asks for."""
-    return {
-        (*case, seed): (row, column)
-        for case, row in case_places(sweep).items()
-        for seed, column in seed_places(sweep).items()
-    }
-
-
-def _load(path: Path, sweep: Sweep) -> tuple[Replicate, dict, dict]:
-    """Run, variables and attributes of a replicate that was made with this configuration.
-
-    Its run_key holds all that its run depended on: it must be what the sweep would write today.
-    """
-    if not Path(path).is_file():
-        raise InputError(
-            f"{path}: there is no such file; delete the folder batches, if there is one, and run again."
-        )
-    values, attrs = read(path, (*AXIS, *SERIES, *SCALARS, *LABELS))
-    with content_of(path):
-        for name in (*PROVENANCE, "run_key"):
-            if not isinstance(attrs.get(name), str):
-                raise InputError(f"{path}: it has no text as attribute {name}; is it another file?")
-        label = str(values["shape"])
-        run = Replicate.of(sweep, label, float(values["density"]), int(values["seed"]))
-        if label not in sweep.shapes or attrs["run_key"] != run.run_key():
-            raise InputError(f"{path}: it was made with another configuration; {AGAIN}.")
-        sizes = {"displacement": sweep.record.bins, "bound": 2, "wall": len(WALLS)}
-        for name in (*AXIS, *SERIES, *SCALARS):
-            if values[name].shape != tuple(sizes[dim] for dim in VARIABLES[name][0]):
-                raise InputError(f"{path}: its variable {name} has the wrong size.")
-    return run, values, attrs
-
-
-def _make_room(file, sweep: Sweep, run: dict) -> None:
-    """Dimensions, axes, labels and empty variables of drag.nc; only where runs may be missing has a
-    variable a value that means so."""
-    shapes = [sweep.shapes[case.shape] for case in sweep.cases.values()]
-    labels = (
-        (case.shape, shape.kind, float(shape.ratio), case.density, shape.diameter, shape.granules)
-        for case, shape in zip(sweep.cases.values(), shapes, strict=True)
-    )
-    on_case = dict(zip(ON_CASE, zip(*labels, strict=True), strict=True))
-    axes = {"case": list(sweep.cases), "seed": sorted(sweep.seeds), "wall": list(WALLS)}
-    axes |= {"displacement": run["displacement"]}
+def _make_room(file, sweep: Sweep, block: Block, layout: dict, sample: dict) -> None:
+    """Dimensions, axes, labels and empty variables; only where runs may be missing has a variable a
+    value that means so."""
+    first = block.runs[0].replicate.configuration
+    axes = first.module.axes(first)
+    for axis in block.axes:
+        file.createDimension(axis.name, len(axis.points))
+    labels = block.labels()
+    for axis in block.axes:
+        _write(file, axis.name, (axis.name,), np.asarray(axis.coordinate), axis.entry)
     for name, values in axes.items():
-        file.createDimension(name, len(values))
-        _write(file, name, (name,), np.asarray(values))
-    file.createDimension("bound", 2)
-    _write(file, "displacement_bounds", AXIS[:1] + ("bound",), run["displacement_bounds"])
-    for name, values in on_case.items():
-        _write(file, name, ("case",), np.asarray(values))
-    block = min(BLOCK, len(sweep.seeds))
-    for name in (*SERIES, *SCALARS):
-        dims = ("case", "seed", *VARIABLES[name][0])
-        sizes = 1, block, *run[name].shape
-        gap = np.nan if run[name].dtype.kind == "f" else -1
+        if name in layout:
+            dims = layout[name][0]
+            for dim, length in zip(dims, values.shape, strict=True):
+                if dim not in file.dimensions:
+                    file.createDimension(dim, length)
+            _write(file, name, dims, values, layout=layout)
+    for name, (entry, dims, values) in labels.items():
+        _write(file, name, dims, np.asarray(values), entry)
+    ids = np.full(block.shape, "", object)
+    families = ids.copy()
+    for run in block.runs:
+        ids[run.place], families[run.place] = run.replicate.id, run.replicate.bed_family
+    _write(file, "run_id", block.dims, ids.astype(str), layout=layout)
+    if "jam_fraction" in layout:
+        _write(file, "bed_family", block.dims, families.astype(str), layout=layout)
+    aside = " ".join(name for name, (_, dims, _) in labels.items() if dims)
+    lengths = block.shape[:-1], min(BLOCK, block.shape[-1])
+    for name, values in sample.items():
+        dims, inner = layout[name][0], values.shape[1:]
+        sizes = (*(1 for _ in lengths[0]), lengths[1], *inner)
+        gap = np.nan if values.dtype.kind == "f" else -1
         made = file.createVariable(
-            name, run[name].dtype, dims, zlib=True, complevel=4, shuffle=True, fletcher32=True,
+            name, values.dtype, dims, zlib=True, complevel=4, shuffle=True, fletcher32=True,
             chunksizes=sizes, fill_value=gap if sweep.failures else False,
         )  # fmt: skip
-        # two blocks: runs mostly come in order, and what is full is written and forgotten
-        size = 2 * int(np.prod(sizes)) * run[name].dtype.itemsize
-        made.set_var_chunk_cache(size=max(size, 4096), nelems=1009, preemption=1.0)
-        made.setncatts(attributes(name) | {"coordinates": " ".join(on_case)})
+        # runs mostly come in order, and what is full is written and forgotten
+        size = 2 * int(np.prod(sizes)) * values.dtype.itemsize
+        made.set_var_chunk_cache(
+            size=max(size, 4096, min(HELD, 64 * size)), nelems=1009, preemption=1.0
+        )
+        made.setncatts(attributes(name, layout) | ({"coordinates": aside} if aside else {}))
     if sweep.failures:
-        made = file.createVariable("failure", "i1", ("case", "seed"), fill_value=False)
-        made.setncatts(attributes("failure") | failures.FLAGS)
+        made = file.createVariable("failure", "i1", block.dims, fill_value=False)
+        made.setncatts(attributes("failure", layout))
         made[...] = 0
 
 
-def _write(file, name: str, dims: tuple[str, ...], values: np.ndarray) -> None:
+def _write(
+    file, name: str, dims, values: np.ndarray, entry: Entry | None = None, layout=None
+) -> None:
     """An axis or a label; texts of an axis are characters, CF keeps strings off it."""
-    kind, options = values.dtype, {"fill_value": False}
-    if kind.kind == "U":
+    known = LABELS | OF_SWEEP | (layout or {})
+    if entry is not None and entry.about:
+        about = {"long_name": entry.about, "units": entry.units}
+        about = {key: value for key, value in about.items() if value is not None}
+    else:
+        about = attributes(
+            name, known | {"displacement_bounds": ()} if name == "displacement" else known
+        )
+    kind, options, dims = values.dtype, {"fill_value": False}, tuple(dims)
+    if kind.kind in "OU":
+        values = values.astype(str)
         kind, options, values = str, {}, values.astype(object)
-        if name in file.dimensions:
-            width = max(map(len, values))
+        if name in file.dimensions or len(dims) > 1 or name in OF_STORE:
+            width = max(map(len, values.ravel()))
             file.createDimension(f"{name}_length", width)
-            dims, kind, values = (*dims, f"{name}_length"), "S1", values.astype(f"S{width}")
+            dims, kind = (*dims, f"{name}_length"), "S1"
+            values = np.char.encode(values.astype(str), "utf-8").astype(f"S{width}")
+            values = values.view("S1").reshape(*values.shape, width)
     made = file.createVariable(name, kind, dims, **options)
-    made.setncatts(attributes(name))
+    made.setncatts(about)
     if kind == "S1":
         made._Encoding = "utf-8"
-        values = values.astype(str)
+        made.set_auto_chartostring(False)
     made[...] = values
 
 
-def _about(sweep: Sweep, provenance: dict) -> dict:
+def _fill(file, values: dict, places: list[tuple[tuple[int, ...], int]]) -> None:
+    """Write rows at their places; what is side by side along the last axis at once."""
+    for some in _side_by_side(places):
+        *lead, first = some[0][0]
+        rows = [row for _, row in some]
+        there = (*lead, slice(first, first + len(rows)))
+        for name, array in values.items():
+            file.variables[name][there] = array[rows]
+
+
+def _side_by_side(places) -> Iterator[list]:
+    some = []
+    for place, row in places:
+        if some:
+            *lead, last = some[-1][0]
+            if place[:-1] != tuple(lead) or place[-1] != last + 1:
+                yield some
+                some = []
+        some.append((place, row))
+    if some:
+        yield some
+
+
+def _check(sweep: Sweep, block: Block, failed) -> None:
+    """Raise RunError where more runs failed than the sweep allows, or all of a case or shape."""
+    if not failed:
+        return
+    places, runs = {place for place, *_ in failed}, block.runs
+    groups = Counter(run.replicate.words().partition(",")[0] for run in runs)
+    fails = Counter(run.replicate.words().partition(",")[0] for run in runs if run.place in places)
+    for group, count in fails.items():
+        if count == groups[group]:
+            raise RunError(
+                f"{group}: none of its {count} runs could be made ({failed[0][2]}); take it out of "
+                "the configuration, or change its values."
+            )
+    if len(failed) > sweep.failures * len(runs) + 1e-9:  # 0.29 * 100 is a little less than 29
+        first = next(run for run in runs if run.place == failed[0][0]).replicate
+        raise RunError(
+            f"{len(failed)} of {len(runs)} runs could not be made; failures allows "
+            f"{sweep.failures:g} of them. The first is {first.words()}: {failed[0][2]}"
+        )
+
+
+def about(sweep: Sweep, provenance: dict, source: str = "dem chunk, dem combine") -> dict:
     """Attributes of the file. The averaging window and the cylinder's velocity are among them, so
     that figures need nothing else."""
     return global_attributes(
         sweep.title,
-        "dem simulate, dem combine",
-        configuration=json.dumps(sweep.own_dump()),
+        source,
+        configuration=json.dumps(sweep.dump()),
         **provenance,
         window_start=sweep.record.window[0],
         window_stop=sweep.record.window[1],
@@ -226,63 +252,18 @@ def _about(sweep: Sweep, provenance: dict) -> dict:
 
 
 @contextmanager
-def open_combined(path: Path):
-    """drag.nc with variables that are read when needed; raises InputError for any other file."""
-    needed = ("case", *LABELS, *AXIS, "kind", "drag")
+def open_combined(path: Path, needed=("drag",)):
+    """The file of a block with variables that are read when needed; raises InputError for any other
+    file."""
     with open_lazily(path) as dataset:
-        require(dataset, path, COMBINED, needed, ("window_start", "window_stop"))
+        if "run_id" not in dataset.variables:
+            raise InputError(f"{path}: it has no variable run_id; is it another file?")
+        dims = dataset["run_id"].dims
+        layout = {name: ((*dims, "displacement"), "N", "") for name in needed}
+        require(
+            dataset, path, layout, ("shape", *AXES_OF, *needed), ("window_start", "window_stop")
+        )
         yield dataset
 
 
-@contextmanager
-def open_lazily(path: Path):
-    """Any netCDF file with variables that are read when needed, an xarray.Dataset.
-
-    A file with a checksum must hold what was written; one without, of the user's own making, is
-    taken as it is. Raises InputError for another file, also where damage, or a content that does
-    not fit, shows only when a value is read or used.
-    """
-    if not Path(path).is_file():
-        raise InputError(f"{path}: there is no such file.")
-    with content_of(path):
-        is_sealed(path)
-        try:
-            dataset = xr.open_dataset(path, engine="netcdf4", chunks={})
-        except (OSError, ValueError, RuntimeError) as error:
-            raise InputError(f"{path}: it is not a readable netCDF file ({error}).") from None
-        with dataset:
-            yield dataset
-
-
-def require(dataset: xr.Dataset, path: Path, layout: dict, variables, attributes=()) -> None:
-    """Check a file against a layout as in dem.io.dataset.
-
-    Raises InputError unless it has these variables and attributes, and all its variables of the
-    layout have the dimensions and the kind of values that the layout gives them.
-    """
-    absent = [f"variable {name}" for name in variables if name not in dataset.variables]
-    absent += [f"attribute {name}" for name in attributes if name not in dataset.attrs]
-    if absent:
-        raise InputError(f"{path}: it has no {absent[0]}; is it another file?")
-    for name in layout.keys() & dataset.variables.keys():
-        dims, found = layout[name][0], dataset.variables[name]
-        if found.dims != dims:
-            over = ", ".join(dims) or "no dimension"
-            raise InputError(f"{path}: its {name} is not over {over}; is it another file?")
-        kinds, words = ("OUT", "text") if is_text(name, layout) else ("iuf", "numbers")
-        if found.dtype.kind not in kinds:
-            raise InputError(
-                f"{path}: its {name} holds {found.dtype}, not {words}; is it another file?"
-            )
-    for name in attributes:
-        value = dataset.attrs[name]
-        if name not in NUMBERS and not isinstance(value, str):
-            raise InputError(f"{path}: its attribute {name} is {value}; it must be a text.")
-        if name in NUMBERS and not _is_number(value):
-            raise InputError(f"{path}: its attribute {name} is {value}; it must be a number.")
-
-
-def _is_number(value) -> bool:
-    """Whether an attribute is one finite number."""
-    array = np.asarray(value)
-    return array.dtype.kind in "iuf" and array.ndim == 0 and bool(np.isfinite(array))
+AXES_OF = ("displacement", "displacement_bounds")

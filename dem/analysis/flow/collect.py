@@ -1,104 +1,162 @@
-"""flow.nc from the replicates of a sweep: measures of every run, snapshots of one run a case."""
+"""flow.nc: how all beds of a block move, and the snapshots of one run a case.
 
+Where the runs themselves do not record the measures, they are made of the snapshots, chunk by chunk.
+"""
+
+import json
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
-from dem.analysis.flow import measures
-from dem.analysis.flow.layout import VARIABLES
-from dem.analysis.flow.motion import Motion, read_motion
-from dem.analysis.flow.one_run import lag_of, measure
+from dem.analysis.flow.layout import BEDS, OF_CHUNK
+from dem.analysis.one_run import SNAPSHOTS, motion_of, read_run
 from dem.base import provenance
 from dem.base.errors import InputError
-from dem.experiment.config import Replicate, Sweep
-from dem.io.dataset import content_of, global_attributes, write
-from dem.sweep import failures
-from dem.sweep.combine import places_of
-from dem.sweep.failures import Failed
+from dem.experiment.config import Replicate, of_values
+from dem.experiment.flow_measures import LAYERS
+from dem.experiment.motion import Motion
+from dem.experiment.observables.flow import VARIABLES as MEASURED
+from dem.experiment.observables.flow import lag_of, measured
+from dem.io.dataset import attributes, content_of, global_attributes, read, write
+from dem.sweep.combine import combine
+from dem.sweep.work import Work
+
+MOVED = "snapshot_displacement"
+OF_SNAPSHOTS = tuple(name for name in SNAPSHOTS if name != MOVED)
 
 
-def same_run(replicate: Replicate, sweep: Sweep) -> bool:
-    """Whether the sweep would make this run today."""
-    own = replicate.label, replicate.density, replicate.seed
-    return replicate.run_key() == Replicate.of(sweep, *own).run_key()
+def measure_chunk(chunk: Path, output: Path, progress=lambda share: None) -> None:
+    """Write the measures of all runs of a chunk, NaN for those that failed."""
+    values, attrs = read(chunk, (MOVED, "run_id", "failure", "failure_reason"))
+    count, snapshots = len(values["run_id"]), len(values[MOVED])
+    found = {name: np.full((count, snapshots), np.nan) for name in MEASURED}
+    for row, (replicate, own) in enumerate(_runs(chunk, values, attrs)):
+        if own is not None:
+            for name, each in measured(motion_of(chunk, replicate, own)).items():
+                found[name][row] = each
+        progress((row + 1) / count)
+    told = {name: attrs[name] for name in ("git_revision", "source_hash", "values")}
+    about = global_attributes("how beds move", "dem flow", **told, versions=provenance.versions())
+    write(output, values | found, about, OF_CHUNK)
 
 
-def collect(
-    files: list[Path], sweep: Sweep, progress=lambda done: None, failed: Failed = ()
-) -> dict:
-    """Variables of dem.analysis.flow.layout by name; raises InputError where a run is missing.
+def _runs(chunk: Path, values: dict, attrs: dict) -> Iterator[tuple[Replicate, dict | None]]:
+    """All runs of a chunk and their snapshots; None where a run failed."""
+    kept, _ = read(chunk, OF_SNAPSHOTS)
+    with content_of(chunk):
+        replicates = [of_values(each, str(chunk)) for each in json.loads(attrs["values"])]
+    for row, replicate in enumerate(replicates):
+        own = {name: kept[name][row] for name in OF_SNAPSHOTS} | {MOVED: values[MOVED]}
+        yield replicate, None if values["failure"][row] else own
 
-    failed: runs that dem.sweep.failures.sort_out tells of, whose measures are NaN; RunError if too many.
-    """
-    failures.check(sweep, failed)
-    places = places_of(sweep)
-    for replicate, _ in failed:
-        places.pop(replicate.key)
-    first = {}  # seed of the run of a case that snapshots are kept of: the lowest
-    for row, column in places.values():
-        first[row] = min(column, first.get(row, column))
-    values, snapshots = {}, sweep.record.snapshots
-    granules = max(sweep.shapes[case.shape].granules for case in sweep.cases.values())
-    for done, path in enumerate(files):
-        motion = read_motion(path)
-        run = motion.replicate
-        place = places.pop(run.key, None)
-        if place is None or not same_run(run, sweep):
+
+def sources(work: Work, block: str) -> list[Path]:
+    """The files that hold the measures of a block: its chunks, or what was measured of them beside
+    its results; raises InputError where the runs have neither measures nor snapshots, or where they
+    are not measured yet."""
+    recorded = _recorded(work, block)
+    if "flow" in recorded:
+        return work.files(block)
+    if "snapshots" not in recorded:
+        raise InputError(
+            f"{work.sweep.title}: its runs record neither snapshots nor flow, so how beds move is not "
+            "known; add snapshots to record.observables and run again."
+        )
+    found = [_measured(work, each.id) for each in work.chunks(block)]
+    for path in found:
+        if not path.is_file():
             raise InputError(
-                f"{path}: it is not a run of this configuration, or it is there twice."
+                f"{path}: it is missing; make it from {work.sweep.results}/chunks/{path.name} "
+                "first: dem flow."
             )
-        with content_of(path):
-            measured = measure(motion)
-        for name, found in measured.items():
-            shape = len(sweep.cases), len(sweep.seeds), snapshots
-            values.setdefault(name, np.full(shape, np.nan))[place] = found
-        if place[1] == first[place[0]]:
-            _keep_bed(values, place[0], motion, len(sweep.cases), granules)
-        values["displacement"] = motion.displacement
-        progress((done + 1) / len(files))
-    if places:
-        shape, density, seed = next(iter(places))
-        raise InputError(f"{shape} at {density} kg/m3, seed {seed}, is in none of the files.")
-    return values | _labels(sweep)
+    return found
 
 
-def _keep_bed(values, row, motion: Motion, cases: int, granules: int) -> None:
+def _measured(work: Work, chunk: str) -> Path:
+    """Where the measures of a chunk lie."""
+    return Path(work.sweep.results) / "flow" / f"{chunk}.nc"
+
+
+def make_flow(work: Work, block: str, progress=lambda share: None) -> None:
+    """Measure the chunks of a block that are not measured yet, and write its flow.nc; nothing where
+    its runs are of another experiment, or record neither measures nor snapshots."""
+    recorded = _recorded(work, block)
+    if work.observables(block) == ("jamming",) or not {"flow", "snapshots"} & set(recorded):
+        return
+    chunks = work.chunks(block) if "flow" not in recorded else []
+    for number, chunk in enumerate(chunks):
+        measured = _measured(work, chunk.id)
+        if not measured.is_file():
+            measure_chunk(work.store.file_of(chunk.id), measured)
+        progress((number + 1) / len(chunks))
+    write_flow(work, block, Path(work.folder_of(block)) / "flow.nc")
+
+
+def write_flow(work: Work, block: str, output: Path, progress=lambda share: None) -> None:
+    """Write flow.nc of a block from its sources."""
+    found = work.block(block)
+
+    def more(file):
+        _describe(file, found.runs[0].replicate)
+        base = set(found.dims) - {"seed"}
+        if "snapshots" in _recorded(work, block) and base in ({"case"}, {"shape"}):
+            _keep_beds(file, work, block, base.pop())
+
+    combine(sources(work, block), work.sweep, found, "flow", output, progress, more)
+
+
+def _recorded(work: Work, block: str) -> tuple[str, ...]:
+    own = work.block(block).runs[0].replicate.configuration
+    return own.record.observables if own.experiment == "drag" else ()
+
+
+def _describe(file, replicate: Replicate) -> None:
+    """What readers need to draw beds and to name the lag."""
+    own, moved = replicate.configuration, file.variables["snapshot_displacement"][...]
+    file.setncatts({
+        "title": f"{file.title}: how the beds move", "box_width": own.box_width,
+        "lag": lag_of(moved) * float(moved[1] - moved[0]),
+        "cylinder_diameter": own.cylinder.diameter, "layers": LAYERS,
+    })  # fmt: skip
+
+
+def _keep_beds(file, work: Work, block: str, base: str) -> None:
+    """Add the snapshots of the run of the lowest seed of each case that did not fail."""
+    chunks = {run: work.store.file_of(each.id) for each in work.chunks(block) for run in each.runs}
+    found = work.block(block)
+    runs = sorted(found.runs, key=lambda run: run.replicate.seed)
+    granules = max(run.replicate.shape.granules for run in runs)
+    file.createDimension("granule", granules)
+    for name, (dims, *_) in BEDS.items():
+        made = file.createVariable(
+            name, "f8", (base, *dims[1:]), zlib=True, shuffle=True, fletcher32=True,
+            fill_value=np.nan,
+        )  # fmt: skip
+        made.setncatts(attributes(name, BEDS))
+    at, kept = found.dims.index(base), set()
+    for run in runs:
+        row = run.place[at]
+        if row not in kept and not _failed(file, run.place):
+            kept.add(row)
+            _keep_bed(file, row, motion_in(chunks[run.replicate.id], run.replicate.id))
+
+
+def motion_in(chunk: Path, run: str) -> Motion:
+    """The snapshots of a run of a chunk, by its identity."""
+    return motion_of(chunk, *read_run(chunk, run))
+
+
+def _failed(file, place) -> bool:
+    return "failure" in file.variables and bool(file.variables["failure"][place])
+
+
+def _keep_bed(file, row: int, motion: Motion) -> None:
     """Snapshots of one run; NaN beyond its granules."""
-    snapshots = len(motion.displacement)
     x, y = np.moveaxis(motion.position, -1, 0)
     kept = {
         "bed_height": motion.height, "bed_cylinder_y": motion.cylinder_y,
         "bed_diameter": motion.diameters, "bed_x": x, "bed_y": y, "bed_angle": motion.angle,
     }  # fmt: skip
-    sizes = {"snapshot": snapshots, "granule": granules}
     for name, found in kept.items():
-        shape = [sizes[dim] for dim in VARIABLES[name][0][1:]]
-        room = values.setdefault(name, np.full((cases, *shape), np.nan))
-        room[(row, *(slice(size) for size in np.shape(found)))] = found
-
-
-def _labels(sweep: Sweep) -> dict:
-    shapes = [sweep.shapes[case.shape] for case in sweep.cases.values()]
-    return {
-        "case": np.array(list(sweep.cases)),
-        "seed": np.array(sorted(sweep.seeds)),
-        "kind": np.array([shape.kind for shape in shapes]),
-        "shape": np.array([case.shape for case in sweep.cases.values()]),
-        "density": np.array([case.density for case in sweep.cases.values()]),
-        "aspect_ratio": np.array([float(shape.ratio) for shape in shapes]),
-        "diameter": np.array([shape.diameter for shape in shapes]),
-    }
-
-
-def write_flow(path: Path, sweep: Sweep, values: dict) -> None:
-    """Write flow.nc, atomically."""
-    low, high = sweep.record.window
-    moved = values["displacement"]
-    attrs = global_attributes(
-        f"{sweep.title}: how the beds move", "dem flow",
-        versions=provenance.versions(), git_revision=provenance.git_revision(),
-        window_start=low, window_stop=high, box_width=sweep.box_width,
-        lag=lag_of(moved) * float(moved[1] - moved[0]),
-        cylinder_diameter=sweep.cylinder.diameter, layers=measures.LAYERS,
-    )  # fmt: skip
-    write(path, values, attrs, VARIABLES)
+        file.variables[name][(row, *(slice(size) for size in np.shape(found)))] = found

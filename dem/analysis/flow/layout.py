@@ -1,22 +1,17 @@
-"""The layout of flow.nc, as in dem.io.dataset: measures of all runs, and the snapshots of one a case."""
+"""The layout of flow.nc, as in dem.io.dataset: measures of all runs, and the snapshots of one a case.
+
+Measures are those of dem.experiment.observables.flow, over the axes of the sweep and the snapshots.
+Snapshots are kept where runs differ in case, or shape, and seed alone.
+"""
+
+from dem.experiment.observables.flow import VARIABLES as MEASURED
+from dem.io.dataset import AXES, LABELS, OF_STORE
 
 RUNS = ("case", "seed", "snapshot")
 BED = ("case", "snapshot", "granule")
 
 # name: (dimensions, units, long name)
-VARIABLES = {
-    "case": (("case",), None, "case: a shape at a density"),
-    "seed": (("seed",), "1", "seed of the replicate"),
-    "displacement": (("snapshot",), "m", "displacement of the cylinder"),
-    "kind": (("case",), None, "kind of granule"),
-    "shape": (("case",), None, "label of the shape"),
-    "density": (("case",), "kg m-3", "density of the granules"),
-    "aspect_ratio": (("case",), "1", "length over width of a granule"),
-    "diameter": (("case",), "m", "mean volume diameter of the granules"),
-    "non_affine": (RUNS, "1", "mean over the granules of D2min over the lag, over the squared diameter"),
-    "fluctuation": (RUNS, "1", "mean distance of a granule from the motion of its neighbours over the lag, over that of the cylinder"),
-    "mixing": (RUNS, "1", "share of pairs side by side that are of different layers, less that at the start"),
-    "contacts_lost": (RUNS, "1", "share of the contacts at the start of the lag that are no more at its end"),
+BEDS = {
     "bed_height": (("case",), "m", "height of the box, run of the first seed"),
     "bed_cylinder_y": (("case", "snapshot"), "m", "height of the axis of the cylinder above the floor, run of the first seed"),
     "bed_diameter": (("case", "granule"), "m", "volume diameter of a granule, run of the first seed, NaN where the case has fewer"),
@@ -24,6 +19,18 @@ VARIABLES = {
     "bed_y": (BED, "m", "height of the granule's centre above the floor, run of the first seed"),
     "bed_angle": (BED, "rad", "angle of the granule, anticlockwise, run of the first seed"),
 }  # fmt: skip
+LABELLED = {name: (("case",), *LABELS[name][1:]) for name in LABELS if name != "seed"}
+VARIABLES = (
+    {"snapshot_displacement": AXES["snapshot_displacement"], **LABELLED, **BEDS}
+    | {name: (RUNS, *rest) for name, (_, *rest) in MEASURED.items()}
+)  # fmt: skip
+# of the measures of some runs, a chunk: name of the file of the chunk
+OF_CHUNK = {
+    "snapshot_displacement": AXES["snapshot_displacement"],
+    **{name: (("run", *dims), *rest) for name, (dims, *rest) in MEASURED.items()},
+    **{name: (("run",), *OF_STORE[name][1:]) for name in ("run_id", "failure", "failure_reason")},
+}
+ATTRIBUTES = ("box_width", "lag", "cylinder_diameter", "layers", "window_start", "window_stop")
 
 MEASURES = {
     "non_affine": "non-affine displacement",

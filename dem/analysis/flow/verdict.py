@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
-from scipy.stats import t
+from scipy.special import stdtrit
 
 from dem.analysis.flow.layout import MEASURES
 from dem.analysis.statistics import LEVEL, find, half_interval
@@ -27,7 +27,7 @@ def mean_and_half(values: xr.DataArray):
 
 def in_window(dataset: xr.Dataset, name: str) -> xr.DataArray:
     """Mean of a measure within the averaging window, one value a run (case, seed)."""
-    moved = dataset["displacement"]
+    moved = dataset["snapshot_displacement"]
     inside = (moved >= dataset.attrs["window_start"]) & (moved <= dataset.attrs["window_stop"])
     return dataset[name].isel(snapshot=np.flatnonzero(inside.values)).mean("snapshot")
 
@@ -50,9 +50,8 @@ def compared(dataset: xr.Dataset, name: str) -> Ratio | None:
     parts = [run.var(ddof=1) / len(run) / mean**2 for run, mean in zip(runs, means, strict=True)]
     freedom = sum(parts) ** 2 / sum(p**2 / (len(r) - 1) for p, r in zip(parts, runs, strict=True))
     ratio = means[0] / means[1]
-    return Ratio(
-        ratio, ratio * t.ppf(0.5 + 0.5 * LEVEL, freedom) * sum(parts) ** 0.5, min(map(len, runs))
-    )
+    half = ratio * stdtrit(freedom, 0.5 + 0.5 * LEVEL) * sum(parts) ** 0.5
+    return Ratio(ratio, half, min(map(len, runs)))
 
 
 def verdict(dataset: xr.Dataset) -> str:

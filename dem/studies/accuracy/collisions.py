@@ -11,11 +11,12 @@ import numpy as np
 from dem.base.errors import InputError
 from dem.contacts.force_law import effective_modulus
 from dem.dynamics.simulation import SKIN, Simulation
-from dem.experiment import drag
-from dem.experiment.config import Sweep
+from dem.experiment.bed import make_bed
+from dem.experiment.scene import make_scene
 from dem.scene import Friction, Material, Scene, State
 from dem.shapes.disc import Disc
 from dem.shapes.ellipse import Ellipse
+from dem.sweep.config import Sweep
 
 OVERLAP = 0.05  # of the radius, in an elastic head-on collision: between light touch and the bed
 SLANT = 0.25  # tangential over normal speed: for mu = 0.3 contacts stick at first and slide at last
@@ -23,6 +24,7 @@ TILT = 0.6, -0.9  # rad, of the two ellipses to the contact normal
 ASPECT_RATIO = 1.375
 SPACING = 8.0  # bounding radii between pairs
 LASTS = 2  # times the duration of an elastic head-on collision: all pairs have met and parted
+SEED = 1  # of the beds
 STROKE = 5e-5  # m, of the cylinder: before chaos
 HEAD_ON, DAMPED, OBLIQUE, ELLIPSES = (
     "head-on, elastic", "head-on, damped", "oblique, friction", "ellipses, elastic",
@@ -118,9 +120,9 @@ class Bed:
         cases = [c for c in sweep.cases.values() if sweep.shapes[c.shape].kind == kind]
         if not cases:
             raise InputError(f"the configuration has no case of a {kind}; the study needs one.")
-        replicate = sweep.replicate(cases[0].shape, cases[0].density, sweep.seeds[0])
-        packed = drag.make_bed(replicate)
-        scene = drag.make_scene(replicate, packed)
+        replicate = sweep.replicate(cases[0].shape, cases[0].density, SEED)
+        packed = make_bed(replicate)
+        scene = make_scene(replicate, packed)
         elastic = replace(scene.material, restitution=1.0)
         self.name = name
         self.scene = replace(scene, material=elastic, friction=None) if bare else scene

@@ -14,7 +14,7 @@ DRAG = {
     "replicate": (("replicate",), "1", "seed of the bed"),
     "replicate_displacement": (("replicate_displacement",), "m", "displacement of the cylinder, middle of the bin"),
     "replicate_drag": (("replicate", "replicate_displacement"), "N", "drag: mean force on the cylinder against its motion over the bin"),
-    "replicate_time": (("replicate",), "s", "processor time of the run up to the end of the averaging window"),
+    "replicate_time": (("replicate",), "s", "processor time of the run, over the whole stroke"),
 }  # fmt: skip
 
 VARIABLES = layout_contacts.VARIABLES | layout_steps.VARIABLES | DRAG

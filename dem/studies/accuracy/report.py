@@ -8,9 +8,8 @@ from rich.text import Text
 
 from dem.analysis.tables import numbers
 from dem.studies.accuracy import replicates
-from dem.studies.accuracy.bias import bias, change, failures, shapes_of, table
+from dem.studies.accuracy.bias import LARGEST, bias, change, failures, shapes_of, table
 from dem.studies.accuracy.contacts import BED_OVERLAPS, BED_RATIO, in_the_beds
-from dem.studies.accuracy.plan import LARGEST
 
 LEGENDS = {
     "contacts": f"""\

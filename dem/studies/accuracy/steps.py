@@ -15,7 +15,6 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.dynamics.simulation import STEP_FRACTION
-from dem.experiment.config import Sweep
 from dem.studies.accuracy.collisions import BARE, ELLIPSES, HEAD_ON, Bed, Collision, error, scenes
 from dem.studies.accuracy.integrators import INTEGRATORS, PEFRL, VERLET
 from dem.studies.accuracy.step_runs import (
@@ -27,6 +26,7 @@ from dem.studies.accuracy.step_runs import (
     theirs,
 )
 from dem.studies.peers import lammps
+from dem.sweep.config import Sweep
 
 HALVINGS = STEP_FRACTION * 2.0 ** np.arange(1, -9, -1)
 # Forces depend on the positions alone: a method of fourth order makes the better reference.

@@ -13,7 +13,6 @@ import numpy as np
 from dem.base import provenance
 from dem.dynamics.checkpoint import writable
 from dem.dynamics.simulation import Simulation
-from dem.experiment.config import Sweep
 from dem.io.dataset import global_attributes, write
 from dem.studies.benchmark.check import checks, differences
 from dem.studies.benchmark.code_size import code_size
@@ -22,6 +21,7 @@ from dem.studies.benchmark.peers import CODES, our_seconds
 from dem.studies.benchmark.scenes import FULL, Case, beds, variants
 from dem.studies.benchmark.sizes import TILES, compare_sizes
 from dem.studies.timing import one_core
+from dem.sweep.config import Sweep
 
 # Scenes are compared on beds that stay as they are, with the same contacts: steps this short move
 # nothing, and the contacts are not listed again.

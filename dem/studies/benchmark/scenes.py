@@ -5,9 +5,11 @@ from typing import NamedTuple
 
 from dem.base.errors import InputError
 from dem.dynamics.simulation import STEP_FRACTION, Simulation
-from dem.experiment import drag
-from dem.experiment.config import Replicate, Sweep
+from dem.experiment.bed import make_bed
+from dem.experiment.config import Replicate
+from dem.experiment.scene import make_scene
 from dem.scene import Scene, State
+from dem.sweep.config import Sweep
 
 ASPECT_RATIO = 1.25  # of the ellipses, or the nearest to it in the sweep
 FULL = "discs: friction, damping, walls, cylinder"
@@ -36,12 +38,9 @@ def beds(sweep: Sweep) -> dict[str, Case]:
         label = next((label for label, shape in shapes if shape.kind == kind), None)
         if label is None:
             raise InputError(f"the configuration has no {kind}; the benchmark needs one.")
-        density = next((c.density for c in sweep.cases.values() if c.shape == label), None)
-        density = density or next(iter(sweep.cases.values())).density
-        replicate = Replicate(sweep=sweep, label=label, density=density, seed=sweep.seeds[0])
-        bed = drag.make_bed(replicate)
-        scene = drag.make_scene(replicate, bed)
-        found[kind] = make_case(scene, bed.state)
+        replicate = Replicate(sweep, label, sweep.density_of(label), sweep.first_seed)
+        bed = make_bed(replicate)
+        found[kind] = make_case(make_scene(replicate, bed), bed.state)
     return found
 
 

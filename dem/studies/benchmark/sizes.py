@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 
 from dem.dynamics.simulation import STEP_FRACTION, Simulation
-from dem.experiment.config import Sweep
 from dem.experiment.fit import height_of_box, sample_diameters
 from dem.packing.random import pack
 from dem.packing.tiled import tiled
 from dem.scene import Friction, Material, Scene, box
 from dem.shapes.disc import Disc
+from dem.sweep.config import Sweep
 
 TILES = (1, 4, 16, 50)  # along each side of a bed: of 400 granules, to a million
 STEPS = 100  # of each run, all from the same start: lists are rebuilt two or three times

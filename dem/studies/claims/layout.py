@@ -1,6 +1,4 @@
-"""The layout of claims.nc, as in dem.io.dataset, and its files."""
-
-from dem.sweep.study import Study
+"""The layout of claims.nc, as in dem.io.dataset."""
 
 RUN = ("run",)
 
@@ -52,11 +50,3 @@ VARIABLES = {
     "jam_load": (("jam", "jam_at"), "1", "load: mean normal force on the walls per length, over E* and the mean diameter"),
     "jam_at": (("jam_at",), "1", "packing fraction"),
 }  # fmt: skip
-
-STUDY = Study(
-    about="which claims hold",
-    command="dem claims",
-    variables=VARIABLES,
-    concatenated=("run", "jam"),
-    makers=("dem.studies.claims.runs", "dem.studies.claims.jamming"),
-)

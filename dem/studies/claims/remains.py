@@ -10,7 +10,7 @@ from scipy.stats import t
 from dem.analysis.statistics import LEVEL
 from dem.studies.claims.evidence import reference, rows, with_case
 from dem.studies.claims.influence import plane
-from dem.studies.claims.jamming import Jamming
+from dem.sweep.derive import Jamming
 
 EQUAL = "equal fraction"
 
@@ -80,18 +80,24 @@ def remaining(dataset: xr.Dataset) -> list[Remaining]:
 
 def distance_error(dataset, shape: str, other: str, fraction: float, state: str) -> float:
     """Standard error of the packing fraction at which a shape is in a state."""
-    jamming = Jamming(dataset)
+    jamming = jamming_in(dataset)
     friction = float(dataset["jam_friction"].max()) if "friction" in state else 0.0
-    beds = [jamming.beds(each, friction) for each in (shape, other)]
-    errors = [standard_error(each["jam_fraction"].values) for each in beds]
+    shapes = shape, other
+    errors = [standard_error(jamming.of(each, friction, "fraction")) for each in shapes]
     if "load" not in state:
         return math.hypot(*errors)
     # at_load multiplies the distance of the other shape by the ratio of both slopes
-    slopes = [each["jam_slope"].values for each in beds]
+    slopes = [jamming.of(each, friction, "slope") for each in shapes]
     means = [float(np.nanmean(each)) for each in slopes]
     distance = (fraction - jamming.fraction(other)) * means[1] / means[0]
     relative = [standard_error(s) / m for s, m in zip(slopes, means, strict=True)]
     return math.hypot(errors[0], errors[1] * means[1] / means[0], *(distance * r for r in relative))
+
+
+def jamming_in(dataset: xr.Dataset) -> Jamming:
+    """Jamming fractions by the labels of claims.nc."""
+    names = "shape", "friction", "fraction", "slope", "diameter"
+    return Jamming(*(dataset[f"jam_{name}"].values for name in names))
 
 
 def standard_error(values: np.ndarray) -> float:

@@ -9,6 +9,7 @@ from scipy.stats import binomtest
 
 from dem.analysis.flow.layout import MEASURES
 from dem.analysis.statistics import LEVEL
+from dem.base.errors import InputError
 from dem.studies.claims.compare import simultaneous, together
 from dem.studies.claims.evidence import MARGIN, Evidence, from_study, from_sweep
 from dem.studies.claims.sentences import CLAIMS, Claim
@@ -69,8 +70,9 @@ def share(claim: Claim, found: Evidence) -> Share | None:
 def evidence_in(path: Path, margin: float = MARGIN) -> Evidence:
     """Runs in claims.nc, or in drag.nc with the flow.nc beside it; raises InputError."""
     from dem.analysis.flow.layout import VARIABLES as FLOW
+    from dem.io.lazily import open_lazily, require
     from dem.studies.claims.layout import VARIABLES
-    from dem.sweep.combine import open_combined, open_lazily, require
+    from dem.sweep.combine import open_combined
 
     with open_lazily(path) as dataset:
         if "run_part" in dataset:
@@ -78,6 +80,9 @@ def evidence_in(path: Path, margin: float = MARGIN) -> Evidence:
             return from_study(dataset.load(), margin)
     flow = Path(path).parent / "flow.nc"
     with open_combined(path) as dataset:
+        dims = dataset["run_id"].dims
+        if set(dims) != {"case", "seed"}:
+            raise InputError(f"{path}: its runs are over {', '.join(dims)}; claims compare cases.")
         drag = dataset.load()
     if not flow.is_file():
         return from_sweep(drag, None, margin)

@@ -9,7 +9,8 @@ from dataclasses import replace
 import numpy as np
 
 from dem.dynamics.simulation import STEP_FRACTION, Simulation
-from dem.experiment import drag
+from dem.experiment.bed import diameters
+from dem.experiment.scene import make_scene
 from dem.shapes.disc import Disc
 from dem.shapes.ellipse import Ellipse
 from dem.studies.stability.catalogue import Changes
@@ -23,7 +24,7 @@ def draw(sweep, shape, change) -> dict:
     """The paper's experiment over a short stroke."""
     replicate = changed(sweep, shape, change)
     stroke = change.displacement or STROKE
-    return watch(start(replicate), stroke / replicate.sweep.cylinder.velocity / LOOKS)
+    return watch(start(replicate), stroke / replicate.configuration.cylinder.velocity / LOOKS)
 
 
 def rest(sweep, shape, change) -> dict:
@@ -38,7 +39,7 @@ def rest(sweep, shape, change) -> dict:
 def accelerate(sweep, shape, change) -> dict:
     """The cylinder goes from rest to its velocity in equal stages."""
     replicate = changed(sweep, shape, change)
-    simulation, velocity = start(replicate, still=True), replicate.sweep.cylinder.velocity
+    simulation, velocity = start(replicate, still=True), replicate.configuration.cylinder.velocity
 
     def faster(look):
         simulation.set_cylinder_velocity((0.0, velocity * (look + 1) / LOOKS))
@@ -57,7 +58,7 @@ def follow(sweep, shape, change) -> dict:
 def restart(sweep, shape, change) -> dict:
     """A run that goes on from a saved state against one that was not interrupted."""
     replicate = changed(sweep, shape, change)
-    half = (change.displacement or STROKE) / 2.0 / replicate.sweep.cylinder.velocity
+    half = (change.displacement or STROKE) / 2.0 / replicate.configuration.cylinder.velocity
     whole, second = start(replicate), start(replicate)
     whole.advance(half)
     second.restore(whole.checkpoint())
@@ -71,8 +72,8 @@ def restart(sweep, shape, change) -> dict:
 def round_off(sweep, shape, change) -> dict:
     """Ellipses of the aspect ratio asked for, nearly 1, against discs, on one bed before chaos."""
     replicate = changed(sweep, shape, change.model_copy(update={"aspect_ratio": None}))
-    bed, sizes = bed_of(replicate), drag.diameters(replicate)
-    scene = drag.make_scene(replicate, bed)
+    bed, sizes = bed_of(replicate), diameters(replicate)
+    scene = make_scene(replicate, bed)
     shapes = Disc.of_size(sizes), Ellipse.of_size(sizes, change.aspect_ratio)
     scenes = [replace(scene, shape=shape) for shape in shapes]
     step = STEP_FRACTION * Simulation(scenes[0], bed.state).diagnose().critical_time_step

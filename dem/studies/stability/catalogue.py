@@ -1,4 +1,4 @@
-"""The catalogue, config/stability.yaml: which experiments on which shapes, and what they must keep."""
+"""The catalogue, config/catalogue.yaml: which experiments on which shapes, and what they must keep."""
 
 from pathlib import Path
 from typing import Annotated, Literal
@@ -73,25 +73,19 @@ class Case(Section):
         return self
 
 
-class MapSection(Section):
-    """Of the map: steps over the critical one, restitutions, factors on the stiffness."""
+class LimitsSection(Section):
+    """Of the bound of the critical step beside the true limit, of small linearised beds."""
 
     shapes: tuple[Label, ...]
-    fractions: Annotated[tuple[Positive, ...], Field(min_length=1)]
-    restitutions: Annotated[tuple[Positive, ...], Field(min_length=1)]
-    stiffness: Annotated[tuple[Positive, ...], Field(min_length=1)]
-    displacement: Positive  # m, of the cylinder
-    limited: Annotated[Whole, Field(ge=10, le=200)]  # granules of the linearised beds
-    limited_fraction: dict[Label, Positive] = Field(
-        default_factory=dict
-    )  # their packing, if another
+    granules: Annotated[Whole, Field(ge=10, le=200)]
+    fraction: dict[Label, Positive] = Field(default_factory=dict)  # of packing, if another
 
 
 class Catalogue(Section):
     """The whole file."""
 
     cases: Annotated[dict[Label, Case], Field(min_length=1)]
-    map: MapSection
+    limits: LimitsSection
 
     @property
     def shapes(self) -> list[str]:

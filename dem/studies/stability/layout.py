@@ -1,6 +1,4 @@
-"""The layout of stability.nc, as in dem.io.dataset, and its files."""
-
-from dem.sweep.study import Study
+"""The layout of stability.nc, as in dem.io.dataset."""
 
 MAP = ("map_shape", "map_stiffness", "map_restitution", "map_fraction")
 
@@ -31,8 +29,3 @@ VARIABLES = {
     "paper_displacement": (("paper_displacement",), "m", "displacement of the cylinder"),
     "paper_residual": (("paper_case", "paper_displacement"), "1", "residual of the energy ledger"),
 }  # fmt: skip
-
-STUDY = Study(
-    "stiff and extreme cases", "dem stability", VARIABLES,
-    ("check", "map_shape", "limit_shape", "paper_case"), ("dem.studies.stability.study",),
-)  # fmt: skip

@@ -11,9 +11,10 @@ import numpy as np
 from dem.dynamics.checkpoint import writable
 from dem.dynamics.forces import forces
 from dem.dynamics.simulation import Simulation
-from dem.experiment.config import Replicate, Sweep
+from dem.experiment.config import Replicate
 from dem.studies.stability.catalogue import Changes
 from dem.studies.stability.scenes import changed
+from dem.sweep.config import Sweep
 
 NUDGE = 1e-9  # by which granules are moved, over the size of the bed
 SLOW = 1e6  # s: a step over which such a move is so slow that dashpots do not count
@@ -24,16 +25,14 @@ def small(sweep: Sweep, shape: str, granules: int, change: Changes) -> Replicate
     share = math.sqrt(granules / sweep.shapes[shape].granules)
     if share >= 1.0:
         return changed(sweep, shape, change)
-    lengths = "diameter", "stroke"
-    shorter = {name: share * getattr(sweep.cylinder, name) for name in lengths}
-    section = sweep.shapes[shape].model_copy(update={"granules": granules})
-    window = tuple(share * end for end in sweep.record.window)
-    update = {
-        "shapes": sweep.shapes | {shape: section}, "box_width": share * sweep.box_width,
-        "cylinder": sweep.cylinder.model_copy(update=shorter), "accuracy": None,
-        "record": sweep.record.model_copy(update={"window": window}),
-    }  # fmt: skip
-    return changed(sweep.model_copy(update=update), shape, change)
+    smaller = {
+        f"shapes.{shape}.granules": granules,
+        "box_width": share * sweep.box_width,
+        "cylinder.diameter": share * sweep.cylinder.diameter,
+        "cylinder.stroke": share * sweep.cylinder.stroke,
+        "record.window": [share * end for end in sweep.record.window],
+    }
+    return changed(sweep, shape, change, smaller)
 
 
 class Nudged:

@@ -6,54 +6,52 @@ from dataclasses import replace
 import numpy as np
 
 from dem.dynamics.simulation import STEP_FRACTION, Simulation
-from dem.experiment import drag
-from dem.experiment.config import Replicate, Sweep
+from dem.experiment.bed import make_bed
+from dem.experiment.config import Replicate
+from dem.experiment.scene import make_scene
 from dem.scene import Friction, Material, Scene, State, box
 from dem.shapes import KINDS
 from dem.studies.stability.catalogue import Changes
+from dem.sweep.config import Sweep
 
 
-def changed(sweep: Sweep, shape: str, change: Changes) -> Replicate:
-    """The first replicate of a shape with the changes of a case; raises InputError."""
-    update = {"material": {"young_modulus": sweep.material.young_modulus * change.stiffness}}
-    if change.restitution is not None:
-        update["material"]["restitution"] = change.restitution
-    if change.velocity is not None:
-        update["cylinder"] = {"velocity": change.velocity}
-    if change.fraction is not None:
-        update["packing"] = {"fraction": change.fraction}
-    if change.friction is not None:
-        update["friction"] = dict.fromkeys(("granule", "wall", "cylinder"), change.friction)
-    if change.step is not None:
-        update["numerics"] = {"step_fraction": change.step}
-    sections = {k: getattr(sweep, k).model_copy(update=v) for k, v in update.items()}
-    if change.aspect_ratio is not None:
-        section = sweep.shapes[shape].model_copy(update={"aspect_ratio": change.aspect_ratio})
-        sections["shapes"] = sweep.shapes | {shape: section}
+def changed(sweep: Sweep, shape: str, change: Changes, more: dict | None = None) -> Replicate:
+    """The first replicate of a shape with the changes of a case, and more by path; raises InputError."""
+    values = {
+        "material.young_modulus": sweep.material.young_modulus * change.stiffness,
+        "material.restitution": change.restitution,
+        "cylinder.velocity": change.velocity,
+        "packing.fraction": change.fraction,
+        **{f"friction.{where}": change.friction for where in ("granule", "wall", "cylinder")},
+        "numerics.step_fraction": change.step,
+        f"shapes.{shape}.aspect_ratio": change.aspect_ratio,
+    }
+    told = {path: value for path, value in values.items() if value is not None} | (more or {})
     density = change.density * sweep.density_of(shape)
-    return sweep.model_copy(update=sections).replicate(shape, density, sweep.seeds[0])
+    return sweep.changed(told, shape).replicate(shape, density, sweep.first_seed)
 
 
 _beds = {}
 
 
 def bed_of(replicate: Replicate):
-    """The bed of a replicate, made once a process: of the map, hundreds of runs share it."""
+    """The bed of a replicate, made once a process: many cases share it."""
     key = replicate.bed_key()
     if key not in _beds:
-        _beds[key] = drag.make_bed(replicate)
+        _beds[key] = make_bed(replicate)
     return _beds[key]
 
 
-def start(replicate: Replicate, still: bool = False, **options) -> Simulation:
-    """The replicate's bed with an energy ledger; still: the cylinder does not move. Options of the
-    Simulation count before those of the configuration."""
-    bed, numerics = bed_of(replicate), replicate.sweep.numerics
-    scene = drag.make_scene(replicate, bed)
+def start(replicate: Replicate, still: bool = False) -> Simulation:
+    """The replicate's bed with an energy ledger; still: the cylinder does not move."""
+    bed, numerics = bed_of(replicate), replicate.configuration.numerics
+    scene = make_scene(replicate, bed)
     if still:
         scene = replace(scene, cylinder=replace(scene.cylinder, velocity=(0.0, 0.0)))
-    usual = {"step_fraction": numerics.step_fraction, "max_overlap": numerics.max_overlap}
-    return Simulation(scene, bed.state, ledger=True, **usual | options)
+    return Simulation(
+        scene, bed.state, step_fraction=numerics.step_fraction, max_overlap=numerics.max_overlap,
+        ledger=True,
+    )  # fmt: skip
 
 
 def set_free(scene: Scene, state: State, change: Changes) -> Simulation:

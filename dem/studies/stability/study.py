@@ -1,18 +1,16 @@
-"""Run the catalogue, the map and the paper's cases: variables by the names of layout.py."""
+"""Run the catalogue and the linearised beds: variables by the names of layout.py."""
 
 import math
 from collections.abc import Callable
-from contextlib import suppress
 from typing import NamedTuple
 
 import numpy as np
 
 from dem.base.errors import InputError, RunError
-from dem.experiment.config import Sweep
 from dem.studies.stability import beds, bodies, linear
-from dem.studies.stability.catalogue import QUANTITIES, RAN, Case, Catalogue, Changes, MapSection
-from dem.studies.stability.scenes import changed, start
-from dem.studies.stability.watching import LOOKS, watch
+from dem.studies.stability.catalogue import QUANTITIES, RAN, Case, Catalogue, Changes
+from dem.studies.stability.scenes import start
+from dem.sweep.config import Sweep
 
 # what an experiment may change of the sweep, and what it must be told
 FREE = {"stiffness", "density", "restitution", "aspect_ratio", "step"}
@@ -46,7 +44,6 @@ EXPERIMENTS = {
     )
 }  # fmt: skip
 GROWN = 1.0 + 1e-6  # growth of a small motion in a step that counts as such
-PAPER_BINS = 60
 
 
 def check(sweep: Sweep, catalogue: Catalogue) -> None:
@@ -65,7 +62,7 @@ def check(sweep: Sweep, catalogue: Catalogue) -> None:
                 raise InputError(
                     f"cases.{name}.change: the experiment {case.experiment} {word} {min(wrong)}."
                 )
-    unknown = {*catalogue.shapes, *catalogue.map.shapes} - set(sweep.shapes)
+    unknown = {*catalogue.shapes, *catalogue.limits.shapes} - set(sweep.shapes)
     if unknown:
         raise InputError(
             f"the catalogue has the shape {min(unknown)!r}, which is not one of shapes: "
@@ -122,31 +119,11 @@ def run_catalogue(sweep: Sweep, catalogue: Catalogue, shape: str, progress=lambd
     return {f"check_{name}": np.array(c) for name, c in zip(names, columns, strict=True)}
 
 
-def run_map(sweep: Sweep, wanted: MapSection, shape: str, progress=lambda done: None) -> dict:
-    """Residual of the paper's bed by stiffness, restitution and step; NaN where a run failed."""
-    axes = wanted.stiffness, wanted.restitutions, wanted.fractions
-    residual = np.full(tuple(map(len, axes)), np.nan)
-    interval = wanted.displacement / sweep.cylinder.velocity / LOOKS
-    for done, place in enumerate(np.ndindex(residual.shape)):
-        stiffness, restitution, fraction = (a[i] for a, i in zip(axes, place, strict=True))
-        replicate = changed(sweep, shape, Changes(stiffness=stiffness, restitution=restitution))
-        simulation = start(replicate, step_fraction=fraction, allow_unstable=True)
-        with suppress(RunError):
-            residual[place] = watch(simulation, interval)["residual"]
-        progress((done + 1) / residual.size)
-    return {
-        "map_shape": np.array([shape]),
-        "map_stiffness": np.array(wanted.stiffness),
-        "map_restitution": np.array(wanted.restitutions),
-        "map_fraction": np.array(wanted.fractions),
-        "map_residual": residual[None],
-    } | bounds(sweep, shape, wanted)  # fmt: skip
-
-
-def bounds(sweep: Sweep, shape: str, wanted: MapSection) -> dict:
+def run_limits(sweep: Sweep, catalogue: Catalogue, shape: str) -> dict:
     """The bound of the critical step beside the true limit, of a small bed, linearised."""
-    change = Changes(fraction=wanted.limited_fraction.get(shape))
-    simulation = start(linear.small(sweep, shape, wanted.limited, change), still=True)
+    wanted = catalogue.limits
+    change = Changes(fraction=wanted.fraction.get(shape))
+    simulation = start(linear.small(sweep, shape, wanted.granules, change), still=True)
     bound = simulation.diagnose().critical_time_step
     matrices = linear.matrices(simulation)
     limit = linear.limit(*matrices, bound, GROWN)
@@ -157,22 +134,4 @@ def bounds(sweep: Sweep, shape: str, wanted: MapSection) -> dict:
         "limit_growth_bound": np.array([linear.growth(*matrices, bound)]),
         "limit_growth_below": np.array([linear.growth(*matrices, 0.95 * limit)]),
         "limit_growth_above": np.array([linear.growth(*matrices, 1.05 * limit)]),
-    }
-
-
-def run_paper(sweep: Sweep, shape: str, progress=lambda done: None) -> dict:
-    """The energy ledger of the sweep's cases of one shape over the stroke, at the default step."""
-    cases = {name: case for name, case in sweep.cases.items() if case.shape == shape}
-    residual = np.full((len(cases), PAPER_BINS), np.nan)
-    interval = sweep.cylinder.stroke / sweep.cylinder.velocity / PAPER_BINS
-    for row, case in enumerate(cases.values()):
-        simulation = start(sweep.replicate(shape, case.density, sweep.seeds[0]))
-        for column in range(PAPER_BINS):
-            simulation.record(interval / 10, 10)
-            residual[row, column] = simulation.ledger().residual
-            progress((row * PAPER_BINS + column + 1) / residual.size)
-    return {
-        "paper_case": np.array(list(cases)),
-        "paper_displacement": np.arange(1, PAPER_BINS + 1) / PAPER_BINS * sweep.cylinder.stroke,
-        "paper_residual": residual,
     }

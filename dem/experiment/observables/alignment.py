@@ -6,6 +6,13 @@ is the difference to the angles at the start of the same granules.
 
 import numpy as np
 
+S = ("snapshot",)
+VARIABLES = {
+    "alignment": (S, "1", "mean of cos 2(angle - direction of motion) of the granules near the cylinder"),
+    "alignment_start": (S, "1", "the same with the angles that these granules had at the start"),
+    "streaming": (S, "1", "mean of cos 2(angle - direction of motion past the cylinder) of the granules near it"),
+    "streaming_start": (S, "1", "the same with the angles that these granules had at the start"),
+}  # fmt: skip
 NEAR = 2.0  # mean granule diameters from the surface of the cylinder
 MOVED = 0.01  # mean granule diameters: less motion than that has no direction
 
@@ -26,3 +33,18 @@ def alignment(before, after, angles, cylinder, radius: float, diameter: float, d
         cosine = np.cos(2.0 * (np.asarray(angles)[:, going] - direction))
         found.append(cosine.mean(axis=1) if going.any() else np.full(len(angles), np.nan))
     return np.array(found)
+
+
+def measure(seen) -> dict:
+    """Values of VARIABLES by name; NaN for round granules."""
+    motion, own = seen.motion, seen.replicate.configuration
+    found = np.full((len(VARIABLES), len(motion.displacement)), np.nan)
+    if seen.replicate.shape.ratio > 1.0:
+        for now in range(1, found.shape[1]):
+            cylinder = 0.5 * own.box_width, motion.cylinder_y[now]
+            found[:, now] = alignment(
+                motion.position[now - 1], motion.position[now], motion.angle[[now, 0]], cylinder,
+                0.5 * own.cylinder.diameter, seen.replicate.shape.diameter,
+                float(np.diff(motion.displacement[now - 1 : now + 1])[0]),
+            ).ravel()  # fmt: skip
+    return dict(zip(VARIABLES, found, strict=True))

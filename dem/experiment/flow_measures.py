@@ -23,9 +23,9 @@ def both_ways(pairs):
 
 def sums(values, index, count):
     """Sums (count, ...) of values (m, ...) by index (m,)."""
-    total = np.zeros((count, *values.shape[1:]))
-    np.add.at(total, index, values)
-    return total
+    columns = values.reshape(len(values), -1).T
+    found = [np.bincount(index, column, count) for column in columns]
+    return np.stack(found, axis=-1).reshape(count, *values.shape[1:])
 
 
 def non_affine(before, after, diameter: float) -> np.ndarray:

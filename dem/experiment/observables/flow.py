@@ -2,9 +2,15 @@
 
 import numpy as np
 
-from dem.analysis.flow import measures
-from dem.analysis.flow.motion import Motion
+from dem.experiment import flow_measures as measures
 
+S = ("snapshot",)
+VARIABLES = {
+    "non_affine": (S, "1", "mean over the granules of D2min over the lag, over the squared diameter"),
+    "fluctuation": (S, "1", "mean distance of a granule from the motion of its neighbours over the lag, over that of the cylinder"),
+    "mixing": (S, "1", "share of pairs side by side that are of different layers, less that at the start"),
+    "contacts_lost": (S, "1", "share of the contacts at the start of the lag that are no more at its end"),
+}  # fmt: skip
 LAG = 0.5e-3  # m of displacement of the cylinder over which motions are compared
 
 
@@ -13,14 +19,19 @@ def lag_of(displacement: np.ndarray) -> int:
     return max(1, round(LAG / (displacement[1] - displacement[0])))
 
 
-def touching(motion: Motion, snapshot: int) -> set:
+def touching(motion, snapshot: int) -> set:
     """Pairs of granules in contact at a snapshot."""
     found = motion.contacts(snapshot)
     pairs = np.sort(np.column_stack([found.granule, found.partner]), axis=1)
     return set(map(tuple, pairs[pairs[:, 0] >= 0].tolist()))
 
 
-def measure(motion: Motion) -> dict:
+def measure(seen) -> dict:
+    """Values of VARIABLES by name."""
+    return measured(seen.motion)
+
+
+def measured(motion) -> dict:
     """Measures (snapshots,) by name, NaN where the lag reaches back beyond the start."""
     count, lag = len(motion.displacement), lag_of(motion.displacement)
     diameter = motion.replicate.shape.diameter

@@ -1,0 +1,211 @@
+"""One run of a file of results, found by its values: `case=c1 seed=1`.
+
+The file is one of runs (a chunk of the store, or what `dem simulate` writes), or the combined file
+of a sweep, whose runs lie in the chunks linked beside it.
+"""
+
+import json
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from dem.base.errors import InputError
+from dem.experiment.config import Replicate, nearest, of_values
+from dem.experiment.motion import Motion
+from dem.io.dataset import LABELS, content_of
+from dem.io.lazily import open_lazily
+from dem.sweep.store import Store
+
+SHOWN = 8  # values of an axis that a sentence lists
+SNAPSHOTS = (
+    "snapshot_displacement", "cylinder_y", "granule_x", "granule_y", "granule_angle",
+    "granule_diameter", "box_height",
+)  # fmt: skip
+
+
+class Column(NamedTuple):
+    """A value that tells runs apart: its name, and what it is in every run (runs,)."""
+
+    name: str
+    values: np.ndarray
+
+
+def open_run(path: Path, select: list[str]) -> tuple[Replicate, dict]:
+    """One run of a file and its variables by name; raises InputError where there is not just one.
+
+    select: words such as "case=c1" and "friction.granule=0.3", as many as single out the run.
+    """
+    with open_lazily(path) as dataset:
+        if "run_id" not in dataset.variables:
+            raise InputError(f"{path}: it holds no runs; name drag.nc or a file of runs.")
+        columns = columns_of(dataset)
+        ids = dataset["run_id"].values.ravel()
+        row = _chosen(path, columns, ids, select)
+        if dataset["run_id"].dims == ("run",):
+            return _row(path, dataset, row)
+        run = str(ids[row])
+    return read_run(chunk_of(path, run), run)
+
+
+def read_run(path: Path, run: str) -> tuple[Replicate, dict]:
+    """A run of a chunk by its identity, and its variables by name."""
+    with open_lazily(path) as dataset:
+        return _row(path, dataset, dataset["run_id"].values.tolist().index(run))
+
+
+def chunk_of(path: Path, run: str) -> Path:
+    """The chunk that holds a run of a combined file; raises InputError where there is none."""
+    folder = Path(path).parent
+    for place in (folder / "chunks", folder.parent / "chunks"):
+        for link in sorted(place.glob("*.nc")):
+            file = link.resolve()
+            with_plan = file.is_file() and file.parent.name == "chunks"
+            if with_plan and run in Store(file.parents[1]).read_plan(link.stem).runs:
+                return link
+    raise InputError(
+        f"{path}: its run {run[:12]} is in no file of {folder}/chunks; make the sweep again."
+    )
+
+
+def replicate_of(path: Path, dataset: xr.Dataset, row: int) -> Replicate:
+    """What a run of a chunk is."""
+    with content_of(path):
+        try:
+            return of_values(json.loads(dataset.attrs["values"])[row], str(path))
+        except (KeyError, ValueError, IndexError, InputError):
+            raise InputError(
+                f"{path}: it does not say what its runs are; is it another file?"
+            ) from None
+
+
+def _row(path: Path, dataset: xr.Dataset, row: int) -> tuple[Replicate, dict]:
+    replicate = replicate_of(path, dataset, row)
+    one = dataset.isel(run=row)
+    if "failure" in one and int(one["failure"]):
+        reason = str(one["failure_reason"].values).strip()
+        raise InputError(f"{path}: {replicate.words()}, failed: {reason}")
+    return replicate, {str(name): one[name].values for name in one.variables}
+
+
+def columns_of(dataset: xr.Dataset) -> list[Column]:
+    """All values that tell the runs apart, axes and labels first."""
+    dims = dataset["run_id"].dims
+    if dims == ("run",):
+        names = [name for name in LABELS if name in dataset.variables]
+        rows = [_flat(each) for each in json.loads(dataset.attrs.get("values", "[]"))]
+        paths = dict.fromkeys(path for each in rows for path in each if path not in names)
+        more = [Column(path, np.array([each.get(path) for each in rows])) for path in paths]
+        return [Column(name, dataset[name].values) for name in names] + more
+    labels = [name for name in dataset.coords if set(dataset[name].dims) <= set(dims)]
+    names = [*dims, *(str(name) for name in labels if name not in dims)]
+    like = dataset["run_id"]
+    return [
+        Column(name, dataset[name].broadcast_like(like).transpose(*dims).values.ravel())
+        for name in names
+        if name in dataset.variables
+    ]
+
+
+def _flat(values: dict, head: str = "") -> dict:
+    """Groups of values as one, by path; lists tell no runs of a file apart."""
+    found = {}
+    for name, value in values.items():
+        if isinstance(value, dict):
+            found |= _flat(value, f"{head}{name}.")
+        elif not isinstance(value, list):
+            found[head + name] = value
+    return found
+
+
+def _chosen(path, columns: list[Column], ids, select: list[str]) -> int:
+    """Which run is meant."""
+    left = np.ones(len(ids), bool)
+    for word in select:
+        name, there, value = word.partition("=")
+        if not there:
+            raise InputError(f"{word!r} selects no run; write a name and a value, such as seed=1.")
+        left &= _matches(path, _named(path, columns, name), word, value, left)
+    if len(set(ids[left].tolist())) == 1:
+        return int(np.flatnonzero(left)[0])
+    raise InputError(_open(path, columns, ids, left, select))
+
+
+def _named(path, columns: list[Column], name: str) -> Column:
+    known = {column.name.replace(".", "_"): column for column in columns}
+    if (plain := name.replace(".", "_")) in known:
+        return known[plain]
+    varied = [column.name for column in columns if len(set(_words(column.values))) > 1]
+    hint = nearest(plain, known) or (f"; its runs differ in {', '.join(varied)}" if varied else "")
+    raise InputError(f"{path}: {name} is nothing that its runs have{hint}.")
+
+
+def _matches(path, column: Column, word: str, value: str, left) -> np.ndarray:
+    """Which runs have a value; raises InputError where none of those left has it."""
+    values = column.values
+    if values.dtype.kind in "iuf":
+        try:
+            wanted = float(value)
+        except ValueError:
+            wanted = np.nan
+        found = np.isclose(values, wanted, rtol=1e-6, atol=0.0)
+    else:
+        found = np.array([word == value for word in _words(values)])
+    if (found & left).any():
+        return found
+    there = list(dict.fromkeys(_words(values[left])))
+    if len(there) > SHOWN and values.dtype.kind in "iuf" and np.isfinite(wanted):
+        near = values[left][np.nanargmin(np.abs(values[left] - wanted))]
+        raise InputError(f"{path}: there is no run with {word}; the nearest is {near:.10g}.")
+    words = ", ".join(there[:SHOWN]) + (", ..." if len(there) > SHOWN else "")
+    raise InputError(f"{path}: there is no run with {word}; {column.name} is {words}.")
+
+
+def _open(path, columns: list[Column], ids, left, select: list[str]) -> str:
+    """What is still to be said, with an example: the first run that is left."""
+    first, count = int(np.flatnonzero(left)[0]), len(set(ids[left].tolist()))
+    example = []
+    for column in columns:
+        words = np.array(_words(column.values))
+        same = left & (words == words[first])
+        if len(set(ids[same].tolist())) < len(set(ids[left].tolist())):
+            example.append(f"{column.name}={words[first]}")
+            left = same
+    names = ", ".join(each.partition("=")[0] for each in example)
+    having = f" with {' '.join(select)}" if select else ""
+    return (
+        f"{path}: it has {count} runs{having}; choose one by {names}, such as {' '.join(example)}."
+    )
+
+
+def _words(values) -> list[str]:
+    """Values as one writes them."""
+    return [f"{v:.10g}" if isinstance(v, float | np.floating) else str(v) for v in values]
+
+
+def read_motion(path: Path, select: list[str] = ()) -> Motion:
+    """The snapshots of one run, with its drag; raises InputError where it has none."""
+    replicate, values = open_run(path, list(select))
+    return motion_of(path, replicate, values)
+
+
+def motion_of(path: Path, replicate: Replicate, values: dict) -> Motion:
+    """The snapshots of a run from its variables."""
+    if "granule_x" not in values:
+        raise InputError(
+            f"{path}: no snapshots of {replicate.words()} are kept; "
+            "add snapshots to record.observables and run again."
+        )
+    absent = [name for name in SNAPSHOTS if name not in values]
+    if absent:
+        raise InputError(f"{path}: it has no variable {absent[0]}; is it another file?")
+    moved = values["snapshot_displacement"]
+    if not (len(moved) > 1 and np.isfinite(moved).all() and (np.diff(moved) > 0.0).all()):
+        raise InputError(f"{path}: its snapshots do not follow each other; is it another file?")
+    position = np.stack([values["granule_x"], values["granule_y"]], axis=-1)
+    return Motion(
+        replicate, float(values["box_height"]), moved, values["cylinder_y"], position,
+        values["granule_angle"], values["granule_diameter"],
+        values.get("displacement"), values.get("drag"),
+    )  # fmt: skip

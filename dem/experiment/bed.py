@@ -1,0 +1,68 @@
+"""The bed of a run: sizes, cylinder, packing, and the file that `dem pack` writes."""
+
+from pathlib import Path
+
+import numpy as np
+
+from dem.base.errors import InputError
+from dem.experiment.config import Replicate
+from dem.experiment.fit import height_of_box, sample_diameters
+from dem.io.dataset import BED, global_attributes, read, write
+from dem.packing.pressed import compact
+from dem.packing.random import Bed, pack
+from dem.scene import Cylinder
+from dem.shapes import KINDS
+
+
+def diameters(replicate: Replicate) -> np.ndarray:
+    """Volume diameters (n,) in m of the granules of this seed."""
+    spread = replicate.configuration.packing.size_spread
+    return sample_diameters(replicate.shape, spread, replicate.seed)
+
+
+def cylinder(replicate: Replicate, height: float) -> Cylinder:
+    """The cylinder at its start in a box of the given height (m)."""
+    wanted, width = replicate.configuration.cylinder, replicate.configuration.box_width
+    return Cylinder(wanted.diameter, (0.5 * width, wanted.start * height), (0.0, wanted.velocity))
+
+
+def make_bed(replicate: Replicate) -> Bed:
+    """Pack the bed; ellipses always by common normal, which alone has an energy to minimise."""
+    sizes = diameters(replicate)
+    shape = KINDS[replicate.shape.kind].shape.of_size(sizes, replicate.shape.ratio)
+    own = replicate.configuration
+    height = height_of_box(own, sizes)
+    room = shape, own.box_width, height, cylinder(replicate, height), replicate.seed
+    friction = own.packing.friction
+    return compact(*room, friction) if friction > 0.0 else pack(*room)
+
+
+WRITTEN = (
+    "position_x", "position_y", "angle", "box_height", "packing_net_force",
+    "packing_pressure_over_modulus", "packing_coordination_number", "packing_max_overlap",
+)  # fmt: skip
+
+
+def write_bed(path: Path, replicate: Replicate, bed: Bed) -> None:
+    """Write the file of a packing."""
+    values = (
+        *bed.position.T, bed.angle, bed.height, bed.net_force,
+        bed.pressure, bed.coordination_number, bed.max_overlap,
+    )  # fmt: skip
+    title = f"Bed of {replicate.label}, seed {replicate.seed}"
+    attrs = global_attributes(title, "dem pack", bed_key=replicate.bed_key())
+    sizes = {"granule_diameter": diameters(replicate)}
+    write(path, dict(zip(WRITTEN, values, strict=True)) | sizes, attrs, BED)
+
+
+def read_bed(path: Path, replicate: Replicate) -> Bed:
+    """The bed in the file of a packing; raises InputError if it is not that of the replicate."""
+    values, attrs = read(path, WRITTEN)
+    if attrs.get("bed_key") != replicate.bed_key():
+        raise InputError(
+            f"{path}: it is not the bed of {replicate.label}, seed {replicate.seed}, in this "
+            "configuration; make it again with dem pack."
+        )
+    x, y, angle, height, *measures = (values[name] for name in WRITTEN)
+    position, width = np.column_stack([x, y]), replicate.configuration.box_width
+    return Bed(position, angle, width, float(height), *map(float, measures))

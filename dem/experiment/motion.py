@@ -1,0 +1,56 @@
+"""The snapshots of one run, with all that is needed to draw and to measure them."""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from dem.dynamics.simulation import Simulation
+from dem.dynamics.touching import Touching
+from dem.experiment.config import Replicate
+from dem.experiment.scene import make_scene
+from dem.packing.random import Bed
+from dem.shapes import KINDS
+
+
+class Motion(NamedTuple):
+    """Snapshots s of granules n. SI units.
+
+    displacement, cylinder_y (s,); position (s, n, 2); angle (s, n); diameters (n,); drag (bins,)
+    at drag_displacement (bins,), None where it is not asked for.
+    """
+
+    replicate: Replicate
+    height: float
+    displacement: np.ndarray
+    cylinder_y: np.ndarray
+    position: np.ndarray
+    angle: np.ndarray
+    diameters: np.ndarray
+    drag_displacement: np.ndarray | None = None
+    drag: np.ndarray | None = None
+
+    @property
+    def outlines(self) -> np.ndarray:
+        """Outlines (n, rings, points, 2) in m about the centre at angle zero."""
+        kind = KINDS[self.replicate.shape.kind].shape
+        return kind.of_size(self.diameters, self.replicate.shape.ratio).polygons(33)
+
+    def nearest(self, displacement: float) -> int:
+        """The snapshot nearest to a displacement of the cylinder (m)."""
+        return int(np.abs(self.displacement - displacement).argmin())
+
+    def contacts(self, snapshot: int) -> Touching:
+        """Contacts at a snapshot."""
+        replicate, place = self.replicate, self.position[snapshot]
+        bed = Bed(
+            place,
+            self.angle[snapshot],
+            replicate.configuration.box_width,
+            self.height,
+            *(np.nan,) * 4,
+        )
+        scene = make_scene(replicate, bed)
+        axis = scene.cylinder.position[0], float(self.cylinder_y[snapshot])
+        scene = replace(scene, cylinder=replace(scene.cylinder, position=axis))
+        return Simulation(scene, bed.state).contacts()

@@ -1,0 +1,31 @@
+"""Forces on cylinder and walls, energy and contacts of the bed: a mean, or the end, of every bin."""
+
+D = ("displacement",)
+VARIABLES = {
+    "drag": (D, "N", "drag: force of the granules on the cylinder against its motion"),
+    "drag_normal": (D, "N", "part of the drag from normal contact forces"),
+    "drag_tangential": (D, "N", "part of the drag from tangential contact forces"),
+    "transverse_force": (D, "N", "force on the cylinder across its motion, to the right"),
+    "wall_force": (("wall", *D), "N", "normal force of the granules on a wall, outwards"),
+    "kinetic_energy": (D, "J", "kinetic energy of the granules, end of the bin"),
+    "coordination_number": (D, "1", "contacts between granules, twice, over the number of granules, end of the bin"),
+    "max_overlap": (D, "1", "greatest overlap over the smaller granule radius, end of the bin"),
+    "time_step": (D, "s", "shortest time step in the bin"),
+}  # fmt: skip
+
+
+def measure(seen) -> dict:
+    """Values of VARIABLES by name."""
+    record = seen.record
+    total = record.normal_force + record.tangential_force
+    return {
+        "drag": -total[:, 1],
+        "drag_normal": -record.normal_force[:, 1],
+        "drag_tangential": -record.tangential_force[:, 1],
+        "transverse_force": total[:, 0],
+        "wall_force": record.wall_force.T,
+        "kinetic_energy": record.kinetic_energy,
+        "coordination_number": record.coordination_number,
+        "max_overlap": record.max_overlap,
+        "time_step": record.time_step,
+    }

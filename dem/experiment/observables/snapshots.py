@@ -1,0 +1,21 @@
+"""Place and angle of every granule at the snapshots."""
+
+VARIABLES = {
+    "cylinder_y": (("snapshot",), "m", "height of the axis of the cylinder above the floor"),
+    "granule_x": (("snapshot", "granule"), "m", "distance of the granule's centre from the left wall"),
+    "granule_y": (("snapshot", "granule"), "m", "height of the granule's centre above the floor"),
+    "granule_angle": (("snapshot", "granule"), "rad", "angle of the granule, anticlockwise"),
+    "granule_diameter": (("granule",), "m", "volume diameter: diameter of the disc of equal area"),
+}  # fmt: skip
+
+
+def measure(seen) -> dict:
+    """Values of VARIABLES by name."""
+    motion = seen.motion
+    return {
+        "cylinder_y": motion.cylinder_y,
+        "granule_x": motion.position[:, :, 0],
+        "granule_y": motion.position[:, :, 1],
+        "granule_angle": motion.angle,
+        "granule_diameter": motion.diameters,
+    }

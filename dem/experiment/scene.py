@@ -1,0 +1,41 @@
+"""The scene of a run and its simulation, at the start."""
+
+from dem.dynamics.simulation import Simulation
+from dem.experiment.bed import cylinder, diameters
+from dem.experiment.config import Replicate
+from dem.packing.random import Bed
+from dem.scene import Friction, Material, Scene
+from dem.shapes import KINDS
+
+
+def granules(replicate: Replicate):
+    """Shape of all granules of this seed, contacts as the configuration asks."""
+    kind, wanted = replicate.shape.kind, replicate.configuration.ellipse
+    options = (wanted.contact, wanted.curvature) if kind == "ellipse" else ()
+    return KINDS[kind].shape.of_size(diameters(replicate), replicate.shape.ratio, *options)
+
+
+def make_scene(replicate: Replicate, bed: Bed) -> Scene:
+    """The scene of the run."""
+    own = replicate.configuration
+    material = own.material
+    return Scene(
+        shape=granules(replicate),
+        material=Material(
+            replicate.density, material.young_modulus, material.poisson_ratio, material.restitution
+        ),
+        friction=Friction(**own.friction.model_dump()),
+        walls=bed.walls,
+        cylinder=cylinder(replicate, bed.height),
+        gravity=(0.0, -own.gravity) if own.gravity > 0.0 else None,
+        thickness=material.thickness or replicate.shape.diameter,
+    )
+
+
+def start(replicate: Replicate, bed: Bed, **options) -> Simulation:
+    """The bed at rest with the cylinder at its start; options of the Simulation count before those
+    of the configuration. Raises RunError where that cannot be."""
+    numerics = replicate.configuration.numerics
+    names = "time_step", "step_fraction", "max_overlap", "allow_unstable"
+    usual = {name: getattr(numerics, name) for name in names}
+    return Simulation(make_scene(replicate, bed), bed.state, **usual | options)

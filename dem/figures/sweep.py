@@ -1,0 +1,218 @@
+"""Mean drag over what a sweep varied, whatever that is.
+
+A grid of values: the numeric axis with most values along x, a line a value of the next (of the
+shape, if it varies), a panel a value of the others. A design: a panel a factor, a mark a point.
+"""
+
+import re
+from textwrap import fill
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from dem.analysis.statistics import half_interval, over_seeds, summarise
+from dem.base.errors import InputError
+from dem.figures import style
+from dem.io.dataset import LABELS
+from dem.sweep.axis import POINT
+
+PANELS = 12  # at most
+COLUMNS = 4  # of panels, at most
+MARKERS = "osD^vPX"
+LINES = ("-", (0, (5, 1.5)), (0, (1, 1)), (0, (3, 1, 1, 1)), (0, (7, 1.5, 1, 1.5)))
+FAR = 30.0  # greatest over least value of a logarithmic axis
+FEW = 6  # values of x that each have their tick
+APART = 0.6, 0.012  # between two lines, so that intervals show: of a category's place; of a range
+WIDEST = 2.0  # intervals are cut at so many times the greatest mean
+BASES = ("shape", "case")  # axes that are told by lines
+
+
+@style.styled
+def plot(dataset: xr.Dataset) -> Figure:
+    """Means with their intervals; raises InputError where no run is there."""
+    runs = summarise(dataset)["run_mean"]
+    if not bool(runs.notnull().any()):
+        raise InputError("all its runs failed.")
+    if set(runs.dims) == {"seed"}:  # one place: its shape is the axis
+        runs = runs.expand_dims("shape")
+    designs = [dim for dim in runs.dims if runs[dim].attrs.get("long_name") == POINT]
+    return _design(dataset, runs, designs[0]) if designs else _grid(dataset, runs)
+
+
+def factors_of(runs: xr.DataArray, dim: str) -> list[str]:
+    """Names of the values that differ between the points of a design."""
+    return [
+        str(name) for name, values in runs.coords.items()
+        if values.dims == (dim,) and name != dim and name not in LABELS
+    ]  # fmt: skip
+
+
+def words(values: xr.DataArray, power: int = 0) -> str:
+    """What an axis is, with its units: "Width of the box (m)"; power: of ten, before the units."""
+    name = str(values.attrs.get("long_name", values.name))
+    if "units" not in values.attrs and values.name in values.dims:  # points by their names
+        name = str(values.name).replace("_", " ")
+    scale = f"10{_raised(str(power))}\N{NO-BREAK SPACE}" if power else ""
+    bare = values.attrs.get("units", "1") == "1" and not scale
+    units = "" if bare else f" ({scale}{_units(values)})"
+    return f"{name[0].upper()}{name[1:]}{units}"
+
+
+def _units(values: xr.DataArray) -> str:
+    """Units as figures have them: kg m⁻³."""
+    units = str(values.attrs["units"]).replace(" ", "\N{NO-BREAK SPACE}")
+    return re.sub(r"(?<=[a-z])-?\d", lambda power: _raised(power[0]), units)
+
+
+def _raised(power: str) -> str:
+    return power.translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+
+
+def _power(values: xr.DataArray) -> int:
+    """Of 10, by which values are divided that are far from one; 0 for others and for words."""
+    greatest = float(np.abs(values.values).max()) if values.dtype.kind in "iuf" else 1.0
+    if not np.isfinite(greatest) or 0.02 <= greatest < 2e4 or greatest == 0.0:
+        return 0
+    return 3 * int(np.floor(np.log10(greatest) / 3.0))
+
+
+def _told(values: xr.DataArray, value) -> str:
+    """One value in words: "gravity, downwards 10 m s⁻²"."""
+    if values.dtype.kind not in "iuf":
+        return f"{str(values.name).replace('_', ' ')}: {value}"
+    units = _units(values) if values.attrs.get("units", "1") != "1" else ""
+    return f"{values.attrs.get('long_name', values.name)}: {value:.5g} {units}".strip()
+
+
+class Roles:
+    """Which axis is along x, which is told by lines, which by panels, and over which is averaged."""
+
+    def __init__(self, runs: xr.DataArray, x: str | None = None):
+        dims = [str(dim) for dim in runs.dims if dim != "seed"]
+        sizes = {dim: runs.sizes[dim] for dim in dims}
+        numeric = [dim for dim in dims if runs[dim].dtype.kind in "iuf"]
+        others = [dim for dim in dims if dim not in BASES] or dims
+        # most values, numbers first; of equals the last that is named
+        order = sorted(others, key=lambda d: (d in numeric and sizes[d] > 1, sizes[d]))
+        self.x = x or order[-1]
+        rest = [dim for dim in dims if dim != self.x and sizes[dim] > 1]
+        rest.sort(key=lambda d: (d not in BASES, sizes[d] > len(MARKERS), -sizes[d]))
+        self.line = rest.pop(0) if rest else None
+        self.panels, self.averaged, count = [], [], 1
+        for dim in rest:
+            if x is None and len(self.panels) < 2 and count * sizes[dim] <= PANELS:
+                self.panels.append(dim)
+                count *= sizes[dim]
+            else:
+                self.averaged.append(dim)
+        if len(self.panels) == 2 and sizes[self.panels[0]] > COLUMNS:
+            self.panels.reverse()
+
+    def reduced(self, runs: xr.DataArray) -> xr.DataArray:
+        """Without the axes that are averaged over, and those of one value."""
+        single = [dim for dim in runs.dims if runs.sizes[dim] == 1 and dim not in (self.x, "seed")]
+        return runs.squeeze(single).mean(self.averaged, skipna=False)
+
+
+def _grid(dataset: xr.Dataset, runs: xr.DataArray) -> Figure:
+    """Panels with the same axes."""
+    roles = Roles(runs)
+    runs = roles.reduced(runs)
+    values = [runs[dim].values for dim in roles.panels]
+    places = [()] if not values else [(a,) for a in values[0]]
+    if len(values) == 2:
+        places = [(a, b) for b in values[1] for a in values[0]]
+    columns = len(values[0]) if len(values) == 2 else min(len(places), COLUMNS - 1)
+    figure, panels = _panels(len(places), columns, sharex=True, sharey=True)
+    for axes, place in zip(panels, places, strict=True):
+        here = runs.sel(dict(zip(roles.panels, place, strict=True)))
+        _lines(axes, here, roles, here[roles.x])
+        told = [_told(runs[dim], at) for dim, at in zip(roles.panels, place, strict=True)]
+        axes.set_title("\n".join(fill(each, 88 // columns) for each in told), loc="left")
+    for axes in panels[-columns:]:
+        axes.tick_params(labelbottom=True)
+        _name(axes, runs[roles.x], columns)
+    _finish(figure, dataset, runs, roles)
+    return figure
+
+
+def _design(dataset: xr.Dataset, runs: xr.DataArray, dim: str) -> Figure:
+    """A panel a factor of a design."""
+    factors, roles = factors_of(runs, dim), Roles(runs, x=dim)
+    runs = roles.reduced(runs)
+    shown = factors[:PANELS]
+    columns = min(len(shown), COLUMNS - 1)
+    figure, panels = _panels(len(shown), columns, sharey=True)
+    for axes, name in zip(panels, shown, strict=True):
+        _lines(axes, runs, roles, runs[name], marks=True)
+        _name(axes, runs[name], columns)
+    more = f"; {len(factors) - PANELS} factors more are not shown" if factors[PANELS:] else ""
+    _finish(figure, dataset, runs, roles, more)
+    return figure
+
+
+def _name(axes, along: xr.DataArray, columns: int) -> None:
+    axes.set_xlabel(fill(words(along, _power(along)), 76 // columns))
+
+
+def _panels(count: int, columns: int, **shared):
+    rows = -(-count // columns)
+    figure = Figure(figsize=(style.WIDTH, 1.6 + (4.0 if rows == 1 and columns < 3 else 2.6) * rows))
+    panels = list(figure.subplots(rows, columns, squeeze=False, **shared).flat)
+    for axes in panels[count:]:
+        axes.remove()
+    return figure, panels[:count]
+
+
+def _lines(axes, runs: xr.DataArray, roles: Roles, along: xr.DataArray, marks=False) -> None:
+    """Means (x,) with intervals: a line a value, marks alone for categories and points of a design."""
+    runs = over_seeds(runs)
+    numeric = along.dtype.kind in "iuf"
+    values = along.values / 10.0 ** _power(along) if numeric else along.values
+    names = list(dict.fromkeys(values.tolist()))
+    middle = values if numeric else np.array([names.index(value) for value in values.tolist()])
+    lines = runs[roles.line].values if roles.line else [None]
+    step = APART[1] * float(np.ptp(values)) if numeric else APART[0] / len(lines)
+    for number, line in enumerate(lines):
+        own = runs.sel({roles.line: line}) if roles.line else runs
+        axes.errorbar(
+            middle + (number - 0.5 * (len(lines) - 1)) * step, own.mean("seed").values,
+            half_interval(own).values,
+            color=style.CASES[number % len(style.CASES)], marker=MARKERS[number % len(MARKERS)],
+            markersize=6.5, markerfacecolor="white" if number % 2 else None, capsize=3,
+            elinewidth=1.2, linewidth=1.6,
+            linestyle=LINES[number % len(LINES)] if numeric and not marks else "none",
+            label="" if line is None else _told(runs[roles.line], line),
+        )  # fmt: skip
+    if not numeric:
+        axes.set_xticks(range(len(names)), [str(name) for name in names])
+        axes.set_xlim(-0.6, len(names) - 0.4)
+    elif len(names) <= FEW and not marks:
+        axes.set_xticks(names, [f"{name:.4g}" for name in names])
+    elif values.min() > 0.0 and values.max() > FAR * values.min():
+        axes.set_xscale("log")
+    else:
+        axes.xaxis.set_major_locator(MaxNLocator(4))
+
+
+def _finish(figure: Figure, dataset, runs, roles: Roles, more: str = "") -> None:
+    """Common title, y axis and legend."""
+    first = figure.axes[0]
+    means = over_seeds(runs).mean("seed")
+    lowest, greatest = float(means.min()), float(means.max())
+    for axes in figure.axes:
+        if lowest >= 0.0:
+            axes.set_ylim(0.0, min(axes.get_ylim()[1], WIDEST * greatest))
+        if axes.get_subplotspec().is_first_col():
+            axes.set_ylabel(f"Mean drag from\n{style.window_text(dataset)} (N)")
+    over = f"averaged over {', '.join(roles.averaged)}" if roles.averaged else ""
+    counts = over_seeds(runs).count("seed")
+    least, count = int(counts.min()), int(counts.max())
+    each = f"{count}" if least == count else f"{least} to {count}"
+    bars = f"{each} runs each; bars: 95 % intervals" if count > 1 else "one run each"
+    notes = "; ".join(filter(None, (bars, over)))
+    figure.suptitle(f"Mean drag over what was varied\n({notes}{more})")
+    if roles.line:
+        style.legend(figure, first, "outside lower center", ncols=min(4, runs.sizes[roles.line]))

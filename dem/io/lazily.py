@@ -1,0 +1,70 @@
+"""netCDF files whose variables are read when they are needed, and what must hold for them."""
+
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from dem.base.errors import InputError
+from dem.io.checksums import is_sealed
+from dem.io.dataset import content_of, is_text
+
+NUMBERS = (
+    "window_start", "window_stop", "cylinder_velocity", "box_width", "lag", "cylinder_diameter",
+    "layers", "default_fraction",
+)  # attributes; all others are texts  # fmt: skip
+
+
+@contextmanager
+def open_lazily(path: Path):
+    """Any netCDF file with variables that are read when needed, an xarray.Dataset.
+
+    A file with a checksum must hold what was written; one without, of the user's own making, is
+    taken as it is. Raises InputError for another file, also where damage, or a content that does
+    not fit, shows only when a value is read or used.
+    """
+    if not Path(path).is_file():
+        raise InputError(f"{path}: there is no such file.")
+    with content_of(path):
+        is_sealed(path)
+        try:
+            dataset = xr.open_dataset(path, engine="netcdf4", chunks={})
+        except (OSError, ValueError, RuntimeError) as error:
+            raise InputError(f"{path}: it is not a readable netCDF file ({error}).") from None
+        with dataset:
+            yield dataset
+
+
+def require(dataset: xr.Dataset, path: Path, layout: dict, variables, attributes=()) -> None:
+    """Check a file against a layout as in dem.io.dataset.
+
+    Raises InputError unless it has these variables and attributes, and all its variables of the
+    layout have the dimensions and the kind of values that the layout gives them.
+    """
+    absent = [f"variable {name}" for name in variables if name not in dataset.variables]
+    absent += [f"attribute {name}" for name in attributes if name not in dataset.attrs]
+    if absent:
+        raise InputError(f"{path}: it has no {absent[0]}; is it another file?")
+    for name in layout.keys() & dataset.variables.keys():
+        dims, found = layout[name][0], dataset.variables[name]
+        if found.dims != dims:
+            over = ", ".join(dims) or "no dimension"
+            raise InputError(f"{path}: its {name} is not over {over}; is it another file?")
+        kinds, words = ("OUT", "text") if is_text(name, layout) else ("iuf", "numbers")
+        if found.dtype.kind not in kinds:
+            raise InputError(
+                f"{path}: its {name} holds {found.dtype}, not {words}; is it another file?"
+            )
+    for name in attributes:
+        value = dataset.attrs[name]
+        if name not in NUMBERS and not isinstance(value, str):
+            raise InputError(f"{path}: its attribute {name} is {value}; it must be a text.")
+        if name in NUMBERS and not _is_number(value):
+            raise InputError(f"{path}: its attribute {name} is {value}; it must be a number.")
+
+
+def _is_number(value) -> bool:
+    """Whether an attribute is one finite number."""
+    array = np.asarray(value)
+    return array.dtype.kind in "iuf" and array.ndim == 0 and bool(np.isfinite(array))

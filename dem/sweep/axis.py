@@ -1,0 +1,230 @@
+"""What varies, as a file says it: a key and what it takes, to a dimension and the changes that its points make.
+
+A path of the configuration, `shape`, `case`, `density` or `seed` takes a list; `{times: [...]}` are
+factors on the file's own value. Any other name takes named points, each a group of values that go
+together, or a design over ranges.
+"""
+
+from typing import Any, NamedTuple
+
+from dem.base.errors import InputError
+from dem.base.schema import SEEDS, label, number, seeds_of
+from dem.experiment.config import Configuration, Entry, entries, nearest
+from dem.experiment.observables import OBSERVABLES, module_of
+from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE
+from dem.sweep import derive, design
+
+OWN = ("shape", "density", "seed")  # of a run, beside the values of its configuration
+POINT = "point of the design"  # long name of an axis that is a design
+
+
+class Axis(NamedTuple):
+    """A dimension: its name, units and words, its coordinate, and at every point the changes that it
+    makes, by path."""
+
+    name: str
+    entry: Entry
+    coordinate: list
+    points: list[dict]
+
+
+class Place(NamedTuple):
+    """Where a file says something: of which sweep, the values that may vary by path, and the key."""
+
+    sweep: Any  # dem.sweep.config.Sweep, or a Configuration
+    paths: dict[str, Entry]
+    where: str
+
+    def at(self, key) -> "Place":
+        """One group deeper."""
+        return self._replace(where=f"{self.where}.{key}")
+
+    def refuse(self, words: str):
+        """Raise InputError with the key."""
+        raise InputError(f"{self.where} {words}.")
+
+
+def place_in(sweep: Configuration, where: str) -> Place:
+    """The top of what a file says of a sweep."""
+    return Place(sweep, entries(sweep.shapes), where)
+
+
+def axis_of(key: str, spec, place: Place) -> Axis:
+    """The dimension of a key; raises InputError with the key and the value at fault."""
+    here = place.at(key)
+    if key in READERS:
+        return READERS[key](spec, here)
+    if key in place.paths:
+        found = [_converted(value, place.paths[key], here) for value in _values(key, spec, here)]
+        _once(found, here)
+        return Axis(key.replace(".", "_"), place.paths[key], found, [{key: each} for each in found])
+    if isinstance(spec, dict) and spec and "design" in spec:
+        return _design(key, spec, here)
+    if isinstance(spec, dict) and spec and all(isinstance(point, dict) for point in spec.values()):
+        points = [changes(point, here.at(name)) for name, point in spec.items()]
+        about = Entry(key, None, "values that go together")
+        return Axis(_own_name(key, here), about, list(map(str, spec)), points)
+    hint = nearest(key, [*place.paths, *READERS])
+    raise InputError(f"{place.where}: {key} is no value that can vary{hint}.")
+
+
+def _cases(spec, here: Place) -> Axis:
+    labels = _labels(spec, here.sweep.cases, here)
+    cases = [here.sweep.cases[each] for each in labels]
+    points = [{"shape": case.shape, "density": case.density} for case in cases]
+    return Axis("case", Entry("case", None, ""), labels, points)
+
+
+def _shapes(spec, here: Place) -> Axis:
+    labels = _labels(spec, here.sweep.shapes, here)
+    return Axis("shape", Entry("shape", None, ""), labels, [{"shape": each} for each in labels])
+
+
+def _labels(spec, known: dict, here: Place) -> list[str]:
+    """Rows of a table of the file."""
+    labels = list(known) if spec == "all" else _listed(spec, here)
+    for each in labels:
+        if each not in known:
+            table = f"{here.where.rpartition('.')[2]}s"
+            here.refuse(f"names {each!r}, which is not one of {table}{nearest(each, known)}")
+    _once(labels, here)
+    return labels
+
+
+def _densities(spec, here: Place) -> Axis:
+    found = [float(_number(value, here)) for value in _listed(spec, here)]
+    for each in found:
+        if not each > 0.0:
+            here.refuse(f"has {each:g}; it must be positive")
+    _once(found, here)
+    points = [{"density": each} for each in found]
+    return Axis("density", Entry("density", "kg m-3", ""), found, points)
+
+
+def _seeds(spec, here: Place) -> Axis:
+    seeds = _listed(spec, here)
+    try:
+        seeds = list(seeds_of(spec)) if isinstance(spec, str) else seeds
+    except ValueError as error:
+        here.refuse(f"is {spec!r}; {error}")
+    for seed in seeds:
+        if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < SEEDS:
+            here.refuse(f"has {seed!r}; a seed is a whole number below {SEEDS}")
+    _once(seeds, here)
+    seeds = sorted(seeds)
+    return Axis("seed", Entry("seed", "1", ""), seeds, [{"seed": seed} for seed in seeds])
+
+
+READERS = {"case": _cases, "shape": _shapes, "density": _densities, "seed": _seeds}
+
+
+def _design(key: str, spec: dict, here: Place) -> Axis:
+    """Points that fill a space of values; of each the seed too, if the design says a first one."""
+    wanted = design.parse(spec, here.where)
+    for path in wanted.over:
+        if path not in here.paths:
+            hint = nearest(path, here.paths)
+            raise InputError(f"{here.where}.over: {path} is no value that can vary{hint}.")
+    points = design.points(wanted)
+    if wanted.first_seed is not None:
+        points = [point | {"seed": wanted.first_seed + k} for k, point in enumerate(points)]
+    return Axis(_own_name(key, here), Entry(key, "1", POINT), list(range(len(points))), points)
+
+
+def _own_name(key: str, here: Place) -> str:
+    """The name of a dimension; one that a variable has gets a suffix."""
+    check_label(key, here.where.rpartition(".")[0])
+    taken = {"run", "bound", "snapshot", "granule", *OBSERVABLES}
+    for table in (AXES, LABELS, OF_RUN, OF_STORE, *(module_of(n).VARIABLES for n in OBSERVABLES)):
+        taken |= set(table)
+    return f"{key}_swept" if key in taken else key
+
+
+def changes(values, place: Place) -> dict:
+    """Values by path, checked; a group is a factor or what is derived."""
+    if not isinstance(values, dict):
+        place.refuse(f"is {values!r}; it must be values by path")
+    found = {}
+    for path, value in values.items():
+        if path not in place.paths and path not in OWN:
+            hint = nearest(path, [*place.paths, *OWN])
+            raise InputError(f"{place.where}: {path} is no value that can vary{hint}.")
+        here = place.at(path)
+        if isinstance(value, dict) and set(value) == {"times"}:
+            value = _values(path, {"times": [value["times"]]}, here)[0]
+        if isinstance(value, dict):
+            if "derive" not in value:
+                here.refuse(f"is {value!r}; a group must have derive or times")
+            derive.check(value, path, place.where, place.sweep.shapes)
+        elif path in place.paths:
+            value = _converted(value, place.paths[path], here)
+        found[path] = value
+    return found
+
+
+def changes_of_words(configuration: Configuration, words: list[str]) -> dict:
+    """Values by path from words such as friction.granule=0.3; raises InputError."""
+    found = {}
+    for word in words:
+        path, equal, value = word.partition("=")
+        if not equal or not value:
+            raise InputError(f"{word!r} is no value; write a path and a value: box_width=0.02.")
+        found[path] = value
+    return changes(found, place_in(configuration, "values"))
+
+
+def is_derived(value) -> bool:
+    """Whether a value follows from another result."""
+    return isinstance(value, dict)
+
+
+def _values(path: str, spec, here: Place) -> list:
+    """A list of values, also where it is written as factors on that of the file."""
+    if not (isinstance(spec, dict) and set(spec) == {"times"}):
+        return _listed(spec, here)
+    base = here.sweep.values()
+    for name in path.split("."):
+        base = base[name]
+    if isinstance(base, str) or base is None:
+        here.refuse(f"is {base!r}, which has no multiples")
+    return [_number(factor, here) * base for factor in _listed(spec["times"], here)]
+
+
+def _converted(value, entry: Entry, here: Place):
+    """A value as the schema has it: YAML takes 15e-3 for text."""
+    if value is None or isinstance(value, bool):
+        return value
+    if isinstance(value, list | dict):
+        here.refuse(f"is {value!r}; it must be one value")
+    return value if entry.units is None else _number(value, here)
+
+
+def _number(value, here: Place):
+    try:
+        return number(value)
+    except ValueError as error:
+        raise InputError(f"{here.where} has {value!r}; {error}.") from None
+
+
+def check_label(name, where: str) -> None:
+    """Raise InputError for a name that cannot be that of a dimension or a folder."""
+    try:
+        label(str(name))
+    except ValueError as error:
+        raise InputError(f"{where} has the name {name!r}; {error}.") from None
+
+
+def _listed(spec, here: Place) -> list:
+    """A list that is not empty; one value is a list of one."""
+    found = spec if isinstance(spec, list) else [spec]
+    if not found or isinstance(spec, dict):
+        here.refuse(f"is {spec!r}; it must be a list of values")
+    return found
+
+
+def _once(values: list, here: Place) -> None:
+    seen = set()
+    for value in map(repr, values):
+        if value in seen:
+            here.refuse(f"has {value} twice; list each once")
+        seen.add(value)

@@ -1,0 +1,176 @@
+"""A whole configuration file: the values of a run, and what is varied."""
+
+import json
+from functools import cached_property
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import yaml
+from pydantic import Field, model_validator
+
+from dem.base.errors import InputError
+from dem.base.files import atomic
+from dem.base.schema import Folder, Label, Number, Positive, Section, Whole
+from dem.base.yaml_file import read
+from dem.experiment.config import Configuration, nearest
+from dem.experiment.config import parse as parse_values
+from dem.sweep.axis import check_label
+from dem.sweep.expand import Block, Derived, expand
+
+STUDIES = ("accuracy", "claims", "stability")
+REPLACED = ("sweep", "studies")  # whole, by a file that extends another
+
+
+class CaseSection(Section):
+    shape: Label
+    density: Positive  # kg/m3
+
+
+class Sweep(Configuration):
+    """A configuration file: values, tables of shapes and cases, what varies, and where it goes."""
+
+    title: str = "Slow drag of a cylinder through a bed of granules"
+    results: Folder
+    chunk: Annotated[Whole, Field(ge=1, le=10_000)] = 10  # runs a file of the store
+    failures: Annotated[Number, Field(ge=0, lt=1)] = 0.0  # share of runs that may fail
+    size: Literal["full", "smoke"] = "full"  # of the studies that are scripts
+    cases: dict[Label, CaseSection] = Field(default_factory=dict)
+    sweep: Annotated[dict[str, Any], Field(min_length=1)]
+    studies: dict[Literal[STUDIES], str] = Field(default_factory=dict)  # files of sweeps
+
+    @model_validator(mode="after")
+    def _check_sweep(self):
+        seen = {}
+        for label, case in self.cases.items():
+            if case.shape not in self.shapes:
+                raise ValueError(
+                    f"cases.{label}.shape is {case.shape!r}, which is not one of shapes: "
+                    + ", ".join(self.shapes)
+                )
+            twin = seen.setdefault((case.shape, case.density), label)
+            if twin != label:
+                raise ValueError(f"cases.{label} repeats cases.{twin}")
+        try:
+            for name in self.blocks:
+                self.needed(name)
+                self.block(name)
+        except InputError as error:
+            raise ValueError(str(error).rstrip(".")) from None
+        return self
+
+    @cached_property
+    def _expanded(self) -> dict[str, Block]:
+        return {}
+
+    @cached_property
+    def blocks(self) -> dict[str, dict]:
+        """What varies in each block, by its name; a sweep without blocks is one, named drag."""
+        if "blocks" not in self.sweep:
+            return {"drag": self.sweep}
+        blocks, others = self.sweep["blocks"], set(self.sweep) - {"blocks"}
+        if others:
+            raise InputError(f"sweep has blocks and {min(others)}; move that into a block.")
+        if not isinstance(blocks, dict) or not blocks:
+            raise InputError("sweep.blocks must be groups of what varies, by name.")
+        for name, block in blocks.items():
+            check_label(name, "sweep.blocks")
+            if not isinstance(block, dict):
+                raise InputError(
+                    f"sweep.blocks.{name} is {block!r}; it must be a group of what varies."
+                )
+        return blocks
+
+    def block(self, name: str, derived: Derived | None = None) -> Block:
+        """All runs of a block. derived: gives values that follow from another block's result; without
+        it they are those of the file. Raises InputError for runs that cannot be."""
+        if derived is None and name not in self._expanded:
+            self._expanded[name] = expand(self, name, self._spec(name), None)
+        return expand(self, name, self._spec(name), derived) if derived else self._expanded[name]
+
+    def _spec(self, name: str) -> dict:
+        """What a file says of a block; raises InputError where there is no such block."""
+        if name not in self.blocks:
+            raise InputError(f"block is {name!r}; the sweep has {', '.join(self.blocks)}.")
+        return self.blocks[name]
+
+    def needed(self, name: str) -> tuple[str, ...]:
+        """The blocks, among those before it, whose results a block needs first."""
+        wanted = self._spec(name).get("needs", ())
+        names = tuple(wanted) if isinstance(wanted, list | tuple) else (wanted,)
+        before = list(self.blocks)[: list(self.blocks).index(name)]
+        for each in names:
+            if each not in before:
+                raise InputError(
+                    f"sweep.blocks.{name}.needs is {each!r}; it must be a block before it: "
+                    f"{', '.join(before) or 'there is none'}."
+                )
+        return names
+
+    @cached_property
+    def first_seed(self) -> int:
+        """The least seed of the first block, for what needs one bed."""
+        return min(run.replicate.seed for run in self.block(next(iter(self.blocks))).runs)
+
+    def density_of(self, shape: str) -> float:
+        """Density (kg/m3) of the first case of a shape, or of the first case of all."""
+        cases = list(self.cases.values())
+        if not cases:
+            raise InputError("density is missing: let sweep.density say it, or name cases.")
+        return next((case.density for case in cases if case.shape == shape), cases[0].density)
+
+    def dump(self) -> dict:
+        """The whole file as plain groups."""
+        return json.loads(self.model_dump_json())
+
+
+def parse(data, source: str = "configuration") -> Sweep:
+    """Sweep from the content of a file; raises InputError with one sentence a fault."""
+    if isinstance(data, dict):
+        for key in data:
+            if key not in Sweep.model_fields and key != "extends":
+                hint = nearest(key, Sweep.model_fields)
+                raise InputError(f"{source}: {key} is not a known key{hint}.")
+    return parse_values(extended(data, source), source, Sweep)
+
+
+def extended(data, source: str, above: tuple = ()):
+    """A file's content over that of the file that it extends; raises InputError."""
+    if not isinstance(data, dict) or "extends" not in data:
+        return data
+    name, own = data["extends"], {key: data[key] for key in data if key != "extends"}
+    if not isinstance(name, str):
+        raise InputError(f"{source}: extends is {name!r}; it must be the name of a file.")
+    choices = Path(name), Path(source).parent / name
+    path = next((each for each in choices if each.is_file()), choices[0])
+    if path.resolve() in above:
+        raise InputError(f"{source}: extends is {name!r}, which extends this file.")
+    if "results" not in own:
+        raise InputError(
+            f"{source}: results is missing; a file that extends another needs a folder of its own."
+        )
+    base = extended(read(path), str(path), (*above, path.resolve()))
+    return merged(base, own)
+
+
+def merged(base: dict, own: dict, top: bool = True) -> dict:
+    """Groups of values over others, key by key."""
+    found = {key: base[key] for key in base if not (top and key == "studies")}
+    for key, new in own.items():
+        old = found.get(key)
+        deep = isinstance(old, dict) and isinstance(new, dict) and not (top and key in REPLACED)
+        found[key] = merged(old, new, False) if deep else new
+    return found
+
+
+def load(path: Path) -> Sweep:
+    """Sweep from a YAML file; raises InputError with one sentence a fault."""
+    return parse(read(path), str(path))
+
+
+def save(sweep: Sweep, path: Path) -> None:
+    """Write the configuration as resolved, so that `load` gives the same sweep again."""
+    text = yaml.safe_dump(sweep.dump(), sort_keys=False).encode()
+    path = Path(path)
+    if not path.exists() or path.read_bytes() != text:
+        with atomic(path) as part:
+            part.write_bytes(text)

@@ -1,0 +1,105 @@
+"""Space-filling designs over ranges of values: Latin hypercubes and Sobol sequences, by scipy."""
+
+from typing import Annotated, Literal
+
+from pydantic import BeforeValidator, Field, ValidationError, model_validator
+
+from dem.base.errors import InputError
+from dem.base.schema import Number, Section, Seed, Whole, number, sentences
+
+DRAWS = 20  # hypercubes, of which the one of the lowest discrepancy is taken
+MANY = 5_000  # points from which that takes too long, and one is drawn
+
+
+class Range(Section):
+    """A value that is uniform between two bounds, or its logarithm if scale is log."""
+
+    low: Number
+    high: Number
+    scale: Literal["linear", "log"] = "linear"
+
+    @model_validator(mode="after")
+    def _check(self):
+        if not self.low < self.high:
+            raise ValueError(f"low is {self.low:g}; it must be less than high, {self.high:g}")
+        if self.scale == "log" and not self.low > 0:
+            raise ValueError(f"low is {self.low:g}; with scale log it must be above 0")
+        return self
+
+    def at(self, place: float) -> float:
+        """The value at a place from 0 to 1."""
+        if self.scale == "log":
+            return float(self.low * (self.high / self.low) ** place)
+        return float(self.low + (self.high - self.low) * place)
+
+
+def _value(value):
+    """A finite number as it is, or text."""
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise ValueError("it must be a number or text")
+    return value if isinstance(value, str) else number(value)
+
+
+class Choice(Section):
+    """One of some values, equally likely; a value may be listed more than once."""
+
+    choices: Annotated[
+        tuple[Annotated[int | float | str, BeforeValidator(_value)], ...], Field(min_length=2)
+    ]
+
+    @property
+    def different(self) -> tuple:
+        """Each value once, in the order given."""
+        return tuple(dict.fromkeys(self.choices))
+
+    def at(self, place: float):
+        """The value at a place from 0 to 1."""
+        return self.choices[min(int(place * len(self.choices)), len(self.choices) - 1)]
+
+
+def _factor(value):
+    """A range or a choice, whichever the keys say, so that a fault of one is not told as one of both."""
+    if isinstance(value, Range | Choice):
+        return value
+    chosen = Choice if isinstance(value, dict) and "choices" in value else Range
+    return chosen.model_validate(value)
+
+
+class Design(Section):
+    """Points in the space of some values; the same points from the same seed."""
+
+    design: Literal["latin_hypercube", "sobol"]
+    points: Annotated[Whole, Field(ge=2, le=1_000_000)]
+    draw: Seed | None = None  # of the design itself; absent: first_seed, or 0
+    first_seed: Seed | None = None  # point k is a bed of its own, of seed first_seed + k
+    over: Annotated[
+        dict[str, Annotated[Range | Choice, BeforeValidator(_factor)]], Field(min_length=1)
+    ]
+
+
+def parse(spec: dict, where: str) -> Design:
+    """A design as a file says it; raises InputError."""
+    try:
+        return Design.model_validate(spec)
+    except ValidationError as error:
+        raise InputError(sentences(where, error)) from None
+
+
+def points(wanted: Design) -> list[dict]:
+    """Values by path, a group a point."""
+    from scipy.stats import qmc  # half a second, of files that have a design only
+
+    size = len(wanted.over)
+    seed = wanted.draw if wanted.draw is not None else wanted.first_seed or 0
+    if wanted.design == "sobol":
+        unit = qmc.Sobol(size, rng=seed).random(wanted.points)
+    else:
+        drawn = qmc.LatinHypercube(size, rng=seed)
+        hypercubes = [
+            drawn.random(wanted.points) for _ in range(DRAWS if wanted.points < MANY else 1)
+        ]
+        unit = min(hypercubes, key=qmc.discrepancy) if len(hypercubes) > 1 else hypercubes[0]
+    return [
+        {path: factor.at(u) for (path, factor), u in zip(wanted.over.items(), row, strict=True)}
+        for row in unit
+    ]

@@ -1,0 +1,190 @@
+"""What a sweep will cost, and what the store holds, in words and tables."""
+
+import json
+from itertools import islice
+
+import numpy as np
+from rich.table import Table
+
+from dem.base.errors import InputError
+from dem.experiment.config import Replicate, entries, of_values
+from dem.io.dataset import read
+from dem.io.progress import span
+from dem.sweep import chunk as making
+from dem.sweep.axis import changes_of_words
+from dem.sweep.store import Store
+from dem.sweep.work import Work
+
+GUESS = 1e-7  # s a granule and step, where no run was made yet: of a usual processor
+LISTED = 40  # runs, or chunks, that are shown
+
+
+def summary(work: Work, jobs: int) -> str:
+    """Runs and beds of a sweep, how many there are already, and an estimate for the others."""
+    lines, seconds, size, first = [], 0.0, 0, None
+    speeds = speeds_of(work.store)
+    for name in work.sweep.blocks:
+        block = work.block(name)
+        runs = list(block.unique())
+        there = made(work, name)
+        left = [run for run in runs if run.id not in there]
+        beds = {run.bed_id for run in left}
+        seconds += sum(seconds_of(run, speeds) for run in left)
+        size += sum(bytes_of(run) for run in left)
+        axes = ", ".join(f"{axis.name} {len(axis.points)}" for axis in block.axes)
+        first = first or (left or runs)[0]
+        lines.append(
+            f"{work.folder_of(name)}: {len(block.runs)} places ({axes}), {len(runs)} runs, of which "
+            f"{len(runs) - len(left)} are there; {len(beds)} beds for the others."
+        )
+        lines += [f"  {run.words()}{_values(block, run)}" for run in islice(left, LISTED)]
+        if len(left) > LISTED:
+            lines.append(f"  and {len(left) - LISTED} more.")
+    how = "as runs like these took" if speeds else "a guess: no run was made here yet"
+    lines.append(
+        f"About {span(seconds / jobs)} with {jobs} processes ({how}) and {1e-6 * size:.1f} MB of disk, "
+        "and a minute to compile each kind of granule for the first time."
+    )
+    return "\n".join(lines)
+
+
+def _values(block, replicate: Replicate) -> str:
+    """What was varied of a run, beside shape, density and seed."""
+    words = []
+    for axis in block.axes:
+        for path in axis.points[0]:
+            at = _at(replicate, path)
+            if path not in ("shape", "density", "seed") and at is not None:
+                words.append(f"{path} {at:g}" if isinstance(at, float | int) else f"{path} {at}")
+    return ", " + ", ".join(words) if words else ""
+
+
+def made(work: Work, block: str) -> set[str]:
+    """Identities of the runs of a block that are in the store."""
+    plans = work.store.planned()
+    wanted = set(work.block(block).places)
+    found = set()
+    for chunk in plans.values():
+        if wanted & set(chunk.runs):
+            whole = work.store.file_of(chunk.id).is_file()
+            found |= {run for run in chunk.runs if whole or work.store.run_of(run).is_file()}
+    return found & wanted
+
+
+def _effort(replicate: Replicate) -> float:
+    """How much there is to do, but for a factor: granules times steps, without their bed."""
+    own, shape = replicate.configuration, replicate.shape
+    if own.experiment != "drag":
+        return 1e5 * shape.granules
+    speed = np.sqrt(own.material.young_modulus / replicate.density)
+    duration = own.cylinder.stroke / own.cylinder.velocity
+    return shape.granules * duration * speed / shape.diameter / own.numerics.step_fraction
+
+
+def speeds_of(store: Store) -> dict[str, float]:
+    """Processor time (s) over effort, by kind of granule, of some runs that are there."""
+    found = {}
+    for path in islice(sorted((store.folder / "chunks").glob("*.nc")), LISTED):
+        try:
+            values, attrs = read(path, ("spent", "failure"))
+            runs = [of_values(each) for each in json.loads(attrs["values"])]
+        except (InputError, KeyError, ValueError):
+            continue
+        for run, spent, failure in zip(runs, values["spent"], values["failure"], strict=True):
+            if not failure:
+                found.setdefault(_kind(run), []).append(float(spent) / _effort(run))
+    return {kind: float(np.median(some)) for kind, some in found.items()}
+
+
+def _kind(replicate: Replicate) -> str:
+    return f"{replicate.configuration.experiment} {replicate.shape.kind}"
+
+
+def seconds_of(replicate: Replicate, speeds: dict[str, float]) -> float:
+    """Processor time (s) that a run may take."""
+    return _effort(replicate) * speeds.get(_kind(replicate), GUESS)
+
+
+def bytes_of(replicate: Replicate) -> int:
+    """Bytes that a run takes in its chunk; compressing gains a quarter."""
+    own = replicate.configuration
+    experiment = own.module
+    sizes = experiment.sizes(replicate)
+    count = sum(
+        int(np.prod([sizes[dim] for dim in dims], initial=1))
+        for dims, *_ in experiment.layout(own).values()
+    )
+    return 6 * count + 24 * replicate.shape.granules
+
+
+def retried(work: Work) -> int:
+    """Let the failed runs of a sweep be made again; returns how many there are."""
+    return sum(
+        making.retry(work.store, chunk.id)
+        for block in work.sweep.blocks
+        for chunk in work.chunks(block)
+    )
+
+
+def listing(store: Store, words: list[str]) -> Table:
+    """Chunks of the store: how many runs of which values, and which sweeps need them."""
+    table = Table(
+        "chunk", "runs", "failed", "shape", "density kg/m3", "seeds", "values", "needed by"
+    )
+    needed = store.needed()
+    for name, chunk in store.planned().items():
+        runs = store.as_planned(name)
+        if words:
+            runs = [run for run in runs if _matches(run, words)]
+        if not runs:
+            continue
+        path = store.file_of(name)
+        failed = "not made"
+        if path.is_file():
+            values, _ = read(path, ("failure",))
+            failed = str(int((values["failure"] != 0).sum()))
+        users = [results for results, chunks in needed.items() if name in chunks]
+        table.add_row(
+            name, f"{len(runs)} of {len(chunk.runs)}", failed, _few(run.label for run in runs),
+            _few(f"{run.density:g}" for run in runs), _few(str(run.seed) for run in runs),
+            differing(runs), ", ".join(users) or "no sweep",
+        )  # fmt: skip
+    return table
+
+
+def _few(words) -> str:
+    """Words once each; of many the first and the last."""
+    found = list(dict.fromkeys(words))
+    return ", ".join(found) if len(found) <= 5 else f"{found[0]} to {found[-1]} ({len(found)})"
+
+
+def _at(replicate: Replicate, path: str):
+    own = {"shape": replicate.label, "density": replicate.density, "seed": replicate.seed}
+    if path in own:
+        return own[path]
+    at = replicate.configuration
+    for name in path.split("."):
+        at = at.get(name) if isinstance(at, dict) else getattr(at, name, None)
+    return at
+
+
+def _matches(replicate: Replicate, words: list[str]) -> bool:
+    """Whether a run has these values."""
+    own = {"shape": replicate.label, "density": replicate.density, "seed": replicate.seed}
+    mine = [word for word in words if word.partition("=")[0] in own]
+    rest = [word for word in words if word not in mine]
+    for path, _, value in (word.partition("=") for word in mine):
+        if value not in (str(own[path]), str(own[path]).removesuffix(".0")):
+            return False
+    wanted = changes_of_words(replicate.configuration, rest)
+    return all(_at(replicate, path) == value for path, value in wanted.items())
+
+
+def differing(runs: list[Replicate]) -> str:
+    """Values in which runs differ, beside shape, density and seed."""
+    found = []
+    for path in entries(()):
+        values = dict.fromkeys(str(_at(run, path)) for run in runs)
+        if len(values) > 1:
+            found.append(f"{path} {_few(values)}")
+    return "; ".join(found)

@@ -1,0 +1,179 @@
+"""A block of a sweep: its axes, and all runs on their grid."""
+
+from collections.abc import Callable, Iterator
+from functools import cached_property
+from itertools import product
+from math import prod
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from dem.base.errors import InputError
+from dem.base.schema import MOST
+from dem.experiment.config import Configuration, Entry, Replicate, entries
+from dem.experiment.fit import check_rooms
+from dem.sweep.axis import OWN, Axis, axis_of, changes, is_derived, place_in
+
+WORDS = ("needs", "values")  # of a block, beside what varies
+SAME = ("cylinder.stroke", "record.bins", "record.snapshots", "experiment")
+
+# gives a value: what is asked for (a group with `derive`), values of the run so far
+Derived = Callable[[dict, Replicate], Any]
+
+
+class Run(NamedTuple):
+    """A run of a block: where it stands on the axes, and what it is."""
+
+    place: tuple[int, ...]
+    replicate: Replicate
+
+
+class Block:
+    """All runs of a block: axes, and runs in their order."""
+
+    def __init__(self, name: str, axes: list[Axis], runs: list[Run]):
+        self.name, self.axes, self.runs = name, axes, runs
+
+    @property
+    def dims(self) -> tuple[str, ...]:
+        """Names of the axes."""
+        return tuple(axis.name for axis in self.axes)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Lengths of the axes."""
+        return tuple(len(axis.points) for axis in self.axes)
+
+    @cached_property
+    def places(self) -> dict[str, list[tuple[int, ...]]]:
+        """Where each run stands, by its identity: a value that it does not read makes no other run."""
+        found = {}
+        for run in self.runs:
+            found.setdefault(run.replicate.id, []).append(run.place)
+        return found
+
+    def unique(self) -> Iterator[Replicate]:
+        """Every run once."""
+        seen = set()
+        for run in self.runs:
+            if run.replicate.id not in seen:
+                seen.add(run.replicate.id)
+                yield run.replicate
+
+    def labels(self) -> dict[str, tuple[Entry, tuple[str, ...], np.ndarray]]:
+        """What the runs are, beside the axes: units and words, dimensions that it varies along, values."""
+        base = [axis.name for axis in self.axes if axis.name in ("case", "shape")]
+        of = {
+            "shape": lambda r: r.label,
+            "kind": lambda r: r.shape.kind,
+            "aspect_ratio": lambda r: float(r.shape.ratio),
+            "density": lambda r: r.density,
+            "diameter": lambda r: r.shape.diameter,
+            "granules": lambda r: r.shape.granules,
+            "seed": lambda r: r.seed,
+        }
+        found = {}
+        for name, get in of.items():
+            if name not in self.dims:
+                forced = base if name != "seed" else []
+                found[name] = (None, *self._along(list(map(get, self._replicates)), forced))
+        known = {entry.path: entry for entry in self._entries.values()}
+        for path in dict.fromkeys(p for axis in self.axes for point in axis.points for p in point):
+            name = path.replace(".", "_")
+            if path in known and name not in self.dims and not path.startswith("shapes."):
+                values = self._along([self._value(r, path) for r in self._replicates], [])
+                found[name] = (known[path], *values)
+        return found
+
+    @property
+    def _replicates(self):
+        return [run.replicate for run in self.runs]
+
+    @cached_property
+    def _entries(self) -> dict[str, Entry]:
+        return entries(dict.fromkeys(r.label for r in self._replicates))
+
+    @staticmethod
+    def _value(replicate: Replicate, path: str):
+        at = replicate.configuration
+        for name in path.split("."):
+            at = at.get(name) if isinstance(at, dict) else getattr(at, name)
+            if at is None:
+                return np.nan
+        return at
+
+    def _along(self, values: list, forced) -> tuple[tuple[str, ...], np.ndarray]:
+        """Values of all runs, along those axes only along which they vary."""
+        array = np.array(values).reshape(self.shape)
+        dims = []
+        for name in reversed(self.dims):
+            at = self.dims.index(name)
+            first = array.take([0], at)
+            same = (array == first) | ((array != array) & (first != first))
+            if name in forced or not same.all():
+                dims.insert(0, name)
+            else:
+                array = array.take(0, at)
+        return tuple(dims), array
+
+
+def expand(sweep, name: str, block: dict, derived: Derived | None) -> Block:
+    """All runs of a block of a sweep; raises InputError with the key and the value at fault."""
+    where = "sweep" if name == "drag" else f"sweep.blocks.{name}"
+    place = place_in(sweep, where)
+    fixed = changes(block.get("values", {}), place.at("values"))
+    axes = [axis_of(key, block[key], place) for key in block if key not in WORDS]
+    given = {path for axis in axes for point in axis.points for path in point}
+    if "seed" not in given:
+        axes.append(axis_of("seed", [1], place))
+    if "shape" not in given and len(sweep.shapes) > 1:
+        raise InputError(f"{where} must vary shape or case; there are {', '.join(sweep.shapes)}.")
+    for path in SAME:
+        if path in given:
+            raise InputError(f"{where} varies {path}, which runs of one block share; use blocks.")
+    points = [fixed, *(point for axis in axes for point in axis.points)]
+    if "needs" not in block and any(is_derived(v) for point in points for v in point.values()):
+        raise InputError(
+            f"{where} derives values; needs must name the blocks that it takes them from."
+        )
+    twice = [p for p in given if sum(any(p in q for q in axis.points) for axis in axes) > 1]
+    if twice:
+        raise InputError(f"{where} varies {min(twice)} in two ways; name it once.")
+    if (count := prod(len(axis.points) for axis in axes)) > MOST:
+        raise InputError(f"{where} has {count:,} runs; it must have at most {MOST:,}.")
+    return Block(name, axes, _runs(sweep, where, fixed, axes, derived))
+
+
+def _runs(sweep, where, fixed, axes, derived) -> list[Run]:
+    made, runs, seeds = {}, [], {}
+    for place in product(*(range(len(axis.points)) for axis in axes)):
+        own = dict(fixed)
+        for axis, at in zip(axes, place, strict=True):
+            own |= axis.points[at]
+        shape, density, seed = (own.pop(key, None) for key in OWN)
+        shape = shape or next(iter(sweep.shapes))
+        density = density or sweep.density_of(shape)
+        key = shape, density, repr(own)
+        if key not in made:
+            made[key] = _resolved(sweep, shape, density, own, derived)
+            seeds[key] = []
+        seeds[key].append(seed)
+        runs.append(Run(place, Replicate(made[key], shape, density, seed)))
+    for (shape, _, words), configuration in made.items():
+        try:
+            check_rooms(configuration, shape, seeds[shape, _, words])
+        except ValueError as error:
+            raise InputError(f"{where} asks for a run that cannot be: {error}.") from None
+    return runs
+
+
+def _resolved(sweep, shape: str, density: float, own: dict, derived) -> Configuration:
+    """The configuration of a run; what is derived from another result comes last."""
+    plain = {path: new for path, new in own.items() if not is_derived(new)}
+    found = sweep.changed(plain, shape)
+    asked = {path: new for path, new in own.items() if is_derived(new)}
+    if derived is None or not asked:
+        return found
+    replicate = Replicate(found, shape, density, 0)
+    more = {path: derived(new, replicate) for path, new in asked.items()}
+    return sweep.changed(plain | more, shape)

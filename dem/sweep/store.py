@@ -1,0 +1,351 @@
+"""The store that all sweeps share: which runs each file holds, finished runs, beds.
+
+plans/{chunk}.json      the runs of a chunk: identities and values; written once
+chunks/{chunk}.nc       what they gave
+runs/{xx}/{run}.npz     finished runs of chunks under way, and checkpoints of those that run
+beds/{xx}/{bed}.npz     beds, for all runs that share them
+sweeps/{sweep}.json     which chunks the last plan of every sweep needs
+"""
+
+import hashlib
+import json
+import os
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from filelock import FileLock, Timeout
+
+from dem.base.errors import InputError, RunError
+from dem.base.files import atomic
+from dem.experiment.config import Replicate, of_values
+from dem.io.checksums import is_sealed, seal
+
+FOLDER = Path("results/store")
+DAMAGED = OSError, ValueError, KeyError, TypeError, IndexError  # what a plan that is none raises
+
+
+class Chunk(NamedTuple):
+    """Some runs that are made by one process into one file: its identity, their identities."""
+
+    id: str
+    runs: tuple[str, ...]
+    kernels: str  # what machine code they need
+
+
+class Store:
+    """A folder of runs."""
+
+    def __init__(self, folder: Path = FOLDER):
+        self.folder = Path(folder)
+
+    def plan_of(self, chunk: str) -> Path:
+        """The file of a plan."""
+        return self.folder / "plans" / f"{chunk}.json"
+
+    def file_of(self, chunk: str) -> Path:
+        """The file of a chunk."""
+        return self.folder / "chunks" / f"{chunk}.nc"
+
+    def run_of(self, run: str, end: str = ".npz") -> Path:
+        """The file of a run that is in no chunk yet."""
+        return self.folder / "runs" / run[:2] / f"{run}{end}"
+
+    def locked(self) -> FileLock:
+        """Holds the plans, for a moment."""
+        self.folder.mkdir(parents=True, exist_ok=True)
+        return FileLock(self.folder / ".lock")
+
+    # Plans
+
+    def planned(self) -> dict[str, Chunk]:
+        """All plans, by chunk."""
+        found = {}
+        for path in sorted((self.folder / "plans").glob("*.json")):
+            with suppress(*DAMAGED):  # it is planned again
+                found[path.stem] = self.read_plan(path.stem)
+        return found
+
+    def read_plan(self, chunk: str) -> Chunk:
+        """A plan without the values of its runs."""
+        data = json.loads(self.plan_of(chunk).read_text(encoding="utf-8"))
+        return Chunk(chunk, tuple(data["runs"]), data["kernels"])
+
+    def replicates(self, chunk: str) -> list[Replicate]:
+        """The runs of a chunk; raises InputError where there is no such plan, or where the code is
+        no longer that which the plan was made for."""
+        found = self.as_planned(chunk)
+        if tuple(replicate.id for replicate in found) != self.read_plan(chunk).runs:
+            raise InputError(
+                f"{self.plan_of(chunk)}: its runs were planned for other code; start the sweep again."
+            )
+        return found
+
+    def as_planned(self, chunk: str) -> list[Replicate]:
+        """The runs of a chunk, whatever code they were planned for."""
+        path = self.plan_of(chunk)
+        try:
+            data = json.loads(path.read_text(encoding="utf-8"))
+            return [of_values(data["values"][at] | own) for at, own in data["of"]]
+        except OSError:
+            raise InputError(f"{path}: there is no such plan; start the sweep again.") from None
+        except (ValueError, KeyError, TypeError, IndexError) as error:
+            raise InputError(
+                f"{path}: it is no plan of a chunk ({error}); delete it and start the sweep again."
+            ) from None
+
+    def write_plan(self, chunk: Chunk, replicates: list[Replicate]) -> None:
+        """Keep which runs a chunk holds, with their values."""
+        with suppress(*DAMAGED):
+            if self.read_plan(chunk.id) == chunk:
+                return
+        values, places, of = [], {}, []
+        for replicate in replicates:
+            place = places.setdefault(id(replicate.configuration), len(values))
+            if place == len(values):
+                values.append(replicate.values())
+            own = {"shape": replicate.label, "density": replicate.density, "seed": replicate.seed}
+            of.append([place, own])
+        data = {"runs": chunk.runs, "kernels": chunk.kernels, "of": of, "values": values}
+        with atomic(self.plan_of(chunk.id)) as part:
+            part.write_text(json.dumps(data), encoding="utf-8")
+
+    # Sweeps
+
+    def _sweep(self, results: str) -> Path:
+        name = hashlib.sha256(str(Path(results).resolve()).encode()).hexdigest()[:16]
+        return self.folder / "sweeps" / f"{name}.json"
+
+    def register(self, results: str, part: str, chunks: Iterable[str]) -> None:
+        """Keep which chunks part of a sweep needs."""
+        path, data = self._sweep(results), {"results": str(results), "parts": {}}
+        with suppress(*DAMAGED):
+            data["parts"] |= json.loads(path.read_text(encoding="utf-8"))["parts"]
+        data["parts"][part] = sorted(chunks)
+        with atomic(path) as whole:
+            whole.write_text(json.dumps(data), encoding="utf-8")
+
+    def needed(self) -> dict[str, set[str]]:
+        """Folder of results and chunks of every sweep whose results are still there."""
+        found = {}
+        for path in (self.folder / "sweeps").glob("*.json"):
+            with suppress(*DAMAGED):
+                data = json.loads(path.read_text(encoding="utf-8"))
+                if Path(data["results"]).is_dir():
+                    found[data["results"]] = set().union(*data["parts"].values())
+        return found
+
+    def registered(self, results: str) -> dict[str, Chunk]:
+        """The chunks of a sweep's last plan."""
+        found = {}
+        with suppress(*DAMAGED):
+            data = json.loads(self._sweep(results).read_text(encoding="utf-8"))
+            for chunk in set().union(*data["parts"].values()):
+                with suppress(*DAMAGED):
+                    found[chunk] = self.read_plan(chunk)
+        return found
+
+    def under_way(self, results: str) -> set[str]:
+        """Chunks that other sweeps need which run at this moment."""
+        found = set()
+        for folder, chunks in self.needed().items():
+            if Path(folder) != Path(results) and _held(folder):
+                found |= chunks
+        return found
+
+    # Beds and finished runs
+
+    def _bed(self, replicate: Replicate) -> Path:
+        name = replicate.bed_id
+        return self.folder / "beds" / name[:2] / f"{name}.npz"
+
+    def forget_beds(self, replicates: Iterable[Replicate]) -> None:
+        """Remove the beds of some runs."""
+        for replicate in replicates:
+            self._bed(replicate).unlink(missing_ok=True)
+
+    def bed(self, replicate: Replicate, make) -> dict:
+        """The bed of a run by the names of Bed: as it lies here, or as `make(replicate)` packs it,
+        once for all processes."""
+        path = self._bed(replicate)
+        if (found := _load(path)) is None:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with FileLock(path.parent / ".lock"):
+                if (found := _load(path)) is None:
+                    found = make(replicate)._asdict()
+                    _save(path, found)
+        return found
+
+    def keep(self, run: str, values: dict) -> None:
+        """Keep what a run gave until its chunk is whole."""
+        _save(self.run_of(run), values)
+
+    def kept(self, run: str) -> dict | None:
+        """What a run gave, None if it is not there or damaged."""
+        return _load(self.run_of(run))
+
+    def forget(self, runs: Iterable[str]) -> None:
+        """Remove runs that a chunk holds now."""
+        for run in runs:
+            for end in (".npz", ".checkpoint.npz"):
+                self.run_of(run, end).unlink(missing_ok=True)
+
+    # What there is too much
+
+    def prune(self) -> tuple[list[Path], int]:
+        """Remove what no sweep needs; returns the files and their bytes."""
+        with self.locked():
+            chunks = set().union(*self.needed().values())
+            plans = self.planned()
+            runs = {run for chunk in chunks if chunk in plans for run in plans[chunk].runs}
+            beds = set()
+            for chunk in chunks & set(plans):
+                with suppress(InputError):
+                    beds |= {replicate.bed_id for replicate in self.as_planned(chunk)}
+            gone, size = [], 0
+            for path in self._files():
+                kept = {"plans": chunks, "chunks": chunks, "runs": runs, "beds": beds}[
+                    path.relative_to(self.folder).parts[0]
+                ]
+                if path.name.partition(".")[0] not in kept:
+                    size += path.stat().st_size
+                    path.unlink()
+                    gone.append(path)
+            return gone, size
+
+    def _files(self) -> Iterator[Path]:
+        for name in ("plans", "chunks", "runs", "beds"):
+            for path in sorted((self.folder / name).rglob("*")):
+                if path.is_file() and not path.name.startswith("."):
+                    yield path
+
+
+def _held(results: str) -> bool:
+    """Whether a workflow works in a folder of results at this moment."""
+    try:
+        FileLock(Path(results) / ".lock", timeout=0).acquire().lock.release()
+    except Timeout:
+        return True
+    except OSError:
+        return False
+    return False
+
+
+def _save(path: Path, values: dict) -> None:
+    with atomic(path) as part, part.open("wb") as file:
+        np.savez(file, **values)
+        file.close()
+        seal(part)
+
+
+def _load(path: Path) -> dict | None:
+    try:
+        if path.is_file() and is_sealed(path):
+            with np.load(path) as file:
+                return {name: file[name] for name in file.files}
+    except Exception:  # whatever damage makes numpy raise: it is made again
+        path.unlink(missing_ok=True)
+    return None
+
+
+def link_to(target: Path, place: Path) -> None:
+    """A link to a file of the store, relative, so that both can be moved together."""
+    place.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        place.unlink(missing_ok=True)
+        place.symlink_to(os.path.relpath(target.resolve(), place.parent.resolve()))
+    except OSError as error:
+        raise RunError(f"{place}: it cannot be made a link to {target} ({error}).") from None
+
+
+# How runs are put together
+
+
+def alike(replicate: Replicate) -> tuple:
+    """What runs of one chunk have in common: their arrays are of one size, their machine code one."""
+    own = replicate.configuration
+    sizes = own.module.sizes(replicate)
+    return own.experiment, own.record.observables, own.cylinder.stroke, *sizes.values()
+
+
+def kernels_of(replicate: Replicate) -> str:
+    """What the machine code of a run is known by; nothing that is not in the run's own identity."""
+    text = f"{replicate.source_hash} {replicate.variant}"
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def plan(
+    store: Store,
+    replicates: Iterable[Replicate],
+    size: int,
+    results: str,
+    own: dict[str, Chunk] | None = None,
+) -> tuple[list[Chunk], dict[str, list[Replicate]]]:
+    """The chunks that hold some runs: those that there are, and new ones for the rest, with their
+    runs. Nothing is written.
+
+    A chunk that is planned stays as it is if it is there, if another sweep is making it, if it is one
+    of this sweep's (`own`), or if all its runs are wanted here. Runs of one bed are put together.
+    """
+    wanted = {replicate.id: replicate for replicate in replicates}
+    found, left, own = [], dict(wanted), own or {}
+    plans, busy = store.planned() | own, store.under_way(results)
+
+    def rank(chunk):
+        there = store.file_of(chunk.id).exists()
+        fixed = chunk.id in busy or chunk.id in own
+        return (not there, not fixed, -len(chunk.runs), chunk.id)
+
+    for chunk in sorted(plans.values(), key=rank):
+        mine = [run for run in chunk.runs if run in left]
+        lasting = rank(chunk)[:2] != (True, True) or all(run in wanted for run in chunk.runs)
+        if mine and lasting:
+            found.append(chunk)
+            for run in mine:
+                del left[run]
+    groups = {}
+    for replicate in left.values():
+        beds = groups.setdefault((alike(replicate), kernels_of(replicate)), {})
+        beds.setdefault(replicate.bed_key(), []).append(replicate)
+    new = {}
+    for (_, kernels), beds in groups.items():
+        for some in _cut(list(beds.values()), size):
+            runs = tuple(replicate.id for replicate in some)
+            chunk = Chunk(hashlib.sha256(" ".join(runs).encode()).hexdigest()[:16], runs, kernels)
+            found.append(chunk)
+            new[chunk.id] = some
+    return found, new
+
+
+def _cut(beds: list[list[Replicate]], size: int) -> Iterator[list[Replicate]]:
+    """Runs in chunks of at most a size, those of one bed together where they fit."""
+    some = []
+    for bed in beds:
+        if some and len(some) + len(bed) > size:
+            yield some
+            some = []
+        some = some + bed
+        while len(some) > size:
+            yield some[:size]
+            some = some[size:]
+    if some:
+        yield some
+
+
+def settle(store: Store, results: str, part: str, chunks: list[Chunk], new: dict) -> None:
+    """Write a plan; raises RunError where another sweep has planned the same runs since."""
+    with store.locked():
+        mine = {run for chunk in chunks if chunk.id in new for run in chunk.runs}
+        for chunk in store.under_way(results) - {chunk.id for chunk in chunks}:
+            with suppress(*DAMAGED):
+                if mine & set(store.read_plan(chunk).runs):
+                    raise RunError(
+                        f"{results}: another sweep has just planned some of these runs; run the same "
+                        "command again."
+                    )
+        for chunk in chunks:
+            if chunk.id in new:
+                store.write_plan(chunk, new[chunk.id])
+        store.register(results, part, [chunk.id for chunk in chunks])

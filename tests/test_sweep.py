@@ -1,0 +1,377 @@
+"""What a sweep promises: any value varies, a run is known by what it reads, nothing is made twice."""
+
+import multiprocessing
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+import yaml
+from conftest import CONFIG
+
+import dem
+from dem.base.errors import InputError, RunError
+from dem.base.yaml_file import read
+from dem.experiment.config import Replicate, entries
+from dem.sweep import chunk as making
+from dem.sweep import store as stores
+from dem.sweep.config import load, parse
+from dem.sweep.work import Work
+
+FEW = {"c1": {"kind": "disc", "diameter": 1092e-6, "granules": 30}}
+SMALL = {
+    "extends": str(CONFIG / "smoke.yaml"),
+    "results": "results/small",
+    "box_width": 6e-3,
+    "cylinder": {"diameter": 1e-3, "stroke": 0.4e-3},
+    "packing": {"fraction": 0.8},
+    "record": {"bins": 8, "snapshots": 3, "window": [0.1e-3, 0.4e-3], "observables": ["drag"]},
+}
+
+
+def small(sweep, **more):
+    """A sweep of beds of 30 discs, over a short stroke."""
+    found = SMALL | more | {"sweep": sweep}
+    base = yaml.safe_load((CONFIG / "smoke.yaml").read_text())
+    return parse(found | {"shapes": base["shapes"] | FEW | found.get("shapes", {})})
+
+
+def ids(sweep, block="drag"):
+    return [run.replicate.id for run in sweep.block(block).runs]
+
+
+def done(sweep, folder, jobs=1):
+    """A sweep at work, all runs made."""
+    work = Work(sweep, stores.Store(folder / "store"))
+    for block in sweep.blocks:
+        chunks = work.chunks(block)
+        work.settle()
+        for chunk in chunks:
+            making.make(work.store, chunk.id)
+    return work
+
+
+def combined(work, folder, block="drag", observable="drag"):
+    path = folder / f"{block}_{observable}.nc"
+    work.combine(block, observable, path)
+    with xr.open_dataset(path) as dataset:
+        return dataset.load()
+
+
+# What can vary
+
+
+def test_a_product_of_any_values_is_a_dimension_each():
+    """In the order of the file, with units and words of the schema."""
+    block = small(
+        {"shape": ["c1", "e3"], "friction.granule": [0.0, 0.3], "packing.fraction": [0.8, 0.82, 0.84], "seed": "1 to 2"}
+    ).block("drag")  # fmt: skip
+    assert block.dims == ("shape", "friction_granule", "packing_fraction", "seed")
+    assert block.shape == (2, 2, 3, 2) and len(block.runs) == 24
+    assert block.axes[2].entry.units == "1" and "packing fraction" in block.axes[2].entry.about
+    last = block.runs[-1].replicate
+    assert (last.label, last.seed) == ("e3", 2)
+    assert last.configuration.friction.granule == 0.3
+    assert last.configuration.packing.fraction == 0.84
+
+
+def test_factors_are_of_the_files_own_value():
+    """{times: ...} multiplies what the configuration has."""
+    block = small({"shape": "c1", "material.young_modulus": {"times": [0.5, 2]}}).block("drag")
+    moduli = [run.replicate.configuration.material.young_modulus for run in block.runs]
+    assert moduli == [35e9, 140e9] and block.axes[1].coordinate == moduli
+
+
+def test_values_that_go_together_are_one_dimension():
+    """Named points, each some values; what a point does not say stays."""
+    box = {"same": {}, "wide": {"box_width": 9e-3, "shapes.c1.granules": 45}}
+    block = small({"shape": ["c1", "e3"], "box": box}).block("drag")
+    assert block.dims == ("shape", "box", "seed")
+    width = {run.place[:2]: run.replicate.configuration.box_width for run in block.runs}
+    assert width == {(0, 0): 6e-3, (0, 1): 9e-3, (1, 0): 6e-3, (1, 1): 9e-3}
+    _, dims, values = block.labels()["box_width"]
+    assert dims == ("box",) and values.tolist() == [6e-3, 9e-3]
+    _, dims, values = block.labels()["granules"]
+    assert dims == ("shape", "box") and values.tolist() == [[30, 45], [60, 60]]
+
+
+def test_a_name_that_a_variable_has_gets_a_suffix():
+    """So that both stand in one file."""
+    block = small({"shape": "c1", "steps": {"few": {}}, "wall": {"rough": {"friction.wall": 1}}})
+    assert block.block("drag").dims == ("shape", "steps_swept", "wall_swept", "seed")
+
+
+@pytest.mark.parametrize("kind", ["latin_hypercube", "sobol"])
+def test_a_design_fills_its_ranges(kind):
+    """One point in every interval of a sixteenth, for each factor; each point a bed of its own."""
+    over = {
+        "friction.granule": {"low": 0.1, "high": 0.5},
+        "material.young_modulus": {"low": 1e9, "high": 1e11, "scale": "log"},
+        "friction.wall": {"choices": [0.1, 0.4]},
+    }
+    spec = {"design": kind, "points": 16, "first_seed": 50, "over": over}
+    block = small({"shape": "c1", "point": spec}).block("drag")
+    runs = [run.replicate for run in block.runs]
+    assert [run.seed for run in runs] == list(range(50, 66))
+    places = {
+        "granule": [(r.configuration.friction.granule - 0.1) / 0.4 for r in runs],
+        "modulus": [np.log10(r.configuration.material.young_modulus / 1e9) / 2 for r in runs],
+    }
+    for found in places.values():
+        assert sorted((16 * np.array(found)).astype(int)) == list(range(16))
+    assert {r.configuration.friction.wall for r in runs} == {0.1, 0.4}
+
+
+def test_named_cases_are_the_papers_tables():
+    """The dimension case, with shape and density of each."""
+    block = load(CONFIG / "paper.yaml").block("drag")
+    assert block.dims == ("case", "seed") and block.shape == (11, 5)
+    labels = block.labels()
+    assert labels["shape"][1] == labels["density"][1] == ("case",)
+    twelve = block.axes[0].coordinate.index("c12")
+    assert labels["density"][2][twelve] == 3.9e4 and labels["shape"][2][twelve] == "c1"
+
+
+def test_every_value_of_the_schema_can_vary():
+    """By its path, but for the window, which no run reads, and what all runs of a block share."""
+    known = entries(["c1"])
+    assert {"box_width", "shapes.c1.granules", "numerics.time_step", "gravity"} <= set(known)
+    assert not {"record.window", "results", "title"} & set(known)
+    assert all(entry.about for entry in known.values())
+
+
+@pytest.mark.parametrize(
+    ("sweep", "words"),
+    [
+        ({"friction.granul": [0.1]}, "friction.granul is no value that can vary; the nearest is friction.granule"),
+        ({"shape": ["c9"]}, "names 'c9', which is not one of shapes; the nearest is c1"),
+        ({"case": ["c11"]}, "names 'c11', which is not one of cases; the nearest is c1"),
+        ({"shape": "c1", "friction.granule": []}, "must be a list of values"),
+        ({"shape": "c1", "friction.granule": [-0.1]}, "friction.granule is -0.1; it must be zero or positive"),
+        ({"shape": "c1", "friction.granule": [0.1, 0.1]}, "has 0.1 twice"),
+        ({"shape": "c1", "friction.granule": ["much"]}, "has 'much'; it must be a number"),
+        ({"shape": "c1", "seed": "5 to 1"}, "must run from less to more"),
+        ({"shape": "c1", "seed": [1.5]}, "a seed is a whole number"),
+        ({"shape": "c1", "case": "all"}, "varies shape in two ways"),
+        ({"friction.granule": [0.1]}, "must vary shape or case"),
+        ({"shape": "c1", "cylinder.stroke": [1e-3]}, "runs of one block share"),
+        ({"shape": "c1", "ellipse.contact": {"times": [2]}}, "which has no multiples"),
+        ({"shape": "c1", "cylinder.start": [0.25, 0.01]}, "asks for a run that cannot be"),
+        ({"shape": "c1", "box": {"wide": {"box_with": 1}}}, "box_with is no value that can vary; the nearest is box_width"),
+        ({"shape": "c1", "point": {"design": "grid", "points": 4, "over": {"gravity": {"low": 0, "high": 1}}}}, "sweep.point: design is 'grid'"),
+        ({"shape": "c1", "point": {"design": "sobol", "points": 4, "over": {"gravit": {"low": 0, "high": 1}}}}, "the nearest is gravity"),
+        ({"blocks": {}}, "must be groups of what varies"),
+        ({"blocks": {"a": {"shape": "c1", "needs": "b"}}}, "it must be a block before it"),
+        ({"blocks": {"a": {"shape": "c1"}}, "shape": "c1"}, "has blocks and shape"),
+    ],
+)  # fmt: skip
+def test_a_wrong_sweep_is_one_sentence(sweep, words):
+    """It names the key and the value, and the nearest right one."""
+    with pytest.raises(InputError) as error:
+        small(sweep)
+    assert words in str(error.value) and "\n" not in str(error.value)
+
+
+def test_a_file_extends_another(tmp_path):
+    """Values beside those of the other file; what varies is its own; results must be."""
+    (tmp_path / "base.yaml").write_text((CONFIG / "smoke.yaml").read_text())
+    own = tmp_path / "own.yaml"
+    text = "extends: base.yaml\nresults: results/own\nfriction: {wall: 0.1}\nsweep: {shape: c1}\n"
+    own.write_text(text)
+    sweep = load(own)
+    assert (sweep.friction.wall, sweep.friction.granule) == (0.1, 0.3)
+    assert sweep.blocks == {"drag": {"shape": "c1"}} and not sweep.studies
+    for wrong, words in (
+        (text.replace("results: results/own\n", ""), "results is missing"),
+        (text.replace("base.yaml", "none.yaml"), "none.yaml: cannot read it"),
+        (text.replace("base.yaml", "own.yaml"), "extends this file"),
+        (text + "seeds: [1]\n", "seeds is not a known key"),
+    ):
+        own.write_text(wrong)
+        with pytest.raises(InputError, match=words):
+            load(own)
+
+
+# What a run is known by
+
+
+def test_what_a_run_does_not_read_makes_no_other_run():
+    """Titles, other seeds, names, windows, chunks, order of keys: the same identity."""
+    sweep = {"shape": "c1", "seed": [1]}
+    first = ids(small(sweep))
+    same = [
+        small(sweep, title="other", chunk=3, failures=0.5),
+        small({"seed": "1 to 3", "shape": ["c1"]}),
+        small(sweep, record=SMALL["record"] | {"window": [0.2e-3, 0.3e-3]}),
+        small(sweep, ellipse={"contact": "geometric_potential"}),
+        small(sweep, shapes={"c7": FEW["c1"]}),
+        small({"shape": "c7"}, shapes={"c7": FEW["c1"]}),
+    ]
+    assert all(ids(other)[0] == first[0] for other in same)
+
+
+def test_what_a_run_reads_makes_another_run():
+    """Each value of the schema, seed and density too; two of its shape only."""
+    sweep = {"shape": "c1"}
+    first = small(sweep).block("drag").runs[0].replicate
+    found = {first.id}
+    changed = {
+        "friction.granule": 0.2, "gravity": 9.81, "material.thickness": 2e-3, "box_width": 7e-3,
+        "cylinder.start": 0.3, "packing.size_spread": 0.1, "numerics.max_overlap": 1.0,
+        "shapes.c1.granules": 31, "shapes.c1.diameter": 1.1e-3,
+    }  # fmt: skip
+    for path, value in changed.items():
+        found.add(ids(small(sweep | {path: [value]}))[0])
+    found.add(ids(small(sweep | {"density": [3.91e3]}))[0])
+    found.add(ids(small(sweep | {"seed": [2]}))[0])
+    found.add(ids(small(sweep, record=SMALL["record"] | {"observables": ["drag", "ledger"]}))[0])
+    assert len(found) == len(changed) + 4
+
+
+def test_an_ellipse_reads_how_its_contacts_are_found():
+    """A disc does not: its places on that axis are one run, made once."""
+    contacts = ["common_normal", "geometric_potential"]
+    block = small({"shape": ["c1", "e3"], "ellipse.contact": contacts}).block("drag")
+    assert len(block.runs) == 4 and len(list(block.unique())) == 3
+    assert sorted(map(len, block.places.values())) == [1, 1, 2]
+
+
+def test_beds_do_not_depend_on_what_comes_after_them():
+    """Runs at several frictions, densities and moduli share a bed; other fractions do not."""
+    shared = small(
+        {"shape": "c1", "friction.granule": [0.1, 0.2], "density": [1e3, 4e3], "packing.fraction": [0.8, 0.84]}
+    )  # fmt: skip
+    beds = [run.replicate.bed_id for run in shared.block("drag").runs]
+    assert len(set(beds)) == 2
+
+
+# What is there is not made again
+
+
+def test_a_value_that_is_added_makes_only_its_runs(tmp_path):
+    """In chunks of their own; the old ones are as they were, and beds are packed once."""
+    work = done(small({"shape": "c1", "friction.granule": [0.1, 0.3], "seed": [1, 2]}), tmp_path)
+    chunks = {path: path.stat().st_mtime_ns for path in work.files("drag")}
+    beds = list((tmp_path / "store/beds").rglob("*.npz"))
+    assert len(beds) == 2
+    more = Work(
+        small({"seed": [2, 1], "friction.granule": [0.5, 0.1, 0.3], "shape": "c1"}, chunk=1),
+        work.store,
+    )
+    new = [chunk for chunk in more.chunks("drag") if not more.store.file_of(chunk.id).exists()]
+    assert [len(chunk.runs) for chunk in new] == [1, 1]
+    done(more.sweep, tmp_path)
+    assert chunks == {path: path.stat().st_mtime_ns for path in chunks}
+    assert list((tmp_path / "store/beds").rglob("*.npz")) == beds
+
+
+def test_an_n_dimensional_file_holds_every_run(tmp_path):
+    """At its place, with the bits of the run made alone; also where the chunks mix the places."""
+    sweep = small(
+        {"shape": ["c1", "d1"], "friction.granule": [0.3, 0.1], "seed": [1, 2]}, chunk=3,
+        shapes={"d1": {"kind": "dumbbell", "diameter": 1092e-6, "granules": 30}},
+    )  # fmt: skip
+    dataset = combined(done(sweep, tmp_path), tmp_path)
+    assert dataset["drag"].dims == ("shape", "friction_granule", "seed", "displacement")
+    assert dataset["friction_granule"].attrs["long_name"] == "friction between granules"
+    for run in sweep.block("drag").runs:
+        alone = dem.run_experiment(run.replicate.values())
+        np.testing.assert_array_equal(dataset["drag"][run.place].values, alone["drag"].values)
+        assert dataset["run_id"][run.place] == alone.attrs["run_id"]
+
+
+def _together(folder, name):
+    done(small({"shape": "c1", "seed": "1 to 4"}, results=f"results/{name}", chunk=2), folder)
+
+
+def test_two_sweeps_at_once_make_a_run_once(tmp_path):
+    """Two processes with the same runs: four rows in all, none of them twice."""
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(2, mp_context=context) as pool:
+        for future in [pool.submit(_together, tmp_path, name) for name in "ab"]:
+            future.result()
+    store = stores.Store(tmp_path / "store")
+    runs = [run for chunk in store.planned().values() for run in chunk.runs]
+    assert len(runs) == len(set(runs)) == 4
+    assert len(list((tmp_path / "store/chunks").glob("*.nc"))) == 2
+
+
+def test_a_failed_run_is_a_row_with_its_reason(tmp_path):
+    """The others are made; combining ends in a sentence unless failures allows it; tried again if asked."""
+    sweep = {"shape": "c1", "numerics.max_overlap": [1.2, 1e-6], "seed": [1, 2]}
+    work = done(small(sweep), tmp_path)
+    with pytest.raises(RunError, match="2 of 4 runs could not be made; failures allows 0"):
+        combined(work, tmp_path)
+    allowed = combined(Work(small(sweep, failures=0.5), work.store), tmp_path)
+    assert allowed["failure"].values.tolist() == [[[0, 0], [2, 2]]]
+    assert (
+        np.isnan(allowed["drag"].values[0, 1]).all()
+        and np.isfinite(allowed["drag"].values[0, 0]).all()
+    )
+    path = work.files("drag")[0]
+    with xr.open_dataset(path) as dataset:
+        reasons = dataset["failure_reason"].values.tolist()
+    assert sum("OverlapError" in reason for reason in reasons) == 2
+    before = {run: work.store.kept(run) for run in work.chunks("drag")[0].runs}
+    assert not any(before.values())
+    assert making.retry(work.store, path.stem) == 2 and not path.exists()
+    assert sum(work.store.kept(run) is not None for run in before) == 2
+    making.make(work.store, path.stem)
+    again = combined(Work(small(sweep, failures=0.5), work.store), tmp_path)
+    xr.testing.assert_identical(again["drag"], allowed["drag"])
+
+
+def test_prune_removes_what_no_sweep_needs(tmp_path, monkeypatch):
+    """Chunks of a value that was taken out, with their beds; nothing of a sweep that is there."""
+    monkeypatch.chdir(tmp_path)
+    Path("results/small").mkdir(parents=True)
+    work = done(small({"shape": "c1", "packing.fraction": [0.8, 0.84]}, chunk=1), tmp_path)
+    assert work.store.prune() == ([], 0)
+    left = done(small({"shape": "c1", "packing.fraction": [0.84]}, chunk=1), tmp_path)
+    gone, size = left.store.prune()
+    assert {path.parts[-2 if path.parent.name in ("plans", "chunks") else -3] for path in gone} == {
+        "plans", "chunks", "beds",
+    }  # fmt: skip
+    assert len(gone) == 3 and size > 0
+    assert combined(left, tmp_path)["drag"].shape == (1, 1, 1, 8)
+
+
+# The library
+
+
+def test_a_sweep_is_a_loop_in_python(tmp_path):
+    """load_sweep gives what run_experiment takes, in the order of the axes."""
+    own = tmp_path / "own.yaml"
+    sweep = {"shape": "c1", "friction.granule": [0.1, 0.3]}
+    own.write_text(yaml.safe_dump(SMALL | {"shapes": FEW, "sweep": sweep}))
+    values = list(dem.load_sweep(own))
+    assert [each["friction"]["granule"] for each in values] == [0.1, 0.3]
+    dataset = xr.concat([dem.run_experiment(each) for each in values], "friction_granule")
+    assert dataset["drag"].dims == ("friction_granule", "displacement")
+    assert dataset["drag"].attrs["units"] == "N" and dataset["shape"] == "c1"
+
+
+def test_a_run_extends_a_file():
+    """The values of the file, but for those that are said."""
+    values = {"extends": str(CONFIG / "smoke.yaml"), "shape": "c1", "seed": 2}
+    usual = dem.run_experiment(values)
+    rough = dem.run_experiment(values | {"friction": {"granule": 0.5}})
+    assert float(rough["drag"].mean()) > float(usual["drag"].mean()) > 0.0
+    sweep = load(CONFIG / "smoke.yaml")
+    assert usual.attrs["run_id"] == Replicate(sweep, "c1", 3.9e3, 2).id
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ([], "it must be a dict"),
+        ({"extends": str(CONFIG / "smoke.yaml")}, "shape is missing"),
+        ({"extends": str(CONFIG / "smoke.yaml"), "shape": "c9"}, "shape is 'c9'"),
+        ({"extends": "none.yaml", "shape": "c1"}, "cannot read it"),
+        (read(CONFIG / "smoke.yaml"), "shape is missing"),
+    ],
+)
+def test_a_run_that_cannot_be_is_one_sentence(values, words):
+    with pytest.raises(InputError, match=words):
+        dem.run_experiment(values)
