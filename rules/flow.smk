@@ -35,7 +35,8 @@ rule flow:
     message:
         "Combine how the beds move into {output}"
     input:
-        measured,
+        measured=measured,
+        chunks=chunks_of,  # the beds that are drawn
     output:
         "{folder}/flow.nc",
     params:

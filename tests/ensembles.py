@@ -29,6 +29,7 @@ assert done.returncode == 0, done.stdout
 peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
 print(f"{time.time() - started:.1f} s, {peak:.0f} MB")
 """
+EACH = 10_000  # runs up to which a job each is planned too
 FLOW = 1000  # runs up to which their flow is measured too, which takes long
 
 
@@ -64,7 +65,8 @@ def main(counts: list[int]) -> None:
         for count in counts:
             runs, data = {"case": ["c1"], "seed": f"1 to {count}"}, "results/many/drag.nc"
             print(f"{count} runs")
-            for size in (1, 100):  # before there are runs: all jobs are planned
+            # before there are runs: all jobs are planned
+            for size in (1, 100) if count <= EACH else (100,):
                 config = place.sweep("plan", sweep=runs, chunk=size, gravity=count)
                 plan = "snakemake", "-n", "results/plan/drag.nc", "--configfile", config
                 print(f"  planned, {size} runs a job: {measured(place, *plan)}", flush=True)
