@@ -228,7 +228,8 @@ def test_time_left_of_a_steady_job():
 def test_a_stopped_command_says_one_sentence(tmp_path, verb, asked):
     """Of a job that ignores signals until it can answer, as the workflow starts its jobs."""
     command = [sys.executable, "-m", "dem", verb, "--config", CONFIG / "smoke.yaml", "--shape", "c1", "--seed", "1",
-               "-o", tmp_path / "out.nc", *(["--density", "3900"] if verb == "simulate" else [])]  # fmt: skip
+               "-o", tmp_path / "out.nc", *(["--density", "3900"] if verb == "simulate" else []),
+               "shapes.c1.granules=1000", "box_width=0.03"]  # so that it lasts  # fmt: skip
     process = subprocess.Popen(
         command, stderr=subprocess.PIPE, text=True,
         preexec_fn=lambda: signal.signal(asked, signal.SIG_IGN),
