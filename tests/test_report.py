@@ -153,11 +153,11 @@ def test_axes_of_a_sweep_have_names_and_units(swept):
     assert "(N)" in figure.axes[0].get_ylabel() and "0.4 mm to 1 mm" in figure.axes[0].get_ylabel()
     labels = {" ".join(axes.get_xlabel().split()) for axes in figure.axes} - {""}
     wanted = {
-        "grid": {"Friction between granules"},
+        "grid": {"Friction between granules (1)"},
         "names": {"Box"},
         "many": {"Gravity, downwards (m s⁻²)"},
-        "point": {"Friction between granules"},
-        "design": {"Friction between granules", "Radius of ellipses in Hertz's law",
+        "point": {"Friction between granules (1)"},
+        "design": {"Friction between granules (1)", "Radius of ellipses in Hertz's law",
                    "Young's modulus (10⁹ Pa)"},
     }  # fmt: skip
     assert labels == wanted[name]

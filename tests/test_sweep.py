@@ -123,6 +123,16 @@ def test_a_design_fills_its_ranges(kind):
     assert {r.configuration.friction.wall for r in runs} == {0.1, 0.4}
 
 
+def test_values_of_a_block_hold_in_all_of_it():
+    """Seed, shape and density too; they are dimensions of one point."""
+    values = {"seed": 7, "shape": "c1", "density": 2e3, "friction.wall": 0.1}
+    block = small({"blocks": {"a": {"values": values, "friction.granule": [0.1, 0.2]}}}).block("a")
+    assert block.dims == ("shape", "friction_granule", "seed")
+    for run in (run.replicate for run in block.runs):
+        assert (run.label, run.density, run.seed) == ("c1", 2e3, 7)
+        assert run.configuration.friction.wall == 0.1
+
+
 def test_named_cases_are_the_papers_tables():
     """The dimension case, with shape and density of each."""
     block = load(CONFIG / "paper.yaml").block("drag")
@@ -162,6 +172,14 @@ def test_every_value_of_the_schema_can_vary():
         ({"shape": "c1", "point": {"design": "grid", "points": 4, "over": {"gravity": {"low": 0, "high": 1}}}}, "sweep.point: design is 'grid'"),
         ({"shape": "c1", "point": {"design": "sobol", "points": 4, "over": {"gravit": {"low": 0, "high": 1}}}}, "the nearest is gravity"),
         ({"blocks": {}}, "must be groups of what varies"),
+        ({"box": {"a": {"shape": "zz"}}}, "sweep.box.a.shape names 'zz'"),
+        ({"shape": "c1", "box": {"a": {"density": 0.0}}}, "sweep.box.a.density has 0; it must be positive"),
+        ({"shape": "c1", "box": {"a": {"seed": 1.7}}}, "sweep.box.a.seed has 1.7; a seed is a whole number"),
+        ({"shape": "c1", "box": {1: {}, "1": {}}}, "has '1' twice"),
+        ({"shape": "c1", "friction.granule": [0, -0.0]}, "twice; list each once"),
+        ({"shape": "c1", "gravity": [0], "friction.wall": [1], "friction_wall": {"a": {"box_width": 0.01}}}, "two dimensions named friction_wall"),
+        ({"blocks": {"chunks": {"shape": "c1"}}}, "a folder of results"),
+        ({"blocks": {"a": {"shape": "c1"}, "b": {"needs": "a", "shape": "c1", "s": {"x": {"packing.fraction": {"derive": "equal_load", "friction": 0.3}}}}}}, "leave friction out"),
         ({"blocks": {"a": {"shape": "c1", "needs": "b"}}}, "it must be a block before it"),
         ({"blocks": {"a": {"shape": "c1"}}, "shape": "c1"}, "has blocks and shape"),
     ],
@@ -320,6 +338,14 @@ def test_a_failed_run_is_a_row_with_its_reason(tmp_path):
     making.make(work.store, path.stem)
     again = combined(Work(small(sweep, failures=0.5), work.store), tmp_path)
     xr.testing.assert_identical(again["drag"], allowed["drag"])
+
+
+def test_failed_runs_have_the_same_gaps_whichever_chunk_comes_first(tmp_path):
+    """NaN, and -1 for the number of steps."""
+    sweep = {"shape": "c1", "numerics.max_overlap": [1e-6, 1.2], "seed": [1, 2]}
+    found = combined(done(small(sweep, chunk=1, failures=0.9), tmp_path), tmp_path)
+    steps = found["steps"].fillna(-1).values[0]
+    assert (steps[0] == -1).all() and (steps[1] > 0).all()
 
 
 def test_prune_removes_what_no_sweep_needs(tmp_path, monkeypatch):

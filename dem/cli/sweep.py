@@ -1,6 +1,7 @@
 """Command line: a sweep and its store. `dem sweep`, `dem compile`, `dem chunk`, `dem combine`, `dem store`."""
 
 import os
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -106,7 +107,8 @@ def store(
         gone, size = found.prune()
         typer.echo(f"{len(gone)} files removed, {1e-6 * size:.1f} MB.")
         return
-    PlainConsole().print(listing(found, values or []))
+    width = None if sys.stdout.isatty() else 160
+    PlainConsole(width=width).print(listing(found, values or []))
 
 
 VERBS = (sweep, compile, chunk, combine, store)

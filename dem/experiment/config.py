@@ -17,7 +17,17 @@ import numpy as np
 from pydantic import BaseModel, BeforeValidator, Field, ValidationError, model_validator
 
 from dem.base.errors import InputError
-from dem.base.schema import Label, NotNegative, Number, Positive, Section, Whole, sentences
+from dem.base.schema import (
+    SEEDS,
+    Label,
+    NotNegative,
+    Number,
+    Positive,
+    Section,
+    Whole,
+    number,
+    sentences,
+)
 from dem.base.sources import code_hash
 from dem.experiment.fit import check_room
 from dem.experiment.observables import OBSERVABLES
@@ -362,6 +372,14 @@ def of_values(data: dict, source: str = "values") -> Replicate:
         shape, density, seed = (own.pop(name) for name in ("shape", "density", "seed"))
     except KeyError as error:
         raise InputError(f"{source}: {error.args[0]} is missing.") from None
+    if not isinstance(shape, str):
+        raise InputError(f"{source}: shape is {shape!r}; it must be the label of a shape.")
+    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < SEEDS:
+        raise InputError(f"{source}: seed is {seed!r}; it must be a whole number below {SEEDS}.")
+    try:
+        density = float(number(density))
+    except ValueError as error:
+        raise InputError(f"{source}: density is {density!r}; {error}.") from None
     return parse(own, source).replicate(shape, density, seed)
 
 

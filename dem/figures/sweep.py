@@ -55,8 +55,7 @@ def words(values: xr.DataArray, power: int = 0) -> str:
     if "units" not in values.attrs and values.name in values.dims:  # points by their names
         name = str(values.name).replace("_", " ")
     scale = f"10{_raised(str(power))}\N{NO-BREAK SPACE}" if power else ""
-    bare = values.attrs.get("units", "1") == "1" and not scale
-    units = "" if bare else f" ({scale}{_units(values)})"
+    units = f" ({scale}{_units(values)})" if "units" in values.attrs else ""
     return f"{name[0].upper()}{name[1:]}{units}"
 
 

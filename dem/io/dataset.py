@@ -53,6 +53,7 @@ OF_RUN = {
     "packing_pressure": ((), "Pa", "mean normal stress on the walls before the cylinder moves"),
     **{name: BED[name] for name in ("packing_coordination_number", "packing_net_force", "packing_max_overlap")},
 }  # fmt: skip
+WHOLE = ("steps",)  # whole numbers of a run, -1 where it failed; all others are NaN there
 OF_STORE = {  # of a run in a file of many
     "run_id": ((), None, "identity of the run: a hash of the values that it reads and the code that it runs"),
     "bed_family": ((), None, "all that beds like that of the run depend on, but packing fraction, friction and seed"),

@@ -62,8 +62,10 @@ def axis_of(key: str, spec, place: Place) -> Axis:
         return _design(key, spec, here)
     if isinstance(spec, dict) and spec and all(isinstance(point, dict) for point in spec.values()):
         points = [changes(point, here.at(name)) for name, point in spec.items()]
+        names = list(map(str, spec))
+        _once(names, here)
         about = Entry(key, None, "values that go together")
-        return Axis(_own_name(key, here), about, list(map(str, spec)), points)
+        return Axis(_own_name(key, here), about, names, points)
     hint = nearest(key, [*place.paths, *READERS])
     raise InputError(f"{place.where}: {key} is no value that can vary{hint}.")
 
@@ -83,11 +85,11 @@ def _shapes(spec, here: Place) -> Axis:
 def _labels(spec, known: dict, here: Place) -> list[str]:
     """Rows of a table of the file."""
     labels = list(known) if spec == "all" else _listed(spec, here)
+    _once(labels, here)
     for each in labels:
         if each not in known:
             table = f"{here.where.rpartition('.')[2]}s"
             here.refuse(f"names {each!r}, which is not one of {table}{nearest(each, known)}")
-    _once(labels, here)
     return labels
 
 
@@ -152,12 +154,14 @@ def changes(values, place: Place) -> dict:
         here = place.at(path)
         if isinstance(value, dict) and set(value) == {"times"}:
             value = _values(path, {"times": [value["times"]]}, here)[0]
-        if isinstance(value, dict):
+        if isinstance(value, dict) and path in place.paths:
             if "derive" not in value:
                 here.refuse(f"is {value!r}; a group must have derive or times")
             derive.check(value, path, place.where, place.sweep.shapes)
         elif path in place.paths:
             value = _converted(value, place.paths[path], here)
+        else:  # of the run: as an axis of this one value
+            value = READERS[path]([value], here).coordinate[0]
         found[path] = value
     return found
 
@@ -196,7 +200,7 @@ def _converted(value, entry: Entry, here: Place):
         return value
     if isinstance(value, list | dict):
         here.refuse(f"is {value!r}; it must be one value")
-    return value if entry.units is None else _number(value, here)
+    return value if entry.units is None else _number(value, here) + 0  # -0.0 is 0.0
 
 
 def _number(value, here: Place):
@@ -224,7 +228,9 @@ def _listed(spec, here: Place) -> list:
 
 def _once(values: list, here: Place) -> None:
     seen = set()
-    for value in map(repr, values):
+    for value in values:
+        if not isinstance(value, int | float | str | None):
+            here.refuse(f"has {value!r}; it must be numbers or texts")
         if value in seen:
-            here.refuse(f"has {value} twice; list each once")
+            here.refuse(f"has {value!r} twice; list each once")
         seen.add(value)

@@ -16,7 +16,7 @@ from dem.base.errors import InputError, RunError
 from dem.experiment import drag, jamming, resume
 from dem.experiment.bed import make_bed
 from dem.experiment.config import Replicate
-from dem.io.dataset import AXES, FAILURES, LABELS, OF_STORE, global_attributes, read, write
+from dem.io.dataset import AXES, FAILURES, LABELS, OF_STORE, WHOLE, global_attributes, read, write
 from dem.packing.random import Bed
 from dem.sweep.store import Store
 
@@ -98,9 +98,8 @@ def write_chunk(path: Path, replicates: list[Replicate], rows: list[dict]) -> No
     sizes, values = experiment.sizes(first), experiment.axes(first.configuration)
     for name in experiment.layout(first.configuration):
         shape = tuple(sizes[dim] for dim in layout[name][0][1:])
-        kind = next((np.asarray(row[name]).dtype for row in rows if name in row), np.dtype(float))
-        gap = np.full(shape, np.nan if kind.kind == "f" else -1, kind)
-        values[name] = np.stack([np.asarray(row.get(name, gap)) for row in rows])
+        gap = np.full(shape, *((-1, np.int64) if name in WHOLE else (np.nan, float)))
+        values[name] = np.stack([np.asarray(row.get(name, gap), gap.dtype) for row in rows])
     labels = [drag.labels(replicate) for replicate in replicates]
     values |= {name: np.array([label[name] for label in labels]) for name in LABELS}
     values |= {
@@ -131,23 +130,17 @@ def retry(store: Store, chunk: str) -> int:
     """Open a chunk again for its failed runs; returns how many there are. The others are kept."""
     path, replicates = store.file_of(chunk), store.replicates(chunk)
     if not is_whole(path, replicates):
-        return 0
-    names = tuple(layout_of(replicates[0]))
-    experiment = replicates[0].configuration.module
-    own = experiment.layout(replicates[0].configuration)
-    values, _ = read(path, names)
-    failed = 0
-    for row, replicate in enumerate(replicates):
-        if values["failure"][row] != 0:
-            failed += 1
-            continue
-        kept = {name: values[name][row] for name in own}
-        store.keep(
-            replicate.id,
-            kept | {"failure": 0, "failure_reason": "", "spent": values["spent"][row]},
-        )
+        kept = {each.id: store.kept(each.id) for each in replicates}
+        failed = [run for run, row in kept.items() if row is not None and row["failure"] != 0]
+        store.forget(failed)
+        return len(failed)
+    own = replicates[0].configuration.module.layout(replicates[0].configuration)
+    values, _ = read(path, (*own, "failure", "spent"))
+    failed = int((values["failure"] != 0).sum())
+    for row, replicate in enumerate(replicates if failed else ()):
+        if values["failure"][row] == 0:
+            ran = {"failure": 0, "failure_reason": "", "spent": values["spent"][row]}
+            store.keep(replicate.id, {name: values[name][row] for name in own} | ran)
     if failed:
         path.unlink()
-    else:
-        store.forget(replicate.id for replicate in replicates)
     return failed

@@ -18,6 +18,7 @@ from dem.sweep.axis import check_label
 from dem.sweep.expand import Block, Derived, expand
 
 STUDIES = ("accuracy", "claims", "stability")
+FOLDERS = ("store", "chunks", "flow", "figures", "logs", "benchmarks", *STUDIES)  # of results
 REPLACED = ("sweep", "studies")  # whole, by a file that extends another
 
 
@@ -40,6 +41,10 @@ class Sweep(Configuration):
 
     @model_validator(mode="after")
     def _check_sweep(self):
+        if set(self.results.split("/")[1:]) & {"store", "chunks"}:
+            raise ValueError(
+                f"results is {self.results!r}; the store lies there, name another folder"
+            )
         seen = {}
         for label, case in self.cases.items():
             if case.shape not in self.shapes:
@@ -74,6 +79,8 @@ class Sweep(Configuration):
             raise InputError("sweep.blocks must be groups of what varies, by name.")
         for name, block in blocks.items():
             check_label(name, "sweep.blocks")
+            if name in FOLDERS:
+                raise InputError(f"sweep.blocks has {name!r}, a folder of results; rename it.")
             if not isinstance(block, dict):
                 raise InputError(
                     f"sweep.blocks.{name} is {block!r}; it must be a group of what varies."

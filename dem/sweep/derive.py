@@ -77,7 +77,9 @@ def derived_by(sweep, paths: list[Path]):
         way, shape = asked["derive"], asked.get("shape", replicate.label)
         reference = Replicate(sweep.changed({}, shape), shape, 1.0, 0)
         kinds = replicate.bed_family, reference.bed_family
-        fraction, friction = sweep.packing.fraction, asked.get("friction", 0.0)
+        # that of the block, where it says one
+        fraction = replicate.configuration.packing.fraction
+        friction = asked.get("friction", 0.0)
         try:
             if way == "equal_load":
                 return jamming.at_load(*kinds, fraction)
@@ -98,6 +100,11 @@ def check(asked: dict, path: str, where: str, shapes) -> None:
         raise InputError(
             f"{where}: {path} is {asked!r}; it must be derive ({' or '.join(WAYS)}), and may name a "
             "shape and a friction."
+        )
+    if asked["derive"] == "equal_load" and "friction" in asked:
+        raise InputError(
+            f"{where}: {path} is {asked!r}; equal_load is that of beds without friction, leave "
+            "friction out."
         )
     if path != "packing.fraction":
         raise InputError(f"{where}: {path} cannot be derived, only packing.fraction.")

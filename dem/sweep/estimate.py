@@ -1,17 +1,18 @@
 """What a sweep will cost, and what the store holds, in words and tables."""
 
 import json
+from contextlib import suppress
 from itertools import islice
 
 import numpy as np
 from rich.table import Table
 
 from dem.base.errors import InputError
-from dem.experiment.config import Replicate, entries, of_values
+from dem.experiment.config import Replicate, entries, nearest, of_values
 from dem.io.dataset import read
 from dem.io.progress import span
 from dem.sweep import chunk as making
-from dem.sweep.axis import changes_of_words
+from dem.sweep.axis import OWN
 from dem.sweep.store import Store
 from dem.sweep.work import Work
 
@@ -40,6 +41,8 @@ def summary(work: Work, jobs: int) -> str:
         lines += [f"  {run.words()}{_values(block, run)}" for run in islice(left, LISTED)]
         if len(left) > LISTED:
             lines.append(f"  and {len(left) - LISTED} more.")
+    if not seconds:
+        return "\n".join(lines)
     how = "as runs like these took" if speeds else "a guess: no run was made here yet"
     lines.append(
         f"About {span(seconds / jobs)} with {jobs} processes ({how}) and {1e-6 * size:.1f} MB of disk, "
@@ -52,7 +55,7 @@ def _values(block, replicate: Replicate) -> str:
     """What was varied of a run, beside shape, density and seed."""
     words = []
     for axis in block.axes:
-        for path in axis.points[0]:
+        for path in dict.fromkeys(path for point in axis.points for path in point):
             at = _at(replicate, path)
             if path not in ("shape", "density", "seed") and at is not None:
                 words.append(f"{path} {at:g}" if isinstance(at, float | int) else f"{path} {at}")
@@ -119,37 +122,52 @@ def bytes_of(replicate: Replicate) -> int:
 
 def retried(work: Work) -> int:
     """Let the failed runs of a sweep be made again; returns how many there are."""
-    return sum(
-        making.retry(work.store, chunk.id)
-        for block in work.sweep.blocks
-        for chunk in work.chunks(block)
-    )
+    known = [b for b in work.sweep.blocks if all(path.is_file() for path in work.needed(b))]
+    chunks = [chunk for block in known for chunk in work.chunks(block)]
+    work.settle()
+    return sum(making.retry(work.store, chunk.id) for chunk in chunks)
 
 
 def listing(store: Store, words: list[str]) -> Table:
     """Chunks of the store: how many runs of which values, and which sweeps need them."""
-    table = Table(
-        "chunk", "runs", "failed", "shape", "density kg/m3", "seeds", "values", "needed by"
-    )
-    needed = store.needed()
+    table = Table()
+    for name in (
+        "chunk",
+        "runs",
+        "failed",
+        "shape",
+        "density kg/m3",
+        "seeds",
+        "values",
+        "needed by",
+    ):
+        table.add_column(name, overflow="fold")
+    wanted, needed = [_wanted(word) for word in words], store.needed()
     for name, chunk in store.planned().items():
-        runs = store.as_planned(name)
-        if words:
-            runs = [run for run in runs if _matches(run, words)]
-        if not runs:
+        try:
+            runs = store.as_planned(name)
+        except InputError:  # planned for another schema
+            runs = None
+        mine = [run for run in runs or () if all(_matches(run, *each) for each in wanted)]
+        if not mine and (runs is not None or words):
             continue
-        path = store.file_of(name)
-        failed = "not made"
-        if path.is_file():
-            values, _ = read(path, ("failure",))
-            failed = str(int((values["failure"] != 0).sum()))
         users = [results for results, chunks in needed.items() if name in chunks]
         table.add_row(
-            name, f"{len(runs)} of {len(chunk.runs)}", failed, _few(run.label for run in runs),
-            _few(f"{run.density:g}" for run in runs), _few(str(run.seed) for run in runs),
-            differing(runs), ", ".join(users) or "no sweep",
+            name, f"{len(mine)} of {len(chunk.runs)}", _failed(store, name),
+            _few(run.label for run in mine), _few(f"{run.density:g}" for run in mine),
+            _few(str(run.seed) for run in mine),
+            differing(mine) if runs is not None else "of other code", ", ".join(users) or "no sweep",
         )  # fmt: skip
     return table
+
+
+def _failed(store: Store, chunk: str) -> str:
+    """How many runs of a chunk failed, in words."""
+    try:
+        values, _ = read(store.file_of(chunk), ("failure",))
+    except InputError:
+        return "not made"
+    return str(int((values["failure"] != 0).sum()))
 
 
 def _few(words) -> str:
@@ -168,16 +186,24 @@ def _at(replicate: Replicate, path: str):
     return at
 
 
-def _matches(replicate: Replicate, words: list[str]) -> bool:
-    """Whether a run has these values."""
-    own = {"shape": replicate.label, "density": replicate.density, "seed": replicate.seed}
-    mine = [word for word in words if word.partition("=")[0] in own]
-    rest = [word for word in words if word not in mine]
-    for path, _, value in (word.partition("=") for word in mine):
-        if value not in (str(own[path]), str(own[path]).removesuffix(".0")):
-            return False
-    wanted = changes_of_words(replicate.configuration, rest)
-    return all(_at(replicate, path) == value for path, value in wanted.items())
+def _wanted(word: str) -> tuple[str, str]:
+    """Path and value of a word such as friction.granule=0.3; raises InputError."""
+    path, equal, value = word.partition("=")
+    shape = path.split(".")[1:2] if path.startswith("shapes.") else ()
+    known = [*entries(shape), *OWN]
+    if not equal or path not in known:
+        raise InputError(f"{word!r} is no path and value{nearest(path, known)}.")
+    return path, value
+
+
+def _matches(replicate: Replicate, path: str, value: str) -> bool:
+    """Whether a run has this value."""
+    at = _at(replicate, path)
+    if isinstance(at, str) or at is None:
+        return value == str(at)
+    with suppress(ValueError):
+        return float(value) == float(at)
+    return value == str(at)
 
 
 def differing(runs: list[Replicate]) -> str:

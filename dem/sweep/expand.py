@@ -123,20 +123,28 @@ def expand(sweep, name: str, block: dict, derived: Derived | None) -> Block:
     place = place_in(sweep, where)
     fixed = changes(block.get("values", {}), place.at("values"))
     axes = [axis_of(key, block[key], place) for key in block if key not in WORDS]
+    if "shape" in fixed:
+        axes.insert(0, axis_of("shape", [fixed.pop("shape")], place))
     given = {path for axis in axes for point in axis.points for path in point}
     if "seed" not in given:
-        axes.append(axis_of("seed", [1], place))
+        axes.append(axis_of("seed", [fixed.pop("seed", 1)], place))
+    names = [axis.name for axis in axes]
+    if len(set(names)) < len(names):
+        twice = next(name for name in names if names.count(name) > 1)
+        raise InputError(f"{where} has two dimensions named {twice}; rename one.")
+    given |= set(fixed)
     if "shape" not in given and len(sweep.shapes) > 1:
         raise InputError(f"{where} must vary shape or case; there are {', '.join(sweep.shapes)}.")
     for path in SAME:
-        if path in given:
+        if path in given - set(fixed):
             raise InputError(f"{where} varies {path}, which runs of one block share; use blocks.")
     points = [fixed, *(point for axis in axes for point in axis.points)]
     if "needs" not in block and any(is_derived(v) for point in points for v in point.values()):
         raise InputError(
             f"{where} derives values; needs must name the blocks that it takes them from."
         )
-    twice = [p for p in given if sum(any(p in q for q in axis.points) for axis in axes) > 1]
+    points_of = [fixed.keys(), *({p for q in axis.points for p in q} for axis in axes)]
+    twice = [p for p in given if sum(p in some for some in points_of) > 1]
     if twice:
         raise InputError(f"{where} varies {min(twice)} in two ways; name it once.")
     if (count := prod(len(axis.points) for axis in axes)) > MOST:

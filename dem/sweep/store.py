@@ -118,11 +118,14 @@ class Store:
         name = hashlib.sha256(str(Path(results).resolve()).encode()).hexdigest()[:16]
         return self.folder / "sweeps" / f"{name}.json"
 
-    def register(self, results: str, part: str, chunks: Iterable[str]) -> None:
-        """Keep which chunks part of a sweep needs."""
+    def register(
+        self, results: str, part: str, chunks: Iterable[str], parts: Iterable[str]
+    ) -> None:
+        """Keep which chunks a part of a sweep needs; those of parts that it has no more are forgotten."""
         path, data = self._sweep(results), {"results": str(results), "parts": {}}
         with suppress(*DAMAGED):
-            data["parts"] |= json.loads(path.read_text(encoding="utf-8"))["parts"]
+            before = json.loads(path.read_text(encoding="utf-8"))["parts"]
+            data["parts"] = {name: before[name] for name in before if name in set(parts)}
         data["parts"][part] = sorted(chunks)
         with atomic(path) as whole:
             whole.write_text(json.dumps(data), encoding="utf-8")
@@ -334,7 +337,9 @@ def _cut(beds: list[list[Replicate]], size: int) -> Iterator[list[Replicate]]:
         yield some
 
 
-def settle(store: Store, results: str, part: str, chunks: list[Chunk], new: dict) -> None:
+def settle(
+    store: Store, results: str, part: str, chunks: list[Chunk], new: dict, parts: Iterable[str]
+) -> None:
     """Write a plan; raises RunError where another sweep has planned the same runs since."""
     with store.locked():
         mine = {run for chunk in chunks if chunk.id in new for run in chunk.runs}
@@ -348,4 +353,4 @@ def settle(store: Store, results: str, part: str, chunks: list[Chunk], new: dict
         for chunk in chunks:
             if chunk.id in new:
                 store.write_plan(chunk, new[chunk.id])
-        store.register(results, part, [chunk.id for chunk in chunks])
+        store.register(results, part, [chunk.id for chunk in chunks], parts)

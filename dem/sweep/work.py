@@ -107,7 +107,8 @@ class Work:
         redate(self.store.folder / "chunks")  # else what is made of them is always older
         for block, (chunks, new) in self._plans.items():
             if new is not None:
-                settle(self.store, self.sweep.results, block, chunks, new)
+                parts = list(self.sweep.blocks)
+                settle(self.store, self.sweep.results, block, chunks, new, parts)
                 self._plans[block] = chunks, None
 
     def combine(self, block: str, observable: str, output: Path, progress=lambda s: None) -> None:
