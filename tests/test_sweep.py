@@ -284,10 +284,11 @@ def test_a_value_that_is_added_makes_only_its_runs(tmp_path):
     assert list((tmp_path / "store/beds").rglob("*.npz")) == beds
 
 
-def test_an_n_dimensional_file_holds_every_run(tmp_path):
-    """At its place, with the bits of the run made alone; also where the chunks mix the places."""
+@pytest.mark.parametrize("chunk", [3, 10])
+def test_an_n_dimensional_file_holds_every_run(tmp_path, chunk):
+    """At its place, with the bits of the run made alone; also where seeds lie side by side in a chunk."""
     sweep = small(
-        {"shape": ["c1", "d1"], "friction.granule": [0.3, 0.1], "seed": [1, 2]}, chunk=3,
+        {"shape": ["c1", "d1"], "friction.granule": [0.3, 0.1], "seed": [1, 2]}, chunk=chunk,
         shapes={"d1": {"kind": "dumbbell", "diameter": 1092e-6, "granules": 30}},
     )  # fmt: skip
     dataset = combined(done(sweep, tmp_path), tmp_path)
