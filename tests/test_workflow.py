@@ -187,7 +187,7 @@ def test_another_sweep_takes_what_is_there(finished):
 
 
 def test_what_is_forced_is_made_again(finished, tmp_path):
-    """--forceall makes runs anew, with the same bits; the same command without it finds them there."""
+    """--forceall makes runs again, with the same bits; the same command without it finds them there."""
     folder = tmp_path / "forced"
     shutil.copytree(finished, folder, symlinks=True)
     before = contents(folder / "results/smoke/drag.nc")

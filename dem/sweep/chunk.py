@@ -25,7 +25,7 @@ def make(store: Store, chunk: str, again: bool = False, progress=lambda share: N
     """The file of a chunk, made if it is not there; returns its path.
 
     Two processes that want the same chunk do not make it twice: the second waits. again: make all
-    runs anew. progress is called with the share that is done.
+    runs again. progress is called with the share that is done.
     """
     path, replicates = store.file_of(chunk), store.replicates(chunk)
     path.parent.mkdir(parents=True, exist_ok=True)
