@@ -76,9 +76,12 @@ def wall_of_jobs(results: Path, stage: str) -> list[float]:
 def main(seeds: int = 200, chunk: int = 100) -> None:
     with tempfile.TemporaryDirectory() as name, get_context("spawn").Pool(CORES) as pool:
         place = Place(Path(name))
-        config = place.sweep("many", sweep=varied(f"1 to {seeds}", CASES), chunk=chunk, failures=0.05)
+        config = place.sweep(
+            "many", sweep=varied(f"1 to {seeds}", CASES), chunk=chunk, failures=0.05
+        )
         first, many = (
-            place.folder / path for path in (place.sweep("first", sweep=varied([1, 2], CASES)), config)
+            place.folder / path
+            for path in (place.sweep("first", sweep=varied([1, 2], CASES)), config)
         )
         for path in (first, many):  # the first loads what is compiled
             each = pool.starmap(kernels, [(path, part) for part in range(CORES)], chunksize=1)
