@@ -16,6 +16,7 @@ from dem.io.progress import span
 
 DAY = 86400.0  # s
 SOON = 2.0  # s that the clocks of two computers may differ by
+FOLLOWS = os.utime not in os.supports_follow_symlinks  # Windows dates only what a link leads to
 
 
 def prepare(folder: Path) -> tuple[FileLock, list[str]]:
@@ -71,25 +72,17 @@ def clear_parts(folder: Path) -> int:
 
     Whether a process lives can be told of this computer only; others are given a day to finish.
     """
+    from psutil import pid_exists  # os.kill(process, 0) is Ctrl-C on Windows
+
     gone, here = 0, socket.gethostname()
     for part in Path(folder).rglob(".*.part"):
         owner = re.fullmatch(rf"\..*\.{re.escape(here)}\.(\d+)\.part", part.name)
         with suppress(OSError):
             late = time.time() - part.stat().st_mtime > DAY
-            if not _lives(int(owner[1])) if owner else late:
+            if not pid_exists(int(owner[1])) if owner else late:
                 part.unlink()
                 gone += 1
     return gone
-
-
-def _lives(process: int) -> bool:
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except OSError:
-        pass
-    return True
 
 
 def redate(folder: Path) -> tuple[int, float]:
@@ -108,5 +101,5 @@ def redate(folder: Path) -> tuple[int, float]:
     for place, (_, file) in enumerate(late):
         stamp = now - 1e-3 * (len(late) - place)
         with suppress(OSError):
-            os.utime(file, (stamp, stamp), follow_symlinks=False)
+            os.utime(file, (stamp, stamp), follow_symlinks=FOLLOWS)
     return len(late), late[-1][0] - now if late else 0.0
