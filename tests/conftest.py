@@ -2,6 +2,7 @@
 
 import re
 import shutil
+import sys
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
@@ -20,6 +21,9 @@ from dem.sweep.config import load
 # Compiling takes seconds, so no deadlines; the same examples each time, so no surprises.
 hypothesis.settings.register_profile("suite", deadline=None, derandomize=True, max_examples=100)
 hypothesis.settings.load_profile("suite")
+
+# The workflow runs on Linux and macOS, the library and the command line also on Windows.
+posix = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX pipes, signals or bash")
 
 KINDS = sorted(shapes.KINDS, key=len, reverse=True)  # "superellipse" before "ellipse"
 

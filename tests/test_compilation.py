@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 import pytest
+from conftest import posix
 
 from dem.base.sources import PACKAGE
 
@@ -109,7 +110,7 @@ def test_damaged_machine_code_is_compiled_again(tmp_path, damage, kind):
 FULL = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))\n"
 
 
-@pytest.mark.parametrize("fault", ["no folder", "no room"])
+@pytest.mark.parametrize("fault", ["no folder", pytest.param("no room", marks=posix)])
 def test_a_cache_that_cannot_be_written_does_not_stop_a_run(tmp_path, fault):
     """The run goes on with code in memory, and says so in one line that names the folder."""
     cache = tmp_path / "cache"
@@ -150,6 +151,7 @@ print(caught)
 """
 
 
+@posix
 def test_a_signal_between_python_and_machine_code_is_an_exception():
     """Handlers that raise, as that of Ctrl-C does, never see values that are made by halves."""
     command = [sys.executable, "-c", INTERRUPTED]

@@ -8,7 +8,7 @@ import time
 
 import pytest
 import yaml
-from conftest import CONFIG
+from conftest import CONFIG, posix
 from hypothesis import example, given
 from hypothesis import strategies as st
 
@@ -205,6 +205,7 @@ def test_aliases_and_merges_are_read(tmp_path):
     }  # fmt: skip
 
 
+@posix
 def test_files_that_cannot_be_read_are_refused(tmp_path):
     """No file, a folder, a pipe, a device, too many bytes, bytes that are no text: none is waited for."""
     (tmp_path / "utf16.yaml").write_bytes("title: x".encode("utf-16"))

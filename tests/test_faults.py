@@ -11,7 +11,7 @@ import time
 import netCDF4
 import numpy as np
 import pytest
-from conftest import CONFIG, assert_not_blank
+from conftest import CONFIG, assert_not_blank, posix
 from rich.console import Console
 from test_stopping import combined, discs, planned
 from typer.testing import CliRunner
@@ -223,6 +223,7 @@ def test_time_left_of_a_steady_job():
     assert [span(s) for s in (59.4, 60, 3599, 3600, 90000)] == ["59 s", "1 min 0 s", "59 min 59 s", "1 h 0 min", "25 h 0 min"]  # fmt: skip
 
 
+@posix
 @pytest.mark.parametrize("verb", ["simulate", "pack"])
 @pytest.mark.parametrize("asked", [signal.SIGINT, signal.SIGTERM])
 def test_a_stopped_command_says_one_sentence(tmp_path, verb, asked):

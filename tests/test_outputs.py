@@ -7,17 +7,20 @@ import inspect
 import os
 import shutil
 import stat
+import sys
 from pathlib import Path
 from typing import get_type_hints
 
 import pytest
-from conftest import CONFIG
+from conftest import CONFIG, posix
 from typer.testing import CliRunner
 
 from dem.base.errors import InputError
 from dem.base.files import FOLDER, Place, atomic, check_paths
 from dem.cli.app import app
 from dem.cli.terminal import Writes
+
+DEVICE = "/dev/full" if sys.platform == "linux" else "/dev/null"
 
 
 def commands(verbs=app, head=()):
@@ -75,7 +78,7 @@ def bad_places(folder, source, kind):
         "what it reads": source,
         "link to what it reads": folder / "link",
         "other name of what it reads": folder / "name",
-        "device": Path("/dev/full"),
+        "device": Path(DEVICE),
         "link to a device": folder / "full",
         "pipe": folder / "pipe",
         "below a file": source / "out.nc",
@@ -84,7 +87,7 @@ def bad_places(folder, source, kind):
     }
     (folder / "link").symlink_to(source)
     (folder / "name").hardlink_to(source)
-    (folder / "full").symlink_to("/dev/full")
+    (folder / "full").symlink_to(DEVICE)
     (folder / "loop").symlink_to(folder / "loop")
     os.mkfifo(folder / "pipe")
     if kind == FOLDER:
@@ -108,6 +111,7 @@ def content(folder):
     return found
 
 
+@posix
 @pytest.mark.parametrize(("words", "function", "name", "kind"), WRITTEN)
 def test_no_command_writes_where_it_must_not(tmp_path, monkeypatch, words, function, name, kind):
     """Status 2 and one sentence, before any work; nothing is written, deleted or replaced."""
@@ -116,14 +120,14 @@ def test_no_command_writes_where_it_must_not(tmp_path, monkeypatch, words, funct
     shutil.copy(CONFIG / "smoke.yaml", source)
     (tmp_path / "note.nc").write_text("a note")
     places = bad_places(tmp_path, source, kind)
-    before, device = content(tmp_path), Path("/dev/full").stat()
+    before, device = content(tmp_path), Path(DEVICE).stat()
     for fault, path in places.items():
         result = CliRunner().invoke(app, [*words, *words_for(function, name, path, source)])
         assert result.exit_code == 2, (fault, result.output, result.exception)
         assert len(result.stderr.strip().splitlines()) == 1, (fault, result.output)
         assert "Traceback" not in result.stderr
         assert content(tmp_path) == before, fault
-    assert Path("/dev/full").stat().st_rdev == device.st_rdev
+    assert Path(DEVICE).stat().st_rdev == device.st_rdev
 
 
 def test_every_output_is_marked_as_written():
@@ -141,6 +145,7 @@ READ = [
 ]  # fmt: skip
 
 
+@posix
 @pytest.mark.parametrize(("words", "function", "name"), READ)
 def test_no_command_waits_for_a_pipe_or_reads_a_device(tmp_path, words, function, name):
     """What is read must be a file: a pipe never ends, and neither does /dev/zero."""
@@ -199,12 +204,13 @@ def test_a_link_is_followed(tmp_path):
     assert sorted(each.name for each in tmp_path.rglob("*")) == ["aim.txt", "deep", "link"]
 
 
-@pytest.mark.parametrize("place", ["/dev/full", "pipe", "link"])
+@posix
+@pytest.mark.parametrize("place", [DEVICE, "pipe", "link"])
 def test_the_library_replaces_no_device(tmp_path, place):
     """Not even as root, who could."""
     os.mkfifo(tmp_path / "pipe")
-    (tmp_path / "link").symlink_to("/dev/full")
+    (tmp_path / "link").symlink_to(DEVICE)
     with pytest.raises(InputError, match="must be a file"), atomic(tmp_path / place) as part:
         part.write_text("never")
-    assert stat.S_ISCHR(Path("/dev/full").stat().st_mode)
+    assert stat.S_ISCHR(Path(DEVICE).stat().st_mode)
     assert stat.S_ISFIFO((tmp_path / "pipe").stat().st_mode)

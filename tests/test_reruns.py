@@ -8,8 +8,10 @@ made.
 import os
 
 import pytest
+from conftest import posix
 from test_workflow import SMOKE, copy, environment, planned, snakemake  # noqa: F401 copy: a fixture
 
+pytestmark = posix
 TARGETS = ("all", "accuracy", "stability", "claims", "benchmark")
 BLOCKS = ("jamming", "jamming_ratios", "jamming_width", "jamming_height")
 JAMMING = [f"results/smoke/claims/{block}/jamming.nc" for block in BLOCKS]

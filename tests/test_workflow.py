@@ -13,11 +13,12 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 import pytest
-from conftest import assert_alone, assert_not_blank
+from conftest import assert_alone, assert_not_blank, posix
 
 import dem
 from dem.sweep.config import load
 
+pytestmark = posix
 ROOT = Path(__file__).parent.parent
 SMOKE = "config/smoke.yaml"
 NOT_COMPARED = {"run_time", "spent"}
