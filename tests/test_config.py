@@ -220,7 +220,7 @@ def test_files_that_cannot_be_read_are_refused(tmp_path):
         "large.yaml": "it must have at most 2,000,000.",
         "utf16.yaml": "line 1: byte 0xff is not UTF-8",
         "latin1.yaml": "line 2: byte 0xe9 is not UTF-8",
-        "no\0name": "cannot read it (embedded null byte).",
+        "no\0name": "embedded null",  # the rest of the sentence is Python's
     }.items():
         with pytest.raises(InputError, match=re.escape(words)) as error:
             load(tmp_path / name)
