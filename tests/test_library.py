@@ -31,11 +31,13 @@ def test_a_result_is_a_dataset_with_units(tmp_path):
     assert dict(dataset.sizes) == {"time": 4, "granule": 2, "axis": 2, "wall": 4}
     assert {name: each.attrs["units"] for name, each in dataset.items()} == {
         "position": "m", "angle": "rad", "velocity": "m s-1", "angular_velocity": "rad s-1",
-        "cylinder_force": "N", "wall_force": "N", "time_step": "s",
+        "cylinder_force": "N", "wall_force": "N", "time_step": "s", "cylinder_position": "m",
+        "cylinder_diameter": "m", "wall_normal": "1", "wall_offset": "m", "mass": "kg",
+        "bounding_radius": "m",
     }  # fmt: skip
     assert dataset["time"].attrs["units"] == "s"
     assert all(each.attrs["long_name"] for each in dataset.variables.values())
-    for name in set(result._fields) - {"state"}:
+    for name in set(result._fields) - {"state", "scene"}:
         assert_array_equal(dataset[name], getattr(result, name))
     assert_array_equal(dataset["position"].sel(axis="y").isel(time=-1), result.state.position[:, 1])
     dataset.to_netcdf(tmp_path / "run.nc")

@@ -9,11 +9,15 @@ Two discs that collide in empty space need no more than that; the paper's experi
 import math
 import os
 from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 import numpy as np
 
 from dem.base.errors import InputError, OverlapError, StateError
+from dem.base.files import atomic
+from dem.base.target import file_of
 from dem.base.validate import (
     LEAST,
     checked,
@@ -88,12 +92,32 @@ class Record(NamedTuple):
 
 
 class Result(NamedTuple):
-    """What simulate returns: f frames of n granules and w walls, and the last state.
+    """What simulate returns: f frames of n granules and w walls.
 
-    time (f,) in s; position (f, n, 2) in m; angle (f, n) in rad; velocity (f, n, 2) in m/s;
-    angular_velocity (f, n) in rad/s; cylinder_force (f, 2) and wall_force (f, w) in N: the mean
-    force on the cylinder and the mean normal force on each wall since the frame before (NaN in
-    the first frame). time_step (s): the shortest step taken.
+    The first frame is the start; frame -1 is the last one.
+
+    Attributes
+    ----------
+    time : (f,) array
+        Time since the start, s.
+    position : (f, n, 2) array
+        Centres of the granules, m.
+    angle : (f, n) array
+        Angles of the granules, rad.
+    velocity : (f, n, 2) array
+        Velocities, m/s.
+    angular_velocity : (f, n) array
+        Angular velocities, rad/s.
+    cylinder_force : (f, 2) array
+        Mean force on the cylinder since the frame before, N; NaN in the first frame.
+    wall_force : (f, w) array
+        Mean normal force on each wall since the frame before, N; NaN in the first frame.
+    state : State
+        The last state, from which another run can start.
+    time_step : float
+        Shortest time step taken, s.
+    scene : Scene
+        What was simulated.
     """
 
     time: np.ndarray
@@ -105,22 +129,121 @@ class Result(NamedTuple):
     wall_force: np.ndarray
     state: State
     time_step: float
+    scene: Scene
+
+    @property
+    def cylinder_position(self) -> np.ndarray | None:
+        """Where the axis of the cylinder is, (f, 2) in m; None without a cylinder."""
+        cylinder = self.scene.cylinder
+        if cylinder is None:
+            return None
+        return np.array(cylinder.position) + np.outer(self.time, cylinder.velocity)
+
+    def contacts(self, frame: int = -1) -> Touching:
+        """Find all contacts of one frame.
+
+        Parameters
+        ----------
+        frame : int
+            Number of the frame; -1 is the last one.
+
+        Returns
+        -------
+        Touching
+            Granule, partner, point (m), normal, overlap (m) and elastic normal force (N) of each
+            contact.
+
+        Raises
+        ------
+        InputError
+            If there is no such frame.
+
+        Examples
+        --------
+        >>> import dem
+        >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]))
+        >>> state = dem.State([[0, 0], [2.1e-3, 0]], velocity=[[1, 0], [-1, 0]])
+        >>> result = dem.simulate(scene, state, duration=1e-4, frames=2)
+        >>> [len(result.contacts(frame).force) for frame in range(3)]
+        [0, 1, 0]
+        """
+        frames = len(self.time)
+        frame = whole(-frames, frames - 1)("frame", frame)
+        scene, place = self.scene, self.cylinder_position
+        if scene.cylinder is not None and place is not None:
+            scene = replace(scene, cylinder=replace(scene.cylinder, position=place[frame]))
+        state = State(*(getattr(self, name)[frame] for name in vars(self.state)))
+        return Simulation(scene, state).contacts()
 
     def to_dataset(self) -> "xarray.Dataset":
-        """All but the last state as a dataset with the dimensions time, granule, axis and wall.
+        """Return the frames, granules, walls and cylinder as a dataset.
 
-        Every variable has units and a long name (CF). Walls are numbered in the order of the scene.
+        Returns
+        -------
+        xarray.Dataset
+            Dimensions are time, granule, axis and wall. Every variable has units and a long name
+            (CF). Walls are numbered in the order of the scene. Without a cylinder there is none of
+            its variables but its force, which is zero.
         """
         import xarray
 
+        scene = self.scene
+        walls = np.empty((0, 3)) if scene.walls is None else scene.walls
+        values = self._asdict() | {
+            "mass": scene.mass,
+            "bounding_radius": scene.shape.bounding_radius,
+            "wall_normal": walls[:, :2],
+            "wall_offset": walls[:, 2],
+        }
+        if scene.cylinder is not None:
+            values["cylinder_position"] = self.cylinder_position
+            values["cylinder_diameter"] = scene.cylinder.diameter
         variables = {
-            name: (dimensions, getattr(self, name), {"units": units, "long_name": words})
+            name: (dimensions, values[name], {"units": units, "long_name": words})
             for name, (dimensions, units, words) in RESULT.items()
+            if name in values
         }
         attrs = {"Conventions": "CF-1.11", "title": "Motion of granules and forces on walls"}
         return xarray.Dataset(
             variables, {"axis": ("axis", ["x", "y"], {"long_name": "direction"})}, attrs
         )
+
+    @checked(path=file_of(".nc"))
+    def to_netcdf(self, path: str | os.PathLike[str]) -> Path:
+        """Write to_dataset() to one netCDF file, whole or not at all.
+
+        Parameters
+        ----------
+        path : str or path
+            File to write; it ends in .nc.
+
+        Returns
+        -------
+        Path
+            The file written.
+
+        Raises
+        ------
+        InputError
+            If the path is of another kind, or a folder; nothing is written.
+        OSError
+            If the file cannot be written.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> import dem
+        >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]))
+        >>> state = dem.State([[0, 0], [2.1e-3, 0]], velocity=[[1, 0], [-1, 0]])
+        >>> result = dem.simulate(scene, state, duration=1e-4, frames=2)
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     result.to_netcdf(folder + "/collision.nc").name
+        'collision.nc'
+        """
+        path = Path(path)
+        with atomic(path) as part:
+            self.to_dataset().to_netcdf(part, engine="netcdf4")
+        return path
 
 
 # of a Result as a dataset: name: (dimensions, units, long name)
@@ -131,7 +254,13 @@ RESULT = {
     "velocity": (("time", "granule", "axis"), "m s-1", "velocity of the granule"),
     "angular_velocity": (("time", "granule"), "rad s-1", "angular velocity, anticlockwise"),
     "cylinder_force": (("time", "axis"), "N", "mean force on the cylinder since the frame before"),
+    "cylinder_position": (("time", "axis"), "m", "position of the axis of the cylinder"),
+    "cylinder_diameter": ((), "m", "diameter of the cylinder"),
     "wall_force": (("time", "wall"), "N", "mean normal force on the wall since the frame before"),
+    "wall_normal": (("wall", "axis"), "1", "unit normal of the wall, into the solid"),
+    "wall_offset": (("wall",), "m", "distance of the wall from the origin along its normal"),
+    "mass": (("granule",), "kg", "mass of the granule"),
+    "bounding_radius": (("granule",), "m", "radius of the circle that holds the granule"),
     "time_step": ((), "s", "shortest time step taken"),
 }
 
@@ -435,13 +564,46 @@ def simulate(
     threads: int = 1,
     allow_unstable: bool = False,
 ) -> Result:
-    """Simulate a scene from a state for a duration (s) and return arrays.
+    """Simulate a scene from a state and return arrays.
 
-    time_step (s): None to choose it from the stiffness of the contacts (recommended). frames:
-    number of equal intervals after each of which the state is kept; all must fit into MOST_KEPT
-    bytes. step_fraction, max_overlap, skin, threads, allow_unstable: see Simulation. Raises
-    InputError for values that cannot be used and RunError (StateError, OverlapError) where a run
-    fails.
+    Parameters
+    ----------
+    scene : Scene
+        What is simulated: n granules, walls, cylinder.
+    state : State
+        Where the granules start, and how they move.
+    duration : float
+        Time to simulate, s.
+    time_step : float, optional
+        Time step, s; None (recommended) to choose it from the stiffness of the contacts.
+    frames : int
+        Number of equal intervals after each of which the state is kept. All frames must fit into
+        MOST_KEPT bytes.
+    step_fraction, max_overlap, skin, threads, allow_unstable
+        See Simulation.
+
+    Returns
+    -------
+    Result
+        The start and a frame per interval, frames + 1 in all.
+
+    Raises
+    ------
+    InputError
+        If a value cannot be used.
+    RunError
+        If the run fails: StateError or OverlapError.
+
+    Examples
+    --------
+    Two discs collide in empty space and part at half their speed:
+
+    >>> import dem
+    >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]), dem.Material(restitution=0.5))
+    >>> state = dem.State([[0, 0], [2.1e-3, 0]], velocity=[[1, 0], [-1, 0]])
+    >>> result = dem.simulate(scene, state, duration=1e-4)
+    >>> result.velocity[-1, :, 0].round(1)
+    array([-0.5,  0.5])
     """
     run = Simulation(
         scene, state, time_step, step_fraction, max_overlap, skin, threads,
@@ -454,7 +616,7 @@ def simulate(
         shortest = min(shortest, run.advance(interval))
         on_cylinder, on_walls = run.collect_impulses()
         _keep(kept, frame, run, on_cylinder.sum(axis=0) / interval, on_walls / interval)
-    return Result(**kept, state=run.state, time_step=shortest)
+    return Result(**kept, state=run.state, time_step=shortest, scene=scene)
 
 
 def _history(frames: int, run: Simulation) -> dict[str, np.ndarray]:
