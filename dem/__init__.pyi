@@ -6,6 +6,8 @@ from .base.errors import StateError as StateError
 from .dynamics.simulation import Result as Result
 from .dynamics.simulation import Simulation as Simulation
 from .dynamics.simulation import simulate as simulate
+from .figures import plot as plot
+from .figures.film import film as film
 from .packing.random import Bed as Bed
 from .packing.random import pack as pack
 from .scene import Cylinder as Cylinder

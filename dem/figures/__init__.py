@@ -3,7 +3,11 @@
 from importlib import import_module
 from pathlib import Path
 
+import lazy_loader
+
 from dem.base.errors import InputError
+
+__getattr__ = lazy_loader.attach(__name__, ["plot"])[0]  # dem.plot of ../__init__.pyi
 
 
 def _some_shape(cases):

@@ -2,15 +2,18 @@
 
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
-from matplotlib.patches import Circle, Rectangle
+from matplotlib.patches import Circle, PathPatch
+from matplotlib.path import Path
 
 from dem.experiment.flow_measures import layers_of
 from dem.figures import style
+from dem.scene import box
 from dem.shapes import KINDS
 
 PLAIN, SHADED = "#dfe7ee", style.CURVE
 EDGE = {"edgecolors": style.OUTLINE, "linewidths": 0.35}
 STEEL = {"facecolor": style.STEEL, "edgecolor": "black", "linewidth": 0.8, "zorder": 3}
+SOLID = {"facecolor": "0.93", "edgecolor": "0.6", "hatch": "////", "linewidth": 0.0, "zorder": 0}
 AHEAD = 1.5  # diameters of the cylinder: height of the cluster that is shaded
 
 
@@ -28,38 +31,103 @@ def placed(rings, position, angle) -> np.ndarray:
     return 1e3 * moved.reshape(-1, *rings.shape[2:])
 
 
-class Bed:
-    """One bed on axes; lengths in m. What is drawn can be moved, for films."""
+def edges(planes, view) -> tuple[np.ndarray, np.ndarray]:
+    """Where walls end the space for granules: segments (k, 2, 2) in m, one per wall in view, and
+    the corners (c, 2) of that space within the view, anticlockwise.
 
-    def __init__(self, axes, rings, width: float, height: float, cylinder: float):
-        self.rings, self.per = rings, rings.shape[1]
+    planes (w, 3): rows (nx, ny, offset), solid where n.x > offset; view: lower left and upper right
+    corner (m).
+    """
+    (left, low), (right, high) = view
+    sides = [[-1, 0, -left], [1, 0, right], [0, -1, -low], [0, 1, high]]
+    planes = np.concatenate([planes, sides])
+    normal, offset = planes[:, :2], planes[:, 2]
+    tiny = 1e-9 * (right - left + high - low)
+    found, corners = [], []
+    for wall, (nx, ny, distance) in enumerate(planes):
+        foot, along = distance * np.array([nx, ny]), np.array([-ny, nx])
+        rate, room = normal @ along, offset - normal @ foot
+        beside = np.abs(rate) < 1e-12
+        if (room[beside] < -tiny).any():
+            continue
+        first = (room[rate < -1e-12] / rate[rate < -1e-12]).max()
+        last = (room[rate > 1e-12] / rate[rate > 1e-12]).min()
+        if last - first > tiny:
+            ends = foot + np.array([[first], [last]]) * along
+            corners.append(ends)
+            if wall < len(planes) - len(sides):
+                found.append(ends)
+    around = np.concatenate(corners)
+    turn = around - around.mean(axis=0)
+    around = around[np.argsort(np.arctan2(turn[:, 1], turn[:, 0]))]
+    return np.array(found).reshape(-1, 2, 2), around
+
+
+class Drawing:
+    """Granules, walls and cylinder on axes; lengths in m. What is drawn can be moved, for films.
+
+    rings: outlines; walls (w, 3): planes as of dem.Scene; view: lower left and upper right corner;
+    diameter: of the cylinder, None without one.
+    """
+
+    def __init__(self, axes, rings, walls, view, diameter: float | None):
+        self.axes, self.rings, self.per = axes, rings, rings.shape[1]
+        self.view = np.asarray(view)
         self.granules = PolyCollection([], **EDGE, zorder=1)
-        self.cylinder = Circle((0.5e3 * width, 0.0), 0.5e3 * cylinder, **STEEL)
         self.forces = LineCollection([], colors="#b34700", capstyle="round", zorder=2)
-        axes.add_collection(self.granules, autolim=False)
-        axes.add_collection(self.forces, autolim=False)
-        axes.add_patch(self.cylinder)
-        axes.add_patch(Rectangle((0.0, 0.0), 1e3 * width, 1e3 * height, fill=False, linewidth=1.4))
-        edge = 0.01e3 * width
-        axes.set(
-            xlim=(-edge, 1e3 * width + edge), ylim=(-edge, 1e3 * height + edge), aspect="equal"
+        self.cylinder = Circle((0.0, 0.0), 0.5e3 * (diameter or 0.0), **STEEL)
+        self.walls, self.space = edges(walls, view)
+        lines = LineCollection(
+            1e3 * self.walls, colors="black", linewidths=1.4, capstyle="projecting", zorder=1
         )
+        for each in (self.granules, self.forces, lines):
+            axes.add_collection(each, autolim=False)
+        if diameter is not None:
+            axes.add_patch(self.cylinder)
+        axes.set(xlim=1e3 * self.view[:, 0], ylim=1e3 * self.view[:, 1], aspect="equal")
         axes.grid(visible=False)
-        axes.set_axis_off()
 
-    def move(self, position, angle, cylinder_y: float) -> None:
-        """Granules to positions (n, 2) in m and angles (n,) in rad; the cylinder to its height."""
+    def hatch(self) -> None:
+        """Hatch what is solid, and number the axes in mm."""
+        (left, low), (right, high) = self.view
+        around = np.array([[left, low], [left, high], [right, high], [right, low]])  # clockwise
+        rings = [1e3 * each[[*range(len(each)), 0]] for each in (around, self.space)]
+        path = Path.make_compound_path(*map(Path, rings))
+        self.axes.add_patch(PathPatch(path, **SOLID))
+        self.axes.set(xlabel="x (mm)", ylabel="y (mm)")
+
+    def move(self, position, angle, cylinder) -> None:
+        """Granules to positions (n, 2) in m and angles (n,) in rad; the cylinder to (x, y) in m."""
         self.granules.set_verts(placed(self.rings, position, angle))
-        self.cylinder.center = self.cylinder.center[0], 1e3 * cylinder_y
+        if cylinder is not None:
+            self.cylinder.center = 1e3 * cylinder[0], 1e3 * cylinder[1]
 
     def paint(self, colors) -> None:
-        """Colours (n, ...), one a granule."""
+        """Colours (n, ...), one per granule."""
         self.granules.set_facecolor(np.repeat(np.asarray(colors), self.per, axis=0))
 
     def push(self, segments, forces, largest: float) -> None:
         """Lines (m, 2, 2) in m with the width of the force (m,) in N; the largest is 4 points wide."""
         self.forces.set_segments(1e3 * np.asarray(segments))
         self.forces.set_linewidths(4.0 * np.minimum(np.asarray(forces) / largest, 1.5))
+
+
+class Bed(Drawing):
+    """A bed of the paper: the box alone, without numbers, and the cylinder in its middle."""
+
+    def __init__(self, axes, rings, width: float, height: float, cylinder: float):
+        super().__init__(axes, rings, box(width, height), box_view(width, height), cylinder)
+        self.middle = 0.5 * width
+        axes.set_axis_off()
+
+    def move(self, position, angle, cylinder_y: float) -> None:
+        super().move(position, angle, (self.middle, cylinder_y))
+
+
+def box_view(width: float, height: float) -> np.ndarray:
+    """Corners (2, 2) in m of the view of a box, that keeps its lines whole."""
+    edge = 0.01 * width
+    return np.array([[-edge, -edge], [width + edge, height + edge]])
 
 
 def cluster(start, axis, diameter: float):

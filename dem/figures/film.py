@@ -1,5 +1,7 @@
-"""Pictures and films of one replicate: its snapshots, coloured by speed, force, layer or cluster."""
+"""Pictures and films of one replicate or one result, coloured by speed, force, layer or cluster."""
 
+import os
+from collections.abc import Callable
 from pathlib import Path
 
 import matplotlib
@@ -11,9 +13,13 @@ from matplotlib.figure import Figure
 
 from dem.base.errors import InputError
 from dem.base.files import Place, atomic, check_paths
+from dem.base.target import file_of
+from dem.base.validate import checked
+from dem.dynamics.simulation import Result
 from dem.experiment.flow_measures import LAYERS
 from dem.experiment.motion import Motion
 from dem.figures import bed, style
+from dem.figures.frames import Frames, frames_of
 
 COLORS = ("speed", "force", "layer", "cluster")
 SIZE, DPI = (12.8, 7.2), 100  # 720p
@@ -22,105 +28,103 @@ SECONDS = 10.0  # of a film
 
 
 class Scene:
-    """A figure with the bed on the left and the drag on the right, that can show any snapshot."""
+    """A figure with the bed on the left and its record on the right, that can show any frame.
 
-    def __init__(self, motion: Motion, color: str, forces: bool):
-        if color not in COLORS:
-            raise InputError(f"color is {color!r}; it must be one of {', '.join(COLORS)}.")
-        self.motion, self.color, self.forces = motion, color, forces
-        own = motion.replicate.configuration
-        self.width, self.size = own.box_width, own.cylinder.diameter
-        self.contacts = _contacts(motion) if forces or color == "force" else None
-        self.figure = Figure(figsize=SIZE, dpi=DPI)
-        left, right = self.figure.subplots(1, 2, width_ratios=(1.15, 1.0))
-        self.bed = bed.Bed(left, motion.outlines, self.width, motion.height, self.size)
+    shown: frames whose forces set the scale, None for all. beside: whether there is a record.
+    """
+
+    def __init__(
+        self, frames: Frames, color: str, forces: bool, shown=None, beside=True, size=SIZE
+    ):  # fmt: skip
+        known = COLORS if frames.cluster is not None else COLORS[:-1]
+        if color not in known:
+            raise InputError(f"color is {color!r}; it must be one of {', '.join(known)}.")
+        self.frames, self.color, self.forces = frames, color, forces
+        shown = range(len(frames.position)) if shown is None else shown
+        self.contacts = (
+            {each: _contacts(frames, each) for each in shown} if forces or color == "force" else {}
+        )
+        self.figure = Figure(figsize=size, dpi=DPI)
+        beside = beside and frames.record is not None
+        left, *right = self.figure.subplots(
+            1, 1 + beside, width_ratios=(1.15, 1.0)[: 1 + beside], squeeze=False
+        )[0]
+        self.bed = bed.Drawing(left, frames.rings, frames.walls, frames.view, frames.diameter)
+        if frames.boxed:
+            left.set_axis_off()
+        else:
+            self.bed.hatch()
         self.map = self._scale(left)
-        self._drag(right)
-        self.figure.suptitle(self._title(), fontsize=15)
-        self.show(0)
+        self.mark = None
+        if beside:
+            frames.record(right[0])
+            self.mark = right[0].axvline(0.0, color="black", linewidth=1.6)
+        self.caption = (right if frames.boxed else [left])[0].set_title(
+            " ", loc="left", fontsize=13
+        )
+        if frames.title:
+            self.figure.suptitle(self._title(), fontsize=15)
+        self.show(shown[0])
         self.figure.draw_without_rendering()
         self.figure.set_layout_engine("none")  # laid out once: that takes as long as drawing
 
     def _title(self):
-        run = self.motion.replicate
         words = {"speed": "speed", "force": "sum of normal forces", "layer": "layers",
                  "cluster": "granules ahead of the cylinder"}[self.color]  # fmt: skip
-        return f"{run.label}, {run.density:g} kg/m³, seed {run.seed}: {words}"
+        return f"{self.frames.title}: {words}"
+
+    def _largest(self) -> float:
+        """Largest force at a contact (N)."""
+        return max(forces.max(initial=0.0) for _, forces, _ in self.contacts.values()) or 1.0
 
     def _scale(self, axes):
         """Colour scale of speeds or forces, None for layers and cluster."""
         if self.color == "speed":
-            velocity = self.motion.replicate.configuration.cylinder.velocity
-            scale, words = Normalize(0.0, velocity), "Speed (m/s)"
+            scale, words = Normalize(0.0, self.frames.fastest), "Speed (m/s)"
         elif self.color == "force":
-            largest = max(forces.max(initial=0.0) for _, forces, _ in self.contacts) or 1.0
+            largest = self._largest()
             scale, words = LogNorm(1e-3 * largest, 2.0 * largest), "Sum of normal forces (N)"
+            words += "" if self.frames.boxed else "; white: none"
         else:
             return None
         mapped = ScalarMappable(scale, MAP)
         self.figure.colorbar(mapped, ax=axes, label=words, shrink=0.8)
         return mapped
 
-    def _drag(self, axes):
-        """The drag along the stroke, with a mark that moves."""
-        motion = self.motion
-        x = style.millimetres(motion.drag_displacement)
-        if motion.drag is not None:
-            axes.plot(x, motion.drag, color=style.CURVE, linewidth=0.8)
-            axes.set_ylim(bottom=min(0.0, motion.drag.min()))
-        axes.set(xlabel="Displacement of the cylinder (mm)", ylabel="Drag (N)",
-                 xlim=(0.0, style.millimetres(motion.displacement[-1])))  # fmt: skip
-        self.mark = axes.axvline(0.0, color="black", linewidth=1.6)
-        self.caption = axes.set_title(" ", loc="left", fontsize=13)
-
-    def show(self, snapshot: int) -> None:
-        """Draw one snapshot."""
-        motion, moved = self.motion, style.millimetres(self.motion.displacement[snapshot])
-        self.bed.move(
-            motion.position[snapshot], motion.angle[snapshot], motion.cylinder_y[snapshot]
-        )
-        self.bed.paint(self._paint(snapshot))
+    def show(self, frame: int) -> None:
+        """Draw one frame."""
+        frames = self.frames
+        cylinder = None if frames.cylinder is None else frames.cylinder[frame]
+        self.bed.move(frames.position[frame], frames.angle[frame], cylinder)
+        self.bed.paint(self._paint(frame))
         if self.forces:
-            segments, forces, _ = self.contacts[snapshot]
-            largest = max(each[1].max(initial=0.0) for each in self.contacts) or 1.0
-            self.bed.push(segments, forces, largest)
-        self.mark.set_xdata([moved, moved])
-        self.caption.set_text(f"{float(moved):.2f} mm")
+            segments, forces, _ = self.contacts[frame]
+            self.bed.push(segments, forces, self._largest())
+        if self.mark is not None:
+            self.mark.set_xdata([frames.marks[frame]] * 2)
+        self.caption.set_text(frames.captions[frame])
 
-    def _paint(self, snapshot):
-        motion, start = self.motion, self.motion.position[0]
+    def _paint(self, frame):
+        frames = self.frames
         if self.color == "layer":
-            return bed.layer_colors(start, motion.height, LAYERS)
+            low, height = frames.layers
+            return bed.layer_colors(frames.position[0] - [0.0, low], height, LAYERS)
         if self.color == "cluster":
-            axis = 0.5 * self.width, motion.cylinder_y[0]
-            return bed.cluster_colors(start, axis, self.size)
-        values = _speeds(motion, snapshot) if self.color == "speed" else self.contacts[snapshot][2]
-        return self.map.to_rgba(values)
-
-
-def _speeds(motion: Motion, snapshot: int):
-    """Mean speed (n,) in m/s since the last snapshot, or until the next for the first."""
-    first = max(snapshot - 1, 0)
-    moved = np.linalg.norm(motion.position[first + 1] - motion.position[first], axis=1)
-    drawn = motion.displacement[first + 1] - motion.displacement[first]
-    return moved / drawn * motion.replicate.configuration.cylinder.velocity
-
-
-def _contacts(motion: Motion):
-    """Of every snapshot: segments (m, 2, 2) in m across contacts, forces (m,) and, by granule, their
-    sums (n,) in N."""
-    found = []
-    for snapshot, place in enumerate(motion.position):
-        touching = motion.contacts(snapshot)
-        start = place[touching.granule]
-        between = touching.partner >= 0
-        end = np.where(
-            between[:, None], place[np.where(between, touching.partner, 0)], touching.point
+            return frames.cluster
+        return self.map.to_rgba(
+            frames.speed(frame) if self.color == "speed" else self.contacts[frame][2]
         )
-        total = np.bincount(touching.granule, touching.force, len(place))
-        total += np.bincount(touching.partner[between], touching.force[between], len(place))
-        found.append((np.stack([start, end], axis=1), touching.force, total))
-    return found
+
+
+def _contacts(frames: Frames, frame: int):
+    """Segments (m, 2, 2) in m across contacts, forces (m,) and, by granule, their sums (n,) in N."""
+    touching, place = frames.contacts(frame), frames.position[frame]
+    start = place[touching.granule]
+    between = touching.partner >= 0
+    end = np.where(between[:, None], place[np.where(between, touching.partner, 0)], touching.point)
+    total = np.bincount(touching.granule, touching.force, len(place))
+    total += np.bincount(touching.partner[between], touching.force[between], len(place))
+    return np.stack([start, end], axis=1), touching.force, total
 
 
 def _rc():
@@ -144,10 +148,11 @@ def picture(
         raise InputError(
             f"displacement is {displacement:g} m; it must lie between 0 and the stroke, {stroke:g} m."
         )
-    with _rc(), atomic(path) as part:
-        scene = Scene(motion, color, forces)
+    with _rc():
+        scene = Scene(frames_of(motion), color, forces)
         scene.show(motion.nearest(displacement))
-        scene.figure.savefig(part, format=kind)
+        with atomic(path) as part:
+            scene.figure.savefig(part, format=kind)
 
 
 def encoder():
@@ -165,35 +170,79 @@ def encoder():
         return None
 
 
-def film(motion: Motion, path: Path, color: str, forces: bool, progress=lambda done: None) -> Path:
-    """All snapshots as MP4, or as GIF where there is no encoder; returns the file written.
+@checked(path=file_of(".mp4", ".gif"))
+def film(
+    result: Result | Motion,
+    path: str | os.PathLike[str],
+    color: str = "speed",
+    forces: bool = False,
+    progress: Callable[[float], object] = lambda done: None,
+) -> Path:
+    """Film all frames of a result, with the forces on cylinder or walls beside the granules.
 
-    Raises InputError for a replicate with fewer than two snapshots, or for another kind of file.
+    The film shows true outlines, to scale, on axes in mm.
+
+    Parameters
+    ----------
+    result : Result
+        What dem.simulate returned.
+    path : str or path
+        File to write; it ends in .mp4 or .gif. Without an encoder for MP4 a GIF is written, with
+        the same name but for its end.
+    color : str
+        Colour of granules: "speed" (m/s), "force", the sum of normal forces on a granule (N), or
+        "layer", horizontal layers of the first frame.
+    forces : bool
+        Whether to draw the contact forces, as lines of their width.
+    progress : callable
+        It is called after each frame with the share that is done, from 0 to 1.
+
+    Returns
+    -------
+    Path
+        The file written.
+
+    Raises
+    ------
+    InputError
+        If a value cannot be used or there are fewer than two frames; nothing is written.
+    OSError
+        If the file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import dem
+    >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]))
+    >>> state = dem.State([[0, 0], [2.1e-3, 0]], velocity=[[1, 0], [-1, 0]])
+    >>> result = dem.simulate(scene, state, duration=1e-4, frames=2)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     dem.film(result, folder + "/collision.gif").name
+    'collision.gif'
     """
-    path, frames = Path(path), len(motion.displacement)
-    if path.suffix.lower() not in (".mp4", ".gif"):
-        raise InputError(f"{path}: a film is an .mp4 or .gif file.")
-    if frames < 2:
-        raise InputError(f"record.snapshots is {frames}; a film needs more: simulate again.")
-    tool = encoder()
+    path, tool, frames = Path(path), encoder(), frames_of(result)
+    count = len(frames.position)
+    if count < 2:
+        raise InputError(f"result has {count} frame; a film needs two: simulate with more frames.")
     if path.suffix.lower() == ".mp4" and tool is None:
         path = path.with_suffix(".gif")
         check_paths([Place("the .gif instead", path)])
-    rate = max(2.0, frames / SECONDS)
-    with _rc(), atomic(path) as part:
-        scene = Scene(motion, color, forces)
+    rate = max(2.0, count / SECONDS)
+    with _rc():
+        scene = Scene(frames, color, forces)
         if path.suffix.lower() == ".mp4":
             matplotlib.rcParams["animation.ffmpeg_path"] = tool
             options = ["-pix_fmt", "yuv420p", "-f", "mp4", "-preset", "veryfast"]
             writer = FFMpegWriter(fps=rate, codec="libx264", extra_args=options)
         else:
             writer = PillowWriter(fps=min(rate, 50.0))
-        target = part if path.suffix.lower() == ".mp4" else part.with_suffix(".gif")
-        with writer.saving(scene.figure, str(target), DPI):
-            for snapshot in range(frames):
-                scene.show(snapshot)
-                writer.grab_frame()
-                progress((snapshot + 1) / frames)
-        if target != part:
-            target.replace(part)
+        with atomic(path) as part:
+            target = part if path.suffix.lower() == ".mp4" else part.with_suffix(".gif")
+            with writer.saving(scene.figure, str(target), DPI):
+                for frame in range(count):
+                    scene.show(frame)
+                    writer.grab_frame()
+                    progress((frame + 1) / count)
+            if target != part:
+                target.replace(part)
     return path

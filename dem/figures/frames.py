@@ -1,0 +1,163 @@
+"""What is drawn over time: the snapshots of a run of the paper, or the frames of a user's result."""
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from dem.base.validate import one_of
+from dem.dynamics.simulation import Result
+from dem.dynamics.touching import Touching
+from dem.experiment.motion import Motion
+from dem.figures import bed, style
+from dem.scene import box
+
+MARGIN = 0.05  # of the view of a result, around what it shows
+CURVES = ((style.CURVE, "-"), ("#b34700", (0, (5, 1.5))), ("#5b4a8a", (0, (1, 1))),
+          ("0.45", "-"), ("#6fae8a", (0, (3, 1, 1, 1))))  # fmt: skip
+UNITS = ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns"))
+
+
+class Frames(NamedTuple):
+    """f frames of n granules, SI units.
+
+    title: None for none. speed(frame) (n,) and contacts(frame) are asked for when they are drawn.
+    walls (w, 3) and view: as of bed.Drawing. cylinder (f, 2): its places, None without one.
+    fastest: top of the scale of speeds. layers: height of the lowest layer, and of all together.
+    cluster (n,): colours, None without one. captions: of the frames. boxed: draw the box alone,
+    without numbers. record(axes): draws curves beside the bed, None without any; marks (f,): where
+    on their horizontal axis a frame is.
+    """
+
+    title: str | None
+    position: np.ndarray
+    angle: np.ndarray
+    rings: np.ndarray
+    walls: np.ndarray
+    view: np.ndarray
+    cylinder: np.ndarray | None
+    diameter: float | None
+    speed: Callable[[int], np.ndarray]
+    contacts: Callable[[int], Touching]
+    fastest: float
+    layers: tuple[float, float]
+    cluster: np.ndarray | None
+    captions: list[str]
+    boxed: bool
+    record: Callable | None
+    marks: np.ndarray
+
+
+def frames_of(source: Result | Motion) -> Frames:
+    """Frames of a result or of a run of the paper; raises InputError for anything else."""
+    return of_motion(source) if isinstance(source, Motion) else of_result(source)
+
+
+def of_motion(motion: Motion) -> Frames:
+    """Frames of a run of the paper: the bed in its box, and the drag along the stroke."""
+    run, own = motion.replicate, motion.replicate.configuration
+    width, size, velocity = own.box_width, own.cylinder.diameter, own.cylinder.velocity
+    axis = np.column_stack([np.full_like(motion.cylinder_y, 0.5 * width), motion.cylinder_y])
+    moved = style.millimetres(motion.displacement)
+
+    def speed(snapshot):
+        """Mean since the last snapshot, or until the next for the first."""
+        first = max(snapshot - 1, 0)
+        way = np.linalg.norm(motion.position[first + 1] - motion.position[first], axis=1)
+        return way / (motion.displacement[first + 1] - motion.displacement[first]) * velocity
+
+    def record(axes):
+        if motion.drag is not None:
+            x = style.millimetres(motion.drag_displacement)
+            axes.plot(x, motion.drag, color=style.CURVE, linewidth=0.8)
+            axes.set_ylim(bottom=min(0.0, motion.drag.min()))
+        axes.set(xlabel="Displacement of the cylinder (mm)", ylabel="Drag (N)",
+                 xlim=(0.0, moved[-1]))  # fmt: skip
+
+    return Frames(
+        title=f"{run.label}, {run.density:g} kg/m³, seed {run.seed}",
+        position=motion.position, angle=motion.angle, rings=motion.outlines,
+        walls=box(width, motion.height), view=bed.box_view(width, motion.height),
+        cylinder=axis, diameter=size, speed=speed, contacts=motion.contacts, fastest=velocity,
+        layers=(0.0, motion.height), captions=[f"{float(each):.2f} mm" for each in moved],
+        cluster=bed.cluster_colors(motion.position[0], axis[0], size), boxed=True,
+        record=record, marks=moved,
+    )  # fmt: skip
+
+
+def of_result(result: Result) -> Frames:
+    """Frames of a result: its granules, walls and cylinder, and the forces on them against time."""
+    result = one_of(Result)("result", result)
+    scene, cylinder = result.scene, result.cylinder_position
+    walls = np.empty((0, 3)) if scene.walls is None else scene.walls
+    speed = np.linalg.norm(result.velocity, axis=-1)
+    low, high = np.quantile(result.position[0, :, 1], [0.0, 1.0])
+    time, unit = in_units(result.time)
+    interval = time[-1] / max(len(time) - 1, 1) or 1.0
+    digits = max(0, 1 - math.floor(math.log10(interval)))
+    groups = forces_of(result)
+    return Frames(
+        title=None, position=result.position, angle=result.angle, rings=scene.shape.polygons(),
+        walls=walls, view=_view(result, walls), cylinder=cylinder,
+        diameter=None if scene.cylinder is None else scene.cylinder.diameter,
+        speed=speed.__getitem__, contacts=result.contacts, fastest=float(speed.max()) or 1.0,
+        layers=(low, high - low or 1.0), cluster=None,
+        captions=[f"t = {each:.{digits}f} {unit}" for each in time], boxed=False,
+        record=(lambda axes: draw_forces(axes, result, groups[0])) if groups else None, marks=time,
+    )  # fmt: skip
+
+
+def _view(result: Result, walls) -> np.ndarray:
+    """Corners (2, 2) in m of a view that holds all frames, and the corners of walls that are near."""
+    reach = result.scene.shape.bounding_radius[:, None]
+    low, high = (result.position - reach).min((0, 1)), (result.position + reach).max((0, 1))
+    if result.cylinder_position is not None:
+        half = 0.5 * result.scene.cylinder.diameter
+        low = np.minimum(low, result.cylinder_position.min(0) - half)
+        high = np.maximum(high, result.cylinder_position.max(0) + half)
+    size = (high - low).max()
+    wide = np.array([low - size, high + size])
+    ends = bed.edges(walls, wide)[0].reshape(-1, 2)
+    inside = ((ends > wide[0] + 1e-6 * size) & (ends < wide[1] - 1e-6 * size)).all(axis=1)
+    around = np.array([low, high, *ends[inside]])
+    low, high = around.min(0), around.max(0)
+    edge = MARGIN * (high - low).max()
+    return np.array([low - edge, high + edge])
+
+
+def in_units(time) -> tuple[np.ndarray, str]:
+    """Times (f,) from s to the unit in which the last is a number above one, and that unit."""
+    size, unit = next((each for each in UNITS if time[-1] >= each[0]), UNITS[-1])
+    return np.asarray(time) / size, unit
+
+
+def forces_of(result: Result) -> list[tuple[str, dict[str, np.ndarray]]]:
+    """Forces (f,) in N by what they are on and by name; nothing on a cylinder or walls without."""
+    found = []
+    if result.scene.cylinder is not None:
+        x, y = result.cylinder_force.T
+        found.append(("Force on the cylinder (N)", {"horizontal": x, "vertical": y}))
+    if result.scene.walls is not None:
+        names = [_wall(*each) for each in enumerate(result.scene.walls)]
+        found.append(
+            ("Normal force on walls (N)", dict(zip(names, result.wall_force.T, strict=True)))
+        )
+    return found
+
+
+def _wall(number: int, plane) -> str:
+    sides = {(-1, 0): " (left)", (1, 0): " (right)", (0, -1): " (bottom)", (0, 1): " (top)"}
+    return f"wall {number}" + sides.get((plane[0], plane[1]), "")
+
+
+def draw_forces(axes, result: Result, group) -> None:
+    """Means over the time between frames, as steps."""
+    words, curves = group
+    time, unit = in_units(result.time)
+    for number, (name, force) in enumerate(curves.items()):
+        color, line = CURVES[number % len(CURVES)]
+        axes.stairs(force[1:], time, baseline=None, label=name, color=color, linestyle=line,
+                    linewidth=1.6)  # fmt: skip
+    axes.set(xlabel=f"Time ({unit})", ylabel=words, xlim=(0.0, time[-1]))
+    axes.legend()

@@ -1,0 +1,201 @@
+"""Figures, films and files of a user's own result."""
+
+import doctest
+import importlib
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.path import Path as Outline
+from numpy.testing import assert_allclose
+from PIL import Image
+
+import dem
+from dem.figures import bed, film
+from dem.figures.frames import of_result
+
+SOFT = dem.Material(young_modulus=1e6)  # so that a contact lasts for all frames
+RADIUS = np.array([1e-3, 0.6e-3])
+STATE = dem.State([[0.0, 3e-3], [1.4e-3, 3.75e-3]], velocity=[[0.5, 0.0], [-0.5, -0.2]])
+SLOPE = np.sqrt(0.5)
+WEDGE = [[-SLOPE, -SLOPE, 0.0], [SLOPE, -SLOPE, 0.0]]
+CYLINDER = dem.Cylinder(1e-3, (3e-3, 6e-3), (1.0, 2.0))
+SCENES = {
+    "empty space": {},
+    "walls": {"walls": WEDGE},
+    "a cylinder": {"cylinder": CYLINDER},
+    "both": {"walls": WEDGE, "cylinder": CYLINDER},
+}
+
+
+@pytest.fixture(scope="module")
+def results():
+    return {
+        name: dem.simulate(dem.Scene(dem.Disc(RADIUS), SOFT, **parts), STATE, 1e-4, frames=3)
+        for name, parts in SCENES.items()
+    }
+
+
+def verts(collection):
+    return [path.vertices for path in collection.get_paths()]
+
+
+@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("color", ["force", "speed", "layer"])
+def test_any_scene_is_drawn(results, tmp_path, name, color):
+    """With or without walls and cylinder; the figure can be saved."""
+    figure = dem.plot.bed(results[name], color=color, forces=True)
+    figure.savefig(tmp_path / "bed.png")
+    assert figure.axes[0].get_xlabel() == "x (mm)"
+    assert figure.axes[0].get_title(loc="left") == "t = 100 µs"
+
+
+@pytest.mark.parametrize("frame", [0, 2, -1])
+def test_a_disc_is_drawn_at_its_place_with_its_radius(results, frame):
+    """In mm, and the cylinder where its velocity has brought it by then."""
+    result = results["both"]
+    axes = dem.plot.bed(result, frame=frame, color="layer").axes[0]
+    for i, outline in enumerate(verts(axes.collections[0])):
+        away = outline - 1e3 * result.position[frame, i]
+        assert_allclose(np.linalg.norm(away, axis=1), 1e3 * RADIUS[i], rtol=1e-9)
+    circle = next(each for each in axes.patches if hasattr(each, "radius"))
+    assert circle.radius == pytest.approx(0.5)
+    assert_allclose(
+        circle.center, np.array([3.0, 6.0]) + 1e3 * result.time[frame] * np.array([1.0, 2.0])
+    )
+    assert_allclose(circle.center, 1e3 * result.cylinder_position[frame])
+
+
+@pytest.mark.parametrize("planes", [
+    WEDGE, dem.box(4e-3, 3e-3), [[0.0, -1.0, 1e-3]], [[0.6, 0.8, 2e-3], [-0.6, -0.8, 1e-3]],
+])  # fmt: skip
+def test_what_is_hatched_is_what_no_granule_can_enter(planes):
+    """A point of the view is outside the space that is drawn where n.x > offset of some wall, and
+    lines of walls lie on that edge."""
+    planes, view = np.array(planes), np.array([[-5e-3, -2e-3], [6e-3, 7e-3]])
+    lines, corners = bed.edges(planes, view)
+    points = np.random.default_rng(1).uniform(*view, (2000, 2))
+    solid = (points @ planes[:, :2].T > planes[:, 2]).any(axis=1)
+    assert 0 < solid.sum() < 2000
+    assert (Outline(corners).contains_points(points) == ~solid).all()
+    beyond = lines.reshape(-1, 2) @ planes[:, :2].T - planes[:, 2]
+    assert len(lines) == len(planes) and abs(beyond.max(axis=1)).max() < 1e-12
+
+
+def test_a_wall_out_of_view_is_not_drawn():
+    lines, corners = bed.edges(np.array([[0.0, -1.0, 9.0]]), [[0.0, 0.0], [1.0, 2.0]])
+    assert len(lines) == 0
+    assert {tuple(each) for each in corners.round(9)} == {(0, 0), (1, 0), (1, 2), (0, 2)}
+
+
+def test_all_frames_are_in_view(results):
+    """Granules and cylinder from first to last, and the corner of the wedge."""
+    result = results["both"]
+    low, high = of_result(result).view
+    reach = RADIUS[:, None]
+    assert (result.position - reach > low).all() and (result.position + reach < high).all()
+    assert (abs(result.cylinder_position - 0.5 * (low + high)) + 5e-4 < 0.5 * (high - low)).all()
+    assert (low < 0.0).all() and (high > 0.0).all()
+
+
+def test_contacts_of_a_frame_are_of_its_own_time(results):
+    """Two discs that collide overlap by what their places at that time say."""
+    result = results["empty space"]
+    gaps = np.linalg.norm(result.position[:, 1] - result.position[:, 0], axis=1) - RADIUS.sum()
+    assert (gaps < 0.0).all() and len(set(gaps)) == len(gaps)
+    for frame, gap in enumerate(gaps):
+        assert_allclose(result.contacts(frame).overlap, [-gap], rtol=1e-9)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_film_has_a_frame_per_frame_of_the_result(results, tmp_path, name):
+    path, seen = tmp_path / "discs.gif", []
+    assert dem.film(results[name], str(path), progress=seen.append) == path
+    with Image.open(path) as made:
+        assert made.n_frames == len(results[name].time) == len(seen)
+    assert seen[-1] == 1.0 and [each.name for each in tmp_path.iterdir()] == ["discs.gif"]
+
+
+@pytest.mark.skipif(film.encoder() is None, reason="there is no ffmpeg")
+def test_a_film_is_an_mp4(results, tmp_path):
+    written = dem.film(results["both"], tmp_path / "discs.mp4", color="force", forces=True)
+    assert written == tmp_path / "discs.mp4" and written.read_bytes()[4:8] == b"ftyp"
+
+
+def test_without_an_encoder_a_film_is_a_gif(results, tmp_path, monkeypatch):
+    monkeypatch.setattr(film, "encoder", lambda: None)
+    assert dem.film(results["walls"], tmp_path / "discs.mp4") == tmp_path / "discs.gif"
+    assert [each.name for each in tmp_path.iterdir()] == ["discs.gif"]
+
+
+def test_forces_are_drawn_against_time(results):
+    """A step per interval, in the order of the walls."""
+    result = results["both"]
+    cylinder, walls = dem.plot.forces(result).axes
+    assert walls.get_xlabel() == "Time (µs)" and cylinder.get_ylabel().endswith("(N)")
+    drawn = [each.get_data() for each in walls.patches]
+    assert_allclose([each.values for each in drawn], result.wall_force[1:].T)
+    assert_allclose(drawn[0].edges, 1e6 * result.time)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_file_holds_the_dataset(results, tmp_path, name):
+    """Written whole, and read back the same; it says where cylinder and walls are."""
+    path = results[name].to_netcdf(tmp_path / "run.nc")
+    with xr.open_dataset(path) as read:
+        xr.testing.assert_identical(read.load(), results[name].to_dataset())
+        assert ("cylinder_position" in read) == ("cylinder" in SCENES[name])
+        assert read.sizes["wall"] == len(SCENES[name].get("walls", ()))
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def of_one_frame(result):
+    return result._replace(time=result.time[:1], position=result.position[:1])
+
+
+@pytest.mark.parametrize(("call", "sentence"), [
+    (lambda r, p: dem.plot.bed(r, frame=4), "frame is 4; it must be a whole number, -4 to 3."),
+    (lambda r, p: dem.plot.bed(r, frame=1.5), "frame is 1.5; it must be a whole number, -4 to 3."),
+    (lambda r, p: r.contacts(-5), "frame is -5; it must be a whole number, -4 to 3."),
+    (lambda r, p: dem.plot.bed(r, color="mauve"),
+     "color is 'mauve'; it must be one of speed, force, layer."),
+    (lambda r, p: dem.plot.bed(r, color=["speed"]),
+     "color is ['speed']; it must be one of speed, force, layer."),
+    (lambda r, p: dem.plot.bed(3), "result is 3; it must be a dem.Result."),
+    (lambda r, p: dem.plot.forces(None), "result is None; it must be a dem.Result."),
+    (lambda r, p: dem.plot.forces(r), "result has no forces: its scene has neither cylinder nor walls."),
+    (lambda r, p: dem.film(r, p / "new" / "run.mp4", color="mauve"),
+     "color is 'mauve'; it must be one of speed, force, layer."),
+    (lambda r, p: dem.film(r, "run.avi"),
+     "path is 'run.avi'; it must be the path of a file that ends in .mp4 or .gif."),
+    (lambda r, p: dem.film(r, 3), "path is 3; it must be the path of a file that ends in .mp4 or .gif."),
+    (lambda r, p: dem.film(STATE, p / "run.gif"), "it must be a dem.Result."),
+    (lambda r, p: dem.film(of_one_frame(r), p / "run.gif"),
+     "result has 1 frame; a film needs two: simulate with more frames."),
+    (lambda r, p: r.to_netcdf("run.txt"), "path is 'run.txt'; it must be the path of a file that ends in .nc."),
+])  # fmt: skip
+def test_what_cannot_be_drawn_is_refused(results, tmp_path, call, sentence):
+    """In one sentence, with nothing written."""
+    with pytest.raises(dem.InputError) as error:
+        call(results["empty space"], tmp_path)
+    assert str(error.value).endswith(sentence) and "\n" not in str(error.value)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("name", ["run.mp4", "run.gif", "run.nc"])
+def test_a_folder_and_a_file_of_somebody_are_kept(results, tmp_path, name):
+    """A path that is a folder, or a file that holds something else, is refused and stays."""
+    result, folder, notes = results["walls"], tmp_path / name, tmp_path / f"my{name}"
+    folder.mkdir()
+    notes.write_text("notes")
+    for path, words in ((folder, "it is a folder, and must be a file"), (notes, "something else")):
+        with pytest.raises(dem.InputError, match=words):
+            result.to_netcdf(path) if name.endswith(".nc") else dem.film(result, path)
+    assert not list(folder.iterdir()) and notes.read_text() == "notes"
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+@pytest.mark.parametrize("module", ["dynamics.simulation", "figures.film", "figures.plot"])
+def test_examples_of_docstrings_run(module):
+    found = doctest.testmod(importlib.import_module(f"dem.{module}"))
+    assert found.attempted and not found.failed
