@@ -23,6 +23,7 @@ extensions = [
     "numpydoc",
     "sphinx_copybutton",
     "sphinx_design",
+    "sphinxcontrib.video",
     "pages",  # docs/_ext: fills in numbers, draws the gallery, sets mathematics
 ]
 exclude_patterns = ["_build", "_ext", "data", "readme.md"]

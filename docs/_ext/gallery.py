@@ -87,5 +87,5 @@ def _entry(about: str, command: str, file: str) -> str:
     source = f"gallery/{file}"
     shown = f"![{about}]({source})"
     if file.endswith(".mp4"):
-        shown = f'<video controls loop width="100%" src="{source}"></video>'
+        shown = f"```{{video}} {source}\n:width: 100%\n:autoplay:\n:loop:\n:muted:\n```"
     return f"### {about}\n\n```console\n$ {command}\n```\n\n{shown}\n"
