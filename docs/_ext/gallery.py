@@ -88,4 +88,4 @@ def _entry(about: str, command: str, file: str) -> str:
     shown = f"![{about}]({source})"
     if file.endswith(".mp4"):
         shown = f"```{{video}} {source}\n:width: 100%\n:autoplay:\n:loop:\n:muted:\n```"
-    return f"### {about}\n\n```console\n$ {command}\n```\n\n{shown}\n"
+    return f"### {about}\n\n{shown}\n\n```console\n$ {command}\n```\n"

@@ -43,6 +43,11 @@ def _display_math(self, node):
     raise SkipNode
 
 
+def _skip_fields(app, what, name, member, skip, options):
+    """Fields of a NamedTuple, which its docstring explains."""
+    return skip or type(member).__name__ == "_tuplegetter"
+
+
 def _write_pages(app):
     reference.write(Path(app.srcdir))
     gallery.write(Path(app.srcdir))
@@ -53,4 +58,5 @@ def setup(app):
     app.config.html_math_renderer = "mathml"
     app.connect("builder-inited", _write_pages)
     app.connect("source-read", _fill_page)
+    app.connect("autodoc-skip-member", _skip_fields)
     return {"parallel_read_safe": True}
