@@ -1,17 +1,31 @@
-# make: set up and run the paper.  make test: set up and run the test suite.
+# make: set up and run the paper.  make test: the test suite.  make docs: the documentation.
 PYTHON ?= python3
 ACTIVATE = . .venv/bin/activate
+INSTALL = $(ACTIVATE) && pip install --disable-pip-version-check --quiet
 
-.PHONY: paper test
+.PHONY: paper test docs
 paper: .venv/ready
 	$(ACTIVATE) && snakemake -j2
 
-test: .venv/ready
+test: .venv/test
 	$(ACTIVATE) && pytest
+
+docs: .venv/docs
+	$(ACTIVATE) && sphinx-build --fail-on-warning --keep-going --quiet docs docs/_build/html
+	$(ACTIVATE) && linkchecker --no-warnings --no-status docs/_build/html/index.html
+	@echo "open docs/_build/html/index.html"
 
 .venv/ready: requirements.txt pyproject.toml
 	$(PYTHON) -c "import sys; sys.exit('Python 3.11 or newer is needed: make PYTHON=...' if sys.version_info < (3, 11) else 0)"
 	$(PYTHON) -m venv --clear .venv
-	$(ACTIVATE) && pip install --disable-pip-version-check --quiet --require-hashes -r requirements.txt
-	$(ACTIVATE) && pip install --disable-pip-version-check --quiet --no-deps --no-build-isolation --editable .
+	$(INSTALL) --require-hashes -r requirements.txt
+	$(INSTALL) --no-deps --no-build-isolation --editable .
 	touch .venv/ready
+
+.venv/test: .venv/ready tests/requirements.txt
+	$(INSTALL) --require-hashes -r tests/requirements.txt
+	touch .venv/test
+
+.venv/docs: .venv/ready docs/requirements.txt
+	$(INSTALL) --require-hashes -r docs/requirements.txt
+	touch .venv/docs

@@ -1,0 +1,121 @@
+"""Write the reference pages that follow from the code: command line, configuration, files."""
+
+from importlib import import_module
+from pathlib import Path
+
+import typer
+from typer.cli import get_docs_for_click
+
+from pydantic import BaseModel
+
+from dem.analysis.flow.layout import VARIABLES as FLOW
+from dem.cli.app import app
+from dem.experiment import jamming
+from dem.experiment.config import Configuration, ShapeSection
+from dem.experiment.observables import OBSERVABLES, module_of
+from dem.figures import STUDY_FIGURES
+from dem.io import dataset
+
+FOLDER = Path("_generated")  # in docs
+
+
+def write(docs: Path) -> None:
+    """Write docs/_generated/{command_line,configuration,files}.md."""
+    (docs / FOLDER).mkdir(exist_ok=True)
+    for name, page in PAGES.items():
+        (docs / FOLDER / f"{name}.md").write_text(page(), encoding="utf-8")
+
+
+def command_line() -> str:
+    """Every verb of `dem` with its options, from the code."""
+    command = typer.main.get_command(app)
+    context = typer.Context(command, info_name="dem")
+    return get_docs_for_click(obj=command, ctx=context, name="dem", title="The command line")
+
+
+def configuration() -> str:
+    """Every value of a configuration, from the schema."""
+    parts = ["# The configuration\n", CONFIGURATION]
+    parts += [
+        "## The whole run\n",
+        _table(HEADS, _values(Configuration, "")),
+    ]
+    for name, field in Configuration.model_fields.items():
+        if _section(field):
+            parts.append(f"## {name}\n")
+            parts.append(_table(HEADS, _values(field.annotation, f"{name}.")))
+    parts += ["## shapes\n", _table(HEADS, _values(ShapeSection, "shapes.LABEL."))]
+    return "\n".join(parts)
+
+
+HEADS = ("key", "unit", "default", "what it is")
+CONFIGURATION = """\
+A configuration is a YAML file in SI units. These are the values that one run reads. Each of them can
+vary in a sweep, by its key. [How do I sweep my own values?](../howto/sweep.md) explains the rest of
+the file: `title`, `results`, `extends`, `cases`, `sweep`, `chunk`, `failures`, `studies`.
+"""
+
+
+def _section(field) -> bool:
+    return isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel)
+
+
+def _values(section, head: str) -> list[tuple[str, ...]]:
+    """Rows of a table: key, unit, default and meaning of each value of a section."""
+    rows = []
+    for name, field in section.model_fields.items():
+        if _section(field) or name == "shapes":
+            continue
+        units = (field.json_schema_extra or {}).get("units") or ""
+        default = "required" if field.is_required() else _word(field.default)
+        rows.append((f"`{head}{name}`", units, default, field.description))
+    return rows
+
+
+def _word(default) -> str:
+    if isinstance(default, tuple):
+        return ", ".join(default)
+    return "none" if default is None else str(default).lower()
+
+
+def files() -> str:
+    """Every variable of every file of results, from the layouts."""
+    parts = ["# The files of results\n", FILES]
+    runs = dataset.OF_STORE | dataset.LABELS | dataset.AXES | dataset.OF_RUN
+    parts += ["## In every file of runs\n", _variables(runs)]
+    for name in OBSERVABLES:
+        module = module_of(name)
+        parts += [f"## Observable `{name}`\n", _first_line(module), _variables(module.VARIABLES)]
+    parts += ["## Experiment `jamming`\n", _variables(jamming.VARIABLES)]
+    parts += ["## `flow.nc`\n", _variables(FLOW)]
+    for name in STUDY_FIGURES:
+        layout = import_module(f"dem.studies.{name}.layout")
+        parts += [f"## `{name}.nc`\n", _variables(layout.VARIABLES)]
+    return "\n".join(parts)
+
+
+FILES = """\
+All files are netCDF-4 and follow the CF conventions, version 1.11. Units are SI. Any netCDF program
+reads them; `dem info FILE` prints a summary. A combined file such as `drag.nc` adds the dimensions of
+its sweep, for example `case` and `seed`, in front of the dimensions given here.
+"""
+
+
+def _first_line(module) -> str:
+    return module.__doc__.partition("\n")[0] + "\n"
+
+
+def _variables(layout: dict) -> str:
+    rows = [
+        (f"`{name}`", ", ".join(dimensions) or "-", units or "", about or "")
+        for name, (dimensions, units, about) in layout.items()
+    ]
+    return _table(("variable", "dimensions", "unit", "what it is"), rows)
+
+
+def _table(heads, rows) -> str:
+    lines = [heads, ["---"] * len(heads), *rows]
+    return "\n".join(f"| {' | '.join(str(cell) for cell in line)} |" for line in lines) + "\n"
+
+
+PAGES = {"command_line": command_line, "configuration": configuration, "files": files}

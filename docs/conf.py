@@ -1,0 +1,60 @@
+"""Sphinx configuration: `make docs` builds docs/_build/html, without a network, warnings as errors.
+
+Sphinx with myst-nb and numpydoc is what NumPy, SciPy and xarray use: the reference comes from the
+docstrings, tutorials are notebooks that run in the build, and pages are Markdown.
+"""
+
+import sys
+from importlib.metadata import version as version_of
+from pathlib import Path
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE / "_ext"))
+
+project = "granular-drag"
+author = "The granular-drag developers"
+copyright = "2026, the granular-drag developers"
+version = release = version_of(project)
+
+extensions = [
+    "myst_nb",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "numpydoc",
+    "sphinx_copybutton",
+    "sphinx_design",
+    "sphinxcontrib.video",
+    "pages",  # docs/_ext: fills in numbers, draws the gallery, sets mathematics
+]
+exclude_patterns = ["_build", "_ext", "data", "readme.md"]
+templates_path = ["_templates"]
+
+myst_enable_extensions = ["colon_fence", "deflist", "dollarmath", "fieldlist"]
+myst_heading_anchors = 3
+nb_execution_mode = "force"
+nb_execution_raise_on_error = True
+nb_execution_timeout = 900
+nb_execution_excludepatterns = []
+nb_merge_streams = True
+
+autosummary_generate = True
+autodoc_typehints = "none"  # numpydoc's sections give types, shapes and units
+numpydoc_show_class_members = False
+numpydoc_validation_checks = set()
+add_module_names = False
+
+html_theme = "pydata_sphinx_theme"
+html_title = "granular-drag"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
+html_show_sourcelink = False
+html_theme_options = {
+    "navigation_with_keys": False,
+    "show_prev_next": True,
+    "secondary_sidebar_items": ["page-toc"],
+    "navbar_align": "left",
+    "show_nav_level": 1,
+    "footer_start": ["copyright"],
+    "footer_end": ["sphinx-version"],
+}
+html_context = {"default_mode": "light"}
