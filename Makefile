@@ -3,7 +3,7 @@ PYTHON ?= python3
 ACTIVATE = . .venv/bin/activate
 INSTALL = $(ACTIVATE) && pip install --disable-pip-version-check --quiet
 
-.PHONY: paper test docs
+.PHONY: paper test docs locks
 paper: .venv/ready
 	$(ACTIVATE) && snakemake -j2
 
@@ -29,3 +29,11 @@ docs: .venv/docs
 .venv/docs: .venv/ready docs/requirements.txt
 	$(INSTALL) --require-hashes -r docs/requirements.txt
 	touch .venv/docs
+
+# The locks, with hashes for all systems. uv keeps the versions of a lock that is there.
+COMPILE = uv pip compile --quiet --universal --generate-hashes --no-cache --no-emit-index-url \
+	--no-emit-find-links --no-header --no-annotate --python-version 3.11 --extra build pyproject.toml
+locks:
+	$(COMPILE) -o requirements.txt
+	$(COMPILE) --constraint requirements.txt --extra test -o tests/requirements.txt
+	$(COMPILE) --constraint requirements.txt --extra docs -o docs/requirements.txt
