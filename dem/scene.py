@@ -38,8 +38,39 @@ FINITE = f"be finite, up to {MOST:g} in size"
 class Material:
     """Elastic material with a coefficient of restitution.
 
-    density (kg/m3), young_modulus (Pa), poisson_ratio, restitution from 0.001 to 1: of a central
-    collision, whatever its speed; 1 leaves damping out of the compiled code.
+    The defaults are the density of the paper and the elasticity of glass.
+
+    Parameters
+    ----------
+    density : float
+        Density (kg/m3).
+    young_modulus : float
+        Young's modulus E (Pa).
+    poisson_ratio : float
+        Poisson's ratio, without unit, above -1 and up to 0.5.
+    restitution : float
+        Coefficient of restitution of a head-on collision, without unit, from 0.001 to 1. It does
+        not depend on the speed. With 1 the kernels are compiled without damping.
+
+    Raises
+    ------
+    InputError
+        If a value is not a number in its range.
+
+    Notes
+    -----
+    The normal force is that of Hertz (1882; Johnson, "Contact Mechanics", 1985, chapter 4) between
+    spheres, ``F = 4/3 E* sqrt(R*) delta^1.5``, for an overlap ``delta``. The dashpot in parallel
+    has the form of Tsuji, Tanaka and Ishida (1992), ``alpha sqrt(m* k) delta^0.25`` with
+    ``k = 4/3 E* sqrt(R*)``. The constant ``alpha`` follows from the restitution exactly for a
+    contact that never pulls (Schwager and Poeschel 2007).
+
+    Examples
+    --------
+    >>> import dem
+    >>> steel = dem.Material(density=7.8e3, young_modulus=2.1e11, poisson_ratio=0.3)
+    >>> steel.restitution
+    0.5
     """
 
     density: float = 3.9e3
@@ -57,9 +88,37 @@ class Material:
 )
 @dataclass(frozen=True)
 class Friction:
-    """Coulomb coefficients between granules, and of granules with walls and with the cylinder.
+    """Coulomb friction of granules with each other, with walls and with the cylinder.
 
-    stiffness: of the tangential springs, over Mindlin's 8 G* sqrt(R* delta).
+    Parameters
+    ----------
+    granule : float
+        Coefficient of friction between granules, without unit.
+    wall : float
+        Coefficient of friction between granules and walls, without unit.
+    cylinder : float
+        Coefficient of friction between granules and the cylinder, without unit.
+    stiffness : float
+        Stiffness of the tangential springs over Mindlin's, without unit.
+
+    Raises
+    ------
+    InputError
+        If a coefficient is negative or `stiffness` is not positive.
+
+    Notes
+    -----
+    The tangential spring has the stiffness of a contact that sticks, ``8 G* sqrt(R* delta)``
+    (Mindlin and Deresiewicz 1953; Johnson, "Contact Mechanics", 1985, chapter 7). When a contact
+    unloads, its spring force shrinks with the contact radius (Thornton, Cummins and Cleary 2013).
+    A dashpot acts in parallel. Coulomb's law caps the force at the coefficient times the normal
+    force. The law has no rolling friction.
+
+    Examples
+    --------
+    >>> import dem
+    >>> dem.Friction(granule=0.5, cylinder=0.0)
+    Friction(granule=0.5, wall=0.3, cylinder=0.0, stiffness=1.0)
     """
 
     granule: float = 0.3
@@ -71,9 +130,34 @@ class Friction:
 @checked("cylinder ", diameter=positive("m"), position=vector("m"), velocity=vector("m/s"))
 @dataclass(frozen=True)
 class Cylinder:
-    """Rigid cylinder that moves at a prescribed velocity without rotation.
+    """Cylinder that moves at a prescribed velocity and does not rotate.
 
-    diameter (m), position (x, y) of its axis (m), velocity (x, y) in m/s.
+    Parameters
+    ----------
+    diameter : float
+        Diameter (m).
+    position : tuple of float
+        Position (x, y) of the axis at the start (m).
+    velocity : tuple of float
+        Velocity (x, y) in m/s; at rest by default.
+
+    Raises
+    ------
+    InputError
+        If `diameter` is not positive, or a vector does not hold two finite numbers.
+
+    See Also
+    --------
+    Simulation.set_cylinder_velocity : Change the velocity during a run.
+
+    Examples
+    --------
+    The cylinder of the paper is 3.175 mm wide and moves upwards at 2 m/s:
+
+    >>> import dem
+    >>> cylinder = dem.Cylinder(3.175e-3, position=(10e-3, 4e-3), velocity=(0.0, 2.0))
+    >>> cylinder.velocity
+    (0.0, 2.0)
     """
 
     diameter: float
@@ -83,9 +167,32 @@ class Cylinder:
 
 @checked("box ", width=positive("m"), height=positive("m"))
 def box(width: float, height: float) -> np.ndarray:
-    """Four walls around 0 <= x <= width, 0 <= y <= height (m): left, right, bottom, top.
+    """Four walls of a box with its lower left corner at the origin.
 
-    Returns (4, 3) rows (nx, ny, offset); a wall is solid where n.x > offset.
+    Parameters
+    ----------
+    width : float
+        Width (m), along x.
+    height : float
+        Height (m), along y.
+
+    Returns
+    -------
+    ndarray of shape (4, 3)
+        One row (nx, ny, offset) per wall: left, right, bottom, top. The unit normal (nx, ny)
+        points into the wall. The wall is solid where ``nx x + ny y > offset`` (m).
+
+    Raises
+    ------
+    InputError
+        If `width` or `height` is not positive.
+
+    Examples
+    --------
+    >>> import dem
+    >>> left, right, bottom, top = dem.box(width=20e-3, height=30e-3)
+    >>> right.tolist()
+    [1.0, 0.0, 0.02]
     """
     return np.array([[-1, 0, 0], [1, 0, width], [0, -1, 0], [0, 1, height]], float)
 
@@ -139,13 +246,56 @@ def fixed(array: np.ndarray) -> np.ndarray:
 )
 @dataclass(frozen=True)
 class Scene:
-    """All that does not change during a run; whatever is None is absent from the compiled code.
+    """Everything about a system that does not change during a run.
 
-    shape: Disc, Dumbbell, Ellipse or Superellipse with the sizes of all granules. thickness (m):
-    out of the plane, for the mass only; None for the mean volume diameter of the granules (that of
-    the disc of equal area), as in the paper. boundary: material of walls and cylinder, None for
-    rigid ones. walls (w, 3): see box. gravity (x, y) in m/s2. Sizes and walls are copies that
-    cannot be written. Raises InputError for values that cannot be used.
+    The kernels are compiled for the scene: what is None costs nothing.
+
+    Parameters
+    ----------
+    shape : Disc, Dumbbell, Ellipse or Superellipse
+        Shape and sizes (m) of all n granules.
+    material : Material
+        Material of the granules.
+    friction : Friction, optional
+        Friction of all contacts; None for smooth ones.
+    walls : array_like of shape (w, 3), optional
+        One row (nx, ny, offset) per wall, offset in m, as `box` returns them.
+    cylinder : Cylinder, optional
+        Cylinder that moves through the granules.
+    gravity : tuple of float, optional
+        Acceleration (x, y) in m/s2.
+    thickness : float, optional
+        Thickness of the granules out of the plane (m). It enters only their mass and inertia. None
+        for the mean diameter of discs of the same areas.
+    boundary : Material, optional
+        Material of walls and cylinder; None for rigid ones. Only its elasticity counts.
+
+    Raises
+    ------
+    InputError
+        If a value cannot be used, for instance if a wall's normal is not a unit vector.
+
+    Notes
+    -----
+    Motion follows equations (1) and (2) of the paper. The paper measures the size of a granule by
+    its volume diameter (section 3.1); the default thickness is the mean of it. Sizes and walls are
+    read-only copies of what is given.
+
+    Examples
+    --------
+    The mass of a disc is density times area times thickness:
+
+    >>> import dem
+    >>> scene = dem.Scene(dem.Disc([1e-3]), dem.Material(density=2500.0), thickness=2e-3)
+    >>> print(f"{1e6 * scene.mass[0]:.2f} mg")
+    15.71 mg
+    >>> scene.granules
+    1
+
+    A disc's moment of inertia is half its mass times its radius squared:
+
+    >>> print(f"{scene.inertia[0] / (scene.mass[0] * 1e-3**2):.2f}")
+    0.50
     """
 
     shape: Any
@@ -180,10 +330,32 @@ class Scene:
 
 @dataclass(init=False)
 class State:
-    """Where the granules are and how they move: position (n, 2) in m, the rest zero if not given.
+    """Positions and velocities of n granules; what is not given is zero.
 
-    velocity (n, 2) in m/s, angle (n,) in rad, angular_velocity (n,) in rad/s. Raises InputError for
-    what is no array of real numbers of these shapes.
+    Parameters
+    ----------
+    position : array_like of shape (n, 2)
+        Centres of mass (m).
+    velocity : array_like of shape (n, 2), optional
+        Velocities of the centres (m/s).
+    angle : array_like of shape (n,), optional
+        Angles (rad), anticlockwise; at zero the long axis is along x.
+    angular_velocity : array_like of shape (n,), optional
+        Angular velocities (rad/s), anticlockwise.
+
+    Raises
+    ------
+    InputError
+        If an argument is not an array of real numbers of its shape.
+
+    Examples
+    --------
+    >>> import dem
+    >>> state = dem.State([[0.0, 0.0], [3e-3, 0.0]], velocity=[[1.0, 0.0], [0.0, 0.0]])
+    >>> state.angle
+    array([0., 0.])
+    >>> state.checked(2).velocity[0]
+    array([1., 0.])
     """
 
     position: np.ndarray
@@ -211,6 +383,22 @@ class State:
         return {"position": pair, "velocity": pair, "angle": one, "angular_velocity": one}
 
     def checked(self, granules: int) -> "State":
-        """A copy for so many granules; raises InputError where a number is not finite, too."""
+        """A copy of the state, after a check that a simulation can start from it.
+
+        Parameters
+        ----------
+        granules : int
+            Number of granules n that the scene has, without unit.
+
+        Returns
+        -------
+        State
+            Copy with arrays for n granules.
+
+        Raises
+        ------
+        InputError
+            If an array is not for n granules, or a number is not finite.
+        """
         shapes = self._shapes(granules).items()
         return State(*(array(FINITE, *s)(k, getattr(self, k)).copy() for k, s in shapes))

@@ -29,14 +29,30 @@ from dem.shapes.protocol import circle, outline, solve_contact, support
 
 
 class Diagnostics(NamedTuple):
-    """The bed at one moment; coordination number: touching pairs of constituents, twice, a granule."""
+    """The bed at one moment, as `Simulation.diagnose` returns it.
 
-    kinetic_energy: float  # J
-    speed_bound: float  # m/s: greatest speed to be expected before the lists are rebuilt
+    Attributes
+    ----------
+    kinetic_energy : float
+        Kinetic energy (J) of all granules.
+    speed_bound : float
+        Bound on the speed (m/s) of any granule until the next neighbour list.
+    coordination_number : float
+        Contacts with other granules per granule, without unit.
+    max_overlap : float
+        Largest overlap over the smaller radius, without unit.
+    deepest : int
+        Number of the granule with that overlap, without unit.
+    critical_time_step : float
+        Lower bound on the critical time step (s).
+    """
+
+    kinetic_energy: float
+    speed_bound: float
     coordination_number: float
-    max_overlap: float  # over the smaller radius
-    deepest: int  # the granule it belongs to
-    critical_time_step: float  # s
+    max_overlap: float
+    deepest: int
+    critical_time_step: float
 
 
 @optional

@@ -1,12 +1,12 @@
-"""The energy ledger: what a bed holds, what it was given, what it lost; only where asked for.
+"""The energy ledger: the energy that a bed holds, gains and loses.
 
-The kernels add up three things over time (dem.jit.lanes): what dashpots took, what sliding took, and
-the work of the cylinder. Slid is the work of the slip less the gain in stored spring energy; energy that a
-spring loses while the overlap shrinks counts as slid too.
-Kinetic and elastic energies are taken from the state. The force at the end of each step counts for
-the whole of it; of the last step only half is taken, which makes the sums those of the trapezoidal
-rule, of second order in the time step, where nothing works or is lost at the very start. A cylinder that
-starts at full speed, and a step that changes, leave a share of half a step's power.
+The kernels sum three energies over time (dem.jit.lanes): losses in dashpots, losses by sliding, and
+the work of the cylinder. The loss by sliding is the work of the slip minus the gain in stored spring
+energy. Energy that a spring loses while the overlap shrinks is included.
+Kinetic and elastic energies follow from the state. Each step counts with the force at its end, and
+the last step counts half. This is the trapezoidal rule, of second order in the time step, if no
+power acts at the start. A cylinder that starts at full speed, and a change of the time step, each
+leave an error of half a step's power.
 """
 
 import math
@@ -22,11 +22,30 @@ from dem.jit.optional import either, optional
 
 
 class Ledger(NamedTuple):
-    """Energies in J. Gained and lost count from the start of the simulation.
+    """Energies of a bed, as `Simulation.ledger` returns them.
 
-    kinetic, elastic_normal, elastic_tangential: held by the bed now; damped, slid: lost in dashpots
-    and by sliding; work: of the cylinder on the granules; fallen: of gravity on the granules;
-    before: what the bed held at the start.
+    Attributes
+    ----------
+    kinetic : float
+        Kinetic energy now (J).
+    elastic_normal : float
+        Elastic energy of the normal springs now (J).
+    elastic_tangential : float
+        Elastic energy of the tangential springs now (J).
+    damped : float
+        Energy lost in dashpots since the start (J).
+    slid : float
+        Energy lost by sliding since the start (J).
+    work : float
+        Work of the cylinder on the granules since the start (J).
+    fallen : float
+        Work of gravity on the granules since the start (J).
+    before : float
+        Energy held at the start (J).
+
+    Notes
+    -----
+    ``held - before = work + fallen - damped - slid``, but for the error of the time step.
     """
 
     kinetic: float
@@ -40,12 +59,12 @@ class Ledger(NamedTuple):
 
     @property
     def held(self) -> float:
-        """Energy (J) of the bed now."""
+        """Kinetic and elastic energy (J) now."""
         return self.kinetic + self.elastic_normal + self.elastic_tangential
 
     @property
     def residual(self) -> float:
-        """What does not add up over the greatest of the energies held, worked and lost."""
+        """Error of the energy balance over its largest term, without unit."""
         change = self.held - self.before
         gained, gone = self.work + self.fallen, self.damped + self.slid
         scale = max(self.held, self.before, abs(self.work), abs(self.fallen), abs(gone))

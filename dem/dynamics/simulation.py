@@ -74,12 +74,24 @@ FRACTION = number(STABLE, LEAST)
 
 
 class Record(NamedTuple):
-    """What Simulation.record measures, a row for each of c intervals.
+    """What `Simulation.record` measures: one row per interval, c in all.
 
-    normal_force, tangential_force (c, 2): mean force on the cylinder (N), its components normal and
-    tangential to it; wall_force (c, w): mean normal force on each wall (N); kinetic_energy (c,) in
-    J, coordination_number (c,) and max_overlap (c,), over the smaller radius, at the end of the
-    interval; time_step (c,): the shortest taken (s).
+    Attributes
+    ----------
+    normal_force : ndarray of shape (c, 2)
+        Mean force (x, y) on the cylinder (N) of all normal forces at its contacts.
+    tangential_force : ndarray of shape (c, 2)
+        Mean force (x, y) on the cylinder (N) of all tangential forces at its contacts.
+    wall_force : ndarray of shape (c, w)
+        Mean normal force (N) on each of the w walls.
+    kinetic_energy : ndarray of shape (c,)
+        Kinetic energy (J) at the end of the interval.
+    coordination_number : ndarray of shape (c,)
+        Contacts per granule, without unit, at the end of the interval.
+    max_overlap : ndarray of shape (c,)
+        Largest overlap over the smaller radius, without unit, at the end of the interval.
+    time_step : ndarray of shape (c,)
+        Shortest time step (s) of the interval.
     """
 
     normal_force: np.ndarray
@@ -266,17 +278,73 @@ RESULT = {
 
 
 class Simulation:
-    """A scene in motion: advances in place, to be read between calls.
+    """A scene in motion, which you advance and look at between calls.
 
-    time_step (s): fixed, or None to take `step_fraction` of the critical step of the bed as it is
-    at each call of advance and each new contact list. allow_unstable: take that step whatever comes
-    of it: step_fraction may then exceed 1, and no step is shortened because a granule would move
-    far in it. max_overlap: greatest allowed overlap over the smaller radius. skin: of the contact
-    lists, over the mean bounding radius. ledger: keep an energy ledger, at a cost of some ten per
-    cent; without it no instruction is spent on it. threads: for beds of thousands of granules, at
-    most MOST_THREADS; the result does not depend on it, and no more start than the bed has pieces
-    for (dem.dynamics.world.CHUNK granules each). Raises InputError for values that cannot be used
-    and StateError or OverlapError for a state that cannot be.
+    Parameters
+    ----------
+    scene : Scene
+        Granules, materials and boundaries.
+    state : State
+        Positions and velocities at the start.
+    time_step : float, optional
+        Fixed time step (s). None for a step that follows the critical one (recommended).
+    step_fraction : float
+        Time step over the critical one, without unit, above 0 and up to 1.
+    max_overlap : float
+        Largest allowed overlap over the smaller radius, without unit, up to 1.5.
+    skin : float
+        Skin of the neighbour list over the mean bounding radius, without unit. It changes only the
+        speed.
+    threads : int
+        Number of threads, without unit, for beds of thousands of granules. The result does not
+        depend on it. A small bed uses fewer.
+    ledger : bool
+        Keep an energy ledger. A run takes about ten per cent longer.
+    allow_unstable : bool
+        Take the step that was asked for, even if it is unstable. `step_fraction` may then exceed
+        1, and no step is shortened for fast granules.
+
+    Attributes
+    ----------
+    scene : Scene
+        The scene.
+    time : float
+        Time since the start (s).
+    steps : int
+        Number of time steps taken, without unit.
+
+    Raises
+    ------
+    InputError
+        If a value cannot be used, or the state is not for the granules of the scene.
+    StateError
+        If a granule is outside the walls.
+
+    See Also
+    --------
+    simulate : One call that returns arrays.
+
+    Notes
+    -----
+    Equations (1) and (2) of the paper, integrated with velocity Verlet. The critical step is a
+    proven lower bound for small motions of the bed as it is. It is recomputed at every call of
+    `advance` and whenever the neighbour list is rebuilt. `Material` and `Friction` give the forces.
+
+    Examples
+    --------
+    Two discs collide head-on, and the ratio of their speeds after and before is the coefficient
+    of restitution:
+
+    >>> import dem
+    >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]), dem.Material(restitution=0.5))
+    >>> state = dem.State([[0.0, 0.0], [2.1e-3, 0.0]], velocity=[[1.0, 0.0], [-1.0, 0.0]])
+    >>> run = dem.Simulation(scene, state, step_fraction=0.05)
+    >>> shortest = run.advance(2e-4)
+    >>> run.state.velocity.round(2)
+    array([[-0.5,  0. ],
+           [ 0.5,  0. ]])
+    >>> print(f"{run.time:g} s")
+    0.0002 s
     """
 
     @checked(
@@ -343,14 +411,24 @@ class Simulation:
 
     @property
     def world(self) -> World:
-        """The arrays of the kernels, in their order (dem.dynamics.ordering); all else is in the order
-        of the scene. They are views that cannot be written, because contact lists and the step rely
-        on them; dem.dynamics.checkpoint.writable copies them."""
+        """The arrays of the kernels, in SI units.
+
+        Their granules may be in another order than those of the scene (dem.dynamics.ordering). They
+        are read-only views, because the neighbour list and the time step rely on them;
+        dem.dynamics.checkpoint.writable copies them.
+
+        Examples
+        --------
+        >>> import dem
+        >>> run = dem.Simulation(dem.Scene(dem.Disc([1e-3, 1e-3])), dem.State([[0, 0], [1, 0]]))
+        >>> run.world.bodies.flags.writeable
+        False
+        """
         return read_only(self._world)
 
     @property
     def state(self) -> State:
-        """Copies of position (m), velocity (m/s), angle (rad) and angular velocity (rad/s)."""
+        """Copy of positions (m), velocities (m/s), angles (rad) and angular velocities (rad/s)."""
         bodies, angle = self._world.bodies, self._world.angle
         if self._order is not None:
             back = np.argsort(self._order)
@@ -358,9 +436,32 @@ class Simulation:
         return State(bodies[:, :2].copy(), bodies[:, [VX, VY]], angle.copy(), bodies[:, W].copy())
 
     def collect_impulses(self) -> tuple[np.ndarray, np.ndarray]:
-        """Impulses since the last call, in N s: on the cylinder (2, 2), on the walls (w,).
+        """Impulses of the granules on cylinder and walls since the last call.
 
-        Rows of the first: of the normal forces and of the tangential forces; of the second: normal.
+        Returns
+        -------
+        on_cylinder : ndarray of shape (2, 2)
+            Impulses (x, y) in N s: of the normal forces in the first row, of the tangential forces
+            in the second.
+        on_walls : ndarray of shape (w,)
+            Impulse of the normal forces (N s) on each wall.
+
+        Examples
+        --------
+        A disc bounces off the right wall and hands over its change of momentum:
+
+        >>> import dem
+        >>> scene = dem.Scene(
+        ...     dem.Disc([1e-3]),
+        ...     friction=dem.Friction(),
+        ...     walls=dem.box(10e-3, 20e-3),
+        ...     cylinder=dem.Cylinder(diameter=2e-3, position=(5e-3, 15e-3)),
+        ... )
+        >>> run = dem.Simulation(scene, dem.State([[8.9e-3, 5e-3]], velocity=[[1.0, 0.0]]))
+        >>> shortest = run.advance(4e-4)
+        >>> left, right, bottom, top = run.collect_impulses()[1]
+        >>> print(f"{right / (scene.mass[0] * (1.0 - run.state.velocity[0, 0])):.3f}")
+        1.000
         """
         cylinder, walls = self._world.cylinder, self._world.walls
         on_cylinder = (
@@ -373,9 +474,28 @@ class Simulation:
         return on_cylinder, on_walls
 
     def diagnose(self) -> Diagnostics:
-        """Energy, contacts and greatest overlap of the bed as it is, and its critical time step.
+        """Energy, contacts, largest overlap and critical time step at the present time.
 
-        Raises OverlapError where the guard on overlaps trips.
+        Returns
+        -------
+        Diagnostics
+            Kinetic energy (J), coordination number, overlap and critical time step (s).
+
+        Raises
+        ------
+        OverlapError
+            If the largest overlap exceeds `max_overlap`.
+
+        Examples
+        --------
+        Two discs of 24.5 mg approach each other at 1 m/s each:
+
+        >>> import dem
+        >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]), dem.Material(restitution=0.5))
+        >>> state = dem.State([[0.0, 0.0], [2.1e-3, 0.0]], velocity=[[1.0, 0.0], [-1.0, 0.0]])
+        >>> run = dem.Simulation(scene, state)
+        >>> print(f"{1e6 * run.diagnose().kinetic_energy:.1f} uJ")
+        24.5 uJ
         """
         diagnostics = diagnose(self._world, self._table)
         if not diagnostics.max_overlap <= self.max_overlap:
@@ -384,11 +504,32 @@ class Simulation:
 
     @checked(duration=DURATION)
     def check_duration(self, duration: float) -> None:
-        """Say that the run will go on for a duration (s), however many calls that takes.
+        """Announce the duration of a run, so that an endless one is refused before it starts.
 
-        Raises InputError where that would, at the present step, never come to an end; calls of
-        advance and record raise StateError where it would not at a step that they choose. Raises
-        OverlapError where the guard on overlaps trips.
+        Later calls of `advance` and `record` also refuse a time step that is too short for it.
+
+        Parameters
+        ----------
+        duration : float
+            Time (s) from now to the end of the run, over all calls.
+
+        Raises
+        ------
+        InputError
+            If the run would take too many time steps.
+        OverlapError
+            If the largest overlap exceeds `max_overlap`.
+
+        Examples
+        --------
+        >>> import dem
+        >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]), dem.Material(restitution=0.5))
+        >>> state = dem.State([[0.0, 0.0], [2.1e-3, 0.0]], velocity=[[1.0, 0.0], [-1.0, 0.0]])
+        >>> run = dem.Simulation(scene, state)
+        >>> run.check_duration(1e6)
+        Traceback (most recent call last):
+            ...
+        dem.base.errors.InputError: duration is 1e+06 s, more than ...
         """
         step = longest_step.py_func(self._rules, self.diagnose())
         if not duration <= MOST_STEPS * step:
@@ -396,12 +537,64 @@ class Simulation:
         self._until = self.time + duration
 
     def contacts(self) -> Touching:
-        """All contacts of the bed as it is."""
+        """All contacts at the present time.
+
+        Returns
+        -------
+        Touching
+            Granules, points (m), normals, overlaps (m) and elastic forces (N).
+
+        Examples
+        --------
+        Two discs of 1 mm radius overlap by 1 um; Hertz's law gives the force:
+
+        >>> import dem
+        >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]))
+        >>> run = dem.Simulation(scene, dem.State([[0.0, 0.0], [1.999e-3, 0.0]]))
+        >>> contacts = run.contacts()
+        >>> print(contacts.granule, contacts.partner)
+        [0] [1]
+        >>> modulus = 70e9 / (1.0 - 0.22**2) / 2.0
+        >>> hertz = 4.0 / 3.0 * modulus * 0.5e-3**0.5 * 1e-6**1.5
+        >>> print(f"{contacts.force[0]:.3f} N, {hertz:.3f} N")
+        1.097 N, 1.097 N
+        """
         unordered = np.arange(self.scene.granules)
         return touching(self._world, unordered if self._order is None else self._order)
 
     def ledger(self) -> Ledger:
-        """What the bed holds, was given and lost so far; only of a simulation with ledger=True."""
+        """Energies held, gained and lost since the start.
+
+        Returns
+        -------
+        Ledger
+            Energies (J).
+
+        Raises
+        ------
+        InputError
+            If the simulation was made without ``ledger=True``.
+
+        Examples
+        --------
+        A cylinder moves through a bed of discs, and its work is accounted for:
+
+        >>> import dem
+        >>> import numpy as np
+        >>> shape = dem.Disc.of_size(np.linspace(0.8e-3, 1.2e-3, 60))
+        >>> cylinder = dem.Cylinder(diameter=2e-3, position=(4e-3, 4e-3), velocity=(0.0, 1.0))
+        >>> bed = dem.pack(shape, width=8e-3, height=9e-3, cylinder=cylinder, seed=1)
+        >>> scene = dem.Scene(
+        ...     shape, friction=dem.Friction(), walls=bed.walls, cylinder=cylinder
+        ... )
+        >>> run = dem.Simulation(scene, bed.state, ledger=True)
+        >>> shortest = run.advance(1e-5)
+        >>> energies = run.ledger()
+        >>> energies.work > energies.held > 0.0
+        True
+        >>> energies.residual < 1e-3
+        True
+        """
         if self._bookkeeper is None:
             raise InputError("ledger is False; make the Simulation with ledger=True.")
         return self._bookkeeper.ledger(self._world)
@@ -409,17 +602,53 @@ class Simulation:
     # Saved and continued
 
     def checkpoint(self) -> dict[str, np.ndarray]:
-        """All that moves, remembers or counts, as arrays by name (for np.savez)."""
+        """Save the simulation as arrays, from which `restore` continues it exactly.
+
+        Returns
+        -------
+        dict of str to ndarray
+            Arrays by name (SI units), as ``numpy.savez`` takes them.
+
+        See Also
+        --------
+        restore : Continue from a checkpoint.
+
+        Examples
+        --------
+        >>> import dem
+        >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]), dem.Material(restitution=0.5))
+        >>> state = dem.State([[0.0, 0.0], [2.1e-3, 0.0]], velocity=[[1.0, 0.0], [-1.0, 0.0]])
+        >>> run = dem.Simulation(scene, state)
+        >>> saved = run.checkpoint()
+        >>> shortest = run.advance(1e-4)
+        >>> run.restore(saved)
+        >>> run.time
+        0.0
+        """
         saved = {name: array.copy() for name, array in moving(self._world).items()}
         saved |= {"time": np.array(self.time), "steps": np.array(self.steps, np.int64)}
         return saved | {"scene": self._fingerprint()}
 
     def restore(self, saved: Mapping[str, np.ndarray]) -> None:
-        """Go on from a checkpoint of a simulation that began with the same scene and state.
+        """Continue from a checkpoint of a simulation with the same scene and start.
 
-        The motion that follows has the same bits as without interruption, if it is advanced in the
-        same pieces. Raises InputError, with nothing changed, for a checkpoint of another scene or with
-        arrays that no simulation has.
+        Further calls give the same bits as without the interruption, if they advance by the same
+        durations.
+
+        Parameters
+        ----------
+        saved : mapping of str to ndarray
+            What `checkpoint` returned, or what ``numpy.load`` reads (SI units).
+
+        Raises
+        ------
+        InputError
+            If the checkpoint is of another scene, or has arrays that no simulation writes. The
+            simulation is then unchanged.
+
+        See Also
+        --------
+        checkpoint : Save a simulation; its example restores one.
         """
         saved = read(saved)
         if saved.get("scene", np.empty(0)).tobytes() != self._fingerprint().tobytes():
@@ -431,7 +660,7 @@ class Simulation:
         self.time, self.steps = time, steps
 
     def _fingerprint(self) -> np.ndarray:
-        """Tells scenes, options and the order of granules in memory apart."""
+        """Hash that differs between scenes, options and orders of granules in memory."""
         world, order = self._world, None if self._order is None else self._order.copy()
         boundaries = [b for b in (world.walls, world.cylinder) if b is not None]
         fixed = [
@@ -448,8 +677,36 @@ class Simulation:
 
     @checked(velocity=vector("m/s"))
     def set_cylinder_velocity(self, velocity: tuple[float, float]) -> None:
-        """Move the cylinder at another velocity (x, y) in m/s from now on; raises InputError where
-        the scene has none."""
+        """Change the velocity of the cylinder from now on.
+
+        Parameters
+        ----------
+        velocity : tuple of float
+            Velocity (x, y) in m/s.
+
+        Raises
+        ------
+        InputError
+            If the scene has no cylinder, or `velocity` does not hold two finite numbers.
+
+        Examples
+        --------
+        A cylinder that stops does no more work. Here it stops before it moves:
+
+        >>> import dem
+        >>> import numpy as np
+        >>> shape = dem.Disc.of_size(np.linspace(0.8e-3, 1.2e-3, 60))
+        >>> cylinder = dem.Cylinder(diameter=2e-3, position=(4e-3, 4e-3), velocity=(0.0, 1.0))
+        >>> bed = dem.pack(shape, width=8e-3, height=9e-3, cylinder=cylinder, seed=1)
+        >>> scene = dem.Scene(
+        ...     shape, friction=dem.Friction(), walls=bed.walls, cylinder=cylinder
+        ... )
+        >>> run = dem.Simulation(scene, bed.state)
+        >>> run.set_cylinder_velocity((0.0, 0.0))
+        >>> shortest = run.advance(1e-5)
+        >>> print(f"{1e6 * run.diagnose().kinetic_energy:.3f} uJ")
+        0.000 uJ
+        """
         cylinder = self._world.cylinder
         if cylinder is None:
             raise InputError("velocity cannot be set: the scene has no cylinder.")
@@ -457,19 +714,84 @@ class Simulation:
 
     @checked(duration=not_negative("s"))
     def advance(self, duration: float) -> float:
-        """Advance by a duration (s); returns the shortest time step taken (s).
+        """Advance the motion by a duration.
 
-        The step is chosen at the start and again whenever the contacts are listed again. Raises
-        InputError for a duration of too many steps, and StateError or OverlapError (both RunError),
-        naming step, time and granule.
+        Parameters
+        ----------
+        duration : float
+            Time to advance (s), zero or positive.
+
+        Returns
+        -------
+        float
+            Shortest time step taken (s).
+
+        Raises
+        ------
+        InputError
+            If the duration takes too many time steps.
+        StateError
+            If a position or velocity is not a number, a granule leaves the walls, or the time step
+            shrinks too far. The message names step, time and granule.
+        OverlapError
+            If an overlap exceeds `max_overlap`.
+
+        Examples
+        --------
+        Without contact or gravity a disc moves straight on:
+
+        >>> import dem
+        >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]), dem.Material(restitution=0.5))
+        >>> state = dem.State([[0.0, 0.0], [2.1e-3, 0.0]], velocity=[[1.0, 0.0], [-1.0, 0.0]])
+        >>> run = dem.Simulation(scene, state)
+        >>> shortest = run.advance(2e-5)
+        >>> print(f"{1e6 * run.state.position[0, 0]:.3f} um")
+        20.000 um
         """
         return self._run_steps("duration", duration, 1, None)
 
     @checked(interval=DURATION, count=PIECES)
     def record(self, interval: float, count: int) -> Record:
-        """Advance over `count` intervals (s) and measure in each; raises as advance does.
+        """Advance over equal intervals and measure forces, energy and contacts in each.
 
-        Impulses collected before are not counted, and none are left to collect.
+        Impulses from before do not count, and none are left for `collect_impulses`.
+
+        Parameters
+        ----------
+        interval : float
+            Length of an interval (s).
+        count : int
+            Number of intervals c, without unit.
+
+        Returns
+        -------
+        Record
+            Mean forces (N) and final values of each interval, one row per interval.
+
+        Raises
+        ------
+        InputError
+            If the intervals take too many time steps.
+        StateError, OverlapError
+            As for `advance`.
+
+        Examples
+        --------
+        A bed of discs resists a cylinder that moves upwards:
+
+        >>> import dem
+        >>> import numpy as np
+        >>> shape = dem.Disc.of_size(np.linspace(0.8e-3, 1.2e-3, 60))
+        >>> cylinder = dem.Cylinder(diameter=2e-3, position=(4e-3, 4e-3), velocity=(0.0, 1.0))
+        >>> bed = dem.pack(shape, width=8e-3, height=9e-3, cylinder=cylinder, seed=1)
+        >>> scene = dem.Scene(
+        ...     shape, friction=dem.Friction(), walls=bed.walls, cylinder=cylinder
+        ... )
+        >>> run = dem.Simulation(scene, bed.state)
+        >>> record = run.record(interval=1e-5, count=4)
+        >>> drag = -(record.normal_force + record.tangential_force)[:, 1]  # N
+        >>> bool((drag > 0.0).all())
+        True
         """
         self.collect_impulses()
         walls = 0 if self.scene.walls is None else len(self.scene.walls)
@@ -501,8 +823,8 @@ class Simulation:
             "granules are too small, stiff, light or fast for it."
         )
 
-    # Guards: between two lists nothing moves by more than half the skin, so that checks at a new
-    # list see every overlap before it has grown by more than the skin.
+    # Guards: between two neighbour lists nothing moves by more than half the skin. A check at each
+    # new list therefore sees every overlap before it has grown by more than the skin.
 
     def _name(self, granule: int) -> int:
         """The user's number of a granule."""

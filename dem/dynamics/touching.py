@@ -1,4 +1,4 @@
-"""Which bodies of a bed touch, where, and how hard: for people to look at, not for the motion."""
+"""Which bodies of a bed touch, where, and how hard. The motion does not use it."""
 
 from typing import NamedTuple
 
@@ -11,11 +11,23 @@ CYLINDER, FIRST_WALL = -1, -2  # as partners
 
 
 class Touching(NamedTuple):
-    """Contacts of a bed, m in all, seen from a granule.
+    """Contacts of a bed, m in all, as `Simulation.contacts` returns them.
 
-    granule, partner (m,): a granule's number, and that of the other, -1 for the cylinder, -2 for
-    the first wall, -3 for the second, and so on. point (m, 2): place of the contact (m); normal
-    (m, 2): away from the granule; overlap (m,) in m; force (m,): elastic normal force (N).
+    Attributes
+    ----------
+    granule : ndarray of shape (m,)
+        Numbers of the granules, without unit.
+    partner : ndarray of shape (m,)
+        Numbers of the other granules, without unit; -1 for the cylinder, -2 for the first wall, -3
+        for the second, and so on.
+    point : ndarray of shape (m, 2)
+        Points of contact (m).
+    normal : ndarray of shape (m, 2)
+        Unit normals that point away from the granule, without unit.
+    overlap : ndarray of shape (m,)
+        Overlaps (m).
+    force : ndarray of shape (m,)
+        Elastic normal forces (N), without those of dashpots.
     """
 
     granule: np.ndarray

@@ -1,9 +1,9 @@
 """A random bed at rest, at a prescribed packing fraction, around the cylinder.
 
-Granules are dropped at random places and angles, small enough that no two bounding circles
-overlap, and then grown in small steps; after each the elastic energy is minimised without
-friction (dem.packing.minimise). Growing from apart keeps dumbbells from interlocking. The bed depends on
-the geometry and the seed alone: moduli and masses cancel.
+Granules start at random places and angles, so small that no two bounding circles overlap. They
+then grow in small steps, and after each step the elastic energy is minimised without friction
+(dem.packing.minimise). Dumbbells do not interlock, because they start apart. The bed depends only
+on the geometry and the seed: moduli and masses cancel.
 """
 
 import math
@@ -33,11 +33,41 @@ SOFT = Material(density=1.0, young_modulus=1.0, poisson_ratio=0.0, restitution=1
 
 
 class Bed(NamedTuple):
-    """A finished bed: `state` and `walls` are what a Scene and a Simulation of it take.
+    """A packed bed at rest, as `pack` returns it.
 
-    position (n, 2) in m and angle (n,) in rad; width and height (m) of the box. What remains in
-    it: net_force, the largest on a granule over E* R^2; pressure, the mean normal stress on the
-    walls over E* (unit thickness, m); coordination_number; max_overlap over the smaller radius.
+    Attributes
+    ----------
+    position : ndarray of shape (n, 2)
+        Centres of the granules (m).
+    angle : ndarray of shape (n,)
+        Angles of the granules (rad).
+    width : float
+        Width of the box (m).
+    height : float
+        Height of the box (m).
+    net_force : float
+        Largest net force on a granule over E* R^2, without unit.
+    pressure : float
+        Mean normal force on the walls per length, over E* and a thickness of one metre, without
+        unit.
+    coordination_number : float
+        Contacts per granule, without unit; contacts with walls and cylinder do not count.
+    max_overlap : float
+        Largest overlap over the smaller radius, without unit.
+
+    See Also
+    --------
+    pack : Make a bed.
+
+    Examples
+    --------
+    >>> import dem
+    >>> import numpy as np
+    >>> shape = dem.Disc(np.full(60, 0.5e-3))
+    >>> bed = dem.pack(shape, width=8e-3, height=8e-3, cylinder=None, seed=1)
+    >>> scene = dem.Scene(shape, walls=bed.walls)
+    >>> bed.state.position.shape
+    (60, 2)
     """
 
     position: np.ndarray
@@ -51,12 +81,12 @@ class Bed(NamedTuple):
 
     @property
     def state(self) -> State:
-        """The granules at rest where they are."""
+        """State of the granules at rest, as `Simulation` takes it."""
         return State(self.position, angle=self.angle)
 
     @property
     def walls(self) -> np.ndarray:
-        """The box around them, as dem.box gives it."""
+        """Walls (4, 3) of the box, as `box` returns them and `Scene` takes them."""
         return box(self.width, self.height)
 
 
@@ -65,8 +95,8 @@ def scatter(
 ) -> np.ndarray:
     """Random sequential addition of the bounding circles: positions (n, 2) in m.
 
-    A grid of squares, none smaller than the largest circle is wide, tells who is near: the work
-    is proportional to the number of granules.
+    A grid finds the neighbours, so that the work is proportional to the number of granules. Its
+    squares are at least as wide as the largest circle.
     """
     radius = shape.bounding_radius
     size = max(2.0 * radius.max(), math.sqrt(width * height / len(radius)))
@@ -109,11 +139,54 @@ def _blocked(place: np.ndarray, radius: float, cylinder: Cylinder | None) -> boo
     seed=whole(0, 2**63 - 1),
 )
 def pack(shape: Any, width: float, height: float, cylinder: Cylinder | None, seed: int) -> Bed:
-    """Random bed at rest of all granules of `shape` in a box of width and height (m).
+    """Pack granules at random into a box and bring them to rest.
 
-    cylinder: room is left for it; None for a bed without. The packing fraction follows from the
-    height: see dem.experiment.fit.height_of_box. Raises PackingError when no bed at rest is found and
-    InputError for values that cannot be used, such as a cylinder that does not fit.
+    The packing fraction follows from the granules and the box, equation (18) of the paper.
+
+    Parameters
+    ----------
+    shape : Disc, Dumbbell, Ellipse or Superellipse
+        Granules, n in all, with their sizes (m).
+    width : float
+        Width of the box (m).
+    height : float
+        Height of the box (m).
+    cylinder : Cylinder or None
+        Cylinder that the granules leave room for. Its velocity is ignored.
+    seed : int
+        Seed of the random places and angles, without unit, zero or positive.
+
+    Returns
+    -------
+    Bed
+        The bed, with the net force and the pressure that remain in it.
+
+    Raises
+    ------
+    PackingError
+        If no bed at rest is found, usually because the packing fraction is too high.
+    InputError
+        If a value cannot be used, for instance if the cylinder does not fit into the box.
+
+    Notes
+    -----
+    The granules start small and apart, and grow in steps of 2 %. After each step FIRE (Bitzek et
+    al. 2006, with the corrections of Guenole et al. 2020) minimises the elastic energy without
+    friction. The finished bed is at rest when no granule feels a net force above 1e-9 E* R^2.
+
+    Examples
+    --------
+    Pack 60 discs of 0.8 to 1.2 mm around a cylinder:
+
+    >>> import dem
+    >>> import numpy as np
+    >>> shape = dem.Disc.of_size(np.linspace(0.8e-3, 1.2e-3, 60))
+    >>> cylinder = dem.Cylinder(diameter=2e-3, position=(4e-3, 4e-3))
+    >>> bed = dem.pack(shape, width=8e-3, height=9e-3, cylinder=cylinder, seed=1)
+    >>> print(f"packing fraction {shape.area.sum() / (72e-6 - np.pi * 1e-6):.2f}")
+    packing fraction 0.69
+    >>> bool(bed.net_force < 1e-9)
+    True
     """
     still, half = None, 0.0
     if cylinder is not None:
@@ -152,7 +225,7 @@ def soft_scene(shape: Any, walls: np.ndarray, cylinder: Cylinder | None) -> Scen
 
 
 def name_of(scene: Scene, width: float, height: float, seed: int) -> str:
-    """What a sentence calls a bed."""
+    """Name of a bed in an error message."""
     radius = 0.0 if scene.cylinder is None else 0.5 * scene.cylinder.diameter
     fraction = scene.shape.area.sum() / (width * height - math.pi * radius**2)
     return f"the bed at packing fraction {fraction:.4g} (seed {seed})"
@@ -167,8 +240,10 @@ def finished(
     net_force: float,
     seed: int,
 ) -> Bed:
-    """The Bed in the arrays of the kernels, with net_force over E* R^2; raises PackingError where
-    granules lie outside or too deep in each other."""
+    """Bed from the arrays of the kernels, with net_force over E* R^2.
+
+    Raises PackingError if a granule is outside the box or overlaps too much.
+    """
     cylinder, name = scene.cylinder, name_of(scene, width, height, seed)
     touching, overlap, part, _ = survey(world, table, 0.0)
     position = world.bodies[:, :2].copy()

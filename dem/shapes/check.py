@@ -1,8 +1,8 @@
 """Whether granules keep the laws of dem.shapes.protocol: contacts and outlines, sampled.
 
-In: granules of any shape, of the registry or a user's own. Out: nothing, or one InputError with a
-sentence for each law that is broken. Forces stand for the square of the overlap, so that one
-potential serves all shapes. Here you may add a law that every shape must keep.
+In: granules of any shape. Out: nothing, or one InputError with a sentence for each broken law. The
+potential of the test forces is half the squared overlap, for all shapes. Here you may add a law
+that every shape must keep.
 """
 
 import math
@@ -113,8 +113,8 @@ class Few:
         return found, force
 
     def feel(self, g, angle, directions):
-        """Of the constituents of granule g: h, q and lever about its centre (per, k) in m, and the
-        centres' distances along the directions (per, k)."""
+        """h, q and lever about the centre (per, k) in m of the constituents of granule g, and the
+        distances (per, k) of their centres along the directions."""
         place_all = self._arrays(np.zeros((self.count, 2)), np.full(self.count, angle))
         felt, centre = np.zeros((self.per, len(directions), 2)), []
         for i in range(self.per):
@@ -126,11 +126,30 @@ class Few:
 
 
 def check_shape(shape) -> None:
-    """Test granules of any shape against what the kernels and Python rely on.
+    """Test a shape against the laws that the kernels and Python rely on.
 
-    shape: an instance of its class, such as dem.Superellipse.of_size(diameters, 1.5); a few of its
-    granules are tested, the first three. Raises InputError with a sentence for each law that they
-    break; it compiles some functions for the class, which takes seconds.
+    For authors of new shapes. It compiles a few functions for the class, which takes seconds.
+
+    Parameters
+    ----------
+    shape : Disc, Dumbbell, Ellipse, Superellipse or a class of your own
+        Granules with their sizes (m). The first three are tested.
+
+    Raises
+    ------
+    InputError
+        If the granules break a law, with one sentence for each: area, inertia and bounding circle
+        fit the outline, a contact is the same from both sides, and forces have a potential.
+
+    Notes
+    -----
+    Each force is the gradient of half the squared overlap, so that one potential serves all shapes.
+    The gradient is compared with finite differences at 40 random contacts.
+
+    Examples
+    --------
+    >>> import dem
+    >>> dem.check_shape(dem.Disc([1e-3, 2e-3]))  # no news is good news
     """
     name = type(shape).__name__
     _refuse(name, _unknown(shape))
@@ -180,7 +199,7 @@ def _compile_faults(few):
     try:
         few.feel(0, 0.0, np.array([[1.0, 0.0]]))
         few.pair(np.array([few.size.sum(), 0.0]), np.zeros(few.count))
-    except Exception as error:  # whatever the compiler makes of code that is not ours
+    except Exception as error:  # the compiler may raise anything for code that is not ours
         lines = [line.strip() for line in str(error).splitlines() if line.strip()]
         words = next((line for line in lines if not line.startswith("Failed")), "")
         return [f"its answers cannot be compiled: {words.rstrip('.')}."]
@@ -188,7 +207,7 @@ def _compile_faults(few):
 
 
 def _wrong_numbers(few):
-    """Numbers that are none, of another count, or do not grow with the granules."""
+    """Values that are not numbers, have the wrong shape, or do not scale with the granules."""
     shape, larger, n = few.shape, few.shape.scaled(2.0), few.count
     powers = {"area": 2, "gyration_squared": 2, "bounding_radius": 1, "constituent_radius": 1,
               "constituent_bounding_radius": 1, "normal_lever": 1, "normal_bend": 1}  # fmt: skip
@@ -211,7 +230,7 @@ def _wrong_numbers(few):
 
 
 def _outline_faults(few):
-    """Of polygons: closed, convex, about its centroid, with the area and inertia that are told."""
+    """Polygons must be closed, convex, about the centroid, with the stated area and inertia."""
     shape, said = few.shape, []
     rings = np.asarray(shape.polygons(POINTS))
     if rings.ndim != 4 or rings.shape[0] != few.count or rings.shape[2:] != (POINTS, 2):
@@ -278,7 +297,7 @@ def _directions(count=DIRECTIONS):
 
 
 def _boundary_faults(few):
-    """Of walls and the cylinder: support against the polygon, in any orientation."""
+    """Walls and the cylinder: support must agree with the polygon, in any orientation."""
     directions, said = _directions()[1], []
     rings = few.shape.polygons(POINTS)
     for g in range(few.count):
@@ -309,7 +328,7 @@ def _boundary_faults(few):
 
 
 def _flat_faults(few):
-    """Of normal_bend as told and as felt: bounded."""
+    """The stated and the measured normal_bend must be bounded."""
     (turn, directions), shape = _directions(FINE), few.shape
     for g in range(few.count):
         lever = few.feel(g, 0.0, directions)[2]
@@ -325,7 +344,7 @@ def _flat_faults(few):
 
 
 def _slope_faults(few):
-    """Of q, the derivative of h: the mean of dh/d(angle) over an interval lies between its ends."""
+    """q is the derivative of h: its mean over an interval is between the values at the ends."""
     turn, directions = _directions()
     for g in range(few.count):
         h, q, _, _ = few.feel(g, 0.0, directions)
@@ -337,7 +356,7 @@ def _slope_faults(few):
 
 
 def _bound_faults(few):
-    """Of normal_lever and normal_bend, which must be bounds."""
+    """normal_lever and normal_bend must be bounds."""
     (turn, directions), said = _directions(), []
     shape = few.shape
     for g in range(few.count):
@@ -360,7 +379,7 @@ def _bound_faults(few):
 
 
 def _contact_faults(few):
-    """Of contacts of the first granule with the last: both see the same, and forces have a
+    """The contact of the first granule with the last: both see the same, and forces have a
     potential."""
     rng, said = np.random.default_rng(1), []
     for _ in range(PAIRS):
@@ -373,8 +392,7 @@ def _contact_faults(few):
 
 
 def _touching(few, angle, way):
-    """Where the last granule, coming from a direction, overlaps the first by DEPTH; None if it
-    never does."""
+    """Where the last granule, coming from a direction, overlaps the first by DEPTH, or None."""
     want, reach = DEPTH * few.size.min(), few.size[0] + few.size[-1]
 
     def deepest(distance):
@@ -392,7 +410,7 @@ def _touching(few, angle, way):
 
 
 def _swap_faults(few, d, angle):
-    """The contact of 2 with 1 is that of 1 with 2, seen from the other side."""
+    """The contact of 1 with 2 is the same as the contact of 2 with 1, seen from the other side."""
     first, _ = few.pair(d, angle)
     second, _ = few.pair(d, angle, (-1, 0))
     other = second.reshape(few.per, few.per, 7).swapaxes(0, 1).reshape(-1, 7)

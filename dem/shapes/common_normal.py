@@ -1,10 +1,10 @@
 """Contact of two ellipses along their common normal: the default.
 
-With the support function h(n), the distance of the tangent line with outward normal n from the
-centre, the gap along n between two ellipses is s(n) = n.d - h1(n) - h2(n). The overlap is
--max s: the least translation that parts them. Any n with s(n) > 0 proves that they do not touch,
-so one evaluation rejects a pair. With a constant stiffness the force is minus the gradient of a
-potential, torque included.
+The support function h(n) is the distance of the tangent line with outward normal n from the
+centre. The gap along n between two ellipses is s(n) = n.d - h1(n) - h2(n). The overlap is
+-max s, the shortest translation that separates them. Any n with s(n) > 0 proves that they do not
+touch, so one evaluation rejects a pair. With a constant stiffness the force is minus the gradient
+of a potential, torque included.
 
 In the angle of n: h' = q, h'' = rho - h with rho the radius of curvature, rho' = -3 rho q / h, so
 s' = t.d - q1 - q2 and s'' = -s - rho1 - rho2 come from the same two square roots as s itself.
@@ -22,7 +22,34 @@ from dem.shapes.protocol import METHOD_QUESTIONS, SEPARATED, answer
 
 @checked(tolerance=up_to(1.0))
 class CommonNormal(NamedTuple):
-    """tolerance (rad): the last turn of the normal may be as large as this; error ~ its cube."""
+    """Contact of two ellipses along their common normal, the default.
+
+    Parameters
+    ----------
+    tolerance : float
+        Largest last turn (rad) of the normal, up to 1. The error is of the order of its cube.
+
+    Raises
+    ------
+    InputError
+        If `tolerance` is not above 0 and up to 1.
+
+    See Also
+    --------
+    GeometricPotential : The contact search of the paper.
+
+    Notes
+    -----
+    The overlap is the shortest translation that separates the two ellipses. It has a gradient, so
+    a frictionless bounce conserves energy.
+
+    Examples
+    --------
+    >>> import dem
+    >>> precise = dem.CommonNormal(tolerance=1e-6)
+    >>> dem.Ellipse([2e-3], [1e-3], contact=precise).contact
+    CommonNormal(tolerance=1e-06)
+    """
 
     tolerance: float = 1e-4
 
@@ -80,7 +107,7 @@ def gap_along(dx, dy, own, other, nx, ny):
 def settle(dx, dy, own, other, nx, ny, tolerance):
     """Newton's method for the common normal, from any start, to within tolerance (rad).
 
-    Returns a normal with a positive gap as soon as one is met; NaN if none of ITERATIONS helps.
+    Returns the first normal with a positive gap, and NaN if ITERATIONS are not enough.
     """
     searched = False
     for iteration in range(ITERATIONS):

@@ -12,14 +12,60 @@ from dem.shapes.protocol import ContactGeometry, answer
 
 @checked(radius=SIZES)
 class Disc(NamedTuple):
-    """Discs; radius (n,) in m."""
+    """Discs, the cylindrical granules of the paper.
+
+    Parameters
+    ----------
+    radius : array_like of shape (n,)
+        Radii (m).
+
+    Raises
+    ------
+    InputError
+        If a radius is not positive.
+
+    Notes
+    -----
+    Discs are cases c1 and c2 of the paper (table 1).
+
+    Examples
+    --------
+    >>> import dem
+    >>> discs = dem.Disc([1e-3, 2e-3])
+    >>> (1e6 * discs.area).round(2)  # mm2
+    array([ 3.14, 12.57])
+    >>> dem.Disc.of_size([2e-3]).radius
+    array([0.001])
+    >>> discs.scaled(2.0).radius
+    array([0.002, 0.004])
+    >>> discs.polygons(points=5).shape
+    (2, 1, 5, 2)
+    """
 
     radius: np.ndarray
 
     @classmethod
     @checked(diameter=SIZES, aspect_ratio=RATIO)
     def of_size(cls, diameter: ArrayLike, aspect_ratio: float = 1.0) -> Self:
-        """Discs of the given diameter (n,) in m."""
+        """Discs with the areas of discs of the given diameters.
+
+        Parameters
+        ----------
+        diameter : array_like of shape (n,)
+            Diameters (m) of the discs of equal area: the volume diameters of the paper.
+        aspect_ratio : float
+            Ignored, without unit: a disc has none. It is there because all shapes have it.
+
+        Returns
+        -------
+        Disc
+            Granules, n in all.
+
+        Raises
+        ------
+        InputError
+            If an argument is not in its range.
+        """
         return cls(0.5 * np.asarray(diameter))
 
     @property
@@ -44,7 +90,7 @@ class Disc(NamedTuple):
 
     @property
     def constituent_radius(self) -> np.ndarray:
-        """Radius (constituents,) in m that enters Hertz's law; a disc is its own only constituent."""
+        """Radius (constituents,) in m that enters Hertz's law; a disc is its only constituent."""
         return self.radius
 
     @property
@@ -64,12 +110,44 @@ class Disc(NamedTuple):
 
     @checked(factor=positive("ratio"))
     def scaled(self, factor: float) -> Self:
-        """The same granules, larger by the given factor."""
+        """Granules of the same shape, all lengths multiplied by a factor.
+
+        Parameters
+        ----------
+        factor : float
+            Ratio of new to old lengths, without unit.
+
+        Returns
+        -------
+        Disc
+            The scaled granules.
+
+        Raises
+        ------
+        InputError
+            If `factor` is not positive.
+        """
         return self._replace(radius=self.radius * factor)
 
     @checked(points=OUTLINE)
     def polygons(self, points: int = 64) -> np.ndarray:
-        """Outlines (n, rings, points, 2) in m about the centre at angle zero, to draw or sample."""
+        """Closed outlines about the centre at angle zero, to draw or sample.
+
+        Parameters
+        ----------
+        points : int
+            Points of each outline, without unit, at least 2.
+
+        Returns
+        -------
+        ndarray of shape (n, 1, points, 2)
+            Coordinates (m); the last point of an outline is the first.
+
+        Raises
+        ------
+        InputError
+            If `points` is not a whole number from 2.
+        """
         turn = np.linspace(0.0, 2.0 * np.pi, points)
         circle = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
         return self.radius[:, None, None, None] * circle

@@ -1,6 +1,6 @@
 """Dumbbell: two equal discs rigidly joined where they touch (paper section 2.2, equations 3-6).
 
-The constituents of dumbbell g are the discs 2g and 2g + 1; every contact is one between discs.
+The constituents of dumbbell g are the discs 2g and 2g + 1. Every contact is between discs.
 """
 
 from typing import NamedTuple, Self
@@ -16,14 +16,66 @@ from dem.shapes.protocol import answer
 
 @checked(radius=SIZES)
 class Dumbbell(NamedTuple):
-    """Dumbbells; radius (n,) in m of each of the two discs, centres at plus and minus one radius."""
+    """Dumbbells: two equal discs joined where they touch.
+
+    At angle zero the centres of the discs are one radius to the right and left of the joint.
+
+    Parameters
+    ----------
+    radius : array_like of shape (n,)
+        Radii of the discs (m), one per dumbbell.
+
+    Raises
+    ------
+    InputError
+        If a radius is not positive.
+
+    Notes
+    -----
+    Dumbbells are case d1 of the paper (section 2.2, equations 3 to 6). Every contact of a dumbbell
+    is a contact of one of its discs.
+
+    Examples
+    --------
+    The area is twice the area of one disc, and the radius follows from the volume diameter:
+
+    >>> import dem
+    >>> import numpy as np
+    >>> dumbbell = dem.Dumbbell.of_size([1e-3])
+    >>> bool(np.isclose(dumbbell.area[0], np.pi * 0.5e-3**2))
+    True
+    >>> print(f"{2e3 * dumbbell.radius[0]:.3f} mm")  # sqrt(2) D / 2
+    0.707 mm
+    >>> dumbbell.scaled(2.0).bounding_radius / dumbbell.radius
+    array([4.])
+    >>> dumbbell.polygons(points=5).shape
+    (1, 2, 5, 2)
+    """
 
     radius: np.ndarray
 
     @classmethod
     @checked(diameter=SIZES, aspect_ratio=RATIO)
     def of_size(cls, diameter: ArrayLike, aspect_ratio: float = 2.0) -> Self:
-        """Dumbbells whose area is that of discs of the given diameter (n,) in m."""
+        """Dumbbells with the areas of discs of the given diameters.
+
+        Parameters
+        ----------
+        diameter : array_like of shape (n,)
+            Diameters (m) of the discs of equal area: the volume diameters of the paper.
+        aspect_ratio : float
+            Ignored, without unit: a dumbbell is twice as long as wide.
+
+        Returns
+        -------
+        Dumbbell
+            Granules, n in all.
+
+        Raises
+        ------
+        InputError
+            If an argument is not in its range.
+        """
         return cls(np.asarray(diameter) / np.sqrt(8.0))
 
     @property
@@ -68,12 +120,44 @@ class Dumbbell(NamedTuple):
 
     @checked(factor=positive("ratio"))
     def scaled(self, factor: float) -> Self:
-        """The same granules, larger by the given factor."""
+        """Granules of the same shape, all lengths multiplied by a factor.
+
+        Parameters
+        ----------
+        factor : float
+            Ratio of new to old lengths, without unit.
+
+        Returns
+        -------
+        Dumbbell
+            The scaled granules.
+
+        Raises
+        ------
+        InputError
+            If `factor` is not positive.
+        """
         return self._replace(radius=self.radius * factor)
 
     @checked(points=OUTLINE)
     def polygons(self, points: int = 64) -> np.ndarray:
-        """Outlines (n, 2, points, 2) in m about the joint at angle zero, to draw or sample."""
+        """Closed outlines about the joint at angle zero, to draw or sample.
+
+        Parameters
+        ----------
+        points : int
+            Points of each outline, without unit, at least 2.
+
+        Returns
+        -------
+        ndarray of shape (n, 2, points, 2)
+            Coordinates (m); the last point of an outline is the first.
+
+        Raises
+        ------
+        InputError
+            If `points` is not a whole number from 2.
+        """
         turn = np.linspace(0.0, 2.0 * np.pi, points)
         circle = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
         pair = np.stack([circle + [1.0, 0.0], circle - [1.0, 0.0]])

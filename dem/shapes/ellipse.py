@@ -1,4 +1,4 @@
-"""Ellipse (paper section 2.3), with two ways of finding a contact and two radii for Hertz's law."""
+"""Ellipse (paper section 2.3), with two contact searches and two radii for Hertz's law."""
 
 import math
 from typing import Any, Literal, NamedTuple, Self
@@ -22,7 +22,7 @@ HertzRadius = Literal["volume", "local"]
 
 
 class _Fields(NamedTuple):
-    """What the kernels read: types choose what is compiled, texts could not."""
+    """What the kernels read: what is compiled follows from types, and a text is always a str."""
 
     semi_major: np.ndarray
     semi_minor: np.ndarray
@@ -37,12 +37,48 @@ class _Fields(NamedTuple):
     hertz_radius=named(RADII),
 )
 class Ellipse(_Fields):
-    """Ellipses; semi-axes (n,) in m, the major one along x at angle zero.
+    """Ellipses, the elliptical granules of the paper.
 
-    contact: how a contact is found, "common_normal" or "geometric_potential" (the paper's), or
-    CommonNormal or GeometricPotential with a tolerance.
-    hertz_radius: the radius R of Hertz's law. "volume" takes sqrt(ab), which conserves energy;
-    "local" the radius of curvature at the contact, which does not.
+    Parameters
+    ----------
+    semi_major : array_like of shape (n,)
+        Semi-major axes a (m), along x at angle zero.
+    semi_minor : array_like of shape (n,)
+        Semi-minor axes b (m), at most a.
+    contact : str, CommonNormal or GeometricPotential
+        How a contact is found: "common_normal", or "geometric_potential" as in the paper. The
+        classes take a tolerance.
+    hertz_radius : str
+        Radius R (m) in Hertz's law: "volume" for sqrt(ab), "local" for the radius of curvature at
+        the contact. Only "volume" conserves energy.
+
+    Raises
+    ------
+    InputError
+        If a semi-axis is not positive, or an option is unknown. `Scene` refuses ellipses with a
+        semi-minor axis larger than the semi-major one.
+
+    See Also
+    --------
+    CommonNormal : The default contact search.
+    GeometricPotential : The contact search of the paper.
+
+    Notes
+    -----
+    Ellipses are cases e1 to e3 of the paper (section 2.3, equations 7 to 17).
+
+    Examples
+    --------
+    >>> import dem
+    >>> ellipse = dem.Ellipse.of_size([1e-3], aspect_ratio=1.25)
+    >>> print(f"{ellipse.semi_major[0] / ellipse.semi_minor[0]:.2f}")
+    1.25
+    >>> ellipse.contact
+    CommonNormal(tolerance=0.0001)
+    >>> (ellipse.scaled(2.0).area / ellipse.area).round(3)
+    array([4.])
+    >>> ellipse.polygons(points=5).shape
+    (1, 1, 5, 2)
     """
 
     __slots__ = ()
@@ -69,7 +105,29 @@ class Ellipse(_Fields):
         contact: Contact = "common_normal",
         hertz_radius: HertzRadius = "volume",
     ) -> Self:
-        """Ellipses whose area is that of discs of the given diameter (n,) in m."""
+        """Ellipses with the areas of discs of the given diameters.
+
+        Parameters
+        ----------
+        diameter : array_like of shape (n,)
+            Diameters (m) of the discs of equal area: the volume diameters of the paper.
+        aspect_ratio : float
+            Length over width, without unit, 1 or more.
+        contact : str, CommonNormal or GeometricPotential
+            How a contact is found; see the class.
+        hertz_radius : str
+            Radius (m) in Hertz's law, "volume" or "local"; see the class.
+
+        Returns
+        -------
+        Ellipse
+            Granules, n in all.
+
+        Raises
+        ------
+        InputError
+            If an argument is not in its range.
+        """
         sizes, root = np.asarray(diameter), math.sqrt(aspect_ratio)
         return cls(0.5 * sizes * root, 0.5 * sizes / root, contact, hertz_radius)
 
@@ -80,7 +138,7 @@ class Ellipse(_Fields):
 
     @property
     def fault(self) -> str | None:
-        """Why these are no ellipses, or None."""
+        """Why these granules cannot be used, as a sentence, or None."""
         if np.any(self.semi_minor > self.semi_major):
             return (
                 "semi_minor must not exceed semi_major: turn the granule by a right angle instead."
@@ -104,7 +162,7 @@ class Ellipse(_Fields):
 
     @property
     def constituent_radius(self) -> np.ndarray:
-        """Radius (n,) in m that enters Hertz's law; an ellipse is its own only constituent."""
+        """Radius (n,) in m that enters Hertz's law; an ellipse is its only constituent."""
         return np.sqrt(self.semi_major * self.semi_minor)
 
     @property
@@ -124,14 +182,46 @@ class Ellipse(_Fields):
 
     @checked(factor=positive("ratio"))
     def scaled(self, factor: float) -> Self:
-        """The same granules, larger by the given factor."""
+        """Granules of the same shape, all lengths multiplied by a factor.
+
+        Parameters
+        ----------
+        factor : float
+            Ratio of new to old lengths, without unit.
+
+        Returns
+        -------
+        Ellipse
+            The scaled granules.
+
+        Raises
+        ------
+        InputError
+            If `factor` is not positive.
+        """
         return self._replace(
             semi_major=self.semi_major * factor, semi_minor=self.semi_minor * factor
         )
 
     @checked(points=OUTLINE)
     def polygons(self, points: int = 64) -> np.ndarray:
-        """Outlines (n, 1, points, 2) in m about the centre at angle zero, to draw or sample."""
+        """Closed outlines about the centre at angle zero, to draw or sample.
+
+        Parameters
+        ----------
+        points : int
+            Points of each outline, without unit, at least 2.
+
+        Returns
+        -------
+        ndarray of shape (n, 1, points, 2)
+            Coordinates (m); the last point of an outline is the first.
+
+        Raises
+        ------
+        InputError
+            If `points` is not a whole number from 2.
+        """
         turn = np.linspace(0.0, 2.0 * np.pi, points)
         x = self.semi_major[:, None] * np.cos(turn)
         y = self.semi_minor[:, None] * np.sin(turn)

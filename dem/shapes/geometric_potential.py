@@ -1,10 +1,10 @@
 """Contact of two ellipses as the paper describes it (equations 10 to 13): an option.
 
-G of equation (11) is evaluated along each boundary; the deepest point of each granule inside the
-other is found, the overlap is the distance between these two points and the normal the chord
-through them. The text never says how the points are chosen; this is the natural reading. The
-chord is exact for circles. For any other ellipse it stays tilted against the common normal,
-however small the overlap, and a frictionless bounce does not conserve energy.
+G of equation (11) gives the deepest point of each granule inside the other. The overlap is the
+distance between these two points, and the normal is the chord through them. The paper does not say
+how the points are chosen; this is the natural reading. The chord is exact for circles. For other
+ellipses it is tilted against the common normal, even for the smallest overlap, and a frictionless
+bounce does not conserve energy.
 """
 
 import math
@@ -17,7 +17,35 @@ from dem.shapes.protocol import METHOD_QUESTIONS, SEPARATED, answer
 
 @checked(tolerance=up_to(1.0))
 class GeometricPotential(NamedTuple):
-    """tolerance (rad): size of the last step of the eccentric angle."""
+    """Contact of two ellipses as the paper describes it.
+
+    Parameters
+    ----------
+    tolerance : float
+        Largest last step (rad) of the eccentric angle, up to 1.
+
+    Raises
+    ------
+    InputError
+        If `tolerance` is not above 0 and up to 1.
+
+    See Also
+    --------
+    CommonNormal : The default, which conserves energy.
+
+    Notes
+    -----
+    Equations (10) to (13) of the paper: the function G of equation (11) gives the deepest point of
+    each ellipse inside the other. Their distance is the overlap, and the line through them the
+    normal. This normal is tilted against the common normal unless both are circles, and a
+    frictionless bounce does not conserve energy.
+
+    Examples
+    --------
+    >>> import dem
+    >>> dem.Ellipse([2e-3], [1e-3], contact="geometric_potential").contact
+    GeometricPotential(tolerance=1e-12)
+    """
 
     tolerance: float = 1e-12
 
@@ -68,8 +96,8 @@ def deepest(dx, dy, own, other, tolerance):
 
 def ellipse_contact(method, dx, dy, own, other, guess):
     reach = own[2] + other[2]
-    # whoever asks how stiff a pair would be that is apart gets the greatest arms it could have; those
-    # along the normal lead to the middle of the gap, as of all contacts
+    # the time step also counts pairs that do not touch: they get their largest possible levers;
+    # those along the normal end in the middle of the gap, as for all contacts
     half = 0.5 * SEPARATED
     apart = (
         SEPARATED, 1.0, 0.0, own[2] - half, own[2] - own[3], other[2] - half, other[2] - other[3],

@@ -1,14 +1,14 @@
 """Any smooth convex granule, from its support function alone.
 
 The support function h of a shape is the distance from the centre of the tangent line with outward
-normal n. With q = dh/d(angle) and the radius of curvature rho = h + dq/d(angle) it gives all that
-the kernels and the packing ask: the point that touches the line is h n + q t, the gap between two
-granules along n is s(n) = n.d - h1(n) - h2(-n), and the overlap is -max s, the least translation
-that parts them. Contact, walls, cylinder, area, inertia, bounding circle, bound on the time step
-and outline follow. Discs, ellipses and the halves of dumbbells are fast special cases.
+normal n. With q = dh/d(angle) and the radius of curvature rho = h + dq/d(angle) it gives everything
+that the kernels and the packing need. The point that touches the line is h n + q t. The gap between
+two granules along n is s(n) = n.d - h1(n) - h2(-n), and the overlap is -max s, the shortest
+translation that separates them. Contact, walls, cylinder, area, inertia, bounding circle, bound on
+the time step and outline follow. Discs, ellipses and the halves of dumbbells are fast special cases.
 
-A shape is then a NamedTuple with a function `support(nx, ny, sizes)`, decorated with `smooth`: its
-arrays are lengths (m), one entry a granule; a plain number is the same for all granules.
+A shape is then a NamedTuple with a function `support(nx, ny, sizes)`, decorated with `smooth`. Its
+arrays are lengths (m), one entry per granule; a plain number is the same for all granules.
 """
 
 import functools
@@ -213,13 +213,35 @@ def normal_bend(shape):
 
 
 def scaled(shape, factor):
-    """The same granules, larger by the given factor."""
+    """Granules of the same shape, all lengths multiplied by a factor.
+
+    Parameters
+    ----------
+    factor : float
+        Ratio of new to old lengths, without unit.
+
+    Returns
+    -------
+    Shape
+        The scaled granules.
+    """
     lengths = {k: v for k, v in shape._asdict().items() if isinstance(v, np.ndarray)}
     return shape._replace(**{name: factor * length for name, length in lengths.items()})
 
 
 def polygons(shape, points=64):
-    """Outlines (n, 1, points, 2) in m about the centre at angle zero, closed, to draw."""
+    """Closed outlines about the centre at angle zero, to draw or sample.
+
+    Parameters
+    ----------
+    points : int
+        Points of each outline, without unit, at least 2.
+
+    Returns
+    -------
+    ndarray of shape (n, 1, points, 2)
+        Coordinates (m); the last point of an outline is the first.
+    """
     angle, h, q, _ = sampled(shape)
     some = np.linspace(0, ANGLES, points).round().astype(int) % ANGLES
     c, s, h, q = np.cos(angle[some]), np.sin(angle[some]), h[:, some], q[:, some]
@@ -236,9 +258,9 @@ DERIVED = {
 def smooth(support_function):
     """Decorator of a NamedTuple class: a shape with this support function, known to the kernels.
 
-    support_function(nx, ny, sizes) gives (h, q, rho) in m for normals in the granule's own frame;
+    support_function(nx, ny, sizes) returns (h, q, rho) in m for normals in the granule's own frame;
     sizes are the fields of the class in order. It must work for numbers and for arrays: operators
-    and numpy's functions do. What the class defines itself is kept.
+    and numpy's functions do. Members that the class defines itself are kept.
     """
 
     def make(cls):

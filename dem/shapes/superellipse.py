@@ -30,10 +30,42 @@ def support(nx, ny, sizes):
 @smooth(support)
 @checked(semi_major=SIZES, semi_minor=SIZES, rounding=SIZES, exponent=EXPONENT)
 class Superellipse(NamedTuple):
-    """Rounded superellipses: semi_major, semi_minor, rounding (n,) in m and exponent > 1, for all.
+    """Rounded superellipses, between an ellipse and a rectangle with round corners.
 
-    Without rounding (c = 0) the curvature of flat places is unbounded for exponents above 2, and
-    with it the lever and the bound on the time step.
+    Parameters
+    ----------
+    semi_major : array_like of shape (n,)
+        Size a (m) along x at angle zero, before rounding.
+    semi_minor : array_like of shape (n,)
+        Size b (m) along y at angle zero, before rounding.
+    rounding : array_like of shape (n,)
+        Length c (m) that rounds the flat sides.
+    exponent : float
+        Exponent n of all granules, without unit, from 1.2 to 20. With 2 the granule is an ellipse,
+        and large exponents make a rectangle.
+
+    Raises
+    ------
+    InputError
+        If a length is not positive, or `exponent` is outside its range.
+
+    Notes
+    -----
+    The support function, the distance of the tangent line with normal (nx, ny) from the centre, is
+    ``h = (A^q + B^q)^(1/q)`` with ``A^2 = a^2 nx^2 + c^2``, ``B^2 = b^2 ny^2 + c^2`` and
+    ``1/n + 1/q = 1``. Without rounding the radius of curvature of flat sides is infinite for
+    exponents above 2, and no time step is stable. The paper has no such granules.
+
+    Examples
+    --------
+    >>> import dem
+    >>> granule = dem.Superellipse.of_size([1e-3], aspect_ratio=1.5, exponent=4.0)
+    >>> print(f"{1e6 * granule.area[0]:.4f} mm2")  # a disc of 1 mm
+    0.7854 mm2
+    >>> (granule.scaled(2.0).area / granule.area).round(3)
+    array([4.])
+    >>> granule.polygons(points=5).shape
+    (1, 1, 5, 2)
     """
 
     semi_major: np.ndarray
@@ -50,8 +82,29 @@ class Superellipse(NamedTuple):
         exponent: float = 4.0,
         rounding: float = 0.2,
     ) -> Self:
-        """Superellipses whose area is that of discs of the given diameter (n,) in m; rounding: over
-        the semi-minor axis."""
+        """Superellipses with the areas of discs of the given diameters.
+
+        Parameters
+        ----------
+        diameter : array_like of shape (n,)
+            Diameters (m) of the discs of equal area: the volume diameters of the paper.
+        aspect_ratio : float
+            Semi-major over semi-minor axis, without unit, 1 or more.
+        exponent : float
+            Exponent of all granules, without unit, from 1.2 to 20.
+        rounding : float
+            Rounding over the semi-minor axis, without unit, from 0.01 to 10.
+
+        Returns
+        -------
+        Superellipse
+            Granules, n in all.
+
+        Raises
+        ------
+        InputError
+            If an argument is not in its range.
+        """
         unit = cls(
             np.array([float(aspect_ratio)]),
             np.ones(1),
