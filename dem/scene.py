@@ -59,7 +59,7 @@ class Material:
 
     Notes
     -----
-    The normal force is that of Hertz (1882; Johnson, "Contact Mechanics", 1985, chapter 4) between
+    The normal force follows Hertz (1882; Johnson, "Contact Mechanics", 1985, chapter 4) for
     spheres, ``F = 4/3 E* sqrt(R*) delta^1.5``, for an overlap ``delta``. The dashpot in parallel
     has the form of Tsuji, Tanaka and Ishida (1992), ``alpha sqrt(m* k) delta^0.25`` with
     ``k = 4/3 E* sqrt(R*)``. The constant ``alpha`` follows from the restitution exactly for a

@@ -1,4 +1,4 @@
-"""Where files may be written, and how: whole or not at all, whatever happens to process and disk."""
+"""Where files may be written, and how: whole or not at all, even if a process or disk fails."""
 
 import errno
 import os
@@ -29,8 +29,10 @@ _BEGINNINGS = {
 
 
 class Place(NamedTuple):
-    """A path that a command reads or writes, under the name of its option; kind of what is written:
-    FOLDER, ANY, a suffix, or "" for that of the path."""
+    """A path that a command reads or writes, with the name of its option and the kind of file.
+
+    kind: FOLDER, ANY, a suffix, or "" for the suffix of the path.
+    """
 
     name: str
     path: Path
@@ -189,7 +191,7 @@ def is_full(folder: Path) -> bool:
 
 
 def _why(path: Path, error: Exception) -> str:
-    """What keeps a file from being written, as far as it can be told."""
+    """Why a file cannot be written, as far as the system says."""
     return "the disk is full" if is_full(path.parent) else _words(error)
 
 

@@ -20,7 +20,9 @@ def versions() -> str:
 @cache
 def git_revision() -> str:
     """Revision of the checkout, "-dirty" if edited, "unknown" outside a repository."""
-    if not (PACKAGE.parent / ".git").exists():  # some other project's repository may lie above
+    if not (
+        PACKAGE.parent / ".git"
+    ).exists():  # a parent folder may be another project's repository
         return "unknown"
     command = ["git", "-C", str(PACKAGE), "describe", "--always", "--dirty", "--abbrev=12"]
     try:

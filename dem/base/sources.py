@@ -1,4 +1,4 @@
-"""What a result depends on is found, not typed: the syntax trees of the modules that make it.
+"""What a result depends on: the syntax trees of the modules that make it, found from their imports.
 
 The closure of a module is itself and all that it imports, directly or not, inside functions too.
 Its hash leaves out what cannot change a result: comments, docstrings, annotations of types, line
@@ -27,10 +27,9 @@ _NO_CODE = {"annotation", "returns", "type_comment", "type_params", "kind", "ctx
 
 @cache
 def closure(*modules: str) -> tuple[str, ...]:
-    """Names of the modules of this package that the given ones depend on, sorted, themselves among
-    them.
+    """Sorted names of the modules of this package that the given ones depend on, and their own.
 
-    Imports are read from the source; nothing is imported. Packages that lie above a module count,
+    Imports are read from the source; nothing is imported. The packages that contain a module count,
     because Python runs their __init__.py first. Raises ValueError for a module that the package
     does not have, OSError and SyntaxError for one that cannot be read.
     """
@@ -58,7 +57,7 @@ def code_hash(*modules: str) -> str:
 
 @cache
 def _file(module: str) -> Path | None:
-    """Source of a module, or None where it is no module of this package."""
+    """Source of a module, or None if this package has no such module."""
     name, *rest = module.split(".")
     if name != PACKAGE.name:
         return None
@@ -68,13 +67,15 @@ def _file(module: str) -> Path | None:
 
 
 def cache_folder() -> Path:
-    """Folder of what is made once and used often: $NUMBA_CACHE_DIR or the user's cache folder."""
+    """Folder of the caches: $NUMBA_CACHE_DIR or the user's cache folder."""
     return Path(os.environ.get("NUMBA_CACHE_DIR") or user_cache_path("dem", appauthor=False))
 
 
 class Source(NamedTuple):
-    """What a file says: names that it imports, as written (some are no modules but what a module
-    holds), and the SHA-256 of its code."""
+    """Names that a file imports, as written, and the SHA-256 of its code.
+
+    Some names are not modules but members of one.
+    """
 
     imports: tuple[str, ...]
     code: str
@@ -82,8 +83,10 @@ class Source(NamedTuple):
 
 @cache
 def _read(path: Path) -> Source:
-    """What a file says; kept on disk by the content of the file and of this one, sealed with a
-    digest, because to parse all files takes as long as to start Python."""
+    """Source of a file, from a cache on disk, because parsing takes time.
+
+    The key is the content of the file and of this module. A digest reveals damage.
+    """
     content = path.read_bytes()
     kept = cache_folder() / "sources" / f"{_digest(content + Path(__file__).read_bytes())}.json"
     with suppress(OSError, ValueError):  # absent, or damaged
@@ -120,7 +123,7 @@ def _imported(tree: ast.Module, path: Path) -> tuple[str, ...]:
 
 
 def _code(node) -> str:
-    """A syntax tree as text, without what is no code.
+    """A syntax tree as text, without fields that are not code.
 
     Written here and not by ast.dump, whose text differs between versions of Python.
     """
@@ -140,8 +143,10 @@ def _code(node) -> str:
 
 
 def _parts(node, name: str, value):
-    """A field without what does nothing: strings alone, which are docstrings, and empty pieces of
-    f-strings, which some versions of Python leave out."""
+    """A field without docstrings and without empty pieces of f-strings.
+
+    Some versions of Python leave the latter out.
+    """
     if name == "body" and isinstance(value, list):
         return [each for each in value if not (isinstance(each, ast.Expr) and _is_text(each.value))]
     if isinstance(node, ast.JoinedStr):

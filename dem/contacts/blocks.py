@@ -1,8 +1,8 @@
 """A block of contacts, stage by stage, in the lanes of dem.jit.lanes.
 
-gather: copy what is needed side by side. find_contacts: the geometry of all; refine_contacts: of
-those for which the last normal was no good guess. contact_forces: all forces. accumulate: add them
-to the constituents. find_contacts and contact_forces, which hold nearly all arithmetic, have no
+gather: copy the input side by side. find_contacts: the geometry of all contacts. refine_contacts:
+again for those whose last normal was too far off. contact_forces: all forces. accumulate: add them
+to the constituents. find_contacts and contact_forces do nearly all arithmetic; they have no
 branches and become vector code.
 """
 
@@ -117,7 +117,7 @@ def put(number, array, k):
 
 @optional
 def put_for(needed, number, array, k):
-    """Without friction nobody asks for the slip, without damping nobody for the rate."""
+    """Only friction needs the slip, and only damping the rate."""
     array[k] = number
 
 

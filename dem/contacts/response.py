@@ -29,11 +29,11 @@ def dashpot(damping, p, ratio, sqrt_overlap, slip_rate):
 
 @optional
 def friction_force(friction, contacts, p, normal, elastic, slip, account, dt):
-    """The spring is capped first, then spring and dashpot, so that friction never does positive work.
+    """The spring is capped first, then spring and dashpot, so that friction does no positive work.
 
     elastic: stiffness (N m^-1.5) and sqrt_overlap (m^0.5); slip: in this step (m), and its rate at
     the full step (m/s). Returns the force (N) and the energies (J) that dashpot and sliding took,
-    None if nobody asks.
+    None without an energy ledger.
     """
     stiffness, sqrt_overlap = elastic
     distance, rate = slip
@@ -88,11 +88,11 @@ def relative_velocity(one, two, geometry):
 
 @inlined
 def respond(contacts, p, geometry, velocity, change, dt, account):
-    """Forces N and T (N) of contact p, T None without friction, and energies (J) lost in dashpots
-    and by sliding, None if nobody asks.
+    """Forces N and T (N) of contact p, and energies (J) lost in dashpots and by sliding.
 
-    velocity, change: from relative_velocity. Bodies that are apart feel nothing and remember
-    nothing: the root of their overlap counts as zero, and the law does the rest.
+    T is None without friction, the energies without an energy ledger. velocity, change: from
+    relative_velocity. Bodies that do not touch feel and remember nothing: their overlap counts as
+    zero in the force law.
     """
     overlap = max(geometry.overlap, 0.0)
     sqrt_overlap = math.sqrt(overlap)

@@ -25,13 +25,13 @@ from dem.scene import Scene, State, arrays_of
 
 
 class GranuleTable(NamedTuple):
-    """What the lists and the surveys need of the granules and does not change.
+    """Constants of the granules that the lists and the surveys need.
 
-    per: constituents a granule; radius, bounding (constituents,) in m: for Hertz's law, and of the
-    circle that holds one; mass (constituents,) in kg: of the whole granule; mobility: greatest
-    1/m + lever^2/I (1/kg) of a contact; bend (n,) in 1/(kg m): 2/3 normal_bend / I, which
-    bounds the rotational stiffness that a normal force adds, over k delta; skin (m);
-    alpha: dashpot constant; modulus: E* of two granules (Pa); mean_radius (m), mean_mass (kg).
+    per: constituents per granule; radius, bounding (constituents,) in m: for Hertz's law, and of
+    the circle that holds one; mass (constituents,) in kg: of the whole granule; mobility: greatest
+    1/m + lever^2/I (1/kg) of a contact; bend (n,) in 1/(kg m): 2/3 normal_bend / I, which bounds
+    the rotational stiffness that a normal force adds, over k delta; skin (m); alpha: dashpot
+    constant; modulus: E* of two granules (Pa); mean_radius (m), mean_mass (kg).
     """
 
     per: int
@@ -48,8 +48,7 @@ class GranuleTable(NamedTuple):
 
 
 def own(shape):
-    """The granules with arrays of the kernels' own: those of a scene cannot be written, which is
-    another type to Numba."""
+    """The granules with writable arrays, because read-only ones are another type to Numba."""
     return shape._replace(**{name: size.copy() for name, size in arrays_of(shape).items()})
 
 

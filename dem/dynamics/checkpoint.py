@@ -1,4 +1,4 @@
-"""A run as named arrays, to go on from later with the same bits."""
+"""A run as named arrays, from which it continues later with the same bits."""
 
 import hashlib
 import math
@@ -170,8 +170,11 @@ def _check_list(path, arrays, count, partners):
 
 
 def _check_chunks(arrays, count, size):
-    """Forces between chunks of `size` constituents go where dem.dynamics.neighbor_list.share_out leads them, without chunks
-    straight to the partner; returns how many rows of forces lie behind those of the constituents."""
+    """Check where the forces on partners go: as dem.dynamics.neighbor_list.share_out leads them.
+
+    Chunks have `size` constituents; without chunks a force goes straight to the partner. Returns
+    the number of rows of forces after those of the constituents.
+    """
     constituent, other = arrays["world.pairs.constituent"], arrays["world.pairs.partner"]
     force_row, chunked = other, "world.chunks.target" in arrays
     leaving = other // size != constituent // size

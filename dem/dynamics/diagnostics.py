@@ -85,7 +85,7 @@ def deeper(worst, overlap, i, size):
 def levers(granules, constituents, g, i, normal, point):
     """Levers (m) of the normal and of the tangential force about the centre of granule g.
 
-    The contact lies at point[0] n + point[1] t from the centre of constituent i.
+    The contact is at point[0] n + point[1] t from the centre of constituent i.
     """
     nx, ny = normal
     x = constituents[i, X] - granules[g, X] + point[0] * nx - point[1] * ny
@@ -157,7 +157,7 @@ def survey_boundary(boundary, geometries, bodies, granules, inverse_mass, table,
 
 @compiled(allocates=True)
 def pair_geometries(shape, motion, frame, contacts):
-    """Rows (m, 6), one a listed pair, seen from its first constituent; see wall_geometries."""
+    """Rows (m, 6), one per listed pair, seen from its first constituent; see wall_geometries."""
     found = np.empty((contacts.constituent.shape[0], 6))
     for p in range(found.shape[0]):
         i, j = contacts.constituent[p], contacts.partner[p]
@@ -172,7 +172,7 @@ def pair_geometries(shape, motion, frame, contacts):
 
 @compiled(allocates=True)
 def wall_geometries(shape, motion, frame, walls):
-    """Rows (m, 6), one a listed contact with a wall.
+    """Rows (m, 6), one per listed contact with a wall.
 
     Overlap (m; negative: a gap), normal, levers n1 and t1 (m), and stiffness (N m^-1.5).
     """
@@ -224,8 +224,8 @@ def survey_cylinder(cylinder, world, bodies, table, bounds, worst):
 def survey(world, table, least):
     """All contacts of the bed.
 
-    table: dem.dynamics.assembly.GranuleTable; least (m): overlap that a pair in the lists counts
-    with, at least, as to stiffness. Returns the number of touching pairs of constituents, the
+    table: dem.dynamics.assembly.GranuleTable; least (m): smallest overlap that the stiffness of a
+    listed pair is computed for. Returns the number of touching pairs of constituents, the
     greatest overlap over the smaller radius with the constituent it belongs to, and the bound on
     the critical time step (s).
     """
@@ -277,9 +277,9 @@ def expected_speed(cylinder, gravity, skin, speed_bound):
 def diagnose(world, table):
     """Diagnostics of the bed and its critical time step.
 
-    The critical step is bounded from below by stiffness and damping of all contacts; pairs that
-    are near but do not touch count with the overlap of a collision at the greatest speed to be
-    expected, and as if any granule could collide with one of its own size.
+    Stiffness and damping of all contacts give a lower bound on the critical step. Pairs that are
+    near but do not touch count with the overlap of a collision at the greatest expected speed, and
+    any granule could collide with one of its own size.
     """
     energy, speed_bound = kinetic(world.bodies, world.inverse_mass, world.inverse_inertia)
     speed = expected_speed(world.cylinder, world.gravity, table.skin, speed_bound)

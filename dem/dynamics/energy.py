@@ -1,12 +1,12 @@
 """The energy ledger: the energy that a bed holds, gains and loses.
 
 The kernels sum three energies over time (dem.jit.lanes): losses in dashpots, losses by sliding, and
-the work of the cylinder. The loss by sliding is the work of the slip minus the gain in stored spring
-energy. Energy that a spring loses while the overlap shrinks is included.
-Kinetic and elastic energies follow from the state. Each step counts with the force at its end, and
-the last step counts half. This is the trapezoidal rule, of second order in the time step, if no
-power acts at the start. A cylinder that starts at full speed, and a change of the time step, each
-leave an error of half a step's power.
+the work of the cylinder. The loss by sliding is the work of the slip minus the gain in stored
+spring energy. Energy that a spring loses while the overlap shrinks is included. Kinetic and elastic
+energies follow from the state. Each step counts with the force at its end, and the last step counts
+half. This is the trapezoidal rule, of second order in the time step, if no power acts at the start.
+A cylinder that starts at full speed, and a change of the time step, each leave an error of half a
+step's power.
 """
 
 import math
@@ -86,7 +86,7 @@ def stored_normal(overlap, stiffness):
 
 @compiled(allocates=True)
 def listed_hold(geometries, contacts):
-    """Normal and tangential elastic energy (J) of contacts, with geometries of dem.dynamics.diagnostics."""
+    """Normal and tangential elastic energy (J) of contacts with these geometries."""
     normal, tangential = 0.0, 0.0
     for p in range(geometries.shape[0]):
         normal += stored_normal(geometries[p, 0], geometries[p, 5])

@@ -1,4 +1,4 @@
-"""Contact lists rebuilt, with the constants of each pair, and with what each contact remembers."""
+"""Rebuild the contact lists, with the constants of each pair and the memory of each contact."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Who may touch whom: Verlet lists with a skin, made from a cell list.
+"""Which pairs may touch: Verlet lists with a skin, made from a cell list.
 
 A list holds every pair of constituents whose bounding circles are less than `skin` apart. It is
 complete until something has moved by skin / 2. The order of a list depends on the present
@@ -15,8 +15,9 @@ from dem.jit.compilation import compiled, inlined
 def cells(constituents, size):
     """Sort constituents into square cells of the given size (m): counting sort.
 
-    Returns cell of each constituent (constituents,), members sorted by cell (constituents,), start of each cell in
-    members (cells + 1,), and the number of columns. Cells never outnumber the constituents fourfold.
+    Returns cell of each constituent (constituents,), members sorted by cell (constituents,), start
+    of each cell in members (cells + 1,), and the number of columns. Cells never outnumber the
+    constituents fourfold.
     """
     n = constituents.shape[0]
     left, bottom, right, top = (
@@ -63,10 +64,12 @@ def sort_few(values, start, stop):
 
 @compiled(allocates=True)
 def near_pairs(constituents, radius, skin, per_granule):
-    """Pairs of constituents of different granules closer than skin (m): (first, constituent, partner) of Contacts.
+    """Pairs of constituents of different granules closer than skin (m).
 
-    radius (constituents,): bounding radius (m). Each pair is listed once, under its lower index, partners
-    in ascending order.
+    Returns (first, constituent, partner) of Contacts.
+
+    radius (constituents,): bounding radius (m). Each pair is listed once, under its lower index,
+    partners in ascending order.
     """
     n = constituents.shape[0]
     where, members, start, columns = cells(constituents, 2.0 * radius.max() + skin)
@@ -106,7 +109,7 @@ def near_pairs(constituents, radius, skin, per_granule):
 
 @compiled(allocates=True)
 def near_planes(constituents, radius, skin, planes):
-    """Parts closer than skin (m) to each wall: (constituent, partner) of Contacts, by constituent, then by wall."""
+    """Constituents closer than skin (m) to a wall: sorted (constituent, partner) of Contacts."""
     constituent = np.empty(constituents.shape[0] * planes.shape[0], np.uint32)
     partner = np.empty_like(constituent)
     count = 0

@@ -301,7 +301,7 @@ class Simulation:
     ledger : bool
         Keep an energy ledger. A run takes about ten per cent longer.
     allow_unstable : bool
-        Take the step that was asked for, even if it is unstable. `step_fraction` may then exceed
+        Take the requested step, even if it is unstable. `step_fraction` may then exceed
         1, and no step is shortened for fast granules.
 
     Attributes

@@ -1,16 +1,16 @@
 """A lower bound of the critical time step, proved for small motions of the bed as it is.
 
 A contact resists the relative motion of two granules along its normal and along its tangent. In
-mass-weighted coordinates each adds k g g^T to the matrix of stiffness and c g g^T to that of
-damping, where g = (g1, g2) and g1 (three numbers: two of translation, one of rotation) belongs to
+mass-weighted coordinates each adds k g g^T to the stiffness matrix and c g g^T to the damping
+matrix. Here g = (g1, g2), and g1 (three numbers: two of translation, one of rotation) belongs to
 granule 1. For any s > 0
 
     g g^T <= (1 + s) g1 g1^T + (1 + 1/s) g2 g2^T,
 
-so that both matrices are bounded by blocks of three by three, one a granule, and their greatest
-eigenvalues by those of the blocks; s = |g2| / |g1|. The force at a contact usually lowers
-the stiffness; off the centre of a granule it can raise that of rotation, by GranuleTable.bend at most.
-All contacts are taken to stick. Not in the bound: that contacts grow stiffer until the next survey,
+so that blocks of three by three, one per granule, bound both matrices, and the eigenvalues of the
+blocks bound theirs; s = |g2| / |g1|. The force at a contact usually lowers the stiffness. Off the
+centre of a granule it can raise the rotational stiffness, by GranuleTable.bend at most. All
+contacts are taken to stick. The bound leaves out that contacts grow stiffer until the next survey,
 and that the dashpot of a contact changes with its overlap.
 """
 
@@ -27,8 +27,10 @@ STIFFNESS, DAMPING, COLUMNS = 0, 6, 12
 
 
 class Bounds(NamedTuple):
-    """rows (n, 12): what is summed up for each granule, see above; least (m): overlap that a pair
-    in the lists counts with, at least, as to stiffness."""
+    """Sums of stiffness and damping for each granule.
+
+    rows (n, 12): see COLUMNS; least (m): smallest overlap that a stiffness is computed for.
+    """
 
     rows: np.ndarray
     least: float

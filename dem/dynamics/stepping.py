@@ -1,4 +1,4 @@
-"""Many steps in one call: the time step chosen, lists kept, guards watched, measurements taken."""
+"""Many steps in one call: choose the time step, rebuild lists, check limits, take measurements."""
 
 import math
 from typing import NamedTuple
@@ -17,10 +17,12 @@ MOST_STEPS = 1e11  # an hour or more for two granules, weeks for a bed of hundre
 
 
 class StepControl(NamedTuple):
-    """time_step (s): fixed, or 0 to take `fraction` of the critical one, less where a granule would
-    move farther than `largest_motion` (m) in it. max_overlap over the smaller radius. rebuild_at (m):
+    """How the time step is chosen, and when lists are rebuilt or a run stops.
+
+    time_step (s): fixed, or 0 for `fraction` of the critical one, less if a granule would move
+    farther than `largest_motion` (m) in it. max_overlap: over the smaller radius. rebuild_at (m):
     displacement of a constituent that triggers a rebuild of the lists; list_range (m): displacement
-    beyond which a contact may have been missed, so that the run stops.
+    that stops the run, because a contact may have been missed.
     """
 
     time_step: float
@@ -32,8 +34,10 @@ class StepControl(NamedTuple):
 
 
 class Schedule(NamedTuple):
-    """`intervals` intervals of `interval` (s) from `time` (s) on. until (s): end of the whole run, used
-    only to refuse more than MOST_STEPS steps."""
+    """`intervals` intervals of `interval` (s) from `time` (s) on.
+
+    until (s): end of the whole run, used only to refuse more than MOST_STEPS steps.
+    """
 
     time: float
     interval: float
@@ -136,8 +140,8 @@ def run_steps(world, table, rules, schedule, record, threads):
     """Advance as a Schedule says; returns the world and a StepOutcome.
 
     record: an array with a row for each interval, or None. threads: None, or those that take the
-    steps (dem.dynamics.threads.Threads; this function then runs as it is here, uncompiled). The step
-    is chosen at the start of each interval and whenever the contacts are listed again.
+    steps (dem.dynamics.threads.Threads; this function then runs as it is here, uncompiled). The
+    step is chosen at the start of each interval and whenever the contacts are listed again.
     """
     time, interval, intervals, until = schedule
     outcome, value, granule = FINE, 0.0, -1

@@ -1,8 +1,8 @@
-"""Threads that take their steps together: what a compiled loop needs to be run by several.
+"""How several threads run one compiled loop in step.
 
-All threads run the same loop (dem.dynamics.integration.advance), each over its own granules, and wait for
-each other several times a step. A barrier of the operating system would take longer than many a
-step, so that they spin, and let others run when it takes long.
+All threads run the same loop (dem.dynamics.integration.advance), each over its own granules, and
+wait for each other several times per step. A barrier of the operating system would take longer than
+a short step. The threads spin instead, and yield the processor when they wait for long.
 """
 
 import os
@@ -32,7 +32,7 @@ class Thread(NamedTuple):
 
 
 def make_threads(size: int) -> list[Thread]:
-    """One for each thread."""
+    """Places of all threads."""
     gate, moved = np.zeros(1, np.int64), np.zeros(LINE * size)
     return [Thread(me, size, gate, moved) for me in range(size)]
 

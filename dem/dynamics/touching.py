@@ -60,7 +60,7 @@ def touching(world, names: np.ndarray) -> Touching:
 
 
 def _rows(world, names, listed, geometries, partner):
-    """Columns of Touching for those of the listed contacts that touch; geometries of dem.dynamics.diagnostics."""
+    """Columns of Touching for the listed contacts that touch."""
     per = len(world.constituents) // len(world.bodies)
     overlap, nx, ny, n1, t1, stiffness = geometries.T
     x = world.constituents[listed.constituent, X] + n1 * nx - t1 * ny

@@ -1,4 +1,4 @@
-"""The arrays that one compiled step works on; what a scene lacks is None and never compiled."""
+"""The arrays that one compiled step works on. What a scene does not have is None."""
 
 from typing import NamedTuple
 
@@ -14,8 +14,8 @@ CHUNK = 1024  # granules: what a chunk needs fits into the second-level cache
 class FrictionParameters(NamedTuple):
     """Friction of one kind of contact.
 
-    coefficient: Coulomb's mu; stiffness_ratio: 8 G* over 4/3 E*, times Friction.stiffness; damping_ratio: tangential over
-    normal damping, sqrt(k_t/k_n).
+    coefficient: Coulomb's mu; stiffness_ratio: 8 G* over 4/3 E*, times Friction.stiffness;
+    damping_ratio: tangential over normal damping, sqrt(k_t/k_n).
     """
 
     coefficient: float
@@ -29,8 +29,8 @@ class Contacts(NamedTuple):
     constituent, partner (m,): the constituent, and its partner: one with a higher index, a wall, or
     0 for the cylinder. force_row (m,): where the force on the partner is added, see Chunks. first
     (constituents + 1,): the pairs of constituent i are the rows first[i] to first[i + 1]; None for
-    walls and cylinder. stiffness (m,): 4/3 E* sqrt(R*), N m^-1.5. modulus: 4/3 E*, Pa. damping (m,):
-    alpha sqrt(m* k), or None. friction: its parameters, or None; what a frictional contact
+    walls and cylinder. stiffness (m,): 4/3 E* sqrt(R*), N m^-1.5. modulus: 4/3 E*, Pa. damping
+    (m,): alpha sqrt(m* k), or None. friction: its parameters, or None; what a frictional contact
     remembers, or None: tangential_force (m,) of the spring (N), and sqrt_overlap (m,), the last one
     (m^0.5). normal_x, normal_y (m,): last normal of two granules that are not round, or None.
     """
@@ -79,9 +79,9 @@ class CylinderBoundary(NamedTuple):
 class Chunks(NamedTuple):
     """A bed in pieces of CHUNK granules, each of which one thread works on.
 
-    A pair of two chunks leaves the force on its second constituent in a row of its own behind those
-    of the constituents in World.constituent_force, so that no two threads write to one place and
-    sums have one order, whatever the number of threads. target (h,): the constituent that each of
+    A pair of two chunks writes the force on its second constituent to a row of its own, after the
+    rows of the constituents in World.constituent_force. No two threads then write to one place, and
+    sums have the same order for any number of threads. target (h,): the constituent that each of
     these rows is for; incoming (h,): the rows sorted by the chunk of that constituent; first
     (chunks + 1,): where in incoming each chunk begins.
     """
@@ -128,7 +128,7 @@ def _chunked(chunks, granules):
 
 @inlined
 def number_of_chunks(chunks, granules):
-    """chunks: that of the World."""
+    """Number of chunks of a World with these `chunks`."""
     return either(_chunked(chunks, granules), 1)
 
 

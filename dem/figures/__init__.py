@@ -1,4 +1,4 @@
-"""One file a figure: `plot(Dataset) -> Figure`, no physics. A new figure is a file and a line."""
+"""One file per figure: `plot(Dataset) -> Figure`, no physics. A new figure is a file and a line."""
 
 from importlib import import_module
 from pathlib import Path
@@ -112,7 +112,7 @@ def _suffices(dims: set[str], cases: list, figures: dict) -> list[str]:
 
 
 def drawable(folder: Path) -> list[str]:
-    """Names of the figures that the results lying in a folder suffice for, whatever made them.
+    """Names of the figures that can be drawn from the results in a folder.
 
     Raises InputError where drag.nc is absent, or where a file of results is damaged.
     """

@@ -76,7 +76,7 @@ def _starts(here, kind, method):
 
 
 def _speed(axes, dataset) -> None:
-    """A large marker a method: median time, worst error; small ones: single overlaps."""
+    """One large marker per method: median time, worst error; small ones: single overlaps."""
     low, high = BED_OVERLAPS
     here = dataset.sel(contact_aspect_ratio=BED_RATIO, method="nearest")
     here = here.sel(contact_overlap=slice(low, high))

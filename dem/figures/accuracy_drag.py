@@ -12,7 +12,7 @@ SHOWN = 0.15  # change of the mean drag at which the axis ends
 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
-    """A column a shape: change of the mean drag above, processor time of a run below."""
+    """One column per shape: change of the mean drag above, processor time of a run below."""
     shapes = shapes_of(dataset)
     default = float(dataset.attrs["default_fraction"])
     figure = Figure(figsize=(style.WIDTH, 6.6))
@@ -68,7 +68,7 @@ def _changes(axes, dataset, shape, default) -> None:
 
 
 def _off_scale(axes, x, y) -> None:
-    """Arrows for what lies outside the axis, with the value."""
+    """Arrows for values outside the axis."""
     for place, value in zip(x, y, strict=True):
         if np.isfinite(value):
             end, marker = (0.97, "^") if value > 0.0 else (0.12, "v")

@@ -1,6 +1,7 @@
 """Error against processor time of time integrators, scene by scene, and of LAMMPS beside ours.
 
-A curve a method, a point a time step; rings mark the default step, numbers the fitted orders.
+One curve per method and one point per time step. Rings mark the default step, numbers the fitted
+orders.
 """
 
 import textwrap
@@ -32,7 +33,7 @@ SURE = 0.05  # standard error of an order above which it is shown
 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
-    """A panel a scene with all integrators, then a panel a scene with all programs."""
+    """One panel per scene with all integrators, then one per scene with all programs."""
     scenes, shared = dataset["step_scene"].values, dataset["peer_scene"].values
     rows = (len(scenes) + 2 + len(shared)) // 2
     figure = Figure(figsize=(style.WIDTH, 0.6 + 2.1 * rows))

@@ -22,7 +22,7 @@ OTHER = ("#d9d2ea", "#5b4a8a", "xx")
 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
-    """Granule-steps a second by bed and code above, time of a granule-step by scene below."""
+    """Granule-steps per second by bed and code above, time of a granule-step by scene below."""
     figure = Figure(figsize=(style.WIDTH, 8.2))
     above, below = figure.subfigures(2, 1, height_ratios=(1.0, 1.15))  # margins of their own
     _codes(above.subplots(), 1e-6 * dataset["granule_steps_per_second"])
@@ -43,7 +43,7 @@ def sentence(dataset: xr.Dataset) -> str:
 
 
 def _codes(axes, rates) -> None:
-    """A group of bars a bed, a bar a code that ran on it."""
+    """One group of bars per bed, one bar per code that ran on it."""
     ticks = []
     for place, scene in enumerate(rates["scene"].values):
         here = rates.sel(scene=scene).dropna("code", how="all")
@@ -71,7 +71,7 @@ def _codes(axes, rates) -> None:
 
 
 def _scenes(axes, times) -> None:
-    """A bar a scene, the full ones on top; one far longer than all others is cut."""
+    """One bar per scene, the full ones on top; one far longer than all others is cut."""
     medians = times.median("repeat")
     most, next_most = np.sort(times.max("repeat"))[[-1, -2]]
     limit = 1.15 * (most if most < CUT * next_most else 1.2 * next_most)

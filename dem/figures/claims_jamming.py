@@ -21,7 +21,7 @@ GRIPS = (("o", "#17457d"), ("s", "#f5c49a"))
 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
-    """Left: where shapes jam; right: drag over that of the reference at each state."""
+    """Left: where shapes jam; right: drag over the reference's at each state."""
     case, _, fraction = reference(dataset)
     found = [each for each in remaining(dataset) if each.shape != case]
     if not found:

@@ -20,7 +20,7 @@ WAYS = (("", "equal packing fraction", "-", True),
 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
-    """A panel a quantity: drag over that at the paper's value, on one scale."""
+    """One panel per quantity: drag over the drag at the paper's value, on one scale."""
     part = rows(dataset, "scaling")
     if not part.sizes["run"]:
         raise InputError("there are no runs of the part scaling.")

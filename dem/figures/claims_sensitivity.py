@@ -46,7 +46,7 @@ def plot(dataset: xr.Dataset) -> Figure:
 
 
 def _title(ranked):
-    """The two most influential factors of the drag, as far as they are told from none."""
+    """The two most influential factors of the drag, if they differ from none."""
     first = [
         WORDS.get(each.factor, each.factor)
         for each in ranked.get("drag of c1", [])[:2]

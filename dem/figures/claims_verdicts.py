@@ -1,4 +1,4 @@
-"""Every claim of the paper: where it says that a number lies, where the runs say, and the verdict."""
+"""Every claim of the paper: the claimed range of a number, the range from the runs, the verdict."""
 
 from textwrap import fill
 
@@ -21,7 +21,7 @@ CLAIMED = {"color": "0.87", "linewidth": 0.0}
 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
-    """A row a claim: its ratios with intervals that hold together, on what is claimed (grey)."""
+    """One row per claim: its ratios with joint intervals, on the claimed range (grey)."""
     found = judge(from_study(dataset))
     figure = Figure(figsize=(style.WIDTH + 1.5, 2.0 + ROW * len(found)))
     axes = figure.subplots()

@@ -1,4 +1,4 @@
-"""Snapshots of one replicate for ParaView: a VTK file each, and a .pvd file that lists them."""
+"""Snapshots of one replicate for ParaView: one VTK file each, and a .pvd file that lists them."""
 
 import os
 from pathlib import Path
@@ -20,7 +20,8 @@ def export(motion: Motion, folder: Path, progress=lambda done: None) -> Path:
     """Write the snapshots into a folder; returns its bed.pvd, the file to open.
 
     Granules are polygons with their true outline; data of each: number, volume diameter (m) and
-    angle (rad). The cylinder is one polygon more, number -1. Lengths in m; time is the displacement.
+    angle (rad). The cylinder is one polygon more, number -1. Lengths in m; time is the
+    displacement.
     """
     folder, lines = Path(folder), []
     folder = Path(os.path.realpath(folder))  # of a link, the folder that it leads to

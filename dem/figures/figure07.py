@@ -1,7 +1,7 @@
-"""Figure 7: drag against displacement, one panel a shape, the first shape for comparison.
+"""Figure 7: drag against displacement, one panel per shape, the first shape for comparison.
 
-All panels have the same axes. Curves are running means, intervals those of the running mean: at
-each displacement by Student's t over the runs. The means in words are those within the window.
+All panels have the same axes. Curves are running means with intervals at each displacement, by
+Student's t over the runs. The means in words are those within the window.
 """
 
 import numpy as np

@@ -10,7 +10,7 @@ from dem.figures import style
 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
-    """A bar a shape with its interval, its single runs and its value.
+    """One bar per shape with its interval, its single runs and its value.
 
     Raises InputError when no case is to be compared by shape.
     """

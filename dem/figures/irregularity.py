@@ -19,7 +19,7 @@ LINES = ("-", (0, (5, 1.5)), (0, (1, 1)), (0, (3, 1, 1, 1)), (0, (6, 1, 1, 1)), 
 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
-    """A panel a measure, a line a case at the density of the first, with 95 % bands."""
+    """One panel per measure, one line per case at the density of the first, with 95 % bands."""
     here = dataset.sel(case=table1(dataset))
     compared_cases = [find(dataset, shape) for shape in SHAPES]
     figure = Figure(figsize=(style.WIDTH, 7.2))

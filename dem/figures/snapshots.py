@@ -1,4 +1,4 @@
-"""Figures 9 to 12: beds at equal displacements of the cylinder, a row a case."""
+"""Figures 9 to 12: beds at equal displacements of the cylinder, one row per case."""
 
 import numpy as np
 import xarray as xr
@@ -12,7 +12,7 @@ SHARES = (0.0, 0.5, 1.0)  # of the stroke: displacements that are shown
 
 
 def beds(dataset: xr.Dataset, shapes: tuple[str, ...], colors: str, title: str) -> Figure:
-    """A row a shape, a column a displacement; colors: "cluster" or "layers".
+    """One row per shape, one column per displacement; colors: "cluster" or "layers".
 
     Raises InputError when there is none of the shapes at the density of the first case.
     """

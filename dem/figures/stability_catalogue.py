@@ -16,7 +16,7 @@ ROW = 0.25  # inches a row
 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
-    """A row a case and limit, a mark a shape; below, the residual along the stroke."""
+    """One row per case and limit, one mark per shape; below, the residual along the stroke."""
     names = zip(dataset["check_case"].values, dataset["check_quantity"].values, strict=True)
     rows = list(dict.fromkeys((str(case), str(quantity)) for case, quantity in names))
     height = ROW * len(rows) + 1.0

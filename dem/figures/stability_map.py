@@ -15,7 +15,7 @@ RANGE = (1e-7, 1.0)
 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
-    """A row a shape, a column a stiffness; the default step and the bound are marked."""
+    """One row per shape, one column per stiffness; the default step and the bound are marked."""
     shapes, stiffness = dataset["map_shape"].values, dataset["map_stiffness"].values
     figure = Figure(figsize=(style.WIDTH, 1.4 + 1.9 * len(shapes)))
     grid = figure.subplots(len(shapes), len(stiffness), sharex=True, sharey=True, squeeze=False)

@@ -124,7 +124,7 @@ def mark_window(axes, dataset: xr.Dataset):
 
 
 def show_runs(axes, middle: float, values, width: float) -> Line2D:
-    """One dot a run (seed,), side by side about `middle`; returns the dots for a legend."""
+    """One dot per run (seed,), side by side about `middle`; returns the dots for a legend."""
     values = np.ravel(values)
     offsets = np.linspace(-0.5, 0.5, len(values)) * width if len(values) > 1 else np.zeros(1)
     return axes.plot(middle + offsets, values, label="single runs", **RUN)[0]
@@ -148,7 +148,7 @@ def write_above(axes, middle: float, top: float, text: str) -> None:
 
 
 def finish_bars(figure: Figure, axes, ticks: list[str], dataset: xr.Dataset) -> None:
-    """Axes of a bar chart of mean drag, one tick a group of bars."""
+    """Axes of a bar chart of mean drag, one tick per group of bars."""
     axes.set_xticks(range(len(ticks)), ticks)
     room = 0.6 + max(0.0, 0.5 * (FEW - len(ticks)))
     axes.set_xlim(-room, len(ticks) - 1 + room)

@@ -1,7 +1,8 @@
-"""Mean drag over what a sweep varied, whatever that is.
+"""Mean drag against the values that a sweep varied.
 
-A grid of values: the numeric axis with most values along x, a line a value of the next (of the
-shape, if it varies), a panel a value of the others. A design: a panel a factor, a mark a point.
+A grid of values: the numeric axis with most values is along x. The next axis (the shape, if it
+varies) has one line per value, the others one panel per value. A design: one panel per factor, one
+mark per point.
 """
 
 import re
@@ -25,8 +26,8 @@ LINES = ("-", (0, (5, 1.5)), (0, (1, 1)), (0, (3, 1, 1, 1)), (0, (7, 1.5, 1, 1.5
 FAR = 30.0  # greatest over least value of a logarithmic axis
 FEW = 6  # values of x that each have their tick
 APART = 0.6, 0.012  # between two lines, so that intervals show: of a category's place; of a range
-WIDEST = 2.0  # intervals are cut at so many times the greatest mean
-BASES = ("shape", "case")  # axes that are told by lines
+WIDEST = 2.0  # intervals are cut at this multiple of the greatest mean
+BASES = ("shape", "case")  # axes that lines show
 
 
 @style.styled
@@ -86,7 +87,7 @@ def _told(values: xr.DataArray, value) -> str:
 
 
 class Roles:
-    """Which axis is along x, which is told by lines, which by panels, and over which is averaged."""
+    """Which axis is along x, which has lines, which has panels, and over which is averaged."""
 
     def __init__(self, runs: xr.DataArray, x: str | None = None):
         dims = [str(dim) for dim in runs.dims if dim != "seed"]
@@ -138,7 +139,7 @@ def _grid(dataset: xr.Dataset, runs: xr.DataArray) -> Figure:
 
 
 def _design(dataset: xr.Dataset, runs: xr.DataArray, dim: str) -> Figure:
-    """A panel a factor of a design."""
+    """One panel per factor of a design."""
     factors, roles = factors_of(runs, dim), Roles(runs, x=dim)
     runs = roles.reduced(runs)
     shown = factors[:PANELS]
@@ -166,7 +167,7 @@ def _panels(count: int, columns: int, **shared):
 
 
 def _lines(axes, runs: xr.DataArray, roles: Roles, along: xr.DataArray, marks=False) -> None:
-    """Means (x,) with intervals: a line a value, marks alone for categories and points of a design."""
+    """Means (x,) with intervals: one line per value, marks for categories and designs."""
     runs = over_seeds(runs)
     numeric = along.dtype.kind in "iuf"
     values = along.values / 10.0 ** _power(along) if numeric else along.values

@@ -1,10 +1,10 @@
-"""What compiled code returns is made without running Python, so that no signal stops it half way.
+"""Make the results of compiled code without running Python, so that no signal interrupts it.
 
-Numba makes named tuples by calling their class, and unpickles that class and the type of every array,
-in Python. There Python may answer Ctrl-C (or SIGTERM, or an alarm) with an exception, but Numba does
-not look for one and goes on with what was never made: a segmentation fault. Here classes and types
-are constants of the machine code and tuples are made by tuple.__new__: a signal is answered after the
-call, as between two instructions, and calls cost less.
+Numba calls the class of a named tuple, and unpickles that class and the type of every array, in
+Python. There Python may answer Ctrl-C, SIGTERM or an alarm with an exception. Numba does not check
+for it and uses an object that was never made: a segmentation fault. Here classes and types are
+constants of the machine code, and tuple.__new__ makes the tuples. Python answers a signal after the
+call, and calls cost less.
 """
 
 from unittest.mock import patch

@@ -1,10 +1,10 @@
 """How the kernels are compiled, and where the machine code is kept.
 
-Numba keeps machine code on disk, but its cache does not notice an edit in a file other than the
-one that holds a function, two processes that save at the same moment can leave an index that
-points to the wrong code, and a damaged file ends every run. All are closed here: the folder of a
-module is named after the hash of all code that it depends on, a shape's own code is part of the key,
-every save holds a lock, and files carry their digest. An edit of a comment compiles nothing.
+Numba keeps machine code on disk, but its cache has three gaps. It does not notice an edit in
+another file that a function depends on. Two processes that save at the same time can leave an index
+that points to the wrong code. A damaged file ends every run. This module closes them: the folder of
+a module is named after the hash of all code that it depends on, the key holds the code of the
+shape, every save holds a lock, and files carry their digest. An edit of a comment compiles nothing.
 """
 
 import functools
@@ -41,11 +41,10 @@ def classes_in(kind):
 
 
 def with_classes(key) -> str | None:
-    """A key of Numba's cache as text, with the code of the classes that choose what is compiled: a
-    shape answers the kernels from a module that they do not import.
+    """A key of Numba's cache as text, with the code of the classes that choose what is compiled.
 
-    None where a class is none of this package: what its code depends on is not known, and kernels
-    for it are compiled in each process.
+    A shape answers the kernels from a module that they do not import. None for a class of another
+    package: its dependencies are unknown, and its kernels are compiled in each process.
     """
     found = {each for kind in key[0] for each in classes_in(kind)}
     if not all(is_ours(each.__module__) for each in found):
@@ -57,8 +56,10 @@ def with_classes(key) -> str | None:
 
 
 class KernelLocator(_CacheLocator):
-    """Where Numba finds a kernel: by its module and the code that it depends on, not by where that
-    lies or when it was written, so that all copies of the same sources share their machine code."""
+    """Where Numba finds a kernel: by its module and the code that it depends on.
+
+    Path and time stamp do not count, so that all copies of the same sources share machine code.
+    """
 
     def __init__(self, function, file):
         name = function.__module__
@@ -77,7 +78,7 @@ class KernelLocator(_CacheLocator):
         return self._stamp
 
     def ensure_cache_path(self):
-        """Left to _CacheFile, which goes on where the folder cannot be made or written."""
+        """Left to _CacheFile, which accepts a folder that cannot be made or written."""
 
     def get_disambiguator(self):
         return ""  # not the line: a comment above it moves a function
@@ -100,11 +101,10 @@ numba.config.CACHE_LOCATOR_CLASSES = ",".join(
 
 
 class _CacheFile(IndexDataCacheFile):
-    """Numba's cache file: saved by one process at a time, damage is noticed, and a run never fails
-    because its code cannot be kept.
+    """Numba's cache file: one process saves at a time, and a run never fails because of it.
 
-    A file of machine code is named after its SHA-256 and the index begins with its own: what is
-    damaged counts as absent, because a flipped bit of machine code is a crash or a wrong number.
+    A file of machine code is named after its SHA-256, and the index begins with its own. A damaged
+    file counts as absent, because a flipped bit of machine code is a crash or a wrong number.
     """
 
     def load(self, key):

@@ -1,9 +1,9 @@
 """Where the kernel lays out a block of contacts side by side, so that vector units take them.
 
 A lane is one contact of the block. `motion` holds the motion of both constituents, four numbers of
-one contact together (the processor copies such a group in one go and turns four groups over);
-`values` holds one quantity of all contacts together. All indices are unsigned and all offsets
-constants: the compiler then sees that nothing wraps around or overlaps, and makes vector code.
+one contact together, because the processor copies and transposes such groups fast. `values` holds
+one quantity of all contacts together. All indices are unsigned and all offsets constants: the
+compiler then sees that nothing wraps around or overlaps, and makes vector code.
 """
 
 from typing import NamedTuple
@@ -24,7 +24,7 @@ class Lanes(NamedTuple):
     """motion and values: rows of BLOCK lanes and a LINE of padding, see the offsets below.
 
     account (6,): three energies (J) summed over time (dem.dynamics.energy), and what they were
-    before the last step; None where nobody asks.
+    before the last step; None without an energy ledger.
     """
 
     motion: np.ndarray

@@ -59,7 +59,7 @@ def powers(world):
         if g2 > 0.0:
             push += torque * torque / g2
             f2 = max(f2, torque * torque / g2)
-        largest = greater(largest, f2)  # a force that is no number is not at rest
+        largest = greater(largest, f2)  # NaN is not at rest
     return power, speed, push, math.sqrt(largest)
 
 

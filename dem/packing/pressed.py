@@ -1,8 +1,8 @@
 """A bed that is pressed: granules grow in a box of fixed size and come to rest after every step.
 
-With friction the bed comes to rest by damped motion (dem.dynamics.simulation), without it by FIRE
-(dem.packing.minimise). It serves to pack with friction, and to find the fraction at which a bed jams. What
-contacts remember of friction is not carried from one step to the next, nor into a run.
+With friction the bed comes to rest by damped motion (dem.dynamics.simulation), without friction by
+FIRE (dem.packing.minimise). The uses are beds packed with friction, and the packing fraction at
+which a bed jams. Contacts lose their memory of friction between steps, and before a run.
 """
 
 import math
@@ -31,8 +31,10 @@ FRACTION = 0.9  # of the bound on the critical time step: the motion need not be
 
 
 def compact(shape, width, height, cylinder: Cylinder, seed: int, friction: float) -> Bed:
-    """A bed packed with friction, otherwise as dem.pack makes it; how dense it is where it jams
-    depends on how it was pressed. Raises PackingError."""
+    """A bed packed with friction, otherwise as dem.pack makes it. Raises PackingError.
+
+    The packing fraction at which it jams depends on how it is pressed.
+    """
     press = Press(shape, width, height, cylinder, seed, friction)
     press.press(press.full)
     scene = soft_scene(shape, press.walls, press.cylinder)

@@ -1,8 +1,8 @@
 """A large bed from a small one: mirror images side by side.
 
-A granule that leans on a rigid wall feels the same force from its own mirror image: the pair
-overlaps twice as far, with half the effective modulus and half the effective radius. So the
-tiled bed of a bed at rest is at rest, walls and all, however large.
+A granule on a rigid wall feels the same force from its own mirror image: the pair overlaps twice as
+far, with half the effective modulus and half the effective radius. If a bed is at rest, the tiled
+bed with its walls is at rest too, at any size.
 """
 
 import numpy as np

@@ -36,8 +36,8 @@ OPEN = "## What the paper leaves open"  # section of the README that the report 
 def build(drag: Path, flow: Path, readme: Path, output: Path) -> None:
     """Write the report of a folder of results, atomically; raises InputError for other files.
 
-    Figures, and the studies that are shown, are those that lie beside drag.nc; flow.nc is shown if it
-    is there. A sweep of other values than cases, or shapes, has a table over its axes instead.
+    It shows the figures and studies beside drag.nc, and flow.nc if it is there. A sweep of values
+    other than cases or shapes has a table over its axes instead.
     """
     folder = Path(drag).parent
     with open_combined(drag) as dataset:
@@ -116,7 +116,7 @@ def cases(dataset: xr.Dataset) -> list[dict]:
 
 
 def densities(dataset: xr.Dataset) -> list[str]:
-    """What a higher density does, in words a pair of cases of one shape."""
+    """What a higher density does, in words, one sentence per pair of cases of one shape."""
     run_mean, found = summarise(dataset)["run_mean"], []
     for first, *others in densities_of(dataset).values():
         for other in others:
@@ -182,7 +182,7 @@ def _text(file: Path) -> str:
 
 
 def runs(dataset: xr.Dataset) -> dict:
-    """Run times, versions and where all came from."""
+    """Run times, versions and provenance."""
     spent = dataset["run_time"].values
     spent = spent[np.isfinite(spent)]
     return {

@@ -80,7 +80,7 @@ def summary(path: Path) -> Group:
 
 
 def drag_table(dataset: xr.Dataset) -> tuple[Table, int]:
-    """Mean drag and scatter, a row a place on the axes of drag.nc, and how many rows are left out."""
+    """Mean drag and scatter, one row per place on the axes, and the number of rows left out."""
     cases = by_case(dataset)
     dataset = dataset if cases is None else cases
     found, axes = summarise(dataset), _axes(dataset)
@@ -210,7 +210,7 @@ def _verdict(dataset: xr.Dataset) -> list[str]:
 
 
 def _runs(path: Path, dataset: xr.Dataset) -> Group:
-    """The runs of a chunk, a row each; of one run all its numbers."""
+    """The runs of a chunk, one row each; for a single run all its numbers."""
     attrs, count = dataset.attrs, dataset.sizes["run"]
     replicates = [replicate_of(path, dataset, row) for row in range(min(count, ROWS))]
     if count == 1 and not int(dataset["failure"][0]) and "drag" in dataset:
@@ -267,7 +267,7 @@ def _missing(failure: xr.DataArray) -> str:
 
 
 def _provenance(attrs: dict, **more: str) -> Table:
-    """Where the numbers come from, a line each; more than one source hash where runs differ."""
+    """Where the numbers come from, one line each; more than one source hash where runs differ."""
     return _plain({
         "written": attrs["history"],
         "revision": attrs["git_revision"],

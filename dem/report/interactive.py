@@ -25,7 +25,7 @@ FRAMES = 31  # at most, of a bed
 
 
 def chart(dataset: xr.Dataset) -> str:
-    """Drag against displacement: a curve a run, the first of each case, named by case and seed, as HTML with its library."""
+    """Drag against displacement as HTML: one curve per run, the first of each case."""
     figure, x = go.Figure(), 1e3 * dataset["displacement"].values
     some = dataset["drag"].isel(seed=slice(2 * CURVES))  # some may have failed
     smooth = running_mean(some, edges_of_bins(dataset), LENGTH)
@@ -70,7 +70,7 @@ def _rings(kind: str, ratio: float) -> list:
 
 
 def beds(flow: xr.Dataset) -> dict:
-    """Snapshots of one run a case, as integers: the script of the page knows how to read them."""
+    """Snapshots of one run per case, as integers that the script of the page reads."""
     count = flow.sizes["snapshot"]
     flow = flow.isel(snapshot=np.linspace(0, count - 1, min(count, FRAMES)).round().astype(int))
     width, found = float(flow.attrs["box_width"]), {}

@@ -1,4 +1,4 @@
-"""What every value that a sweep varied does to the mean drag, a sentence each."""
+"""What every value that a sweep varied does to the mean drag, one sentence each."""
 
 import numpy as np
 import xarray as xr
@@ -25,8 +25,10 @@ def sentences(dataset: xr.Dataset) -> list[str]:
 
 
 def _of_axis(runs: xr.DataArray, dim: str) -> str:
-    """From the lowest value to the highest, or from the point of least drag to that of most; runs
-    that differ in nothing else are compared."""
+    """From the lowest value to the highest, or from the point of least drag to the one of most.
+
+    The compared runs differ in nothing else.
+    """
     values, numeric = runs[dim].values, runs[dim].dtype.kind in "iuf"
     order = values if numeric else runs.mean([other for other in runs.dims if other != dim]).values
     ends = np.nanargmin(order), np.nanargmax(order)

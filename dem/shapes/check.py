@@ -41,8 +41,11 @@ BEND = 1e3  # over size: at overlaps of a thousandth it turns a granule as the l
 
 @compiled
 def _pair(shape, frame, bodies, constituents, order, found, pushed, force):
-    """Contacts of granules order[0] and order[1]: rows (overlap, nx, ny, n1, t1, n2, t2) of `found`,
-    and `force` (m2), minus the gradient of half the sum of their squared overlaps."""
+    """Contacts of granules order[0] and order[1], and the forces of a potential.
+
+    Rows of `found`: overlap, nx, ny, n1, t1, n2, t2. `force` (m2) is minus the gradient of half the
+    sum of the squared overlaps.
+    """
     place(shape, bodies, frame, constituents, 0, len(bodies))
     pushed[:] = 0.0
     per = len(constituents) // len(bodies)

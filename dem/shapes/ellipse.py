@@ -16,7 +16,7 @@ CONTACTS: dict[Any, Any] = {
     "common_normal": CommonNormal(),
     "geometric_potential": GeometricPotential(),
 }
-RADII: dict[Any, Any] = {"volume": None, "local": True}  # what is None is absent from kernels
+RADII: dict[Any, Any] = {"volume": None, "local": True}  # None is absent from kernels
 Contact = Literal["common_normal", "geometric_potential"] | CommonNormal | GeometricPotential
 HertzRadius = Literal["volume", "local"]
 

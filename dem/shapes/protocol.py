@@ -1,13 +1,13 @@
 """What the kernels and Python ask of a shape, answered by the file of that shape.
 
-A granule is made of one or more convex *constituents*; contacts are between constituents. A shape
-is a NamedTuple of arrays with one entry a granule; its class selects, while compiling, the answers
-to the questions of the kernels, and has the members of `Shape` for Python. `dem.check_shape` tests
+A granule has one or more convex *constituents*, and contacts are between constituents. A shape is a
+NamedTuple of arrays with one entry per granule. Its class selects, at compile time, the answers to
+the questions of the kernels, and has the members of `Shape` for Python. `dem.check_shape` tests
 both. Conventions of a contact between constituents 1 and 2:
 
 * d = x2 - x1 (m); n is the unit normal from 1 to 2 and t = (-ny, nx) the tangent;
 * overlap (m) is positive where they touch;
-* the contact point lies midway between the two surfaces, on one line with both forces;
+* the contact point is midway between the two surfaces, on one line with both forces;
 * levers (m) lead from the centres to it: n1 n + t1 t for 1 and -n2 n + t2 t for 2.
   A lever that a shape does not have is None, and so is all arithmetic with it.
 """
@@ -42,8 +42,8 @@ class ContactGeometry(NamedTuple):
 
 
 class Shape(Protocol):
-    """What Python asks of n granules with p constituents each: read by whom, and what a wrong
-    answer breaks. `answer` refuses a class that lacks a member; guesses, fault have a default.
+    """What Python asks of n granules with p constituents each, who reads it, and what a wrong
+    answer breaks. `answer` refuses a class without all members; guesses and fault have a default.
 
     Lengths in m. of_size(diameter, aspect_ratio) is asked only of the shapes of KINDS:
     granules with the area of discs of these diameters (n,), for configurations.
@@ -51,7 +51,7 @@ class Shape(Protocol):
 
     guesses: bool = False
     """Whether a contact remembers its normal. Read by the contact lists. Wrong: the search for a
-    normal begins at every step from the line of centres, or memory is kept that nothing reads."""
+    normal begins at every step from the line of centres, or contacts keep unused memory."""
 
     fault: str | None = None
     """Why these granules cannot be used, as a sentence, or None. Read by Scene. Wrong: they run."""
@@ -68,7 +68,7 @@ class Shape(Protocol):
     @property
     def gyration_squared(self) -> np.ndarray:
         """Moment of inertia over mass (n,) in m2. Read by inertia. Wrong: spins and the time step;
-        energy is still conserved, so nothing else tells."""
+        energy is still conserved, so nothing else reveals it."""
 
     @property
     def bounding_radius(self) -> np.ndarray:
@@ -175,15 +175,15 @@ def tangential_lever(shape):
 
 @_question
 def local_radius(shape):
-    """Not None if R* is computed at each contact; None: one R* a pair."""
+    """Not None if R* is computed at each contact; None: one R* per pair."""
     return
 
 
 @_question
 def place(shape, bodies, frame, constituents, low, high):
-    """Motion of the constituents of granules low to high from that of the granules.
+    """Motion of the constituents of granules low to high from the motion of the granules.
 
-    The default is for granules that are their own only constituent: both are one array.
+    The default is for granules with one constituent: both are one array.
     """
     return
 
@@ -238,8 +238,8 @@ def answer(cls, *functions, questions=SHAPE_QUESTIONS, **renamed):
     """Make a class known to the kernels: each function answers the question of its name, or of
     the keyword that it is given for.
 
-    Raises InputError where it answers no such question, leaves one open that has no default, lacks
-    a member of Shape, or bears the name of another class.
+    Raises InputError for an unknown question, an unanswered one without a default, a missing member
+    of Shape, or a class with the name of another shape.
     """
     if any(each is not cls and each.__name__ == cls.__name__ for each in questions[0].answers):
         raise InputError(

@@ -5,7 +5,8 @@ normal n. With q = dh/d(angle) and the radius of curvature rho = h + dq/d(angle)
 that the kernels and the packing need. The point that touches the line is h n + q t. The gap between
 two granules along n is s(n) = n.d - h1(n) - h2(-n), and the overlap is -max s, the shortest
 translation that separates them. Contact, walls, cylinder, area, inertia, bounding circle, bound on
-the time step and outline follow. Discs, ellipses and the halves of dumbbells are fast special cases.
+the time step and outline follow. Discs, ellipses and the halves of dumbbells are fast special
+cases.
 
 A shape is then a NamedTuple with a function `support(nx, ny, sizes)`, decorated with `smooth`. Its
 arrays are lengths (m), one entry per granule; a plain number is the same for all granules.
@@ -26,7 +27,7 @@ TOLERANCE = 1e-4  # rad: the last turn of the normal may be as large as this; er
 DIRECTIONS = 64  # of the search for a normal, when the last one is no good guess
 BISECTIONS = 60  # of the search between two of them
 ANGLES = 2048  # at which integrals are summed: exact to rounding for smooth outlines
-ROOM = 1.0 + 1e-4  # of the bounding circle, for what lies between two of these angles
+ROOM = 1.0 + 1e-4  # of the bounding circle, for the outline between two of these angles
 
 
 def _sizes(fields, g):
@@ -69,7 +70,7 @@ def _choose_support(shape, nx, ny, sizes):
 
 
 # An outline: cosine and sine of the angle, share of the shape in it (1, or 0 for a circle), radius
-# of a circle around it (0, or that of the cylinder), sizes.
+# of a circle around it (0, or the cylinder's), sizes.
 
 
 def outline(shape, constituent, frame):

@@ -1,8 +1,8 @@
 """The one calibrated number: Young's modulus from a mean drag that the paper reports.
 
 The drag of a bed is nearly proportional to the modulus, so that ln(drag) against ln(modulus) is
-a straight line; it is fitted to runs at several moduli with many seeds, none of them the seeds
-of the sweep, so that the sweep's own mean is a test of the fit and not a part of it.
+a straight line. The line is fitted to runs at several moduli with many seeds. The sweep has other
+seeds, so that its mean tests the fit.
 """
 
 import math
@@ -19,7 +19,7 @@ from dem.experiment.config import Replicate
 from dem.sweep.config import Sweep, parse
 
 FIRST_SEED = 1_000_000
-MODULI = (0.8, 0.9, 1.0, 1.1, 1.2)  # times that of the configuration
+MODULI = (0.8, 0.9, 1.0, 1.1, 1.2)  # times the configuration's
 WIDEST = 10.0  # upper over lower end of an interval that still says something
 
 
@@ -55,7 +55,7 @@ class Calibration(NamedTuple):
 
 
 def runs(sweep: Sweep, shape: str, density: float, seeds: int) -> dict[int, list[Replicate]]:
-    """Runs by seed, one a modulus each; raises InputError for a shape or density that cannot be run."""
+    """Runs by seed, one per modulus; raises InputError for an unusable shape or density."""
     sweep.replicate(shape, density, FIRST_SEED)
     varied = {
         "shape": shape,
@@ -83,7 +83,7 @@ def mean_drag(replicates: list[Replicate]) -> list[float]:
 def calibrate(
     sweep: Sweep, shape: str, density: float, target: float, seeds: int, jobs: int, progress
 ) -> Calibration:
-    """Fit the modulus to a mean drag (N); `progress` is told the number of runs done.
+    """Fit the modulus to a mean drag (N); `progress` gets the number of runs done.
 
     Raises InputError for a target that is no positive number, or a shape or density that cannot be
     run; RunError where a run fails or where the runs say too little.

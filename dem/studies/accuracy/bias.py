@@ -9,7 +9,7 @@ from scipy.stats import t
 from dem.analysis.statistics import LEVEL
 
 LARGEST = 1.2  # step over the bound on the critical one up to which no bed has been seen to break
-FAILED = 0.02  # share of failed runs up to which a step counts: those that fail are not any
+FAILED = 0.02  # share of failed runs up to which a step counts, because failures are not random
 
 
 class Bias(NamedTuple):
@@ -65,7 +65,7 @@ def change(grid: xr.DataArray, default: float) -> xr.Dataset:
 
 
 def fitted(dataset: xr.Dataset, shape: str) -> list[float]:
-    """Steps that the bias is taken from: up to LARGEST, and hardly any run failed."""
+    """Steps that the bias is fitted to: up to LARGEST, with hardly any failed run."""
     failed = failures(dataset, shape)
     return [step for step, share in failed.items() if step <= LARGEST and share <= FAILED]
 
@@ -73,11 +73,11 @@ def fitted(dataset: xr.Dataset, shape: str) -> list[float]:
 def bias(dataset: xr.Dataset, shape: str) -> Bias:
     """Bias of the mean drag at the default step, from all steps up to LARGEST.
 
-    The error of a scheme of first order or better grows at least in proportion to the step, so
-    that a straight line through the steps, with a level of its own for every bed, bounds the bias
-    of the default. The longest steps tell most for their time; a bed near its limit errs by more
-    than in proportion. Seeds are independent and the runs of one are not: the standard error is
-    taken over the seeds' shares in the slope.
+    The error of a scheme of first order or better grows at least in proportion to the step. A
+    straight line through the steps, with an own level for every bed, therefore bounds the bias of
+    the default. Long steps give most information for their time, but close to the stability limit
+    the error grows faster. Seeds are independent, the runs of one seed are not: the standard error
+    is taken over the seeds' shares in the slope.
     """
     default = float(dataset.attrs["default_fraction"])
     grid = table(dataset, shape)

@@ -1,8 +1,8 @@
 """Total energy over thousands of frictionless elastic bounces, by method of contact.
 
-A few granules fly about in a box. Nothing takes or gives energy, so that it stays what it was,
-but for the integrator's error and for whatever the forces are not the gradient of a potential.
-The energy is read when nothing touches: then all of it is kinetic.
+A few granules fly about in a box without friction or damping. Energy is conserved, except for the
+error of the integrator and for forces that are not the gradient of a potential. It is read when
+nothing touches, because then all of it is kinetic.
 """
 
 from typing import NamedTuple
@@ -20,7 +20,7 @@ from dem.studies.timing import one_core
 SEED = 2
 MATERIAL = Material(restitution=1.0)
 DIAMETER = 1e-3  # m, mean volume diameter; nothing depends on it
-SPREAD = 0.2  # volume diameters lie within this share of their mean
+SPREAD = 0.2  # volume diameters are within this share of their mean
 SIDE = 3.6  # of the box, in mean diameters: room for four granules of aspect ratio 2
 OVERLAP = 0.05  # of a head-on collision at the first rms speed, over the radius: as in the beds
 DURATION = 2.943  # of a Hertz contact, times greatest overlap over speed of impact
@@ -113,9 +113,10 @@ def follow(scene: Scene, state: State, steps: int, numbers):
 
 
 def measure(plan: Plan = USUAL, progress=lambda done: None) -> dict:
-    """Variables of dem.studies.accuracy.layout_contacts; progress is told the share done.
+    """Variables of dem.studies.accuracy.layout_contacts; progress gets the share done.
 
-    Discs have aspect ratio 1, ellipses all others; NaN for the rest. The first time, kernels of all methods are compiled.
+    Discs have aspect ratio 1, ellipses all others; NaN for the rest. The first time, kernels of all
+    methods are compiled.
     """
     numbers = plan.numbers
     energy = np.full((len(plan.methods), len(plan.ratios), plan.runs, len(numbers)), np.nan)

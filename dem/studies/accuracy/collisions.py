@@ -82,7 +82,7 @@ class Collision:
     def steps(self, time_step: float, share: float = 0.0) -> tuple[int, float]:
         """Number and length (s) of steps near a wanted one.
 
-        At which part of a step a contact begins and ends changes its error by as much as itself.
+        The error of a contact depends as much on where in a step it begins and ends.
         `start` spreads the beginnings; a share from 0 to 1 of one more step a contact, the ends.
         """
         count = self.duration / time_step + LASTS * share
@@ -136,11 +136,11 @@ class Bed:
         return count, self.duration / count
 
     def start(self, time_step: float, pairs: int) -> tuple[Scene, State]:
-        """The bed at rest, whatever the step."""
+        """The bed at rest, for any step."""
         return self.scene, self._state
 
     def read(self, scene: Scene, start: State, end: State) -> np.ndarray:
-        """Displacement of each granule over that of the cylinder, (n, 2)."""
+        """Displacement of each granule over the cylinder's, (n, 2)."""
         return (end.position - start.position) / STROKE
 
 

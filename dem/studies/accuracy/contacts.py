@@ -1,8 +1,8 @@
 """Error of a contact against the time to find it, by method.
 
-Every method meets the same pairs of ellipses with known contacts. Its error is taken apart: that
-of the solver against what its own definition gives in extended precision, and that of the
-definition against the common normal, the direction of the least translation that parts the two.
+Every method meets the same pairs of ellipses with known contacts. Its error has two parts: the
+solver against its own definition in extended precision, and the definition against the common
+normal, the direction of the shortest translation that separates the two.
 """
 
 from typing import NamedTuple
@@ -102,7 +102,7 @@ def against_definition(contact: Contact, right: Contact, size) -> dict:
 
 
 class Turns(NamedTuple):
-    """What is tried in turns, (method, start) as indices (t, 2), and which of these stands for
+    """What is timed in turns, (method, start) as indices (t, 2), and which of these counts for
     each method and start (m, s): a method without memory is the same from every start."""
 
     order: list[tuple[int, int]]
@@ -147,7 +147,7 @@ def measure_stratum(rng, plan: Plan, ratio: float, overlap: float) -> dict:
 
 
 def reject_times(rng, plan: Plan, ratio: float):
-    """Seconds a pair (method, start, repeat) of ellipses that are near but apart."""
+    """Seconds per pair (method, start, repeat) of ellipses that are near but apart."""
     pairs, methods = make_pairs(rng, plan.pairs, ratio, -plan.gap), plan.methods
     guesses = [starts(rng, pairs, off) for off in plan.starts]
     turns = Turns.of(methods, len(guesses))
@@ -156,7 +156,7 @@ def reject_times(rng, plan: Plan, ratio: float):
 
 
 def measure(plan: Plan = USUAL, progress=lambda done: None) -> dict:
-    """Variables of dem.studies.accuracy.layout_contacts; progress is told the share done."""
+    """Variables of dem.studies.accuracy.layout_contacts; progress gets the share done."""
     rng = np.random.default_rng(SEED)
     grid, rejected = [], []
     with one_core():
@@ -198,7 +198,7 @@ def in_the_beds(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def pareto(dataset: xr.Dataset) -> xr.DataArray:
-    """Whether a method is on the front of worst overlap error against time, a stratum each.
+    """Whether a method is on the front of worst overlap error against time, for each stratum.
 
     It is, unless a method of another kind takes no longer and errs no more. Methods of one kind,
     which differ in one number, do not compete with each other.

@@ -24,7 +24,7 @@ HALVINGS = 66  # of an arc of the scan: below the last bit
 
 
 def common_normal(pairs: Pairs) -> Contact:
-    """Along the normal of the least translation that parts the two: the truth itself."""
+    """Along the normal of the shortest translation that separates the two: the truth itself."""
     return pairs.truth
 
 
@@ -133,7 +133,7 @@ def crossing(pairs: Pairs) -> Contact:
 def polygon(pairs: Pairs, sides: int) -> Contact:
     """Along the edge normal, of either polygon, of the least translation that parts the two.
 
-    The vertices lie on the outline at equal steps of the eccentric angle.
+    The vertices are on the outline at equal steps of the eccentric angle.
     """
     d, own, other = exact(pairs)
     mine, theirs = best_edge(d, own, other, sides), best_edge(-d, other, own, sides)

@@ -25,7 +25,7 @@ INSTANT = 1e-30  # s: nothing slips in it
 
 
 class Integrator(NamedTuple):
-    """name; forces: evaluations a step; stages (s, 4), a row each.
+    """name; forces: evaluations per step; stages (s, 4), one row each.
 
     Columns: parts of the time step over which velocities are kicked and positions moved; by how
     much of the half drift the dashpot looks ahead of the velocity; whether (1) or not (0) the

@@ -1,9 +1,9 @@
 """Pairs of ellipses whose contact is known by construction: no solver is asked.
 
-A normal, two ellipses and an overlap are drawn; the second ellipse is then put where its point
-with the opposite normal lies one overlap behind that of the first. Such a pair is kept if no
-other direction parts it sooner. Truth is in extended precision, and it is that of the numbers
-as the kernels see them, rounded: rounding of the input is nobody's error.
+A normal, two ellipses and an overlap are drawn. The second ellipse is placed so that its point with
+the opposite normal is one overlap behind the point of the first. The pair is kept if no other
+direction separates it sooner. The truth is computed in extended precision from the rounded numbers
+that the kernels see, so that rounding of the input does not count as an error.
 
 An ellipse is (cos, sin, a, b), as in the kernels. The unit of length is the mean volume radius.
 """
@@ -13,11 +13,11 @@ from typing import NamedTuple
 import numpy as np
 
 EXACT = np.longdouble  # 64 bits of mantissa on x86; only 53 on some other processors
-SPREAD = 0.2  # volume radii lie within this share of their mean
+SPREAD = 0.2  # volume radii are within this share of their mean
 DIRECTIONS = 2000  # of the scan that looks for a shorter way to part a pair
 TOGETHER = 50  # directions scanned at once
 ROUNDING = 1e-14  # of a gap, in units of length
-TRIES = 1000  # batches, before it is said that there are no such pairs
+TRIES = 1000  # batches before giving up
 
 
 class Contact(NamedTuple):
@@ -29,7 +29,7 @@ class Contact(NamedTuple):
 
 
 class Pairs(NamedTuple):
-    """n pairs: centre of 2 from that of 1 (n, 2), ellipses (n, 4), in double precision; truth."""
+    """n pairs: position of 2 from 1 (n, 2), ellipses (n, 4), in double precision; truth."""
 
     d: np.ndarray
     own: np.ndarray
@@ -169,7 +169,7 @@ def starts(rng, pairs: Pairs, off: float):
 
 
 def difference(pairs: Pairs, k: int, digits: int = 50):
-    """How far the truth of pair k lies from that with `digits` digits: overlap, normal (rad).
+    """Difference of the truth of pair k from the truth with `digits` digits: overlap, normal (rad).
 
     Independent of all the above: distances of tangents written out, their gap scanned over the
     directions, its maximum found by mpmath's root finder on a numerical derivative.

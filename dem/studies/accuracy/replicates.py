@@ -8,7 +8,7 @@ from scipy.stats import t
 
 from dem.analysis.statistics import LEVEL
 
-TARGET = 0.02  # half-interval over the mean that is asked for
+TARGET = 0.02  # wanted half-interval over the mean
 
 
 class Replicates(NamedTuple):
@@ -61,8 +61,8 @@ def subsets(
 def autocorrelation(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     """Lags (m) and autocorrelation of the drag along the stroke, past the window's start.
 
-    The mean over the runs is taken off at every displacement: what is left is what one run does
-    otherwise than the others.
+    The mean over the runs is subtracted at every displacement; the rest is the deviation of each
+    run.
     """
     middle = dataset["replicate_displacement"].values
     drag = dataset["replicate_drag"].values[:, middle >= dataset.attrs["window_start"]]
@@ -75,7 +75,7 @@ def autocorrelation(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
 def correlation_length(dataset: xr.Dataset) -> float:
     """Integral of the autocorrelation, both sides (m): there is one independent value in so much.
 
-    Up to where the autocorrelation can no longer be told from zero, 2 over the square root of the
+    Up to where the autocorrelation is no longer significant, 2 over the square root of the
     number of runs.
     """
     lags, values = autocorrelation(dataset)
@@ -95,7 +95,7 @@ def windows(dataset: xr.Dataset, count: int = 24) -> tuple[np.ndarray, np.ndarra
 
 
 def drift(dataset: xr.Dataset) -> float:
-    """Mean drag over all of the stroke past the window's start over that in the window, less one."""
+    """Mean drag from the window's start to the stroke's end over the window's mean, minus one."""
     start, stop = dataset.attrs["window_start"], dataset.attrs["window_stop"]
     longest = dataset["replicate_displacement"].values[-1]
     means = [window_means(dataset, start, end).mean() for end in (longest, stop)]

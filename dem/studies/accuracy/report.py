@@ -38,7 +38,7 @@ def summary(dataset: xr.Dataset) -> Group:
 
 
 def contacts(dataset: xr.Dataset) -> Table:
-    """A row a method and start."""
+    """One row per method and start."""
     made = numbers(
         "contact of two ellipses", "start", "ns", "overlap,\nsolver", "normal,\nsolver",
         "overlap,\ndefinition", "normal,\ndefinition", "failures",
@@ -63,7 +63,7 @@ def contacts(dataset: xr.Dataset) -> Table:
 
 
 def steps(dataset: xr.Dataset) -> Table:
-    """A row a scene and integrator."""
+    """One row per scene and integrator."""
     made = numbers("scene", "integrator", "error at default", "time, us", "order")
     default = float(dataset["step_default"])
     for scene in dataset["step_scene"].values:
@@ -80,7 +80,7 @@ def steps(dataset: xr.Dataset) -> Table:
 
 
 def drag(dataset: xr.Dataset) -> Table:
-    """A row a shape and step."""
+    """One row per shape and step."""
     made = numbers("mean drag", "step over critical", "beds", "change", "failed", "s a run")
     default = float(dataset.attrs["default_fraction"])
     for shape in shapes_of(dataset):
@@ -99,7 +99,7 @@ def drag(dataset: xr.Dataset) -> Table:
 
 
 def biases(dataset: xr.Dataset) -> list[str]:
-    """A sentence a shape."""
+    """One sentence per shape."""
     found = {shape: bias(dataset, shape) for shape in shapes_of(dataset)}
     return [
         f"{shape}: bias of the default step {100 * b.value:+.2f} +- {100 * b.half:.2f} %, "

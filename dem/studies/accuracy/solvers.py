@@ -6,7 +6,7 @@ Comput. Geotech. 11, 315) and others used the crossing points; Ting (1993, Compu
 175) calls the usual ways to them poorly conditioned, for at touch the two roots become one. Here
 the quadratic factor that holds both is found, and all else comes from its coefficients.
 
-Polygon: the least translation that parts two polygons is along an edge normal (separating axes).
+Polygon: the shortest translation that separates two polygons is along an edge normal.
 """
 
 import math
@@ -53,7 +53,7 @@ def to_circle(e, x, y):
 
 @inlined
 def touching(overlap, nx, ny, x, y, dx, dy):
-    """The geometry of a contact at (x, y), from centre 1; centre 2 lies at (dx, dy)."""
+    """The geometry of a contact at (x, y), from centre 1; centre 2 is at (dx, dy)."""
     n1, t1, n2, t2 = x * nx + y * ny, y * nx - x * ny, dx * nx + dy * ny, dx * ny - dy * nx
     return overlap, nx, ny, n1, t1, n2 - n1, t2 + t1
 
@@ -97,8 +97,11 @@ def crossings(px, py, qx, qy, ex, ey, tolerance):
 
 
 def crossing(method, dx, dy, own, other, guess):
-    """Where the outline of 2 is the unit circle about E, that of 1 is P cos(v) + Q sin(v), v the
-    eccentric angle from the direction of 2. All that the chord needs is in p, q and the width."""
+    """Contact through the two points where the outlines cross.
+
+    If the outline of 2 is the unit circle about E, the outline of 1 is P cos(v) + Q sin(v), with v
+    the eccentric angle from the direction of 2. The chord follows from p, q and the width.
+    """
     reach = own[2] + other[2]
     if dx * dx + dy * dy >= reach * reach:
         return APART, NO_RADII, None
@@ -239,7 +242,7 @@ def look_again(doubts, method, values):
 @compiled
 def find_contacts(method, blocks, doubts, rounds):
     """Find all contacts, `rounds` times over. doubts: True for a method that asks for better
-    guesses, else None; those pairs are gone through a second time, as in dem.contacts.blocks."""
+    guesses, else None; those pairs are computed a second time, as in dem.contacts.blocks."""
     for _ in range(rounds):
         for i in range(len(blocks)):
             for q in range(BLOCK):

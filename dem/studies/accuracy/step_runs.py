@@ -13,7 +13,7 @@ from dem.studies.accuracy.integrators import Integrator, Motion
 from dem.studies.peers import lammps
 
 FITTED = 5  # of the smallest steps
-CLEAR = 10.0  # an error counts in a fit if it is so many times that of its reference
+CLEAR = 10.0  # an error counts in a fit if it is so many times its reference's
 
 
 class Outcome(NamedTuple):
@@ -31,7 +31,7 @@ UNKNOWN = np.full(2, np.nan)
 
 
 def errors(found: Outcome, right: Outcome) -> tuple[float, float]:
-    """Of the values (dem.studies.accuracy.collisions.error), and of the impulse over that which is right."""
+    """Error of the values (dem.studies.accuracy.collisions.error) and of the impulse, relative."""
     with np.errstate(invalid="ignore"):  # without a cylinder, 0 / 0
         miss = np.linalg.norm(found.impulse - right.impulse) / np.linalg.norm(right.impulse)
     return error(found.values, right.values), float(miss)
@@ -85,8 +85,8 @@ def _timed(work):
 def fitted_order(fractions, wrong, least: float) -> tuple[float, float]:
     """Order of convergence and its standard error: least squares of ln(error) over ln(step).
 
-    fractions, wrong (levels,): steps and errors. Over the asymptotic range: the FITTED smallest
-    steps of those whose error is CLEAR of `least`, that of the reference. NaN where fewer than
+    fractions, wrong (levels,): steps and errors. The fit is over the asymptotic range: the FITTED
+    smallest steps whose error is CLEAR of `least`, the error of the reference. NaN if fewer than
     three are left.
     """
     clear = np.flatnonzero(np.isfinite(wrong) & (wrong > CLEAR * least))

@@ -1,13 +1,12 @@
 """Error against processor time: time integrators at many steps, and LAMMPS at the same steps.
 
-What theory says of the order of convergence. Elastic collisions: velocity Verlet has order 2 along
-a smooth force, but it keeps a nearby energy, so that what it gets wrong of the speed afterwards
-comes from the touch alone, where F ~ delta^1.5 has a kink: 5/2, and no more for a method of fourth
-order. A dashpot ~ delta^(1/4) makes the force of an impact begin like the fourth root of time: 5/4.
-A dashpot at the half step, and Euler's methods, are of order 1. Friction: the spring's increment is
-of order 2, but when a contact begins to slide, or unloads, the law changes within a step; and what a
-spring has lost in a step back in time it does not get back: methods with such steps converge to
-another law.
+Orders of convergence in theory. Elastic collisions: velocity Verlet has order 2 along a smooth
+force and conserves a nearby energy. The error of the final speed comes only from the touch, where F
+~ delta^1.5 has a kink: order 5/2, also for a method of fourth order. A dashpot ~ delta^(1/4) makes
+the force of an impact begin like the fourth root of time: order 5/4. A dashpot at the half step,
+and Euler's methods, are of order 1. Friction: the spring's increment is of order 2, but the law
+changes within a step when a contact begins to slide or unloads. A spring does not recover what it
+loses in a step back in time, so methods with such steps converge to another law.
 """
 
 from typing import NamedTuple
@@ -101,7 +100,7 @@ def sweep_steps(ways, rights, scene: Collision | Bed, plan: Plan):
 
 
 def measure(sweep: Sweep, plan: Plan = USUAL, progress=lambda share: None) -> dict:
-    """Variables of dem.studies.accuracy.layout_steps by name; progress is told the share done.
+    """Variables of dem.studies.accuracy.layout_steps by name; progress gets the share done.
 
     The first time, kernels of all scenes are compiled, which takes minutes.
     """

@@ -78,10 +78,10 @@ def find(method: Method, pairs: Pairs, guesses) -> Contact:
 
 
 def time_all(trials, pairs: Pairs, repeats: int):
-    """Seconds a pair (trials, repeats) of (method, guesses), in turns."""
+    """Seconds per pair (trials, repeats) of (method, guesses), in turns."""
     laid = [(method.solver, lay_out(pairs, guesses), method.doubts) for method, guesses in trials]
     rounds, spent = np.ones(len(laid), int), np.empty((len(laid), repeats))
-    for repeat in range(-2, repeats):  # the first compiles, the second tells how often to go round
+    for repeat in range(-2, repeats):  # the first compiles, the second sets the number of rounds
         for k, arguments in enumerate(laid):
             started = time.perf_counter()
             solvers.find_contacts(*arguments, int(rounds[k]))

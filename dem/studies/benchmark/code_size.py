@@ -9,10 +9,10 @@ from dem.jit.compilation import OPTIONS
 
 
 def code_size(world: World) -> int:
-    """Bytes of machine code of dem.dynamics.integration.advance, for scenes like this, with all it calls.
+    """Bytes of machine code of dem.dynamics.integration.advance for a scene, with all it calls.
 
-    The text of the object file, the few hundred bytes that call it from Python included. Compiled
-    again for this: what Numba reads from the disk it hands on to the linker and forgets.
+    The text section of the object file, with the few hundred bytes that call it from Python. It is
+    compiled again, because Numba does not keep object files that it reads from disk.
     """
     like = world, 1.0, 1, 1.0, None  # as dem.dynamics.stepping calls it
     signature = tuple(map(numba.typeof, like))

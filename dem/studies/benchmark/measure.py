@@ -1,7 +1,7 @@
 """The benchmark: codes side by side on the same beds, scenes that lack things, motion compared.
 
-All but the comparison of threads runs on one core, one after the other, in turns, so that a slow moment of the computer
-meets all alike; every repeat starts from the same state.
+Except for the comparison of threads, all runs take turns on one core, so that a slow moment of the
+computer affects all of them. Every repeat starts from the same state.
 """
 
 import platform
@@ -23,8 +23,8 @@ from dem.studies.benchmark.sizes import TILES, compare_sizes
 from dem.studies.timing import one_core
 from dem.sweep.config import Sweep
 
-# Scenes are compared on beds that stay as they are, with the same contacts: steps this short move
-# nothing, and the contacts are not listed again.
+# Scenes are compared on beds that do not change their contacts: steps this short move
+# nothing, and no list is rebuilt.
 STILL = 1e-3
 
 
@@ -46,7 +46,7 @@ USUAL = Plan()
 
 
 def measure(sweep: Sweep, plan: Plan = USUAL, progress=lambda done: None) -> dict:
-    """Variables of the benchmark by the names of dem.studies.benchmark.layout; progress is told the share done.
+    """Variables of dem.studies.benchmark.layout by name; progress gets the share done.
 
     The first time, kernels of all scenes are compiled, which takes minutes.
     """

@@ -35,7 +35,7 @@ def summary(dataset: xr.Dataset) -> Group:
 
 
 def codes(dataset: xr.Dataset) -> Table:
-    """A row a bed and code that ran."""
+    """One row per bed and code that ran."""
     table = numbers(
         "bed", "code", "million granule-\nsteps a second", "lowest, highest", "against\nours",
         "ns a\ncontact", "contacts", "pairs\nlisted",
@@ -57,7 +57,7 @@ def codes(dataset: xr.Dataset) -> Table:
 
 
 def scenes(dataset: xr.Dataset) -> Table:
-    """A row a scene."""
+    """One row per scene."""
     table = numbers("scene", "ns a granule-step", "lowest, highest", "against full", "code, bytes")
     for variant in dataset["variant"].values:
         here = dataset.sel(variant=variant)
@@ -70,7 +70,7 @@ def scenes(dataset: xr.Dataset) -> Table:
 
 
 def sizes(dataset: xr.Dataset) -> Table:
-    """A row a size of bed and number of threads."""
+    """One row per size of bed and number of threads."""
     table = numbers(
         "discs", "threads", "ns a granule-step", "lowest, highest", "against\nsmallest",
         "against\none thread", "bytes a granule",
@@ -91,7 +91,7 @@ def sizes(dataset: xr.Dataset) -> Table:
 
 
 def motion(dataset: xr.Dataset) -> Table:
-    """A row a comparison."""
+    """One row per comparison."""
     steps = dataset["comparison_steps"].values
     table = numbers("undamped bed", *(f"after {count} steps" for count in steps))
     for name in dataset["comparison"].values:

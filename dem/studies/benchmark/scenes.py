@@ -30,7 +30,7 @@ def make_case(scene: Scene, state: State) -> Case:
 
 
 def beds(sweep: Sweep) -> dict[str, Case]:
-    """A packed bed a kind of granule, by kind: the first of the sweep, ellipses by ASPECT_RATIO."""
+    """One packed bed per kind of granule: the first of the sweep, ellipses by ASPECT_RATIO."""
     found = {}
     order = sorted(sweep.shapes.items(), key=lambda item: abs(item[1].ratio - ASPECT_RATIO))
     for kind in ("disc", "dumbbell", "ellipse"):

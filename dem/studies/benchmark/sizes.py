@@ -48,7 +48,7 @@ def bytes_a_granule(world) -> float:
 
 
 def compare_sizes(sweep: Sweep, repeats: int, threads=(1, 2), tiles=TILES) -> dict:
-    """Variables of dem.io.dataset: seconds a granule and step by size and threads, memory a granule."""
+    """Variables: seconds per granule and step by size and threads, and memory per granule."""
     beds = [large_scene(sweep, side) for side in tiles]
     times = np.empty((len(beds), len(threads), repeats))
     memory = np.empty(len(beds))

@@ -1,4 +1,4 @@
-"""What runs say of a number, with its interval, against what a claim says of it.
+"""A number from runs, with its interval, against what a claim says of it.
 
 Replicates are the unit. An interval belongs to a level; the verdict on a claim uses a level so
 high that the intervals of all claims hold together (Bonferroni).
@@ -20,8 +20,8 @@ SUPPORTED, CONTRADICTED, UNDECIDED, UNTESTED = (
 class Comparison(NamedTuple):
     """Ratio of the means of samples a and b, or the mean of a if b is None.
 
-    words: what is compared; a, b (runs,): one value a run, NaN where a run failed; low, high: the
-    claim says that the number lies between them, or not between them if `outside`; paired: a[i]
+    words: what is compared; a, b (runs,): one value per run, NaN where a run failed; low, high: the
+    claim says that the number is between them, or not between them if `outside`; paired: a[i]
     and b[i] are of one bed.
     """
 
@@ -78,7 +78,7 @@ class Comparison(NamedTuple):
         return self.estimate * math.exp(-half), self.estimate * math.exp(half)
 
     def error(self) -> tuple[float, float]:
-        """Standard error, of a ratio that of its logarithm, and degrees of freedom."""
+        """Standard error (of a ratio: of its logarithm) and degrees of freedom."""
         a, b = self.samples()
         if b is None:
             return float(a.std(ddof=1)) / math.sqrt(len(a)), len(a) - 1
@@ -95,11 +95,11 @@ class Comparison(NamedTuple):
         return math.sqrt(total), freedom
 
     def verdict(self, level: float) -> str:
-        """Supported if the whole interval lies where the claim says, contradicted if none of it."""
+        """Supported if the whole interval is where the claim says, contradicted if no part is."""
         return judged(self, *self.interval(level))
 
     def holds(self) -> np.ndarray:
-        """Run by run (runs,): 1 where the number of a single pair lies where the claim says, 0 where
+        """Run by run (runs,): 1 where the number of a single pair is where the claim says, 0 where
         it does not, NaN where a run failed."""
         with np.errstate(divide="ignore", invalid="ignore"):
             values = self.a if self.b is None else self.a / self.b
@@ -109,7 +109,7 @@ class Comparison(NamedTuple):
 
 class Growth(NamedTuple):
     """By which factor something grows: from a fit of its logarithm, with standard error and degrees
-    of freedom; low, high: the claim says that the factor lies between them."""
+    of freedom; low, high: the claim says that the factor is between them."""
 
     words: str
     logarithm: float
@@ -161,7 +161,7 @@ class Prediction(NamedTuple):
         return float(low), float(high)
 
     def verdict(self, level: float) -> str:
-        """Supported if the report lies in the range."""
+        """Supported if the report is in the range."""
         low, high = self.interval(level)
         return SUPPORTED if low < self.high and high > self.low else CONTRADICTED
 

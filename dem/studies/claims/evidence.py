@@ -17,11 +17,11 @@ MARGIN = 0.18  # the larger scatter of section 3.2, by which the paper itself ju
 class Evidence(NamedTuple):
     """Measures over (case, seed), SI units, NaN where a run failed.
 
-    runs: of the sweep's cases; points: of cases at the points of the design, which stand for seeds,
-    with `at` (case, seed, factor), where they lie; velocity: of the reference, cases are factors on
-    the sweep's velocity; ratios: of ellipses at equal packing fraction, cases are aspect ratios.
-    margin: by how much more than nothing a word such as "significantly" means, as a share. single:
-    every seed is another world, whose runs belong together.
+    runs: of the sweep's cases; points: of cases at the points of the design, which take the place
+    of seeds, with `at` (case, seed, factor), their coordinates; velocity: of the reference, cases
+    are factors on the sweep's velocity; ratios: of ellipses at equal packing fraction, cases are
+    aspect ratios. margin: by how much more than nothing a word such as "significantly" means, as a
+    share. single: every seed is another world, whose runs belong together.
     """
 
     runs: xr.Dataset
@@ -32,7 +32,7 @@ class Evidence(NamedTuple):
     single: bool = False
 
     def one_by_one(self, runs: xr.Dataset) -> "Evidence":
-        """Runs each for itself: of the points of the design, or of the sweep."""
+        """Single runs: of the points of the design, or of the sweep."""
         return Evidence(runs, margin=self.margin, single=True)
 
 
@@ -50,8 +50,9 @@ def with_case(runs: xr.Dataset, *cases: str) -> xr.Dataset:
 
 
 def table(runs: xr.Dataset, column: str = "run_case", along: str = "run_seed") -> xr.Dataset:
-    """Runs in a row as measures over (case, seed); column: what names a case; along: what stands
-    for a seed. What goes along the motion is taken as its mean within the averaging window."""
+    """Runs in a row as measures over (case, seed); column: what names a case; along: what takes
+    the place of a seed. A quantity along the motion counts as its mean within the averaging
+    window."""
     if not runs.sizes["run"]:
         return NOTHING
     keys, numbers = runs[column].values.tolist(), runs[along].values.tolist()
@@ -91,7 +92,7 @@ def reference(dataset: xr.Dataset) -> tuple[str, float, float]:
 
 
 def first_come(runs: xr.Dataset, case: str) -> xr.Dataset:
-    """A table whose first case is the reference, as the functions of dem.analysis.statistics expect it."""
+    """A table whose first case is the reference, as dem.analysis.statistics expects it."""
     cases = runs["case"].values.tolist()
     return runs.sel(case=sorted(cases, key=lambda each: each != case)) if case in cases else runs
 

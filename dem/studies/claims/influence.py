@@ -13,7 +13,8 @@ HARMONICS = 4  # of RBD-FAST
 
 class Influence(NamedTuple):
     """factor: a value of the configuration, by path; growth: the response at the high end of its range
-    over that at the low end, with its interval; share: of the variance of the response's logarithm."""
+    over that at the low end, with its interval; share: of the variance of the response's
+    logarithm."""
 
     factor: str
     growth: float
@@ -28,7 +29,7 @@ class Influence(NamedTuple):
 
 
 def responses(points) -> dict[str, np.ndarray]:
-    """What may depend on the factors, (points,) each, NaN where a run failed; points of Evidence."""
+    """Responses that may depend on the factors, (points,) each, NaN where a run failed."""
     cases = {shape: find(points, shape) if points["case"].size else None for shape in ("c1", "d1", "e1", "e3")}  # fmt: skip
     drag = {shape: points["drag"].sel(case=case).values for shape, case in cases.items() if case}
     if "c1" not in drag:

@@ -18,8 +18,8 @@ EQUAL = "equal fraction"
 class Remaining(NamedTuple):
     """A shape at a state: packing fraction; load on the walls before the run (N/m); mean drag over that
     of the reference with its interval; part: logarithm of that ratio over the logarithm at equal
-    packing fraction, with its interval: 1: all of the effect remains, 0: none, below 0: it is reversed
-    (NaN at equal fraction itself, and where there is no effect there to speak of)."""
+    packing fraction, with its interval: 1: all of the effect remains, 0: none, below 0: it is
+    reversed (NaN at equal fraction itself, and where there is no effect there to speak of)."""
 
     shape: str
     state: str
@@ -52,8 +52,8 @@ def mean_of(runs: xr.Dataset) -> Mean | None:
 def remaining(dataset: xr.Dataset) -> list[Remaining]:
     """The reference and all shapes at all states, at equal packing fraction first.
 
-    Errors by the delta method. That of a distance from jamming is carried to the drag by how the
-    drag of the shape grows with the packing fraction over all its states.
+    Errors by the delta method. The error of a distance from jamming enters the drag by the growth
+    of the drag with the packing fraction over all states of the shape.
     """
     case, _, fraction = reference(dataset)
     replicates, matched, found = rows(dataset, "replicates"), rows(dataset, "matched"), []

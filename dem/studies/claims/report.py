@@ -85,7 +85,7 @@ def legend(found: list[Verdict]) -> str:
 
 
 def claims(found: list[Verdict]) -> Table:
-    """A row a comparison, the verdict and the shares on the first of each claim."""
+    """One row per comparison, the verdict and the shares on the first of each claim."""
     made = numbers("claim", "compared", "number, 95 % interval", "runs", "verdict", "space, %", "paper, %")  # fmt: skip
     for each in found:
         last = each.verdict, per_cent(each.space), per_cent(each.paper)
@@ -97,7 +97,7 @@ def claims(found: list[Verdict]) -> Table:
 
 
 def claimed(part) -> str:
-    """Where a claim says that a number lies."""
+    """The range that a claim gives for a number."""
     if part.high == np.inf:
         return f"above {part.low:.3g}"
     if part.low == 0.0 and part.is_ratio:

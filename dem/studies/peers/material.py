@@ -11,7 +11,7 @@ from dem.contacts.force_law import effective_modulus, effective_shear_modulus
 from dem.dynamics.assembly import partners
 from dem.scene import Scene
 
-SPEED = 1.0  # m/s, at which a central collision returns the coefficient asked for
+SPEED = 1.0  # m/s, at which a central collision has the wanted coefficient of restitution
 
 
 class Hertz(NamedTuple):
@@ -31,10 +31,11 @@ class Hertz(NamedTuple):
 def hertz(scene: Scene, kind: str) -> Hertz:
     """Coefficients of the contacts of a kind.
 
-    Walls and cylinder are rigid, so their contacts are about twice as stiff as those of two granules. The
-    dashpot differs from ours, alpha sqrt(m* k) delta^(1/4) v, so that restitution depends on speed:
-    gamma is such that two mean granules, or one and a flat wall, part at the scene's coefficient of
-    restitution after they met at SPEED. Tangential and normal damping are in our ratio.
+    Walls and cylinder are rigid, so their contacts are about twice as stiff as those of two
+    granules. The dashpot differs from ours, alpha sqrt(m* k) delta^(1/4) v, so that restitution
+    depends on speed: gamma is such that two mean granules, or one and a flat wall, part at the
+    scene's coefficient of restitution after they met at SPEED. Tangential and normal damping are in
+    our ratio.
     """
     materials = partners(scene, boundary=kind != "granule")
     shear = effective_shear_modulus(*materials)

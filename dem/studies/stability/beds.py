@@ -1,7 +1,7 @@
 """Experiments on the paper's bed, one function each.
 
-Each takes the sweep, the label of a shape and dem.studies.stability.catalogue.Changes, and returns some of
-QUANTITIES by name.
+Each takes the sweep, the label of a shape and dem.studies.stability.catalogue.Changes, and returns
+some of QUANTITIES by name.
 """
 
 from dataclasses import replace
@@ -56,7 +56,7 @@ def follow(sweep, shape, change) -> dict:
 
 
 def restart(sweep, shape, change) -> dict:
-    """A run that goes on from a saved state against one that was not interrupted."""
+    """A run continued from a saved state against one without interruption."""
     replicate = changed(sweep, shape, change)
     half = (change.displacement or STROKE) / 2.0 / replicate.configuration.cylinder.velocity
     whole, second = start(replicate), start(replicate)
@@ -70,7 +70,7 @@ def restart(sweep, shape, change) -> dict:
 
 
 def round_off(sweep, shape, change) -> dict:
-    """Ellipses of the aspect ratio asked for, nearly 1, against discs, on one bed before chaos."""
+    """Ellipses of a given aspect ratio, nearly 1, against discs, on one bed before chaos."""
     replicate = changed(sweep, shape, change.model_copy(update={"aspect_ratio": None}))
     bed, sizes = bed_of(replicate), diameters(replicate)
     scene = make_scene(replicate, bed)

@@ -18,7 +18,7 @@ from dem.studies.stability.scenes import (
 from dem.studies.stability.watching import LOOKS, contact_time, momenta, unlisted, watch, worse
 
 ROOM = 2.05  # spacing of granules at the start, over the greatest bounding radius
-SMALL = 0.05  # size of small granules over that of large ones
+SMALL = 0.05  # size of small granules over large ones
 
 
 def gas(sweep, shape, change) -> dict:
@@ -117,7 +117,7 @@ def concentric(sweep, shape, change) -> dict:
 
 
 def impact(sweep, shape, change) -> dict:
-    """A head-on impact that an elastic pair ends at the overlap asked for, over the radius."""
+    """A head-on impact in which an elastic pair reaches a given overlap over the radius."""
     two, side, scene = _two(sweep, shape, change)
     radius, mass = two.constituent_radius[0], 0.5 * scene.mass[0]
     modulus, deepest = effective_modulus(scene.material, scene.material), change.overlap * radius

@@ -1,4 +1,4 @@
-"""The catalogue, config/catalogue.yaml: which experiments on which shapes, and what they must keep."""
+"""The catalogue, config/catalogue.yaml: experiments, shapes and the limits they must keep."""
 
 from pathlib import Path
 from typing import Annotated, Literal
@@ -12,7 +12,7 @@ from dem.base.yaml_file import read
 RAN = "ran"
 REFUSALS = "InputError", "PackingError", "OverlapError", "StateError"
 
-# What an experiment measures: worst over the run. A case names those that it limits.
+# What an experiment measures: worst over the run. A case names the ones that it limits.
 QUANTITIES = {
     "residual": "residual of the energy ledger",
     "excess": "friction beyond mu times the normal force, over the force",
@@ -55,8 +55,8 @@ class Known(Section):
 class Case(Section):
     """One line of the catalogue: what the experiment measures must not exceed its limits.
 
-    expect: "ran", or the name of the error that must refuse the case. known: of a case that is known
-    to exceed its limits, and listed as such.
+    expect: "ran", or the name of the error that must refuse the case. known: of a case that is
+    known to exceed its limits, and listed as such.
     """
 
     experiment: str
@@ -89,7 +89,7 @@ class Catalogue(Section):
 
     @property
     def shapes(self) -> list[str]:
-        """Shapes of the cases, a job each."""
+        """Shapes of the cases, one job each."""
         return list(dict.fromkeys(s for case in self.cases.values() for s in case.shapes))
 
 

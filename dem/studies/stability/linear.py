@@ -1,6 +1,6 @@
 """A bed near rest as a linear system, and the step at which its motions begin to grow.
 
-The limit is that of the scheme itself: velocity Verlet with a dashpot that sees the velocity
+The limit belongs to the scheme itself: velocity Verlet with a dashpot that sees the velocity
 extrapolated over half a step.
 """
 

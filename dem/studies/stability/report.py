@@ -8,7 +8,7 @@ from rich.text import Text
 
 from dem.analysis.tables import numbers
 
-OFF, BROKEN = 1e-2, 1e-1  # residual beyond which energy is off, and a run is worth nothing
+OFF, BROKEN = 1e-2, 1e-1  # residual beyond which the energy balance fails, and with it the run
 
 
 def summary(dataset: xr.Dataset) -> Group:
@@ -63,7 +63,7 @@ def edges(dataset: xr.Dataset) -> str:
 
 
 def catalogue(dataset: xr.Dataset) -> Table:
-    """A row a case, shape and limit."""
+    """One row per case, shape and limit."""
     made = numbers("case", "shape", "quantity", "worst", "limit", "outcome", "verdict")
     names = "case", "shape", "quantity", "value", "limit", "outcome", "known", "passed"
     columns = (dataset[f"check_{name}"].values for name in names)

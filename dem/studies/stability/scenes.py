@@ -35,7 +35,7 @@ _beds = {}
 
 
 def bed_of(replicate: Replicate):
-    """The bed of a replicate, made once a process: many cases share it."""
+    """The bed of a replicate, made once per process: many cases share it."""
     key = replicate.bed_key()
     if key not in _beds:
         _beds[key] = make_bed(replicate)

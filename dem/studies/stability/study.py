@@ -12,7 +12,7 @@ from dem.studies.stability.catalogue import QUANTITIES, RAN, Case, Catalogue, Ch
 from dem.studies.stability.scenes import start
 from dem.sweep.config import Sweep
 
-# what an experiment may change of the sweep, and what it must be told
+# what an experiment may change of the sweep, and what it needs
 FREE = {"stiffness", "density", "restitution", "aspect_ratio", "step"}
 BED = FREE | {"velocity", "fraction", "friction"}
 
@@ -79,7 +79,7 @@ def perform(sweep: Sweep, shape: str, case: Case) -> tuple[dict, str, str]:
 
 
 def verdicts(sweep: Sweep, shape: str, name: str, case: Case) -> list[tuple]:
-    """Rows of the catalogue for one case: one a limit, or one that says whether it was refused."""
+    """Rows of the catalogue for one case: one per limit, or one for a refusal."""
     found, outcome, message = perform(sweep, shape, case)
     rows = []
     for quantity, limit in (case.limits or {"refusal": math.nan}).items():
@@ -106,7 +106,7 @@ def verdicts(sweep: Sweep, shape: str, name: str, case: Case) -> list[tuple]:
 
 
 def run_catalogue(sweep: Sweep, catalogue: Catalogue, shape: str, progress=lambda done: None):
-    """A row a case and limit, of one shape."""
+    """One row per case and limit, of one shape."""
     rows, cases = [], {n: c for n, c in catalogue.cases.items() if shape in c.shapes}
     for done, (name, case) in enumerate(cases.items()):
         rows += verdicts(sweep, shape, name, case)

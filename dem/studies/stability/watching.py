@@ -1,4 +1,4 @@
-"""What is seen of a run: worst values along it."""
+"""The worst values along a run."""
 
 import math
 
