@@ -33,12 +33,12 @@ def damped(elastic, sqrt_overlap, damping, rate):
 def mindlin(spring, sqrt_overlap, last_sqrt_overlap, stiffness, slip):
     """Tangential spring force (N) after a further slip (m), against the slip.
 
-    The force is what a contact remembers. Its increment is k_t slip with k_t = stiffness * root = 8
-    G* sqrt(R* delta), the mean of both ends of a step while the overlap grows, so that the
-    increment is of second order; while the contact unloads, the force shrinks with the contact
-    radius (Thornton, Cummins and Cleary 2013, Powder Technol. 233, 30). In both directions the
-    stored energy spring^2 / (2 k_t) can only fall when the overlap changes: no contact makes
-    energy.
+    A contact remembers this force. Its increment is k_t slip, where
+    k_t = stiffness * root = 8 G* sqrt(R* delta) is the mean over both ends of the step while the
+    overlap grows. This makes the increment second order. While the contact unloads, the force
+    shrinks with the contact radius (Thornton, Cummins and Cleary 2013, Powder Technol. 233, 30). In
+    both cases the stored energy spring^2 / (2 k_t) can only fall when the overlap changes: no
+    contact makes energy.
     """
     kept = min(
         sqrt_overlap / max(last_sqrt_overlap, TINY), 1.0
@@ -75,10 +75,11 @@ def restitution_from_damping(alpha):
 
     With y = delta^(5/4) and d(tau) = delta^(1/4) dt the equation of a collision becomes the
     equation of a linear damped oscillator of damping ratio zeta = alpha / sqrt(5). The contact ends
-    where the force would turn into tension; velocity and y' are proportional, so the classical
-    result for the linear oscillator (Schwager and Poeschel 2007, Granul. Matter 9, 465) holds
-    exactly: zeta = sin(psi):  e = exp(-(pi - 2 psi) tan(psi));  zeta = cosh(u):  e = exp(-2 u
-    coth(u)).
+    where the force would turn into tension. Velocity and y' are proportional, so the result for the
+    linear oscillator (Schwager and Poeschel 2007, Granul. Matter 9, 465) holds exactly:
+
+    * e = exp(-(pi - 2 psi) tan(psi)) for zeta = sin(psi),
+    * e = exp(-2 u coth(u)) for zeta = cosh(u).
     """
     zeta = alpha / math.sqrt(5.0)
     if zeta < 1.0:

@@ -148,7 +148,7 @@ def _damaged(path):
 
 
 def _check_list(path, arrays, count, partners):
-    """One row of each array a contact, by ascending constituent; no index out of range."""
+    """One row of each array per contact, by ascending constituent; no index out of range."""
     constituent, other = arrays[f"{path}.constituent"], arrays[f"{path}.partner"]
     for name, array in arrays.items():
         if (

@@ -63,8 +63,8 @@ def add_forces(world, dt, begin, end, leads, thread):
     thread leads.
 
     Returns the largest squared displacement (m2) of these constituents since the lists were made.
-    To look at that and to clear the forces goes straight through the memory of a chunk: it is in
-    the cache when the pairs want it.
+    This check and clearing the forces load the memory of a chunk into the cache before the pairs
+    need it.
     """
     constituents = Constituents(world.shape, world.constituents, world.frame, world.inverse_inertia)
     force, lanes = world.constituent_force, world.lanes

@@ -37,7 +37,8 @@ def turn(spin, frame, angle, i, dt):
 def reorient(frame, i, angle, step):
     """Cosine and sine (frame) after a last turn by `step` (rad): without trigonometry if small.
 
-    Rounding then adds up, some 1e-16 a step, until dem.dynamics.neighbor_list.rebuild_neighbor_list computes them from the angle.
+    Rounding errors of about 1e-16 per step add up until rebuild_neighbor_list of
+    dem.dynamics.neighbor_list computes both from the angle.
     """
     if abs(step) < 1e-3:
         frame[i, 0], frame[i, 1] = turned(frame[i, 0], frame[i, 1], step)
@@ -87,13 +88,13 @@ def move_cylinder(cylinder, dt):
 
 @optional
 def tell(thread, moved):
-    """Let the other threads know how far the own granules have moved."""
+    """Publish the largest squared displacement (m2) of this thread's granules."""
     thread.moved[LINE * thread.me] = moved
 
 
 @optional
 def told(thread):
-    """How far those of any have."""
+    """The largest displacement of any thread, squared (m2)."""
     largest = 0.0
     for member in range(thread.size):
         largest = greater(largest, thread.moved[LINE * member])

@@ -1,10 +1,4 @@
-"""Run a scene: the documented call for a user's own arrays, and the object behind it.
-
-    result = dem.simulate(scene, state, duration=1e-3)
-
-Two discs that collide in empty space need no more than that; the paper's experiment
-(dem.experiment.drag) is the first user of the same object.
-"""
+"""Run a scene: `simulate` returns arrays, and `Simulation` is the object behind it."""
 
 import math
 import os

@@ -139,9 +139,9 @@ def _step_alone(threads, world, dt, steps, list_range):
 def run_steps(world, table, rules, schedule, record, threads):
     """Advance as a Schedule says; returns the world and a StepOutcome.
 
-    record: an array with a row for each interval, or None. threads: None, or those that take the
+    record: an array with one row per interval, or None. threads: None, or those that take the
     steps (dem.dynamics.threads.Threads; this function then runs as it is here, uncompiled). The
-    step is chosen at the start of each interval and whenever the contacts are listed again.
+    step is chosen at the start of each interval and whenever the lists are rebuilt.
     """
     time, interval, intervals, until = schedule
     outcome, value, granule = FINE, 0.0, -1

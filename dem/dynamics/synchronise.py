@@ -15,7 +15,7 @@ from numba.extending import intrinsic
 from dem.jit.compilation import compiled
 from dem.jit.optional import optional
 
-PATIENCE = 2000  # looks at the gate before the processor is offered to others
+PATIENCE = 2000  # checks of the gate before the thread yields the processor
 LINE = 8  # numbers to a cache line: each thread writes into its own
 
 
@@ -92,7 +92,7 @@ def barrier(thread):
 
 @optional
 def portion(thread, count):
-    """First and last (excluded) of `count` things that fall to this thread."""
+    """First and last (excluded) of `count` items for this thread."""
     return thread.me * count // thread.size, (thread.me + 1) * count // thread.size
 
 

@@ -1,9 +1,9 @@
 """Bring a frictionless bed to rest: minimise its elastic energy by FIRE.
 
 FIRE (Bitzek et al. 2006, Phys. Rev. Lett. 97, 170201, with the corrections of Guenole et al. 2020,
-Comput. Mater. Sci. 175, 109584) is mechanics with a bias: all velocities are turned towards the
-forces, and the bed stops whenever it moves uphill. Forces are those of a run without friction and
-damping. Forces and torques, speeds and spins are put on one scale by the radius of gyration.
+Comput. Mater. Sci. 175, 109584) is mechanics with a bias: velocities turn towards the forces, and
+the bed stops whenever it moves uphill. The forces are those of a run without friction and damping.
+The radius of gyration puts torques and spins on the scale of forces and speeds.
 """
 
 import math
