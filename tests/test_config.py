@@ -99,7 +99,7 @@ def test_all_faults_are_told_at_once():
 
 @pytest.mark.parametrize(
     ("faults", "last"),
-    [(20, "cases.c19 is 1; it must be a group of keys."), (21, "and 1 more fault."), (200, "and 180 more faults.")],
+    [(20, "cases.c19 is 1; it must be a group of keys; its keys are shape, density."), (21, "and 1 more fault."), (200, "and 180 more faults.")],
 )  # fmt: skip
 def test_of_many_faults_twenty_are_told_and_the_rest_counted(faults, last):
     with pytest.raises(InputError) as error:
@@ -113,7 +113,7 @@ A_LABEL = (
 )
 # key: value: what is said of it, whole, because half a sentence may be true and the other half not
 SENTENCES = [
-    ("sweep.seed", [-1], "sweep.seed has -1; a seed is a whole number below 2147483648."),
+    ("sweep.seed", [-1], "sweep.seed has -1; a seed is a whole number from 0 to 2147483647."),
     ("sweep.seed", [], "sweep.seed is []; it must be a list of values."),
     ("sweep.seed", "1 to 99999999999", "sweep.seed is '1 to 99999999999'; each must be less than 2147483648."),
     ("sweep.seed", "5 to 1", "sweep.seed is '5 to 1'; each part must run from less to more."),
@@ -138,8 +138,8 @@ SENTENCES = [
     ("packing.fraction", -1, "packing.fraction is -1; it must be positive, at least 1e-15."),
     ("material.poisson_ratio", -2, "material.poisson_ratio is -2; it must be greater than -1."),
     ("record.window", [1e-3, 2e-3, 3e-3], "record.window is [0.001, 0.002, 0.003]; it must have at most 2 items."),
-    ("cases", {"c1": 3}, "cases.c1 is 3; it must be a group of keys."),
-    ("cases", {"c" * 33: 3}, f"cases.{'c' * 33} is '{'c' * 33}'; {A_LABEL}\ncases.{'c' * 33} is 3; it must be a group of keys."),
+    ("cases", {"c1": 3}, "cases.c1 is 3; it must be a group of keys; its keys are shape, density."),
+    ("cases", {"c" * 33: 3}, f"cases.{'c' * 33} is '{'c' * 33}'; {A_LABEL}\ncases.{'c' * 33} is 3; it must be a group of keys; its keys are shape, density."),
     ("cylinder.start", 0.99, "sweep asks for a run that cannot be: cylinder.start is 0.99: with shapes.c1 the box is 0.02 m by 0.02275 m, and the cylinder would begin above its top."),
 ]  # fmt: skip
 
@@ -152,6 +152,74 @@ def test_a_sentence_says_what_is_true(key, value, told):
     with pytest.raises(InputError) as error:
         parse(changed(key.split("."), value), "my.yaml")
     assert str(error.value) == "\n".join(f"my.yaml: {line}" for line in told.splitlines())
+
+
+# key: what a user writes there by mistake: parts of the sentence, the last of which is the remedy
+MISTAKES = [
+    ("friction.granule", [0.1, 0.3], "is [0.1, 0.3]; it must be a number", "write `friction.granule: [0.1, 0.3]` under `sweep:`"),
+    ("packing.fraction", 84, "is 84; it must be less than 1", "write 0.84 for 84 %"),
+    ("packing.fraction", "84 %", "is '84 %'; it must be a number", "write 0.84"),
+    ("packing.fraction", "0,84", "is '0,84'; it must be a number", "write 0.84"),
+    ("packing.fraction", {"derive": "equal_load"}, "packing.fraction: it must be a number", "belongs under `sweep:`"),
+    ("box_width", "20 mm", "is '20 mm'; it must be a number", "write 0.02, in m"),
+    ("box_width", "20 parsecs", "is '20 parsecs'; it must be a number", "write the number alone, in m"),
+    ("cylinder.velocity", "2000 mm/s", "it must be a number", "write 2, in m s-1"),
+    ("material.young_modulus", "76.6GPa", "it must be a number", "write 7.66e+10, in Pa"),
+    ("gravity", True, "is True; it must be a number", "YAML reads yes, no, on and off as true or false"),
+    ("gravity", "9,81 m/s^2", "it must be a number", "write 9.81, in m s-2"),
+    ("friction", 0.3, "is 0.3; it must be a group of keys", "its keys are granule, wall, cylinder, stiffness"),
+    ("cylinder.diamter", 3e-3, "cylinder.diamter is not a known key", "the nearest is diameter"),
+    ("granule", 0.1, "granule is not a known key", "the nearest is friction.granule"),
+    ("seeds", 5, "seeds is not a known key", "write `seed: 1 to 5` under `sweep:`"),
+    ("box_height", 0.02, "box_height is not a known key", "the height follows from packing.fraction"),
+    ("shapes.c1.density", 3900, "shapes.c1.density is not a known key", "write it in a case"),
+    ("shapes.c1.radius", 1e-3, "shapes.c1.radius is not a known key", "write diameter"),
+    ("shapes.c1.kind", "disk", "is 'disk'; it must be 'disc', 'dumbbell'", "the nearest is disc"),
+    ("shapes.c1.granules", 400.0, "is 400.0; it must be a whole number", "write 400"),
+    ("shapes.c1.granules", "4e2", "is '4e2'; it must be a whole number", "write 400"),
+    ("cases.c1.shape", "C1", "is 'C1', which is not one of shapes", "the nearest is c1"),
+    ("record.observables", "drag", "is 'drag'; it must be a list", "write [drag]"),
+    ("record.observables", ["drags"], "is 'drags'; it must be 'alignment'", "the nearest is drag"),
+    ("ellipse.contact", "geometric", "is 'geometric'; it must be", "the nearest is geometric_potential"),
+    ("experiment", "darg", "is 'darg'; it must be", "the nearest is drag"),
+    ("results", "out", "is 'out'; it must be results or a folder below it", "such as results/mine"),
+    ("extends", "config/papr.yaml", "config/papr.yaml: cannot read it", "the nearest is config/paper.yaml"),
+    ("sweep.seed", "1-5", "is '1-5'; it must be a list of whole numbers", "write 1 to 5"),
+    ("sweep.seed", "1..5, 7", "is '1..5, 7'; it must be", "write 1 to 5, 7"),
+    ("sweep.seeds", "1 to 5", "seeds is no value that can vary", "the nearest is seed"),
+    ("sweep.seed", -1, "has -1; a seed is a whole number", "from 0 to 2147483647"),
+    ("sweep.case", ["C12"], "names 'C12', which is not one of cases", "the nearest is c12"),
+    ("sweep.shapes", ["c1"], "shapes is no value that can vary", "the nearest is shape"),
+    ("sweep.friction", [0.1], "friction is no value that can vary", "the nearest are friction.granule, friction.wall"),
+    ("sweep.friction_granule", [0.1], "friction_granule is no value that can vary", "the nearest is friction.granule"),
+    ("sweep.record/window", [[0, 1]], "record.window is no value that can vary", "all runs of a file share it"),
+    ("sweep.box_width", ["20 mm"], "has '20 mm'; it must be a number", "write 0.02, in m"),
+    ("sweep.gravity", "0 to 10", "has '0 to 10'; it must be a number", "as a list, [0, 10], under `sweep:`"),
+    ("sweep.gravity", {"time": [1]}, "is {'time': [1]}; it must be a list of values", "factors: {times: [0.5, 2]}"),
+    ("sweep.p", {"a": {"gravity": [1, 2]}}, "sweep.p.a.gravity is [1, 2]; it must be one value", "name a point for each"),
+    ("sweep.p", {"design": "sobol", "points": 4, "over": {"gravity": [0, 1]}}, "over.gravity is [0, 1]", "write a range, {low: 0.1, high: 0.5}"),
+    ("sweep.p", {"design": "sobol", "points": 4, "over": {"gravity": {"min": 0, "high": 1}}}, "over.gravity.min is not a known key", "write low"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("key", "value", "wrong", "remedy"), MISTAKES)
+def test_a_refused_value_comes_with_its_remedy(monkeypatch, key, value, wrong, remedy):
+    """A sentence says what is wrong, and then how to say what the user wanted."""
+    monkeypatch.chdir(CONFIG.parent)
+    with pytest.raises(InputError) as error:
+        parse(changed([part.replace("/", ".") for part in key.split(".")], value), "my.yaml")
+    sentence = next(line for line in str(error.value).splitlines() if wrong in line)
+    assert remedy in sentence.partition(wrong)[2], sentence
+
+
+@pytest.mark.parametrize("key", ["box_width", "results", "material.young_modulus"])
+def test_a_missing_value_is_described(key):
+    """What is missing is named, with what it is."""
+    data = yaml.safe_load(PAPER)
+    *groups, last = key.split(".")
+    del (data[groups[0]] if groups else data)[last]
+    with pytest.raises(InputError, match=rf"my\.yaml: {key} is missing; it is the "):
+        parse(data, "my.yaml")
 
 
 TENS = "[" + ", ".join(["x"] * 10) + "]"
@@ -330,6 +398,7 @@ def said_falsely(line):
     """Whether a sentence asks of a value what the value has."""
     _, _, rest = line.partition(" is ")
     shown, _, asked = rest.rpartition("; it must ")
+    asked = asked.partition(";")[0].rstrip(".") + "."  # without the remedy
     quoted = re.fullmatch(NUMBER, shown.strip("'"))
     value = float(quoted[0]) if quoted else None
     if bound := re.fullmatch(

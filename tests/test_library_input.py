@@ -5,6 +5,7 @@ import warnings
 
 import numpy as np
 import pytest
+from conftest import CONFIG
 from numpy.testing import assert_array_equal
 from test_large import swarm
 
@@ -160,6 +161,36 @@ def test_a_value_that_cannot_be_used_is_refused_in_a_sentence(argument):
         sentence = str(error.value)
         assert name in sentence, sentence
         assert sentence.endswith(".") and "\n" not in sentence and len(sentence) < 300, sentence
+
+
+MISTAKES = {
+    "dem.Friction(...)": lambda: scene(friction=0.3),
+    "dem.Cylinder(...)": lambda: scene(cylinder=(5e-3, 5e-3)),
+    "dem.Material(...)": lambda: scene(material=76.6e9),
+    "dem.box(width, height) makes walls": lambda: scene(walls=(1e-2, 1e-2)),
+    "such as (0, -9.81)": lambda: scene(gravity=9.81),
+    "hold real numbers in a list or an array": lambda: dem.Disc(1e-3),
+    "without quotes": lambda: dem.Material(young_modulus="76.6e9"),
+    "must have shape (2, 2), one row per granule": lambda: state(position=[*PLACES, [8e-3, 2e-3]]),
+    "'common_normal' or 'geometric_potential'": lambda: ellipse(contact="geometric"),
+    "dem.State(...)": lambda: simulate(state=PLACES),
+    "the nearest is friction": lambda: dem.run_experiment(SMOKE | {"frction": {"granule": 0.1}}),
+    "`friction: {granule: ...}`": lambda: dem.run_experiment(SMOKE | {"friction.granule": 0.1}),
+    "the nearest is seed": lambda: dem.run_experiment(SMOKE | {"seeds": 1}),
+    "the nearest is c1": lambda: dem.run_experiment(SMOKE | {"shape": "C1"}),
+    "write 0.008, in m": lambda: dem.run_experiment(SMOKE | {"box_width": "8 mm"}),
+    "the nearest is config/smoke.yaml": lambda: dem.load_sweep("config/smoek.yaml"),
+}
+SMOKE = {"extends": "config/smoke.yaml", "shape": "c1"}
+
+
+@pytest.mark.parametrize("remedy", MISTAKES)
+def test_a_refused_argument_comes_with_its_remedy(monkeypatch, remedy):
+    """What users plausibly hand over by mistake: the sentence ends in what to write instead."""
+    monkeypatch.chdir(CONFIG.parent)
+    with pytest.raises(dem.InputError) as error:
+        MISTAKES[remedy]()
+    assert remedy in str(error.value), str(error.value)
 
 
 KINDS = {

@@ -12,10 +12,11 @@ import numpy as np
 import xarray as xr
 
 from dem.base.errors import InputError
-from dem.experiment.config import Replicate, nearest, of_values
+from dem.experiment.config import Replicate, of_values
 from dem.experiment.motion import Motion
 from dem.io.dataset import LABELS, content_of
 from dem.io.lazily import open_lazily
+from dem.sweep.remedy import meant
 from dem.sweep.store import Store
 
 SHOWN = 8  # values of an axis that a sentence lists
@@ -137,7 +138,7 @@ def _named(path, columns: list[Column], name: str) -> Column:
     if (plain := name.replace(".", "_")) in known:
         return known[plain]
     varied = [column.name for column in columns if len(set(_words(column.values))) > 1]
-    hint = nearest(plain, known) or (f"; its runs differ in {', '.join(varied)}" if varied else "")
+    hint = meant(plain, known) or (f"; its runs differ in {', '.join(varied)}" if varied else "")
     raise InputError(f"{path}: {name} is nothing that its runs have{hint}.")
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import yaml
 
 from dem.base.errors import InputError
+from dem.base.remedy import of_missing_file, of_other_file
 
 LARGEST = 2_000_000  # bytes of a file
 DEEPEST = 20  # groups and lists within each other
@@ -45,9 +46,12 @@ def _text(path: Path) -> str:
         data = path.read_bytes() if whole else b""
     except (OSError, ValueError) as error:  # ValueError: a null character in the name
         why = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"{path}: cannot read it ({why.lower()}).") from None
+        hint = of_missing_file(path) if isinstance(error, FileNotFoundError) else ""
+        raise InputError(f"{path}: cannot read it ({why.lower()}){hint}.") from None
     if not stat.S_ISREG(status.st_mode):
         raise InputError(f"{path}: it is not a regular file; name a YAML file.")
+    if hint := of_other_file(path) if path.suffix not in (".yaml", ".yml") else "":
+        raise InputError(f"{path}: it is not a YAML file{hint}.")
     if not whole:
         size = f"{status.st_size:,}"
         raise InputError(f"{path}: it has {size} bytes; it must have at most {LARGEST:,}.")

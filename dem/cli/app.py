@@ -123,8 +123,14 @@ def figure(
     output: Annotated[Path | None, typer.Option("-o", "--output", help="Folder; figures/ beside the data."), Writes(FOLDER)] = None,
 ):  # fmt: skip
     """Draw a figure from drag.nc or the file of a study, as SVG and PNG."""
-    from dem.figures import draw
+    from dem.base.errors import InputError
+    from dem.figures import captions, draw
+    from dem.sweep.remedy import meant
 
+    names = [*captions(), "all"]
+    if name not in names:
+        hint = meant(name, names) or f"; the names are {', '.join(names)}"
+        raise InputError(f"figure is {name!r}; there is no such figure{hint}.")
     folder = output or data.parent / "figures"
     check_paths([Place("output", folder, FOLDER)])
     draw(name, data, folder)

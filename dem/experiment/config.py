@@ -230,7 +230,9 @@ class Configuration(Section):
         """One run; raises InputError for one that cannot be."""
         if shape not in self.shapes:
             raise InputError(
-                f"shape is {shape!r}; the configuration has " + ", ".join(self.shapes) + "."
+                f"shape is {shape!r}; the configuration has "
+                + ", ".join(self.shapes)
+                + f"{nearest(shape.lower(), self.shapes)}."
             )
         if not (math.isfinite(density) and density > 0):
             raise InputError(f"density is {density!r}; it must be a positive number (kg/m3).")

@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 
 from dem.base.errors import InputError
+from dem.base.remedy import of_missing_file, of_other_file
 from dem.io.checksums import is_sealed
 from dem.io.dataset import content_of, is_text
 
@@ -25,13 +26,14 @@ def open_lazily(path: Path):
     not fit, shows only when a value is read or used.
     """
     if not Path(path).is_file():
-        raise InputError(f"{path}: there is no such file.")
+        raise InputError(f"{path}: there is no such file{of_missing_file(path)}.")
     with content_of(path):
         is_sealed(path)
         try:
             dataset = xr.open_dataset(path, engine="netcdf4", chunks={})
         except (OSError, ValueError, RuntimeError) as error:
-            raise InputError(f"{path}: it is not a readable netCDF file ({error}).") from None
+            why = of_other_file(path) or f" ({error})"
+            raise InputError(f"{path}: it is not a readable netCDF file{why}.") from None
         with dataset:
             yield dataset
 

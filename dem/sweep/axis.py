@@ -5,14 +5,17 @@ factors on the file's own value. Any other name takes named points, each a group
 together, or a design over ranges.
 """
 
+import re
 from typing import Any, NamedTuple
 
 from dem.base.errors import InputError
+from dem.base.remedy import of_value
 from dem.base.schema import SEEDS, label, number, seeds_of
-from dem.experiment.config import Configuration, Entry, entries, nearest
+from dem.experiment.config import Configuration, Entry, entries
 from dem.experiment.observables import OBSERVABLES, module_of
 from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE
 from dem.sweep import derive, design
+from dem.sweep.remedy import meant
 
 OWN = ("shape", "density", "seed")  # of a run, beside the values of its configuration
 POINT = "point of the design"  # long name of an axis that is a design
@@ -66,8 +69,17 @@ def axis_of(key: str, spec, place: Place) -> Axis:
         _once(names, here)
         about = Entry(key, None, "values that go together")
         return Axis(_own_name(key, here), about, names, points)
-    hint = nearest(key, [*place.paths, *READERS])
+    hint = _shared(key, place) or meant(key, [*place.paths, *READERS])
     raise InputError(f"{place.where}: {key} is no value that can vary{hint}.")
+
+
+def _shared(key: str, place: Place) -> str:
+    """A hint for a value that there is, but that runs of one file share."""
+    at = place.sweep.values()
+    for name in key.split("."):
+        at = at.get(name) if isinstance(at, dict) else None
+    shared = at is not None and not isinstance(at, dict)
+    return "; all runs of a file share it, use another file" if shared else ""
 
 
 def _cases(spec, here: Place) -> Axis:
@@ -89,12 +101,12 @@ def _labels(spec, known: dict, here: Place) -> list[str]:
     for each in labels:
         if each not in known:
             table = f"{here.where.rpartition('.')[2]}s"
-            here.refuse(f"names {each!r}, which is not one of {table}{nearest(each, known)}")
+            here.refuse(f"names {each!r}, which is not one of {table}{meant(each, known)}")
     return labels
 
 
 def _densities(spec, here: Place) -> Axis:
-    found = [float(_number(value, here)) for value in _listed(spec, here)]
+    found = [float(_number(value, here, "kg m-3")) for value in _listed(spec, here)]
     for each in found:
         if not each > 0.0:
             here.refuse(f"has {each:g}; it must be positive")
@@ -108,13 +120,22 @@ def _seeds(spec, here: Place) -> Axis:
     try:
         seeds = list(seeds_of(spec)) if isinstance(spec, str) else seeds
     except ValueError as error:
-        here.refuse(f"is {spec!r}; {error}")
+        here.refuse(f"is {spec!r}; {error}{_seed_words(spec)}")
     for seed in seeds:
         if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < SEEDS:
-            here.refuse(f"has {seed!r}; a seed is a whole number below {SEEDS}")
+            here.refuse(f"has {seed!r}; a seed is a whole number from 0 to {SEEDS - 1}")
     _once(seeds, here)
     seeds = sorted(seeds)
     return Axis("seed", Entry("seed", "1", ""), seeds, [{"seed": seed} for seed in seeds])
+
+
+def _seed_words(spec: str) -> str:
+    """What a range of seeds is as words: 1-5, 1..5 and 1:5 are 1 to 5."""
+    words = re.sub(r"(?<=\d)\s*(?:-|\u2013|\.\.+|:)\s*(?=\d)", " to ", spec)
+    try:
+        return f"; write {words}" if seeds_of(words) else ""
+    except ValueError:
+        return ""
 
 
 READERS = {"case": _cases, "shape": _shapes, "density": _densities, "seed": _seeds}
@@ -125,7 +146,7 @@ def _design(key: str, spec: dict, here: Place) -> Axis:
     wanted = design.parse(spec, here.where)
     for path in wanted.over:
         if path not in here.paths:
-            hint = nearest(path, here.paths)
+            hint = meant(path, here.paths)
             raise InputError(f"{here.where}.over: {path} is no value that can vary{hint}.")
     points = design.points(wanted)
     if wanted.first_seed is not None:
@@ -149,7 +170,7 @@ def changes(values, place: Place) -> dict:
     found = {}
     for path, value in values.items():
         if path not in place.paths and path not in OWN:
-            hint = nearest(path, [*place.paths, *OWN])
+            hint = meant(path, [*place.paths, *OWN])
             raise InputError(f"{place.where}: {path} is no value that can vary{hint}.")
         here = place.at(path)
         if isinstance(value, dict) and set(value) == {"times"}:
@@ -172,7 +193,9 @@ def changes_of_words(configuration: Configuration, words: list[str]) -> dict:
     for word in words:
         path, equal, value = word.partition("=")
         if not equal or not value:
-            raise InputError(f"{word!r} is no value; write a path and a value: box_width=0.02.")
+            raise InputError(f"{word!r} is no value; write PATH=VALUE, such as box_width=0.02.")
+        if path in OWN:
+            raise InputError(f"{word!r} is said by an option; write --{path} {value}.")
         found[path] = value
     return changes(found, place_in(configuration, "values"))
 
@@ -199,15 +222,16 @@ def _converted(value, entry: Entry, here: Place):
     if value is None or isinstance(value, bool):
         return value
     if isinstance(value, list | dict):
-        here.refuse(f"is {value!r}; it must be one value")
-    return value if entry.units is None else _number(value, here) + 0  # -0.0 is 0.0
+        here.refuse(f"is {value!r}; it must be one value: name a point for each")
+    return value if entry.units is None else _number(value, here, entry.units) + 0  # -0.0 is 0.0
 
 
-def _number(value, here: Place):
+def _number(value, here: Place, units: str = "1"):
     try:
         return number(value)
     except ValueError as error:
-        raise InputError(f"{here.where} has {value!r}; {error}.") from None
+        hint = of_value(value, units)
+        raise InputError(f"{here.where} has {value!r}; {error}{hint}.") from None
 
 
 def check_label(name, where: str) -> None:
@@ -222,7 +246,8 @@ def _listed(spec, here: Place) -> list:
     """A list that is not empty; one value is a list of one."""
     found = spec if isinstance(spec, list) else [spec]
     if not found or isinstance(spec, dict):
-        here.refuse(f"is {spec!r}; it must be a list of values")
+        factors = ", or factors: {times: [0.5, 2]}" if spec else ""
+        here.refuse(f"is {spec!r}; it must be a list of values{factors}")
     return found
 
 

@@ -12,10 +12,11 @@ from dem.base.errors import InputError
 from dem.base.files import atomic
 from dem.base.schema import Folder, Label, Number, Positive, Section, Whole
 from dem.base.yaml_file import read
-from dem.experiment.config import Configuration, nearest
+from dem.experiment.config import Configuration
 from dem.experiment.config import parse as parse_values
 from dem.sweep.axis import check_label
 from dem.sweep.expand import Block, Derived, expand
+from dem.sweep.remedy import meant, remedies
 
 STUDIES = ("accuracy", "claims", "stability")
 FOLDERS = ("store", "chunks", "flow", "figures", "logs", "benchmarks", *STUDIES)  # of results
@@ -31,7 +32,7 @@ class Sweep(Configuration):
     """A configuration file: values, tables of shapes and cases, what varies, and where it goes."""
 
     title: str = "Slow drag of a cylinder through a bed of granules"
-    results: Folder
+    results: Annotated[Folder, Field(description="folder of all results, such as results/mine")]
     chunk: Annotated[Whole, Field(ge=1, le=10_000)] = 10  # runs a file of the store
     failures: Annotated[Number, Field(ge=0, lt=1)] = 0.0  # share of runs that may fail
     size: Literal["full", "smoke"] = "full"  # of the studies that are scripts
@@ -51,6 +52,7 @@ class Sweep(Configuration):
                 raise ValueError(
                     f"cases.{label}.shape is {case.shape!r}, which is not one of shapes: "
                     + ", ".join(self.shapes)
+                    + meant(case.shape, self.shapes)
                 )
             twin = seen.setdefault((case.shape, case.density), label)
             if twin != label:
@@ -97,7 +99,9 @@ class Sweep(Configuration):
     def _spec(self, name: str) -> dict:
         """What a file says of a block; raises InputError where there is no such block."""
         if name not in self.blocks:
-            raise InputError(f"block is {name!r}; the sweep has {', '.join(self.blocks)}.")
+            raise InputError(
+                f"block is {name!r}; the sweep has {', '.join(self.blocks)}{meant(name, self.blocks)}."
+            )
         return self.blocks[name]
 
     def needed(self, name: str) -> tuple[str, ...]:
@@ -132,12 +136,8 @@ class Sweep(Configuration):
 
 def parse(data, source: str = "configuration") -> Sweep:
     """Sweep from the content of a file; raises InputError with one sentence a fault."""
-    if isinstance(data, dict):
-        for key in data:
-            if key not in Sweep.model_fields and key != "extends":
-                hint = nearest(key, Sweep.model_fields)
-                raise InputError(f"{source}: {key} is not a known key{hint}.")
-    return parse_values(extended(data, source), source, Sweep)
+    with remedies(source, Sweep):
+        return parse_values(extended(data, source), source, Sweep)
 
 
 def extended(data, source: str, above: tuple = ()):

@@ -5,7 +5,8 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
 from dem.base.errors import InputError
-from dem.base.schema import Number, Section, Seed, Whole, number, sentences
+from dem.base.schema import Number, Section, Seed, Whole, number
+from dem.sweep.remedy import told
 
 DRAWS = 20  # hypercubes, of which the one of the lowest discrepancy is taken
 MANY = 5_000  # points from which that takes too long, and one is drawn
@@ -82,7 +83,7 @@ def parse(spec: dict, where: str) -> Design:
     try:
         return Design.model_validate(spec)
     except ValidationError as error:
-        raise InputError(sentences(where, error)) from None
+        raise InputError(told(where, error, Design)) from None
 
 
 def points(wanted: Design) -> list[dict]:

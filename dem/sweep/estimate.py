@@ -8,11 +8,12 @@ import numpy as np
 from rich.table import Table
 
 from dem.base.errors import InputError
-from dem.experiment.config import Replicate, entries, nearest, of_values
+from dem.experiment.config import Replicate, entries, of_values
 from dem.io.dataset import read
 from dem.io.progress import span
 from dem.sweep import chunk as making
 from dem.sweep.axis import OWN
+from dem.sweep.remedy import meant
 from dem.sweep.store import Store
 from dem.sweep.work import Work
 
@@ -192,7 +193,7 @@ def _wanted(word: str) -> tuple[str, str]:
     shape = path.split(".")[1:2] if path.startswith("shapes.") else ()
     known = [*entries(shape), *OWN]
     if not equal or path not in known:
-        raise InputError(f"{word!r} is no path and value{nearest(path, known)}.")
+        raise InputError(f"{word!r} is no path and value{meant(path, known)}.")
     return path, value
 
 

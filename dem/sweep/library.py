@@ -9,9 +9,11 @@ import xarray as xr
 from dem.base.errors import InputError
 from dem.experiment import drag
 from dem.experiment.bed import make_bed
-from dem.experiment.config import of_values
+from dem.experiment.config import Configuration, of_values
 from dem.io.dataset import AXES, LABELS, attributes, global_attributes
+from dem.sweep.axis import OWN
 from dem.sweep.config import extended, load
+from dem.sweep.remedy import remedies
 
 
 def load_sweep(path: str | Path) -> Iterator[dict]:
@@ -40,7 +42,8 @@ def run_experiment(values: dict) -> xr.Dataset:
     the configuration records, over displacement (m), wall, snapshot and granule, with units in the
     attributes. Raises InputError for values that cannot be simulated, RunError where the run fails.
     """
-    replicate = of_values(_whole(values))
+    with remedies("values", Configuration, *OWN):
+        replicate = of_values(_whole(values))
     own = replicate.configuration
     experiment = own.module
     found = experiment.run(replicate, make_bed(replicate)) if experiment is drag else experiment.run(replicate)  # fmt: skip
