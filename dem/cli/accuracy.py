@@ -1,4 +1,4 @@
-"""Command line of the study: `dem accuracy PART`, a verb a part."""
+"""Command line of the study of accuracy: `dem accuracy PART`, one verb per part."""
 
 from pathlib import Path
 from typing import Annotated
@@ -7,20 +7,20 @@ import typer
 
 from dem.cli.terminal import ConfigOption, OutputOption, Verbs, bar, start_lean
 
-app = Verbs(help="Error against run time: the parts of the study.", no_args_is_help=True)
+app = Verbs(help="Study of error against run time, part by part.", no_args_is_help=True)
 
 ACCURACY = Path("config/accuracy.yaml")
 HERE = "dem.studies.accuracy"
 
 
 def _sized(study, sweep):
-    """The plan of a study that the configuration asks for."""
+    """The plan of a study at the size in the configuration."""
     return study.SMOKE if sweep.size == "smoke" else study.USUAL
 
 
 @app.command()
 def contacts(output: OutputOption, config: ConfigOption = ACCURACY):
-    """Contact of two ellipses: nanoseconds against error; energy over many bounces."""
+    """Measure contacts of two ellipses: time against error, and energy over many bounces."""
     start_lean()
     from dem.studies.accuracy import bounces, contacts
     from dem.studies.accuracy.layout_contacts import VARIABLES
@@ -36,7 +36,7 @@ def contacts(output: OutputOption, config: ConfigOption = ACCURACY):
 
 @app.command()
 def steps(output: OutputOption, config: ConfigOption = ACCURACY):
-    """Time step and integrator: collisions and the bed before chaos; LAMMPS beside it."""
+    """Measure the error of time steps and integrators, and compare with LAMMPS."""
     start_lean()
     from dem.studies.accuracy import steps
     from dem.studies.accuracy.layout_steps import VARIABLES
@@ -52,11 +52,13 @@ def steps(output: OutputOption, config: ConfigOption = ACCURACY):
 @app.command()
 def table(
     output: OutputOption,
-    contacts: Annotated[Path, typer.Option("--contacts", help="What `contacts` wrote.")],
-    steps: Annotated[Path, typer.Option("--steps", help="What `steps` wrote.")],
+    contacts: Annotated[
+        Path, typer.Option("--contacts", help="File that `dem accuracy contacts` wrote.")
+    ],
+    steps: Annotated[Path, typer.Option("--steps", help="File that `dem accuracy steps` wrote.")],
     config: ConfigOption = ACCURACY,
 ):
-    """The runs of the sweep and both files into accuracy.nc."""
+    """Write the runs of the sweep and both files into accuracy.nc."""
     from dem.studies.accuracy.table import write_study
     from dem.sweep.config import load
     from dem.sweep.work import Work

@@ -1,4 +1,4 @@
-"""Command line: a verb a stage. Exit status 0, 1 (a run failed) or 2 (bad input)."""
+"""Command line: one verb per stage. Exit status 0, 1 (a run failed) or 2 (bad input)."""
 
 import sys
 from pathlib import Path
@@ -36,10 +36,20 @@ app.add_typer(claims, name="claims")
 for verb in (*sweeping, *moving, report):
     app.command()(verb)
 
-ShapeOption = Annotated[str, typer.Option("--shape", help="Shape label of the configuration.")]
-DensityOption = Annotated[float, typer.Option("--density", help="Density of the granules, kg/m3.")]
-SeedOption = Annotated[int, typer.Option("--seed", help="Seed of the replicate.")]
-ValuesArgument = Annotated[list[str] | None, typer.Argument(help="Other values, such as friction.granule=0.2.", metavar="[PATH=VALUE]...")]  # fmt: skip
+ShapeOption = Annotated[
+    str, typer.Option("--shape", help="Label of a shape in the configuration, such as c1.")
+]
+DensityOption = Annotated[
+    float, typer.Option("--density", help="Density of the granules, kg/m3, such as 3900.")
+]
+SeedOption = Annotated[int, typer.Option("--seed", help="Seed of the random bed.")]
+ValuesArgument = Annotated[
+    list[str] | None,
+    typer.Argument(
+        help="Values that replace those of the configuration, such as friction.granule=0.2.",
+        metavar="PATH=VALUE",
+    ),
+]
 
 
 def _replicate(config, shape, density, seed, values=None):
@@ -66,7 +76,10 @@ def pack(
     values: ValuesArgument = None,
     config: ConfigOption = PAPER,
 ):
-    """Make the bed of one shape and seed, at rest."""
+    """Pack the bed of one shape and seed, at rest.
+
+    Example: dem pack --shape c1 --seed 1 -o bed.nc
+    """
     start_lean()
     from dem.experiment.bed import make_bed, write_bed
 
@@ -82,11 +95,23 @@ def simulate(
     output: OutputOption,
     values: ValuesArgument = None,
     config: ConfigOption = PAPER,
-    bed: Annotated[Path | None, typer.Option(help="Bed from dem pack; packed if absent.")] = None,
-    threads: Annotated[int, typer.Option(min=1, help="Useful from some thousand granules; the result stays the same.")] = 1,
-    checkpoint: Annotated[Path | None, typer.Option(help="File to which a long run saves itself every minute, and from which it goes on."), Writes(ANY)] = None,
-):  # fmt: skip
-    """Draw the cylinder through one bed and record the forces on it."""
+    bed: Annotated[
+        Path | None, typer.Option(help="Bed that dem pack wrote; packed here if absent.")
+    ] = None,
+    threads: Annotated[
+        int,
+        typer.Option(min=1, help="Threads; they pay from some thousand granules on, same result."),
+    ] = 1,
+    checkpoint: Annotated[
+        Path | None,
+        typer.Option(help="File that saves the run every minute; a stopped run resumes from it."),
+        Writes(ANY),
+    ] = None,
+):
+    """Make one run: draw the cylinder through one bed and record the forces on it.
+
+    Example: dem simulate --shape c1 --density 3900 --seed 1 friction.granule=0.2 -o run.nc
+    """
     start_lean()
     from dem.experiment import drag, resume
     from dem.experiment.bed import make_bed, read_bed
@@ -106,7 +131,7 @@ def simulate(
 
 @app.command()
 def benchmark(output: OutputOption, config: ConfigOption = PAPER):
-    """Time the kernels, alone and beside other codes, on beds of the configuration."""
+    """Time the kernels, alone and against other codes, on beds of the configuration."""
     from dem.studies.benchmark.measure import measure, write_benchmark
     from dem.sweep.config import load
 
@@ -118,11 +143,20 @@ def benchmark(output: OutputOption, config: ConfigOption = PAPER):
 
 @app.command()
 def figure(
-    name: Annotated[str, typer.Argument(help="figure07, figure08, figure13, figure14 or all; or one from the file of a study.")],
-    data: Annotated[Path, typer.Argument(help="drag.nc, or the file of a study")],
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="Folder; figures/ beside the data."), Writes(FOLDER)] = None,
-):  # fmt: skip
-    """Draw a figure from drag.nc or the file of a study, as SVG and PNG."""
+    name: Annotated[
+        str, typer.Argument(help="Name of a figure, such as figure13, or all; see the manual.")
+    ],
+    data: Annotated[Path, typer.Argument(help="drag.nc, flow.nc or the file of a study.")],
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="Folder; figures/ next to the data if absent."),
+        Writes(FOLDER),
+    ] = None,
+):
+    """Draw a figure of results, as SVG and PNG.
+
+    Example: dem figure figure13 results/drag.nc
+    """
     from dem.base.errors import InputError
     from dem.figures import captions, draw
     from dem.sweep.remedy import meant
@@ -139,9 +173,16 @@ def figure(
 @app.command()
 def info(
     data: Annotated[Path, typer.Argument(help="drag.nc, a file of runs, or the file of a study.")],
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="Text file (.txt); the terminal if absent."), Writes(".txt")] = None,
-):  # fmt: skip
-    """Print what a file holds: cases, mean drag, scatter and intervals."""
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="Text file (.txt); the terminal if absent."),
+        Writes(".txt"),
+    ] = None,
+):
+    """Print what a file of results holds: cases, mean drag, scatter and intervals.
+
+    Example: dem info results/drag.nc
+    """
     from dem.base.files import atomic
     from dem.base.plain import PlainConsole
     from dem.report.info import summary
@@ -159,11 +200,16 @@ def calibrate(
     config: ConfigOption = PAPER,
     shape: ShapeOption = "c1",
     density: DensityOption = 3.9e3,
-    target: Annotated[float, typer.Option(help="Mean drag to meet, N (paper, section 3.2).")] = 1295.0,
-    seeds: Annotated[int, typer.Option(min=2, max=100_000, help="Seeds a modulus, none of the sweep's.")] = 40,
-    jobs: Annotated[int, typer.Option("-j", min=1, help="Processes.")] = 2,
-):  # fmt: skip
-    """Fit Young's modulus to a mean drag: the one calibrated number."""
+    target: Annotated[
+        float, typer.Option(help="Mean drag to fit, N; 1295 is from section 3.2 of the paper.")
+    ] = 1295.0,
+    seeds: Annotated[
+        int,
+        typer.Option(min=2, max=100_000, help="Seeds per modulus; the sweep uses other seeds."),
+    ] = 40,
+    jobs: Annotated[int, typer.Option("-j", min=1, help="Number of processes.")] = 2,
+):
+    """Fit Young's modulus, the one calibrated number, to a mean drag."""
     from dem.studies.calibrate import MODULI
     from dem.studies.calibrate import calibrate as fit
     from dem.sweep.config import load

@@ -1,4 +1,4 @@
-"""Command line of the study: `dem claims table` and `dem claims test`."""
+"""Command line of the study of claims: `dem claims table` and `dem claims test`."""
 
 from pathlib import Path
 from typing import Annotated
@@ -10,12 +10,12 @@ from dem.cli.terminal import ConfigOption, OutputOption, Verbs, bar, start_lean
 
 CLAIMS = Path("config/claims.yaml")
 
-app = Verbs(help="Which of the paper's claims hold.", no_args_is_help=True)
+app = Verbs(help="Study of which of the paper's claims hold.", no_args_is_help=True)
 
 
 @app.command()
 def table(output: OutputOption, config: ConfigOption = CLAIMS):
-    """What claims are about, of all runs of the study, in one file."""
+    """Write the numbers that the claims are about, for all runs of the study, into one file."""
     start_lean()
     from dem.studies.claims.table import make
     from dem.sweep.config import load
@@ -28,12 +28,17 @@ def table(output: OutputOption, config: ConfigOption = CLAIMS):
 @app.command()
 def test(
     data: Annotated[Path, typer.Argument(help="claims.nc, or drag.nc of any sweep.")],
-    name: Annotated[str | None, typer.Option("--claim", help="One claim in detail.")] = None,
-    margin: Annotated[float, typer.Option(help="By how much, as a share, words such as significantly mean.")] = 0.18,
-):  # fmt: skip
-    """Which claims these runs support, contradict or leave undecided."""
+    name: Annotated[str | None, typer.Option("--claim", help="Show one claim in detail.")] = None,
+    margin: Annotated[
+        float, typer.Option(help="Relative difference that counts as significant, 0 to 1.")
+    ] = 0.18,
+):
+    """Print which claims these runs support, contradict or leave undecided.
+
+    Example: dem claims test results/drag.nc
+    """
     if not 0.0 <= margin <= 1.0:
-        raise InputError(f"margin is {margin}; it must lie between 0 and 1.")
+        raise InputError(f"margin is {margin}; it must be between 0 and 1.")
     from dem.base.plain import PlainConsole
     from dem.studies.claims.report import verdicts
 

@@ -1,4 +1,4 @@
-"""Command line: how beds move. `dem flow`, `dem film`, `dem picture`, `dem export`."""
+"""Command line, how beds move: `dem flow`, `dem film`, `dem picture`, `dem export`."""
 
 from pathlib import Path
 from typing import Annotated
@@ -9,21 +9,34 @@ from dem.base.files import FOLDER
 from dem.cli.terminal import PAPER, ConfigOption, OutputOption, Writes, bar, start_lean
 
 RunArgument = Annotated[Path, typer.Argument(metavar="RUN", help="drag.nc, or a file of runs.")]
-SelectArgument = Annotated[list[str] | None, typer.Argument(help="Which run: case=c1 seed=1, or any value that is varied.")]  # fmt: skip
-ColorOption = Annotated[str, typer.Option(help="speed, force, layer or cluster.")]
-ForcesOption = Annotated[bool, typer.Option("--forces", help="Contact forces as lines of their width.")]  # fmt: skip
+SelectArgument = Annotated[
+    list[str] | None,
+    typer.Argument(
+        help="Which run, by values that differ between runs, such as case=c1 seed=1.",
+        metavar="NAME=VALUE",
+    ),
+]
+ColorOption = Annotated[str, typer.Option(help="Color by speed, force, layer or cluster.")]
+ForcesOption = Annotated[
+    bool,
+    typer.Option("--forces", help="Draw contact forces as lines; wide lines are large forces."),
+]
 
 
 def flow(
     output: OutputOption,
     chunk: Annotated[
-        Path | None, typer.Argument(help="A file of runs, to measure; else all are combined.")
+        Path | None, typer.Argument(help="File of runs to measure; if absent, combine all.")
     ] = None,
     config: ConfigOption = PAPER,
-    block: Annotated[str | None, typer.Option(help="Block of the sweep; the first.")] = None,
+    block: Annotated[
+        str | None, typer.Option(help="Block of the sweep; the first if absent.")
+    ] = None,
 ):
-    """Measure how irregularly the beds of a file of runs move; without one, combine what was measured
-    of all runs of a sweep, with the snapshots of one run a case."""
+    """Measure how irregularly beds move, for one file of runs or combined for a whole sweep.
+
+    The combined file also holds the snapshots of one run per case.
+    """
     start_lean()
     from dem.analysis.flow.collect import measure_chunk, write_flow
 
@@ -41,12 +54,17 @@ def flow(
 
 def film(
     run: RunArgument,
-    output: Annotated[Path, typer.Option("-o", "--output", help=".mp4, or .gif."), Writes()],
+    output: Annotated[
+        Path, typer.Option("-o", "--output", help="Film to write, .mp4 or .gif."), Writes()
+    ],
     select: SelectArgument = None,
     color: ColorOption = "speed",
     forces: ForcesOption = False,
 ):
-    """Film one run; one with many frames needs record.snapshots in its configuration."""
+    """Film one run, one frame per snapshot; record.snapshots sets how many there are.
+
+    Example: dem film results/drag.nc case=c1 seed=1 -o c1.mp4
+    """
     start_lean()
     from dem.analysis.one_run import read_motion
     from dem.figures.film import film as make
@@ -56,21 +74,28 @@ def film(
         written = make(motion, output, color, forces, update)
     if written != output:
         typer.echo(
-            f"There is no encoder: {written} instead (pip install imageio-ffmpeg).", err=True
+            f"No encoder for {output.suffix}: wrote {written} (pip install imageio-ffmpeg).",
+            err=True,
         )
 
 
 def picture(
     run: RunArgument,
-    output: Annotated[Path, typer.Option("-o", "--output", help=".png, .svg or .pdf."), Writes()],
+    output: Annotated[
+        Path, typer.Option("-o", "--output", help="Picture to write, .png, .svg or .pdf."), Writes()
+    ],
     select: SelectArgument = None,
     displacement: Annotated[
-        float | None, typer.Option(help="Of the cylinder, m; half the stroke if absent.")
+        float | None,
+        typer.Option(help="Displacement of the cylinder, m; half the stroke if absent."),
     ] = None,
     color: ColorOption = "layer",
     forces: ForcesOption = False,
 ):
-    """Draw one run at one displacement."""
+    """Draw the granules of one run at one displacement.
+
+    Example: dem picture results/drag.nc case=c1 seed=1 -o c1.png
+    """
     start_lean()
     from dem.analysis.one_run import read_motion
     from dem.figures.film import picture as make
@@ -85,7 +110,10 @@ def export(
     ],
     select: SelectArgument = None,
 ):
-    """Write the snapshots of one run for ParaView (open bed.pvd)."""
+    """Write the snapshots of one run as VTK files for ParaView; open bed.pvd there.
+
+    Example: dem export results/drag.nc case=c1 seed=1 -o vtk
+    """
     from dem.analysis.one_run import read_motion
     from dem.figures.export import export as make
 

@@ -9,12 +9,21 @@ from dem.cli.terminal import Writes
 
 
 def report(
-    data: Annotated[Path, typer.Argument(help="drag.nc; figures and tables beside it are shown.")],
-    output: Annotated[Path, typer.Option("-o", "--output", help="HTML file to write."), Writes(".html")],
-    flow: Annotated[Path | None, typer.Option(help="flow.nc; beside drag.nc.")] = None,
-    readme: Annotated[Path, typer.Option(help="Has the assumptions and slips.")] = Path("README.md"),
-):  # fmt: skip
-    """Make one page of the results, that opens without a network."""
+    data: Annotated[Path, typer.Argument(help="drag.nc; the page shows the files next to it.")],
+    output: Annotated[
+        Path, typer.Option("-o", "--output", help="HTML file to write."), Writes(".html")
+    ],
+    flow: Annotated[
+        Path | None, typer.Option(help="flow.nc; the one next to drag.nc if absent.")
+    ] = None,
+    readme: Annotated[
+        Path, typer.Option(help="Text that lists the assumptions and the paper's slips.")
+    ] = Path("README.md"),
+):
+    """Write all results as one HTML page, which opens without a network.
+
+    Example: dem report results/drag.nc -o report.html
+    """
     from dem.report.build import build
 
     build(data, flow or data.parent / "flow.nc", readme, output)

@@ -1,4 +1,4 @@
-"""Command line of the study: `dem stability PART`, a verb a part."""
+"""Command line of the study of stability: `dem stability PART`, one verb per part."""
 
 from pathlib import Path
 from typing import Annotated
@@ -8,26 +8,32 @@ import typer
 from dem.base.errors import InputError
 from dem.cli.terminal import ConfigOption, OutputOption, Verbs, bar, start_lean
 
-app = Verbs(help="Stiff and extreme cases: the parts of the study.", no_args_is_help=True)
+app = Verbs(help="Study of stiff and extreme cases, part by part.", no_args_is_help=True)
 
-CatalogueOption = Annotated[Path, typer.Option("--catalogue", help="Cases and limits (YAML).")]
-ShapeOption = Annotated[str, typer.Option("--shape", help="Shape label.")]
+CatalogueOption = Annotated[
+    Path, typer.Option("--catalogue", help="File of cases and limits (YAML).")
+]
+ShapeOption = Annotated[
+    str, typer.Option("--shape", help="Label of a shape in the catalogue, such as c1.")
+]
 STABILITY, CATALOGUE = Path("config/stability.yaml"), Path("config/catalogue.yaml")
 
 
 def _script(part: str, config, catalogue, shape, output, shapes, work) -> None:
-    """Do a part for one of shapes(cases): work(study, sweep, cases, update) returns its variables."""
+    """Make one part for one shape; work(study, sweep, cases, update) returns its variables."""
     start_lean()
     from dem.studies.stability import study
     from dem.studies.stability.catalogue import load as load_catalogue
     from dem.studies.stability.layout import VARIABLES
     from dem.sweep.config import load
+    from dem.sweep.remedy import meant
     from dem.sweep.table import write_part
 
     sweep, cases = load(config), load_catalogue(catalogue)
     study.check(sweep, cases)
     if shape not in (known := shapes(cases)):
-        raise InputError(f"shape is {shape!r}; there are {', '.join(known)}.")
+        names = ", ".join(known)
+        raise InputError(f"shape is {shape!r}; it must be one of {names}{meant(shape, known)}.")
     with bar(f"{part}, {shape}", 1.0) as update:
         values = work(study, sweep, cases, update)
     write_part(output, sweep, ("dem.studies.stability.study",), values, VARIABLES)
@@ -38,7 +44,7 @@ def catalogue(
     output: OutputOption, shape: ShapeOption, config: ConfigOption = STABILITY,
     catalogue: CatalogueOption = CATALOGUE,
 ):  # fmt: skip
-    """All cases of one shape, each against its limits."""
+    """Run all cases of one shape, each against its limits."""
     _script(
         "catalogue", config, catalogue, shape, output, lambda cases: cases.shapes,
         lambda study, sweep, cases, update: study.run_catalogue(sweep, cases, shape, update),
@@ -50,7 +56,7 @@ def limits(
     output: OutputOption, shape: ShapeOption, config: ConfigOption = STABILITY,
     catalogue: CatalogueOption = CATALOGUE,
 ):  # fmt: skip
-    """The bound of the critical time step beside the true limit, of a small bed of one shape."""
+    """Compare the bound on the critical time step with the true limit, for one shape."""
     _script(
         "limits", config, catalogue, shape, output, lambda cases: cases.limits.shapes,
         lambda study, sweep, cases, update: study.run_limits(sweep, cases, shape),
@@ -59,11 +65,11 @@ def limits(
 
 @app.command()
 def table(
-    files: Annotated[list[Path], typer.Argument(help="What `catalogue` and `limits` wrote.")],
+    files: Annotated[list[Path], typer.Argument(help="Files that `catalogue` and `limits` wrote.")],
     output: OutputOption,
     config: ConfigOption = STABILITY,
 ):
-    """The runs of the sweep and all parts into stability.nc."""
+    """Write the runs of the sweep and all parts into stability.nc."""
     from dem.studies.stability.table import write_study
     from dem.sweep.config import load
     from dem.sweep.work import Work

@@ -1,4 +1,4 @@
-"""Command line: a sweep and its store. `dem sweep`, `dem compile`, `dem chunk`, `dem combine`, `dem store`."""
+"""Command line, a sweep and its store: `dem sweep`, `compile`, `chunk`, `combine`, `store`."""
 
 import os
 import sys
@@ -10,17 +10,22 @@ import typer
 from dem.cli.terminal import PAPER, ConfigOption, OutputOption, bar, start_lean
 
 FileArgument = Annotated[Path, typer.Argument(help="Configuration file of a sweep (YAML).")]
-JobsOption = Annotated[int, typer.Option("-j", "--jobs", min=1, help="Processes.")]
-AGAIN = "DEM_AGAIN"  # set by the workflow where runs that are there are to be made again
+JobsOption = Annotated[int, typer.Option("-j", "--jobs", min=1, help="Number of processes.")]
+AGAIN = "DEM_AGAIN"  # the workflow sets it to make existing runs again
 
 
 def sweep(
     file: FileArgument = PAPER,
-    dry_run: Annotated[bool, typer.Option("-n", "--dry-run", help="Only list runs, beds, time and disk.")] = False,
+    dry_run: Annotated[
+        bool, typer.Option("-n", "--dry-run", help="Only estimate runs, beds, time and disk.")
+    ] = False,
     retry: Annotated[bool, typer.Option("--retry", help="Try failed runs again.")] = False,
     jobs: JobsOption = 2,
-):  # fmt: skip
-    """Make all runs of a sweep and combine them; what is there is not made again."""
+):
+    """Make all runs of a sweep that do not exist yet, and combine them.
+
+    Example: dem sweep config/smoke.yaml -j 2
+    """
     start_lean()
     from dem.sweep.config import load, save
     from dem.sweep.estimate import retried, summary
@@ -52,10 +57,15 @@ def sweep(
 
 def compile(
     config: ConfigOption = PAPER,
-    shape: Annotated[str | None, typer.Option("--shape", help="Shape label; all shapes of the sweep if absent.")] = None,
-    kernels: Annotated[str | None, typer.Option("--kernels", help="Those of planned chunks, by their name.", hidden=True)] = None,
-):  # fmt: skip
-    """Compile the kernels that the runs of a sweep need and keep them on disk."""
+    shape: Annotated[
+        str | None, typer.Option("--shape", help="Label of a shape; all shapes if absent.")
+    ] = None,
+    kernels: Annotated[
+        str | None,
+        typer.Option("--kernels", help="Name of the kernels of planned chunks.", hidden=True),
+    ] = None,
+):
+    """Compile the kernels that the runs of a sweep need, and keep them on disk."""
     start_lean()
     from dem.experiment.warmup import compile_kernels
     from dem.sweep.work import kinds_of
@@ -65,10 +75,12 @@ def compile(
 
 
 def chunk(
-    name: Annotated[str, typer.Argument(help="Identity of a planned chunk.")],
+    name: Annotated[
+        str, typer.Argument(help="Identity of a planned chunk, 16 hexadecimal digits.")
+    ],
     output: OutputOption,
 ):
-    """Make the runs of one chunk into the store; the output is a link to it."""
+    """Make the runs of one chunk in the store, and link the output to it."""
     start_lean()
     from dem.sweep.chunk import make
     from dem.sweep.store import Store, link_to
@@ -81,10 +93,17 @@ def chunk(
 def combine(
     output: OutputOption,
     config: ConfigOption = PAPER,
-    block: Annotated[str | None, typer.Option("--block", help="Block of the sweep; the first if absent.")] = None,
-    observable: Annotated[str, typer.Option("--observable", help="What the runs recorded.")] = "drag",
-):  # fmt: skip
-    """Combine all runs of a block into one file over what was varied."""
+    block: Annotated[
+        str | None, typer.Option("--block", help="Block of the sweep; the first if absent.")
+    ] = None,
+    observable: Annotated[
+        str, typer.Option("--observable", help="Recorded observable, such as drag or snapshots.")
+    ] = "drag",
+):
+    """Combine all runs of a block into one file, with one dimension per varied value.
+
+    Example: dem combine --config config/smoke.yaml -o drag.nc
+    """
     from dem.sweep.config import load
     from dem.sweep.work import Work
 
@@ -94,10 +113,21 @@ def combine(
 
 
 def store(
-    values: Annotated[list[str] | None, typer.Argument(help="Only runs with these values, such as shape=c1 friction.granule=0.3.", metavar="[PATH=VALUE]...")] = None,
-    prune: Annotated[bool, typer.Option("--prune", help="Remove what no sweep needs.")] = False,
-):  # fmt: skip
-    """List the runs that are there, of all sweeps, by their values."""
+    values: Annotated[
+        list[str] | None,
+        typer.Argument(
+            help="List only runs with these values, such as shape=c1 friction.granule=0.3.",
+            metavar="PATH=VALUE",
+        ),
+    ] = None,
+    prune: Annotated[
+        bool, typer.Option("--prune", help="Remove the runs that no sweep needs.")
+    ] = False,
+):
+    """List the stored runs of all sweeps by their values.
+
+    Example: dem store shape=c1 friction.granule=0.3
+    """
     from dem.base.plain import PlainConsole
     from dem.sweep.estimate import listing
     from dem.sweep.store import Store

@@ -1,4 +1,4 @@
-"""What all commands share: options, sentences instead of tracebacks, progress bars."""
+"""What all verbs share: options, sentences instead of tracebacks, progress bars."""
 
 import functools
 import signal
@@ -17,8 +17,10 @@ from dem.io.progress import TimeLeft
 
 
 class Writes(NamedTuple):
-    """Marks a path in the signature of a verb as written, with its kind as in dem.base.files.Place; all
-    others are read."""
+    """Marks a path that a verb writes; a verb only reads all others.
+
+    kind: as in dem.base.files.Place.
+    """
 
     kind: str = ""
 
@@ -79,7 +81,7 @@ def _stop(number, frame):
 
 
 def _tell(sentence: str) -> None:
-    """Show a sentence; what it repeats of a file or a path is shown, never obeyed."""
+    """Show a sentence; control characters from a file or a path have no effect."""
     from dem.base.plain import plain
 
     typer.echo(plain(sentence), err=True)
@@ -89,7 +91,7 @@ def _tell(sentence: str) -> None:
 def reported():
     """One sentence and an exit status instead of a traceback."""
     main = threading.current_thread() is threading.main_thread()
-    # the workflow starts its jobs with SIGINT ignored; SIGTERM is what clusters send when time is over
+    # The workflow starts its jobs with SIGINT ignored; clusters send SIGTERM when time is over.
     before = {each: signal.signal(each, _stop) for each in STOPS} if main else {}
     try:
         yield
@@ -109,7 +111,7 @@ def reported():
 
 @contextmanager
 def bar(label: str, total: float):
-    """A progress bar with the time left on a terminal, a line now and then in a log; yields its update."""
+    """A progress bar on a terminal, an occasional line in a log; yields the update function."""
     if not sys.stderr.isatty():
         yield _logged(label, total)
         return
