@@ -62,7 +62,7 @@ OWN = "snakemake" in Path(sys.argv[0]).parts[-2:] and "--target-jobs" not in sys
 ARGUMENTS = get_argument_parser().parse_known_args(sys.argv[1:] if OWN else [])[0]
 TARGETS = set(ARGUMENTS.targets)
 
-# `figures` draws what lies there: without the rules that make results, drag.nc and the like are files like any
+# `figures` draws the results that exist: without the rules that make results, drag.nc and the like are files like any
 # other, and nothing is simulated, however much older than the code they are
 ONLY_FIGURES = "figures" in TARGETS
 if ONLY_FIGURES and len(TARGETS) > 1:
@@ -105,7 +105,7 @@ def study_config(name):
 
 
 def place_of(folder):
-    """The sweep whose folder this is, and the block whose combined files lie in it."""
+    """The sweep of a folder, and the block whose combined files are in it."""
     for work in chain(list(WORKS.values()), map(study, SWEEP.studies)):  # each study when it is looked at
         if folder in work.folders:
             return work, work.folders[folder]
@@ -149,7 +149,7 @@ def quoted(text):
     return shlex.quote(str(text)).replace("{", "{{").replace("}", "}}")
 
 
-# Jobs run the Python that runs Snakemake, whatever PATH says, and the `dem` that it found: -P keeps a folder of
+# Jobs run the Python that runs Snakemake, for any PATH, and the `dem` that it found: -P keeps a folder of
 # that name where Snakemake was started from being taken. Ctrl-C reaches a job only once it can answer it
 # (dem.cli.terminal): Python's start would show a traceback.
 shell.prefix(

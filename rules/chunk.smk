@@ -1,6 +1,6 @@
 """Make the runs of a sweep, many in one process and one file.
 
-A chunk lies in the store, which all sweeps share, under a name that says what it holds: the values of its
+A chunk is in the store, which all sweeps share, under a name that says what it holds: the values of its
 runs and the code that made them. What Snakemake makes, dates and removes is a link to it.
 
 REQUIRED INPUTS

@@ -2,7 +2,7 @@
 
     snakemake -j2 report
 
-Studies are shown as they lie there, if they do: a report does not run them again. So is Snakemake's own
+Studies are shown if their results exist: a report does not run them. So is Snakemake's own
 report, provenance.html:
 
     snakemake -j1 --report {RESULTS}/provenance.html
@@ -16,7 +16,7 @@ OUTPUTS
 from dem.figures import STUDY_FIGURES
 
 def studies_there():
-    """Digest of what lies among the results beside those of the sweep."""
+    """Digest of the results of studies next to those of the sweep."""
     from hashlib import sha256
 
     digest = sha256()

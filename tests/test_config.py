@@ -140,7 +140,7 @@ SENTENCES = [
     ("record.window", [1e-3, 2e-3, 3e-3], "record.window is [0.001, 0.002, 0.003]; it must have at most 2 items."),
     ("cases", {"c1": 3}, "cases.c1 is 3; it must be a group of keys; its keys are shape, density."),
     ("cases", {"c" * 33: 3}, f"cases.{'c' * 33} is '{'c' * 33}'; {A_LABEL}\ncases.{'c' * 33} is 3; it must be a group of keys; its keys are shape, density."),
-    ("cylinder.start", 0.99, "sweep asks for a run that cannot be: cylinder.start is 0.99: with shapes.c1 the box is 0.02 m by 0.02275 m, and the cylinder would begin above its top."),
+    ("cylinder.start", 0.99, "sweep asks for an impossible run: cylinder.start is 0.99: with shapes.c1 the box is 0.02 m by 0.02275 m, and the cylinder would begin above its top."),
 ]  # fmt: skip
 
 
@@ -253,7 +253,7 @@ NO_CONFIGURATION = {
 
 @pytest.mark.parametrize("text", NO_CONFIGURATION, ids=range(len(NO_CONFIGURATION)))
 def test_files_that_are_no_configuration_are_refused(tmp_path, text):
-    """Whatever a YAML file holds, reading it ends at once in a sentence with its name and line."""
+    """Reading any YAML file ends at once, in a sentence with its name and line."""
     path, start = tmp_path / "broken.yaml", time.perf_counter()
     path.write_text(text)
     with pytest.raises(InputError) as error:

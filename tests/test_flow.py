@@ -194,12 +194,12 @@ def test_a_run_is_found_by_its_values(swept):
         ([], "it has 16 runs; choose one by shape, friction_granule, box, seed"),
         (
             ["frction.granule=0.1"],
-            "frction.granule is nothing that its runs have; the nearest is fr",
+            "its runs have no value named frction.granule; the nearest is fr",
         ),
         (["friction.granule=0.2"], "friction.granule=0.2; friction_granule is 0.1, 0.3"),
         (["shape=e3"], "no run with shape=e3; shape is c1, d1"),
         (["seed=one"], "no run with seed=one; seed is 1, 2"),
-        (["d1"], "'d1' selects no run; write a name and a value"),
+        (["d1"], "'d1' selects no run; write NAME=VALUE"),
     ],
 )
 def test_a_wrong_selection_is_one_sentence(swept, select, words):

@@ -167,7 +167,7 @@ def test_every_value_of_the_schema_can_vary():
         ({"friction.granule": [0.1]}, "must vary shape or case"),
         ({"shape": "c1", "cylinder.stroke": [1e-3]}, "runs of one block share"),
         ({"shape": "c1", "ellipse.contact": {"times": [2]}}, "which has no multiples"),
-        ({"shape": "c1", "cylinder.start": [0.25, 0.01]}, "asks for a run that cannot be"),
+        ({"shape": "c1", "cylinder.start": [0.25, 0.01]}, "asks for an impossible run"),
         ({"shape": "c1", "box": {"wide": {"box_with": 1}}}, "box_with is no value that can vary; the nearest is box_width"),
         ({"shape": "c1", "point": {"design": "grid", "points": 4, "over": {"gravity": {"low": 0, "high": 1}}}}, "sweep.point: design is 'grid'"),
         ({"shape": "c1", "point": {"design": "sobol", "points": 4, "over": {"gravit": {"low": 0, "high": 1}}}}, "the nearest is gravity"),

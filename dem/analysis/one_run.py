@@ -1,7 +1,7 @@
 """One run of a file of results, found by its values: `case=c1 seed=1`.
 
 The file is one of runs (a chunk of the store, or what `dem simulate` writes), or the combined file
-of a sweep, whose runs lie in the chunks linked beside it.
+of a sweep, whose runs are in the chunks linked beside it.
 """
 
 import json
@@ -126,7 +126,7 @@ def _chosen(path, columns: list[Column], ids, select: list[str]) -> int:
     for word in select:
         name, there, value = word.partition("=")
         if not there:
-            raise InputError(f"{word!r} selects no run; write a name and a value, such as seed=1.")
+            raise InputError(f"{word!r} selects no run; write NAME=VALUE, such as seed=1.")
         left &= _matches(path, _named(path, columns, name), word, value, left)
     if len(set(ids[left].tolist())) == 1:
         return int(np.flatnonzero(left)[0])
@@ -139,7 +139,7 @@ def _named(path, columns: list[Column], name: str) -> Column:
         return known[plain]
     varied = [column.name for column in columns if len(set(_words(column.values))) > 1]
     hint = meant(plain, known) or (f"; its runs differ in {', '.join(varied)}" if varied else "")
-    raise InputError(f"{path}: {name} is nothing that its runs have{hint}.")
+    raise InputError(f"{path}: its runs have no value named {name}{hint}.")
 
 
 def _matches(path, column: Column, word: str, value: str, left) -> np.ndarray:

@@ -1,7 +1,7 @@
 """Drag in numbers, as `dem info` and the figures show them: means, scatter, confidence.
 
 A `dataset` has the layout of drag.nc: drag (..., seed, displacement) in N, displacement in m and the
-averaging window in its attributes; before the seed is whatever the sweep varies. It may be backed by
+averaging window in its attributes; the values that the sweep varies come before the seed. It may be backed by
 dask: only reduced values, at most one number a run, are ever loaded, except where a function says
 otherwise.
 """
@@ -16,7 +16,7 @@ CHECK = "e0"  # shape label of the ellipse code at aspect ratio 1: a check, not 
 
 
 def within(drag: xr.DataArray, start: float, stop: float) -> xr.DataArray:
-    """The bins of drag (..., displacement) whose middle lies between start and stop (m)."""
+    """The bins of drag (..., displacement) whose middle is between start and stop (m)."""
     middle = drag["displacement"].values
     inside = (middle >= start) & (middle <= stop)
     if not inside.any():
@@ -95,7 +95,7 @@ def summarise(dataset: xr.Dataset) -> xr.Dataset:
 def change(run_mean: xr.DataArray, before: str, after: str) -> tuple[float, float]:
     """Change of the mean drag from one case to another over the first, and half its interval.
 
-    Runs are paired by seed: at one shape a seed means one bed, whatever its density.
+    Runs are paired by seed: at one shape a seed means one bed at any density.
     """
     difference = run_mean.sel(case=after) - run_mean.sel(case=before)
     base = run_mean.sel(case=before).where(difference.notnull()).mean("seed")

@@ -26,7 +26,8 @@ LEAST, MOST = 1e-20, 1e20
 def checked(prefix: str = "", /, **kinds: Kind) -> Callable[[Target], Target]:
     """Decorator of a class or a function: its arguments are of these kinds, by their names.
 
-    What is called gets the values that the kinds return. prefix: put before names in sentences.
+    The class or function gets the values that the kinds return. prefix: goes before names in
+    sentences.
     """
 
     def check(target: Any) -> Any:
@@ -144,7 +145,7 @@ def one_of(*classes: type) -> Kind:
 
 
 def named(choices: dict[str, Any], *classes: type) -> Kind:
-    """Kind: one of these texts, what one of them stands for, or an instance of these classes."""
+    """Kind: one of these texts or the object it names, or an instance of these classes."""
 
     def take(name: str, value: Any) -> Any:
         known = value in choices if isinstance(value, str) else isinstance(value, classes)
@@ -193,7 +194,7 @@ def array(
 ) -> Kind:
     """Kind: real numbers from low to high in an array of a shape, as reals takes them.
 
-    each: what a row is of.
+    each: what one row describes.
     """
     take_reals = reals(*shape)
 
@@ -232,7 +233,7 @@ def _reals(value: Any) -> np.ndarray | None:
             if found.dtype.kind not in "iuf":
                 return None
             return np.ascontiguousarray(found, np.float64) if found.ndim else None
-        except Exception:  # whatever lies in a list, or is made an array by code of its own
+        except Exception:  # any object in a list, or one with its own conversion to an array
             return None
 
 
@@ -244,7 +245,9 @@ def _holds_reals(value: Any, depth: int) -> bool:
     return not isinstance(value, bool | np.bool_ | str | bytes | np.ma.MaskedArray)
 
 
-# Of shapes: here, because an edit of their own files compiles all kernels again.
-SIZES = array(f"be a positive number (m), {LEAST:g} to {MOST:g}", None, low=LEAST)  # one a granule
+# Kinds for shapes are here because an edit of the shapes' files recompiles all kernels.
+SIZES = array(
+    f"be a positive number (m), {LEAST:g} to {MOST:g}", None, low=LEAST
+)  # one per granule
 RATIO = number("lie in 1 to 1e+06", 1.0, 1e6)  # of the axes
 OUTLINE = whole(2, 1_000_000)  # points of an outline

@@ -56,7 +56,7 @@ def write_bed(path: Path, replicate: Replicate, bed: Bed) -> None:
 
 
 def read_bed(path: Path, replicate: Replicate) -> Bed:
-    """The bed in the file of a packing; raises InputError if it is not that of the replicate."""
+    """The bed in the file of a packing; raises InputError if it belongs to another replicate."""
     values, attrs = read(path, WRITTEN)
     if attrs.get("bed_key") != replicate.bed_key():
         raise InputError(

@@ -1,7 +1,7 @@
-"""The values of one run: what a configuration file says of the experiment, checked in one place.
+"""The values of one run, as a configuration file gives them, checked in one place.
 
-SI units throughout. Workflow, command line and library read values only through here; whatever
-cannot be simulated is refused with one sentence a fault, naming key and value.
+SI units throughout. Workflow, command line and library read values only through this module. It
+refuses values that cannot be simulated with one sentence per fault, which names key and value.
 """
 
 import hashlib
@@ -37,7 +37,7 @@ EXPERIMENTS = ("drag", "jamming")  # modules of this room
 
 
 def value(units: str | None, about: str, **limits):
-    """A value of the configuration: its units (None: a text) and what it is, no code of a run."""
+    """Description of a value: its units (None: text) and what it is. Not part of a run's code."""
     return Field(description=about, json_schema_extra={"units": units}, **limits)
 
 
@@ -45,7 +45,7 @@ class CylinderSection(Section):
     diameter: Annotated[Positive, value("m", "diameter of the cylinder")]
     velocity: Annotated[Positive, value("m s-1", "velocity of the cylinder, upwards")]
     start: Annotated[
-        Positive, value("1", "height of the cylinder's axis over that of the box", lt=1)
+        Positive, value("1", "height of the cylinder's axis over the height of the box", lt=1)
     ]
     stroke: Annotated[Positive, value("m", "distance over which the cylinder is drawn")]
 
@@ -89,7 +89,7 @@ class EllipseSection(Section):
 
 
 def _observables(names):
-    """Names once each, in the order of the registry: another order is no other run."""
+    """Each name once, in the order of the registry, so that the order makes no other run."""
     if isinstance(names, list | tuple) and all(name in OBSERVABLES for name in names):
         return tuple(name for name in OBSERVABLES if name in names)
     return names
@@ -156,7 +156,7 @@ class ShapeSection(Section):
             raise ValueError(f"aspect_ratio is missing; kind {self.kind} needs one")
         if natural and self.aspect_ratio not in (None, natural):
             raise ValueError(
-                f"aspect_ratio is {self.aspect_ratio:g}; that of a {self.kind} is {natural:g}, "
+                f"aspect_ratio is {self.aspect_ratio:g}; a {self.kind} always has {natural:g}, "
                 "leave it out"
             )
         return self
@@ -205,12 +205,12 @@ class Configuration(Section):
         return (middle >= self.record.window[0]) & (middle <= self.record.window[1])
 
     def values(self) -> dict:
-        """The values as plain groups, without what a file says beside them."""
+        """The values of a run as plain groups, without the other keys of a file."""
         return json.loads(self.model_dump_json(include=set(Configuration.model_fields)))
 
     @cached_property
     def _read_by_all(self) -> str:
-        """Values that every run reads, whatever its shape, as text."""
+        """Values that every run reads, for any shape, as text."""
         unread = dict.fromkeys(("shapes", "ellipse", "experiment"), True)
         included = set(Configuration.model_fields)
         return json.dumps(
@@ -220,14 +220,14 @@ class Configuration(Section):
 
     @cached_property
     def _granules(self) -> dict[str, str]:
-        """By shape, the section with the aspect ratio that its kind may give it, as text."""
+        """Sections of the shapes as text, by label, with the aspect ratio that the kind fixes."""
         return {
             label: json.dumps(shape.model_dump() | {"aspect_ratio": shape.ratio})
             for label, shape in self.shapes.items()
         }
 
     def replicate(self, shape: str, density: float, seed: int) -> "Replicate":
-        """One run; raises InputError for one that cannot be."""
+        """One run; raises InputError if it is impossible."""
         if shape not in self.shapes:
             raise InputError(
                 f"shape is {shape!r}; the configuration has "
@@ -246,8 +246,10 @@ class Configuration(Section):
 
     @property
     def module(self):
-        """The module of the experiment; loaded when it is used, so that who reads results does not
-        depend on the code that made them."""
+        """The module of the experiment.
+
+        Loaded on use, so that reading results does not depend on the code that made them.
+        """
         return import_module(f"dem.experiment.{self.experiment}")
 
     def code_of(self, *modules: str, shapes: Iterable[str]) -> str:
@@ -259,7 +261,7 @@ class Configuration(Section):
     def changed(self, changes: dict[str, Any], shape: str) -> "Configuration":
         """These values with some changed by path, and one shape only; raises InputError.
 
-        A change of another shape is none of this one.
+        A change to another shape has no effect.
         """
         if not changes and set(self.shapes) == {shape} and type(self) is Configuration:
             return self
@@ -292,7 +294,7 @@ class Replicate:
         return self.configuration.shapes[self.label]
 
     def values(self) -> dict:
-        """All values as plain groups, as `of_values` takes them."""
+        """All values as plain groups, in the form that `of_values` takes."""
         own = self.configuration.values()
         own["shapes"] = {self.label: own["shapes"][self.label]}
         return own | {"shape": self.label, "density": self.density, "seed": self.seed}
@@ -308,7 +310,7 @@ class Replicate:
 
     @property
     def variant(self) -> str:
-        """What selects the machine code of the run, as text."""
+        """The values that select the machine code of the run, as text."""
         c = self.configuration
         ellipse = c.ellipse.model_dump() if self.shape.kind == "ellipse" else {}
         friction = [value > 0 for value in c.friction.model_dump().values()]
@@ -320,7 +322,7 @@ class Replicate:
 
     @property
     def bed_family(self) -> str:
-        """What beds like this are known by: a hash of all but packing fraction, friction and seed."""
+        """Hash of all that the bed depends on, except packing fraction, friction and seed."""
         return _digest(self._bed())
 
     def bed_key(self) -> str:
@@ -346,12 +348,12 @@ class Replicate:
 
     @cached_property
     def id(self) -> str:
-        """What this run is known by: a hash of the values that it reads and the code that it runs."""
+        """Identity of the run: hash of the values that it reads and the code that it runs."""
         return _digest(self.run_key(), self.source_hash)
 
     @property
     def bed_id(self) -> str:
-        """The same of its bed."""
+        """Identity of the bed of the run."""
         return _digest(
             self.bed_key(), code_hash("dem.experiment.bed", KINDS[self.shape.kind].module)
         )
@@ -386,12 +388,12 @@ def of_values(data: dict, source: str = "values") -> Replicate:
 
 
 def density_label(density: float) -> str:
-    """A density (kg/m3) as sentences have it."""
+    """A density (kg/m3) as text for sentences."""
     return f"{density:.10g}"
 
 
 def parse(data, source: str = "configuration", model: type[Configuration] = Configuration):
-    """Values from the content of a file; raises InputError with one sentence a fault."""
+    """Values from the content of a file; raises InputError with one sentence per fault."""
     if not isinstance(data, dict):
         raise InputError(f"{source}: it must hold keys with values, see config/paper.yaml.")
     try:

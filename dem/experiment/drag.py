@@ -1,4 +1,4 @@
-"""The paper's experiment: a bed at rest, a cylinder drawn upwards through it, what is seen of it."""
+"""The paper's experiment: draw a cylinder upwards through a bed at rest and record it."""
 
 import time
 from pathlib import Path

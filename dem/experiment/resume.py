@@ -49,7 +49,7 @@ class Saved(NamedTuple):
 
 
 def mark_of(replicate: Replicate, bed: Bed | None) -> str:
-    """What must be the same for a run to go on: values, sources, packages and, at the end, the bed."""
+    """What must be equal to resume a run: values, sources, packages and, last, the bed."""
     granules = bed and hashlib.sha256(bed.position.tobytes() + bed.angle.tobytes()).hexdigest()
     made_by = replicate.source_hash, provenance.versions()
     return " ".join((replicate.run_key(), *made_by, granules or ""))
@@ -83,7 +83,7 @@ FOREIGN, STALE = "no checkpoint", "a checkpoint of another run"
 
 
 def _fault(path: Path, replicate: Replicate, bed: Bed | None) -> str:
-    """FOREIGN or STALE for a file that is not to be replaced by checkpoints of this run, else ""."""
+    """FOREIGN or STALE for a file that this run must not replace by a checkpoint, else ""."""
     if not os.path.lexists(path) or (path.is_symlink() and not path.exists()):
         return ""
     if not path.is_file():
@@ -95,7 +95,7 @@ def _fault(path: Path, replicate: Replicate, bed: Bed | None) -> str:
     wanted = mark_of(replicate, bed)
     with suppress(
         Exception
-    ):  # whatever damage makes numpy raise: a damaged one is of no use to anyone
+    ):  # damage makes numpy raise many errors; a damaged checkpoint is useless
         with np.load(path) as file:
             mark = str(file["mark"])
         if not (mark == wanted if bed else mark.startswith(wanted)):

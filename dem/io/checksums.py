@@ -1,6 +1,6 @@
 """A checksum at the end of a file, behind what its format reads: damage is noticed before reading.
 
-It is of all bytes, whatever they mean: filters of netCDF guard arrays only, and a damaged header
+It covers all bytes: filters of netCDF guard arrays only, and a damaged header
 can keep HDF5 busy for ever. Who changes the file with another program takes the checksum away.
 """
 
@@ -24,7 +24,7 @@ def seal(path: Path) -> None:
 
 
 def is_sealed(path: Path) -> bool:
-    """Whether a file has a checksum; raises Changed if it is not that of its bytes."""
+    """Whether a file has a checksum; raises Changed if its bytes have another."""
     with Path(path).open("rb") as file:
         size = file.seek(0, 2) - LENGTH
         if size < 0:

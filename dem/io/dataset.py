@@ -173,7 +173,7 @@ def read(path: Path, names: tuple[str, ...]) -> tuple[dict, dict]:
 
 @contextmanager
 def content_of(path: Path, remedy: str = "make it again"):
-    """Whatever the content of a file makes fail is an InputError with the file's name.
+    """Turn errors that the content of a file causes into an InputError with the file's name.
 
     remedy: what to do about a file that is damaged. Gaps of a file are NaN, and so is what follows
     from them: numpy does not warn.

@@ -1,4 +1,4 @@
-"""How much of a long job is done and how long the rest will take, a line now and then in its log."""
+"""How much of a long job is done and how long the rest takes, as lines in its log."""
 
 import logging
 import sys

@@ -1,5 +1,7 @@
-"""A folder of results before a workflow works in it: held against other runs, cleared of what killed
-processes left, with no file from the future."""
+"""Prepare a folder of results for a workflow: lock it, and remove what killed processes left.
+
+No file may have a date in the future, because Snakemake would make all that follows from it again.
+"""
 
 import os
 import re
@@ -20,7 +22,7 @@ FOLLOWS = os.utime not in os.supports_follow_symlinks  # Windows dates only what
 
 
 def prepare(folder: Path) -> tuple[FileLock, list[str]]:
-    """Make a folder ready; returns what holds it, and what there is to say about it.
+    """Make a folder ready; returns the lock that holds it, and sentences to show.
 
     The folder is held until the process ends, however it ends: no lock is left behind by a run that
     was killed. Raises RunError where another run works in it, OSError where it cannot be written.
@@ -32,8 +34,8 @@ def prepare(folder: Path) -> tuple[FileLock, list[str]]:
     count, ahead = redate(folder)
     if count:
         said.append(
-            f"{folder}: {count} files are dated up to {span(ahead)} after now (the clock went back?); they "
-            "are dated now, in the same order. Nothing is lost; at most some runs are made again."
+            f"{folder}: {count} files are dated up to {span(ahead)} after now (did the clock go "
+            "back?); they are dated now, in the same order. Some runs may be made again."
         )
     return held, said
 
@@ -52,25 +54,23 @@ def hold(folder: Path) -> FileLock:
         ) from None
     except OSError as error:
         raise OSError(
-            f"{folder}: it cannot be written ({(error.strerror or str(error)).lower()}); mend that and "
+            f"{folder}: it cannot be written ({(error.strerror or str(error)).lower()}); fix that and "
             "run the same command again; snakemake -n and dem info only read."
         ) from None
     return lock
 
 
 def on_failure(folder: Path) -> str:
-    """What is to be done after a workflow has ended before its time."""
-    # said here because jobs cannot write their logs to a disk that is full
+    """What to do after a workflow has stopped early."""
+    # Here, because jobs cannot write their logs to a full disk.
     full = "the disk is full; make room. " if is_full(folder) else ""
-    return (
-        f"{folder}: {full}What is finished is kept and whole; the same command goes on from here."
-    )
+    return f"{folder}: {full}Finished files are kept; run the same command to continue."
 
 
 def clear_parts(folder: Path) -> int:
-    """Remove what killed processes left half-written below a folder; how many files.
+    """Remove the files that killed processes left half-written below a folder; returns how many.
 
-    Whether a process lives can be told of this computer only; others are given a day to finish.
+    Only processes on this computer can be checked; others get a day to finish.
     """
     from psutil import pid_exists  # os.kill(process, 0) is Ctrl-C on Windows
 
@@ -86,9 +86,10 @@ def clear_parts(folder: Path) -> int:
 
 
 def redate(folder: Path) -> tuple[int, float]:
-    """Date files that are later than now to now, in their order; how many, and how late (s) the last.
+    """Set the dates of files from the future to now, in their order.
 
-    Otherwise all that is made from them would be older than they are, and be made again each time.
+    Returns how many there are and how far (s) the last is ahead. Otherwise all that is made from
+    them would look outdated, and be made again each time.
     """
     now = time.time()
     late = []

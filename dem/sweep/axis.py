@@ -1,8 +1,8 @@
-"""What varies, as a file says it: a key and what it takes, to a dimension and the changes that its points make.
+"""What varies in a file: from a key and its values to a dimension and the changes of its points.
 
-A path of the configuration, `shape`, `case`, `density` or `seed` takes a list; `{times: [...]}` are
-factors on the file's own value. Any other name takes named points, each a group of values that go
-together, or a design over ranges.
+A path of the configuration, `shape`, `case`, `density` or `seed` takes a list. `{times: [...]}`
+gives factors on the file's own value. Any other name takes named points, each a group of values
+that change together, or a design over ranges.
 """
 
 import re
@@ -22,8 +22,7 @@ POINT = "point of the design"  # long name of an axis that is a design
 
 
 class Axis(NamedTuple):
-    """A dimension: its name, units and words, its coordinate, and at every point the changes that it
-    makes, by path."""
+    """A dimension: name, units and words, coordinate, and the changes of every point by path."""
 
     name: str
     entry: Entry
@@ -32,7 +31,7 @@ class Axis(NamedTuple):
 
 
 class Place(NamedTuple):
-    """Where a file says something: of which sweep, the values that may vary by path, and the key."""
+    """A place in a file: its sweep, the values that may vary by path, and the key."""
 
     sweep: Any  # dem.sweep.config.Sweep, or a Configuration
     paths: dict[str, Entry]
@@ -142,7 +141,7 @@ READERS = {"case": _cases, "shape": _shapes, "density": _densities, "seed": _see
 
 
 def _design(key: str, spec: dict, here: Place) -> Axis:
-    """Points that fill a space of values; of each the seed too, if the design says a first one."""
+    """Points that fill a space of values, each with a seed if the design has a first one."""
     wanted = design.parse(spec, here.where)
     for path in wanted.over:
         if path not in here.paths:
@@ -155,7 +154,7 @@ def _design(key: str, spec: dict, here: Place) -> Axis:
 
 
 def _own_name(key: str, here: Place) -> str:
-    """The name of a dimension; one that a variable has gets a suffix."""
+    """The name of a dimension, with a suffix if a variable has that name."""
     check_label(key, here.where.rpartition(".")[0])
     taken = {"run", "bound", "snapshot", "granule", *OBSERVABLES}
     for table in (AXES, LABELS, OF_RUN, OF_STORE, *(module_of(n).VARIABLES for n in OBSERVABLES)):
@@ -164,7 +163,7 @@ def _own_name(key: str, here: Place) -> str:
 
 
 def changes(values, place: Place) -> dict:
-    """Values by path, checked; a group is a factor or what is derived."""
+    """Values by path, checked; a group is a factor or a derived value."""
     if not isinstance(values, dict):
         place.refuse(f"is {values!r}; it must be values by path")
     found = {}
@@ -206,7 +205,7 @@ def is_derived(value) -> bool:
 
 
 def _values(path: str, spec, here: Place) -> list:
-    """A list of values, also where it is written as factors on that of the file."""
+    """A list of values, also where it is written as factors on the file's value."""
     if not (isinstance(spec, dict) and set(spec) == {"times"}):
         return _listed(spec, here)
     base = here.sweep.values()
@@ -235,7 +234,7 @@ def _number(value, here: Place, units: str = "1"):
 
 
 def check_label(name, where: str) -> None:
-    """Raise InputError for a name that cannot be that of a dimension or a folder."""
+    """Raise InputError for a name that no dimension or folder can have."""
     try:
         label(str(name))
     except ValueError as error:

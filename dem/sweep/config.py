@@ -33,7 +33,7 @@ class Sweep(Configuration):
 
     title: str = "Slow drag of a cylinder through a bed of granules"
     results: Annotated[Folder, Field(description="folder of all results, such as results/mine")]
-    chunk: Annotated[Whole, Field(ge=1, le=10_000)] = 10  # runs a file of the store
+    chunk: Annotated[Whole, Field(ge=1, le=10_000)] = 10  # runs per file of the store
     failures: Annotated[Number, Field(ge=0, lt=1)] = 0.0  # share of runs that may fail
     size: Literal["full", "smoke"] = "full"  # of the studies that are scripts
     cases: dict[Label, CaseSection] = Field(default_factory=dict)
@@ -44,7 +44,7 @@ class Sweep(Configuration):
     def _check_sweep(self):
         if set(self.results.split("/")[1:]) & {"store", "chunks"}:
             raise ValueError(
-                f"results is {self.results!r}; the store lies there, name another folder"
+                f"results is {self.results!r}; the store is there, name another folder"
             )
         seen = {}
         for label, case in self.cases.items():
@@ -90,8 +90,11 @@ class Sweep(Configuration):
         return blocks
 
     def block(self, name: str, derived: Derived | None = None) -> Block:
-        """All runs of a block. derived: gives values that follow from another block's result; without
-        it they are those of the file. Raises InputError for runs that cannot be."""
+        """All runs of a block; raises InputError for impossible runs.
+
+        derived: gives the values that follow from another block's result; without it, a run has
+        the values in the file.
+        """
         if derived is None and name not in self._expanded:
             self._expanded[name] = expand(self, name, self._spec(name), None)
         return expand(self, name, self._spec(name), derived) if derived else self._expanded[name]
@@ -135,13 +138,13 @@ class Sweep(Configuration):
 
 
 def parse(data, source: str = "configuration") -> Sweep:
-    """Sweep from the content of a file; raises InputError with one sentence a fault."""
+    """Sweep from the content of a file; raises InputError with one sentence per fault."""
     with remedies(source, Sweep):
         return parse_values(extended(data, source), source, Sweep)
 
 
 def extended(data, source: str, above: tuple = ()):
-    """A file's content over that of the file that it extends; raises InputError."""
+    """A file's content merged over the file that it extends; raises InputError."""
     if not isinstance(data, dict) or "extends" not in data:
         return data
     name, own = data["extends"], {key: data[key] for key in data if key != "extends"}
@@ -170,12 +173,12 @@ def merged(base: dict, own: dict, top: bool = True) -> dict:
 
 
 def load(path: Path) -> Sweep:
-    """Sweep from a YAML file; raises InputError with one sentence a fault."""
+    """Sweep from a YAML file; raises InputError with one sentence per fault."""
     return parse(read(path), str(path))
 
 
 def save(sweep: Sweep, path: Path) -> None:
-    """Write the configuration as resolved, so that `load` gives the same sweep again."""
+    """Write the resolved configuration; `load` then gives the same sweep."""
     text = yaml.safe_dump(sweep.dump(), sort_keys=False).encode()
     path = Path(path)
     if not path.exists() or path.read_bytes() != text:

@@ -1,4 +1,4 @@
-"""Values that follow from the result of another block: packing fractions as far from jamming as another bed."""
+"""Values derived from the result of another block: packing fractions at equal distance from jamming."""
 
 from pathlib import Path
 
@@ -77,7 +77,7 @@ def derived_by(sweep, paths: list[Path]):
         way, shape = asked["derive"], asked.get("shape", replicate.label)
         reference = Replicate(sweep.changed({}, shape), shape, 1.0, 0)
         kinds = replicate.bed_family, reference.bed_family
-        # that of the block, where it says one
+        # of the block, if it sets one
         fraction = replicate.configuration.packing.fraction
         friction = asked.get("friction", 0.0)
         try:
@@ -103,7 +103,7 @@ def check(asked: dict, path: str, where: str, shapes) -> None:
         )
     if asked["derive"] == "equal_load" and "friction" in asked:
         raise InputError(
-            f"{where}: {path} is {asked!r}; equal_load is that of beds without friction, leave "
+            f"{where}: {path} is {asked!r}; equal_load holds for beds without friction, leave "
             "friction out."
         )
     if path != "packing.fraction":

@@ -59,7 +59,7 @@ class Choice(Section):
 
 
 def _factor(value):
-    """A range or a choice, whichever the keys say, so that a fault of one is not told as one of both."""
+    """A range or a choice, by its keys, so that only the faults of one kind are reported."""
     if isinstance(value, Range | Choice):
         return value
     chosen = Choice if isinstance(value, dict) and "choices" in value else Range
@@ -87,7 +87,7 @@ def parse(spec: dict, where: str) -> Design:
 
 
 def points(wanted: Design) -> list[dict]:
-    """Values by path, a group a point."""
+    """Values by path, one group per point."""
     from scipy.stats import qmc  # half a second, of files that have a design only
 
     size = len(wanted.over)

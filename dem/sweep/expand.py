@@ -22,7 +22,7 @@ Derived = Callable[[dict, Replicate], Any]
 
 
 class Run(NamedTuple):
-    """A run of a block: where it stands on the axes, and what it is."""
+    """A run of a block: its place on the axes, and what it is."""
 
     place: tuple[int, ...]
     replicate: Replicate
@@ -46,7 +46,7 @@ class Block:
 
     @cached_property
     def places(self) -> dict[str, list[tuple[int, ...]]]:
-        """Where each run stands, by its identity: a value that it does not read makes no other run."""
+        """Places of each run by its identity; values that it does not read make no other run."""
         found = {}
         for run in self.runs:
             found.setdefault(run.replicate.id, []).append(run.place)
@@ -61,7 +61,7 @@ class Block:
                 yield run.replicate
 
     def labels(self) -> dict[str, tuple[Entry, tuple[str, ...], np.ndarray]]:
-        """What the runs are, beside the axes: units and words, dimensions that it varies along, values."""
+        """Labels of the runs beside the axes: units and words, dimensions, values."""
         base = [axis.name for axis in self.axes if axis.name in ("case", "shape")]
         of = {
             "shape": lambda r: r.label,
@@ -118,7 +118,7 @@ class Block:
 
 
 def expand(sweep, name: str, block: dict, derived: Derived | None) -> Block:
-    """All runs of a block of a sweep; raises InputError with the key and the value at fault."""
+    """All runs of a block of a sweep; raises InputError that names key and value."""
     where = "sweep" if name == "drag" else f"sweep.blocks.{name}"
     place = place_in(sweep, where)
     fixed = changes(block.get("values", {}), place.at("values"))
@@ -171,7 +171,7 @@ def _runs(sweep, where, fixed, axes, derived) -> list[Run]:
         try:
             check_rooms(configuration, shape, seeds[shape, _, words])
         except ValueError as error:
-            raise InputError(f"{where} asks for a run that cannot be: {error}.") from None
+            raise InputError(f"{where} asks for an impossible run: {error}.") from None
     return runs
 
 

@@ -1,4 +1,4 @@
-"""What a user of the library does with sweeps: runs of a file, one after another, as xarray datasets."""
+"""Sweeps in the library: the runs of a file, one after another, as xarray datasets."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -17,17 +17,35 @@ from dem.sweep.remedy import remedies
 
 
 def load_sweep(path: str | Path) -> Iterator[dict]:
-    """The runs of a sweep file, each as values that `run_experiment` takes.
+    """Read a sweep file and yield its runs one by one.
 
-    A run is a nested dict of the configuration's sections, in SI units, with `shape` (a label),
-    `density` (kg/m3) and `seed`. Runs come block by block, in the order of the axes; values that are
-    derived from another block's result are those of the file. Raises InputError for a file that cannot be
-    used.
+    Runs come block by block, in the order of the axes, each once. A value that is derived from the
+    result of another block has the value in the file.
 
+    Parameters
+    ----------
+    path : str or Path
+        Configuration file of a sweep (YAML).
+
+    Yields
+    ------
+    dict
+        Values of one run, as `run_experiment` takes them: the nested sections of the
+        configuration in SI units, with `shape` (a label), `density` (kg/m3) and `seed`.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be used; one sentence per fault.
+
+    Examples
+    --------
     >>> import dem
     >>> values = next(dem.load_sweep("config/smoke.yaml"))
-    >>> values["shape"], values["seed"]
-    ('c1', 1)
+    >>> values["shape"], values["density"], values["seed"]
+    ('c1', 3900.0, 1)
+    >>> values["friction"]["granule"]
+    0.3
     """
     sweep = load(Path(path))
     return (run.values() for name in sweep.blocks for run in sweep.block(name).unique())
@@ -36,11 +54,33 @@ def load_sweep(path: str | Path) -> Iterator[dict]:
 def run_experiment(values: dict) -> xr.Dataset:
     """Make one run: pack its bed and draw the cylinder through it.
 
-    values: as `load_sweep` yields them, or a dict with `extends`, a configuration file, and what
-    differs from it: {"extends": "config/paper.yaml", "shape": "e2", "seed": 7, "friction":
-    {"granule": 0.1}}; density: that of the file's first case of the shape unless given. Returns what
-    the configuration records, over displacement (m), wall, snapshot and granule, with units in the
-    attributes. Raises InputError for values that cannot be simulated, RunError where the run fails.
+    Parameters
+    ----------
+    values : dict
+        Values of one run in SI units, as `load_sweep` yields them. Or a dict with `extends`, a
+        configuration file, `shape`, and the values that differ from the file. Then `seed` is 1
+        and `density` (kg/m3) is from the file's first case of the shape, unless you give them.
+
+    Returns
+    -------
+    xarray.Dataset
+        What the configuration records, such as `drag` (displacement,) in N; snapshots have
+        dimensions (snapshot, granule). Units are in the attributes of each variable.
+
+    Raises
+    ------
+    InputError
+        If a value cannot be simulated.
+    RunError
+        If the run fails: no bed at rest, too large an overlap or too short steps.
+
+    Examples
+    --------
+    >>> import dem
+    >>> values = {"extends": "config/smoke.yaml", "shape": "c1", "friction": {"granule": 0.1}}
+    >>> found = dem.run_experiment(values)
+    >>> found["drag"].dims, found["drag"].attrs["units"]
+    (('displacement',), 'N')
     """
     with remedies("values", Configuration, *OWN):
         replicate = of_values(_whole(values))

@@ -84,7 +84,7 @@ class Store:
         return found
 
     def as_planned(self, chunk: str) -> list[Replicate]:
-        """The runs of a chunk, whatever code they were planned for."""
+        """The runs of a chunk, planned for any code."""
         path = self.plan_of(chunk)
         try:
             data = json.loads(path.read_text(encoding="utf-8"))
@@ -121,7 +121,7 @@ class Store:
     def register(
         self, results: str, part: str, chunks: Iterable[str], parts: Iterable[str]
     ) -> None:
-        """Keep which chunks a part of a sweep needs; those of parts that it has no more are forgotten."""
+        """Record which chunks a part of a sweep needs; forget parts that no longer exist."""
         path, data = self._sweep(results), {"results": str(results), "parts": {}}
         with suppress(*DAMAGED):
             before = json.loads(path.read_text(encoding="utf-8"))["parts"]
@@ -248,7 +248,7 @@ def _load(path: Path) -> dict | None:
         if path.is_file() and is_sealed(path):
             with np.load(path) as file:
                 return {name: file[name] for name in file.files}
-    except Exception:  # whatever damage makes numpy raise: it is made again
+    except Exception:  # damage makes numpy raise many errors; the bed is packed again
         path.unlink(missing_ok=True)
     return None
 
@@ -267,7 +267,7 @@ def link_to(target: Path, place: Path) -> None:
 
 
 def alike(replicate: Replicate) -> tuple:
-    """What runs of one chunk have in common: their arrays are of one size, their machine code one."""
+    """What runs of one chunk share: the size of their arrays and their machine code."""
     own = replicate.configuration
     sizes = own.module.sizes(replicate)
     return own.experiment, own.record.observables, own.cylinder.stroke, *sizes.values()

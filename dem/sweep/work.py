@@ -124,7 +124,7 @@ class Work:
     def make(self, jobs: int, progress=lambda name, share: None) -> None:
         """Make all that is not there yet, in some processes, but flow.nc (dem.analysis.flow); raises
         RunError."""
-        for name in self.sweep.blocks:  # a block stands behind those that it needs
+        for name in self.sweep.blocks:  # a block comes after those that it needs
             files = self.chunks(name)
             self.settle()
             make_chunks(self.store, files, jobs, lambda s, n=name: progress(n, s))

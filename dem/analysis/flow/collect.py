@@ -74,7 +74,7 @@ def sources(work: Work, block: str) -> list[Path]:
 
 
 def _measured(work: Work, chunk: str) -> Path:
-    """Where the measures of a chunk lie."""
+    """Where the measures of a chunk are."""
     return Path(work.sweep.results) / "flow" / f"{chunk}.nc"
 
 

@@ -1,4 +1,4 @@
-"""Is the flow of shape e3 more irregular than that of c1, as the paper says from pictures?"""
+"""Is the flow of shape e3 more irregular than the flow of c1, as the paper says from pictures?"""
 
 from typing import NamedTuple
 
@@ -13,7 +13,7 @@ SHAPES = "e3", "c1"
 
 
 class Ratio(NamedTuple):
-    """Mean of one case over that of another, and half its interval at LEVEL; runs of each."""
+    """Ratio of the means of two cases and half its interval at LEVEL, from the runs of each."""
 
     ratio: float
     half: float

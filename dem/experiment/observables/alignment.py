@@ -1,6 +1,6 @@
 """Do long granules turn with the flow around the cylinder? The paper's explanation of their low drag.
 
-Granules pressed to the cylinder may lie along its surface before anything flows: what the flow does
+Granules pressed to the cylinder may align with its surface before anything flows: what the flow does
 is the difference to the angles at the start of the same granules.
 """
 
