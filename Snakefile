@@ -35,9 +35,10 @@ def refuse(sentence):
     sys.exit(2)
 
 
-# What --configfile names, Snakemake reads before this file. What it refuses then (no such file, no UTF-8, values
-# nested too deep) keeps its words and its status 1, and it waits for a pipe and expands aliases of groups of
-# aliases without end. What it takes but should not, such as equal keys, is refused here, with status 2.
+# Snakemake reads the files of --configfile before this file. What Snakemake refuses (no such file, no
+# UTF-8, values nested too deep) keeps its words and its status 1. Snakemake also waits for a pipe and
+# expands aliases without end. What it takes but should not, such as equal keys, is refused here, with
+# status 2.
 CONFIG_FILES = list(map(str, workflow.overwrite_configfiles)) or ["config/paper.yaml"]
 try:
     for each in CONFIG_FILES:
@@ -56,18 +57,18 @@ except InputError as error:
     refuse(error)
 SWEEP, STORE = MAIN.sweep, MAIN.store
 
-# The command line: Snakemake itself tells it only once it has read this file. Not that of another program, nor of
-# a job that Snakemake sent.
+# The command line, because Snakemake gives its targets only after reading this file. It is not read
+# if another program, or a job that Snakemake sent, runs this file.
 OWN = "snakemake" in Path(sys.argv[0]).parts[-2:] and "--target-jobs" not in sys.argv
 ARGUMENTS = get_argument_parser().parse_known_args(sys.argv[1:] if OWN else [])[0]
 TARGETS = set(ARGUMENTS.targets)
 
-# `figures` draws the results that exist: without the rules that make results, drag.nc and the like are files like any
-# other, and nothing is simulated, however much older than the code they are
+# `figures` draws the results that exist. Without the rules that make results, drag.nc is a file like
+# any other, and nothing is simulated, even if it is older than the code.
 ONLY_FIGURES = "figures" in TARGETS
 if ONLY_FIGURES and len(TARGETS) > 1:
     others = ", ".join(sorted(TARGETS - {"figures"}))
-    refuse(f"figures is asked for with {others}; ask for it alone, because it makes no results.")
+    refuse(f"the target figures comes with {others}; ask for it alone, because it makes no results.")
 
 RESULTS = SWEEP.results
 CONFIG = f"{RESULTS}/config.yaml"  # the configuration as resolved, written when the run starts
@@ -78,7 +79,7 @@ WORKS = {RESULTS: MAIN}  # sweeps by their folder of results; those of studies w
 def study(name):
     """The sweep of a study."""
     if name not in SWEEP.studies:
-        refuse(f"studies.{name} is missing in {', '.join(CONFIG_FILES)}; see config/paper.yaml.")
+        refuse(f"studies.{name} is missing in {', '.join(CONFIG_FILES)}; add it as in config/paper.yaml.")
     try:
         found = Work(schema.load(SWEEP.studies[name]), STORE)
     except InputError as error:
@@ -118,9 +119,9 @@ def values_of_block(folder):
     return values_of(work.sweep, "sweep", *UNREAD) + json.dumps(work.sweep.blocks[block])
 
 
-# Code is a parameter of a rule, and not an input: what its module and the shapes depend on, without comments,
-# docstrings and sentences of errors. An edit of anything else makes no job again. Runs need no such parameter:
-# the code is part of what they are known by.
+# Code is a parameter of a rule, and not an input: the hash of what its module and the shapes depend on,
+# without comments, docstrings and sentences of errors. Other edits rerun no job. Runs need no such
+# parameter, because the code is part of their identity.
 def code_of(*modules, shapes=()):
     """Hash of the code that modules below dem/ and shapes of the sweep depend on."""
     return SWEEP.code_of(*(f"dem.{name}" for name in modules), shapes=shapes)
@@ -134,7 +135,7 @@ def values_of(sweep, *without):
 SHOWN = "title", "results", "chunk", "failures", "studies"  # no run reads them
 UNREAD = "chunk", "results", "size", "studies"  # nor does what is made of runs
 
-# what the sweep gives: of each of its blocks the combined files, and the figures that they suffice for
+# The results of each block of the sweep: its combined files, and the figures that these suffice for.
 COMBINED, FIGURES = [], []
 for folder, name in MAIN.folders.items():
     drawn = possible(MAIN.block(name)), possible(MAIN.block(name), FLOW)
@@ -149,9 +150,9 @@ def quoted(text):
     return shlex.quote(str(text)).replace("{", "{{").replace("}", "}}")
 
 
-# Jobs run the Python that runs Snakemake, for any PATH, and the `dem` that it found: -P keeps a folder of
-# that name where Snakemake was started from being taken. Ctrl-C reaches a job only once it can answer it
-# (dem.cli.terminal): Python's start would show a traceback.
+# Jobs run the Python that runs Snakemake, for any PATH, and the `dem` that it found: -P ignores a
+# folder `dem` in the working folder. Ctrl-C reaches a job only when it can answer (dem.cli.terminal),
+# because Python would show a traceback while it starts.
 shell.prefix(
     "set -euo pipefail; trap '' INT; "
     f"export PYTHONPATH={quoted(Path(dem.__file__).parent.parent)}${{{{PYTHONPATH:+:$PYTHONPATH}}}}; "

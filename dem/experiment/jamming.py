@@ -1,4 +1,4 @@
-"""At which packing fraction a bed jams: its granules grow in the box of the run, around the cylinder.
+"""The packing fraction at which a bed jams: its granules grow in the box, around the cylinder.
 
 Above jamming the pressure of a Hertzian bed goes as the distance to the power of 3/2 (O'Hern et al.
 2003, Phys. Rev. E 68, 011306), so the line of pressure^(2/3) against packing fraction meets zero

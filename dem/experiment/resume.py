@@ -124,7 +124,7 @@ def forget(path: Path) -> None:
 
 
 def read_checkpoint(path: Path, replicate: Replicate, bed: Bed) -> Saved | None:
-    """The checkpoint of this run; None if there is none or a damaged one: the run then begins again.
+    """The checkpoint of this run; None if it is absent or damaged: the run then begins again.
 
     Raises InputError for any other file.
     """

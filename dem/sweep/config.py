@@ -103,7 +103,8 @@ class Sweep(Configuration):
         """What a file says of a block; raises InputError where there is no such block."""
         if name not in self.blocks:
             raise InputError(
-                f"block is {name!r}; the sweep has {', '.join(self.blocks)}{meant(name, self.blocks)}."
+                f"block is {name!r}; the sweep has {', '.join(self.blocks)}"
+                f"{meant(name, self.blocks)}."
             )
         return self.blocks[name]
 

@@ -1,4 +1,4 @@
-"""Values derived from the result of another block: packing fractions at equal distance from jamming."""
+"""Values derived from another block's result: packing fractions at equal distance from jamming."""
 
 from pathlib import Path
 

@@ -86,7 +86,8 @@ def run_experiment(values: dict) -> xr.Dataset:
         replicate = of_values(_whole(values))
     own = replicate.configuration
     experiment = own.module
-    found = experiment.run(replicate, make_bed(replicate)) if experiment is drag else experiment.run(replicate)  # fmt: skip
+    bed = (make_bed(replicate),) if experiment is drag else ()
+    found = experiment.run(replicate, *bed)
     axes = getattr(experiment, "AXIS", AXES)
     layout = experiment.layout(own) | axes | LABELS
     coordinates = experiment.axes(own) | drag.labels(replicate)
@@ -102,7 +103,7 @@ def run_experiment(values: dict) -> xr.Dataset:
 
 
 def _whole(values: dict) -> dict:
-    """Values with those of the file that they extend."""
+    """Values merged over the file that they extend."""
     if not isinstance(values, dict):
         raise InputError(f"values is {values!r}; it must be a dict.")
     if "extends" not in values:

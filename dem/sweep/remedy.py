@@ -1,7 +1,7 @@
 """What a user probably meant by a key or a value of a configuration: ends of sentences.
 
-The schema says what is wrong (dem.base.schema); here the sentence gets its remedy, from the fields of
-the schema and from what users write by mistake.
+The schema says what is wrong (dem.base.schema). Here the sentence gets its remedy, from the fields
+of the schema and from a table of what users write by mistake.
 """
 
 import re

@@ -170,7 +170,7 @@ class Store:
             self._bed(replicate).unlink(missing_ok=True)
 
     def bed(self, replicate: Replicate, make) -> dict:
-        """The bed of a run by the names of Bed: as it lies here, or as `make(replicate)` packs it,
+        """The bed of a run by the names of Bed: the stored one, or as `make(replicate)` packs it,
         once for all processes."""
         path = self._bed(replicate)
         if (found := _load(path)) is None:

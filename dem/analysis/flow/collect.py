@@ -1,6 +1,6 @@
 """flow.nc: how all beds of a block move, and the snapshots of one run a case.
 
-Where the runs themselves do not record the measures, they are made of the snapshots, chunk by chunk.
+If the runs do not record the measures, they are computed from the snapshots, chunk by chunk.
 """
 
 import json

@@ -1,4 +1,4 @@
-"""The layout of flow.nc, as in dem.io.dataset: measures of all runs, and the snapshots of one a case.
+"""The layout of flow.nc, as in dem.io.dataset: measures of all runs, snapshots of one run per case.
 
 Measures are those of dem.experiment.observables.flow, over the axes of the sweep and the snapshots.
 Snapshots are kept where runs differ in case, or shape, and seed alone.

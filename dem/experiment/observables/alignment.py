@@ -1,4 +1,4 @@
-"""Do long granules turn with the flow around the cylinder? The paper's explanation of their low drag.
+"""Do long granules turn with the flow around the cylinder, as the paper explains their low drag?
 
 Granules pressed to the cylinder may align with its surface before anything flows: what the flow does
 is the difference to the angles at the start of the same granules.

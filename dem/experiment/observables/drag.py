@@ -1,4 +1,4 @@
-"""Forces on cylinder and walls, energy and contacts of the bed: a mean, or the end, of every bin."""
+"""Forces on cylinder and walls, energy and contacts of the bed: mean or end of each bin."""
 
 D = ("displacement",)
 VARIABLES = {
