@@ -10,12 +10,17 @@ import pytest
 import dem
 
 HOW = doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS
-PENDING = {"Result", "load_sweep", "run_experiment", "simulate"}  # not yet in numpydoc form
 ERRORS = {name for name in dem.__all__ if name.endswith("Error")}  # one sentence says it
+# of a public module, its functions
 NAMES = [
-    pytest.param(name, marks=pytest.mark.xfail(reason="pending")) if name in PENDING else name
+    each
     for name in dem.__all__
     if name not in ERRORS
+    for each in (
+        [f"{name}.{function}" for function in getattr(dem, name).__all__]
+        if inspect.ismodule(getattr(dem, name))
+        else [name]
+    )
 ]
 # of numpydoc.validate: sections in order, one line of summary that ends with a full stop, and the
 # parameters of the signature, each with a type and a description
@@ -30,7 +35,7 @@ STATED = re.compile(rf"\({UNIT}\)|\bin {UNIT}\b|without unit")
 
 def examples(name):
     """Doctests by qualified name: of a function, or of a class and its members."""
-    thing = getattr(dem, name)
+    thing = operator.attrgetter(name)(dem)
     finder = doctest.DocTestFinder(recurse=inspect.isclass(thing))
     found = finder.find(thing, name, inspect.getmodule(thing), globs={})
     return {test.name: test for test in found if test.examples}
@@ -38,7 +43,7 @@ def examples(name):
 
 def members(name):
     """Qualified names of the public methods and properties that a class of the package defines."""
-    thing = getattr(dem, name)
+    thing = operator.attrgetter(name)(dem)
     own = vars(thing).items() if inspect.isclass(thing) else ()
     return [
         f"{name}.{key}"
@@ -80,8 +85,9 @@ def test_docstrings_are_numpydoc(name):
 
     said = []
     for qualified in [name, *members(name)]:
-        path = f"{getattr(dem, name).__module__}.{qualified}"
         thing = operator.attrgetter(qualified)(dem)
+        public = operator.attrgetter(name)(dem)
+        path = f"{public.__module__}.{qualified.removeprefix('plot.')}"
         parsed = docscrape.NumpyDocString(inspect.getdoc(thing))
         said += [
             f"{qualified}: {words}"

@@ -105,25 +105,36 @@ class Result(NamedTuple):
     Attributes
     ----------
     time : (f,) array
-        Time since the start, s.
+        Time since the start (s).
     position : (f, n, 2) array
-        Centres of the granules, m.
+        Centres of the granules (m).
     angle : (f, n) array
-        Angles of the granules, rad.
+        Angles of the granules (rad).
     velocity : (f, n, 2) array
-        Velocities, m/s.
+        Velocities (m/s).
     angular_velocity : (f, n) array
-        Angular velocities, rad/s.
+        Angular velocities (rad/s).
     cylinder_force : (f, 2) array
-        Mean force on the cylinder since the frame before, N; NaN in the first frame.
+        Mean force on the cylinder since the frame before (N); NaN in the first frame.
     wall_force : (f, w) array
-        Mean normal force on each wall since the frame before, N; NaN in the first frame.
+        Mean normal force on each wall since the frame before (N); NaN in the first frame.
     state : State
         The last state, from which another run can start.
     time_step : float
-        Shortest time step taken, s.
+        Shortest time step taken (s).
     scene : Scene
         What was simulated.
+
+    Examples
+    --------
+    A disc flies for a millisecond in empty space:
+
+    >>> import dem
+    >>> scene = dem.Scene(dem.Disc([1e-3]))
+    >>> state = dem.State([[0.0, 0.0]], velocity=[[2.0, 0.0]])
+    >>> result = dem.simulate(scene, state, duration=1e-3, frames=4)
+    >>> result.position[:, 0, 0].round(4)
+    array([0.    , 0.0005, 0.001 , 0.0015, 0.002 ])
     """
 
     time: np.ndarray
@@ -151,7 +162,7 @@ class Result(NamedTuple):
         Parameters
         ----------
         frame : int
-            Number of the frame; -1 is the last one.
+            Number of the frame (without unit); -1 is the last one.
 
         Returns
         -------
@@ -889,14 +900,22 @@ def simulate(
     state : State
         Where the granules start, and how they move.
     duration : float
-        Time to simulate, s.
+        Time to simulate (s).
     time_step : float, optional
-        Time step, s; None (recommended) to choose it from the stiffness of the contacts.
+        Time step (s); None, which is recommended, chooses it from the stiffness of the contacts.
     frames : int
-        Number of equal intervals after each of which the state is kept. All frames must fit into
-        MOST_KEPT bytes.
-    step_fraction, max_overlap, skin, threads, allow_unstable
-        See Simulation.
+        Number of equal intervals after each of which the state is kept (without unit). All frames
+        must fit into a gibibyte.
+    step_fraction : float
+        As in Simulation (without unit).
+    max_overlap : float
+        As in Simulation (without unit).
+    skin : float
+        As in Simulation (without unit).
+    threads : int
+        As in Simulation (without unit).
+    allow_unstable : bool
+        As in Simulation.
 
     Returns
     -------

@@ -25,7 +25,7 @@ def bed(result: Result, frame: int = -1, color: str = "force", forces: bool = Fa
     result : Result
         What dem.simulate returned.
     frame : int
-        Number of the frame; 0 is the start, -1 the last one.
+        Number of the frame (without unit); 0 is the start, -1 the last one.
     color : str
         Colour of granules: "force", the sum of normal forces on a granule (N), on a scale of this
         frame; "speed" (m/s), on a scale of all frames; or "layer", horizontal layers of the first

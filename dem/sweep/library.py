@@ -27,9 +27,9 @@ def load_sweep(path: str | Path) -> Iterator[dict]:
     path : str or Path
         Configuration file of a sweep (YAML).
 
-    Yields
-    ------
-    dict
+    Returns
+    -------
+    iterator of dict
         Values of one run, as `run_experiment` takes them: the nested sections of the
         configuration in SI units, with `shape` (a label), `density` (kg/m3) and `seed`.
 
