@@ -12,25 +12,12 @@ import findings
 import gallery
 import reference
 from docutils.nodes import SkipNode
-from jinja2 import Environment, StrictUndefined
 from latex2mathml.converter import convert
-
-TEMPLATES = Environment(
-    undefined=StrictUndefined,
-    comment_start_string="<#",
-    comment_end_string="#>",
-    keep_trailing_newline=True,
-)
-
-
-def fill(text: str) -> str:
-    """A page with its numbers."""
-    return TEMPLATES.from_string(text).render(findings.NAMES)
 
 
 def _fill_page(app, docname, source):
     if Path(app.env.doc2path(docname)).suffix == ".md":
-        source[0] = fill(source[0])
+        source[0] = findings.fill(source[0])
 
 
 def _inline_math(self, node):

@@ -1,52 +1,95 @@
 """Copy into docs/data what the pages show of a folder of results: the variables they need, compressed.
 
     python docs/data/release.py results
+
+Each file names the command and the revision that made it, and holds a hash of every module of the
+package that decides how granules move (`kernels`). tests/test_pages.py compares them with today's.
 """
 
+import json
+import subprocess
 import sys
+import tarfile
+from io import BytesIO
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import xarray as xr
 
 from dem.base.files import atomic
+from dem.base.sources import ROOT, _read
 from dem.io.checksums import seal
 
 HERE = Path(__file__).parent
-# file: (the command that makes it, variables left out because no page or figure shows them)
-RELEASED = {
-    "drag": ("snakemake -j2", ("wall_force", "transverse_force", "kinetic_energy")),
-    "flow": ("snakemake -j2", ()),
-    "claims": ("snakemake -j2 claims", ()),
-    "accuracy": ("snakemake -j2 accuracy", ()),
-    "stability": ("snakemake -j2 stability", ()),
-    "benchmark": ("snakemake -j1 benchmark", ()),
-}
-PICTURED = ("bed_x", "bed_y", "bed_angle")
+sys.path.insert(0, str(HERE.parent / "_ext"))
+from findings import FILES  # noqa: E402
+
+# What decides how granules move. The rest of dem.dynamics drives these kernels and reads them.
+ROOMS = "contacts", "dynamics", "jit", "packing", "shapes"
+DRIVERS = "dynamics/simulation.py", "dynamics/checkpoint.py", "shapes/check.py"
+LEFT_OUT = {
+    "drag": ("wall_force", "transverse_force", "kinetic_energy")
+}  # on no page, in no figure
+PICTURED = ("bed_x", "bed_y", "bed_angle")  # a picture shows no more digits than float32 has
 
 
 def release(results: Path) -> None:
     """Write docs/data/*.nc from the files that a folder of results holds."""
-    for name, (command, left_out) in RELEASED.items():
-        source = results / f"{name}.nc"
+    for each in FILES:
+        source = results / each.path.name
         if not source.is_file():
-            print(f"{source}: not there, so docs/data/{name}.nc stays as it is")
+            print(f"{source} is missing; {each.path} stays as it is")
             continue
         with xr.open_dataset(source) as dataset:
-            kept = dataset.drop_vars(left_out, errors="ignore").load()
-        kept.attrs["made_with"] = command
-        for each in PICTURED:  # a picture shows no more digits
-            if each in kept:
-                kept[each] = kept[each].astype("float32")
+            kept = dataset.drop_vars(LEFT_OUT.get(each.name, ()), errors="ignore").load()
+        kept.attrs["made_with"] = each.command
+        kept.attrs["kernels"] = json.dumps(kernels_at(kept.attrs["git_revision"]))
+        for name in PICTURED:
+            if name in kept:
+                kept[name] = kept[name].astype("float32")
         packed = {
-            each: {"zlib": True, "complevel": 9, "shuffle": True}
-            for each, values in kept.variables.items()
+            name: {"zlib": True, "complevel": 9, "shuffle": True}
+            for name, values in kept.variables.items()
             if values.dtype.kind in "fiu" and values.dims
         }
-        target = HERE / f"{name}.nc"
-        with atomic(target) as part:
+        with atomic(each.path) as part:
             kept.to_netcdf(part, encoding=packed)
             seal(part)
-        print(f"{target}: {target.stat().st_size / 1e6:.2f} MB")
+        print(f"{each.path}: {each.path.stat().st_size / 1e6:.2f} MB")
+
+
+def kernels(package: Path) -> dict[str, str]:
+    """Hash of the code of every module that decides how granules move, by its path in the package.
+
+    Comments, docstrings and the words of errors do not count.
+    """
+    found = {
+        path.relative_to(package).as_posix(): path
+        for room in ROOMS
+        for path in sorted((package / room).rglob("*.py"))
+    }
+    return {name: _read(path).code[:16] for name, path in found.items() if name not in DRIVERS}
+
+
+def kernels_at(revision: str) -> dict[str, str]:
+    """The same of a revision; if it is several ("a; b"), they must agree."""
+    found = [_kernels_at(each.strip()) for each in revision.split(";")]
+    if any(each != found[0] for each in found):
+        raise ValueError(
+            f"The kernels differ between the revisions {revision}; run all of it again."
+        )
+    return found[0]
+
+
+def _kernels_at(revision: str) -> dict[str, str]:
+    if not revision.isalnum():
+        raise ValueError(f"git_revision is {revision}: edited files made it; commit and run again.")
+    command = ["git", "archive", revision, "dem"]
+    archive = subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE).stdout
+    with TemporaryDirectory() as folder:
+        with tarfile.open(fileobj=BytesIO(archive)) as tar:
+            tar.extractall(folder, filter="data")
+        return kernels(Path(folder) / "dem")
 
 
 if __name__ == "__main__":

@@ -1,0 +1,139 @@
+"""No page states a result by hand, and every released result is of today's kernels."""
+
+import importlib.util
+import json
+import re
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+
+from dem.base.sources import PACKAGE
+
+ROOT = Path(__file__).parent.parent
+DOCS = ROOT / "docs"
+BUILT = "_build", "_generated", "jupyter_execute", "data"
+PAGES = sorted(path for path in DOCS.rglob("*.md") if path.relative_to(DOCS).parts[0] not in BUILT)
+FRONT_MATTER = re.compile(r"\A---\n(.*?)\n---\n", re.S)
+NO_PROSE = re.compile(
+    r"^(?P<fence>`{3,}|~{3,})(?!\{(?!code)).*?^(?P=fence)[`~]*\s*$"  # code; {note} and the like are prose
+    r"|`[^`\n]+`|\{\{.*?\}\}|\{%.*?%\}|\]\([^)\n]*\)",
+    re.S | re.M,
+)
+UNITS = (
+    r"[kMG]?Pa|[mk]N|[kM]?N/m|[mk]?m/s|ms|us|µs|μs|ns|min|minutes?|hours?|seconds?|days?|weeks?"
+    r"|[µμmn]icroseconds?|milliseconds?|nanoseconds?"
+)
+RESULT = re.compile(
+    r"(?:\d[\d.,]*\s*)?(?:±|\+-|\+/-|\\pm)\s*\d[\d.,]*"
+    rf"|\d[\d.,]*(?:[ \u00a0\u202f-]?(?:{UNITS})|[ \u00a0\u202f-](?:N|s|h))\b"
+)
+
+
+def load(path):
+    """A script of docs as a module."""
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+release = load(DOCS / "data/release.py")
+findings = sys.modules["findings"]
+RELEASED = [each for each in findings.FILES if each.path.is_file()]
+
+
+def results_typed(text):
+    """Numbers with a unit of force, time or speed, or with ±, in the prose of a page, but for those
+    that its front matter lists as given; and what it lists in vain."""
+    matter = FRONT_MATTER.match(text)
+    given = (yaml.safe_load(matter[1]) or {}).get("given", []) if matter else []
+    prose = NO_PROSE.sub(" ", text[matter.end() :] if matter else text)
+    vain = [each for each in given if each not in prose]
+    for each in sorted(given, key=len, reverse=True):
+        prose = prose.replace(each, " ")
+    return RESULT.findall(prose), vain
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.relative_to(DOCS).as_posix())
+def test_no_page_types_a_result(page):
+    """Take the number from docs/_ext/findings.py, or list it as `given` if no run made it."""
+    assert results_typed(page.read_text(encoding="utf-8")) == ([], [])
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["1257 N", "c1 gives 1257 ± 181.", "1257 +- 181", "takes 5 min", "in 12 ns a contact", "1.5-hour runs",
+     "76.6 GPa", "at 2 m/s", r"$3 \pm 1$", "```{note}\nIt takes 65 minutes.\n```", "| c1 | 1295 N |"],
+)  # fmt: skip
+def test_a_typed_result_is_found(text):
+    assert results_typed(text)[0]
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["{{ drag.mean('c1') }}", "`sleep 5 s`", "```yaml\nvelocity: 2 # 2 m/s\n```", "the 1990s", "5 mm of stroke",
+     "---\ngiven: [1295 N]\n---\nThe paper reports 1295 N.", "five runs", "section 3.3 says"],
+)  # fmt: skip
+def test_an_input_passes(text):
+    assert results_typed(text) == ([], [])
+
+
+@pytest.mark.parametrize("file", RELEASED, ids=lambda each: each.name)
+def test_a_released_file_names_what_made_it(file):
+    attrs = file.dataset.attrs
+    assert attrs["made_with"] == file.command
+    assert re.fullmatch(r"[0-9a-f]{7,}(; [0-9a-f]{7,})*", attrs["git_revision"])
+
+
+@pytest.mark.parametrize("file", RELEASED, ids=lambda each: each.name)
+def test_a_released_file_is_of_todays_kernels(file):
+    """A module that is new does not count: what uses it has changed too."""
+    then, now = json.loads(file.dataset.attrs["kernels"]), release.kernels(PACKAGE)
+    changed = [name for name in then if now.get(name) != then[name]]
+    assert not changed, (
+        f"docs/data/{file.path.name} is stale: dem/{', dem/'.join(changed)} changed since "
+        f"{file.revision}. Run `{file.command}`, then `python docs/data/release.py results`."
+    )
+
+
+def test_kernels_ignore_comments_and_notice_code(tmp_path):
+    """An edit of a docstring does not make results stale, an edit of the force law does."""
+    text = (PACKAGE / "contacts/force_law.py").read_text(encoding="utf-8")
+    found = []
+    for edit in ("", "\n# a comment\n", "\nEXPONENT = 2\n"):
+        package = tmp_path / str(len(found))
+        (package / "contacts").mkdir(parents=True)
+        (package / "contacts/force_law.py").write_text(text + edit, encoding="utf-8")
+        found.append(release.kernels(package))
+    assert found[0] == found[1] != found[2]
+
+
+def test_every_released_file_can_be_renewed():
+    """docs/data holds nothing that release.py does not write, but for the timings."""
+    known = {each.path.name for each in findings.FILES}
+    assert {path.name for path in (DOCS / "data").glob("*.nc")} <= known
+
+
+def test_timings_name_what_made_them():
+    if not findings.timings.path.is_file():
+        pytest.skip("docs/data/timings.yaml is not there yet")
+    about = findings.timings.content
+    assert (
+        re.fullmatch(r"[0-9a-f]{7,}", str(about["revision"])) and about["date"] and about["machine"]
+    )
+    assert all({"what", "command", "seconds"} == set(each) for each in about["timed"].values())
+
+
+def test_the_readme_is_its_template_filled_in():
+    """Rewrite it by `python docs/write_readme.py`."""
+    script = load(DOCS / "write_readme.py")
+    if not script.TEMPLATE.is_file():
+        pytest.skip("docs/readme.md is not there yet")
+    assert script.README.read_text(encoding="utf-8") == script.filled()
+
+
+def test_a_sentence_that_the_data_contradicts_ends_the_build():
+    with pytest.raises(ValueError, match="contradicts the sentence 'Discs drag less"):
+        findings.fill("{{ holds('Discs drag less than ellipses', drag.falls('e1', 'c1')) }}")
