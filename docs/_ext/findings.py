@@ -488,6 +488,30 @@ class Accuracy(Findings):
         """One row per scene and integrator: error at the default step, its time, the order."""
         return accuracy_report.steps(self.dataset)
 
+    def error(self, scene: str, integrator: str) -> float:
+        """Of an integrator at the default step."""
+        one = self.dataset.sel(step_scene=scene, integrator=integrator)
+        default = float(self.dataset["step_default"])
+        level = int(np.nanargmin(abs(one["step_fraction"].values - default)))
+        return float(one["step_error"][level])
+
+    def order(self, scene: str) -> str:
+        """Fitted order of velocity Verlet."""
+        one = self.dataset["step_order"].sel(step_scene=scene, integrator="Verlet")
+        return f"{float(one):.2f}"
+
+    def methods(self) -> Table:
+        """One row per method whose first guess is off by 1e-4 rad, as in a run."""
+        made = numbers("contact of two ellipses", "ns", "error of the overlap", "of the normal, rad")
+        full = self.contacts()
+        for row in zip(*(column.cells for column in full.columns), strict=True):
+            method, start, time, overlap, normal, by_definition, tilt, _ = row
+            if start in ("any", "0.0001 rad"):
+                made.add_row(
+                    method, time, max(overlap, by_definition, key=float), max(normal, tilt, key=float)
+                )
+        return made
+
     def contacts(self) -> Table:
         """One row per method and start: time and errors."""
         return accuracy_report.contacts(self.dataset)
@@ -510,6 +534,10 @@ class Accuracy(Findings):
     def bounced(self) -> str:
         """How many bounces there are."""
         return f"{int(self.dataset['bounce_number'].max()):,}"
+
+    def lammps_ran(self) -> bool:
+        """Whether LAMMPS was there when the file was made."""
+        return bool(np.isfinite(self.dataset["peer_error"].isel(peer=1)).any())
 
     def peers(self) -> Table:
         """One row per scene: error and time of this code and of LAMMPS at the default step."""
@@ -546,7 +574,7 @@ class Stability(Findings):
 
     def failed(self) -> int:
         """How many fail that are no known limit."""
-        return int((~self.dataset["check_passed"] & (self.dataset["check_known"] == "")).sum())
+        return int(((self.dataset["check_passed"] == 0) & (self.dataset["check_known"] == "")).sum())
 
     def known(self) -> str:
         """One list item per case that exceeds a limit as is known."""
@@ -616,6 +644,10 @@ class Speed(Findings):
                         f"{1e9 * float(here['time_per_contact'].sel(code=code)):.0f}",
                     )  # fmt: skip
         return made
+
+    def ran(self, code: str) -> bool:
+        """Whether a code was there when the file was made."""
+        return str(self.dataset["code_status"].sel(code=code).values) == "run"
 
     def faster(self, scene: str, code: str) -> str:
         """How many times as fast this code is as another, by the medians."""

@@ -81,7 +81,7 @@ def steps(dataset: xr.Dataset) -> Table:
 
 def drag(dataset: xr.Dataset) -> Table:
     """One row per shape and step."""
-    made = numbers("mean drag", "step over critical", "beds", "change", "failed", "s a run")
+    made = numbers("shape", "step over critical", "beds", "change", "failed", "s a run")
     default = float(dataset.attrs["default_fraction"])
     for shape in shapes_of(dataset):
         found, failed = change(table(dataset, shape), default), failures(dataset, shape)
