@@ -43,7 +43,7 @@ rule report_page:
     input:
         combined=COMBINED,
         figures=PICTURES,
-        readme="README.md",
+        notes="docs/explanation/open.md",
         page=sorted(map(str, Path("dem/report/page").iterdir())),
     output:
         RESULTS + "/report.html",
@@ -53,4 +53,4 @@ rule report_page:
     log:
         RESULTS + "/logs/report.log",
     shell:
-        "dem report {RESULTS}/drag.nc --readme {input.readme} -o {output} 2> {log}"
+        "dem report {RESULTS}/drag.nc --notes {input.notes} -o {output} 2> {log}"

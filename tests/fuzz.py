@@ -104,7 +104,10 @@ def good_files() -> Path:
     }
     data |= {"cases": {"c1": data["cases"]["c1"]}, "record": data["record"] | {"snapshots": 3}}
     (folder / "q.yaml").write_text(yaml.safe_dump(data))
-    for name in ("README.md", "pyproject.toml", "config/catalogue.yaml", "config/smoke.yaml"):
+    for name in (
+        "README.md", "docs/explanation/open.md", "pyproject.toml", "config/catalogue.yaml",
+        "config/smoke.yaml",
+    ):  # fmt: skip
         shutil.copy(ROOT / name, folder)
     (folder / "note.txt").write_text("A note that nobody may lose.\n")
     (folder / "sub").mkdir()
@@ -167,7 +170,7 @@ GOOD = {
     "picture": {"file": "rep.nc", "--displacement": "0.001", "--color": "layer", "-o": "new.png"},
     "export": {"file": "rep.nc", "-o": "new"},
     "figure": {"name": "figure13", "file": "drag.nc", "-o": "new"},
-    "report": {"file": "drag.nc", "--flow": "flow.nc", "--readme": "README.md", "-o": "new.html"},
+    "report": {"file": "drag.nc", "--flow": "flow.nc", "--notes": "open.md", "-o": "new.html"},
     "calibrate": {"--config": "q.yaml", "--shape": "c1", "--density": "3900", "--target": "1295", "--seeds": "2", "-j": "1"},
     "claims test": {"file": "drag.nc"},
     "film": {"file": "rep.nc", "--color": "speed", "-o": "new.gif"},
@@ -443,7 +446,7 @@ BAD = {
     "--seed": ("-1", str(2**63), str(2**70), "1.5", *NUMBER), "--density": ("0", "-inf", *NUMBER),
     "--threads": ("0", "100000", str(2**40), *NUMBER), "--target": ("0", "-inf", *NUMBER),
     "--displacement": ("1e9", "-inf", *NUMBER), "--shape": ("zz", "", "é", "c1 "), "--color": ("zz", ""),
-    "--readme": ("flow.nc", "none.md", ".", "note.txt"), "--flow": ("rep.nc", "q.yaml", "."), "value": ("gravty=1", "shape", "seed=", "density=x=y", ""),
+    "--notes": ("flow.nc", "none.md", ".", "note.txt"), "--flow": ("rep.nc", "q.yaml", "."), "value": ("gravty=1", "shape", "seed=", "density=x=y", ""),
     "--block": ("zz", ""), "--observable": ("zz", "", "snapshots"), "--bed": ("rep.nc", "q.yaml", "none.nc", "."), "--checkpoint": ("x.npy", "q.yaml", "note.txt", "."),
     "--config": ("bed.nc", "README.md", "none.yaml", "."), "--seeds": ("1", "0", "1.5", *NUMBER), "-j": ("0", *NUMBER),
     "file": ("q.yaml", "bed.nc", "run.npz", "none.nc", "."), "name": ("figure99", "", "../figure13"),
@@ -491,7 +494,7 @@ def odd_path(rng, folder) -> str:
     return made
 
 
-PATHS = ("-o", "-o", "--checkpoint", "--bed", "--config", "file", "--flow", "--readme")
+PATHS = ("-o", "-o", "--checkpoint", "--bed", "--config", "file", "--flow", "--notes")
 WRITES = {"simulate": 8, "pack": 2, "combine": 3, "flow": 2, "info": 4, "export": 2, "report": 1, "picture": 1, "figure": 1}  # fmt: skip
 
 
@@ -774,7 +777,7 @@ def a_flip(rng, folder):
 
 def a_file(rng, folder):
     """Bytes that are no netCDF file, or the beginning of one, given to readers."""
-    bring(folder, "q.yaml", "rep.nc", "README.md", "flow.nc")
+    bring(folder, "q.yaml", "rep.nc", "open.md", "flow.nc")
     if rng.random() < 0.5:
         head = rng.choice([b"", b"CDF\x01", b"CDF\x05", b"\x89HDF\r\n\x1a\n", b"PK\x03\x04"])
         (folder / "fuzz.nc").write_bytes(head + rng.randbytes(rng.choice([0, 10, 3000])))

@@ -26,7 +26,7 @@ from dem.io.lazily import open_lazily
 from dem.report.build import build
 from dem.sweep import chunk as making
 
-README = CONFIG.parent / "README.md"
+NOTES = CONFIG.parent / "docs/explanation/open.md"
 HOSTILE = "</script><script>alert(1)</script>"
 TITLE = "a [red]title[/red] \x1b[31m\x1b]0;name\x07 \x9b2J \u202egnp\u2069 [/nothing]"
 
@@ -207,7 +207,7 @@ VERBS = {
     "figure": lambda file, out: ("figure", "all", file, "-o", out),
     "flow": lambda file, out: ("figure", "irregularity", file, "-o", out),
     "claims": lambda file, out: ("claims", "test", file),
-    "report": lambda file, out: ("report", file, "-o", out / "r.html", "--readme", README),
+    "report": lambda file, out: ("report", file, "-o", out / "r.html", "--notes", NOTES),
 }
 FOREIGN = {
     "gaps": {"fill": np.nan},
@@ -249,21 +249,21 @@ def test_a_drag_over_other_dimensions_is_refused(tmp_path, dims):
         assert status == 2 and "its drag is not over case, seed, displacement" in output
 
 
-def test_a_readme_that_is_no_text_is_refused(made, tmp_path):
+def test_notes_that_are_no_text_are_refused(made, tmp_path):
     """A netCDF file for instance; nothing is written."""
     with pytest.raises(InputError, match=r"flow.nc: it is not a readable text"):
         build_report(made, tmp_path, made / "flow.nc")
     assert not (tmp_path / "r.html").exists()
 
 
-def build_report(made, folder, readme=README):
+def build_report(made, folder, notes=NOTES):
     from PIL import Image
 
     for name in ("drag.nc", "flow.nc"):
         shutil.copy(made / name, folder)
     (folder / "figures").mkdir()
     Image.new("RGB", (4, 4)).save(folder / "figures/figure13.png")
-    build(folder / "drag.nc", folder / "flow.nc", readme, folder / "r.html")
+    build(folder / "drag.nc", folder / "flow.nc", notes, folder / "r.html")
     return (folder / "r.html").read_text()
 
 
@@ -277,10 +277,10 @@ def test_text_of_a_file_is_no_script_in_the_report(hostile, tmp_path):
     assert not set("<>&") & set(data) and list(json.loads(data)["cases"]) == [HOSTILE]
 
 
-def test_text_of_a_readme_is_no_script_in_the_report(made, tmp_path):
-    readme = tmp_path / "mine.md"
-    readme.write_text("## What the paper leaves open\n\n<script>alert(2)</script>\n")
-    assert "<script>alert" not in build_report(made, tmp_path, readme)
+def test_text_of_the_notes_is_no_script_in_the_report(made, tmp_path):
+    notes = tmp_path / "mine.md"
+    notes.write_text("## What the paper leaves open\n\n<script>alert(2)</script>\n")
+    assert "<script>alert" not in build_report(made, tmp_path, notes)
 
 
 @pytest.mark.parametrize("name", ["drag.nc", "runs.nc", "flow.nc"])

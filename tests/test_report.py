@@ -20,6 +20,7 @@ from dem.report.info import summary
 from dem.sweep.combine import open_combined
 
 ROOT = Path(__file__).parent.parent
+NOTES = ROOT / "docs/explanation/open.md"
 BOXES = {"wide": {"box_width": 10e-3, "shapes.c1.granules": 75}, "same": {"box_width": 8e-3}}
 SWEEPS = {
     "grid": {"shape": ["c1", "d1"], "friction.granule": [0.1, 0.2, 0.3], "box": BOXES,
@@ -43,7 +44,7 @@ def page(tmp_path_factory):
     made(folder, flow=True, sweep={"case": ["c1", "e3"], "seed": [1, 2]})
     folder = folder / "results"
     (folder / "stability.txt").write_text("a table of <b>stability</b>")
-    build(folder / "drag.nc", folder / "flow.nc", ROOT / "README.md", folder / "report.html")
+    build(folder / "drag.nc", folder / "flow.nc", NOTES, folder / "report.html")
     return folder / "report.html"
 
 
@@ -68,8 +69,8 @@ def test_nothing_is_fetched_and_all_is_there(page):
     pictures = re.findall(r"<img [^>]*>", body)
     assert len(pictures) >= 4 and all(re.search(r'alt="[^"]{10,}"', tag) for tag in pictures)
     assert "a table of &lt;b&gt;stability&lt;/b&gt;" in body
-    told = section(ROOT / "README.md", "## What the paper leaves open")
-    assert "Slips in the paper" in told and "<table>" in told and told in body
+    told = section(NOTES, "## What the paper leaves open")
+    assert "{{" not in told and "<table>" in told and told in body
 
 
 def test_the_table_of_the_report_holds_the_means(page):
@@ -201,7 +202,7 @@ def test_the_report_of_a_sweep_tells_what_each_value_does(swept):
     """Its figure, its table, and a sentence a value that was varied."""
     name, folder = swept
     output = folder / "report.html"
-    build(folder / "drag.nc", folder / "flow.nc", ROOT / "README.md", output)
+    build(folder / "drag.nc", folder / "flow.nc", NOTES, output)
     body = output.read_text()
     assert 'id="sweep"' in body and 'id="play"' not in body and "<script" not in body
     told = re.findall(r"<li>(.*?)</li>", body.partition("What was varied")[2].partition("</ul>")[0])
@@ -227,17 +228,17 @@ def test_shapes_and_seeds_are_cases(tmp_path):
     assert {"figure07", "figure13", "figure09", "figure12", "irregularity"} <= set(drawable(folder))
     for name in drawable(folder):
         assert_not_blank(folder / f"figures/{name}.png")
-    build(folder / "drag.nc", folder / "flow.nc", ROOT / "README.md", folder / "report.html")
+    build(folder / "drag.nc", folder / "flow.nc", NOTES, folder / "report.html")
 
 
-def test_a_readme_without_the_section_is_refused(page, tmp_path):
+def test_notes_without_the_section_are_refused(page, tmp_path):
     """The section is named."""
-    (tmp_path / "README.md").write_text("# nothing\n")
+    (tmp_path / "open.md").write_text("# nothing\n")
     with pytest.raises(InputError, match="What the paper leaves open"):
         build(
             page.parent / "drag.nc",
             page.parent / "flow.nc",
-            tmp_path / "README.md",
+            tmp_path / "open.md",
             tmp_path / "r.html",
         )
     assert not (tmp_path / "r.html").exists()

@@ -30,8 +30,9 @@ def copy(tmp_path_factory):
     folder = tmp_path_factory.mktemp("clone")
     for name in ("dem", "rules", "config", "profiles"):
         shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
-    for name in ("Snakefile", "README.md"):
-        shutil.copy(ROOT / name, folder)
+    (folder / "docs/explanation").mkdir(parents=True)
+    for name in ("Snakefile", "docs/explanation/open.md"):
+        shutil.copy(ROOT / name, folder / name)
     return folder
 
 

@@ -7,6 +7,8 @@ import typer
 
 from dem.cli.terminal import Writes
 
+NOTES = Path("docs/explanation/open.md")
+
 
 def report(
     data: Annotated[Path, typer.Argument(help="drag.nc; the page shows the files next to it.")],
@@ -16,9 +18,7 @@ def report(
     flow: Annotated[
         Path | None, typer.Option(help="flow.nc; the one next to drag.nc if absent.")
     ] = None,
-    readme: Annotated[
-        Path, typer.Option(help="Text that lists the assumptions and the paper's slips.")
-    ] = Path("README.md"),
+    notes: Annotated[Path, typer.Option(help="Markdown with the assumptions.")] = NOTES,
 ):
     """Write all results as one HTML page, which opens without a network.
 
@@ -26,4 +26,4 @@ def report(
     """
     from dem.report.build import build
 
-    build(data, flow or data.parent / "flow.nc", readme, output)
+    build(data, flow or data.parent / "flow.nc", notes, output)

@@ -1,4 +1,4 @@
-"""results/report.html from the files of results and the README."""
+"""results/report.html from the files of results and the page of assumptions."""
 
 import base64
 from datetime import UTC, datetime
@@ -30,10 +30,10 @@ NEEDED = (
     "max_overlap", "time_step", "run_time", "steps", "aspect_ratio", "diameter", "granules",
 )  # fmt: skip
 ORIGIN = ("title", "versions", "git_revision", "references")
-OPEN = "## What the paper leaves open"  # section of the README that the report repeats
+OPEN = "## What the paper leaves open"  # section of docs/explanation/open.md, shown as it is
 
 
-def build(drag: Path, flow: Path, readme: Path, output: Path) -> None:
+def build(drag: Path, flow: Path, notes: Path, output: Path) -> None:
     """Write the report of a folder of results, atomically; raises InputError for other files.
 
     It shows the figures and studies beside drag.nc, and flow.nc if it is there. A sweep of values
@@ -53,7 +53,7 @@ def build(drag: Path, flow: Path, readme: Path, output: Path) -> None:
     page = _page().render(
         figures=figures(folder / "figures", names),
         made=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        open=Markup(section(readme, OPEN)),
+        open=Markup(section(notes, OPEN)),
         studies=[(name, text) for name in STUDY_FIGURES if (text := study(folder, name))],
         provenance="provenance.html" if (folder / "provenance.html").is_file() else "",
         **parts,
@@ -157,12 +157,12 @@ def _smaller(file: Path, width: int = 1200) -> bytes:
         return buffer.getvalue()
 
 
-def section(readme: Path, heading: str) -> str:
+def section(file: Path, heading: str) -> str:
     """One section of a Markdown file, up to the next of its level, as HTML."""
-    text = _text(readme)
+    text = _text(file)
     _, found, rest = text.partition(heading + "\n")
     if not found:
-        raise InputError(f"{readme}: it has no section {heading!r}.")
+        raise InputError(f"{file}: it has no section {heading!r}.")
     return (
         MarkdownIt("commonmark", {"html": False}).enable("table").render(rest.partition("\n## ")[0])
     )

@@ -49,7 +49,9 @@ TEMPLATES = Environment(
 
 def fill(text: str) -> str:
     """A page with its numbers."""
-    return TEMPLATES.from_string(text).render(NAMES)
+    import findings_paper
+
+    return TEMPLATES.from_string(text).render(NAMES | findings_paper.NAMES)
 
 
 def holds(sentence: str, condition: bool) -> str:
