@@ -82,13 +82,21 @@ class Beds(Findings):
         one = summarise(self.dataset).sel(case=case)
         return f"{100 * float(one['sd_over_run'] / one['mean']):.0f} %"
 
+    def scatter_of_mean(self, case: str) -> str:
+        """The same of the mean of all runs at each displacement."""
+        start, stop = self.dataset.attrs["window_start"], self.dataset.attrs["window_stop"]
+        inside = self.dataset["drag"].sel(case=case, displacement=slice(start, stop))
+        curve = inside.mean("seed")
+        return f"{100 * float(curve.std('displacement', ddof=1) / curve.mean()):.0f} %"
+
+    def scatter_between(self, case: str) -> str:
+        """Standard deviation between the mean drags of the runs over their mean."""
+        one = summarise(self.dataset).sel(case=case)
+        return f"{100 * float(one['sd_between_runs'] / one['mean']):.0f} %"
+
     def step(self, case: str) -> str:
         """Median time step of a case, in ns."""
         return f"{1e9 * float(np.median(self.dataset['time_step'].sel(case=case))):.0f} ns"
-
-    def shortest_step(self, case: str) -> str:
-        """Shortest time step of a case, in ns."""
-        return f"{1e9 * float(self.dataset['time_step'].sel(case=case).min()):.0f} ns"
 
     def steps(self, case: str) -> str:
         """Mean number of time steps of a run."""
