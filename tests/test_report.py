@@ -2,7 +2,6 @@
 
 import io
 import re
-import shutil
 from importlib import import_module
 from pathlib import Path
 
@@ -268,16 +267,3 @@ def test_the_report_works_in_a_browser(page, browser, width):
         const data = bed.getContext("2d").getImageData(0, 0, bed.width, bed.height).data;
         return new Set(new Uint32Array(data.buffer)).size"""
     assert browser.execute_script(painted) > 10
-
-
-def test_the_notebook_runs_on_a_drag_nc(page, tmp_path):
-    """Every cell of the example, from results/drag.nc alone."""
-    import nbformat
-    from nbclient import NotebookClient
-
-    (tmp_path / "results").mkdir()
-    shutil.copy(page.parent / "drag.nc", tmp_path / "results/drag.nc")
-    notebook = nbformat.read(ROOT / "examples/drag.ipynb", as_version=4)
-    NotebookClient(notebook, resources={"metadata": {"path": str(tmp_path)}}, timeout=120).execute()
-    tables = [cell.outputs[-1].data for cell in notebook.cells if cell.cell_type == "code"]
-    assert "c1" in tables[1]["text/plain"] and any("image/png" in data for data in tables)
