@@ -55,6 +55,8 @@ class Calibration:
 class Beds(Findings):
     """The beds of the paper's sweep before the cylinder moves, and what is seen along a run."""
 
+    name, command = "drag", "snakemake -j2"
+
     def table(self) -> Table:
         """Means over the seeds, per case of one density."""
         table = Table()
@@ -103,4 +105,4 @@ class Beds(Findings):
         return f"{float(self.dataset['steps'].sel(case=case).mean()):,.0f}"
 
 
-NAMES = {"calibration": Calibration(), "beds": Beds("drag")}
+NAMES = {"calibration": Calibration(), "beds": Beds()}
