@@ -94,3 +94,7 @@ class Drag(Findings):
 
 drag = Drag("drag")
 NAMES = {"table": table, "interval": interval, "drag": drag}
+
+from findings_scale import ensembles, overhead  # noqa: E402 (it needs the class above)
+
+NAMES |= {"ensembles": ensembles, "overhead": overhead}
