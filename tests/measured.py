@@ -52,7 +52,6 @@ def report(values: dict, layout: dict, title: str, output: Path | None) -> None:
         made_with=command,
         versions=provenance.versions(),
         git_revision=provenance.git_revision(),
-        comment=f"The computer has {os.cpu_count()} cores and was shared; other programs kept "
-        f"{LOAD:.1f} of them busy, or waiting, in the minute before.",
+        comment=f"The {os.cpu_count()} cores were shared; their load average was {LOAD:.1f} before.",
     )
     write(output, values, attrs, layout)
