@@ -12,7 +12,7 @@ def said(value: float, units) -> str:
     """A number in the largest unit of which it is at least two."""
     size, unit, digits = next((each for each in units if value >= 2.0 * each[0]), units[-1])
     digits += unit == "s" and value < SHORT
-    return f"{value / size:.{digits}f} {unit}"
+    return f"{value / size:.{digits}f}\N{NO-BREAK SPACE}{unit}"
 
 
 class Measured(Findings):
