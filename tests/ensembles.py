@@ -1,6 +1,6 @@
-"""Time and memory of planning, combining and drawing thousands of runs on one computer.
+"""Processor time and memory of planning, combining and drawing thousands of runs on one computer.
 
-    python tests/ensembles.py 100 1000 10000
+    python tests/ensembles.py 100 1000 10000 -o docs/data/ensembles.nc
 
 One smoke run is simulated; the chunks of the others hold it over and over, under their names, so that
 it is the files that are measured. Each command runs in a process of its own; memory is its peak.
@@ -9,26 +9,38 @@ it is the files that are measured. Each command runs in a process of its own; me
 import contextlib
 import sys
 import tempfile
-import time
 from pathlib import Path
 
+import numpy as np
 from faults import Place
+from measured import arguments, report
 
 from dem.experiment import drag
 from dem.experiment.bed import make_bed
-from dem.io.results_folder import prepare
 from dem.sweep.chunk import write_chunk
 from dem.sweep.config import load
 from dem.sweep.work import Work, link
 
 MEASURED = """
-import resource, subprocess, sys, time
-started = time.time()
+import resource, subprocess, sys
 done = subprocess.run(sys.argv[1:], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
 assert done.returncode == 0, done.stdout
-peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
-print(f"{time.time() - started:.1f} s, {peak:.0f} MB")
+used = resource.getrusage(resource.RUSAGE_CHILDREN)
+print(used.ru_utime + used.ru_stime, 1024 * used.ru_maxrss)
 """
+COMMANDS = {
+    "plan": "planning jobs of 100 runs",
+    "plan_each": "planning a job for each run",
+    "combine": "combining all runs",
+    "figure": "drawing Figure 13",
+    "info": "dem info",
+    "flow": "measuring the flow of all runs",
+}
+LAYOUT = {"runs": (("runs",), "1", "number of runs")}
+for _name, _words in COMMANDS.items():
+    LAYOUT[f"{_name}_time"] = ("runs",), "s", f"processor time of {_words}"
+    LAYOUT[f"{_name}_memory"] = ("runs",), "byte", f"peak memory of {_words}"
+SIZE = 100  # runs a job
 EACH = 10_000  # runs up to which a job each is planned too
 FLOW = 1000  # runs up to which their flow is measured too, which takes long
 
@@ -47,43 +59,47 @@ def copies(place: Place, config: str, row: dict) -> None:
         link(work.store, chunks, work.sweep.results)
 
 
-def measured(place: Place, *command) -> str:
-    """Wall time and peak memory of a command."""
+def measured(place: Place, *command) -> tuple[float, float]:
+    """Processor time (s) and peak memory (bytes) of a command."""
     words = [sys.executable, "-c", MEASURED, sys.executable, "-m", *command]
     done = place.run(words)
     assert done.returncode == 0, done.stderr
-    return done.stdout.strip()
+    time, memory = map(float, done.stdout.split())
+    return time, memory
 
 
-def main(counts: list[int]) -> None:
-    with tempfile.TemporaryDirectory() as name:
-        place = Place(Path(name), sweep={"case": ["c1"], "seed": [1]})
+def commands(place: Place, count: int, row: dict):
+    """Names of COMMANDS and what each takes for so many runs."""
+    runs, data = {"case": ["c1"], "seed": f"1 to {count}"}, "results/many/drag.nc"
+    # before there are runs: all jobs are planned
+    for name, size in {"plan": SIZE, "plan_each": 1}.items():
+        if size > 1 or count <= EACH:
+            config = place.sweep("plan", sweep=runs, chunk=size, gravity=count)
+            plan = "snakemake", "-n", "results/plan/drag.nc", "--configfile", config
+            yield name, measured(place, *plan)
+    config = place.sweep("many", sweep=runs, chunk=SIZE)
+    copies(place, config, row)
+    yield "combine", measured(place, "dem", "combine", "--config", config, "-o", data)
+    yield "figure", measured(place, "dem", "figure", "figure13", data)
+    yield "info", measured(place, "dem", "info", data)
+    if count <= FLOW:
+        flow = ["snakemake", "-j2", "results/many/flow.nc", "--configfile", config]
+        yield "flow", measured(place, *flow)
+
+
+def main() -> None:
+    given = arguments(__doc__, runs={"nargs": "+", "help": "numbers of runs"})
+    values = {name: np.full(len(given.runs), np.nan) for name in LAYOUT} | {"runs": given.runs}
+    with tempfile.TemporaryDirectory() as folder:
+        place = Place(Path(folder), sweep={"case": ["c1"], "seed": [1]})
         one = next(load(place.folder / place.sweep("many")).block("drag").unique())
         row = drag.run(one, make_bed(one))
         row |= {"failure": 0, "failure_reason": "", "spent": row["run_time"]}
-        results = place.results("many")
-        for count in counts:
-            runs, data = {"case": ["c1"], "seed": f"1 to {count}"}, "results/many/drag.nc"
-            print(f"{count} runs")
-            # before there are runs: all jobs are planned
-            for size in (1, 100) if count <= EACH else (100,):
-                config = place.sweep("plan", sweep=runs, chunk=size, gravity=count)
-                plan = "snakemake", "-n", "results/plan/drag.nc", "--configfile", config
-                print(f"  planned, {size} runs a job: {measured(place, *plan)}", flush=True)
-            config = place.sweep("many", sweep=runs, chunk=100)
-            copies(place, config, row)
-            verb = ["dem", "combine", "--config", config, "-o", data]
-            print(f"  combined: {measured(place, *verb)}", flush=True)
-            began = time.perf_counter()
-            prepare(results)[0].release()
-            print(f"  folder made ready: {time.perf_counter() - began:.2f} s")
-            figure = measured(place, "dem", "figure", "figure13", data)
-            print(f"  figure13: {figure}", flush=True)
-            print(f"  dem info: {measured(place, 'dem', 'info', data)}", flush=True)
-            if count <= FLOW:
-                flow = ["snakemake", "-j2", "results/many/flow.nc", "--configfile", config]
-                print(f"  flow.nc: {measured(place, *flow)}", flush=True)
+        for at, count in enumerate(given.runs):
+            for name, (time, memory) in commands(place, count, row):
+                values[f"{name}_time"][at], values[f"{name}_memory"][at] = time, memory
+    report(values, LAYOUT, "Time and memory of sweeps by their number of runs", given.output)
 
 
 if __name__ == "__main__":
-    main([int(word) for word in sys.argv[1:]] or [100, 1000])
+    main()

@@ -38,9 +38,10 @@ def test_a_bed_resists_the_cylinder():
     assert len(LIBRARY) == 3
 
 
-@pytest.mark.parametrize(
-    "name", ["README.md", "CONTRIBUTING.md", "docs/million.md", "pyproject.toml"]
-)
+HOWTO = [f"docs/howto/{page}.md" for page in ("sweep", "shape", "cluster", "recovery")]
+
+
+@pytest.mark.parametrize("name", ["README.md", "CONTRIBUTING.md", "pyproject.toml", *HOWTO])
 def test_the_files_that_a_document_names_exist(name):
     named = re.findall(r"\b(?:dem|tests|rules|config|docs)/[\w/.]*\w", (ROOT / name).read_text())
     assert [each for each in named if not (ROOT / each).exists()] == []

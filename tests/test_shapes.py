@@ -221,9 +221,9 @@ def test_an_unknown_question_is_refused():
 
 def test_the_shape_of_the_documentation_works():
     """The page on shapes shows a whole shape, which is accepted."""
-    page = (Path(__file__).parent.parent / "docs/shapes.md").read_text()
+    page = (Path(__file__).parent.parent / "docs/howto/shape.md").read_text()
     code = re.search(r"```python\n(.*?)```", page, re.S).group(1)
-    exec(compile(code, "shapes.md", "exec"), {"__name__": "shape_of_the_page"})
+    exec(compile(code, "shape.md", "exec"), {"__name__": "shape_of_the_page"})
 
 
 def test_a_superellipse_of_exponent_two_without_rounding_is_an_ellipse():

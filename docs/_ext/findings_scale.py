@@ -1,0 +1,101 @@
+"""What thousands of runs take: docs/data/ensembles.nc and overhead.nc, for the pages of findings.py."""
+
+from findings import Findings
+from rich.table import Table
+
+BYTES = ((1e9, "GB", 1), (1e6, "MB", 0), (1.0, "B", 0))
+SECONDS = ((3600.0, "h", 1), (60.0, "min", 0), (1.0, "s", 0))
+SHORT = 10.0  # s: below that a time has a digit more
+
+
+def said(value: float, units) -> str:
+    """A number in the largest unit of which it is at least two."""
+    size, unit, digits = next((each for each in units if value >= 2.0 * each[0]), units[-1])
+    digits += unit == "s" and value < SHORT
+    return f"{value / size:.{digits}f}\N{NO-BREAK SPACE}{unit}"
+
+
+class Measured(Findings):
+    """Processor times that a script has measured."""
+
+    @property
+    def computer(self) -> str:
+        """How many cores it has, and how busy they were."""
+        return self.dataset.attrs["comment"]
+
+
+class Ensembles(Measured):
+    """Processor time and peak memory of each command, by the number of runs."""
+
+    def commands(self) -> Table:
+        """Time and memory of each command, a row per number of runs."""
+        found = Table()
+        found.add_column("runs", justify="right")
+        heads = {"plan": "planning, 100 runs a job", "plan_each": "planning, a job each",
+                 "combine": "combining", "figure": "Figure 13", "flow": "`flow.nc`"}  # fmt: skip
+        for head in heads.values():
+            found.add_column(head, justify="right")
+        for count in self.dataset["runs"].values:
+            one = self.dataset.sel(runs=count)
+            cells = [self._cell(one, name) for name in heads]
+            found.add_row(f"{int(count):,}", *cells)
+        return found
+
+    def _cell(self, one, name: str) -> str:
+        time, memory = (float(one[f"{name}_{each}"]) for each in ("time", "memory"))
+        return "" if time != time else f"{said(time, SECONDS)}, {said(memory, BYTES)}"
+
+    def largest(self) -> str:
+        """The greatest number of runs that was measured."""
+        return f"{int(self.dataset['runs'].max()):,}"
+
+    def time(self, command: str, runs: int) -> str:
+        """Processor time of a command, extrapolated in proportion from the last two numbers."""
+        return said(self._line(f"{command}_time", runs), SECONDS)
+
+    def memory(self, command: str, runs: int) -> str:
+        """Peak memory of a command, likewise."""
+        return said(self._line(f"{command}_memory", runs), BYTES)
+
+    def _line(self, name: str, runs: int) -> float:
+        (n, m), (a, b) = (
+            each.dropna("runs")[-2:].values for each in (self.dataset["runs"], self.dataset[name])
+        )
+        return float(b + (b - a) / (m - n) * (runs - m))
+
+
+class Overhead(Measured):
+    """Processor time of a sweep of small runs, and of its kernels alone."""
+
+    @property
+    def kernels(self) -> float:
+        return float(self.dataset["packing"] + self.dataset["running"])
+
+    def runs(self) -> str:
+        return f"{int(self.dataset['runs']):,}"
+
+    def ratio(self) -> str:
+        """Time of the workflow over that of its kernels alone."""
+        return f"{float(self.dataset['workflow']) / self.kernels:.1f}"
+
+    def parts(self) -> Table:
+        """Where the time of the workflow goes."""
+        found = Table()
+        found.add_column("part", justify="left")
+        found.add_column("processor time", justify="right")
+        d = {name: float(value) for name, value in self.dataset.data_vars.items()}
+        rows = {
+            "packing the beds": d["packing"],
+            "running": d["running"],
+            f"starting {d['jobs']:.0f} jobs and loading kernels": d["starting"],
+            "writing files of runs": d["writing"],
+            "planning": d["planning"],
+            "combining": d["combining"],
+        }
+        rows["Snakemake, finding kernels"] = d["workflow"] - sum(rows.values())
+        for name, value in (rows | {"the workflow to `drag.nc`": d["workflow"]}).items():
+            found.add_row(name, said(value, SECONDS))
+        return found
+
+
+ensembles, overhead = Ensembles("ensembles"), Overhead("overhead")
