@@ -79,12 +79,13 @@ def heads(words: int, *columns: str) -> Table:
 
 
 def _cell(text) -> str:
-    return str(text).replace("|", r"\|").replace("+-", "±").replace("\n", " ")
+    return str(text).replace("|", r"\|").replace("+-", "±").replace(" ± nan", "").replace("\n", " ")
 
 
 def interval(value: float, half: float, unit: str = "", digits: int = 0) -> str:
-    """A mean and half its confidence interval: 1257 ± 181 N."""
-    return f"{value:.{digits}f} ± {half:.{digits}f} {unit}".rstrip()
+    """A mean and half its confidence interval: 1257 ± 181 N, on one line."""
+    words = f"{value:.{digits}f} ± {half:.{digits}f} {unit}".rstrip()
+    return words.replace("-", "\N{MINUS SIGN}").replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def span(low: float, high: float, unit: str = "", digits: int = 2) -> str:
@@ -147,7 +148,7 @@ class Drag(Findings):
 
     def cases(self) -> Table:
         """One row per shape: mean drag, the paper's value, mean drag at ten times the density."""
-        made = heads(2, "case", "granules", "mean drag, N", "paper, N", "ten times the density, N")
+        made = heads(2, "case", "granules", "mean drag, N", "paper, N", "ten times as dense, N")
         labels = self.dataset["case"].values.tolist()
         for case in labels:
             denser = f"{case}{DENSER}"
@@ -389,7 +390,7 @@ class Claims(Findings):
         """Response at the high end of a factor's range over that at the low end."""
         points = from_study(self.dataset).points
         found = influences(points, responses(points)[response])
-        return f"{next(each.growth for each in found if each.factor == factor):.1f}"
+        return f"{ {each.factor: each.growth for each in found}[factor]:.1f}"
 
     def scaling(self) -> Table:
         """One row per setting, shape and factor: drag over that at the paper's value."""
@@ -402,7 +403,7 @@ class Claims(Findings):
 
     def _scaled(self, setting: str, shape: str, factor: float):
         found = claims_report.scaled_ratios(self.dataset, setting, shape)
-        return next(drag for x, drag, _ in found if x == factor)
+        return {x: drag for x, drag, _ in found}[factor]
 
     def scaled(self, setting: str, shape: str, factor: float) -> str:
         """Drag at a factor on one of the paper's values, over that at the paper's."""
@@ -504,13 +505,18 @@ class Accuracy(Findings):
 
     def methods(self) -> Table:
         """One row per method whose first guess is off by 1e-4 rad, as in a run."""
-        made = numbers("contact of two ellipses", "ns", "error of the overlap", "of the normal, rad")
+        made = numbers(
+            "contact of two ellipses", "ns", "error of the overlap", "of the normal, rad"
+        )
         full = self.contacts()
         for row in zip(*(column.cells for column in full.columns), strict=True):
             method, start, time, overlap, normal, by_definition, tilt, _ = row
             if start in ("any", "0.0001 rad"):
                 made.add_row(
-                    method, time, max(overlap, by_definition, key=float), max(normal, tilt, key=float)
+                    method,
+                    time,
+                    max(overlap, by_definition, key=float),
+                    max(normal, tilt, key=float),
                 )
         return made
 
@@ -576,7 +582,9 @@ class Stability(Findings):
 
     def failed(self) -> int:
         """How many fail that are no known limit."""
-        return int(((self.dataset["check_passed"] == 0) & (self.dataset["check_known"] == "")).sum())
+        return int(
+            ((self.dataset["check_passed"] == 0) & (self.dataset["check_known"] == "")).sum()
+        )
 
     def known(self) -> str:
         """One list item per case that exceeds a limit as is known."""
