@@ -51,7 +51,9 @@ def write(docs: Path) -> None:
         data = DATA / f"{FILE_OF[name]}.nc"
         if _older(folder / f"{name}.png", max(code, data.stat().st_mtime)):
             draw(name, data, folder)
-    for file, command in (RUNS | {each: command for each, (_, command) in PICTURES.items()}).items():
+    for file, command in (
+        RUNS | {each: command for each, (_, command) in PICTURES.items()}
+    ).items():
         if _older(folder / file, code):
             _run(command, folder)
     (folder.parent / "gallery.md").write_text(_page(names), encoding="utf-8")

@@ -4,9 +4,8 @@ from importlib import import_module
 from pathlib import Path
 
 import typer
-from typer.cli import get_docs_for_click
-
 from pydantic import BaseModel
+from typer.cli import get_docs_for_click
 
 from dem.analysis.flow.layout import VARIABLES as FLOW
 from dem.cli.app import app

@@ -1,7 +1,8 @@
 """What thousands of runs take: docs/data/ensembles.nc and overhead.nc, for the pages of findings.py."""
 
-from findings import Findings
 from rich.table import Table
+
+from .common import Findings
 
 BYTES = ((1e9, "GB", 1), (1e6, "MB", 0), (1.0, "B", 0))
 SECONDS = ((3600.0, "h", 1), (60.0, "min", 0), (1.0, "s", 0))
@@ -26,6 +27,9 @@ class Measured(Findings):
 
 class Ensembles(Measured):
     """Processor time and peak memory of each command, by the number of runs."""
+
+    name = "ensembles"
+    command = "python tests/ensembles.py 100 1000 10000 -o docs/data/ensembles.nc"
 
     def commands(self) -> Table:
         """Time and memory of each command, a row per number of runs."""
@@ -67,6 +71,9 @@ class Ensembles(Measured):
 class Overhead(Measured):
     """Processor time of a sweep of small runs, and of its kernels alone."""
 
+    name = "overhead"
+    command = "python tests/overhead.py 200 125 -o docs/data/overhead.nc"
+
     @property
     def kernels(self) -> float:
         return float(self.dataset["packing"] + self.dataset["running"])
@@ -98,4 +105,4 @@ class Overhead(Measured):
         return found
 
 
-ensembles, overhead = Ensembles("ensembles"), Overhead("overhead")
+ensembles, overhead = Ensembles(), Overhead()

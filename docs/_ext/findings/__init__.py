@@ -1,0 +1,48 @@
+"""Every result that a page or the README states, read from docs/data: one module per question.
+
+A page calls a finding by its name: `{{ drag.mean("c1") }}`, `{{ table(claims.verdicts()) }}`. No result is
+typed on a page; tests/test_pages.py looks for those that are. A sentence that depends on a result says
+on which: `{{ holds("Ellipses drag less than discs", drag.falls("c1", "e1")) }}`. Nothing here needs Sphinx.
+"""
+
+from jinja2 import Environment, StrictUndefined
+
+from .accuracy import accuracy
+from .calibration import calibration
+from .claims import claims
+from .common import DATA, Findings, holds, interval, table
+from .drag import beds, drag, flow
+from .scale import ensembles, overhead
+from .speed import speed, timings
+from .stability import stability
+
+TEMPLATES = Environment(
+    undefined=StrictUndefined,
+    comment_start_string="<#",
+    comment_end_string="#>",
+    keep_trailing_newline=True,
+)
+FILES = drag, flow, claims, accuracy, stability, speed  # written by docs/data/release.py
+MEASURED = ensembles, overhead  # by the scripts that measure
+NAMES = {
+    "table": table,
+    "interval": interval,
+    "holds": holds,
+    "accuracy": accuracy,
+    "beds": beds,
+    "calibration": calibration,
+    "claims": claims,
+    "drag": drag,
+    "ensembles": ensembles,
+    "flow": flow,
+    "overhead": overhead,
+    "speed": speed,
+    "stability": stability,
+    "timings": timings,
+}
+__all__ = ["DATA", "FILES", "MEASURED", "NAMES", "Findings", "fill"]
+
+
+def fill(text: str) -> str:
+    """A page with its numbers."""
+    return TEMPLATES.from_string(text).render(NAMES)

@@ -1,0 +1,97 @@
+"""What all findings share: the released file, and how numbers and tables become Markdown."""
+
+from functools import cached_property
+from pathlib import Path
+
+import xarray as xr
+from rich.table import Table
+
+from dem.analysis.tables import numbers
+from dem.base.errors import InputError
+
+DATA = Path(__file__).parents[2] / "data"
+
+
+def holds(sentence: str, condition: bool) -> str:
+    """The sentence; an error that ends the build where the data contradicts it."""
+    if not condition:
+        raise ValueError(f"docs/data contradicts the sentence {sentence!r}; rewrite it.")
+    return sentence
+
+
+def table(rich: Table) -> str:
+    """A table for the terminal as Markdown; the first column is words, the others are numbers."""
+    heads = [str(column.header).replace("\n", " ") for column in rich.columns]
+    rows = zip(*(column.cells for column in rich.columns), strict=True)
+    align = [":--" if column.justify == "left" else "--:" for column in rich.columns]
+    lines = [heads, align, *rows]
+    return "\n".join("| " + " | ".join(map(_cell, line)) + " |" for line in lines)
+
+
+def heads(words: int, *columns: str) -> Table:
+    """An empty table; the first columns hold words, the others numbers."""
+    made = numbers(*columns)
+    for column in made.columns[:words]:
+        column.justify = "left"
+    return made
+
+
+def _cell(text) -> str:
+    return str(text).replace("|", r"\|").replace("+-", "±").replace(" ± nan", "").replace("\n", " ")
+
+
+def interval(value: float, half: float, unit: str = "", digits: int = 0) -> str:
+    """A mean and half its confidence interval: 1257 ± 181 N, on one line."""
+    words = f"{value:.{digits}f} ± {half:.{digits}f} {unit}".rstrip()
+    return words.replace("-", "\N{MINUS SIGN}").replace(" ", "\N{NO-BREAK SPACE}")
+
+
+def span(low: float, high: float, unit: str = "", digits: int = 2) -> str:
+    """A range: 0.9 to 2.4 mm."""
+    return f"{low:.{digits}f} to {high:.{digits}f} {unit}".rstrip()
+
+
+class Findings:
+    """What one released file says."""
+
+    name: str  # of the file in docs/data, without .nc
+    command: str  # that makes it
+
+    @property
+    def path(self) -> Path:
+        return DATA / f"{self.name}.nc"
+
+    @cached_property
+    def dataset(self) -> xr.Dataset:
+        if not self.path.is_file():
+            raise InputError(
+                f"docs/data/{self.path.name} is missing; make it by `{self.command}`, "
+                "then `python docs/data/release.py results`."
+            )
+        with xr.open_dataset(self.path) as dataset:
+            return dataset.load()
+
+    @cached_property
+    def revision(self) -> str:
+        """Of the code that made the results; several where files of several revisions were combined."""
+        return ", ".join(each.strip()[:7] for each in self.dataset.attrs["git_revision"].split(";"))
+
+    @cached_property
+    def made(self) -> str:
+        """Where the numbers come from, as a line under a table."""
+        attrs = self.dataset.attrs
+        day = attrs["history"].split("T")[0]
+        return (
+            f"*Computed by `{attrs['made_with']}` at revision `{self.revision}` on {day}; "
+            f"file `docs/data/{self.path.name}`.*"
+        )
+
+
+def clock(seconds: float) -> str:
+    """A duration as one reads it: 12 s, 5 min 27 s, 1 h 5 min."""
+    if seconds < 60:
+        return f"{seconds:.0f} s" if seconds >= 10 else f"{seconds:.1f} s"
+    minutes, rest = divmod(round(seconds), 60)
+    if minutes < 60:
+        return f"{minutes} min {rest} s" if rest else f"{minutes} min"
+    return f"{minutes // 60} h {minutes % 60} min"

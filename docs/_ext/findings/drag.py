@@ -1,0 +1,190 @@
+"""The paper's sweep: the drag, how the beds flow, and the beds before the cylinder moves."""
+
+from functools import cached_property
+
+import numpy as np
+import xarray as xr
+from rich.table import Table
+
+from dem.analysis.flow.verdict import compared
+from dem.analysis.statistics import change, summarise
+from dem.analysis.tables import numbers
+
+from .common import Findings, heads, interval, span
+
+PAPER = {"c1": "1295", "e0": "1405"}  # N, section 3.2
+DENSER = "2"  # case c12 is c1 at ten times the density
+MEASURES = {
+    "non_affine": "non-affine displacement (D²min)",
+    "fluctuation": "motion apart from the neighbours",
+    "mixing": "mixing of layers",
+    "contacts_lost": "contacts lost over 0.5 mm",
+}
+
+
+class Drag(Findings):
+    """The paper's sweep, drag.nc: means over 1 mm to 5 mm, 95 % intervals over five seeds."""
+
+    name, command = "drag", "snakemake -j2"
+
+    @cached_property
+    def summary(self) -> xr.Dataset:
+        return summarise(self.dataset)
+
+    def mean(self, case: str) -> str:
+        """Mean drag of a case and half its interval, in N."""
+        return interval(*self._mean(case), "N")
+
+    def _mean(self, case: str) -> tuple[float, float]:
+        one = self.summary.sel(case=case)
+        return float(one["mean"]), float(one["half_interval"])
+
+    def cases(self) -> Table:
+        """One row per shape: mean drag, the paper's value, mean drag at ten times the density."""
+        made = heads(2, "case", "granules", "mean drag, N", "paper, N", "ten times as dense, N")
+        labels = self.dataset["case"].values.tolist()
+        for case in labels:
+            denser = f"{case}{DENSER}"
+            if not case.endswith(DENSER) or case[:-1] not in labels:
+                dense = interval(*self._mean(denser)) if denser in labels else ""
+                mean = interval(*self._mean(case))
+                made.add_row(case, self.granules(case), mean, PAPER.get(case, ""), dense)
+        return made
+
+    def granules(self, case: str) -> str:
+        """Shape, aspect ratio of an ellipse, and volume diameter."""
+        one = self.dataset.sel(case=case)
+        kind, ratio = str(one["kind"].values), float(one["aspect_ratio"])
+        ratio = f" {ratio:g}:1" if kind == "ellipse" else ""
+        return f"{kind}{ratio}, {1e6 * float(one['diameter']):.0f} µm"
+
+    def change(self, case: str, other: str) -> str:
+        """How much the mean of `other` differs from that of `case`, beds paired."""
+        value, half = change(self.summary["run_mean"], case, other)
+        return interval(100 * value, 100 * half, "%")
+
+    def density(self) -> str:
+        """Range over the shapes of what ten times the density does to the mean drag."""
+        found = [
+            100 * change(self.summary["run_mean"], case, case + DENSER)[0]
+            for case in self.dataset["case"].values.tolist()
+            if case + DENSER in self.dataset["case"].values
+        ]
+        return span(min(found), max(found), "%", 0)
+
+    def ratio(self, case: str, other: str) -> str:
+        """Mean drag of `case` over that of `other`."""
+        means = self.summary["mean"]
+        return f"{float(means.sel(case=case) / means.sel(case=other)):.2f}"
+
+    def falls(self, *cases: str) -> bool:
+        """Whether the mean falls from case to case."""
+        return bool(np.all(np.diff([self._mean(case)[0] for case in cases]) < 0.0))
+
+    def apart(self, case: str, other: str) -> bool:
+        """Whether the interval of `case` is above that of `other`."""
+        (high, a), (low, b) = self._mean(case), self._mean(other)
+        return high - a > low + b
+
+    def overlap(self, case: str, other: str) -> bool:
+        """Whether the intervals of two cases overlap."""
+        return not (self.apart(case, other) or self.apart(other, case))
+
+    def parts(self, case: str, other: str, share: float) -> str:
+        """Displacements, over the seeds, at which the drags of two cases first differ by a share."""
+        a, b = (self.dataset["drag"].sel(case=each) for each in (case, other))
+        first = (abs(a - b) > share * abs(b)).argmax("displacement")
+        found = 1e3 * self.dataset["displacement"].values[first.values]
+        return span(found.min(), found.max(), "mm", 1)
+
+    def scatter(self, case: str) -> str:
+        """Standard deviation of the drag over a run, over the mean."""
+        one = self.summary.sel(case=case)
+        return f"{100 * float(one['sd_over_run'] / one['mean']):.0f} %"
+
+    def pressure(self, *cases: str) -> float:
+        """Mean pressure (Pa) on the walls of the packed beds of some cases."""
+        return float(self.dataset["packing_pressure"].sel(case=list(cases)).mean())
+
+    def largest_overlap(self, *cases: str) -> str:
+        """Greatest overlap of some cases, over the smaller radius."""
+        return f"{float(self.dataset['max_overlap'].sel(case=list(cases)).max()):.2f}"
+
+    def run_time(self) -> str:
+        """Median processor time of a run."""
+        return f"{float(np.nanmedian(self.dataset['run_time'])):.1f} s"
+
+
+class Flow(Findings):
+    """Measures of the flow of the paper's sweep, flow.nc."""
+
+    name, command = "flow", "snakemake -j2"
+
+    def measures(self) -> Table:
+        """One row per measure: mean of e3 over that of c1."""
+        made = numbers("measure of irregularity", "e3 over c1")
+        for name, words in MEASURES.items():
+            found = compared(self.dataset, name)
+            made.add_row(words, interval(found.ratio, found.half, digits=2))
+        return made
+
+    def more_irregular(self) -> bool:
+        """Whether any measure of e3 is above that of c1, interval included."""
+        found = [compared(self.dataset, name) for name in MEASURES]
+        return any(each.ratio - each.half > 1.0 for each in found)
+
+
+class Beds(Findings):
+    """The beds of the paper's sweep before the cylinder moves, and what is seen along a run."""
+
+    name, command = "drag", "snakemake -j2"
+
+    def table(self) -> Table:
+        """Means over the seeds, per case of one density."""
+        table = Table()
+        table.add_column("case", justify="left")
+        for head in ("pressure on the walls (MPa)", "contacts per granule", "greatest overlap"):
+            table.add_column(head, justify="right")
+        beds = self.dataset.sel(case=[c for c in self.dataset["case"].values if len(c) == 2])
+        for case in beds["case"].values:
+            one = beds.sel(case=case)
+            pressure = 1e-6 * float(one["packing_pressure"].mean())
+            table.add_row(
+                str(case),
+                f"{pressure:.1f}" if pressure >= 0.001 else "below 0.001",
+                f"{float(one['packing_coordination_number'].mean()):.2f}",
+                f"{float(one['packing_max_overlap'].max()):.1g}",
+            )
+        return table
+
+    def height(self) -> str:
+        """Mean height of the boxes of c1, in mm."""
+        return f"{1e3 * float(self.dataset['box_height'].sel(case='c1').mean()):.1f} mm"
+
+    def scatter_along(self, case: str) -> str:
+        """Standard deviation of the drag along a run over its mean."""
+        one = summarise(self.dataset).sel(case=case)
+        return f"{100 * float(one['sd_over_run'] / one['mean']):.0f} %"
+
+    def scatter_of_mean(self, case: str) -> str:
+        """The same of the mean of all runs at each displacement."""
+        start, stop = self.dataset.attrs["window_start"], self.dataset.attrs["window_stop"]
+        inside = self.dataset["drag"].sel(case=case, displacement=slice(start, stop))
+        curve = inside.mean("seed")
+        return f"{100 * float(curve.std('displacement', ddof=1) / curve.mean()):.0f} %"
+
+    def scatter_between(self, case: str) -> str:
+        """Standard deviation between the mean drags of the runs over their mean."""
+        one = summarise(self.dataset).sel(case=case)
+        return f"{100 * float(one['sd_between_runs'] / one['mean']):.0f} %"
+
+    def step(self, case: str) -> str:
+        """Median time step of a case, in ns."""
+        return f"{1e9 * float(np.median(self.dataset['time_step'].sel(case=case))):.0f} ns"
+
+    def steps(self, case: str) -> str:
+        """Mean number of time steps of a run."""
+        return f"{float(self.dataset['steps'].sel(case=case).mean()):,.0f}"
+
+
+drag, flow, beds = Drag(), Flow(), Beds()

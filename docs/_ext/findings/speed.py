@@ -1,0 +1,99 @@
+"""Speed beside other codes, and how long commands take."""
+
+from functools import cached_property
+
+import numpy as np
+import yaml
+from rich.table import Table
+
+from dem.base.errors import InputError
+from dem.studies.benchmark import report as speed_report
+
+from .common import DATA, Findings, clock, heads, span
+
+
+class Speed(Findings):
+    """Speed beside other codes, benchmark.nc."""
+
+    name, command = "benchmark", "snakemake -j1 benchmark"
+
+    def codes(self) -> Table:
+        """One row per bed and code that ran."""
+        made = heads(2, "bed", "code", "10⁶ granule-steps/s", "lowest to highest", "ns a contact")
+        for scene in self.dataset["scene"].values:
+            here = self.dataset.sel(scene=scene)
+            for code in self.dataset["code"].values:
+                rates = 1e-6 * here["granule_steps_per_second"].sel(code=code).values
+                if np.isfinite(rates).all():
+                    made.add_row(
+                        str(scene), str(code), f"{np.median(rates):.1f}",
+                        span(rates.min(), rates.max(), digits=1),
+                        f"{1e9 * float(here['time_per_contact'].sel(code=code)):.0f}",
+                    )  # fmt: skip
+        return made
+
+    def ran(self, code: str) -> bool:
+        """Whether a code was there when the file was made."""
+        return str(self.dataset["code_status"].sel(code=code).values) == "run"
+
+    def faster(self, scene: str, code: str) -> str:
+        """How many times as fast this code is as another, by the medians."""
+        rates = self.dataset["granule_steps_per_second"].sel(scene=scene).median("repeat")
+        return f"{float(rates[0] / rates.sel(code=code)):.1f}"
+
+    def scenes(self) -> Table:
+        """One row per scene: what it costs."""
+        return speed_report.scenes(self.dataset)
+
+    def sizes(self) -> Table:
+        """One row per size of bed and number of threads."""
+        return speed_report.sizes(self.dataset)
+
+    def motion(self) -> Table:
+        """One row per bed: how far this code and LAMMPS part."""
+        return speed_report.motion(self.dataset)
+
+    def machine(self) -> str:
+        """The processor."""
+        return str(self.dataset.attrs["processor"])
+
+    def repeats(self) -> int:
+        """How often each code runs."""
+        return self.dataset.sizes["repeat"]
+
+
+class Timings:
+    """How long commands took, timings.yaml: measured by hand, with command, revision and date."""
+
+    path = DATA / "timings.yaml"
+
+    @cached_property
+    def content(self) -> dict:
+        if not self.path.is_file():
+            raise InputError(
+                f"docs/data/{self.path.name} is missing; docs/data/README.md has its form."
+            )
+        return yaml.safe_load(self.path.read_text(encoding="utf-8"))
+
+    def of(self, name: str) -> str:
+        """Time of one entry."""
+        return clock(self.content["timed"][name]["seconds"])
+
+    def table(self) -> Table:
+        """One row per entry."""
+        made = heads(2, "what", "command", "time")
+        for each in self.content["timed"].values():
+            made.add_row(each["what"], f"`{each['command']}`", clock(each["seconds"]))
+        return made
+
+    @cached_property
+    def made(self) -> str:
+        """Where the numbers come from, as a line under a table."""
+        about = self.content
+        return (
+            f"*Measured at revision `{about['revision']}` on {about['date']}, {about['machine']}; "
+            f"file `docs/data/{self.path.name}`.*"
+        )
+
+
+speed, timings = Speed(), Timings()
