@@ -37,6 +37,7 @@ nb_execution_timeout = 900
 nb_execution_excludepatterns = []
 nb_merge_streams = True
 
+copybutton_exclude = ".linenos, .gp"  # a prompt is not copied
 autosummary_generate = True
 autodoc_typehints = "none"  # numpydoc's sections give types, shapes and units
 numpydoc_show_class_members = False

@@ -1,41 +1,78 @@
-"""The README's examples run as they are, and the files that documents name exist."""
+"""The examples of README and tutorial run as they are and obey their laws; files that documents name exist."""
 
 import re
 from pathlib import Path
 
+import matplotlib
+import numpy as np
 import pytest
 from mutants import MUTANTS
 
 ROOT = Path(__file__).parent.parent
-BLOCKS = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.S)
-LIBRARY = [block for block in BLOCKS if "dem.Scene" in block or "dem.pack" in block]
+TUTORIAL = "docs/tutorials/library.md"
 
 
-def run(block):
+def code(document):
+    """Pieces of Python in a document, by the heading above them."""
+    found, heading = {}, ""
+    for title, block in re.findall(
+        r"^##? (.*?)$|^```(?:python|\{code-cell\} python)\n(.*?)^```",
+        (ROOT / document).read_text(),
+        re.S | re.M,
+    ):
+        heading = title or heading
+        found[heading] = found.get(heading, "") + block
+    return found
+
+
+@pytest.fixture(scope="module")
+def tutorial(tmp_path_factory):
+    """Names after each section of the tutorial, by its heading."""
+    names, found = {}, {}
+    with pytest.MonkeyPatch.context() as patch, matplotlib.rc_context({"backend": "agg"}):
+        patch.chdir(tmp_path_factory.mktemp("tutorial"))
+        for heading, block in code(TUTORIAL).items():
+            exec(compile(block, TUTORIAL, "exec"), names)
+            found[heading] = dict(names)
+    return found
+
+
+def test_discs_of_the_readme_part_with_the_coefficient_of_restitution(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     names = {}
-    exec(compile(block, "README.md", "exec"), names)
-    return names
+    exec(compile(code("README.md")["A scene of your own"], "README.md", "exec"), names)
+    assert names["result"].velocity[-1, :, 0] == pytest.approx([-0.5, 0.5], rel=0.01)
+    assert (tmp_path / "collision.mp4").stat().st_size > 0
 
 
-def test_discs_part_with_the_coefficient_of_restitution():
-    """The first example: two discs collide in empty space."""
-    velocity = run(LIBRARY[0])["result"].state.velocity[:, 0]
+def test_discs_part_with_the_coefficient_of_restitution(tutorial):
+    velocity = tutorial["Two discs collide"]["result"].velocity[-1, :, 0]
     assert velocity == pytest.approx([-0.5, 0.5], rel=0.01)
 
 
-def test_floor_and_sides_carry_the_weight():
-    """The second example: ellipses come to rest; friction at the sides carries or adds little."""
-    names = run(LIBRARY[1])
-    floor = names["result"].wall_force[-5:, 2] / (9.81 * names["scene"].mass.sum())
+def test_floor_and_sides_carry_the_weight(tutorial):
+    """Ellipses come to rest; friction at the sides carries or adds little."""
+    names = tutorial["Ellipses settle in a box"]
+    floor = names["result"].wall_force[-5:, 2] / names["weight"]
     assert floor == pytest.approx(1.0, abs=0.1)
     assert floor == pytest.approx(floor.mean(), rel=1e-3)
 
 
-def test_a_bed_resists_the_cylinder():
-    """The third example: a cylinder in a packed bed; there are no more."""
-    names = run(LIBRARY[2])
-    assert -names["result"].cylinder_force[1:, 1].mean() > 0.0
-    assert len(LIBRARY) == 3
+def test_a_wedge_without_friction_carries_the_weight_on_both_sides(tutorial):
+    """Walls at 60 degrees push with W / (2 cos 60 degrees) = W each."""
+    names = tutorial["Discs settle in a wedge"]
+    weight = 9.81 * names["scene"].mass.sum()
+    assert names["result"].wall_force[-1] / weight == pytest.approx([1.0, 1.0], rel=1e-2)
+
+
+def test_a_bed_resists_the_cylinder(tutorial):
+    result = tutorial["A cylinder in a packed bed"]["result"]
+    assert -result.cylinder_force[1:, 1].mean() > 0.0
+
+
+def test_the_ledger_of_a_drawn_bed_adds_up(tutorial):
+    ledger = tutorial["Control the run between steps"]["ledger"]
+    assert ledger.work > 0.0 and np.abs(ledger.residual) < 1e-2
 
 
 HOWTO = [f"docs/howto/{page}.md" for page in ("sweep", "shape", "cluster", "recovery")]

@@ -13,7 +13,7 @@ from filelock import FileLock
 
 from dem.base import provenance
 from dem.base.errors import InputError, RunError
-from dem.experiment import drag, jamming, resume
+from dem.experiment import drag, resume
 from dem.experiment.bed import make_bed
 from dem.experiment.config import Replicate
 from dem.io.dataset import AXES, FAILURES, LABELS, OF_STORE, WHOLE, global_attributes, read, write
@@ -74,8 +74,9 @@ def _row(store: Store, replicate: Replicate, progress) -> dict:
 
 
 def _run(store: Store, replicate: Replicate, progress) -> dict:
-    if replicate.configuration.experiment == "jamming":
-        return jamming.run(replicate)
+    experiment = replicate.configuration.module
+    if experiment is not drag:
+        return experiment.run(replicate)
     found = store.bed(replicate, make_bed)
     bed = Bed(found["position"], found["angle"], *(float(found[name]) for name in Bed._fields[2:]))
     checkpoint = store.run_of(replicate.id, ".checkpoint.npz")

@@ -101,8 +101,8 @@ def layout_of(block: Block, observable: str) -> tuple[dict, list[str]]:
     """Layout of the combined file, and the names of what its runs give."""
     first = block.runs[0].replicate
     experiment = first.configuration.module
-    if observable == "jamming":
-        of_run, axes = experiment.VARIABLES, experiment.AXIS
+    if first.configuration.experiment != "drag":
+        of_run, axes = experiment.VARIABLES, getattr(experiment, "AXIS", {})
     else:
         from dem.experiment.observables import module_of
 

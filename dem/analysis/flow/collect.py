@@ -82,7 +82,7 @@ def make_flow(work: Work, block: str, progress=lambda share: None) -> None:
     """Measure the chunks of a block that are not measured yet, and write its flow.nc; nothing where
     its runs are of another experiment, or record neither measures nor snapshots."""
     recorded = _recorded(work, block)
-    if work.observables(block) == ("jamming",) or not {"flow", "snapshots"} & set(recorded):
+    if not {"flow", "snapshots"} & set(recorded):
         return
     chunks = work.chunks(block) if "flow" not in recorded else []
     for number, chunk in enumerate(chunks):
