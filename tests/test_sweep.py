@@ -304,6 +304,14 @@ def _together(folder, name):
     done(small({"shape": "c1", "seed": "1 to 4"}, results=f"results/{name}", chunk=2), folder)
 
 
+def test_a_truth_value_can_vary(tmp_path):
+    """netCDF has none: the axis holds 0 and 1."""
+    sweep = small({"shape": ["c1"], "numerics.allow_unstable": [False, True]})
+    found = combined(done(sweep, tmp_path), tmp_path)
+    assert found["numerics_allow_unstable"].values.tolist() == [0, 1]
+    assert np.isfinite(found["drag"]).all()
+
+
 def test_two_sweeps_at_once_make_a_run_once(tmp_path):
     """Two processes with the same runs: four rows in all, none of them twice."""
     context = multiprocessing.get_context("spawn")

@@ -175,6 +175,8 @@ def _write(
         about = attributes(
             name, known | {"displacement_bounds": ()} if name == "displacement" else known
         )
+    if values.dtype == bool:  # netCDF has no truth values
+        values = values.astype("i1")
     kind, options, dims = values.dtype, {"fill_value": False}, tuple(dims)
     if kind.kind in "OU":
         values = values.astype(str)
