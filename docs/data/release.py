@@ -30,7 +30,7 @@ DRIVERS = "dynamics/simulation.py", "dynamics/checkpoint.py", "shapes/check.py"
 LEFT_OUT = {
     "drag": ("wall_force", "transverse_force", "kinetic_energy")
 }  # on no page, in no figure
-PICTURED = ("bed_x", "bed_y", "bed_angle")  # a picture shows no more digits than float32 has
+ROUNDED = ("bed_x", "bed_y", "bed_angle", "run_curve")  # no page shows more digits than float32 has
 
 
 def release(results: Path) -> None:
@@ -44,7 +44,7 @@ def release(results: Path) -> None:
             kept = dataset.drop_vars(LEFT_OUT.get(each.name, ()), errors="ignore").load()
         kept.attrs["made_with"] = each.command
         kept.attrs["kernels"] = json.dumps(kernels_at(kept.attrs["git_revision"]))
-        for name in PICTURED:
+        for name in ROUNDED:
             if name in kept:
                 kept[name] = kept[name].astype("float32")
         packed = {
