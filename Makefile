@@ -12,7 +12,6 @@ test: .venv/test
 
 docs: .venv/docs
 	$(ACTIVATE) && sphinx-build --fail-on-warning --keep-going --quiet docs docs/_build/html
-	$(ACTIVATE) && linkchecker --no-warnings --no-status docs/_build/html/index.html
 	@echo "open docs/_build/html/index.html"
 
 .venv/ready: requirements.txt pyproject.toml
