@@ -50,6 +50,11 @@ class Claims(Findings):
         """What a claim is compared by, with 95 % intervals."""
         return "; ".join(claims_report.span(each) for each in self.judged[name].comparisons)
 
+    def extremes(self, name: str) -> str:
+        """The least and the greatest number of a claim."""
+        found = [each.estimate for each in self.judged[name].comparisons]
+        return f"{min(found):.2f} to {max(found):.2f}"
+
     def verdicts(self) -> Table:
         """One row per claim."""
         made = heads(
