@@ -8,8 +8,11 @@ import sys
 from importlib.metadata import version as version_of
 from pathlib import Path
 
+import dem
+
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE / "_ext"))
+sys.modules["dem.plot"] = dem.plot  # autodoc wants a module where it is public
 
 project = "granular-drag"
 author = "The granular-drag developers"
