@@ -47,7 +47,7 @@ def configuration() -> str:
     return "\n".join(parts)
 
 
-HEADS = ("key", "unit", "default", "what it is")
+HEADS = ("key", "what it is", "unit", "default")
 CONFIGURATION = """\
 A configuration is a YAML file in SI units. These are the values that one run reads. Each of them can
 vary in a sweep, by its key. [How do I sweep my own values?](../howto/sweep.md) explains the rest of
@@ -67,7 +67,7 @@ def _values(section, head: str) -> list[tuple[str, ...]]:
             continue
         units = (field.json_schema_extra or {}).get("units") or ""
         default = "required" if field.is_required() else _word(field.default)
-        rows.append((f"`{head}{name}`", units, default, field.description))
+        rows.append((f"`{head}{name}`", field.description, units, default))
     return rows
 
 
@@ -106,10 +106,15 @@ def _first_line(module) -> str:
 
 def _variables(layout: dict) -> str:
     rows = [
-        (f"`{name}`", ", ".join(dimensions) or "-", units or "", about or "")
+        (
+            f"`{name}`",
+            about or ("edges of the bins" if name.endswith("bounds") else ""),
+            ", ".join(dimensions) or "-",
+            units or "",
+        )
         for name, (dimensions, units, about) in layout.items()
     ]
-    return _table(("variable", "dimensions", "unit", "what it is"), rows)
+    return _table(("variable", "what it is", "dimensions", "unit"), rows)
 
 
 def _table(heads, rows) -> str:

@@ -57,19 +57,14 @@ class Claims(Findings):
 
     def verdicts(self) -> Table:
         """One row per claim."""
-        made = heads(
-            4,
-            "claim",
-            "section",
-            "verdict",
-            "number, 95 % interval",
-            "holds in the plausible space, %",
-        )
-        for name, each in self.judged.items():
-            made.add_row(
-                each.claim.title, each.claim.place, f"**{each.verdict}**", self.numbers(name),
-                claims_report.per_cent(each.space),
-            )  # fmt: skip
+        made = heads(3, "claim (section)", "verdict", "numbers", "holds in the plausible space, %")
+        for each in self.judged.values():
+            found = "<br>".join(
+                f"{part.words}: {_on_one_line(claims_report.span(part))}"
+                for part in each.comparisons
+            )
+            title = f"{each.claim.title} ({each.claim.place})"
+            made.add_row(title, f"**{each.verdict}**", found, claims_report.per_cent(each.space))
         return made
 
     def readings(self) -> str:
@@ -193,6 +188,10 @@ class Claims(Findings):
     def shrinks(self, setting: str, shape: str, factor: float) -> bool:
         """Whether the drag there is below that at the paper's value, the interval included."""
         return self._scaled(setting, shape, factor).interval()[1] < 1.0
+
+
+def _on_one_line(words: str) -> str:
+    return words.replace(" ", "\N{NO-BREAK SPACE}")
 
 
 claims = Claims()
