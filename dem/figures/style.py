@@ -1,7 +1,7 @@
 """The look that all figures share: legible at half size and without colour."""
 
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import matplotlib
 import numpy as np
@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from dem.base.files import atomic
 from dem.shapes import KINDS
 
-RC = {
+RC: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 11.0,
     "axes.titlesize": 10.5,
