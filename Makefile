@@ -6,6 +6,7 @@ INSTALL = $(ACTIVATE) && pip install --disable-pip-version-check --quiet
 .PHONY: paper test docs locks
 paper: .venv/ready
 	$(ACTIVATE) && snakemake -j2
+	@echo "Done: results/drag.nc and results/figures. Next: . .venv/bin/activate; dem info results/drag.nc"
 
 test: .venv/test
 	$(ACTIVATE) && pytest

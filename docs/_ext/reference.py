@@ -86,7 +86,7 @@ def files() -> str:
         module = module_of(name)
         parts += [f"## Observable `{name}`\n", _first_line(module), _variables(module.VARIABLES)]
     parts += ["## Experiment `jamming`\n", _variables(jamming.VARIABLES)]
-    parts += ["## `flow.nc`\n", _variables(FLOW)]
+    parts += ["## `flow.nc`\n", LAG, _variables(dataset.OF_STORE | FLOW)]
     for name in STUDY_FIGURES:
         layout = import_module(f"dem.studies.{name}.layout")
         parts += [f"## `{name}.nc`\n", _variables(layout.VARIABLES)]
@@ -97,6 +97,12 @@ FILES = """\
 All files are netCDF-4 and follow the CF conventions, version 1.11. Units are SI. Any netCDF program
 reads them; `dem info FILE` prints a summary. A combined file such as `drag.nc` adds the dimensions of
 its sweep, for example `case` and `seed`, in front of the dimensions given here.
+"""
+
+
+LAG = """\
+The measures compare each snapshot with the one a *lag* before. The attribute `lag` holds it as a
+displacement of the cylinder, in m.
 """
 
 

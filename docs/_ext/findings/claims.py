@@ -56,11 +56,13 @@ class Claims(Findings):
         return f"{min(found):.2f} to {max(found):.2f}"
 
     def verdicts(self) -> Table:
-        """One row per claim."""
+        """One row per claim; those that do not hold come first."""
+        order = ["contradicted", "undecided", "supported"]
         made = heads(3, "claim (section)", "verdict", "numbers", "holds in the plausible space, %")
-        for each in self.judged.values():
+        for each in sorted(self.judged.values(), key=lambda each: order.index(each.verdict)):
             found = "<br>".join(
-                f"{part.words}: {_on_one_line(claims_report.span(part))}"
+                f"{part.words}: {_on_one_line(claims_report.span(part))}; "
+                f"claimed {claims_report.claimed(part)}"
                 for part in each.comparisons
             )
             title = f"{each.claim.title} ({each.claim.place})"
@@ -117,14 +119,13 @@ class Claims(Findings):
         return made
 
     def states(self) -> Table:
-        """One row per shape and state: drag over that of c1, and what remains of the effect."""
-        made = heads(2, "shape", "state", "V_f", "drag over that of c1", "effect that remains")
+        """One row per shape and state: drag over that of c1."""
+        made = heads(2, "shape", "state", "V_f", "drag over that of c1")
         for each in self.remaining[1:]:
             ratio, low, high = each.ratio
-            part = "" if np.isnan(each.part[0]) else f"{100 * each.part[0]:.0f} %"
             made.add_row(
                 each.shape, each.state, f"{each.fraction:.3f}",
-                f"{ratio:.2f} ({low:.2f} to {high:.2f})", part,
+                _on_one_line(f"{ratio:.2f} ({low:.2f} to {high:.2f})"),
             )  # fmt: skip
         return made
 
@@ -145,10 +146,6 @@ class Claims(Findings):
     def below(self, shape: str, state: str) -> bool:
         """Whether a shape at a state drags less than c1, the interval included."""
         return self._at(shape, state).ratio[2] < 1.0
-
-    def part(self, shape: str, state: str) -> str:
-        """How much of the effect of shape remains at a state, with its interval."""
-        return "{:.0f} % ({:.0f} to {:.0f})".format(*(100 * x for x in self._at(shape, state).part))
 
     def decides(self) -> Table:
         """One row per value of influence: by how much responses grow over its range."""

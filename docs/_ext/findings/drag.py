@@ -106,6 +106,30 @@ class Drag(Findings):
         """Mean pressure (Pa) on the walls of the packed beds of some cases."""
         return float(self.dataset["packing_pressure"].sel(case=list(cases)).mean())
 
+    @cached_property
+    def _along(self) -> xr.DataArray:
+        """Mean drag of a run over each millimetre of the stroke, N."""
+        edges = np.arange(0.0, 6.5e-3, 1e-3)
+        return self.dataset["drag"].groupby_bins("displacement", edges).mean()
+
+    def along(self, *cases: str) -> Table:
+        """One row per case: mean drag over each millimetre of the stroke."""
+        means = self._along.sel(case=list(cases)).mean("seed")
+        spans = [
+            f"{1e3 * each.left:.0f} to {1e3 * each.right:.0f} mm"
+            for each in means[means.dims[-1]].values
+        ]
+        made = heads(1, "case, N", *spans)
+        for case in cases:
+            made.add_row(case, *(f"{value:.0f}" for value in means.sel(case=case).values))
+        return made
+
+    def still_grows(self, case: str) -> bool:
+        """Whether the drag from 4 to 5 mm is above that from 1 to 2 mm, by more than the interval."""
+        found = self._along.sel(case=case)
+        rise = (found[..., 4] - found[..., 1]).values
+        return rise.mean() > 2.78 * rise.std(ddof=1) / np.sqrt(rise.size)
+
     def largest_overlap(self, *cases: str) -> str:
         """Greatest overlap of some cases, over the smaller radius."""
         return f"{float(self.dataset['max_overlap'].sel(case=list(cases)).max()):.2f}"
