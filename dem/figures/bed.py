@@ -74,13 +74,14 @@ class Drawing:
         self.axes, self.rings, self.per = axes, rings, rings.shape[1]
         self.view = np.asarray(view)
         self.granules = PolyCollection([], **EDGE, zorder=1)
+        self.joints = LineCollection([], colors=style.OUTLINE, linewidths=1.1, zorder=1.5)
         self.forces = LineCollection([], colors="#b34700", capstyle="round", zorder=2)
         self.cylinder = Circle((0.0, 0.0), 0.5e3 * (diameter or 0.0), **STEEL)
         self.walls, self.space = edges(walls, view)
         lines = LineCollection(
             1e3 * self.walls, colors="black", linewidths=1.4, capstyle="projecting", zorder=1
         )
-        for each in (self.granules, self.forces, lines):
+        for each in (self.granules, self.joints, self.forces, lines):
             axes.add_collection(each, autolim=False)
         if diameter is not None:
             axes.add_patch(self.cylinder)
@@ -98,7 +99,10 @@ class Drawing:
 
     def move(self, position, angle, cylinder) -> None:
         """Granules to positions (n, 2) in m and angles (n,) in rad; the cylinder to (x, y) in m."""
-        self.granules.set_verts(placed(self.rings, position, angle))
+        placed_rings = placed(self.rings, position, angle)
+        self.granules.set_verts(placed_rings)
+        if self.per > 1:  # a line from part to part tells which belong together
+            self.joints.set_segments(placed_rings.mean(axis=1).reshape(-1, self.per, 2))
         if cylinder is not None:
             self.cylinder.center = 1e3 * cylinder[0], 1e3 * cylinder[1]
 
