@@ -47,7 +47,7 @@ LABELS = {
     "seed": ((), "1", "seed of the replicate"),
 }
 OF_RUN = {
-    "run_time": ((), "s", "processor time of the run, kernels compiled"),
+    "run_time": ((), "s", "processor time of the run; the first run of a process loads or compiles kernels too"),
     "steps": ((), "1", "number of time steps of the run"),
     "box_height": BED["box_height"],
     "packing_pressure": ((), "Pa", "mean normal stress on the walls before the cylinder moves"),

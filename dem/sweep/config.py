@@ -157,7 +157,8 @@ def extended(data, source: str, above: tuple = ()):
         raise InputError(f"{source}: extends is {name!r}, which extends this file.")
     if "results" not in own:
         raise InputError(
-            f"{source}: results is missing; a file that extends another needs a folder of its own."
+            f"{source}: results is missing{meant('results', own)}; a file that extends another needs a "
+            "folder of its own."
         )
     base = extended(read(path), str(path), (*above, path.resolve()))
     return merged(base, own)

@@ -30,14 +30,14 @@ def summary(work: Work, jobs: int) -> str:
         runs = list(block.unique())
         there = made(work, name)
         left = [run for run in runs if run.id not in there]
-        beds = {run.bed_id for run in left}
+        beds = {run.bed_id for run in left if not work.store.file_of_bed(run).is_file()}
         seconds += sum(seconds_of(run, speeds) for run in left)
         size += sum(bytes_of(run) for run in left)
         axes = ", ".join(f"{axis.name} {len(axis.points)}" for axis in block.axes)
         first = first or (left or runs)[0]
         lines.append(
             f"{work.folder_of(name)}: {len(block.runs)} places ({axes}), {len(runs)} runs, of which "
-            f"{len(runs) - len(left)} are there; {len(beds)} beds for the others."
+            f"{len(runs) - len(left)} are there; {len(beds)} beds to pack."
         )
         lines += [f"  {run.words()}{_values(block, run)}" for run in islice(left, LISTED)]
         if len(left) > LISTED:
@@ -47,7 +47,7 @@ def summary(work: Work, jobs: int) -> str:
     how = "as runs like these took" if speeds else "a guess: no run was made here yet"
     lines.append(
         f"About {span(seconds / jobs)} with {jobs} processes ({how}) and {1e-6 * size:.1f} MB of disk, "
-        "and a minute to compile each kind of granule for the first time."
+        "and some minutes where kernels are not compiled yet."
     )
     return "\n".join(lines)
 

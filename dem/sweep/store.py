@@ -160,19 +160,19 @@ class Store:
 
     # Beds and finished runs
 
-    def _bed(self, replicate: Replicate) -> Path:
+    def file_of_bed(self, replicate: Replicate) -> Path:
         name = replicate.bed_id
         return self.folder / "beds" / name[:2] / f"{name}.npz"
 
     def forget_beds(self, replicates: Iterable[Replicate]) -> None:
         """Remove the beds of some runs."""
         for replicate in replicates:
-            self._bed(replicate).unlink(missing_ok=True)
+            self.file_of_bed(replicate).unlink(missing_ok=True)
 
     def bed(self, replicate: Replicate, make) -> dict:
         """The bed of a run by the names of Bed: the stored one, or as `make(replicate)` packs it,
         once for all processes."""
-        path = self._bed(replicate)
+        path = self.file_of_bed(replicate)
         if (found := _load(path)) is None:
             path.parent.mkdir(parents=True, exist_ok=True)
             with FileLock(path.parent / ".lock"):
