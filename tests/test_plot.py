@@ -1,6 +1,5 @@
 """Figures, films and files of a user's own result."""
 
-
 import numpy as np
 import pytest
 import xarray as xr
