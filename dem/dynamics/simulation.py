@@ -117,9 +117,11 @@ class Result(NamedTuple):
     cylinder_force : (f, 2) array
         Mean force on the cylinder since the frame before (N); NaN in the first frame.
     wall_force : (f, w) array
-        Mean normal force on each wall since the frame before (N); NaN in the first frame.
+        Mean normal force on each wall since the frame before (N); NaN in the first frame. Friction
+        on walls is not recorded.
     state : State
-        The last state, from which another run can start.
+        The last state, from which another run can start. It does not hold the tangential springs
+        of the contacts: another run starts without them. Simulation.checkpoint keeps them.
     time_step : float
         Shortest time step taken (s).
     scene : Scene
@@ -865,10 +867,12 @@ class Simulation:
                 f"granule {self._name(granule)} has its centre {beyond.max():.3g} m behind wall "
                 f"{beyond.argmax()} {when}: put it inside, or take a smaller time step."
             )
+        remedy = "take a smaller time step, a stiffer material or a lower packing fraction"
+        if not self.steps:
+            remedy = "place granules farther apart, or allow more by max_overlap"
         raise OverlapError(
             f"granule {self._name(granule)} overlaps by {value:.3g} of the smaller radius {when}; the limit is "
-            f"{self.max_overlap:g}: take a smaller time step, a stiffer material or a lower "
-            "packing fraction."
+            f"{self.max_overlap:g}: {remedy}."
         )
 
     def _check_inside(self) -> None:
@@ -905,7 +909,7 @@ def simulate(
         Time step (s); None, which is recommended, chooses it from the stiffness of the contacts.
     frames : int
         Number of equal intervals after each of which the state is kept (without unit). All frames
-        must fit into a gibibyte.
+        together must fit into a gibibyte. Ctrl-C is answered at the end of an interval.
     step_fraction : float
         As in Simulation (without unit).
     max_overlap : float

@@ -65,6 +65,7 @@ class Scene:
         if frames.title:
             self.figure.suptitle(self._title(), fontsize=15)
         self.show(shown[0])
+        self.figure.get_layout_engine().set(w_pad=0.12, h_pad=0.12)  # inches
         self.figure.draw_without_rendering()
         self.figure.set_layout_engine("none")  # laid out once: that takes as long as drawing
 
@@ -193,7 +194,7 @@ def film(
         Colour of granules: "speed" (m/s), "force", the sum of normal forces on a granule (N), or
         "layer", horizontal layers of the first frame.
     forces : bool
-        Whether to draw the contact forces, as lines of their width.
+        Whether to draw the contact forces, as lines: the thicker, the greater the force.
     progress : callable
         It is called after each frame with the share that is done, from 0 to 1.
 

@@ -31,7 +31,7 @@ def bed(result: Result, frame: int = -1, color: str = "force", forces: bool = Fa
         frame; "speed" (m/s), on a scale of all frames; or "layer", horizontal layers of the first
         frame.
     forces : bool
-        Whether to draw the contact forces, as lines of their width.
+        Whether to draw the contact forces, as lines: the thicker, the greater the force.
 
     Returns
     -------

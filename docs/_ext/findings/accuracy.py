@@ -137,6 +137,10 @@ class Accuracy(Findings):
             made.add_row(str(method), *cells)
         return made
 
+    def bounce_steps(self) -> int:
+        """Time steps in a collision at the first speed."""
+        return int(self.dataset["bounce_steps"])
+
     def bounced(self) -> str:
         """How many bounces there are."""
         return f"{int(self.dataset['bounce_number'].max()):,}"
