@@ -59,7 +59,7 @@ EDITS = {
     "a line of the layout": ("dem/io/dataset.py", LINE, MOVING | READERS),
     "a line of the experiment": ("dem/experiment/drag.py", LINE, RUNS | MADE),
     "a line of an observable": ("dem/experiment/observables/ledger.py", LINE, {"ledger run"}),
-    "a line of growing beds": ("dem/experiment/jamming.py", LINE, MADE | {"jamming"}),
+    "a line of growing beds": ("dem/experiment/jamming.py", LINE, {"claims", "jamming"}),
     "a line of the store": ("dem/sweep/store.py", LINE, MADE | {"claims.txt", "page"}),
     "a line of a chunk": ("dem/sweep/chunk.py", LINE, MADE),
     "a line of the sweep": ("dem/sweep/combine.py", LINE, MADE | READERS | {"claims.txt", "page"}),
