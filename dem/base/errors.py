@@ -17,16 +17,53 @@ class InputError(ValueError):
 
 
 class RunError(RuntimeError):
-    """A run failed. The exit status of a verb is 1; all errors below are RunErrors."""
+    """A run failed. The exit status of a verb is 1; all errors below are RunErrors.
+
+    Examples
+    --------
+    >>> import dem
+    >>> issubclass(dem.OverlapError, dem.RunError)
+    True
+    """
 
 
 class PackingError(RunError):
-    """No bed comes to rest at this packing fraction; lower packing.fraction or take another seed."""
+    """No bed comes to rest at this packing fraction; lower packing.fraction or take another seed.
+
+    Examples
+    --------
+    >>> import dem
+    >>> cylinder = dem.Cylinder(diameter=1e-3, position=(3e-3, 2e-3), velocity=(0.0, 1.0))
+    >>> dem.pack(dem.Disc([1e-3] * 12), width=6e-3, height=6.2e-3, cylinder=cylinder, seed=1)
+    Traceback (most recent call last):
+    ...
+    dem.base.errors.PackingError: the bed at packing fraction 1.035 (seed 1) cannot be made: ...
+    """
 
 
 class OverlapError(RunError):
-    """Two bodies overlap by more than `max_overlap` of the smaller granule's radius."""
+    """Two bodies overlap by more than `max_overlap` of the smaller granule's radius.
+
+    Examples
+    --------
+    >>> import dem
+    >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]))
+    >>> dem.simulate(scene, dem.State([[0, 0], [1e-5, 0]]), duration=1e-5)
+    Traceback (most recent call last):
+    ...
+    dem.base.errors.OverlapError: granule 0 overlaps by 1.99 of the smaller radius at step 0, ...
+    """
 
 
 class StateError(RunError):
-    """A position or velocity is not finite, a granule left the box, or steps are too short."""
+    """A position or velocity is not finite, a granule left the box, or steps are too short.
+
+    Examples
+    --------
+    >>> import dem
+    >>> scene = dem.Scene(dem.Disc([1e-3]), walls=dem.box(width=1e-2, height=1e-2))
+    >>> dem.simulate(scene, dem.State([[-2e-3, 5e-3]]), duration=1e-5)
+    Traceback (most recent call last):
+    ...
+    dem.base.errors.StateError: granule 0 has its centre 0.002 m behind wall 0 at step 0, ...
+    """
