@@ -235,7 +235,8 @@ def _check(sweep: Sweep, block: Block, failed) -> None:
         first = next(run for run in runs if run.place == failed[0][0]).replicate
         raise RunError(
             f"{len(failed)} of {len(runs)} runs could not be made; failures allows "
-            f"{sweep.failures:g} of them. The first is {first.words()}: {failed[0][2]}"
+            f"{sweep.failures:g} of them: change their values, raise failures, or after a change of the "
+            f"code use dem sweep FILE --retry. The first is {first.words()}: {failed[0][2]}"
         )
 
 

@@ -86,7 +86,7 @@ def files() -> str:
         module = module_of(name)
         parts += [f"## Observable `{name}`\n", _first_line(module), _variables(module.VARIABLES)]
     parts += ["## Experiment `jamming`\n", _variables(jamming.VARIABLES)]
-    parts += ["## `flow.nc`\n", LAG, _variables(dataset.OF_STORE | FLOW)]
+    parts += ["## `flow.nc`\n", LAG, _variables({"run_id": dataset.OF_STORE["run_id"]} | FLOW)]
     for name in STUDY_FIGURES:
         layout = import_module(f"dem.studies.{name}.layout")
         parts += [f"## `{name}.nc`\n", _variables(layout.VARIABLES)]
@@ -96,7 +96,8 @@ def files() -> str:
 FILES = """\
 All files are netCDF-4 and follow the CF conventions, version 1.11. Units are SI. Any netCDF program
 reads them; `dem info FILE` prints a summary. A combined file such as `drag.nc` adds the dimensions of
-its sweep, for example `case` and `seed`, in front of the dimensions given here.
+its sweep, for example `case` and `seed`, in front of the dimensions given here. It leaves out `bed_family`,
+`spent` and `failure_reason`, and holds `failure` only if runs were allowed to fail.
 """
 
 

@@ -130,6 +130,10 @@ class Drag(Findings):
         rise = (found[..., 4] - found[..., 1]).values
         return rise.mean() > 2.78 * rise.std(ddof=1) / np.sqrt(rise.size)
 
+    def growing(self, *cases: str) -> str:
+        """Those cases whose drag still grows within the window."""
+        return ", ".join(case for case in cases if self.still_grows(case))
+
     def largest_overlap(self, *cases: str) -> str:
         """Greatest overlap of some cases, over the smaller radius."""
         return f"{float(self.dataset['max_overlap'].sel(case=list(cases)).max()):.2f}"
