@@ -97,3 +97,38 @@ def test_an_energy_ledger_must_be_asked_for(small_bed):
         dem.Simulation(small.scene(), small.state).ledger()
     with pytest.raises(dem.InputError, match="threads"):
         dem.Simulation(small.scene(), small.state, threads=2, ledger=True)
+
+
+def spun(small, **friction):
+    """A bed with spins, drawn for a while, in scenes that share one compilation."""
+    spin = 100.0 * np.random.default_rng(1).normal(size=len(small.bed.position))
+    start = replace(small.state, angular_velocity=spin)
+    scene = small.scene(friction=dem.Friction(**friction))
+    run = dem.Simulation(scene, start, ledger=True, time_step=2e-8)
+    run.advance(4e-6)
+    return run
+
+
+@pytest.mark.parametrize("smooth", ["granule", "wall", "cylinder"])
+@pytest.mark.parametrize("kind", KINDS)
+def test_no_friction_at_one_kind_of_contact_is_the_limit_of_little(small_bed, kind, smooth):
+    """The bed moves alike for a coefficient of zero and a tiny one, and its energy adds up."""
+    small = small_bed(kind)
+    none, little = (spun(small, **{smooth: each}) for each in (0.0, 1e-12))
+    np.testing.assert_allclose(
+        none.state.angular_velocity, little.state.angular_velocity, rtol=1e-6, atol=1e-6
+    )
+    assert abs(none.ledger().residual) < 1e-3
+
+
+def test_a_wall_without_friction_turns_no_disc():
+    """Two discs that rub on each other between smooth walls: both spins change alike."""
+    r = 1e-3
+    scene = dem.Scene(
+        dem.Disc([r, r]), friction=dem.Friction(granule=0.3, wall=0.0),
+        walls=[[-1.0, 0.0, 0.0], [1.0, 0.0, 4 * r * 0.9999]], thickness=r,
+    )  # fmt: skip
+    state = dem.State([[r, 0.0], [3 * r * 0.9999, 0.0]], angular_velocity=[0.0, 100.0])
+    spin = dem.simulate(scene, state, duration=1e-4).state.angular_velocity
+    assert spin[0] == pytest.approx(spin[1] - 100.0, rel=1e-9)
+    assert abs(spin[0]) > 0.1

@@ -23,6 +23,8 @@ from dem.jit.columns import VX, VY, W, X, Y, rows
 from dem.jit.lanes import make_lanes
 from dem.scene import Scene, State, arrays_of
 
+CONTACT_KINDS = "granule", "wall", "cylinder"
+
 
 class GranuleTable(NamedTuple):
     """Constants of the granules that the lists and the surveys need.
@@ -80,14 +82,19 @@ def partners(scene: Scene, boundary: bool):
 
 
 def friction_parameters(scene: Scene, kind: str) -> FrictionParameters | None:
-    """Friction of the contacts of one kind: granule, wall or cylinder."""
-    coefficient = 0.0 if scene.friction is None else getattr(scene.friction, kind)
-    if coefficient == 0.0:
+    """Friction of the contacts of one kind: granule, wall or cylinder; None if no kind has any.
+
+    Where only some kinds have friction, the others have it with a coefficient of zero: all kinds share
+    the lanes of a block, and torques that one kind leaves there must not be read as those of another.
+    """
+    friction = scene.friction
+    if friction is None or not any(getattr(friction, each) for each in CONTACT_KINDS):
         return None
     materials = partners(scene, boundary=kind != "granule")
     ratio = effective_shear_modulus(*materials) / effective_modulus(*materials)
-    ratio *= scene.friction.stiffness
-    return FrictionParameters(float(coefficient), 6.0 * ratio, math.sqrt(4.0 * ratio))
+    ratio *= friction.stiffness
+    coefficient = float(getattr(friction, kind))
+    return FrictionParameters(coefficient, 6.0 * ratio, math.sqrt(4.0 * ratio))
 
 
 def motion(position, velocity, spin):
@@ -124,7 +131,7 @@ def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = 
     """All arrays of the kernels, with empty contact lists; accounted: keep an energy ledger."""
     n, index = scene.granules, np.empty(0, np.uint32)
     has_angle = scene.shape.needs_angle
-    rough = any(friction_parameters(scene, kind) for kind in ("granule", "wall", "cylinder"))
+    rough = friction_parameters(scene, "granule") is not None
     turning = rough or bool(np.any(scene.shape.normal_lever > 0.0))
     bodies, force = motion(state.position, state.velocity, state.angular_velocity), rows(n, 4)
     alone = table.per == 1
