@@ -61,6 +61,7 @@ def test_floor_and_sides_carry_the_weight(tutorial):
 def test_a_wedge_without_friction_carries_the_weight_on_both_sides(tutorial):
     """Walls at 60 degrees push with W / (2 cos 60 degrees) = W each."""
     names = tutorial["Discs settle in a wedge"]
+    assert names["found"].kinetic_energy < 1e-9  # J, spin included
     weight = 9.81 * names["scene"].mass.sum()
     assert names["result"].wall_force[-1] / weight == pytest.approx([1.0, 1.0], rel=1e-2)
 

@@ -869,7 +869,7 @@ class Simulation:
             )
         remedy = "take a smaller time step, a stiffer material or a lower packing fraction"
         if not self.steps:
-            remedy = "place granules farther apart, or allow more by max_overlap"
+            remedy = "place the granules farther apart"
         raise OverlapError(
             f"granule {self._name(granule)} overlaps by {value:.3g} of the smaller radius {when}; the limit is "
             f"{self.max_overlap:g}: {remedy}."
