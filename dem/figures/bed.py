@@ -122,6 +122,7 @@ class Bed(Drawing):
     def __init__(self, axes, rings, width: float, height: float, cylinder: float):
         super().__init__(axes, rings, box(width, height), box_view(width, height), cylinder)
         self.middle = 0.5 * width
+        self.joints.set_visible(False)  # panels of figures are too small for them
         axes.set_axis_off()
 
     def move(self, position, angle, cylinder_y: float) -> None:
