@@ -15,6 +15,7 @@ from dem.contacts.blocks import (
     gather_planes,
     refine_contacts,
 )
+from dem.jit.address import local
 from dem.jit.columns import VX, VY
 from dem.jit.compilation import compiled
 from dem.jit.lanes import BLOCK, EIGHT, WORK
@@ -49,7 +50,7 @@ def fetch_ahead(chunks, rows, contacts, start, end):
 @compiled
 def pair_contacts(constituents, contacts, force, dt, lanes, chunks, begin, end):
     """Add the forces of rows begin to end of the list, see dem.contacts.blocks."""
-    shape, frame = constituents.shape, constituents.frame
+    shape, frame, contacts = constituents.shape, constituents.frame, local(contacts)
     rows, flat = constituents.motion.reshape(-1), force.reshape(-1)
     for start in range(begin, end, BLOCK):
         stop = min(start + BLOCK, end)
@@ -70,13 +71,14 @@ def wall_contacts(walls, constituents, force, dt, lanes):
 
 @compiled
 def _wall_contacts(walls, constituents, force, dt, lanes):
-    contacts, shape, frame = walls.contacts, constituents.shape, constituents.frame
+    contacts, shape, frame = local(walls.contacts), constituents.shape, constituents.frame
     rows, still = constituents.motion.reshape(-1), walls.motion.reshape(-1)
-    flat, count = force.reshape(-1), contacts.constituent.shape[0]
+    flat, count, impulse = force.reshape(-1), contacts.constituent.shape[0], walls.impulse
+    planes = walls.planes
     for start in range(0, count, BLOCK):
         stop = min(start + BLOCK, count)
         gather(rows, still, contacts, start, stop, lanes)
-        gather_planes(shape, walls.planes, frame, contacts, start, stop, lanes.values)
+        gather_planes(shape, planes, frame, contacts, start, stop, lanes.values)
         find_wall_contacts(shape, contacts, start, stop, lanes)
         contact_forces(shape, contacts, start, stop, dt, lanes)
         add_losses(lanes.account, contacts, start, stop, lanes.values)
@@ -85,7 +87,7 @@ def _wall_contacts(walls, constituents, force, dt, lanes):
             wall, normal, _ = boundary_reaction(
                 contacts, p, k, lanes.values, constituents.inverse_inertia, flat
             )
-            walls.impulse[wall] += normal * dt
+            impulse[wall] += normal * dt
 
 
 @optional
@@ -95,13 +97,14 @@ def cylinder_contacts(cylinder, constituents, force, dt, lanes):
 
 @compiled
 def _cylinder_contacts(cylinder, constituents, force, dt, lanes):
-    contacts, shape, frame = cylinder.contacts, constituents.shape, constituents.frame
+    contacts, shape, frame = local(cylinder.contacts), constituents.shape, constituents.frame
     rows, axis = constituents.motion.reshape(-1), cylinder.motion.reshape(-1)
-    flat, count = force.reshape(-1), contacts.constituent.shape[0]
+    flat, count, impulse = force.reshape(-1), contacts.constituent.shape[0], cylinder.impulse
+    radius, motion = cylinder.radius, cylinder.motion
     for start in range(0, count, BLOCK):
         stop = min(start + BLOCK, count)
         gather(rows, axis, contacts, start, stop, lanes)
-        gather_circle(shape, cylinder.radius, frame, contacts, start, stop, lanes.values)
+        gather_circle(shape, radius, frame, contacts, start, stop, lanes.values)
         find_contacts(shape, contacts, start, stop, lanes)
         refine_contacts(contacts.normal_x, shape, contacts, start, stop, lanes)
         contact_forces(shape, contacts, start, stop, dt, lanes)
@@ -112,8 +115,8 @@ def _cylinder_contacts(cylinder, constituents, force, dt, lanes):
                 contacts, p, k, lanes.values, constituents.inverse_inertia, flat
             )
             for c in range(4):
-                cylinder.impulse[c] += shares[c] * dt
-            add_work(lanes.account, cylinder.motion, shares, dt)
+                impulse[c] += shares[c] * dt
+            add_work(lanes.account, motion, shares, dt)
 
 
 @optional

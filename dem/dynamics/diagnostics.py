@@ -22,6 +22,7 @@ from dem.dynamics.stable_step import (
     shortest,
     weight,
 )
+from dem.jit.address import by_address, local
 from dem.jit.columns import FX, FY, TAU, VX, VY, W, X, Y
 from dem.jit.compilation import compiled, inlined
 from dem.jit.optional import either, optional, plus
@@ -100,6 +101,7 @@ def survey_pairs(bodies, granules, contacts, inverse_mass, table, bounds):
     Returns the number of pairs that touch, and the greatest relative overlap with its constituent.
     """
     shape, motion, frame = bodies.shape, bodies.motion, bodies.frame
+    contacts, table = local(contacts), local(table)
     rows, least, radius = bounds.rows, bounds.least, table.radius
     light, turns = inverse_mass, bodies.inverse_inertia
     touching, worst = 0, (0.0, 0)
@@ -134,11 +136,13 @@ def survey_pairs(bodies, granules, contacts, inverse_mass, table, bounds):
 @compiled
 def survey_boundary(boundary, geometries, bodies, granules, inverse_mass, table, bounds, worst):
     """The same of walls or cylinder, with geometries (m, 6) from one of the functions below."""
-    contacts, rows, turns = boundary.contacts, bounds.rows, bodies.inverse_inertia
+    contacts, table = local(boundary.contacts), local(table)
+    rows, turns = bounds.rows, bodies.inverse_inertia
     for p in range(contacts.constituent.shape[0]):
         i = np.int64(contacts.constituent[p])
         g = i // table.per
-        overlap, nx, ny, n1, t1, stiffness = geometries[p]
+        overlap, nx, ny = geometries[p, 0], geometries[p, 1], geometries[p, 2]
+        n1, t1, stiffness = geometries[p, 3], geometries[p, 4], geometries[p, 5]
         if not overlap <= 0.0:
             worst = deeper(worst, overlap, i, table.radius[i])
         sqrt_overlap = math.sqrt(max(overlap, bounds.least))
@@ -155,6 +159,13 @@ def survey_boundary(boundary, geometries, bodies, granules, inverse_mass, table,
     return worst
 
 
+@inlined
+def put_row(found, p, overlap, normal, point, stiffness):
+    """One row of the geometries below; number by number, because Numba compiles a row for seconds."""
+    found[p, 0], found[p, 1], found[p, 2] = overlap, normal[0], normal[1]
+    found[p, 3], found[p, 4], found[p, 5] = point[0], point[1], stiffness
+
+
 @compiled(allocates=True)
 def pair_geometries(shape, motion, frame, contacts):
     """Rows (m, 6), one per listed pair, seen from its first constituent; see wall_geometries."""
@@ -166,7 +177,7 @@ def pair_geometries(shape, motion, frame, contacts):
         own, other = outline(shape, i, frame), outline(shape, j, frame)
         one = solve_contact(shape, dx, dy, own, other, guess)
         stiffness = either(local_stiffness(one.radius, contacts.modulus), contacts.stiffness[p])
-        found[p] = one.overlap, one.nx, one.ny, one.n1, either(one.t1, 0.0), stiffness
+        put_row(found, p, one.overlap, (one.nx, one.ny), (one.n1, either(one.t1, 0.0)), stiffness)
     return found
 
 
@@ -184,7 +195,8 @@ def wall_geometries(shape, motion, frame, walls):
         reach, t1, rho = support(shape, outline(shape, i, frame), nx, ny)
         overlap = reach + motion[i, X] * nx + motion[i, Y] * ny - walls.planes[k, 2]
         stiffness = either(local_stiffness(rho, contacts.modulus), contacts.stiffness[p])
-        found[p] = overlap, nx, ny, reach - 0.5 * overlap, either(t1, 0.0), stiffness
+        point = reach - 0.5 * overlap, either(t1, 0.0)
+        put_row(found, p, overlap, (nx, ny), point, stiffness)
     return found
 
 
@@ -200,7 +212,7 @@ def cylinder_geometries(shape, motion, frame, cylinder):
         guess = remembered(contacts.normal_x, contacts.normal_y, p)
         one = solve_contact(shape, dx, dy, outline(shape, i, frame), other, guess)
         stiffness = either(local_stiffness(one.radius, contacts.modulus), contacts.stiffness[p])
-        found[p] = one.overlap, one.nx, one.ny, one.n1, either(one.t1, 0.0), stiffness
+        put_row(found, p, one.overlap, (one.nx, one.ny), (one.n1, either(one.t1, 0.0)), stiffness)
     return found
 
 
@@ -229,6 +241,7 @@ def survey(world, table, least):
     greatest overlap over the smaller radius with the constituent it belongs to, and the bound on
     the critical time step (s).
     """
+    world, table = by_address(world), by_address(table)
     bounds = Bounds(np.zeros((world.bodies.shape[0], COLUMNS)), least)
     bodies = Constituents(world.shape, world.constituents, world.frame, world.inverse_inertia)
     touching, worst = survey_pairs(
@@ -281,6 +294,7 @@ def diagnose(world, table):
     near but do not touch count with the overlap of a collision at the greatest expected speed, and
     any granule could collide with one of its own size.
     """
+    world, table = by_address(world), by_address(table)
     energy, speed_bound = kinetic(world.bodies, world.inverse_mass, world.inverse_inertia)
     speed = expected_speed(world.cylinder, world.gravity, table.skin, speed_bound)
     radius, mass = 0.5 * table.mean_radius, 0.5 * table.mean_mass

@@ -6,6 +6,7 @@ from dem.contacts.blocks import Constituents
 from dem.contacts.loops import cylinder_contacts, pair_contacts, wall_contacts
 from dem.dynamics.synchronise import barrier
 from dem.dynamics.world import granules_of, number_of_chunks
+from dem.jit.address import by_address
 from dem.jit.columns import FX, FY, TAU, X, Y
 from dem.jit.compilation import compiled, inlined
 from dem.jit.lanes import ACCOUNTS, FOUR, ONE, TWO, ZERO
@@ -67,7 +68,7 @@ def add_forces(world, dt, begin, end, leads, thread):
     need it.
     """
     constituents = Constituents(world.shape, world.constituents, world.frame, world.inverse_inertia)
-    force, lanes = world.constituent_force, world.lanes
+    force, lanes, reference = world.constituent_force, world.lanes, world.reference
     pairs, granules, moved = world.pairs, world.bodies.shape[0], 0.0
     per = constituents.motion.shape[0] // granules
     keep_account(lanes.account)
@@ -75,7 +76,7 @@ def add_forces(world, dt, begin, end, leads, thread):
         low, high = granules_of(world.chunks, granules, chunk)
         low, high = per * low, per * high
         clear(force, low, high)
-        moved = greater(moved, farthest(constituents.motion, world.reference, low, high))
+        moved = greater(moved, farthest(constituents.motion, reference, low, high))
         pair_contacts(
             constituents, pairs, force, dt, lanes, world.chunks,
             np.int64(pairs.first[low]), np.int64(pairs.first[high]),
@@ -98,6 +99,7 @@ def forces(world, dt):
 
     Returns the largest squared displacement (m2) since the lists were made.
     """
+    world = by_address(world)
     granules = world.bodies.shape[0]
     place(world.shape, world.bodies, world.frame, world.constituents, 0, granules)
     chunks = number_of_chunks(world.chunks, granules)

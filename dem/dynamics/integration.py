@@ -58,8 +58,9 @@ def drift(world, kick, dt, low, high):
     The last kick of all comes with dt = 0: velocities are then those of a full step.
     """
     bodies, force, half = world.bodies, world.force, 0.5 * dt
-    inverse_mass, gravity = world.inverse_mass, world.gravity
-    collect(world.shape, world.constituent_force, world.frame, force, low, high)
+    inverse_mass, inverse_inertia = world.inverse_mass, world.inverse_inertia
+    frame, angle, gravity = world.frame, world.angle, world.gravity
+    collect(world.shape, world.constituent_force, frame, force, low, high)
     for i in range(low, high):
         ax = plus(force[i, FX] * inverse_mass[i], fall(gravity, 0))
         ay = plus(force[i, FY] * inverse_mass[i], fall(gravity, 1))
@@ -71,9 +72,9 @@ def drift(world, kick, dt, low, high):
         bodies[i, Y] += dt * vy
         bodies[i, DVX] = half * ax
         bodies[i, DVY] = half * ay
-        spin = spin_up(world.inverse_inertia, bodies, force, i, kick, half)
-        turn(spin, world.frame, world.angle, i, dt)
-    place(world.shape, bodies, world.frame, world.constituents, low, high)
+        spin = spin_up(inverse_inertia, bodies, force, i, kick, half)
+        turn(spin, frame, angle, i, dt)
+    place(world.shape, bodies, frame, world.constituents, low, high)
 
 
 @optional

@@ -6,6 +6,7 @@ import numpy as np
 
 from dem.dynamics.neighbors import match_listed, match_pairs, near_circle, near_pairs, near_planes
 from dem.dynamics.world import CHUNK, Chunks, Contacts, CylinderBoundary, WallBoundary, World
+from dem.jit.address import by_address
 from dem.jit.columns import X, Y
 from dem.jit.compilation import compiled, inlined
 from dem.jit.optional import either, optional
@@ -164,11 +165,13 @@ def rebuild_neighbor_list(world, table):
 
     table: dem.dynamics.assembly.GranuleTable.
     """
+    world, table = by_address(world), by_address(table)
     refresh(world.frame, world.angle)
     rows = world.constituents
     place(world.shape, world.bodies, world.frame, rows, 0, world.bodies.shape[0])
+    reference = world.reference
     for i in range(rows.shape[0]):
-        world.reference[i, 0], world.reference[i, 1] = rows[i, X], rows[i, Y]
+        reference[i, 0], reference[i, 1] = rows[i, X], rows[i, Y]
     pairs = list_pairs(world.pairs, rows, table)
     whole = pairs, world.constituent_force, None
     pairs, constituent_force, chunks = either(chunked(world.chunks, pairs, world), whole)

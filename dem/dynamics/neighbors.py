@@ -81,7 +81,8 @@ def near_pairs(constituents, radius, skin, per_granule):
         row, column = where[i] // columns, where[i] % columns
         if count + n > partner.shape[0]:
             larger = np.empty(2 * partner.shape[0] + n, np.uint32)
-            larger[:count] = partner[:count]
+            for p in range(count):  # a slice would bring in the text of its error message
+                larger[p] = partner[p]
             partner = larger
         for r in range(max(row - 1, 0), min(row + 2, rows)):
             low = start[r * columns + max(column - 1, 0)]

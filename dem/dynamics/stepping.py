@@ -8,6 +8,7 @@ from numba.extending import overload
 from dem.dynamics.diagnostics import diagnose
 from dem.dynamics.integration import advance
 from dem.dynamics.neighbor_list import rebuild_neighbor_list
+from dem.jit.address import by_address
 from dem.jit.columns import X, Y
 from dem.jit.compilation import INLINED, compiled, inlined
 from dem.jit.optional import either, optional
@@ -87,9 +88,10 @@ def outside(walls, bodies):
 def nearing(world):
     """Most by which two bodies can have come nearer since the lists were made (m)."""
     first, second = either(displacement(world.cylinder), 0.0), 0.0
-    for i in range(world.constituents.shape[0]):
-        dx = world.constituents[i, X] - world.reference[i, 0]
-        dy = world.constituents[i, Y] - world.reference[i, 1]
+    motion, reference = world.constituents, world.reference
+    for i in range(motion.shape[0]):
+        dx = motion[i, X] - reference[i, 0]
+        dy = motion[i, Y] - reference[i, 1]
         moved = math.sqrt(dx * dx + dy * dy)
         if not moved <= first:
             first, second = moved, first
@@ -148,10 +150,12 @@ def run_steps(world, table, rules, schedule, record, threads):
     steps, done, n, shortest, least = 0, 0, 0, math.inf, math.inf
     end, finished = time + interval, False
     until = max(until, time + intervals * interval)
+    table = by_address(table)
     while True:
-        diagnostics = diagnose(world, table)
+        here = by_address(world)
+        diagnostics = diagnose(here, table)
         if finished:
-            measure(record, n, world.cylinder, world.walls, diagnostics, interval, least)
+            measure(record, n, here.cylinder, here.walls, diagnostics, interval, least)
             shortest = min(shortest, least)
             n, end, least = n + 1, time + interval, math.inf
         if n == intervals:
@@ -166,17 +170,17 @@ def run_steps(world, table, rules, schedule, record, threads):
         left = max(1, math.ceil((end - time) / longest * (1.0 - 1e-9)))
         dt = (end - time) / left
         least = min(least, dt)
-        done, moved = step_on(threads, world, dt, left, rules.rebuild_at)
+        done, moved = step_on(threads, here, dt, left, rules.rebuild_at)
         steps += done
         finished = done == left
         time = end if finished else time + done * dt
         if not moved <= rules.rebuild_at:
-            granule = outside(world.walls, world.bodies)
-            if not (moved <= rules.list_range or nearing(world) <= 2.0 * rules.list_range):
+            granule = outside(here.walls, here.bodies)
+            if not (moved <= rules.list_range or nearing(here) <= 2.0 * rules.list_range):
                 outcome, value = LOST, moved
                 break
             if granule >= 0:
                 outcome = OUTSIDE
                 break
-            world = rebuild_neighbor_list(world, table)
+            world = rebuild_neighbor_list(world, table)  # by value: what it replaces must live on
     return world, StepOutcome(outcome, value, granule, time, steps, n, shortest)

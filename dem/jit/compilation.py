@@ -9,6 +9,7 @@ shape, every save holds a lock, and files carry their digest. An edit of a comme
 
 import functools
 import hashlib
+import multiprocessing
 import pickle
 import sys
 from pathlib import Path
@@ -17,14 +18,18 @@ import numba
 from filelock import FileLock
 from numba.core import types
 from numba.core.caching import CacheImpl, IndexDataCacheFile, _CacheLocator
+from numba.core.event import Listener, register
+from numba.core.registry import CPUDispatcher
 
 import dem.jit.boxing  # noqa: F401 takes effect by being imported
 from dem.base.sources import cache_folder, code_hash
+from dem.jit.parts import PartCompiler
 
 # nnan and ninf stay off: they would remove the very tests that find a NaN.
 # reassoc stays off: a sum has one order, so a seed has one result.
 OPTIONS = {"error_model": "numpy", "fastmath": {"contract", "arcp", "nsz"}}
-INLINED = {"forceinline": True, **OPTIONS}
+NO_WRAPPERS = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+INLINED = {"forceinline": True, "pipeline_class": PartCompiler, **NO_WRAPPERS, **OPTIONS}
 
 
 def is_ours(module: str) -> bool:
@@ -199,8 +204,61 @@ def spare_blas():
     numba.np.linalg.ensure_blas = absent
 
 
+class Kernel(CPUDispatcher):
+    """A compiled function: a kernel where Python calls it, a part where compiled code does."""
+
+    def __init__(self, function, allocates: bool):
+        options = {
+            "nopython": True,
+            "nogil": True,
+            "_nrt": allocates,
+            "forceinline": False,
+            **OPTIONS,
+        }
+        super().__init__(
+            function, targetoptions=options | {**NO_WRAPPERS, "no_cpython_wrapper": False}
+        )
+        part = options | NO_WRAPPERS
+        self.part = CPUDispatcher(function, targetoptions=part, pipeline_class=PartCompiler)
+
+    def get_call_template(self, args, kws):
+        """What Numba asks of a function that compiled code calls."""
+        return self.part.get_call_template(args, kws)
+
+    def get_overload(self, sig):
+        return self.part.get_overload(sig)
+
+
+class _Compiling(Listener):
+    """Says once that a process compiles, because a library call then takes long."""
+
+    def on_start(self, event):
+        if (
+            isinstance(event.data["dispatcher"], Kernel)
+            and multiprocessing.parent_process() is None
+        ):
+            _say_compiling()
+
+    def on_end(self, event):
+        """Nothing: the next call shows it."""
+
+
+register("numba:compile", _Compiling())
+
+
+@functools.cache
+def _say_compiling():
+    clear = "\r\x1b[2K" if sys.stderr.isatty() else ""  # a progress bar may be there
+    print(f"{clear}{COMPILING}", file=sys.stderr, flush=True)
+
+
+COMPILING = (
+    "dem compiles the kernels of this kind of scene; it takes half a minute or less, and is kept."
+)
+
+
 def compiled(function=None, *, allocates=False):
-    """Decorator: compile for each combination of argument types, and keep the code on disk.
+    """Decorator: compile for each combination of argument types, and keep the kernels on disk.
 
     allocates: whether the function, or one that it calls, makes arrays. Others are compiled
     without reference counts, in half the time: a World holds some sixty arrays.
@@ -208,8 +266,9 @@ def compiled(function=None, *, allocates=False):
     if function is None:
         return functools.partial(compiled, allocates=allocates)
     setattr(function, MARK, True)
-    kept = Path(function.__code__.co_filename).is_file()  # no file, no way to tell one from another
-    dispatcher = numba.njit(cache=kept, nogil=True, _nrt=allocates, **OPTIONS)(function)
+    dispatcher = Kernel(function, allocates)
+    if Path(function.__code__.co_filename).is_file():  # no file, no way to tell one from another
+        dispatcher.enable_caching()
     cache_file = getattr(dispatcher._cache, "_cache_file", None)  # absent under NUMBA_DISABLE_CACHE
     if cache_file is not None:
         cache_file.__class__ = _CacheFile

@@ -8,26 +8,38 @@ compiled at all (a float 0.0 would stay, since 0.0 * x is not 0.0 for every x).
 import functools
 
 from numba.core import types
-from numba.extending import overload
+from numba.core.typing.templates import AbstractTemplate, infer_global, signature
+from numba.extending import lower_builtin, overload
 
 from dem.jit.compilation import INLINED
+
+NONE = types.none
 
 
 def optional(function):
     """Decorator: an inlined function that returns None, compiling nothing, if its first argument is None."""
 
-    def absent(*arguments):
-        return None
-
     def choose(first, *rest):
-        return absent if isinstance(first, types.NoneType) else function
+        return None if first is NONE else function
 
     @functools.wraps(function)
     def present(first, *rest):
         return None if first is None else function(first, *rest)
 
+    class Absent(AbstractTemplate):
+        key = present
+
+        def generic(self, kinds, keywords):
+            return signature(NONE, *kinds) if kinds[0] is NONE else None
+
+    infer_global(present, types.Function(Absent))
+    lower_builtin(present, NONE, types.VarArg(types.Any))(_nothing)
     overload(present, strict=False, jit_options=INLINED)(choose)
     return present
+
+
+def _nothing(context, builder, signature, arguments):
+    return context.get_dummy_value()
 
 
 def _by_presence(stub):

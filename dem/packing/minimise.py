@@ -18,8 +18,9 @@ from dem.dynamics.forces import forces, greater
 from dem.dynamics.integration import reorient
 from dem.dynamics.neighbor_list import rebuild_neighbor_list
 from dem.dynamics.world import World
+from dem.jit.address import by_address
 from dem.jit.columns import FX, FY, TAU, VX, VY, W, X, Y
-from dem.jit.compilation import compiled
+from dem.jit.compilation import compiled, inlined
 from dem.jit.optional import either, optional
 
 MIXING = 0.25  # share of the turn towards the forces, at first
@@ -47,9 +48,10 @@ def gyration(inverse_inertia, inverse_mass, i):
 def powers(world):
     """Sums of F.v, v.v and F.F (rotation scaled by the radius of gyration), largest |F|."""
     force, bodies = world.force, world.bodies
+    inverse_mass, inverse_inertia = world.inverse_mass, world.inverse_inertia
     power, speed, push, largest = 0.0, 0.0, 0.0, 0.0
     for i in range(bodies.shape[0]):
-        g2 = either(gyration(world.inverse_inertia, world.inverse_mass, i), 0.0)
+        g2 = either(gyration(inverse_inertia, inverse_mass, i), 0.0)
         fx, fy, torque = force[i, FX], force[i, FY], force[i, TAU]
         vx, vy, w = bodies[i, VX], bodies[i, VY], bodies[i, W]
         power += fx * vx + fy * vy + torque * w
@@ -68,8 +70,9 @@ def mix(world, share, speed, push):
     """Turn all velocities towards the forces: v = (1 - share) v + share |v| F / |F|."""
     factor = share * math.sqrt(speed / push) if push > 0.0 else 0.0
     force, bodies = world.force, world.bodies
+    inverse_mass, inverse_inertia = world.inverse_mass, world.inverse_inertia
     for i in range(bodies.shape[0]):
-        g2 = either(gyration(world.inverse_inertia, world.inverse_mass, i), 0.0)
+        g2 = either(gyration(inverse_inertia, inverse_mass, i), 0.0)
         bodies[i, VX] = (1.0 - share) * bodies[i, VX] + factor * force[i, FX]
         bodies[i, VY] = (1.0 - share) * bodies[i, VY] + factor * force[i, FY]
         if g2 > 0.0:
@@ -78,20 +81,30 @@ def mix(world, share, speed, push):
 
 @compiled
 def shift(world, dt):
-    bodies = world.bodies
+    bodies, frame, angle = world.bodies, world.frame, world.angle
+    inverse_inertia = world.inverse_inertia
     for i in range(bodies.shape[0]):
         bodies[i, X] += dt * bodies[i, VX]
         bodies[i, Y] += dt * bodies[i, VY]
-        turn(world.inverse_inertia, world.frame, world.angle, bodies, i, dt)
+        turn(inverse_inertia, frame, angle, bodies, i, dt)
 
 
 @compiled
 def push_all(world, dt):
     bodies, force = world.bodies, world.force
+    inverse_mass, inverse_inertia = world.inverse_mass, world.inverse_inertia
     for i in range(bodies.shape[0]):
-        bodies[i, VX] += dt * force[i, FX] * world.inverse_mass[i]
-        bodies[i, VY] += dt * force[i, FY] * world.inverse_mass[i]
-        push_spin(world.inverse_inertia, bodies, force, i, dt)
+        bodies[i, VX] += dt * force[i, FX] * inverse_mass[i]
+        bodies[i, VY] += dt * force[i, FY] * inverse_mass[i]
+        push_spin(inverse_inertia, bodies, force, i, dt)
+
+
+@inlined
+def halt(bodies):
+    for i in range(bodies.shape[0]):
+        bodies[i, VX] = 0.0
+        bodies[i, VY] = 0.0
+        bodies[i, W] = 0.0
 
 
 @compiled
@@ -102,6 +115,7 @@ def fire(world, memory, longest, steps, list_range, enough):
     longest (s): largest time step; list_range (m): stop when something has moved farther than that.
     Returns iterations done, largest displacement (m) and largest net force (N).
     """
+    world = by_address(world)
     dt, share, downhill = memory[0], memory[1], memory[2]
     done, moved, largest = 0, 0.0, math.inf
     while done < steps and moved <= list_range * list_range:
@@ -115,9 +129,7 @@ def fire(world, memory, longest, steps, list_range, enough):
                 share *= 0.99
         else:
             shift(world, -0.5 * dt)
-            world.bodies[:, VX] = 0.0
-            world.bodies[:, VY] = 0.0
-            world.bodies[:, W] = 0.0
+            halt(world.bodies)
             downhill, share = 0.0, MIXING
             dt = max(0.5 * dt, 0.02 * longest)
         push_all(world, dt)

@@ -16,7 +16,7 @@ import math
 from typing import NamedTuple
 
 from dem.base.validate import checked, up_to
-from dem.jit.compilation import compiled, inlined
+from dem.jit.compilation import inlined
 from dem.shapes.protocol import METHOD_QUESTIONS, SEPARATED, answer
 
 
@@ -72,7 +72,7 @@ def half_width(own, nx, ny):
     return h, (bb - aa) * u * w * inverse, aa * bb * inverse * inverse * inverse
 
 
-@compiled
+@inlined
 def widest(dx, dy, own, other):
     """Normal of the largest gap among DIRECTIONS angles: slow, safe, for deep or long ellipses."""
     best, bx, by = -math.inf, 1.0, 0.0
@@ -103,7 +103,7 @@ def gap_along(dx, dy, own, other, nx, ny):
     return gap, nx * dy - ny * dx - q1 - q2, -gap - rho1 - rho2, h1, q1, rho1, h2, q2, rho2
 
 
-@compiled
+@inlined
 def settle(dx, dy, own, other, nx, ny, tolerance):
     """Newton's method for the common normal, from any start, to within tolerance (rad).
 

@@ -19,7 +19,7 @@ import numpy as np
 from numba.core import types
 from numba.extending import overload
 
-from dem.jit.compilation import INLINED, compiled, inlined
+from dem.jit.compilation import INLINED, inlined
 from dem.shapes.common_normal import turned
 from dem.shapes.protocol import ContactGeometry, answer
 
@@ -124,7 +124,7 @@ def find_contact(shape, dx, dy, own, other, guess):
     return geometry, apart or (near and not deep)
 
 
-@compiled
+@inlined
 def search(shape, dx, dy, own, other):
     """Normal of the largest gap: the best of DIRECTIONS, then bisection of the slope beside it."""
     best, at = -math.inf, 0

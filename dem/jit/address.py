@@ -1,0 +1,108 @@
+"""Hand a large named tuple to a function by its address.
+
+Numba hands over a named tuple member by member. A World has some five hundred, and to compile a call
+or a function with it takes longer than to compile the work of that function. Behind an address only
+the members that a function reads are loaded.
+
+The compiler cannot tell whether a store into an array changes what lies behind an address, and would
+load it again for every granule. Read members before a loop, or take a `local` copy of a tuple.
+"""
+
+from numba.core import cgutils, types
+from numba.core.datamodel import models
+from numba.core.imputils import impl_ret_borrowed
+from numba.core.typing.templates import AttributeTemplate
+from numba.extending import (
+    infer_getattr,
+    lower_builtin,
+    lower_getattr_generic,
+    register_model,
+    type_callable,
+)
+
+FEW = 8  # numbers and arrays: a tuple with no more goes by value
+
+
+class Address(types.Type):
+    """Where a named tuple of a type is."""
+
+    def __init__(self, held):
+        self.held = held
+        super().__init__(f"Address({held})")
+
+    @property
+    def instance_class(self):
+        return self.held.instance_class
+
+
+def handed(kind):
+    """The type by which a value of some type is handed over."""
+    large = isinstance(kind, types.BaseNamedTuple) and size(kind) > FEW
+    return Address(kind) if large else kind
+
+
+def size(kind):
+    """How many numbers and arrays a type has."""
+    return sum(map(size, kind.types)) if isinstance(kind, types.BaseTuple) else 1
+
+
+@register_model(Address)
+class _AddressModel(models.PrimitiveModel):
+    def __init__(self, manager, kind):
+        held = manager.lookup(kind.held)
+        super().__init__(manager, kind, held.get_value_type().as_pointer())
+
+
+@infer_getattr
+class _Members(AttributeTemplate):
+    key = Address
+
+    def generic_resolve(self, kind, name):
+        if name in kind.held.fields:
+            return handed(kind.held.types[kind.held.fields.index(name)])
+        return None
+
+
+@lower_getattr_generic(Address)
+def _member(context, builder, kind, value, name):
+    index = kind.held.fields.index(name)
+    place, member = cgutils.gep_inbounds(builder, value, 0, index), kind.held.types[index]
+    if isinstance(handed(member), Address):
+        return place
+    return impl_ret_borrowed(context, builder, member, builder.load(place))
+
+
+def by_address(held):
+    """The address of a named tuple, for as long as the caller runs; what is not one goes as it is."""
+    return held
+
+
+@type_callable(by_address)
+def _type_by_address(context):
+    return handed
+
+
+@lower_builtin(by_address, types.Any)
+def _lower_by_address(context, builder, signature, arguments):
+    if isinstance(signature.args[0], types.BaseTuple) and isinstance(
+        signature.return_type, Address
+    ):
+        return cgutils.alloca_once_value(builder, arguments[0])
+    return impl_ret_borrowed(context, builder, signature.return_type, arguments[0])
+
+
+def local(held):
+    """A copy of a named tuple that nothing else can change: its members stay in registers."""
+    return held
+
+
+@type_callable(local)
+def _type_local(context):
+    return lambda held: held
+
+
+@lower_builtin(local, types.Any)
+def _lower_local(context, builder, signature, arguments):
+    if isinstance(signature.args[0], Address):
+        return cgutils.alloca_once_value(builder, builder.load(arguments[0]))
+    return impl_ret_borrowed(context, builder, signature.return_type, arguments[0])
