@@ -1,7 +1,7 @@
 """Install what a lock lists into the environment of this Python: python setup/install.py LOCK.
 
-uv needs seconds where pip needs a minute. pip fetches uv, with its hash, and installs the lock itself
-if uv is not to be had or fails. `--editable DIRECTORY` instead of a lock installs a checkout.
+uv needs seconds where pip needs a minute. pip fetches uv from the lock beside this script, and
+installs everything itself if uv fails. `--editable DIRECTORY` instead of LOCK installs a checkout.
 """
 
 import ast
@@ -17,7 +17,7 @@ UV_LOCK = Path(__file__).with_name("requirements.txt")
 
 
 def pip_settings():
-    """What pip's configuration files and the environment set; pip itself says which of them count."""
+    """Return the options that pip takes from its configuration files and the environment."""
     listed = subprocess.run([*PIP, "config", "list"], capture_output=True, text=True, check=True)
     settings = {}
     for section in ("global", "install", ":env:"):  # a later one overrides
@@ -29,7 +29,10 @@ def pip_settings():
 
 
 def uv_environment(settings, environ):
-    """The environment in which uv looks where pip would look; what it already sets remains."""
+    """Return the environment in which uv looks where pip would look.
+
+    uv does not read pip's configuration. Variables that the user sets have priority.
+    """
     several = {name: settings.get(name, "").split() for name in ("extra-index-url", "find-links")}
     found = {
         "UV_DEFAULT_INDEX": settings.get("index-url"),
@@ -49,7 +52,7 @@ def uv_environment(settings, environ):
 
 
 def install_with_uv(arguments):
-    """Whether uv installed it."""
+    """Return whether uv could be fetched and installed what the arguments name."""
     try:
         if not importlib.util.find_spec("uv"):
             fetch = ["-qq", "install", "--require-hashes", "--requirement", str(UV_LOCK)]
@@ -72,7 +75,7 @@ def main(arguments):
     print(f"Installing {'dem' if '--editable' in arguments else arguments[-1]}", flush=True)
     if install_with_uv(what):
         return 0
-    print("uv is not to be had or failed: pip installs the same, in a minute or two", flush=True)
+    print("Cannot use uv; pip installs the same versions, in a minute or two.", flush=True)
     return subprocess.run([*PIP, "-qq", "install", *what]).returncode
 
 
