@@ -1,0 +1,67 @@
+"""The set-up: uv looks where pip would look, and pip stands in for it."""
+
+import importlib.util
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+SCRIPT = ROOT / "setup" / "install.py"
+
+
+@pytest.fixture
+def install():
+    spec = importlib.util.spec_from_file_location("install", SCRIPT)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_uv_looks_where_pip_looks(install, tmp_path, monkeypatch):
+    """The environment overrides the section of `install`, which overrides the global one."""
+    configuration = tmp_path / "pip.conf"
+    configuration.write_text(
+        "[global]\nindex-url = https://a.example/simple\nfind-links = /one\n  /two\ntimeout = 7\n"
+        "[install]\nextra-index-url = https://b.example/simple\n  https://c.example/simple\n"
+        "timeout = 9\n"
+    )
+    for name in [name for name in os.environ if name.startswith("PIP_")]:
+        monkeypatch.delenv(name)
+    monkeypatch.setenv("PIP_CONFIG_FILE", str(configuration))
+    monkeypatch.setenv("PIP_INDEX_URL", "https://d.example/simple")
+    monkeypatch.setenv("PIP_CERT", "/own.pem")
+    found = install.uv_environment(install.pip_settings(), {})
+    assert found["UV_DEFAULT_INDEX"] == "https://d.example/simple"
+    assert found["UV_INDEX"] == "https://b.example/simple https://c.example/simple"
+    assert found["UV_FIND_LINKS"] == "/one,/two"
+    assert found["UV_HTTP_TIMEOUT"] == "9"
+    assert found["SSL_CERT_FILE"] == "/own.pem"
+
+
+def test_what_the_user_tells_uv_remains(install):
+    own = {"UV_DEFAULT_INDEX": "https://own.example/simple"}
+    found = install.uv_environment({"index-url": "https://a.example/simple"}, own)
+    assert found["UV_DEFAULT_INDEX"] == "https://own.example/simple"
+
+
+def test_pip_installs_if_uv_fails(tmp_path):
+    """Without a network: the lock is empty, and uv can neither be fetched nor read its options."""
+    lock = tmp_path / "an empty lock.txt"
+    lock.write_text("")
+    broken = {"PIP_NO_INDEX": "1", "PIP_FIND_LINKS": "", "UV_INDEX_STRATEGY": "none such"}
+    done = subprocess.run(
+        [sys.executable, SCRIPT, lock], env=os.environ | broken, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    assert "pip installs the same versions" in done.stdout
+
+
+@pytest.mark.parametrize("folder", ["", "setup", "tests", "docs"])
+def test_a_lock_names_no_address_and_hashes_every_package(folder):
+    text = (ROOT / folder / "requirements.txt").read_text()
+    assert "://" not in text and "--index" not in text
+    packages = text.replace("\\\n", " ").splitlines()
+    assert packages and all("--hash=sha256:" in package for package in packages)
