@@ -27,6 +27,8 @@ rule chunk:
         kernels=kernels_of,
     output:
         "{folder}/chunks/{chunk}.nc",
+    # before measures, so that these fill the processors that the last chunks leave idle
+    priority: 2
     log:
         "{folder}/logs/chunks/{chunk}.log",
     benchmark:

@@ -16,6 +16,8 @@ rule measure_flow:
         "{folder}/flow/{chunk}.nc",
     params:
         code=code_of("analysis.flow.collect", shapes=SWEEP.shapes),
+    # before drag.nc is combined and drawn, because more is made of it
+    priority: 1
     log:
         "{folder}/logs/flow/{chunk}.log",
     shell:

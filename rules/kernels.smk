@@ -12,6 +12,8 @@ rule kernels:
         "Compile kernels"
     output:
         touch(f"{STORE.folder}/kernels/{{kernels}}.done"),
+    # chunks wait for it
+    priority: 3
     log:
         RESULTS + "/logs/kernels/{kernels}.log",
     benchmark:

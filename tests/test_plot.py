@@ -1,5 +1,7 @@
 """Figures, films and files of a user's own result."""
 
+from io import BytesIO
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -8,8 +10,8 @@ from numpy.testing import assert_allclose
 from PIL import Image
 
 import dem
-from dem.figures import bed, film
-from dem.figures.frames import of_result
+from dem.figures import bed, film, style
+from dem.figures.frames import frames_of, of_result
 
 SOFT = dem.Material(young_modulus=1e6)  # so that a contact lasts for all frames
 RADIUS = np.array([1e-3, 0.6e-3])
@@ -111,6 +113,25 @@ def test_a_film_has_a_frame_per_frame_of_the_result(results, tmp_path, name):
     with Image.open(path) as made:
         assert made.n_frames == len(results[name].time) == len(seen)
     assert seen[-1] == 1.0 and [each.name for each in tmp_path.iterdir()] == ["discs.gif"]
+
+
+@style.styled
+@pytest.mark.parametrize("name", ["empty space", "both"])
+def test_a_frame_of_a_film_is_the_figure_drawn_as_a_whole(results, name):
+    """What a film draws once, and what it draws for every frame, make the same picture."""
+    frames, found = frames_of(results[name]), []
+    for in_film in (False, True):
+        scene = film.Scene(frames, "force", forces=True)
+        if in_film:
+            scene.figure.begin(scene.moving)
+        pixels = []
+        for frame in (2, 1):
+            scene.show(frame)
+            scene.figure.savefig(file := BytesIO(), format="rgba")
+            pixels.append(np.frombuffer(file.getvalue(), np.uint8).astype(int))
+        found.append(pixels)
+    assert np.abs(np.subtract(*found)).max() <= 1  # blended in another order
+    assert np.ptp(found, axis=1).max() > 100  # the frames differ
 
 
 @pytest.mark.skipif(film.encoder() is None, reason="there is no ffmpeg")

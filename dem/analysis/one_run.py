@@ -4,12 +4,13 @@ The file is one of runs (a chunk of the store, or what `dem simulate` writes), o
 of a sweep, whose runs are in the chunks linked beside it.
 """
 
+from __future__ import annotations
+
 import json
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import xarray as xr
 
 from dem.base.errors import InputError
 from dem.experiment.config import Replicate, of_values
@@ -18,6 +19,9 @@ from dem.io.dataset import LABELS, content_of
 from dem.io.lazily import open_lazily
 from dem.sweep.remedy import meant
 from dem.sweep.store import Store
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 SHOWN = 8  # values of an axis that a sentence lists
 SNAPSHOTS = (

@@ -1,9 +1,8 @@
 """Drag in numbers, as `dem info` and the figures show them: means, scatter, confidence.
 
 A `dataset` has the layout of drag.nc: drag (..., seed, displacement) in N, displacement in m and the
-averaging window in its attributes; the values that the sweep varies come before the seed. It may be backed by
-dask: only reduced values, at most one number a run, are ever loaded, except where a function says
-otherwise.
+averaging window in its attributes; the values that the sweep varies come before the seed. It may
+be a file whose variables are read when they are needed.
 """
 
 import numpy as np
@@ -71,11 +70,10 @@ def summarise(dataset: xr.Dataset) -> xr.Dataset:
     mean square over the runs); `sd_between_runs` and `half_interval`, of and from the run means
     (NaN for a single run). The coordinates but seed stay.
     """
-    drag = within(dataset["drag"], dataset.attrs["window_start"], dataset.attrs["window_stop"])
+    drag = dataset["drag"].compute()
+    drag = within(drag, dataset.attrs["window_start"], dataset.attrs["window_stop"])
     along = {"dim": "displacement", "skipna": False}  # a run is there as a whole or not at all
-    runs = (
-        xr.Dataset({"mean": drag.mean(**along), "sd": drag.std(**along)}).compute().map(over_seeds)
-    )
+    runs = xr.Dataset({"mean": drag.mean(**along), "sd": drag.std(**along)}).map(over_seeds)
     found = {
         "run_mean": (runs["mean"], "mean drag of a run within the window"),
         "mean": (runs["mean"].mean("seed"), "mean drag over the runs"),
@@ -103,7 +101,7 @@ def change(run_mean: xr.DataArray, before: str, after: str) -> tuple[float, floa
 
 
 def running_mean(drag: xr.DataArray, edges: np.ndarray, length: float) -> xr.DataArray:
-    """Mean of drag (..., displacement) over `length` (m) about each displacement; loads drag.
+    """Mean of drag (..., displacement) over `length` (m) about each displacement.
 
     edges (displacement + 1,) in m are those of the bins. Near both ends the mean is over what
     there is of the length.

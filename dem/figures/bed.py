@@ -81,10 +81,11 @@ class Drawing:
         lines = LineCollection(
             1e3 * self.walls, colors="black", linewidths=1.4, capstyle="projecting", zorder=1
         )
-        for each in (self.granules, self.joints, self.forces, lines):
+        self.parts = [self.granules, self.joints, self.forces, lines]
+        for each in self.parts:
             axes.add_collection(each, autolim=False)
         if diameter is not None:
-            axes.add_patch(self.cylinder)
+            self.parts.append(axes.add_patch(self.cylinder))
         axes.set(xlim=1e3 * self.view[:, 0], ylim=1e3 * self.view[:, 1], aspect="equal")
         axes.grid(visible=False)
 

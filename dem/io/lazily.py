@@ -1,15 +1,20 @@
 """netCDF files whose variables are read when they are needed, and what must hold for them."""
 
+from __future__ import annotations
+
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from dem.base.errors import InputError
 from dem.base.remedy import of_missing_file, of_other_file
 from dem.io.checksums import is_sealed
 from dem.io.dataset import content_of, is_text
+
+if TYPE_CHECKING:  # half a second to load, which what only writes files need not wait for
+    import xarray as xr
 
 NUMBERS = (
     "window_start", "window_stop", "cylinder_velocity", "box_width", "lag", "cylinder_diameter",
@@ -25,12 +30,14 @@ def open_lazily(path: Path):
     taken as it is. Raises InputError for another file, also where damage, or a content that does
     not fit, shows only when a value is read or used.
     """
+    import xarray as xr
+
     if not Path(path).is_file():
         raise InputError(f"{path}: there is no such file{of_missing_file(path)}.")
     with content_of(path):
         is_sealed(path)
         try:
-            dataset = xr.open_dataset(path, engine="netcdf4", chunks={})
+            dataset = xr.open_dataset(path, engine="netcdf4")
         except (OSError, ValueError, RuntimeError) as error:
             why = of_other_file(path) or f" ({error})"
             raise InputError(f"{path}: it is not a readable netCDF file{why}.") from None
