@@ -42,4 +42,6 @@ def test(
     from dem.base.plain import PlainConsole
     from dem.studies.claims.report import verdicts
 
-    PlainConsole(width=160).print(verdicts(data, name, margin))
+    with bar(f"testing claims on {data}"):
+        found = verdicts(data, name, margin)
+    PlainConsole(width=160).print(found)

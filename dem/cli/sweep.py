@@ -33,7 +33,9 @@ def sweep(
 
     work = Work(load(file))
     if dry_run:
-        typer.echo(summary(work, jobs))
+        with bar("estimating"):
+            found = summary(work, jobs)
+        typer.echo(found)
         return
     from dem.analysis.flow.collect import make_flow
     from dem.io.results_folder import prepare
@@ -70,8 +72,12 @@ def compile(
     from dem.experiment.warmup import compile_kernels
     from dem.sweep.work import kinds_of
 
-    for replicate in kinds_of(config, shape, kernels):
-        compile_kernels(replicate)
+    kinds = list(kinds_of(config, shape, kernels))
+    with bar("compiling", float(len(kinds))) as update:
+        for done, replicate in enumerate(kinds):
+            update(done, label=f"compiling for {replicate.label}, {done + 1} of {len(kinds)}")
+            compile_kernels(replicate)
+        update(len(kinds))
 
 
 def chunk(
@@ -134,11 +140,13 @@ def store(
 
     found = Store()
     if prune:
-        gone, size = found.prune()
+        with bar("pruning the store"):
+            gone, size = found.prune()
         typer.echo(f"{len(gone)} files removed, {1e-6 * size:.1f} MB.")
         return
-    width = None if sys.stdout.isatty() else 160
-    PlainConsole(width=width).print(listing(found, values or []))
+    with bar("reading the store"):
+        table = listing(found, values or [])
+    PlainConsole(width=None if sys.stdout.isatty() else 160).print(table)
 
 
 VERBS = (sweep, compile, chunk, combine, store)
