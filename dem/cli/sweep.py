@@ -2,6 +2,7 @@
 
 import os
 import sys
+from collections import Counter
 from pathlib import Path
 from typing import Annotated
 
@@ -47,9 +48,15 @@ def sweep(
         save(work.sweep, Path(work.sweep.results) / "config.yaml")
         if retry:
             typer.echo(f"{retried(work)} failed runs are tried again.")
-        with bar("runs", float(len(work.sweep.blocks))) as update:
-            order = list(work.sweep.blocks)
-            work.make(jobs, lambda block, share: update(order.index(block) + share))
+        order, seen = list(work.sweep.blocks), Counter()
+        with bar("runs", float(len(order))) as update:
+
+            def made(block, share):
+                seen[block] += 1  # chunks: the first of each kind also compile
+                typical = seen[block] > len({chunk.kernels for chunk in work.chunks(block)})
+                update(order.index(block) + share, typical)
+
+            work.make(jobs, made)
         with bar("flow", float(len(order))) as update:
             for number, block in enumerate(order):
                 make_flow(work, block, lambda share, n=number: update(n + share))
