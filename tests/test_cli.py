@@ -224,6 +224,23 @@ def test_compiling_is_no_part_of_the_time_left():
     assert stage.words() == "30% done, 1 min 6 s left"
 
 
+def test_the_time_left_of_a_sweep_is_that_of_runs_after_compiling(tmp_path, monkeypatch):
+    """The smoke test has three kinds of kernels, so three chunks that compile."""
+    typical = []
+
+    def make(work, jobs, progress):
+        for done in range(1, 6):
+            progress("drag", done / 5)
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("dem.sweep.work.Work.make", make)
+    monkeypatch.setattr("dem.analysis.flow.collect.make_flow", lambda *values: None)
+    monkeypatch.setattr(Stage, "update", lambda stage, done, counts: typical.append(counts))
+    result = CliRunner().invoke(app, ["sweep", str(ROOT / "config/smoke.yaml")])
+    assert result.exit_code == 0, (result.output, result.exception)
+    assert typical == [False, False, False, True, True]
+
+
 @pytest.mark.parametrize(
     ("arguments", "work", "label"),
     [

@@ -49,7 +49,7 @@ def sweep(
         if retry:
             typer.echo(f"{retried(work)} failed runs are tried again.")
         order, seen = list(work.sweep.blocks), Counter()
-        with bar("runs", float(len(order))) as update:
+        with bar("making runs", float(len(order))) as update:
 
             def made(block, share):
                 seen[block] += 1  # chunks: the first of each kind also compile
@@ -57,7 +57,7 @@ def sweep(
                 update(order.index(block) + share, typical)
 
             work.make(jobs, made)
-        with bar("flow", float(len(order))) as update:
+        with bar("measuring flow", float(len(order))) as update:
             for number, block in enumerate(order):
                 make_flow(work, block, lambda share, n=number: update(n + share))
     finally:
