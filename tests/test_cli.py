@@ -235,7 +235,7 @@ def test_the_time_left_of_a_sweep_is_that_of_runs_after_compiling(tmp_path, monk
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("dem.sweep.work.Work.make", make)
     monkeypatch.setattr("dem.analysis.flow.collect.make_flow", lambda *values: None)
-    monkeypatch.setattr(Stage, "update", lambda stage, done, counts: typical.append(counts))
+    monkeypatch.setattr(Stage, "update", lambda stage, done, counts, label: typical.append(counts))
     result = CliRunner().invoke(app, ["sweep", str(ROOT / "config/smoke.yaml")])
     assert result.exit_code == 0, (result.output, result.exception)
     assert typical == [False, False, False, True, True]

@@ -49,12 +49,12 @@ def sweep(
         if retry:
             typer.echo(f"{retried(work)} failed runs are tried again.")
         order, seen = list(work.sweep.blocks), Counter()
-        with bar("making runs", float(len(order))) as update:
+        with bar("making runs, the first ones compile", float(len(order))) as update:
 
             def made(block, share):
                 seen[block] += 1  # chunks: the first of each kind also compile
                 typical = seen[block] > len({chunk.kernels for chunk in work.chunks(block)})
-                update(order.index(block) + share, typical)
+                update(order.index(block) + share, typical, "making runs" if typical else None)
 
             work.make(jobs, made)
         with bar("measuring flow", float(len(order))) as update:

@@ -61,7 +61,7 @@ class Stage:
     def update(self, done: float, counts: bool = True, label: str | None = None) -> None:
         """Take note of what is done; counts as in TimeLeft; label: what is done from now on."""
         self.time_left.update(done / self.total, counts)
-        if label is not None:
+        if label not in (None, self.label):
             self.label, self.told = label, None
 
     @property
