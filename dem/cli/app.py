@@ -190,9 +190,10 @@ def info(
     """
     from dem.base.files import atomic
     from dem.base.plain import PlainConsole
-    from dem.report.info import summary
 
     with bar(f"reading {data}"):
+        from dem.report.info import summary  # this may take longer than the file
+
         found = summary(data)
     if output is None:
         PlainConsole(width=None if sys.stdout.isatty() else 160).print(found)
