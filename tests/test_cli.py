@@ -2,9 +2,11 @@
 
 import os
 import re
+import signal
 import subprocess
 import sys
 import tomllib
+from contextlib import suppress
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -12,12 +14,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import typer
 from typer.main import get_command
 from typer.testing import CliRunner
 
 from dem.base.errors import InputError, RunError
 from dem.cli.app import app
-from dem.cli.terminal import bar
+from dem.cli.terminal import bar, reported
 from dem.figures import film
 from dem.io import progress
 from dem.io.progress import Stage
@@ -292,6 +295,17 @@ def test_a_bar_leaves_results_on_stdout_and_other_lines_whole():
     assert run.stdout == "result\n"
     assert "\x1b[2Kcompiling\r\n" in shown  # on a line that was cleared
     assert re.search("packing c1 .*done in", shown)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="Windows ends a process at once")
+def test_a_stop_that_the_compiler_swallows_is_still_one_sentence(capsys):
+    """LLVM's callbacks lose the exception of a signal, and compiling fails a little later."""
+    with pytest.raises(typer.Exit) as end, reported():
+        with suppress(BaseException):
+            signal.raise_signal(signal.SIGTERM)
+        raise RuntimeError("no compiled object yet")
+    assert end.value.exit_code == 128 + signal.SIGTERM
+    assert capsys.readouterr().err == "Interrupted; no half-written file is left.\n"
 
 
 def drags(seeds, scatter, exponent=0.96):

@@ -93,7 +93,13 @@ def reported():
     """One sentence and an exit status instead of a traceback."""
     main = threading.current_thread() is threading.main_thread()
     # The workflow starts its jobs with SIGINT ignored; clusters send SIGTERM when time is over.
-    before = {each: signal.signal(each, _stop) for each in STOPS} if main else {}
+    asked = []
+
+    def stop(number, frame):
+        asked.append(number)
+        _stop(number, frame)
+
+    before = {each: signal.signal(each, stop) for each in STOPS} if main else {}
     try:
         yield
     except InputError as error:
@@ -102,9 +108,12 @@ def reported():
     except (RunError, OSError) as error:
         _tell(f"{type(error).__name__}: {error}")
         raise typer.Exit(1) from None
-    except Stopped as stopped:
+    except (Stopped, Exception):
+        # LLVM calls back while it compiles, and swallows what is raised there: it fails later.
+        if not asked:
+            raise
         typer.echo("Interrupted; no half-written file is left.", err=True)
-        raise typer.Exit(128 + stopped.args[0]) from None
+        raise typer.Exit(128 + asked[0]) from None
     finally:
         for each, handler in before.items():
             signal.signal(each, handler)
