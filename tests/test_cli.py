@@ -1,21 +1,29 @@
 """The command line's promises: exit status, one sentence, nothing written."""
 
+import os
 import re
+import signal
 import subprocess
 import sys
 import tomllib
+from contextlib import suppress
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import typer
 from typer.main import get_command
 from typer.testing import CliRunner
 
 from dem.base.errors import InputError, RunError
 from dem.cli.app import app
+from dem.cli.terminal import bar, reported
 from dem.figures import film
+from dem.io import progress
+from dem.io.progress import Stage
 from dem.studies.calibrate import MODULI, fit
 
 ROOT = Path(__file__).parent.parent
@@ -164,6 +172,140 @@ def test_a_picture_is_of_the_stroke(tmp_path, displacement):
     with pytest.raises(InputError, match=r"displacement is .* between 0 and the stroke, 0.006 m"):
         film.picture(motion, tmp_path / "bed.png", displacement, "layer", False)
     assert not list(tmp_path.iterdir())
+
+
+def lines_of(stage, now, seconds):
+    """What a log says of a stage, by second."""
+    said = {}
+    for second in range(seconds + 1):
+        now[0] = float(second)
+        if line := stage.line():
+            said[second] = line
+    return said
+
+
+def test_long_work_says_what_it_does_every_half_minute():
+    """A line once it lasts and one every 30 s, though the work itself reports nothing."""
+    now = [0.0]
+    stage = Stage("packing c1", clock=lambda: now[0])
+    said = lines_of(stage, now, 95)
+    assert list(said) == [2, 32, 62, 92]
+    assert said[2] == "packing c1 ..." and said[62] == "packing c1: 1 min 2 s so far"
+    assert stage.end() == "done in 1 min 35 s"
+
+
+def test_short_work_is_silent(capsys):
+    now = [0.0]
+    assert not lines_of(Stage("packing c1", clock=lambda: now[0]), now, 1)
+    with bar("packing c1"):
+        pass
+    assert capsys.readouterr() == ("", "")
+
+
+def test_each_part_of_long_work_is_named_when_it_begins():
+    now = [0.0]
+    stage = Stage("compiling", 2.0, clock=lambda: now[0])
+    stage.update(0, label="compiling for c1")
+    assert lines_of(stage, now, 40)[2] == "compiling for c1 ..."
+    stage.update(1, label="compiling for e1")
+    assert list(lines_of(stage, now, 3).values()) == ["compiling for e1 ..."]
+    assert stage.words().startswith("50% done, ")
+
+
+def test_compiling_is_no_part_of_the_time_left():
+    """Runs of 10 s each: the first of two kinds compile for a minute, which says nothing of the rest."""
+    now = [0.0]
+    stage = Stage("runs", 10.0, clock=lambda: now[0])
+    for done in (1, 2):
+        now[0] += 70.0
+        stage.update(done, counts=False)
+    assert stage.words() == "20% done, 2 min 20 s so far"
+    now[0] += 10.0
+    stage.update(3)
+    assert stage.words() == "30% done, 1 min 10 s left"
+    now[0] += 4.0  # in between the time left goes down
+    assert stage.words() == "30% done, 1 min 6 s left"
+
+
+def test_the_time_left_of_a_sweep_is_that_of_runs_after_compiling(tmp_path, monkeypatch):
+    """The smoke test has three kinds of kernels, so three chunks that compile."""
+    typical = []
+
+    def make(work, jobs, progress):
+        for done in range(1, 6):
+            progress("drag", done / 5)
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("dem.sweep.work.Work.make", make)
+    monkeypatch.setattr("dem.analysis.flow.collect.make_flow", lambda *values: None)
+    monkeypatch.setattr(Stage, "update", lambda stage, done, counts, label: typical.append(counts))
+    result = CliRunner().invoke(app, ["sweep", str(ROOT / "config/smoke.yaml")])
+    assert result.exit_code == 0, (result.output, result.exception)
+    assert typical == [False, False, False, True, True]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "work", "label"),
+    [
+        (("pack", *SMOKE, "--shape", "c1", "--seed", "1", "-o", "OUT.nc"), "bed.make_bed", "packing c1, seed 1"),
+        (("compile", *SMOKE, "--shape", "c1"), "warmup.compile_kernels", "compiling for c1, 1 of 1"),
+    ],
+)  # fmt: skip
+def test_a_verb_that_takes_long_says_so_on_stderr(tmp_path, monkeypatch, arguments, work, label):
+    """In a pipe a line with its label and, when it is done, the time; stdout is for results."""
+    monkeypatch.chdir(ROOT)
+    monkeypatch.setattr(progress, "PATIENCE", 0.0)
+    monkeypatch.setattr(f"dem.experiment.{work}", lambda replicate: None)
+    monkeypatch.setattr("dem.experiment.bed.write_bed", lambda *values: None)
+    result = CliRunner().invoke(app, [w.replace("OUT", str(tmp_path / "out")) for w in arguments])
+    assert result.exit_code == 0, (result.output, result.exception)
+    assert f"{label}: done in 0 s" in result.stderr and result.stdout == ""
+
+
+BESIDE_A_BAR = """
+import sys, time
+from dem.cli import terminal
+terminal.PATIENCE = 0.0
+with terminal.bar("packing c1"):
+    time.sleep(3 * terminal.TICK)
+    print("compiling", file=sys.stderr)
+    print("result")
+"""
+
+
+def read_some(terminal):
+    """Bytes of a terminal; none at its end, which Linux reports as an error."""
+    try:
+        return os.read(terminal, 1000)
+    except OSError:
+        return b""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="a terminal of its own is POSIX")
+def test_a_bar_leaves_results_on_stdout_and_other_lines_whole():
+    """Of a terminal that shows stderr, while stdout is a pipe."""
+    mine, theirs = os.openpty()
+    run = subprocess.run(
+        [sys.executable, "-c", BESIDE_A_BAR], cwd=ROOT, stdout=subprocess.PIPE, stderr=theirs,
+        env=os.environ | {"TERM": "xterm"}, text=True,
+    )  # fmt: skip
+    os.close(theirs)
+    shown = b"".join(iter(partial(read_some, mine), b"")).decode()
+    os.close(mine)
+    assert run.stdout == "result\n"
+    assert "\x1b[2Kcompiling\r\n" in shown  # on a line that was cleared
+    assert re.search("packing c1 .*done in", shown)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="Windows ends a process at once")
+def test_a_stop_that_the_compiler_swallows_is_still_one_sentence(capsys):
+    """LLVM's callbacks lose the exception of a signal, and compiling fails a little later."""
+    with pytest.raises(typer.Exit) as end, reported():
+        with suppress(BaseException):
+            signal.raise_signal(signal.SIGTERM)
+        raise RuntimeError("no compiled object yet")
+    assert end.value.exit_code == 128 + signal.SIGTERM
+    assert capsys.readouterr().err == "Interrupted; no half-written file is left.\n"
 
 
 def drags(seeds, scatter, exponent=0.96):

@@ -63,4 +63,5 @@ def table(
     from dem.sweep.config import load
     from dem.sweep.work import Work
 
-    write_study(output, Work(load(config)), contacts, steps)
+    with bar("accuracy"):
+        write_study(output, Work(load(config)), contacts, steps)

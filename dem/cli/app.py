@@ -84,7 +84,9 @@ def pack(
     from dem.experiment.bed import make_bed, write_bed
 
     replicate = _replicate(config, shape, 1.0, seed, values)
-    write_bed(output, replicate, make_bed(replicate))
+    with bar(f"packing {shape}, seed {seed}"):
+        found = make_bed(replicate)
+    write_bed(output, replicate, found)
 
 
 @app.command()
@@ -121,7 +123,9 @@ def simulate(
     at_rest = read_bed(bed, replicate) if bed else None
     if checkpoint:
         resume.clear_way(checkpoint, replicate, at_rest)
-    at_rest = at_rest or make_bed(replicate)
+    if at_rest is None:
+        with bar(f"packing {shape}, seed {seed}"):
+            at_rest = make_bed(replicate)
     with bar(f"{shape}, {density:g} kg/m3, seed {seed}", 1.0) as update:
         found = drag.run(replicate, at_rest, update, threads, checkpoint)
     write_one(output, replicate, found)
@@ -167,7 +171,8 @@ def figure(
         raise InputError(f"figure is {name!r}; there is no such figure{hint}.")
     folder = output or data.parent / "figures"
     check_paths([Place("output", folder, FOLDER)])
-    draw(name, data, folder)
+    with bar(f"drawing {name}"):
+        draw(name, data, folder)
 
 
 @app.command()
@@ -185,9 +190,11 @@ def info(
     """
     from dem.base.files import atomic
     from dem.base.plain import PlainConsole
-    from dem.report.info import summary
 
-    found = summary(data)
+    with bar(f"reading {data}"):
+        from dem.report.info import summary  # this may take longer than the file
+
+        found = summary(data)
     if output is None:
         PlainConsole(width=None if sys.stdout.isatty() else 160).print(found)
         return

@@ -40,6 +40,9 @@ def test(
     if not 0.0 <= margin <= 1.0:
         raise InputError(f"margin is {margin}; it must be between 0 and 1.")
     from dem.base.plain import PlainConsole
-    from dem.studies.claims.report import verdicts
 
-    PlainConsole(width=160).print(verdicts(data, name, margin))
+    with bar(f"testing claims on {data}"):
+        from dem.studies.claims.report import verdicts  # this may take longer than the file
+
+        found = verdicts(data, name, margin)
+    PlainConsole(width=160).print(found)

@@ -74,4 +74,5 @@ def table(
     from dem.sweep.config import load
     from dem.sweep.work import Work
 
-    write_study(output, Work(load(config)), files)
+    with bar("stability"):
+        write_study(output, Work(load(config)), files)

@@ -2,6 +2,7 @@
 
 import os
 import sys
+from collections import Counter
 from pathlib import Path
 from typing import Annotated
 
@@ -33,7 +34,9 @@ def sweep(
 
     work = Work(load(file))
     if dry_run:
-        typer.echo(summary(work, jobs))
+        with bar("estimating"):
+            found = summary(work, jobs)
+        typer.echo(found)
         return
     from dem.analysis.flow.collect import make_flow
     from dem.io.results_folder import prepare
@@ -45,10 +48,16 @@ def sweep(
         save(work.sweep, Path(work.sweep.results) / "config.yaml")
         if retry:
             typer.echo(f"{retried(work)} failed runs are tried again.")
-        with bar("runs", float(len(work.sweep.blocks))) as update:
-            order = list(work.sweep.blocks)
-            work.make(jobs, lambda block, share: update(order.index(block) + share))
-        with bar("flow", float(len(order))) as update:
+        order, seen = list(work.sweep.blocks), Counter()
+        with bar("making runs, the first ones compile", float(len(order))) as update:
+
+            def made(block, share):
+                seen[block] += 1  # chunks: the first of each kind also compile
+                typical = seen[block] > len({chunk.kernels for chunk in work.chunks(block)})
+                update(order.index(block) + share, typical, "making runs" if typical else None)
+
+            work.make(jobs, made)
+        with bar("measuring flow", float(len(order))) as update:
             for number, block in enumerate(order):
                 make_flow(work, block, lambda share, n=number: update(n + share))
     finally:
@@ -70,8 +79,12 @@ def compile(
     from dem.experiment.warmup import compile_kernels
     from dem.sweep.work import kinds_of
 
-    for replicate in kinds_of(config, shape, kernels):
-        compile_kernels(replicate)
+    kinds = list(kinds_of(config, shape, kernels))
+    with bar("compiling", float(len(kinds))) as update:
+        for done, replicate in enumerate(kinds):
+            update(done, label=f"compiling for {replicate.label}, {done + 1} of {len(kinds)}")
+            compile_kernels(replicate)
+        update(len(kinds))
 
 
 def chunk(
@@ -134,11 +147,13 @@ def store(
 
     found = Store()
     if prune:
-        gone, size = found.prune()
+        with bar("pruning the store"):
+            gone, size = found.prune()
         typer.echo(f"{len(gone)} files removed, {1e-6 * size:.1f} MB.")
         return
-    width = None if sys.stdout.isatty() else 160
-    PlainConsole(width=width).print(listing(found, values or []))
+    with bar("reading the store"):
+        table = listing(found, values or [])
+    PlainConsole(width=None if sys.stdout.isatty() else 160).print(table)
 
 
 VERBS = (sweep, compile, chunk, combine, store)

@@ -1,10 +1,11 @@
 """What all verbs share: options, sentences instead of tracebacks, progress bars."""
 
 import functools
+import os
 import signal
 import sys
 import threading
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from datetime import datetime
 from pathlib import Path
 from typing import Annotated, NamedTuple, get_type_hints
@@ -13,7 +14,7 @@ import typer
 
 from dem.base.errors import InputError, RunError
 from dem.base.files import Place, check_paths
-from dem.io.progress import TimeLeft
+from dem.io.progress import PATIENCE, Stage
 
 
 class Writes(NamedTuple):
@@ -92,7 +93,13 @@ def reported():
     """One sentence and an exit status instead of a traceback."""
     main = threading.current_thread() is threading.main_thread()
     # The workflow starts its jobs with SIGINT ignored; clusters send SIGTERM when time is over.
-    before = {each: signal.signal(each, _stop) for each in STOPS} if main else {}
+    asked = []
+
+    def stop(number, frame):
+        asked.append(number)
+        _stop(number, frame)
+
+    before = {each: signal.signal(each, stop) for each in STOPS} if main else {}
     try:
         yield
     except InputError as error:
@@ -101,37 +108,84 @@ def reported():
     except (RunError, OSError) as error:
         _tell(f"{type(error).__name__}: {error}")
         raise typer.Exit(1) from None
-    except Stopped as stopped:
+    except (Stopped, Exception):
+        # LLVM calls back while it compiles, and swallows what is raised there: it fails later.
+        if not asked:
+            raise
         typer.echo("Interrupted; no half-written file is left.", err=True)
-        raise typer.Exit(128 + stopped.args[0]) from None
+        raise typer.Exit(128 + asked[0]) from None
     finally:
         for each, handler in before.items():
             signal.signal(each, handler)
 
 
+TICK = 0.2  # s between two looks at work that lasts
+
+
 @contextmanager
-def bar(label: str, total: float):
-    """A progress bar on a terminal, an occasional line in a log; yields the update function."""
-    if not sys.stderr.isatty():
-        yield _logged(label, total)
+def bar(label: str, total: float | None = None):
+    """Say on stderr what lasts: a bar on a terminal, a line now and then in a log.
+
+    Short work stays silent. Yields the update function, that of dem.io.progress.Stage. A thread
+    speaks, because compiling and packing take minutes without an update.
+    """
+    from dem.base.plain import plain
+
+    stage, over = Stage(plain(label), total), threading.Event()
+    alive = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
+
+    def speak():
+        with suppress(OSError):  # a closed pipe or a full disk stops no run
+            (_draw if alive else _log)(stage, over)
+
+    speaker = threading.Thread(target=speak, daemon=True)
+    speaker.start()
+    try:
+        yield stage.update
+        stage.finished = True
+    finally:
+        over.set()
+        speaker.join()
+
+
+def _log(stage: Stage, over: threading.Event) -> None:
+    """Write the lines of a stage until it is over."""
+
+    def say(words):
+        typer.echo(f"{datetime.now():%Y-%m-%d %H:%M:%S} {words}", err=True)
+
+    while not over.wait(TICK):
+        if words := stage.line():
+            say(words)
+    if stage.lasts and stage.finished:
+        say(f"{stage.label}: {stage.end()}")
+
+
+def _draw(stage: Stage, over: threading.Event) -> None:
+    """Draw the bar of a stage until it is over."""
+    if over.wait(PATIENCE):
         return
     from rich.console import Console
-    from rich.progress import Progress
+    from rich.progress import BarColumn, Progress, TextColumn
 
-    with Progress(console=Console(stderr=True)) as progress:
-        task = progress.add_task(label, total=total)
-        yield lambda done: progress.update(task, completed=done)
+    columns = (
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        TextColumn("{task.fields[words]}"),
+    )
+    # stdout is for results: rich would send it to stderr.
+    with Progress(
+        *columns, console=Console(stderr=True), auto_refresh=False, redirect_stdout=False
+    ) as shown:
+        task = shown.add_task("", total=stage.total and 1.0, words="")
 
+        def show(words, **values):
+            shown.update(task, description=stage.label, words=words, refresh=True, **values)
 
-def _logged(label: str, total: float):
-    """An update that writes to the log of a job."""
-    time_left = TimeLeft()
-
-    def update(done):
-        if words := time_left.words(done / total):
-            typer.echo(f"{datetime.now():%Y-%m-%d %H:%M:%S} {label}: {words}", err=True)
-
-    return update
+        while not over.wait(TICK):
+            show(stage.words(), completed=stage.share)
+        if stage.finished:
+            show(stage.end(), total=1.0, completed=1.0)
 
 
 def start_lean():

@@ -83,7 +83,10 @@ def mean_drag(replicates: list[Replicate]) -> list[float]:
 def calibrate(
     sweep: Sweep, shape: str, density: float, target: float, seeds: int, jobs: int, progress
 ) -> Calibration:
-    """Fit the modulus to a mean drag (N); `progress` gets the number of runs done.
+    """Fit the modulus to a mean drag (N).
+
+    progress gets the number of runs done, and whether they took as long as others: the first ones of
+    each process also compile.
 
     Raises InputError for a target that is no positive number, or a shape or density that cannot be
     run; RunError where a run fails or where the runs say too little.
@@ -99,7 +102,7 @@ def calibrate(
         try:
             for done, future in enumerate(as_completed(pending), 1):
                 means[pending[future]] = future.result()
-                progress(done * len(moduli))
+                progress(done * len(moduli), done > jobs)
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)  # not all the others first
             raise
