@@ -10,6 +10,7 @@ import time
 from itertools import pairwise
 from pathlib import Path
 
+import forked
 import netCDF4
 import numpy as np
 import pytest
@@ -38,11 +39,8 @@ def copy(tmp_path_factory):
 
 def snakemake(folder, *arguments, configfile=SMOKE):
     """Run snakemake on the sources of the folder."""
-    command = [sys.executable, "-m", "snakemake", *arguments]
-    command += ["--configfile", configfile] if configfile else []
-    return subprocess.run(
-        command, cwd=folder, env=environment(folder), text=True, capture_output=True
-    )
+    configured = ["--configfile", configfile] if configfile else []
+    return forked.run([*arguments, *configured], folder, environment(folder))
 
 
 def environment(folder):

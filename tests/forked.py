@@ -1,0 +1,38 @@
+"""Snakemake in processes that begin with its libraries, because importing them takes most of a dry run.
+
+The package itself is imported in each process, because tests edit it.
+"""
+
+import multiprocessing
+import os
+import runpy
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+LIBRARIES = ["snakemake.cli", "numba", "pydantic", "scipy.stats", "xarray"]
+
+
+def run(words, folder, environment) -> subprocess.CompletedProcess:
+    """What `python -m snakemake` with some words says and returns in a folder."""
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload(LIBRARIES)
+    with tempfile.TemporaryDirectory() as place:
+        said = [Path(place) / name for name in ("stdout", "stderr")]
+        process = context.Process(target=_run, args=(words, folder, environment, said))
+        process.start()
+        process.join()
+        return subprocess.CompletedProcess(words, process.exitcode, *(p.read_text() for p in said))
+
+
+def _run(words, folder, environment, said):
+    os.chdir(folder)
+    os.environ.clear()
+    os.environ.update(environment)
+    for number, path in enumerate(said, start=1):
+        os.dup2(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND), number)
+    assert "dem" not in sys.modules
+    sys.path.insert(0, str(folder))
+    sys.argv = ["snakemake", *words]
+    runpy.run_module("snakemake", run_name="__main__", alter_sys=True)
