@@ -40,7 +40,7 @@ SHORT = {
     "harmless": {"experiment": "draw", "shapes": ["c1"], "change": {"displacement": 5e-5},
                  "expect": "OverlapError"},
 }  # fmt: skip
-LIMITS = {"shapes": ["c1"], "granules": 60}
+LIMITS = {"shapes": ["c1"], "granules": 40}
 
 
 @pytest.fixture(scope="module")
