@@ -12,15 +12,23 @@ import tempfile
 from pathlib import Path
 
 LIBRARIES = ["snakemake.cli", "numba", "pydantic", "scipy.stats", "xarray"]
+SMOKE = "config/smoke.yaml"
 
 
-def run(words, folder, environment) -> subprocess.CompletedProcess:
-    """What `python -m snakemake` with some words says and returns in a folder."""
+def environment(folder) -> dict[str, str]:
+    """For commands that use the sources of a folder."""
+    bin_folder = Path(sys.executable).parent
+    return os.environ | {"PYTHONPATH": str(folder), "PATH": f"{bin_folder}:{os.environ['PATH']}"}
+
+
+def snakemake(folder, *arguments, configfile=SMOKE) -> subprocess.CompletedProcess:
+    """Run snakemake on the sources of a folder, as `python -m snakemake` does."""
+    words = [*arguments, *(["--configfile", configfile] if configfile else [])]
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(LIBRARIES)
     with tempfile.TemporaryDirectory() as place:
         said = [Path(place) / name for name in ("stdout", "stderr")]
-        process = context.Process(target=_run, args=(words, folder, environment, said))
+        process = context.Process(target=_run, args=(words, folder, environment(folder), said))
         process.start()
         process.join()
         return subprocess.CompletedProcess(words, process.exitcode, *(p.read_text() for p in said))
