@@ -1,5 +1,6 @@
 """The small beds that several tests share, and how hypothesis searches."""
 
+import os
 import re
 import shutil
 import sys
@@ -10,6 +11,7 @@ from typing import NamedTuple
 import hypothesis
 import numpy as np
 import pytest
+from forked import snakemake
 from PIL import Image
 
 import dem
@@ -28,13 +30,25 @@ posix = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX pipes, s
 KINDS = sorted(shapes.KINDS, key=len, reverse=True)  # "superellipse" before "ellipse"
 
 
+# Groups of tests that take longest, in the order in which they begin; one that begins last would
+# leave a processor idle. Superellipses share no kernels with the workflow, which runs beside them.
+LONGEST = ["workflow", "superellipse", "disc", "ellipse", "dumbbell", "test_report"]
+# Files that share a folder of results.
+SHARING = {"test_reruns": "workflow", "test_workflow": "workflow"}
+
+
 @pytest.hookimpl(tryfirst=True)  # before pytest-xdist reads the groups
 def pytest_collection_modifyitems(items):
     """Tests of one kind of granule on one processor: its kernels are then compiled but once."""
+    groups = {}
     for item in items:
-        parameters = item.name.lower().partition("[")[2]
-        group = next((kind for kind in KINDS if kind in parameters), item.path.stem)
-        item.add_marker(pytest.mark.xdist_group(group))
+        parameters, stem = item.name.lower().partition("[")[2], item.path.stem
+        group = next((kind for kind in KINDS if kind in parameters), stem)
+        groups[item] = SHARING.get(stem, group)
+        item.add_marker(pytest.mark.xdist_group(groups[item]))
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        order = {group: place for place, group in enumerate(LONGEST)}
+        items.sort(key=lambda item: order.get(groups[item], len(order)))
 
 
 CONFIG = Path(__file__).parent.parent / "config"
@@ -137,6 +151,36 @@ def assert_not_blank(picture):
     with Image.open(picture) as drawn:
         pixels = np.asarray(drawn.convert("RGB")).astype(int)
     assert (np.ptp(pixels, axis=2) > 30).mean() > 1e-4, f"{picture} shows no data"
+
+
+@pytest.fixture(scope="session")
+def copy(tmp_path_factory):
+    """A copy of the sources in an empty folder."""
+    folder = tmp_path_factory.mktemp("clone")
+    for name in ("dem", "rules", "config", "profiles"):
+        shutil.copytree(
+            CONFIG.parent / name, folder / name, ignore=shutil.ignore_patterns("__pycache__")
+        )
+    (folder / "docs/explanation").mkdir(parents=True)
+    for name in ("Snakefile", "docs/explanation/open.md"):
+        shutil.copy(CONFIG.parent / name, folder / name)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def finished(copy):
+    """The copy after one run of the smoke sweep."""
+    run = snakemake(copy, "-j2")
+    assert run.returncode == 0, run.stdout + run.stderr
+    return copy
+
+
+@pytest.fixture(scope="session")
+def claimed(finished):
+    """The copy after the study of claims too."""
+    run = snakemake(finished, "claims", "-j2")
+    assert run.returncode == 0, run.stdout + run.stderr
+    return finished
 
 
 @pytest.fixture(scope="session")

@@ -1,5 +1,6 @@
 """Machine code is found again wherever the same sources lie, and never that of others."""
 
+import importlib
 import os
 import shutil
 import subprocess
@@ -9,6 +10,7 @@ import pytest
 from conftest import posix
 
 from dem.base.sources import PACKAGE
+from dem.jit import compilation
 
 ASK = """
 import numpy as np
@@ -42,7 +44,6 @@ def test_copies_share_kernels_and_edits_do_not(tmp_path):
 
 
 TINY = """
-import sys
 from dem.jit.compilation import compiled
 
 @compiled
@@ -54,24 +55,31 @@ def count(x):
     return 2 * x
 
 assert double(1.5) == 3.0 and count(2) == 4
-print(*(sum(f.stats.cache_hits.values()) for f in (double, count)))
 """
+HITS = "print(*(sum(f.stats.cache_hits.values()) for f in (double, count)))"
 
 
-def tiny(folder, cache, before=""):
-    """What two small functions say in a process with a cache: hits of each, and standard error."""
-    script = folder / "tiny.py"
-    script.write_text(before + TINY)
-    environment = os.environ | {"NUMBA_CACHE_DIR": str(cache)}
-    ran = subprocess.run(
-        [sys.executable, script],
-        cwd=PACKAGE.parent,
-        env=environment,
-        capture_output=True,
-        text=True,
-    )
-    assert ran.returncode == 0, ran.stderr
-    return ran.stdout.split(), ran.stderr
+@pytest.fixture
+def tiny(tmp_path, monkeypatch, capsys):
+    """Function that makes two small kernels as a new process would: hits of each, and what is said.
+
+    Both come from the disk or from the compiler, because each call makes them from their source.
+    """
+    script = tmp_path / "tiny.py"
+    script.write_text(TINY)
+    monkeypatch.setattr(compilation, "cache_folder", lambda: tmp_path / "cache")
+    monkeypatch.syspath_prepend(tmp_path)
+
+    def make():
+        compilation._say.cache_clear()
+        sys.modules.pop("tiny", None)
+        importlib.invalidate_caches()
+        kernels = importlib.import_module("tiny")
+        hits = [sum(f.stats.cache_hits.values()) for f in (kernels.double, kernels.count)]
+        return hits, capsys.readouterr().err
+
+    yield make
+    sys.modules.pop("tiny", None)
 
 
 def flipped(content, at):
@@ -92,34 +100,52 @@ DAMAGE = {
 
 @pytest.mark.parametrize("kind", ["nbi", "nbc"])
 @pytest.mark.parametrize("damage", DAMAGE)
-def test_damaged_machine_code_is_compiled_again(tmp_path, damage, kind):
+def test_damaged_machine_code_is_compiled_again(tmp_path, tiny, damage, kind):
     """The run goes on, says so in one line that names the folder, and mends the cache."""
     cache = tmp_path / "cache"
-    assert tiny(tmp_path, cache) == (["0", "0"], "")
+    assert tiny() == ([0, 0], "")
     files = list(cache.rglob(f"*.{kind}"))
     assert len(files) == 2
     for file in files:
         file.write_bytes(DAMAGE[damage](file.read_bytes()))
-    hits, said = tiny(tmp_path, cache)
-    assert hits == ["0", "0"] and len(said.splitlines()) == 1
+    hits, said = tiny()
+    assert hits == [0, 0] and len(said.splitlines()) == 1
     assert str(cache) in said and "damaged; it is compiled again" in said
-    assert tiny(tmp_path, cache) == (["1", "1"], "")
+    assert tiny() == ([1, 1], "")
     assert len(list(cache.rglob("*.nbc"))) == 2
 
 
 FULL = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))\n"
 
 
-@pytest.mark.parametrize("fault", ["no folder", pytest.param("no room", marks=posix)])
-def test_a_cache_that_cannot_be_written_does_not_stop_a_run(tmp_path, fault):
+def assert_not_kept(folder, hits, said):
+    """Code was compiled and used, one line names the folder, and nothing is left there."""
+    assert hits == [0, 0] and len(said.splitlines()) == 1
+    assert str(folder / "cache") in said and "cannot be kept here" in said
+    assert not [*folder.rglob("*.nbc"), *folder.rglob("*.nbi"), *folder.rglob("*.tmp.*")]
+
+
+def test_a_cache_without_a_folder_does_not_stop_a_run(tmp_path, tiny):
     """The run goes on with code in memory, and says so in one line that names the folder."""
-    cache = tmp_path / "cache"
-    if fault == "no folder":
-        cache.write_text("a file")
-    hits, said = tiny(tmp_path, cache, FULL if fault == "no room" else "")
-    assert hits == ["0", "0"] and len(said.splitlines()) == 1
-    assert str(cache) in said and "cannot be kept here" in said
-    assert not [*tmp_path.rglob("*.nbc"), *tmp_path.rglob("*.nbi"), *tmp_path.rglob("*.tmp.*")]
+    (tmp_path / "cache").write_text("a file")
+    assert_not_kept(tmp_path, *tiny())
+
+
+@posix
+def test_a_full_disk_does_not_stop_a_run(tmp_path):
+    """As above; in a process of its own, which cannot write."""
+    script = tmp_path / "tiny.py"
+    script.write_text(FULL + TINY + HITS)
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    ran = subprocess.run(
+        [sys.executable, script],
+        cwd=PACKAGE.parent,
+        env=environment,
+        capture_output=True,
+        text=True,
+    )
+    assert ran.returncode == 0, ran.stderr
+    assert_not_kept(tmp_path, list(map(int, ran.stdout.split())), ran.stderr)
 
 
 INTERRUPTED = """

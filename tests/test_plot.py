@@ -29,8 +29,11 @@ SCENES = {
 
 @pytest.fixture(scope="module")
 def results():
+    """With friction, as in other tests, so that they share machine code."""
     return {
-        name: dem.simulate(dem.Scene(dem.Disc(RADIUS), SOFT, **parts), STATE, 1e-4, frames=3)
+        name: dem.simulate(
+            dem.Scene(dem.Disc(RADIUS), SOFT, dem.Friction(), **parts), STATE, 1e-4, frames=3
+        )
         for name, parts in SCENES.items()
     }
 

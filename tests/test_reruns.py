@@ -1,29 +1,27 @@
 """What the workflow makes again after an edit or another value: a table, told by dry runs.
 
-In a copy of the repository where all results of all studies are there, as empty files that
-Snakemake is told to take for its own; only the jamming fractions, from which values are derived, are
-made.
+In a copy of the repository with the results of the sweep and of the claims. Those of the other
+studies are empty files that Snakemake takes for its own.
 """
 
 import os
+import shutil
 
 import pytest
 from conftest import posix
-from test_workflow import SMOKE, copy, environment, planned, snakemake  # noqa: F401 copy: a fixture
+from forked import SMOKE, snakemake
+from test_workflow import planned
 
 pytestmark = posix
 TARGETS = ("all", "accuracy", "stability", "claims", "benchmark")
-BLOCKS = ("jamming", "jamming_ratios", "jamming_width", "jamming_height")
-JAMMING = [f"results/smoke/claims/{block}/jamming.nc" for block in BLOCKS]
 LINE = "\nEDITED = True\n"
 
 
 @pytest.fixture(scope="module")
-def made(copy):  # noqa: F811
-    """The copy with a file for each result."""
-    folder = copy
-    run = snakemake(folder, *JAMMING, "-j2")
-    assert run.returncode == 0, run.stderr
+def made(claimed, tmp_path_factory):
+    """A copy of the sources and of the results of sweep and claims, with a file for each result."""
+    folder = tmp_path_factory.mktemp("made") / "copy"
+    shutil.copytree(claimed, folder, symlinks=True)
     for _ in range(2):  # the second finds what is derived
         listed = snakemake(folder, *TARGETS, "-c2", "--summary").stdout.splitlines()[1:]
         for name in (line.partition("\t")[0] for line in listed):

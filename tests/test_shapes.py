@@ -2,6 +2,7 @@
 
 import itertools
 import re
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -60,12 +61,22 @@ class Stranger(NamedTuple):
 NUMBERS = itertools.count()
 
 
-def like(function, **members):
-    """A smooth shape with a support function (r, ) and some members of its own."""
+def new(function):
+    """A class of smooth shapes with a support function (r, ), which kernels are compiled for."""
     made = NamedTuple(f"Wrong{next(NUMBERS)}", [("radius", np.ndarray)])  # noqa: UP014
+    return smooth.smooth(function)(made)
+
+
+@cache
+def round_shapes():
+    return new(round_support)
+
+
+def like_round(patch, **members):
+    """The round shape with some members of its own: of one class, which compiles once."""
     for name, member in members.items():
-        setattr(made, name, member)
-    return smooth.smooth(function)(made)(SIZES)
+        patch.setattr(round_shapes(), name, member)
+    return round_shapes()(SIZES)
 
 
 def oval(slope=1.0, curvature=1.0, shift=0.0):
@@ -114,9 +125,10 @@ def biased_normal(shape, dx, dy, own, other, guess):
     return protocol.ContactGeometry(c.overlap, nx, ny, c.n1, c.t1, c.n2, c.t2, None), converged
 
 
+@cache
 def with_contact(find_contact):
     """The round shape with another way to find a contact."""
-    shape = like(round_support)
+    shape = new(round_support)(SIZES)
     protocol.answer(
         type(shape), smooth.outline, smooth.circle, smooth.support, smooth.refine_normal,
         find_contact=find_contact,
@@ -126,7 +138,7 @@ def with_contact(find_contact):
 
 def with_circle():
     """The round shape with a cylinder that is none."""
-    shape = like(round_support)
+    shape = new(round_support)(SIZES)
     protocol.answer(
         type(shape), smooth.outline, smooth.support, smooth.refine_normal, smooth.find_contact,
         circle=lambda shape, radius: (1.0, 0.0, 0.0, 1.1 * radius) + (1.0,),
@@ -134,9 +146,10 @@ def with_circle():
     return shape
 
 
-def halved(name):
+def half(patch, name):
+    """The round shape with half of one of its properties."""
     function = smooth.DERIVED[name]
-    return property(lambda shape: 0.5 * function(shape))
+    return like_round(patch, **{name: property(lambda shape: 0.5 * function(shape))})
 
 
 def open_polygons(shape, points=64):
@@ -144,44 +157,44 @@ def open_polygons(shape, points=64):
 
 
 WRONG = {
-    "does not answer the question outline": lambda: Stranger(SIZES),
-    "area is": lambda: like(round_support, area=halved("area")),
-    "gyration_squared is": lambda: like(round_support, gyration_squared=halved("gyration_squared")),
-    "bounding_radius is": lambda: like(round_support, bounding_radius=halved("bounding_radius")),
-    "constituent_bounding_radius does not hold": lambda: like(
-        round_support, constituent_bounding_radius=halved("bounding_radius")
+    "does not answer the question outline": lambda patch: Stranger(SIZES),
+    "area is": lambda patch: half(patch, "area"),
+    "gyration_squared is": lambda patch: half(patch, "gyration_squared"),
+    "bounding_radius is": lambda patch: half(patch, "bounding_radius"),
+    "constituent_bounding_radius does not hold": lambda patch: half(
+        patch, "constituent_bounding_radius"
     ),
-    "normal_lever is": lambda: like(round_support, normal_lever=halved("normal_lever")),
-    "normal_bend is": lambda: like(round_support, normal_bend=halved("normal_bend")),
-    "must have shape": lambda: like(round_support, area=property(lambda shape: 1.0)),
-    "must be finite": lambda: like(round_support, area=property(lambda s: np.nan * s.radius)),
-    "does not grow": lambda: like(round_support, scaled=lambda shape, factor: shape),
-    "not closed": lambda: like(round_support, polygons=open_polygons),
-    "not convex": lambda: like(dented),
-    "centre of mass": lambda: like(oval(shift=0.1)),
-    "m2; its outline has": lambda: like(oval(curvature=1.05)),
-    "differ": lambda: like(
-        round_support, polygons=lambda s, points=64: smooth.polygons(s, points)[..., ::-1] * [1, -1]
+    "normal_lever is": lambda patch: half(patch, "normal_lever"),
+    "normal_bend is": lambda patch: half(patch, "normal_bend"),
+    "must have shape": lambda patch: like_round(patch, area=property(lambda shape: 1.0)),
+    "must be finite": lambda patch: like_round(patch, area=property(lambda s: np.nan * s.radius)),
+    "does not grow": lambda patch: like_round(patch, scaled=lambda shape, factor: shape),
+    "not closed": lambda patch: like_round(patch, polygons=open_polygons),
+    "not convex": lambda patch: new(dented)(SIZES),
+    "centre of mass": lambda patch: new(oval(shift=0.1))(SIZES),
+    "m2; its outline has": lambda patch: new(oval(curvature=1.05))(SIZES),
+    "differ": lambda patch: like_round(
+        patch, polygons=lambda s, points=64: smooth.polygons(s, points)[..., ::-1] * [1, -1]
     ),
-    "q of support": lambda: like(oval(slope=1.05)),
-    "cannot be compiled": lambda: like(not_for_kernels),
-    "too flat": lambda: like(stadium),
-    "too flat: its radius of curvature": lambda: dem.Superellipse(SIZES, SIZES, 1e-9 * SIZES),
-    "levers of a contact": lambda: with_contact(no_second_lever),
-    "swapping them changes it": lambda: with_contact(no_second_lever),
-    "normal of a contact": lambda: with_contact(biased_normal),
-    "circle": with_circle,
-    "bounces would make or lose energy": lambda: dem.Ellipse.of_size(
+    "q of support": lambda patch: new(oval(slope=1.05))(SIZES),
+    "cannot be compiled": lambda patch: new(not_for_kernels)(SIZES),
+    "too flat": lambda patch: new(stadium)(SIZES),
+    "too flat: its radius of curvature": lambda patch: dem.Superellipse(SIZES, SIZES, 1e-9 * SIZES),
+    "levers of a contact": lambda patch: with_contact(no_second_lever),
+    "swapping them changes it": lambda patch: with_contact(no_second_lever),
+    "normal of a contact": lambda patch: with_contact(biased_normal),
+    "circle": lambda patch: with_circle(),
+    "bounces would make or lose energy": lambda patch: dem.Ellipse.of_size(
         SIZES, 1.5, "geometric_potential"
     ),
-    "semi_minor must not exceed": lambda: dem.Ellipse(SIZES, 2.0 * SIZES),
+    "semi_minor must not exceed": lambda patch: dem.Ellipse(SIZES, 2.0 * SIZES),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("sentence", WRONG)
-def test_what_breaks_a_law_is_told(sentence):
+def test_what_breaks_a_law_is_told(monkeypatch, sentence):
     """A wrong answer is named in a sentence that begins with the shape."""
-    shape = WRONG[sentence]()
+    shape = WRONG[sentence](monkeypatch)
     with pytest.raises(dem.InputError) as error:
         dem.check_shape(shape)
     assert sentence in str(error.value) and str(error.value).endswith(".")

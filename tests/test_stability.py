@@ -40,7 +40,7 @@ SHORT = {
     "harmless": {"experiment": "draw", "shapes": ["c1"], "change": {"displacement": 5e-5},
                  "expect": "OverlapError"},
 }  # fmt: skip
-LIMITS = {"shapes": ["c1"], "granules": 60}
+LIMITS = {"shapes": ["c1"], "granules": 40}
 
 
 @pytest.fixture(scope="module")
@@ -70,6 +70,12 @@ def written(folder, cases=SHORT):
     file = folder / "catalogue.yaml"
     file.write_text(yaml.safe_dump({"cases": cases, "limits": LIMITS}))
     return file
+
+
+@pytest.fixture(scope="module")
+def limits(sweep, tmp_path_factory):
+    """The linearised bed beside its bound."""
+    return study.run_limits(sweep, catalogue.load(written(tmp_path_factory.mktemp("limits"))), "c1")
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -167,19 +173,18 @@ def test_the_map_tells_sound_steps_from_broken_ones(runs):
     assert sound < 1e-3 and not broken < 1e-2
 
 
-def test_a_bed_grows_beyond_its_limit_only(sweep, tmp_path):
+def test_a_bed_grows_beyond_its_limit_only(limits):
     """The bound lies below the true limit of the linearised bed."""
-    found = study.run_limits(sweep, catalogue.load(written(tmp_path)), "c1")
-    assert found["limit_growth_bound"][0] < 1.0 + 1e-6 < found["limit_growth_above"][0]
-    assert found["limit_bound"][0] < found["limit_limit"][0]
+    assert limits["limit_growth_bound"][0] < 1.0 + 1e-6 < limits["limit_growth_above"][0]
+    assert limits["limit_bound"][0] < limits["limit_limit"][0]
 
 
-def test_the_study_end_to_end(runs, tmp_path):
+def test_the_study_end_to_end(runs, limits, tmp_path):
     """Runs and the parts of two jobs make one file, which is summarised and drawn."""
     sweep = runs.sweep
     cases = catalogue.load(written(tmp_path, {"paper": SHORT["paper"], "full": SHORT["full"]}))
     study.check(sweep, cases)
-    made = study.run_catalogue(sweep, cases, "c1"), study.run_limits(sweep, cases, "c1")
+    made = study.run_catalogue(sweep, cases, "c1"), limits
     files = [tmp_path / "catalogue.nc", tmp_path / "limits.nc"]
     for file, values in zip(files, made, strict=True):
         write_part(file, sweep, ("dem.studies.stability.study",), values, VARIABLES)

@@ -14,40 +14,14 @@ import netCDF4
 import numpy as np
 import pytest
 from conftest import assert_alone, assert_not_blank, posix
+from forked import SMOKE, environment, snakemake
 
 import dem
 from dem.sweep.config import load
 
 pytestmark = posix
 ROOT = Path(__file__).parent.parent
-SMOKE = "config/smoke.yaml"
 NOT_COMPARED = {"run_time", "spent"}
-
-
-@pytest.fixture(scope="module")
-def copy(tmp_path_factory):
-    """A copy of the sources in an empty folder."""
-    folder = tmp_path_factory.mktemp("clone")
-    for name in ("dem", "rules", "config", "profiles"):
-        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
-    (folder / "docs/explanation").mkdir(parents=True)
-    for name in ("Snakefile", "docs/explanation/open.md"):
-        shutil.copy(ROOT / name, folder / name)
-    return folder
-
-
-def snakemake(folder, *arguments, configfile=SMOKE):
-    """Run snakemake on the sources of the folder."""
-    command = [sys.executable, "-m", "snakemake", *arguments]
-    command += ["--configfile", configfile] if configfile else []
-    return subprocess.run(
-        command, cwd=folder, env=environment(folder), text=True, capture_output=True
-    )
-
-
-def environment(folder):
-    bin_folder = Path(sys.executable).parent
-    return os.environ | {"PYTHONPATH": str(folder), "PATH": f"{bin_folder}:{os.environ['PATH']}"}
 
 
 def planned(folder, *arguments, configfile=SMOKE):
@@ -56,14 +30,6 @@ def planned(folder, *arguments, configfile=SMOKE):
     assert run.returncode == 0, run.stderr
     table = re.search(r"\njob +count\n-+ +-+\n(.*?)\ntotal", run.stdout + run.stderr, re.S)
     return {} if table is None else {k: int(n) for k, n in re.findall(r"(\w+) +(\d+)", table[1])}
-
-
-@pytest.fixture(scope="module")
-def finished(copy):
-    """The copy after one run of the smoke sweep."""
-    run = snakemake(copy, "-j2")
-    assert run.returncode == 0, run.stdout + run.stderr
-    return copy
 
 
 def contents(path):
@@ -116,11 +82,9 @@ def test_reports_open_without_a_network(finished, browser):
     assert planned(finished, "report") == {}
 
 
-def test_claims_of_small_beds(finished):
+def test_claims_of_small_beds(claimed):
     """The study of claims, from its runs to a table and five figures; nothing is made twice."""
-    run = snakemake(finished, "claims", "-j2")
-    assert run.returncode == 0, run.stdout + run.stderr
-    results = finished / "results/smoke"
+    results = claimed / "results/smoke"
     table = (results / "claims.txt").read_text()
     assert "dumbbells_above_discs" in table and "part of the effect that remains" in table
     pictures = list((results / "figures").glob("claims_*.png"))
@@ -132,7 +96,7 @@ def test_claims_of_small_beds(finished):
         assert parts.count("replicates") == 5 * 3 and parts.count("sensitivity") == 2 * 10
         failed = int(np.isnan(np.ma.filled(file["run_drag"][:], np.nan)).sum())
         assert failed <= len(parts) // 4
-    assert planned(finished, "claims") == {}
+    assert planned(claimed, "claims") == {}
 
 
 def test_a_second_run_does_nothing(finished):

@@ -1,0 +1,46 @@
+"""Snakemake in processes that begin with its libraries, because importing them takes most of a dry run.
+
+The package itself is imported in each process, because tests edit it.
+"""
+
+import multiprocessing
+import os
+import runpy
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+LIBRARIES = ["snakemake.cli", "numba", "pydantic", "scipy.stats", "xarray"]
+SMOKE = "config/smoke.yaml"
+
+
+def environment(folder) -> dict[str, str]:
+    """For commands that use the sources of a folder."""
+    bin_folder = Path(sys.executable).parent
+    return os.environ | {"PYTHONPATH": str(folder), "PATH": f"{bin_folder}:{os.environ['PATH']}"}
+
+
+def snakemake(folder, *arguments, configfile=SMOKE) -> subprocess.CompletedProcess:
+    """Run snakemake on the sources of a folder, as `python -m snakemake` does."""
+    words = [*arguments, *(["--configfile", configfile] if configfile else [])]
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload(LIBRARIES)
+    with tempfile.TemporaryDirectory() as place:
+        said = [Path(place) / name for name in ("stdout", "stderr")]
+        process = context.Process(target=_run, args=(words, folder, environment(folder), said))
+        process.start()
+        process.join()
+        return subprocess.CompletedProcess(words, process.exitcode, *(p.read_text() for p in said))
+
+
+def _run(words, folder, environment, said):
+    os.chdir(folder)
+    os.environ.clear()
+    os.environ.update(environment)
+    for number, path in enumerate(said, start=1):
+        os.dup2(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND), number)
+    assert "dem" not in sys.modules
+    sys.path.insert(0, str(folder))
+    sys.argv = ["snakemake", *words]
+    runpy.run_module("snakemake", run_name="__main__", alter_sys=True)
