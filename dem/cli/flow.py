@@ -41,7 +41,7 @@ def flow(
     from dem.analysis.flow.collect import measure_chunk, write_flow
 
     if chunk is not None:
-        with bar("flow", 1.0) as update:
+        with bar("measuring the flow", 1.0) as update:
             measure_chunk(chunk, output, update)
         return
     from dem.sweep.config import load
@@ -69,7 +69,8 @@ def film(
     from dem.analysis.one_run import read_motion
     from dem.figures.film import film as make
 
-    motion = read_motion(run, select or [])
+    with bar("reading the run"):
+        motion = read_motion(run, select or [])
     with bar("film", 1.0) as update:
         written = make(motion, output, color, forces, update)
     if written != output:
@@ -100,7 +101,8 @@ def picture(
     from dem.analysis.one_run import read_motion
     from dem.figures.film import picture as make
 
-    make(read_motion(run, select or []), output, displacement, color, forces)
+    with bar("drawing the picture"):
+        make(read_motion(run, select or []), output, displacement, color, forces)
 
 
 def export(
@@ -117,9 +119,11 @@ def export(
     from dem.analysis.one_run import read_motion
     from dem.figures.export import export as make
 
-    motion = read_motion(run, select or [])
+    with bar("reading the run"):
+        motion = read_motion(run, select or [])
     with bar("export", 1.0) as update:
-        typer.echo(make(motion, output, update))
+        written = make(motion, output, update)
+    typer.echo(written)
 
 
 VERBS = (flow, film, picture, export)

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from dem.cli.terminal import Writes
+from dem.cli.terminal import Writes, bar
 
 NOTES = Path("docs/explanation/open.md")
 
@@ -26,4 +26,5 @@ def report(
     """
     from dem.report.build import build
 
-    build(data, flow or data.parent / "flow.nc", notes, output)
+    with bar("writing the report"):
+        build(data, flow or data.parent / "flow.nc", notes, output)

@@ -4,7 +4,6 @@ All are means over the granules of the bed; lengths in m.
 """
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 NEAR = 1.5  # mean diameters: centres of granules that are beside each other
 AROUND = 2.5  # mean diameters: the neighbourhood that a granule's motion is compared with
@@ -13,6 +12,8 @@ LAYERS = 8
 
 def pairs_within(position, distance):
     """Pairs (m, 2) of granules whose centres are nearer than a distance, each once."""
+    from scipy.spatial import cKDTree
+
     return cKDTree(position).query_pairs(distance, output_type="ndarray")
 
 
@@ -67,6 +68,6 @@ def mixing(layers, position, diameter: float) -> float:
     return float((layers[pairs[:, 0]] != layers[pairs[:, 1]]).mean())
 
 
-def lost(before: set, after: set) -> float:
-    """Share of contacts, as sets of pairs, that are no more; NaN where there were none."""
-    return len(before - after) / len(before) if before else np.nan
+def lost(before: np.ndarray, after: np.ndarray) -> float:
+    """Share of contacts, each a number, that are no more; NaN where there were none."""
+    return float(np.isin(before, after, invert=True).mean()) if len(before) else np.nan

@@ -252,9 +252,7 @@ def _say_compiling():
     print(f"{clear}{COMPILING}", file=sys.stderr, flush=True)
 
 
-COMPILING = (
-    "dem compiles the kernels of this kind of scene; it takes half a minute or less, and is kept."
-)
+COMPILING = "Compiling for this kind of scene, 10 to 30 s; the next process finds it compiled."
 
 
 def compiled(function=None, *, allocates=False):

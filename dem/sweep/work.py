@@ -9,7 +9,6 @@ from pathlib import Path
 from dem.base.errors import InputError
 from dem.experiment.config import Replicate
 from dem.io.results_folder import clear_parts, redate
-from dem.sweep import chunk as making
 from dem.sweep.config import Sweep, load
 from dem.sweep.expand import Block
 from dem.sweep.store import FOLDER, Chunk, Store, kernels_of, link_to, plan, settle
@@ -137,6 +136,8 @@ class Work:
 
 def make_chunks(store: Store, chunks: Iterable[Chunk], jobs: int, progress) -> None:
     """Make chunks in some processes; the first of each kind of kernels compiles alone."""
+    from dem.sweep import chunk as making  # not for those who only ask what there is
+
     chunks = [chunk for chunk in chunks if not store.file_of(chunk.id).is_file()]
     first = list({chunk.kernels: chunk for chunk in reversed(chunks)}.values())
     rest = [chunk for chunk in chunks if chunk not in first]

@@ -19,11 +19,11 @@ def lag_of(displacement: np.ndarray) -> int:
     return max(1, round(LAG / (displacement[1] - displacement[0])))
 
 
-def touching(motion, snapshot: int) -> set:
-    """Pairs of granules in contact at a snapshot."""
+def touching(motion, snapshot: int) -> np.ndarray:
+    """Pairs of granules in contact at a snapshot, each once, as one number."""
     found = motion.contacts(snapshot)
-    pairs = np.sort(np.column_stack([found.granule, found.partner]), axis=1)
-    return set(map(tuple, pairs[pairs[:, 0] >= 0].tolist()))
+    low, high = np.minimum(found.granule, found.partner), np.maximum(found.granule, found.partner)
+    return np.unique((low * len(motion.diameters) + high)[low >= 0])
 
 
 def measure(seen) -> dict:
