@@ -11,6 +11,7 @@ from typing import NamedTuple
 import hypothesis
 import numpy as np
 import pytest
+from filelock import FileLock
 from forked import snakemake
 from PIL import Image
 
@@ -32,9 +33,7 @@ KINDS = sorted(shapes.KINDS, key=len, reverse=True)  # "superellipse" before "el
 
 # Groups of tests that take longest, in the order in which they begin; one that begins last would
 # leave a processor idle. Superellipses share no kernels with the workflow, which runs beside them.
-LONGEST = ["workflow", "superellipse", "disc", "ellipse", "dumbbell", "test_report"]
-# Files that share a folder of results.
-SHARING = {"test_reruns": "workflow", "test_workflow": "workflow"}
+LONGEST = ["claims", "superellipse", "test_workflow", "disc", "ellipse", "dumbbell", "test_report"]
 
 
 @pytest.hookimpl(tryfirst=True)  # before pytest-xdist reads the groups
@@ -44,7 +43,7 @@ def pytest_collection_modifyitems(items):
     for item in items:
         parameters, stem = item.name.lower().partition("[")[2], item.path.stem
         group = next((kind for kind in KINDS if kind in parameters), stem)
-        groups[item] = SHARING.get(stem, group)
+        groups[item] = "claims" if "claimed" in item.fixturenames else group
         item.add_marker(pytest.mark.xdist_group(groups[item]))
     if "PYTEST_XDIST_WORKER" in os.environ:
         order = {group: place for place, group in enumerate(LONGEST)}
@@ -168,16 +167,22 @@ def copy(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def finished(copy):
-    """The copy after one run of the smoke sweep."""
-    run = snakemake(copy, "-j2")
-    assert run.returncode == 0, run.stdout + run.stderr
-    return copy
+def finished(copy, tmp_path_factory):
+    """The copy after one run of the smoke sweep, which the first process to ask makes for all."""
+    root = tmp_path_factory.getbasetemp()
+    root = root.parent if "PYTEST_XDIST_WORKER" in os.environ else root
+    shared, making = root / "finished", root / "making"
+    with FileLock(root / "finished.lock"):
+        if not shared.exists():
+            run = snakemake(shutil.copytree(copy, making, dirs_exist_ok=True), "-j2")
+            assert run.returncode == 0, run.stdout + run.stderr
+            making.rename(shared)
+    return shutil.copytree(shared, tmp_path_factory.mktemp("run") / "copy", symlinks=True)
 
 
 @pytest.fixture(scope="session")
 def claimed(finished):
-    """The copy after the study of claims too."""
+    """The results after the study of claims too."""
     run = snakemake(finished, "claims", "-j2")
     assert run.returncode == 0, run.stdout + run.stderr
     return finished

@@ -11,7 +11,9 @@ import sys
 import tempfile
 from pathlib import Path
 
-LIBRARIES = ["snakemake.cli", "numba", "pydantic", "scipy.stats", "xarray"]
+LIBRARIES = [
+    "snakemake.cli", "snakemake.report.html_reporter", "numba", "pydantic", "scipy.stats", "xarray",
+]  # fmt: skip
 SMOKE = "config/smoke.yaml"
 
 
