@@ -538,7 +538,7 @@ class Simulation:
             ...
         dem.base.errors.InputError: duration is 1e+06 s, more than ...
         """
-        step = longest_step.py_func(self._rules, self.diagnose())
+        step = longest_step(self._rules, self.diagnose())
         if not duration <= MOST_STEPS * step:
             raise InputError(self._endless("duration", duration, step))
         self._until = self.time + duration

@@ -204,22 +204,26 @@ def spare_blas():
     numba.np.linalg.ensure_blas = absent
 
 
+class Part(CPUDispatcher):
+    """A function that is a part of kernels; Python that calls it runs its own code."""
+
+    def __init__(self, function, **options):
+        super().__init__(
+            function, targetoptions={"nopython": True, **options}, pipeline_class=PartCompiler
+        )
+
+    def __call__(self, *arguments):
+        return self.py_func(*arguments)
+
+
 class Kernel(CPUDispatcher):
     """A compiled function: a kernel where Python calls it, a part where compiled code does."""
 
     def __init__(self, function, allocates: bool):
-        options = {
-            "nopython": True,
-            "nogil": True,
-            "_nrt": allocates,
-            "forceinline": False,
-            **OPTIONS,
-        }
-        super().__init__(
-            function, targetoptions=options | {**NO_WRAPPERS, "no_cpython_wrapper": False}
-        )
-        part = options | NO_WRAPPERS
-        self.part = CPUDispatcher(function, targetoptions=part, pipeline_class=PartCompiler)
+        options = {"nogil": True, "_nrt": allocates, "forceinline": False, **OPTIONS, **NO_WRAPPERS}
+        self.part = Part(function, **options)
+        options |= {"nopython": True, "no_cpython_wrapper": False}
+        super().__init__(function, targetoptions=options)
 
     def get_call_template(self, args, kws):
         """What Numba asks of a function that compiled code calls."""
@@ -275,4 +279,4 @@ def compiled(function=None, *, allocates=False):
 
 def inlined(function):
     """Decorator for scalar helpers: always part of the kernel that calls them."""
-    return numba.njit(**INLINED)(function)
+    return Part(function, forceinline=True, **NO_WRAPPERS, **OPTIONS)
