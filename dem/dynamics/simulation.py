@@ -28,10 +28,8 @@ from dem.base.validate import (
 )
 from dem.dynamics.assembly import assemble, granule_table
 from dem.dynamics.checkpoint import clock, fingerprint, moving, read, read_only, replaced
-from dem.dynamics.diagnostics import Diagnostics, diagnose
+from dem.dynamics.diagnostics import Diagnostics
 from dem.dynamics.energy import Bookkeeper, Ledger
-from dem.dynamics.forces import forces
-from dem.dynamics.neighbor_list import rebuild_neighbor_list
 from dem.dynamics.ordering import order_of, ordered
 from dem.dynamics.stepping import (
     LOST,
@@ -41,8 +39,8 @@ from dem.dynamics.stepping import (
     TOO_LONG,
     Schedule,
     StepControl,
+    StepOutcome,
     longest_step,
-    outside,
     run_steps,
 )
 from dem.dynamics.threads import Threads
@@ -398,8 +396,7 @@ class Simulation:
         self._rules = self._make_rules(allow_unstable)
         self._world = assemble(scene, state, self._table, ledger)
         self._check_inside()
-        self._world = rebuild_neighbor_list(self._world, self._table)
-        forces(self._world, 0.0)
+        self._take(0.0, 0, starts=True)
         self._bookkeeper = Bookkeeper(self._world) if ledger else None
 
     def _make_rules(self, allow_unstable: bool) -> StepControl:
@@ -504,7 +501,7 @@ class Simulation:
         >>> print(f"{1e6 * run.diagnose().kinetic_energy:.1f} uJ")
         24.5 uJ
         """
-        diagnostics = diagnose(self._world, self._table)
+        diagnostics = self._take(0.0, 0).diagnostics
         if not diagnostics.max_overlap <= self.max_overlap:
             self._fail(TOO_DEEP, diagnostics.max_overlap, diagnostics.deepest)
         return diagnostics._replace(deepest=self._name(diagnostics.deepest))
@@ -755,7 +752,7 @@ class Simulation:
         >>> print(f"{1e6 * run.state.position[0, 0]:.3f} um")
         20.000 um
         """
-        return self._run_steps("duration", duration, 1, None)
+        return self._run_steps("duration", duration, 1)
 
     @checked(interval=DURATION, count=PIECES)
     def record(self, interval: float, count: int) -> Record:
@@ -801,21 +798,36 @@ class Simulation:
         True
         """
         self.collect_impulses()
-        walls = 0 if self.scene.walls is None else len(self.scene.walls)
-        rows = np.zeros((count, 8 + walls))
+        rows = self._rows(count)
         self._run_steps("interval * count", interval, count, rows)
         self.diagnose()  # the guard on overlaps, also for the end of the last interval
         energy, contacts, overlap, step = rows[:, :4].T
         return Record(rows[:, 4:6], rows[:, 6:8], rows[:, 8:], energy, contacts, overlap, step)
 
-    def _run_steps(
-        self, name: str, interval: float, count: int, rows: np.ndarray | None
-    ) -> float:  # fmt: skip
+    def _rows(self, count: int) -> np.ndarray:
+        """Room for what `record` measures in a number of intervals."""
+        return np.zeros((count, 8 + (0 if self.scene.walls is None else len(self.scene.walls))))
+
+    def _take(
+        self,
+        interval: float,
+        count: int,
+        rows: np.ndarray | None = None,
+        starts: bool = False,
+    ) -> StepOutcome:
+        """Call the kernel, the only one that a simulation needs."""
         run = run_steps if self._threads is None else run_steps.py_func
-        schedule = Schedule(self.time, float(interval), count, self._until)
+        schedule = Schedule(self.time, float(interval), count, self._until, starts)
+        rows = self._rows(0) if rows is None else rows
         self._world, report = run(
             self._world, self._table, self._rules, schedule, rows, self._threads
         )
+        return report
+
+    def _run_steps(
+        self, name: str, interval: float, count: int, rows: np.ndarray | None = None
+    ) -> float:
+        report = self._take(interval, count, rows)
         self.time = report.time
         self.steps += report.steps
         if report.outcome == TOO_LONG and report.steps == 0:
@@ -876,9 +888,12 @@ class Simulation:
         )
 
     def _check_inside(self) -> None:
-        lost = outside(self._world.walls, self._world.bodies)
-        if lost >= 0:
-            self._fail(OUTSIDE, 0.0, lost)
+        walls = self._world.walls
+        if walls is None:
+            return
+        beyond = self._world.bodies[:, :2] @ walls.planes[:, :2].T > walls.planes[:, 2]
+        if beyond.any():
+            self._fail(OUTSIDE, 0.0, int(beyond.any(axis=1).argmax()))
 
 
 @checked(duration=DURATION, frames=PIECES)

@@ -5,7 +5,8 @@ from typing import NamedTuple
 
 from numba.extending import overload
 
-from dem.dynamics.diagnostics import diagnose
+from dem.dynamics.diagnostics import Diagnostics, diagnose
+from dem.dynamics.forces import forces
 from dem.dynamics.integration import advance
 from dem.dynamics.neighbor_list import rebuild_neighbor_list
 from dem.jit.address import by_address
@@ -37,18 +38,21 @@ class StepControl(NamedTuple):
 class Schedule(NamedTuple):
     """`intervals` intervals of `interval` (s) from `time` (s) on.
 
-    until (s): end of the whole run, used only to refuse more than MOST_STEPS steps.
+    until (s): end of the whole run, used only to refuse more than MOST_STEPS steps. starts: whether
+    lists and forces are still to be made.
     """
 
     time: float
     interval: float
     intervals: int
     until: float
+    starts: bool
 
 
 class StepOutcome(NamedTuple):
     """How a run went: FINE or why it stopped, with the value and the granule that say so (moved
-    distance, overlap or time step); time (s); steps and intervals done; shortest time step (s)."""
+    distance, overlap or time step); time (s); steps and intervals done; shortest time step (s); the
+    Diagnostics before the last step, or after it if all intervals are done."""
 
     outcome: int
     value: float
@@ -57,6 +61,7 @@ class StepOutcome(NamedTuple):
     steps: int
     intervals: int
     shortest: float
+    diagnostics: Diagnostics
 
 
 @inlined
@@ -117,7 +122,7 @@ def take_impulses(boundary, row, at, interval):
         boundary.impulse[k] = 0.0
 
 
-@optional
+@inlined
 def measure(record, n, cylinder, walls, diagnostics, interval, shortest):
     """Row n of the record: see Simulation.record."""
     row = record[n]
@@ -141,21 +146,25 @@ def _step_alone(threads, world, dt, steps, list_range):
 def run_steps(world, table, rules, schedule, record, threads):
     """Advance as a Schedule says; returns the world and a StepOutcome.
 
-    record: an array with one row per interval, or None. threads: None, or those that take the
+    record: an array with one row per interval, or none of it. threads: None, or those that take the
     steps (dem.dynamics.threads.Threads; this function then runs as it is here, uncompiled). The
     step is chosen at the start of each interval and whenever the lists are rebuilt.
     """
-    time, interval, intervals, until = schedule
+    time, interval, intervals, until, starts = schedule
     outcome, value, granule = FINE, 0.0, -1
     steps, done, n, shortest, least = 0, 0, 0, math.inf, math.inf
     end, finished = time + interval, False
     until = max(until, time + intervals * interval)
     table = by_address(table)
+    if starts:
+        world = rebuild_neighbor_list(world, table)
+        forces(world, 0.0)
     while True:
         here = by_address(world)
         diagnostics = diagnose(here, table)
         if finished:
-            measure(record, n, here.cylinder, here.walls, diagnostics, interval, least)
+            if n < record.shape[0]:
+                measure(record, n, here.cylinder, here.walls, diagnostics, interval, least)
             shortest = min(shortest, least)
             n, end, least = n + 1, time + interval, math.inf
         if n == intervals:
@@ -183,4 +192,6 @@ def run_steps(world, table, rules, schedule, record, threads):
                 outcome = OUTSIDE
                 break
             world = rebuild_neighbor_list(world, table)  # by value: what it replaces must live on
-    return world, StepOutcome(outcome, value, granule, time, steps, n, shortest)
+    return world, StepOutcome(
+        outcome, value, granule, time, steps, n, shortest, diagnostics
+    )  # fmt: skip
