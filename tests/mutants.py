@@ -30,7 +30,7 @@ MUTANTS = (
     Mutant("memory not carried to a new list", "dem/dynamics/neighbor_list.py",
            "new[p] = old[source[p]]", "new[p] = 0.0", "tests/test_neighbors.py"),
     Mutant("list never made again", "dem/dynamics/stepping.py",
-           "world = rebuild_neighbor_list(world, table)", "world = world", "tests/test_simulate.py"),
+           "world = rebuild_neighbor_list(world, table)  # by value", "world = world", "tests/test_simulate.py"),
     Mutant("torque of walls and cylinder reversed", "dem/contacts/blocks.py",
            "    add(take(inverse_inertia, values, lane.TORQUE_1 + k), force, at + TWO)",
            "    add(minus(None, take(inverse_inertia, values, lane.TORQUE_1 + k)), force, at + TWO)",
