@@ -161,7 +161,7 @@ def survey_boundary(boundary, geometries, bodies, granules, inverse_mass, table,
 
 @inlined
 def put_row(found, p, overlap, normal, point, stiffness):
-    """One row of the geometries below; number by number, because Numba compiles a row for seconds."""
+    """One row of the geometries below; number by number, because a row brings in the text of its error message."""
     found[p, 0], found[p, 1], found[p, 2] = overlap, normal[0], normal[1]
     found[p, 3], found[p, 4], found[p, 5] = point[0], point[1], stiffness
 

@@ -1,8 +1,8 @@
 """Hand a large named tuple to a function by its address.
 
-Numba hands over a named tuple member by member. A World has some five hundred, and to compile a call
-or a function with it takes longer than to compile the work of that function. Behind an address only
-the members that a function reads are loaded.
+Numba hands over a named tuple member by member. A World has some sixty arrays of seven numbers or
+more, and each call and each function would take all of them apart. Behind an address only the members
+that a function reads are loaded.
 
 The compiler cannot tell whether a store into an array changes what lies behind an address, and would
 load it again for every granule. Read members before a loop, or take a `local` copy of a tuple.

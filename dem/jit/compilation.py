@@ -256,7 +256,7 @@ def _say_compiling():
     print(f"{clear}{COMPILING}", file=sys.stderr, flush=True)
 
 
-COMPILING = "Compiling for this kind of scene, 10 to 30 s; the next process finds it compiled."
+COMPILING = "Compiling for this kind of scene, up to a minute; the next process finds it compiled."
 
 
 def compiled(function=None, *, allocates=False):

@@ -1,4 +1,4 @@
-"""Compile functions that only compiled functions call, in a third of the time that Numba takes.
+"""Compile functions that only compiled functions call, in less time than Numba takes.
 
 Numba makes a library of every function: it optimises it, assembles it, and does both again in every
 library that calls it. A part is only lowered and simplified. The kernels that contain it, which
