@@ -5,12 +5,16 @@ import os
 import shutil
 import subprocess
 import sys
+from typing import NamedTuple
 
+import numpy as np
 import pytest
 from conftest import posix
 
 from dem.base.sources import PACKAGE
 from dem.jit import compilation
+from dem.jit.address import FEW, by_address, local
+from dem.jit.compilation import compiled, inlined
 
 ASK = """
 import numpy as np
@@ -37,10 +41,58 @@ def test_copies_share_kernels_and_edits_do_not(tmp_path):
         shutil.copytree(PACKAGE, tmp_path / name / "dem", ignore=ignore)
     assert asked(tmp_path / "first", tmp_path / "cache") == (0, 1)
     assert asked(tmp_path / "second", tmp_path / "cache") == (1, 0)
-    for line, compiled in (("# edited", (1, 0)), ("EDITED = True", (0, 1))):
+    for line, expected in (("# edited", (1, 0)), ("EDITED = True", (0, 1))):
         with (tmp_path / "second/dem/jit/columns.py").open("a") as file:
             file.write(f"{line}\n")
-        assert asked(tmp_path / "second", tmp_path / "cache") == compiled
+        assert asked(tmp_path / "second", tmp_path / "cache") == expected
+
+
+class Inner(NamedTuple):
+    """Members of a large tuple that is itself a member."""
+
+    numbers: tuple
+    added: np.ndarray
+
+
+class Outer(NamedTuple):
+    """A tuple too large to be handed over by value."""
+
+    inner: Inner
+    scale: float
+    numbers: tuple
+
+
+NUMBERS = tuple(float(each) for each in range(1, 2 * FEW))
+
+
+@compiled
+def add_up(outer):
+    """Stores through one address and reads through the other."""
+    inner, copied = outer.inner, local(outer)
+    inner.added[0] += outer.scale * sum_of(inner.numbers)
+    return inner.added[0] + copied.scale * sum_of(copied.numbers)
+
+
+@inlined
+def sum_of(numbers):
+    total = 0.0
+    for each in numbers:
+        total += each
+    return total
+
+
+@compiled
+def add_up_behind_an_address(outer):
+    return add_up(by_address(outer))
+
+
+def test_what_is_behind_an_address_is_the_tuple_itself():
+    """Members have their values, also those of a tuple in a tuple, and a store is seen outside."""
+    added = np.array([0.5])
+    outer = Outer(Inner(NUMBERS, added), 2.0, NUMBERS[::-1])
+    expected = 2.0 * sum(NUMBERS)
+    assert add_up_behind_an_address(outer) == 0.5 + 2.0 * expected
+    assert added[0] == 0.5 + expected
 
 
 TINY = """

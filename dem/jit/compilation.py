@@ -8,6 +8,7 @@ shape, every save holds a lock, and files carry their digest. An edit of a comme
 """
 
 import functools
+import gc
 import hashlib
 import multiprocessing
 import pickle
@@ -224,6 +225,16 @@ class Kernel(CPUDispatcher):
         self.part = Part(function, **options)
         options |= {"nopython": True, "no_cpython_wrapper": False}
         super().__init__(function, targetoptions=options)
+
+    def compile(self, sig):
+        """Without Python's search for garbage meanwhile: a sixth of the time, and it finds little."""
+        enabled = gc.isenabled()
+        gc.disable()
+        try:
+            return super().compile(sig)
+        finally:
+            if enabled:
+                gc.enable()
 
     def get_call_template(self, args, kws):
         """What Numba asks of a function that compiled code calls."""

@@ -7,6 +7,7 @@ The radius of gyration puts torques and spins on the scale of forces and speeds.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,6 +26,7 @@ from dem.jit.optional import either, optional
 
 MIXING = 0.25  # share of the turn towards the forces, at first
 DOWNHILL = 20.0  # steps downhill before the time step grows
+PIECE = 1000  # iterations in one call, between which Python answers Ctrl-C
 
 
 @optional
@@ -108,19 +110,19 @@ def halt(bodies):
 
 
 @compiled
-def fire(world, memory, longest, steps, list_range, enough):
-    """Minimise the elastic energy until no net force exceeds `enough` (N).
+def fire(world, memory, steps, goal):
+    """Minimise the elastic energy until no net force exceeds goal.enough (N).
 
-    memory: time step (s), mixing share and number of steps downhill, carried between calls;
-    longest (s): largest time step; list_range (m): stop when something has moved farther than that.
-    Returns iterations done, largest displacement (m) and largest net force (N).
+    memory: time step (s), mixing share, number of steps downhill, all carried between calls, and
+    the largest time step (s). Returns iterations done, largest displacement (m; beyond
+    goal.list_range the lists are too old) and largest net force (N).
     """
     world = by_address(world)
-    dt, share, downhill = memory[0], memory[1], memory[2]
+    dt, share, downhill, longest = memory[0], memory[1], memory[2], memory[3]
     done, moved, largest = 0, 0.0, math.inf
-    while done < steps and moved <= list_range * list_range:
+    while done < steps and moved <= goal.list_range * goal.list_range:
         power, _, _, largest = powers(world)
-        if largest <= enough:
+        if largest <= goal.enough:
             break
         if power > 0.0:
             downhill += 1.0
@@ -142,33 +144,78 @@ def fire(world, memory, longest, steps, list_range, enough):
     return done, math.sqrt(moved), largest
 
 
-def relaxation_step(scene, table: GranuleTable, world: World) -> float:
-    """Largest time step (s) of the minimiser: stable at overlaps of 2 % of the radius."""
-    radius, modulus = table.radius.mean(), effective_modulus(scene.material, scene.material)
-    least = 0.02 * radius
-    critical = survey(world, table, least)[3]
-    light = np.max(1.0 / scene.mass + scene.shape.normal_lever**2 / scene.inertia)
-    alone = 8.0 * modulus * math.sqrt(radius * least) * light
-    return min(0.5 * critical, 1.0 / math.sqrt(alone))
+class Goal(NamedTuple):
+    """When a bed is at rest, and how it gets there.
+
+    enough: greatest net force (N) on a granule at rest; list_range (m): displacement after which
+    lists are made anew; least (m): smallest overlap that the stiffness of a contact is computed
+    for; alone (s): largest time step of a granule that has one contact of that overlap.
+    """
+
+    enough: float
+    list_range: float
+    least: float
+    alone: float
+
+
+class Rest(NamedTuple):
+    """A bed after its minimisation.
+
+    net_force: greatest on a granule (N); touching: pairs of constituents that touch; max_overlap:
+    over the smaller radius; deepest: a constituent that has it.
+    """
+
+    net_force: float
+    touching: int
+    max_overlap: float
+    deepest: int
+
+
+@compiled(allocates=True)
+def settle(world, table, goal, memory, left):
+    """Minimise, with lists kept up to date; at most PIECE of the iterations that are `left`.
+
+    memory: that of `fire`, zeros at first. Returns the world, the iterations still left, and a Rest.
+    At the end walls and cylinder have the impulses of one second.
+    """
+    table = by_address(table)
+    if memory[0] == 0.0:
+        world = rebuild_neighbor_list(world, table)
+        forces(world, 0.0)
+        longest = min(0.5 * survey(world, table, goal.least)[3], goal.alone)
+        memory[0], memory[1], memory[3] = 0.1 * longest, MIXING, longest
+    pause = max(left - PIECE, 0)
+    largest = math.inf
+    while left > pause and not largest <= goal.enough:
+        done, moved, largest = fire(world, memory, left - pause, goal)
+        left -= max(done, 1)
+        if not moved <= goal.list_range:
+            if not math.isfinite(moved):
+                break
+            world = rebuild_neighbor_list(world, table)
+    touching, overlap, deepest = 0, 0.0, 0
+    if left == 0 or largest <= goal.enough:
+        touching, overlap, deepest, _ = survey(world, table, 0.0)
+        forces(world, 1.0)  # nothing has been summed before
+    return world, left, Rest(largest, touching, overlap, deepest)
 
 
 def minimise(scene, table: GranuleTable, world: World, iterations: int, enough: float):
-    """Minimise until no net force exceeds `enough` (N), with lists kept up to date.
+    """Minimise until no net force exceeds `enough` (N).
 
-    Returns the world and its largest net force (N), greater than `enough` if the iterations did
-    not suffice. Raises PackingError if a position becomes infinite.
+    Returns the world, whose walls have the impulses of one second, and a Rest, with a net force
+    greater than `enough` if the iterations did not suffice. The time step is stable at overlaps of
+    2 % of the radius. Raises PackingError if a position becomes infinite.
     """
-    list_range = 0.45 * table.skin
-    world = rebuild_neighbor_list(world, table)
-    forces(world, 0.0)
-    longest = relaxation_step(scene, table, world)
-    memory = np.array([0.1 * longest, MIXING, 0.0])
-    left, largest = iterations, math.inf
-    while left > 0 and not largest <= enough:
-        done, moved, largest = fire(world, memory, longest, left, list_range, enough)
-        left -= max(done, 1)
-        if not moved <= list_range:
-            if not np.isfinite(world.bodies).all():
-                raise PackingError("a position became infinite while the bed was relaxed.")
-            world = rebuild_neighbor_list(world, table)
-    return world, largest
+    radius, modulus = table.radius.mean(), effective_modulus(scene.material, scene.material)
+    least = 0.02 * radius
+    light = np.max(1.0 / scene.mass + scene.shape.normal_lever**2 / scene.inertia)
+    stiffness = 8.0 * modulus * math.sqrt(radius * least) * light
+    goal = Goal(enough, 0.45 * table.skin, least, 1.0 / math.sqrt(stiffness))
+    memory = np.zeros(4)
+    while True:
+        world, iterations, rest = settle(world, table, goal, memory, iterations)
+        if not np.isfinite(world.bodies).all():
+            raise PackingError("a position became infinite while the bed was relaxed.")
+        if iterations == 0 or rest.net_force <= enough:
+            return world, rest

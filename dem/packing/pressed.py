@@ -12,8 +12,6 @@ import numpy as np
 from dem.base.errors import PackingError
 from dem.contacts.force_law import effective_modulus
 from dem.dynamics.assembly import assemble, granule_table
-from dem.dynamics.forces import forces
-from dem.dynamics.neighbor_list import rebuild_neighbor_list
 from dem.dynamics.simulation import Simulation
 from dem.packing.minimise import minimise
 from dem.packing.random import SKIN, SOFT, Bed, finished, name_of, pack, soft_scene
@@ -44,10 +42,9 @@ def compact(shape, width, height, cylinder: Cylinder, seed: int, friction: float
             f"friction {friction:g}: net force {press.net_force:.2g} E* R^2."
         )
     table = granule_table(scene, SKIN)
-    world = rebuild_neighbor_list(
-        assemble(scene, press.state.checked(scene.granules), table), table
-    )
-    return finished(scene, table, world, width, height, press.net_force, seed)
+    world = assemble(scene, press.state.checked(scene.granules), table)
+    world, rest = minimise(scene, table, world, 0, RESTING * press.unit)
+    return finished(scene, table, world, rest, width, height, press.net_force, seed)
 
 
 class Press:
@@ -94,10 +91,9 @@ class Press:
         scene = soft_scene(self.grown(), self.walls, self.cylinder)
         table = granule_table(scene, SKIN)
         world = assemble(scene, self.state.checked(scene.granules), table)
-        world, net_force = minimise(scene, table, world, PATIENCE, RESTING * self.unit)
+        world, rest = minimise(scene, table, world, PATIENCE, RESTING * self.unit)
         self.state = State(world.bodies[:, :2].copy(), angle=world.angle.copy())
-        self.net_force = net_force / self.unit
-        forces(world, 1.0)
+        self.net_force = rest.net_force / self.unit
         self._read(world.walls.impulse.sum())
 
     def _damp(self):

@@ -15,10 +15,8 @@ from dem.base.errors import InputError, PackingError
 from dem.base.validate import checked, one_of, or_none, positive, whole
 from dem.contacts.force_law import effective_modulus
 from dem.dynamics.assembly import GranuleTable, assemble, granule_table
-from dem.dynamics.diagnostics import survey
-from dem.dynamics.forces import forces
 from dem.dynamics.world import World
-from dem.packing.minimise import minimise
+from dem.packing.minimise import Rest, minimise
 from dem.scene import Cylinder, Material, Scene, State, box, granules
 
 REST = 1e-9  # E* R^2: a bed is at rest when no granule feels a greater net force
@@ -206,15 +204,15 @@ def pack(shape: Any, width: float, height: float, cylinder: Cylinder | None, see
         world = assemble(scene, state.checked(len(position)), table)
         unit = effective_modulus(SOFT, SOFT) * table.radius.mean() ** 2  # N
         iterations, enough = (LONGEST, REST) if last else (PATIENCE, SETTLED)
-        world, net_force = minimise(scene, table, world, iterations, enough * unit)
+        world, rest = minimise(scene, table, world, iterations, enough * unit)
         if last:
-            net_force /= unit
+            net_force = rest.net_force / unit
             if not net_force <= REST:
                 raise PackingError(
                     f"{name_of(scene, width, height, seed)} is not at rest after {LONGEST} "
                     f"iterations: net force {net_force:.2g} E* R^2, asked for {REST:g}."
                 )
-            return finished(scene, table, world, width, height, net_force, seed)
+            return finished(scene, table, world, rest, width, height, net_force, seed)
         state = State(world.bodies[:, :2].copy(), angle=world.angle)
         factor = min(factor * GROWTH, 1.0)
 
@@ -235,17 +233,17 @@ def finished(
     scene: Scene,
     table: GranuleTable,
     world: World,
+    rest: Rest,
     width: float,
     height: float,
     net_force: float,
     seed: int,
 ) -> Bed:
-    """Bed from the arrays of the kernels, with net_force over E* R^2.
+    """Bed from the arrays of the kernels after `minimise`, with net_force over E* R^2.
 
     Raises PackingError if a granule is outside the box or overlaps too much.
     """
     cylinder, name = scene.cylinder, name_of(scene, width, height, seed)
-    touching, overlap, part, _ = survey(world, table, 0.0)
     position = world.bodies[:, :2].copy()
     lost = ((position < 0.0) | (position > [width, height])).any(axis=1)
     if cylinder is not None:
@@ -255,12 +253,11 @@ def finished(
             f"{name} cannot be made: the centre of granule {lost.argmax()} was pushed into the "
             "cylinder or out of the box: ask for a lower packing fraction."
         )
-    if not overlap <= DEEPEST:
+    if not rest.max_overlap <= DEEPEST:
         raise PackingError(
-            f"{name} cannot be made: granule {part // table.per} overlaps by {overlap:.2g} of the "
+            f"{name} cannot be made: granule {rest.deepest // table.per} overlaps by {rest.max_overlap:.2g} of the "
             f"smaller radius, at most {DEEPEST:g} is allowed: ask for a lower packing fraction."
         )
-    forces(world, 1.0)  # nothing has been summed before: the impulse over one second
     assert world.walls is not None
     stress = world.walls.impulse.sum() / (2.0 * (width + height))
     return Bed(
@@ -270,6 +267,6 @@ def finished(
         height=height,
         net_force=net_force,
         pressure=stress / effective_modulus(scene.material, scene.material),
-        coordination_number=2.0 * touching / scene.granules,
-        max_overlap=overlap,
+        coordination_number=2.0 * rest.touching / scene.granules,
+        max_overlap=rest.max_overlap,
     )
