@@ -10,6 +10,7 @@ from reference import bed_forces
 from dem import Cylinder, Disc, Dumbbell, Friction, Material, Scene, Simulation, State, box
 from dem.dynamics.checkpoint import writable
 from dem.dynamics.forces import forces
+from dem.studies.benchmark import stages
 
 
 def random_bed(kind, seed):
@@ -39,7 +40,7 @@ def test_forces_of_a_random_bed(kind, dt, steps):
         scene, state = random_bed(kind, seed)
         world = writable(Simulation(scene, state).world)
         for _ in range(steps):  # all granules stay where they are
-            forces(world, dt)
+            forces(world, dt, np.inf)
         force, torque = bed_forces(scene, state, steps * dt)
         found = world.force
         assert_allclose(found[:, :2], force, rtol=1e-10, atol=1e-10 * np.abs(force).max())
@@ -55,7 +56,20 @@ def test_forces_on_walls_and_cylinder_balance_those_on_granules(kind):
     world = writable(Simulation(scene, state).world)
     dt = 1e-7
     world.cylinder.impulse[:], world.walls.impulse[:] = 0.0, 0.0
-    forces(world, dt)
+    forces(world, dt, np.inf)
     on_cylinder = world.cylinder.impulse.reshape(2, 2).sum(axis=0)
     given = on_cylinder + world.walls.impulse @ scene.walls[:, :2]
     assert_allclose(world.force[:, :2].sum(axis=0) * dt, -given, rtol=1e-10)
+
+
+def test_the_stages_that_are_timed_make_the_forces_of_a_step():
+    """All stages of a pair, one after the other, give what a step gives without walls."""
+    scene, state = random_bed(Disc, 1)
+    scene = replace(scene, walls=None, cylinder=None)
+    world = writable(Simulation(scene, state).world)
+    forces(world, 0.0, np.inf)
+    expected = world.force.copy()
+    world.force[:] = 0.0
+    stages.pairs(world, 0.0, 1, stages.UPTO["add to both granules"])
+    assert np.abs(expected).max() > 0.0
+    np.testing.assert_array_equal(world.force[:, :3], expected[:, :3])

@@ -120,7 +120,7 @@ def test_friction_beyond_the_cap_is_seen(small_bed):
     run.advance(5e-5)
     assert abs(friction_excess(run)) < 1e-14
     world = writable(run.world)
-    forces(world, 0.0)
+    forces(world, 0.0, np.inf)
     contacts = world.cylinder.contacts
     half = contacts.friction._replace(coefficient=0.5 * contacts.friction.coefficient)
     cylinder = world.cylinder._replace(contacts=contacts._replace(friction=half))

@@ -13,8 +13,8 @@ import numpy as np
 from dem.contacts.response import relative_velocity, respond
 from dem.jit import lanes as lane
 from dem.jit.compilation import inlined
-from dem.jit.lanes import EIGHT, FOUR, ONE, THREE, TWO, load_outline, store_outline
-from dem.jit.optional import either, minus, optional, plus, times
+from dem.jit.lanes import EIGHT, FIVE, FOUR, ONE, SIX, THREE, TWO, load_outline, store_outline
+from dem.jit.optional import either, minus, optional, plus, times, unless
 from dem.shapes.protocol import (
     ContactGeometry,
     circle,
@@ -51,23 +51,42 @@ def copy_four(source, i, target, k):
 
 
 @optional
-def copy_rates(needed, rows, i, motion, k):
-    copy_four(rows, i + FOUR, motion, k)
+def if_turning(inverse_inertia, rates):
+    return rates
+
+
+@optional
+def copy_rates(rates, rows, i, motion, k, first):
+    copy_four(rows, i + FOUR, motion, FOUR * k + first)
+
+
+@optional
+def copy_changes(damping, rows, i, motion, k, first):
+    """Where nothing turns, two numbers: a vector unit that takes two of four takes the last eight
+    contacts of a block one by one."""
+    at = TWO * k + first
+    motion[at], motion[at + ONE] = rows[i + FIVE], rows[i + SIX]
 
 
 @inlined
-def gather(one, two, contacts, start, stop, lanes):
-    """Motion of both bodies of each contact, from rows of dem.jit.columns one after the other."""
+def gather(turns, one, two, contacts, start, stop, lanes):
+    """Motion of both bodies of each contact, from rows of dem.jit.columns one after the other.
+
+    turns: inverse_inertia of Constituents, None where nothing turns.
+    """
     motion = lanes.motion
-    rates = either(contacts.damping, contacts.tangential_force)
+    rates = if_turning(turns, either(contacts.damping, contacts.tangential_force))
+    changes = unless(turns, contacts.damping)
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         at = FOUR * k
         i, j = EIGHT * contacts.constituent[p], EIGHT * contacts.partner[p]
         copy_four(one, i, motion, at + lane.X1)
         copy_four(two, j, motion, at + lane.X2)
-        copy_rates(rates, one, i, motion, at + lane.W1)
-        copy_rates(rates, two, j, motion, at + lane.W2)
+        copy_rates(rates, one, i, motion, k, lane.W1)
+        copy_rates(rates, two, j, motion, k, lane.W2)
+        copy_changes(changes, one, i, motion, k, lane.W1)
+        copy_changes(changes, two, j, motion, k, lane.W2)
 
 
 @inlined
@@ -133,20 +152,36 @@ def remember(normal_x, normal_y, p, nx, ny):
     normal_y[p] = ny
 
 
+@optional
+def spin_of(turns, motion, at):
+    return motion[at]
+
+
+@optional
+def with_spin(turns, motion, at):
+    return motion[at + ONE], motion[at + TWO], motion[at + THREE]
+
+
 @inlined
-def store_geometry(geometry, contacts, p, lanes, k):
+def change_of(turns, motion, k, first):
+    """Changes of velocity and spin of a body; of the spin None where nothing turns."""
+    at = TWO * k + first
+    return either(with_spin(turns, motion, FOUR * k + first), (motion[at], motion[at + ONE], None))
+
+
+@inlined
+def store_geometry(turns, geometry, contacts, p, lanes, k):
     """Write contact p to lane k: its geometry, and the velocity and its change at the contact."""
     motion, values = lanes.motion, lanes.values
     at = FOUR * k
     overlap, nx, ny, n1, t1, n2, t2, radius = geometry
     velocity = relative_velocity(
-        (motion[at + lane.VX1], motion[at + lane.VY1], motion[at + lane.W1]),
-        (motion[at + lane.VX2], motion[at + lane.VY2], motion[at + lane.W2]), geometry,
+        (motion[at + lane.VX1], motion[at + lane.VY1], spin_of(turns, motion, at + lane.W1)),
+        (motion[at + lane.VX2], motion[at + lane.VY2], spin_of(turns, motion, at + lane.W2)), geometry,
     )  # fmt: skip
     change = relative_velocity(
-        (motion[at + lane.DVX1], motion[at + lane.DVY1], motion[at + lane.DW1]),
-        (motion[at + lane.DVX2], motion[at + lane.DVY2], motion[at + lane.DW2]), geometry,
-    )  # fmt: skip
+        change_of(turns, motion, k, lane.W1), change_of(turns, motion, k, lane.W2), geometry
+    )
     values[lane.OVERLAP + k], values[lane.NX + k], values[lane.NY + k] = overlap, nx, ny
     values[lane.N1 + k] = n1
     put(n2, values, lane.N2 + k)
@@ -172,7 +207,7 @@ def load_geometry(shape, values, k):
 
 
 @inlined
-def find_contacts(shape, contacts, start, stop, lanes):
+def find_contacts(shape, turns, contacts, start, stop, lanes):
     motion, values = lanes.motion, lanes.values
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
@@ -180,12 +215,12 @@ def find_contacts(shape, contacts, start, stop, lanes):
         own, other = outlines(shape, values, k)
         guess = remembered(contacts.normal_x, contacts.normal_y, p)
         geometry, converged = find_contact(shape, dx, dy, own, other, guess)
-        store_geometry(geometry, contacts, p, lanes, k)
+        store_geometry(turns, geometry, contacts, p, lanes, k)
         put(unconverged(converged), values, lane.UNCONVERGED + k)
 
 
 @inlined
-def find_wall_contacts(shape, contacts, start, stop, lanes):
+def find_wall_contacts(shape, turns, contacts, start, stop, lanes):
     motion, values = lanes.motion, lanes.values
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
@@ -197,7 +232,7 @@ def find_wall_contacts(shape, contacts, start, stop, lanes):
         overlap = reach + here - values[lane.OTHER + k]
         n1 = reach - 0.5 * overlap
         geometry = ContactGeometry(overlap, nx, ny, n1, t1, None, None, radius)
-        store_geometry(geometry, contacts, p, lanes, k)
+        store_geometry(turns, geometry, contacts, p, lanes, k)
 
 
 @optional
@@ -206,7 +241,7 @@ def unconverged(converged):
 
 
 @optional
-def refine_contacts(normal_x, shape, contacts, start, stop, lanes):
+def refine_contacts(normal_x, shape, turns, contacts, start, stop, lanes):
     motion, values = lanes.motion, lanes.values
     for p in range(start, stop):
         k = np.uint64(p - start)
@@ -216,7 +251,7 @@ def refine_contacts(normal_x, shape, contacts, start, stop, lanes):
             last = normal_x[p], contacts.normal_y[p]
             guess = refine_normal(shape, dx, dy, own, other, last)
             geometry, _ = find_contact(shape, dx, dy, own, other, guess)
-            store_geometry(geometry, contacts, p, lanes, k)
+            store_geometry(turns, geometry, contacts, p, lanes, k)
 
 
 @inlined

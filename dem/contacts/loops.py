@@ -51,17 +51,18 @@ def fetch_ahead(chunks, rows, contacts, start, end):
 def pair_contacts(constituents, contacts, force, dt, lanes, chunks, begin, end):
     """Add the forces of rows begin to end of the list, see dem.contacts.blocks."""
     shape, frame, contacts = constituents.shape, constituents.frame, local(contacts)
+    turns = constituents.inverse_inertia
     rows, flat = constituents.motion.reshape(-1), force.reshape(-1)
     for start in range(begin, end, BLOCK):
         stop = min(start + BLOCK, end)
         fetch_ahead(chunks, rows, contacts, start, end)
-        gather(rows, rows, contacts, start, stop, lanes)
+        gather(turns, rows, rows, contacts, start, stop, lanes)
         gather_pairs(shape, frame, contacts, start, stop, lanes.values)
-        find_contacts(shape, contacts, start, stop, lanes)
-        refine_contacts(contacts.normal_x, shape, contacts, start, stop, lanes)
+        find_contacts(shape, turns, contacts, start, stop, lanes)
+        refine_contacts(contacts.normal_x, shape, turns, contacts, start, stop, lanes)
         contact_forces(shape, contacts, start, stop, dt, lanes)
         add_losses(lanes.account, contacts, start, stop, lanes.values)
-        accumulate(contacts, start, stop, lanes.values, constituents.inverse_inertia, flat)
+        accumulate(contacts, start, stop, lanes.values, turns, flat)
 
 
 @optional
@@ -72,21 +73,20 @@ def wall_contacts(walls, constituents, force, dt, lanes):
 @compiled
 def _wall_contacts(walls, constituents, force, dt, lanes):
     contacts, shape, frame = local(walls.contacts), constituents.shape, constituents.frame
+    turns = constituents.inverse_inertia
     rows, still = constituents.motion.reshape(-1), walls.motion.reshape(-1)
     flat, count, impulse = force.reshape(-1), contacts.constituent.shape[0], walls.impulse
     planes = walls.planes
     for start in range(0, count, BLOCK):
         stop = min(start + BLOCK, count)
-        gather(rows, still, contacts, start, stop, lanes)
+        gather(turns, rows, still, contacts, start, stop, lanes)
         gather_planes(shape, planes, frame, contacts, start, stop, lanes.values)
-        find_wall_contacts(shape, contacts, start, stop, lanes)
+        find_wall_contacts(shape, turns, contacts, start, stop, lanes)
         contact_forces(shape, contacts, start, stop, dt, lanes)
         add_losses(lanes.account, contacts, start, stop, lanes.values)
         for p in range(start, stop):
             k = np.uint64(p - start)
-            wall, normal, _ = boundary_reaction(
-                contacts, p, k, lanes.values, constituents.inverse_inertia, flat
-            )
+            wall, normal, _ = boundary_reaction(contacts, p, k, lanes.values, turns, flat)
             impulse[wall] += normal * dt
 
 
@@ -98,22 +98,21 @@ def cylinder_contacts(cylinder, constituents, force, dt, lanes):
 @compiled
 def _cylinder_contacts(cylinder, constituents, force, dt, lanes):
     contacts, shape, frame = local(cylinder.contacts), constituents.shape, constituents.frame
+    turns = constituents.inverse_inertia
     rows, axis = constituents.motion.reshape(-1), cylinder.motion.reshape(-1)
     flat, count, impulse = force.reshape(-1), contacts.constituent.shape[0], cylinder.impulse
     radius, motion = cylinder.radius, cylinder.motion
     for start in range(0, count, BLOCK):
         stop = min(start + BLOCK, count)
-        gather(rows, axis, contacts, start, stop, lanes)
+        gather(turns, rows, axis, contacts, start, stop, lanes)
         gather_circle(shape, radius, frame, contacts, start, stop, lanes.values)
-        find_contacts(shape, contacts, start, stop, lanes)
-        refine_contacts(contacts.normal_x, shape, contacts, start, stop, lanes)
+        find_contacts(shape, turns, contacts, start, stop, lanes)
+        refine_contacts(contacts.normal_x, shape, turns, contacts, start, stop, lanes)
         contact_forces(shape, contacts, start, stop, dt, lanes)
         add_losses(lanes.account, contacts, start, stop, lanes.values)
         for p in range(start, stop):
             k = np.uint64(p - start)
-            _, _, shares = boundary_reaction(
-                contacts, p, k, lanes.values, constituents.inverse_inertia, flat
-            )
+            _, _, shares = boundary_reaction(contacts, p, k, lanes.values, turns, flat)
             for c in range(4):
                 impulse[c] += shares[c] * dt
             add_work(lanes.account, motion, shares, dt)

@@ -8,6 +8,8 @@ half-step velocity is of first order).
 
 import math
 
+import numpy as np
+
 from dem.dynamics.forces import add_forces, greater
 from dem.dynamics.synchronise import LINE, barrier, follows, portion
 from dem.dynamics.world import granules_of, number_of_chunks
@@ -61,7 +63,8 @@ def drift(world, kick, dt, low, high):
     inverse_mass, inverse_inertia = world.inverse_mass, world.inverse_inertia
     frame, angle, gravity = world.frame, world.angle, world.gravity
     collect(world.shape, world.constituent_force, frame, force, low, high)
-    for i in range(low, high):
+    for each in range(low, high):
+        i = np.uint64(each)  # a signed index might count from the end
         ax = plus(force[i, FX] * inverse_mass[i], fall(gravity, 0))
         ay = plus(force[i, FY] * inverse_mass[i], fall(gravity, 1))
         vx = bodies[i, VX] + kick * ax
@@ -114,14 +117,14 @@ def advance(world, dt, steps, rebuild_at, thread):
     granules = world.bodies.shape[0]
     chunks = number_of_chunks(world.chunks, granules)
     begin, end = either(portion(thread, chunks), (0, chunks))
-    kick, done, moved = 0.5 * dt, 0, 0.0
-    while done < steps and moved <= rebuild_at * rebuild_at:
+    kick, done, moved, limit = 0.5 * dt, 0, 0.0, rebuild_at * rebuild_at
+    while done < steps and moved <= limit:
         for chunk in range(begin, end):
             low, high = granules_of(world.chunks, granules, chunk)
             drift(world, kick, dt, low, high)
         moved = either(move_cylinder(world.cylinder, dt), 0.0) if leads else 0.0
         barrier(thread)
-        moved = greater(moved, add_forces(world, dt, begin, end, leads, thread))
+        moved = greater(moved, add_forces(world, dt, limit, begin, end, leads, thread))
         tell(thread, moved)
         barrier(thread)
         moved = either(told(thread), moved)

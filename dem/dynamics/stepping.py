@@ -158,7 +158,7 @@ def run_steps(world, table, rules, schedule, record, threads):
     table = by_address(table)
     if starts:
         world = rebuild_neighbor_list(world, table)
-        forces(world, 0.0)
+        forces(world, 0.0, math.inf)
     while True:
         here = by_address(world)
         diagnostics = diagnose(here, table)

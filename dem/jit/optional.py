@@ -84,3 +84,9 @@ def times(a, b):
 def either(a, b):
     """a if present, else b."""
     return (lambda a, b: a) if a else (lambda a, b: b)
+
+
+@_by_presence
+def unless(a, b):
+    """b; None if a is present."""
+    return (lambda a, b: None) if a else (lambda a, b: b)

@@ -120,7 +120,8 @@ def fire(world, memory, steps, goal):
     world = by_address(world)
     dt, share, downhill, longest = memory[0], memory[1], memory[2], memory[3]
     done, moved, largest = 0, 0.0, math.inf
-    while done < steps and moved <= goal.list_range * goal.list_range:
+    limit = goal.list_range * goal.list_range
+    while done < steps and moved <= limit:
         power, _, _, largest = powers(world)
         if largest <= goal.enough:
             break
@@ -138,7 +139,7 @@ def fire(world, memory, steps, goal):
         _, speed, push, _ = powers(world)
         mix(world, share, speed, push)
         shift(world, dt)
-        moved = forces(world, 0.0)
+        moved = forces(world, 0.0, limit)
         done += 1
     memory[0], memory[1], memory[2] = dt, share, downhill
     return done, math.sqrt(moved), largest
@@ -181,7 +182,7 @@ def settle(world, table, goal, memory, left):
     table = by_address(table)
     if memory[0] == 0.0:
         world = rebuild_neighbor_list(world, table)
-        forces(world, 0.0)
+        forces(world, 0.0, math.inf)
         longest = min(0.5 * survey(world, table, goal.least)[3], goal.alone)
         memory[0], memory[1], memory[3] = 0.1 * longest, MIXING, longest
     pause = max(left - PIECE, 0)
@@ -196,7 +197,7 @@ def settle(world, table, goal, memory, left):
     touching, overlap, deepest = 0, 0.0, 0
     if left == 0 or largest <= goal.enough:
         touching, overlap, deepest, _ = survey(world, table, 0.0)
-        forces(world, 1.0)  # nothing has been summed before
+        forces(world, 1.0, math.inf)  # nothing has been summed before
     return world, left, Rest(largest, touching, overlap, deepest)
 
 

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from dem.base.validate import OUTLINE, RATIO, SIZES, checked, positive
 from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
+from dem.jit.lanes import ONE, TWO
 from dem.shapes import disc
 from dem.shapes.protocol import answer
 
@@ -169,14 +170,15 @@ def outline(shape, constituent, frame):
 
 
 def place(shape, bodies, frame, constituents, low, high):
-    for g in range(low, high):
+    for each in range(low, high):
+        g = np.uint64(each)  # a signed index might count from the end
         ox = shape.radius[g] * frame[g, 0]
         oy = shape.radius[g] * frame[g, 1]
         spin, dspin = bodies[g, W], bodies[g, DW]
         for q in range(2):
             sign = 1.0 - 2.0 * q
             rx, ry = sign * ox, sign * oy
-            row = 2 * g + q
+            row = TWO * g + np.uint64(q)
             constituents[row, X] = bodies[g, X] + rx
             constituents[row, Y] = bodies[g, Y] + ry
             constituents[row, VX] = bodies[g, VX] - spin * ry
@@ -188,10 +190,11 @@ def place(shape, bodies, frame, constituents, low, high):
 
 
 def collect(shape, constituent_force, frame, force, low, high):
-    for g in range(low, high):
+    for each in range(low, high):
+        g = np.uint64(each)
         ox = shape.radius[g] * frame[g, 0]
         oy = shape.radius[g] * frame[g, 1]
-        a, b = 2 * g, 2 * g + 1
+        a, b = TWO * g, TWO * g + ONE
         force[g, FX] = constituent_force[a, FX] + constituent_force[b, FX]
         force[g, FY] = constituent_force[a, FY] + constituent_force[b, FY]
         force[g, TAU] = (

@@ -107,8 +107,8 @@ def advance(world, stages, tally, dt, steps, room):
     Returns the number of steps done and the largest displacement (m).
     """
     granules = world.bodies.shape[0]
-    kick, done, moved = 0.0, 0, 0.0
-    while done < steps and moved <= room * room:
+    kick, done, moved, limit = 0.0, 0, 0.0, room * room
+    while done < steps and moved <= limit:
         for s in range(stages.shape[0]):
             kick += dt * stages[s, KICK]
             move, evaluate = dt * stages[s, DRIFT], stages[s, EVALUATE] > 0.0
@@ -122,7 +122,7 @@ def advance(world, stages, tally, dt, steps, room):
             if evaluate:
                 if stages[s, AHEAD] != 1.0:
                     look_ahead(world.bodies, stages[s, AHEAD])
-                moved = greater(farther, forces(world, tally.span[0]))
+                moved = greater(farther, forces(world, tally.span[0], limit))
                 weigh(world.cylinder, tally.span[0], tally.push)
                 tally.span[0] = 0.0
         done += 1
@@ -145,7 +145,7 @@ class Motion:
         self.world = assemble(scene, state.checked(scene.granules), self._table)
         self.world = rebuild_neighbor_list(self.world, self._table)
         self._tally = Tally(np.zeros(1), np.zeros(2), np.zeros(2))
-        forces(self.world, INSTANT)
+        forces(self.world, INSTANT, math.inf)
         weigh(self.world.cylinder, INSTANT, self._tally.push)
 
     def advance(self, steps: int) -> bool:

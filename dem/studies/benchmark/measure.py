@@ -4,6 +4,8 @@ Except for the comparison of threads, all runs take turns on one core, so that a
 computer affects all of them. Every repeat starts from the same state.
 """
 
+import math
+import os
 import platform
 from pathlib import Path
 from typing import NamedTuple
@@ -15,17 +17,19 @@ from dem.dynamics.checkpoint import writable
 from dem.dynamics.simulation import Simulation
 from dem.io.dataset import global_attributes, write
 from dem.studies.benchmark.check import checks, differences
-from dem.studies.benchmark.code_size import code_size
 from dem.studies.benchmark.layout import VARIABLES
+from dem.studies.benchmark.machine_code import machine_code
 from dem.studies.benchmark.peers import CODES, our_seconds
 from dem.studies.benchmark.scenes import FULL, Case, beds, variants
 from dem.studies.benchmark.sizes import TILES, compare_sizes
+from dem.studies.benchmark.stages import slow_operations, stage_times
 from dem.studies.timing import one_core
 from dem.sweep.config import Sweep
 
 # Scenes are compared on beds that do not change their contacts: steps this short move
 # nothing, and no list is rebuilt.
 STILL = 1e-3
+LOAD = os.getloadavg()[0] if hasattr(os, "getloadavg") else math.nan  # before anything is timed
 
 
 class Plan(NamedTuple):
@@ -54,14 +58,16 @@ def measure(sweep: Sweep, plan: Plan = USUAL, progress=lambda done: None) -> dic
     progress(0.1)
     with one_core():
         rates = compare_codes(cases, plan)
-        progress(0.4)
+        progress(0.35)
+        stages = compare_stages(cases, plan)
+        progress(0.45)
         scenes = compare_scenes(variants(cases), plan)
         progress(0.6)
         motion = compare_motion(cases, plan)
     progress(0.7)
     sizes = compare_sizes(sweep, plan.repeats, plan.threads, plan.tiles)
     progress(1.0)
-    return rates | scenes | motion | sizes
+    return rates | stages | scenes | motion | sizes
 
 
 def compare_codes(cases: dict[str, Case], plan: Plan) -> dict:
@@ -96,6 +102,22 @@ def compare_codes(cases: dict[str, Case], plan: Plan) -> dict:
     }
 
 
+def compare_stages(cases: dict[str, Case], plan: Plan) -> dict:
+    """Time of each part of a step, and of the two operations that vector units are slowest at."""
+    found = [
+        [stage_times(case, plan.steps) for case in cases.values()] for _ in range(plan.repeats + 1)
+    ][1:]  # the first compiles
+    stages = list(found[0][0])
+    times = [[[one[stage] for one in repeat] for stage in stages] for repeat in found]
+    slow = [slow_operations(plan.steps) for _ in range(plan.repeats + 1)][1:]
+    return {
+        "stage": np.array(stages),
+        "stage_time": np.transpose(times, (2, 1, 0)),
+        "root_time": np.array([root for root, _ in slow]),
+        "division_time": np.array([division for _, division in slow]),
+    }
+
+
 def compare_scenes(cases: dict[str, Case], plan: Plan) -> dict:
     """Time of one step of one granule, and bytes of machine code, of scenes that lack things."""
     times = np.empty((len(cases), plan.repeats))
@@ -106,13 +128,13 @@ def compare_scenes(cases: dict[str, Case], plan: Plan) -> dict:
             spent = our_seconds(scene, state, STILL * time_step, plan.warm, plan.steps)
             times[place, repeat] = spent / plan.steps / scene.granules
     middle = np.median(times, axis=1)
+    codes = [machine_code(writable(Simulation(*case).world)) for case in cases.values()]
     return {
         "variant": np.array(list(cases)),
         "variant_step_time": times,
         "variant_ratio": middle / middle[list(cases).index(FULL)],
-        "variant_code_size": np.array(
-            [code_size(writable(Simulation(*c).world)) for c in cases.values()]
-        ),
+        "variant_code_size": np.array([code.size for code in codes]),
+        "variant_vector_bits": np.array([code.vector_bits for code in codes]),
     }
 
 
@@ -141,6 +163,7 @@ def write_benchmark(path: Path, sweep: Sweep, values: dict) -> None:
         git_revision=provenance.git_revision(),
         source_hash=sweep.code_of("dem.studies.benchmark.measure", shapes=sweep.shapes),
         processor=processor(),
+        load_average=LOAD,
     )
     write(path, values, attrs, VARIABLES)
 

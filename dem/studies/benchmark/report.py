@@ -11,6 +11,9 @@ from dem.analysis.tables import numbers
 LEGEND = """\
 medians of the repeats; contact: touching pair of parts of granules. Damping of the other codes has
 another form than ours, with the same restitution (LAMMPS: at 1 m/s)."""
+STAGES = """\
+contacts held as they are; each part runs many times by itself, stages of a pair by leaving out the
+later ones"""
 SCENES = """\
 contacts held as they are, by time steps a thousand times shorter; code: machine code of one step"""
 SIZES = """\
@@ -28,7 +31,7 @@ def summary(dataset: xr.Dataset) -> Group:
         if status != "run":
             lines.append(f"{code}: {status}")
     parts = [Text(attrs["title"], style="bold"), Text("\n".join(lines)), ""]
-    tables = (codes, LEGEND), (scenes, SCENES), (sizes, SIZES), (motion, MOTION)
+    tables = (codes, LEGEND), (stages, STAGES), (scenes, SCENES), (sizes, SIZES), (motion, MOTION)
     for table, legend in tables:
         parts += [table(dataset), Text(legend, style="dim"), ""]
     return Group(*parts)
@@ -53,6 +56,24 @@ def codes(dataset: xr.Dataset) -> Table:
                     f"{1e9 * float(here['time_per_contact'].sel(code=code)):.1f}",
                     str(int(here["scene_contacts"])), str(int(here["scene_pairs"])),
                 )  # fmt: skip
+    return table
+
+
+def stages(dataset: xr.Dataset) -> Table:
+    """One row per bed and part of a step: what it takes, and over the pairs listed and granules."""
+    table = numbers(
+        "bed", "part of a step", "us a step", "lowest, highest", "ns a pair", "ns a granule"
+    )
+    for scene in dataset["scene"].values:
+        for stage in dataset["stage"].values:
+            here = dataset.sel(scene=scene, stage=stage)
+            times = 1e6 * here["stage_time"].values
+            middle = 1e3 * float(np.median(times))
+            table.add_row(
+                str(scene), str(stage), f"{np.median(times):.2f}",
+                f"{times.min():.2f}, {times.max():.2f}", f"{middle / float(here['scene_pairs']):.2f}",
+                f"{middle / float(here['scene_granules']):.1f}",
+            )  # fmt: skip
     return table
 
 

@@ -12,6 +12,7 @@ from dem.scene import Scene, State
 from dem.sweep.config import Sweep
 
 ASPECT_RATIO = 1.25  # of the ellipses, or the nearest to it in the sweep
+LOADED = {"ellipse": 0.90}  # packing fraction where that of the sweep is below jamming
 FULL = "discs: friction, damping, walls, cylinder"
 
 
@@ -30,7 +31,8 @@ def make_case(scene: Scene, state: State) -> Case:
 
 
 def beds(sweep: Sweep) -> dict[str, Case]:
-    """One packed bed per kind of granule: the first of the sweep, ellipses by ASPECT_RATIO."""
+    """One packed bed that carries load per kind of granule: the first of the sweep, ellipses by
+    ASPECT_RATIO."""
     found = {}
     order = sorted(sweep.shapes.items(), key=lambda item: abs(item[1].ratio - ASPECT_RATIO))
     for kind in ("disc", "dumbbell", "ellipse"):
@@ -38,7 +40,9 @@ def beds(sweep: Sweep) -> dict[str, Case]:
         label = next((label for label, shape in shapes if shape.kind == kind), None)
         if label is None:
             raise InputError(f"the configuration has no {kind}; the benchmark needs one.")
-        replicate = Replicate(sweep, label, sweep.density_of(label), sweep.first_seed)
+        packing = {"fraction": LOADED.get(kind, sweep.packing.fraction)}
+        loaded = sweep.model_copy(update={"packing": sweep.packing.model_copy(update=packing)})
+        replicate = Replicate(loaded, label, sweep.density_of(label), sweep.first_seed)
         bed = make_bed(replicate)
         found[kind] = make_case(make_scene(replicate, bed), bed.state)
     return found

@@ -62,7 +62,7 @@ class Nudged:
         if world.frame is not None:
             turned = self._angle + moved[:, 2]
             world.frame[:] = np.column_stack([np.cos(turned), np.sin(turned)])
-        forces(world, dt)
+        forces(world, dt, math.inf)
         return world.force[:, :3] / [1.0, 1.0, self.size]
 
 

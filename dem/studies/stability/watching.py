@@ -47,7 +47,7 @@ def friction_excess(simulation: Simulation) -> float:
     if cylinder is None or cylinder.contacts.friction is None:
         return 0.0
     world = writable(simulation.world)
-    forces(world, 0.0)
+    forces(world, 0.0, math.inf)
     return excess(world)
 
 

@@ -41,6 +41,25 @@ class Speed(Findings):
         rates = self.dataset["granule_steps_per_second"].sel(scene=scene).median("repeat")
         return f"{float(rates[0] / rates.sel(code=code)):.1f}"
 
+    def stages(self) -> Table:
+        """One row per bed and part of a step."""
+        return speed_report.stages(self.dataset)
+
+    def slow(self) -> str:
+        """Time of a square root and of a division."""
+        root, division = (
+            1e9 * float(self.dataset[name].median()) for name in ("root_time", "division_time")
+        )
+        return f"{root:.2f} ns and a division {division:.2f} ns"
+
+    def vectors(self) -> int:
+        """Width of the vector registers (bits)."""
+        return int(self.dataset["variant_vector_bits"][0])
+
+    def load(self) -> str:
+        """Load average of the computer before anything was timed."""
+        return f"{self.dataset.attrs['load_average']:.1f}"
+
     def scenes(self) -> Table:
         """One row per scene: what it costs."""
         return speed_report.scenes(self.dataset)
