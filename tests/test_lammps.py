@@ -14,6 +14,7 @@ from dem.studies.benchmark.measure import (
     compare_motion,
     compare_scenes,
     compare_stages,
+    load_average,
     write_benchmark,
 )
 from dem.studies.benchmark.scenes import FULL, make_case
@@ -83,7 +84,7 @@ def test_the_benchmark_fills_its_file(small_bed, tmp_path):
     assert (rates["dem"] > 0.0).all() and (rates["LAMMPS"] > 0.0).all()
     for code, found in rates.items():
         assert np.isfinite(found).all() == (status[code] == "run")
-    values |= compare_stages(cases, plan)
+    values |= compare_stages(cases, plan) | {"load_average": load_average()}
     values |= compare_scenes({FULL: cases["disc"]}, plan) | compare_motion(cases, plan)
     values |= compare_sizes(load(CONFIG), 1, threads=(1,), tiles=(1,))
     assert values["variant_code_size"][0] > 1000

@@ -61,9 +61,9 @@ def copy_rates(rates, rows, i, motion, k, first):
 
 
 @optional
-def copy_changes(damping, rows, i, motion, k, first):
-    """Where nothing turns, two numbers: a vector unit that takes two of four takes the last eight
-    contacts of a block one by one."""
+def copy_changes(changes, rows, i, motion, k, first):
+    """Where nothing turns, two numbers, packed: with two of every four in use, the compiler would
+    leave the last eight contacts of a block to scalar code."""
     at = TWO * k + first
     motion[at], motion[at + ONE] = rows[i + FIVE], rows[i + SIX]
 

@@ -77,7 +77,7 @@ def lost_normal(damping, account, excess, rate, dt):
 def relative_velocity(one, two, geometry):
     """Velocity of body 2 relative to body 1 at the contact, along n and along t.
 
-    one, two: velocity x, y (m/s) and spin (rad/s), or their changes to the full step.
+    one, two: velocity x, y (m/s) and spin (rad/s; None where nothing turns), or their changes to the full step.
     """
     _, nx, ny, n1, t1, n2, t2, _ = geometry
     gx, gy = two[0] - one[0], two[1] - one[1]

@@ -64,7 +64,7 @@ def drift(world, kick, dt, low, high):
     frame, angle, gravity = world.frame, world.angle, world.gravity
     collect(world.shape, world.constituent_force, frame, force, low, high)
     for each in range(low, high):
-        i = np.uint64(each)  # a signed index might count from the end
+        i = np.uint64(each)  # unsigned: no test for an index that counts from the end
         ax = plus(force[i, FX] * inverse_mass[i], fall(gravity, 0))
         ay = plus(force[i, FY] * inverse_mass[i], fall(gravity, 1))
         vx = bodies[i, VX] + kick * ax
@@ -111,7 +111,8 @@ def advance(world, dt, steps, rebuild_at, thread):
     `rebuild_at` (m).
 
     thread: None, or its place among those that call this together (dem.dynamics.synchronise).
-    Returns the number of steps done and the largest displacement (m).
+    Returns the number of steps done and the largest displacement (m); that of granules counts as 0
+    up to `rebuild_at`.
     """
     leads = not either(follows(thread), False)
     granules = world.bodies.shape[0]

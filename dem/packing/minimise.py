@@ -114,8 +114,8 @@ def fire(world, memory, steps, goal):
     """Minimise the elastic energy until no net force exceeds goal.enough (N).
 
     memory: time step (s), mixing share, number of steps downhill, all carried between calls, and
-    the largest time step (s). Returns iterations done, largest displacement (m; beyond
-    goal.list_range the lists are too old) and largest net force (N).
+    the largest time step (s). Returns iterations done, the largest displacement (m; 0 up to
+    goal.list_range, beyond it the lists are too old) and the largest net force (N).
     """
     world = by_address(world)
     dt, share, downhill, longest = memory[0], memory[1], memory[2], memory[3]
@@ -177,14 +177,16 @@ def settle(world, table, goal, memory, left):
     """Minimise, with lists kept up to date; at most PIECE of the iterations that are `left`.
 
     memory: that of `fire`, zeros at first. Returns the world, the iterations still left, and a Rest.
-    At the end walls and cylinder have the impulses of one second.
+    Once the bed is at rest or no iteration is left, walls and cylinder have the impulses of one
+    second, and the Rest counts contacts.
     """
     table = by_address(table)
     if memory[0] == 0.0:
         world = rebuild_neighbor_list(world, table)
-        forces(world, 0.0, math.inf)
-        longest = min(0.5 * survey(world, table, goal.least)[3], goal.alone)
-        memory[0], memory[1], memory[3] = 0.1 * longest, MIXING, longest
+        if left > 0:
+            forces(world, 0.0, math.inf)
+            longest = min(0.5 * survey(world, table, goal.least)[3], goal.alone)
+            memory[0], memory[1], memory[3] = 0.1 * longest, MIXING, longest
     pause = max(left - PIECE, 0)
     largest = math.inf
     while left > pause and not largest <= goal.enough:
@@ -192,6 +194,7 @@ def settle(world, table, goal, memory, left):
         left -= max(done, 1)
         if not moved <= goal.list_range:
             if not math.isfinite(moved):
+                left = 0
                 break
             world = rebuild_neighbor_list(world, table)
     touching, overlap, deepest = 0, 0.0, 0
@@ -204,15 +207,15 @@ def settle(world, table, goal, memory, left):
 def minimise(scene, table: GranuleTable, world: World, iterations: int, enough: float):
     """Minimise until no net force exceeds `enough` (N).
 
-    Returns the world, whose walls have the impulses of one second, and a Rest, with a net force
-    greater than `enough` if the iterations did not suffice. The time step is stable at overlaps of
+    Returns the world, whose walls have the impulses of one second, and a Rest. Its net force is
+    greater than `enough` if the iterations did not suffice, and infinite if none was allowed. The time step is stable at overlaps of
     2 % of the radius. Raises PackingError if a position becomes infinite.
     """
     radius, modulus = table.radius.mean(), effective_modulus(scene.material, scene.material)
     least = 0.02 * radius
     light = np.max(1.0 / scene.mass + scene.shape.normal_lever**2 / scene.inertia)
-    stiffness = 8.0 * modulus * math.sqrt(radius * least) * light
-    goal = Goal(enough, 0.45 * table.skin, least, 1.0 / math.sqrt(stiffness))
+    squared_rate = 8.0 * modulus * math.sqrt(radius * least) * light
+    goal = Goal(enough, 0.45 * table.skin, least, 1.0 / math.sqrt(squared_rate))
     memory = np.zeros(4)
     while True:
         world, iterations, rest = settle(world, table, goal, memory, iterations)

@@ -171,7 +171,7 @@ def outline(shape, constituent, frame):
 
 def place(shape, bodies, frame, constituents, low, high):
     for each in range(low, high):
-        g = np.uint64(each)  # a signed index might count from the end
+        g = np.uint64(each)  # unsigned: no test for an index that counts from the end
         ox = shape.radius[g] * frame[g, 0]
         oy = shape.radius[g] * frame[g, 1]
         spin, dspin = bodies[g, W], bodies[g, DW]

@@ -104,7 +104,8 @@ def advance(world, stages, tally, dt, steps, room):
     """Take up to `steps` steps of dt (s); stop when a part has moved farther than `room` (m).
 
     The force on the cylinder counts for as long as it kicks, half at both ends in Verlet's method.
-    Returns the number of steps done and the largest displacement (m).
+    Returns the number of steps done and the largest displacement (m); that of granules counts as 0
+    up to `room`.
     """
     granules = world.bodies.shape[0]
     kick, done, moved, limit = 0.0, 0, 0.0, room * room

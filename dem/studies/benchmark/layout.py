@@ -11,6 +11,7 @@ VARIABLES = {
     "scene_contacts": (("scene",), "1", "number of touching pairs of parts of granules at the start"),
     "scene_pairs": (("scene",), "1", "number of pairs in our contact list at the start"),
     "scene_time_step": (("scene",), "s", "time step of all programs"),
+    "load_average": ((), "1", "load average of the computer before anything was timed"),
     "stage": (("stage",), None, "part of a step"),
     "stage_time": (("scene", "stage", "repeat"), "s", "time of that part in one step, contacts held as they are"),
     "root_time": (("repeat",), "s", "time of a square root, many side by side"),

@@ -22,14 +22,9 @@ from dem.studies.benchmark.machine_code import machine_code
 from dem.studies.benchmark.peers import CODES, our_seconds
 from dem.studies.benchmark.scenes import FULL, Case, beds, variants
 from dem.studies.benchmark.sizes import TILES, compare_sizes
-from dem.studies.benchmark.stages import slow_operations, stage_times
+from dem.studies.benchmark.stages import STILL, slow_operations, stage_times
 from dem.studies.timing import one_core
 from dem.sweep.config import Sweep
-
-# Scenes are compared on beds that do not change their contacts: steps this short move
-# nothing, and no list is rebuilt.
-STILL = 1e-3
-LOAD = os.getloadavg()[0] if hasattr(os, "getloadavg") else math.nan  # before anything is timed
 
 
 class Plan(NamedTuple):
@@ -54,6 +49,7 @@ def measure(sweep: Sweep, plan: Plan = USUAL, progress=lambda done: None) -> dic
 
     The first time, kernels of all scenes are compiled, which takes minutes.
     """
+    load = {"load_average": load_average()}
     cases = beds(sweep)
     progress(0.1)
     with one_core():
@@ -67,7 +63,7 @@ def measure(sweep: Sweep, plan: Plan = USUAL, progress=lambda done: None) -> dic
     progress(0.7)
     sizes = compare_sizes(sweep, plan.repeats, plan.threads, plan.tiles)
     progress(1.0)
-    return rates | stages | scenes | motion | sizes
+    return load | rates | stages | scenes | motion | sizes
 
 
 def compare_codes(cases: dict[str, Case], plan: Plan) -> dict:
@@ -163,9 +159,16 @@ def write_benchmark(path: Path, sweep: Sweep, values: dict) -> None:
         git_revision=provenance.git_revision(),
         source_hash=sweep.code_of("dem.studies.benchmark.measure", shapes=sweep.shapes),
         processor=processor(),
-        load_average=LOAD,
     )
     write(path, values, attrs, VARIABLES)
+
+
+def load_average() -> float:
+    """Processes that the computer was busy with in the last minute; NaN where it does not say."""
+    try:
+        return os.getloadavg()[0]
+    except (AttributeError, OSError):
+        return math.nan
 
 
 def processor() -> str:

@@ -12,7 +12,7 @@ from dem.scene import Scene, State
 from dem.sweep.config import Sweep
 
 ASPECT_RATIO = 1.25  # of the ellipses, or the nearest to it in the sweep
-LOADED = {"ellipse": 0.90}  # packing fraction where that of the sweep is below jamming
+LOADED = {"ellipse": 0.90}  # least packing fraction: those of the paper are below jamming
 FULL = "discs: friction, damping, walls, cylinder"
 
 
@@ -40,7 +40,7 @@ def beds(sweep: Sweep) -> dict[str, Case]:
         label = next((label for label, shape in shapes if shape.kind == kind), None)
         if label is None:
             raise InputError(f"the configuration has no {kind}; the benchmark needs one.")
-        packing = {"fraction": LOADED.get(kind, sweep.packing.fraction)}
+        packing = {"fraction": max(sweep.packing.fraction, LOADED.get(kind, 0.0))}
         loaded = sweep.model_copy(update={"packing": sweep.packing.model_copy(update=packing)})
         replicate = Replicate(loaded, label, sweep.density_of(label), sweep.first_seed)
         bed = make_bed(replicate)

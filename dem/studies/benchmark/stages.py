@@ -31,7 +31,7 @@ from dem.jit.lanes import BLOCK
 from dem.jit.optional import optional
 from dem.studies.benchmark.scenes import Case
 
-STILL = 1e-3  # of the time step: moves nothing to speak of
+STILL = 1e-3  # of the time step: nothing moves to speak of, and no list is rebuilt
 WARM = 100  # steps
 
 
@@ -69,7 +69,8 @@ def add_up(wanted, contacts, start, stop, values, turns, force):
 
 @compiled
 def pairs(world, dt, times, wanted):
-    """The loop of dem.contacts.loops.pair_contacts, with the stages that are wanted."""
+    """The loop of dem.contacts.loops.pair_contacts with the stages that are wanted, for a bed of
+    one chunk without an energy ledger."""
     world = by_address(world)
     shape, frame, contacts, lanes = world.shape, world.frame, local(world.pairs), world.lanes
     rows, flat = world.constituents.reshape(-1), world.constituent_force.reshape(-1)
@@ -126,7 +127,7 @@ def divisions(numbers, times):
 
 
 def slow_operations(times: int) -> tuple[float, float]:
-    """Time (s) of a square root and of a division, as the kernel makes them: a BLOCK at a time."""
+    """Time (s) of a square root and of a division, with load and store, a BLOCK side by side."""
     numbers = np.linspace(1.0, 2.0, BLOCK)
     found = (timed(partial(call, numbers.copy(), times)) for call in (roots, divisions))
     return tuple(spent / times / BLOCK for spent in found)

@@ -58,7 +58,7 @@ class Speed(Findings):
 
     def load(self) -> str:
         """Load average of the computer before anything was timed."""
-        return f"{self.dataset.attrs['load_average']:.1f}"
+        return f"{float(self.dataset['load_average']):.1f}"
 
     def scenes(self) -> Table:
         """One row per scene: what it costs."""
