@@ -149,7 +149,7 @@ class Goal(NamedTuple):
     """When a bed is at rest, and how it gets there.
 
     enough: greatest net force (N) on a granule at rest; list_range (m): displacement after which
-    lists are made anew; least (m): smallest overlap that the stiffness of a contact is computed
+    lists are made again; least (m): smallest overlap that the stiffness of a contact is computed
     for; alone (s): largest time step of a granule that has one contact of that overlap.
     """
 
