@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from conftest import STIFF
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
@@ -11,7 +12,6 @@ from test_symmetry import mapped
 
 import dem
 from dem.jit.columns import FX, FY, TAU
-from dem.shapes import KINDS
 
 SOFT = dem.Material(density=2500.0, young_modulus=1e6, restitution=0.1)
 SMOOTH_SIDES = dem.Friction(granule=0.5, wall=0.0)
@@ -54,15 +54,16 @@ def column():
     return run
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_a_bed_at_rest_carries_what_its_boundary_puts_on_it(small_bed, kind):
+@pytest.mark.parametrize(("kind", "fraction"), STIFF)
+def test_a_bed_at_rest_carries_what_its_boundary_puts_on_it(small_bed, kind, fraction):
     """The moments of the forces of walls and cylinder, at their points, are stress times volume."""
-    small = small_bed(kind)
-    run = dem.Simulation(small.scene(), small.state)
+    small = small_bed(kind, fraction=fraction)
+    still = replace(small.cylinder, velocity=(0.0, 0.0))
+    run = dem.Simulation(small.scene(cylinder=still), small.state)
     found, contacts = run.stress(), run.contacts()
     edge = contacts.partner < 0
     moment = contacts.total_force[edge].T @ contacts.point[edge]
-    assert_allclose(found.contact * volume(run), moment.T, atol=1e-6 * np.abs(moment).max())
+    assert_allclose(found.contact * volume(run), moment, atol=1e-6 * np.abs(moment).max())
     assert found.pressure > 0.0
 
 
@@ -72,17 +73,19 @@ def test_the_stress_of_a_bed_at_rest_is_the_pressure_on_its_walls():
     bed = dem.pack(shape, 8e-3, 7e-3, None, seed=1)
     run = dem.Simulation(dem.Scene(shape, walls=bed.walls, thickness=THICKNESS), bed.state)
     found, contacts = run.stress().contact, run.contacts()
-    left, right, bottom, top = (contacts.force[contacts.partner == k].sum() for k in range(-2, -6, -1))
+    left, right, bottom, top = (
+        contacts.force[contacts.partner == k].sum() for k in range(-2, -6, -1)
+    )
     assert_allclose([left, bottom], [right, top], rtol=1e-5)
     pressure = np.array([left / (7e-3 * THICKNESS), bottom / (8e-3 * THICKNESS)])
     excess, deep = np.diag(found) / pressure - 1.0, contacts.overlap.max() / 7e-3
     assert (excess > 0.0).all() and (excess < deep).all() and deep < 0.02
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_the_forces_of_contacts_move_the_granules(small_bed, kind):
+@pytest.mark.parametrize(("kind", "fraction"), STIFF)
+def test_the_forces_of_contacts_move_the_granules(small_bed, kind, fraction):
     """Springs and dashpots, normal and tangential, add up to the force that accelerates each granule."""
-    run = shaken(small_bed(kind))
+    run = shaken(small_bed(kind, fraction=fraction))
     run.advance(2e-6)
     contacts, order = run.contacts(), run._order
     felt = np.zeros((run.scene.granules, 2))
@@ -94,10 +97,10 @@ def test_the_forces_of_contacts_move_the_granules(small_bed, kind):
     assert_allclose(felt, force, atol=1e-2 * np.abs(force).max())
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_the_stress_is_symmetric_but_for_torques(small_bed, kind):
+@pytest.mark.parametrize(("kind", "fraction"), STIFF)
+def test_the_stress_is_symmetric_but_for_torques(small_bed, kind, fraction):
     """What differs across the diagonal is the torque that turns granules faster."""
-    run = shaken(small_bed(kind))
+    run = shaken(small_bed(kind, fraction=fraction))
     run.advance(2e-6)
     found, torque = run.stress().contact * volume(run), run.world.force[:, TAU]
     # granules feel the opposite of the forces on their partners
@@ -108,7 +111,9 @@ def test_the_stress_of_a_bed_at_rest_with_friction_is_symmetric(column):
     """To the torques that are left."""
     found = column.stress().contact
     left = np.abs(column.world.force[:, TAU]).sum() / volume(column)
-    assert abs(found[0, 1] - found[1, 0]) <= 1.01 * left < 1e-3 * found[1, 1]
+    rounding = 1e-12 * found[1, 1]
+    assert abs(found[0, 1] - found[1, 0]) <= left + rounding < 1e-6 * found[1, 1]
+    assert np.abs(column.contacts().tangential_force).max() > 0.01 * column.contacts().force.max()
 
 
 def test_each_layer_of_a_column_carries_the_weight_above_it(column):
@@ -156,20 +161,22 @@ def test_the_stress_turns_with_the_bed(small_bed, angle):
     after = dem.Simulation(*mapped(run.scene, run.state, turn)).stress()
     for name in ("contact", "kinetic", "fabric"):
         expected = turn @ getattr(before, name) @ turn.T
-        assert_allclose(getattr(after, name), expected, rtol=1e-6, atol=1e-6 * np.abs(expected).max())
+        assert_allclose(
+            getattr(after, name), expected, rtol=1e-6, atol=1e-6 * np.abs(expected).max()
+        )
     assert after.pressure == pytest.approx(before.pressure, rel=1e-6)
     assert after.shear == pytest.approx(before.shear, rel=1e-5)
     turned = after.fabric_angle - before.fabric_angle - angle
     assert abs(np.sin(turned)) < 1e-4  # an axis, not an arrow
 
 
-@given(cuts=st.lists(st.floats(0.1e-3, 7.9e-3), max_size=8, unique=True), along=st.sampled_from("xy"))
+@given(cuts=st.lists(st.integers(1, 99), max_size=8, unique=True), along=st.sampled_from("xy"))
 def test_bins_share_the_stress_of_the_whole(small_bed, cuts, along):
     """The volume of each bin, without the cylinder, times its stress: the sum is that of the bed."""
     run = shaken(small_bed("disc"))
     axis = "xy".index(along)
     size = run.scene.walls[2 * axis + 1, 2]
-    edges = np.array([-1e-3, *(np.sort(cuts) * size / 8e-3), size + 1e-3])
+    edges = np.array([-1e-3, *(0.01 * size * np.sort(cuts)), size + 1e-3])
     parts, whole = run.stress(**{along: edges}).contact, run.stress().contact
     across = run.scene.walls[3 - 2 * axis, 2]
     area = np.diff(np.clip(edges, 0.0, size)) * across
@@ -221,10 +228,10 @@ def test_friction_drags_the_floor_along():
     )  # fmt: skip
     run = dem.Simulation(scene, dem.State([[0.0, 0.999e-3]], velocity=[[1.0, 0.0]]))
     run.advance(2e-3)
-    (contact,) = (dict(zip(dem.dynamics.touching.Touching._fields, row)) for row in zip(*run.contacts()))
-    assert contact["normal"] == pytest.approx([0.0, -1.0])
-    assert contact["tangential_force"] > 0.0  # along t = (1, 0)
-    pull, push = contact["total_force"]
+    contacts = run.contacts()
+    assert_allclose(contacts.normal, [[0.0, -1.0]])
+    assert contacts.tangential_force[0] > 0.0  # along t = (1, 0)
+    ((pull, push),) = contacts.total_force
     assert pull == pytest.approx(-0.3 * push)
 
 
@@ -242,7 +249,9 @@ def test_frames_know_no_tangential_forces(small_bed):
 def test_the_room_of_a_wedge_is_closed_by_the_edges():
     """A wedge without a lid has no area; a bin of it is a trapezium."""
     side = np.sqrt(0.5)
-    scene = dem.Scene(dem.Disc([1e-3]), walls=[[-side, -side, 0.0], [side, -side, 0.0]], thickness=1.0)
+    scene = dem.Scene(
+        dem.Disc([1e-3]), walls=[[-side, -side, 0.0], [side, -side, 0.0]], thickness=1.0
+    )
     run = dem.Simulation(scene, dem.State([[0.0, 1.4e-3]], velocity=[[0.0, -1.0]]))
     with pytest.raises(dem.InputError, match="the room of the bed is not closed"):
         run.stress()

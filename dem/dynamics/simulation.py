@@ -633,9 +633,7 @@ class Simulation:
         room = Room(planes, self.scene.thickness, cylinder, (None, None))
         bins = next(((k, each) for k, each in enumerate((x, y)) if each is not None), None)
         state = self.state
-        return stress(
-            self.contacts(), state.position, state.velocity, self.scene.mass, room, bins
-        )
+        return stress(self.contacts(), state.position, state.velocity, self.scene.mass, room, bins)
 
     def ledger(self) -> Ledger:
         """Energies held, gained and lost since the start.

@@ -7,6 +7,7 @@ bin: the mean force that crosses the lines of the bin is then exact (Irving and 
 """
 
 import math
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -114,7 +115,9 @@ def stress(
     """
     axis, limits = bins or (0, np.array([-np.inf, np.inf]))
     period = room.period[axis] if bins else None
-    volume = room.thickness * (_areas(room, axis, limits, bins) - _taken(room, axis, limits, period))
+    volume = room.thickness * (
+        _areas(room, axis, limits, bins) - _taken(room, axis, limits, period)
+    )
 
     def held(values, start, length=0.0):
         """Sum of values (k, ...) in each bin: of lines from start (k, 2) over `length` (k, 2)."""
@@ -176,7 +179,7 @@ def _areas(room, axis, limits, bins):
             across = np.eye(2)[other]
             planes += [(*-across, 0.0), (*across, period)]
     across, found = np.eye(2)[axis], []
-    for low, high in zip(limits[:-1], limits[1:], strict=True):
+    for low, high in pairwise(limits):
         sides = [(*-across, -low), (*across, high)] if bins else []
         corners = _corners(np.array(planes + sides).reshape(-1, 3))
         x, y = corners.T
