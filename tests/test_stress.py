@@ -2,15 +2,20 @@
 
 from dataclasses import replace
 
+import matplotlib
 import numpy as np
 import pytest
+import xarray as xr
 from conftest import STIFF
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from made import made
 from numpy.testing import assert_allclose
+from test_readme import code
 from test_symmetry import mapped
 
 import dem
+from dem.experiment.observables.stress import VARIABLES
 from dem.jit.columns import FX, FY, TAU
 
 SOFT = dem.Material(density=2500.0, young_modulus=1e6, restitution=0.1)
@@ -20,7 +25,7 @@ G = 9.81
 
 
 def volume(run):
-    """Of the room of a box with or without a cylinder (m3)."""
+    """Of a box with or without a cylinder (m3)."""
     width, height = run.scene.walls[1, 2], run.scene.walls[3, 2]
     cylinder = run.scene.cylinder
     taken = 0.0 if cylinder is None else 0.25 * np.pi * cylinder.diameter**2
@@ -246,14 +251,14 @@ def test_frames_know_no_tangential_forces(small_bed):
         assert (contacts.tangential_force == 0.0).all() == known
 
 
-def test_the_room_of_a_wedge_is_closed_by_the_edges():
+def test_the_edges_of_bins_close_a_wedge():
     """A wedge without a lid has no area; a bin of it is a trapezium."""
     side = np.sqrt(0.5)
     scene = dem.Scene(
         dem.Disc([1e-3]), walls=[[-side, -side, 0.0], [side, -side, 0.0]], thickness=1.0
     )
     run = dem.Simulation(scene, dem.State([[0.0, 1.4e-3]], velocity=[[0.0, -1.0]]))
-    with pytest.raises(dem.InputError, match="the room of the bed is not closed"):
+    with pytest.raises(dem.InputError, match="the container of the bed is not closed"):
         run.stress()
     contacts = run.contacts()
     moment = (contacts.total_force[:, 1] * contacts.branch[:, 1]).sum()
@@ -271,3 +276,29 @@ def test_edges_that_are_none_are_refused(small_bed, edges, sentence):
     run = shaken(small_bed("disc"))
     with pytest.raises(dem.InputError, match=sentence):
         run.stress(**edges)
+
+
+def test_a_run_records_the_stress_of_its_bed(tmp_path):
+    """At the start it is the pressure of the packing; in stress.nc it has units."""
+    chosen = {"sweep": {"case": ["c1"], "seed": 1}, "record": {"observables": ["drag", "stress"]}}
+    made(tmp_path, **chosen)
+    with xr.open_dataset(tmp_path / "results/stress.nc") as found:
+        found = found.load().squeeze()
+    with xr.open_dataset(tmp_path / "results/drag.nc") as drag:
+        packed = float(drag["packing_pressure"].squeeze())
+    mean = 0.5 * (found["stress_xx"] + found["stress_yy"])
+    assert float(mean[0]) == pytest.approx(packed, rel=0.05)
+    assert_allclose(found["stress_xy"], found["stress_yx"], atol=1e-3 * float(mean[0]))
+    assert (found["kinetic_pressure"] < 1e-3 * mean).all()
+    assert {found[name].attrs["units"] for name in VARIABLES} == {"Pa", "1", "rad"}
+
+
+def test_the_page_on_stress_shows_the_weight_above():
+    """The code of the page runs, and its profile is the law that the page states."""
+    names = {}
+    with matplotlib.rc_context({"backend": "agg"}):
+        for block in code("docs/howto/stress.md").values():
+            exec(compile(block, "stress.md", "exec"), names)
+    pressed = names["found"].contact[:, 1, 1] * 10e-3 * names["scene"].thickness
+    between = 0.5 * (np.array(names["above"])[1:] + np.array(names["above"])[:-1])
+    assert_allclose(pressed, between, atol=0.05 * between[0])

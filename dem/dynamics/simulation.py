@@ -44,7 +44,7 @@ from dem.dynamics.stepping import (
     longest_step,
     run_steps,
 )
-from dem.dynamics.stress import Room, Stress, edges, stress
+from dem.dynamics.stress import Container, Stress, edges, stress
 from dem.dynamics.threads import Threads
 from dem.dynamics.touching import Touching, touching
 from dem.dynamics.world import CHUNK, World
@@ -600,7 +600,7 @@ class Simulation:
         Raises
         ------
         InputError
-            If edges do not rise, are given along both axes, or leave a room that is not closed.
+            If edges do not rise, are given along both axes, or leave a container that is not closed.
 
         Notes
         -----
@@ -630,10 +630,12 @@ class Simulation:
             axis = world.cylinder.motion[0]
             cylinder = float(axis[X]), float(axis[Y]), world.cylinder.radius
         planes = np.empty((0, 3)) if world.walls is None else world.walls.planes
-        room = Room(planes, self.scene.thickness, cylinder, (None, None))
-        bins = next(((k, each) for k, each in enumerate((x, y)) if each is not None), None)
+        container = Container(planes, self.scene.thickness, cylinder, (None, None))
+        bins = next(((k, np.asarray(e)) for k, e in enumerate((x, y)) if e is not None), None)
         state = self.state
-        return stress(self.contacts(), state.position, state.velocity, self.scene.mass, room, bins)
+        return stress(
+            self.contacts(), state.position, state.velocity, self.scene.mass, container, bins
+        )
 
     def ledger(self) -> Ledger:
         """Energies held, gained and lost since the start.

@@ -1,8 +1,7 @@
 """Stress and fabric of a bed: what its contacts carry, and how they are directed.
 
 The stress is that of Love and Weber: a contact with force f on the partner and branch vector l gives
-f l / volume. Volume is the area of the room between the walls, without the cylinder, times the
-thickness. In bins along x or y a contact counts for the share of its branch vector that lies in the
+f l / volume. Volume is the area between the walls, without the cylinder, times the thickness. In bins along x or y a contact counts for the share of its branch vector that lies in the
 bin: the mean force that crosses the lines of the bin is then exact (Irving and Kirkwood 1950).
 """
 
@@ -16,7 +15,7 @@ from dem.base.errors import InputError
 from dem.base.validate import array
 from dem.dynamics.touching import Touching
 
-OPEN = 1e3  # sizes of the scene: a room that reaches farther is not closed
+OPEN = 1e3  # sizes of the scene: a container that reaches farther is not closed
 LEAST = 1e-300  # m: a length to divide by
 
 
@@ -91,9 +90,9 @@ def edges(name: str, value: Any) -> np.ndarray:
     return found
 
 
-class Room(NamedTuple):
+class Container(NamedTuple):
     """Where granules are: planes (w, 3) of the walls; thickness (m); cylinder (x, y, radius) in m,
-    or None; period (m) along x and y, None where the room does not repeat itself."""
+    or None; period (m) along x and y, None where it does not repeat itself."""
 
     planes: np.ndarray
     thickness: float
@@ -106,17 +105,17 @@ def stress(
     position: np.ndarray,
     velocity: np.ndarray,
     mass: np.ndarray,
-    room: Room,
+    container: Container,
     bins: tuple[int, np.ndarray] | None = None,
 ) -> Stress:
     """Stress of granules at `position` (n, 2) with these contacts; bins: their axis and edges (m).
 
-    Raises InputError if the room is not closed.
+    Raises InputError if the container is not closed.
     """
     axis, limits = bins or (0, np.array([-np.inf, np.inf]))
-    period = room.period[axis] if bins else None
-    volume = room.thickness * (
-        _areas(room, axis, limits, bins) - _taken(room, axis, limits, period)
+    period = container.period[axis] if bins else None
+    volume = container.thickness * (
+        _areas(container, axis, limits, bins) - _taken(container, axis, limits, period)
     )
 
     def held(values, start, length=0.0):
@@ -171,10 +170,10 @@ def _images(limits, low, high, period):
     return period * np.arange(first, last + 1)
 
 
-def _areas(room, axis, limits, bins):
-    """Area (m2) of the room in each bin."""
-    planes = [*room.planes]
-    for other, period in enumerate(room.period):
+def _areas(container, axis, limits, bins):
+    """Area (m2) between the walls in each bin."""
+    planes = [*container.planes]
+    for other, period in enumerate(container.period):
         if period is not None and not (bins and other == axis):
             across = np.eye(2)[other]
             planes += [(*-across, 0.0), (*across, period)]
@@ -188,7 +187,7 @@ def _areas(room, axis, limits, bins):
 
 
 def _corners(planes):
-    """Corners (k, 2) in m of the convex room between planes (w, 3), anticlockwise.
+    """Corners (k, 2) in m of the convex region between planes (w, 3), anticlockwise.
 
     Raises InputError if it is not closed.
     """
@@ -206,17 +205,17 @@ def _corners(planes):
         corners = np.reshape(kept, (-1, 2))
     if (np.abs(corners) > 0.999 * far).any():
         raise InputError(
-            "the room of the bed is not closed, so that it has no area; give edges of bins along x or y "
+            "the container of the bed is not closed, so that it has no area; give edges of bins along x or y "
             "between which it is, such as y=(0, 0.02)."
         )
     return corners
 
 
-def _taken(room, axis, limits, period):
+def _taken(container, axis, limits, period):
     """Area (m2) of the cylinder in each bin."""
-    if room.cylinder is None:
+    if container.cylinder is None:
         return 0.0
-    centre, radius = room.cylinder[axis], room.cylinder[2]
+    centre, radius = container.cylinder[axis], container.cylinder[2]
     below = np.zeros(len(limits))
     ends = np.array([centre - radius]), np.array([centre + radius])
     for shift in _images(limits, *ends, period):
