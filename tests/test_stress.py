@@ -222,6 +222,10 @@ def test_a_gas_has_the_pressure_of_its_energy_and_no_fabric():
     assert found.pressure * 36e-6 * scene.thickness == pytest.approx(energy)
     drifting = dem.Simulation(scene, dem.State(place, velocity + [3.0, 4.0]))
     assert_allclose(drifting.stress().kinetic, found.kinetic)  # of the motion about the mean
+    sliding = np.column_stack([1e3 * place[:, 1], np.zeros(9)])  # each row at its own speed
+    rows = dem.Simulation(scene, dem.State(place, sliding))
+    assert rows.stress().pressure > 0.0
+    assert_allclose(rows.stress(y=[0.0, 2e-3, 4e-3, 6e-3]).pressure, 0.0, atol=1e-9)
     empty = run.stress(y=[2e-3, 2.5e-3])
     assert not empty.contact.any() and np.isnan(empty.coordination_number).all()
 

@@ -124,13 +124,12 @@ def stress(
         below = _below(limits, start[:, axis], length[:, axis], period)
         return np.tensordot(np.diff(below, axis=0), values, 1)
 
-    fluctuation = velocity - np.average(velocity, axis=0, weights=mass)
     between = contacts.partner >= 0
     ends = np.concatenate([contacts.granule[between], contacts.partner[between]])
     point, normal = contacts.point[between], contacts.normal[between]
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        within, momentum = held(mass, position), held(mass[:, None] * fluctuation, position)
-        moving = held(mass[:, None, None] * _outer(fluctuation, fluctuation), position)
+        within, momentum = held(mass, position), held(mass[:, None] * velocity, position)
+        moving = held(mass[:, None, None] * _outer(velocity, velocity), position)
         moving -= _outer(momentum, momentum) / np.maximum(within, LEAST)[:, None, None]
         carried = _outer(contacts.total_force, contacts.branch)
         start, one = position[contacts.granule], np.ones(len(point))
