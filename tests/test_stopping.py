@@ -73,7 +73,9 @@ def killed_at(share):
 def test_a_run_goes_on_from_a_checkpoint_with_the_same_bits(tmp_path, monkeypatch, shape):
     """Stopped at any piece and started again, a run gives what it would have given undisturbed."""
     monkeypatch.setattr(drag, "SAVED_EVERY", 0.0)
-    replicate = smoke().replicate(shape, 3.9e3, 1)
+    observables = ["drag", "snapshots", "stress"]
+    record = smoke().dump()["record"] | {"observables": observables}
+    replicate = smoke(record=record).replicate(shape, 3.9e3, 1)
     bed, checkpoint = make_bed(replicate), tmp_path / "run.npz"
     whole = drag.run(replicate, bed)
     for share in (0.3, 0.6):

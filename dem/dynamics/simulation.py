@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dem.base.errors import InputError, OverlapError, StateError
 from dem.base.files import atomic
@@ -43,10 +44,11 @@ from dem.dynamics.stepping import (
     longest_step,
     run_steps,
 )
+from dem.dynamics.stress import Container, Stress, edges, stress
 from dem.dynamics.threads import Threads
 from dem.dynamics.touching import Touching, touching
 from dem.dynamics.world import CHUNK, World
-from dem.jit.columns import VX, VY, W
+from dem.jit.columns import VX, VY, W, X, Y
 from dem.scene import Scene, State
 
 if TYPE_CHECKING:
@@ -167,8 +169,9 @@ class Result(NamedTuple):
         Returns
         -------
         Touching
-            Granule, partner, point (m), normal, overlap (m) and elastic normal force (N) of each
-            contact.
+            Granule, partner, point (m), normal, branch vector (m), overlap (m) and elastic normal
+            force (N) of each contact. With friction the tangential and the total forces are NaN:
+            frames do not hold the tangential springs. `Simulation.contacts` has them.
 
         Raises
         ------
@@ -190,7 +193,13 @@ class Result(NamedTuple):
         if scene.cylinder is not None and place is not None:
             scene = replace(scene, cylinder=replace(scene.cylinder, position=place[frame]))
         state = State(*(getattr(self, name)[frame] for name in vars(self.state)))
-        return Simulation(scene, state).contacts()
+        found = Simulation(scene, state).contacts()
+        if scene.friction is None:
+            return found
+        return found._replace(
+            tangential_force=np.full_like(found.tangential_force, np.nan),
+            total_force=np.full_like(found.total_force, np.nan),
+        )
 
     def to_dataset(self) -> "xarray.Dataset":
         """Return the frames, granules, walls and cylinder as a dataset.
@@ -546,7 +555,12 @@ class Simulation:
         Returns
         -------
         Touching
-            Granules, points (m), normals, overlaps (m) and elastic forces (N).
+            Granules, points (m), normals, branch vectors (m), overlaps (m) and forces (N). A
+            simulation starts without tangential springs.
+
+        See Also
+        --------
+        stress : What the contacts carry, per area.
 
         Examples
         --------
@@ -565,6 +579,63 @@ class Simulation:
         """
         unordered = np.arange(self.scene.granules)
         return touching(self._world, unordered if self._order is None else self._order)
+
+    @checked(x=or_none(edges), y=or_none(edges))
+    def stress(self, x: ArrayLike | None = None, y: ArrayLike | None = None) -> Stress:
+        """Stress and fabric of the bed at the present time, or of bins along x or y.
+
+        Parameters
+        ----------
+        x : array_like of shape (b + 1,), optional
+            Edges of bins along x (m), which rise. None for the whole bed.
+        y : array_like of shape (b + 1,), optional
+            Edges of bins along y (m); not together with x.
+
+        Returns
+        -------
+        Stress
+            Stress of contacts and motion (Pa), fabric and coordination number (without unit).
+            Compression is positive.
+
+        Raises
+        ------
+        InputError
+            If edges do not rise, are given along both axes, or leave a container that is not closed.
+
+        Notes
+        -----
+        The stress of the contacts is the sum of ``f l`` over the volume: force f on the partner,
+        branch vector l of `Touching`. The volume is the thickness times the area between walls and
+        edges, without the cylinder. In bins a contact counts for the share of its branch vector
+        that is in the bin. The fabric counts contacts by their points, the other measures granules
+        by their centres.
+
+        Examples
+        --------
+        A disc of 1 mm radius is pressed between two walls, 1 um on either side. The force on a wall
+        over its area, 4 mm times 1 mm, is the stress:
+
+        >>> import dem
+        >>> scene = dem.Scene(dem.Disc([1e-3]), walls=dem.box(1.998e-3, 4e-3), thickness=1e-3)
+        >>> run = dem.Simulation(scene, dem.State([[0.999e-3, 2e-3]]))
+        >>> print(f"{1e-3 * run.stress().contact[0, 0]:.0f} kPa")
+        776 kPa
+        >>> print(f"{1e-3 * run.contacts().force[0] / (4e-3 * 1e-3):.0f} kPa")
+        775 kPa
+        """
+        if x is not None and y is not None:
+            raise InputError("x and y are both given; give edges along one of them.")
+        world, cylinder = self._world, None
+        if world.cylinder is not None:
+            axis = world.cylinder.motion[0]
+            cylinder = float(axis[X]), float(axis[Y]), world.cylinder.radius
+        planes = np.empty((0, 3)) if world.walls is None else world.walls.planes
+        container = Container(planes, self.scene.thickness, cylinder, (None, None))
+        bins = next(((k, np.asarray(e)) for k, e in enumerate((x, y)) if e is not None), None)
+        state = self.state
+        return stress(
+            self.contacts(), state.position, state.velocity, self.scene.mass, container, bins
+        )
 
     def ledger(self) -> Ledger:
         """Energies held, gained and lost since the start.

@@ -4,8 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dem.contacts.response import respond
 from dem.dynamics.diagnostics import cylinder_geometries, pair_geometries, wall_geometries
-from dem.jit.columns import X, Y
+from dem.jit.columns import VX, VY, W, X, Y
+from dem.jit.compilation import compiled
+from dem.jit.optional import either
+from dem.shapes.protocol import ContactGeometry
 
 CYLINDER, FIRST_WALL = -1, -2  # as partners
 
@@ -23,51 +27,102 @@ class Touching(NamedTuple):
     point : ndarray of shape (m, 2)
         Points of contact (m).
     normal : ndarray of shape (m, 2)
-        Unit normals that point away from the granule, without unit.
+        Unit normals (nx, ny) that point away from the granule, without unit.
+    branch : ndarray of shape (m, 2)
+        Branch vectors (m): from the centre of the granule to that of the other granule, or to the
+        point of contact with cylinder or wall.
     overlap : ndarray of shape (m,)
         Overlaps (m).
     force : ndarray of shape (m,)
         Elastic normal forces (N), without those of dashpots.
+    tangential_force : ndarray of shape (m,)
+        Forces of the tangential springs (N) on the partner, along the tangent (-ny, nx); zero
+        without friction, NaN where it is not known.
+    total_force : ndarray of shape (m, 2)
+        Forces (x, y) on the partner (N), normal and tangential, of springs and dashpots; the
+        granule feels the opposite. NaN where a tangential force is not known.
     """
 
     granule: np.ndarray
     partner: np.ndarray
     point: np.ndarray
     normal: np.ndarray
+    branch: np.ndarray
     overlap: np.ndarray
     force: np.ndarray
+    tangential_force: np.ndarray
+    total_force: np.ndarray
 
 
 def touching(world, names: np.ndarray) -> Touching:
     """All contacts of a bed; names (n,): the number of each granule of the World."""
     shape, motion, frame = world.shape, world.constituents, world.frame
     per = len(motion) // len(world.bodies)
-    pairs = world.pairs
-    second = names[pairs.partner.astype(np.int64) // per]
-    found = [_rows(world, names, pairs, pair_geometries(shape, motion, frame, pairs), second)]
+    listed = world.pairs
+    second = listed.partner.astype(np.int64) // per
+    geometries = pair_geometries(shape, motion, frame, listed)
+    found = [_columns(world, names, listed, geometries, names[second], world.bodies[second])]
     if world.cylinder is not None:
         listed = world.cylinder.contacts
         geometries = cylinder_geometries(shape, motion, frame, world.cylinder)
-        found.append(
-            _rows(world, names, listed, geometries, np.full(len(listed.constituent), CYLINDER))
-        )
+        partner = np.full(len(listed.constituent), CYLINDER)
+        axis = world.cylinder.motion[np.zeros_like(partner)]
+        found.append(_columns(world, names, listed, geometries, partner, axis))
     if world.walls is not None:
         listed = world.walls.contacts
         geometries = wall_geometries(shape, motion, frame, world.walls)
-        walls = FIRST_WALL - listed.partner.astype(np.int64)
-        found.append(_rows(world, names, listed, geometries, walls))
+        wall = listed.partner.astype(np.int64)
+        moving = world.walls.motion[wall]
+        found.append(_columns(world, names, listed, geometries, FIRST_WALL - wall, moving))
     return Touching(*map(np.concatenate, zip(*found, strict=True)))
 
 
-def _rows(world, names, listed, geometries, partner):
-    """Columns of Touching for the listed contacts that touch."""
-    per = len(world.constituents) // len(world.bodies)
-    overlap, nx, ny, n1, t1, stiffness = geometries.T
-    x = world.constituents[listed.constituent, X] + n1 * nx - t1 * ny
-    y = world.constituents[listed.constituent, Y] + n1 * ny + t1 * nx
-    force = stiffness * np.maximum(overlap, 0.0) ** 1.5
-    columns = (
-        names[listed.constituent // per], partner, np.column_stack([x, y]), np.column_stack([nx, ny]),
-        overlap, force,
+def _columns(world, names, listed, geometries, partner, second):
+    """Columns of Touching for the listed contacts that touch; second: motion of the partners."""
+    touch = geometries[:, 0] > 0.0
+    constituent = listed.constituent[touch].astype(np.int64)
+    granule = constituent // (len(world.constituents) // len(world.bodies))
+    partner, first, second = partner[touch], world.bodies[granule], second[touch]
+    overlap, nx, ny, n1, t1, stiffness = geometries[touch].T.copy()
+    normal, tangent = np.column_stack([nx, ny]), np.column_stack([-ny, nx])
+    point = world.constituents[constituent][:, [X, Y]] + n1[:, None] * normal
+    point += t1[:, None] * tangent
+    apart = second[:, [X, Y]] - first[:, [X, Y]]
+    branch = np.where(partner[:, None] >= 0, apart, point - first[:, [X, Y]])
+    nearing = _velocity(second, point) - _velocity(first, point)
+    rates = np.column_stack([(nearing * normal).sum(axis=1), (nearing * tangent).sum(axis=1)])
+    pushed = np.empty_like(rates)
+    _respond_now(_copied(listed, touch, overlap, stiffness), overlap, rates, pushed)
+    spring = listed.tangential_force
+    return (
+        names[granule], partner, point, normal, branch, overlap, stiffness * overlap**1.5,
+        np.zeros(len(granule)) if spring is None else spring[touch],
+        pushed[:, :1] * normal + pushed[:, 1:] * tangent,
     )  # fmt: skip
-    return [column[overlap > 0.0] for column in columns]
+
+
+def _velocity(motion, point):
+    """Velocity (m, 2) in m/s of bodies at points: motion (m, 8), rows of dem.jit.columns."""
+    arm, spin = point - motion[:, [X, Y]], motion[:, [W]]
+    return motion[:, [VX, VY]] + spin * np.column_stack([-arm[:, 1], arm[:, 0]])
+
+
+def _copied(listed, touch, overlap, stiffness):
+    """Those that touch, to be written to: a response remembers, and the bed must not see it."""
+    kept = {"stiffness": stiffness, "first": None, "normal_x": None, "normal_y": None}
+    if listed.damping is not None:
+        kept["damping"] = listed.damping[touch]
+    if listed.friction is not None:
+        kept["tangential_force"] = listed.tangential_force[touch]
+        kept["sqrt_overlap"] = np.sqrt(overlap)
+    return listed._replace(**kept)
+
+
+@compiled
+def _respond_now(contacts, overlap, rates, pushed):
+    """Fill pushed (m, 2): forces N and T (N) at relative velocities (m, 2) along n and t (m/s)."""
+    for p in range(overlap.shape[0]):
+        geometry = ContactGeometry(overlap[p], 1.0, 0.0, 0.0, None, None, None, None)
+        velocity = rates[p, 0], rates[p, 1]
+        normal, tangential, _, _ = respond(contacts, p, geometry, velocity, (0.0, 0.0), 0.0, None)
+        pushed[p, 0], pushed[p, 1] = normal, either(tangential, 0.0)

@@ -12,7 +12,7 @@ from dem.experiment.bed import diameters
 from dem.experiment.config import Configuration, Replicate
 from dem.experiment.motion import Motion
 from dem.experiment.observables import module_of
-from dem.experiment.resume import Going, read_checkpoint, write_checkpoint
+from dem.experiment.resume import Going, read_checkpoint, stacked, write_checkpoint
 from dem.experiment.scene import start
 from dem.io.dataset import OF_RUN, WALLS
 from dem.packing.random import Bed
@@ -22,14 +22,13 @@ SAVED_EVERY = 60.0  # s between two checkpoints
 
 
 class Seen(NamedTuple):
-    """All that a run has seen, for its observables: bins of the stroke in record; states (s,) and
-    residuals of the energy ledger (s,), NaN without one, at snapshots."""
+    """All that a run has seen, for its observables: bins of the stroke in record; states (s,) at
+    snapshots."""
 
     replicate: Replicate
     bed: Bed
     record: Record
     states: list
-    residual: np.ndarray
 
     @property
     def moved(self) -> np.ndarray:
@@ -98,10 +97,11 @@ def run(
     every = record.bins // (record.snapshots - 1)
     simulation.check_duration(interval * record.bins)
 
-    def residual():
-        return simulation.ledger().residual if ledger else np.nan
+    def look():
+        return {k: v for each in looking for k, v in each.look(simulation).items()}
 
-    going = Going([], [simulation.state], [residual()], 0.0)
+    looking = [module for module in observables if hasattr(module, "look")]
+    going = Going([], [simulation.state], [look()], 0.0)
     if checkpoint is not None and (saved := read_checkpoint(checkpoint, replicate, bed)):
         going = saved.restore(simulation)
     done, saved_at = going.bins, time.monotonic()
@@ -112,17 +112,19 @@ def run(
         done += some
         if done % every == 0:
             going.states.append(simulation.state)
-            going.residuals.append(residual())
+            going.looks.append(look())
         going = going._replace(spent=going.spent + time.process_time() - started)
         progress(done / record.bins)
         if checkpoint is not None and time.monotonic() - saved_at > SAVED_EVERY:
             write_checkpoint(checkpoint, replicate, bed, simulation, going)
             saved_at = time.monotonic()
     whole = Record(*map(np.concatenate, zip(*going.records, strict=True)))
-    seen = Seen(replicate, bed, whole, going.states, np.array(going.residuals))
+    seen = Seen(replicate, bed, whole, going.states)
     values = {"run_time": going.spent, "steps": np.int64(simulation.steps)}
+    values |= stacked(going.looks)
     for module in observables:
-        values |= module.measure(seen)
+        if hasattr(module, "measure"):
+            values |= module.measure(seen)
     return values | _of_bed(replicate, bed)
 
 

@@ -4,6 +4,7 @@ import hashlib
 import os
 import re
 import sys
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
@@ -21,12 +22,12 @@ from dem.scene import State
 
 
 class Going(NamedTuple):
-    """What a run has so far: records of pieces, states and residuals of the ledger at
-    snapshots, processor time (s)."""
+    """What a run has so far: records of pieces; at snapshots states and what observables saw, by
+    name; processor time (s)."""
 
     records: list[Record]
     states: list[State]
-    residuals: list[float]
+    looks: list[dict[str, float]]
     spent: float
 
     @property
@@ -59,19 +60,20 @@ def write_checkpoint(
     path: Path, replicate: Replicate, bed: Bed, simulation: Simulation, going: Going
 ) -> None:
     """Save a run, whole or not at all."""
-    arrays = {f"simulation_{k}": v for k, v in simulation.checkpoint().items()}
+    arrays = {f"{SIMULATION}{k}": v for k, v in simulation.checkpoint().items()}
     record = Record(*map(np.concatenate, zip(*going.records, strict=True)))
     arrays |= {f"record_{k}": v for k, v in record._asdict().items()}
     for name in STATE:
         arrays[f"state_{name}"] = np.stack([getattr(state, name) for state in going.states])
+    arrays |= {f"{LOOK}{k}": v for k, v in stacked(going.looks).items()}
     with atomic(path) as part, part.open("wb") as file:
-        own = {"spent": going.spent, "residuals": going.residuals}
-        np.savez(file, mark=np.array(mark_of(replicate, bed)), **own, **arrays)
+        np.savez(file, mark=np.array(mark_of(replicate, bed)), spent=going.spent, **arrays)
         file.close()
         seal(part)
 
 
 STATE = ("position", "velocity", "angle", "angular_velocity")
+SIMULATION, LOOK = "simulation_", "look_"  # how names of arrays begin
 
 # How write_checkpoint begins a file: the head of a zip archive and of its first array, a text `mark`.
 # It is all that is looked for, because a damaged checkpoint may have lost everything behind it.
@@ -138,13 +140,23 @@ def read_checkpoint(path: Path, replicate: Replicate, bed: Bed) -> Saved | None:
             record = Record(*(file[f"record_{name}"] for name in Record._fields))
             columns = (file[f"state_{name}"] for name in STATE)
             states = [State(*rows) for rows in zip(*columns, strict=True)]
-            head = "simulation_"
-            arrays = {k.removeprefix(head): file[k] for k in file.files if k.startswith(head)}
-            going = Going([record], states, file["residuals"].tolist(), float(file["spent"]))
-            return Saved(going, arrays)
+            seen = beginning(file, LOOK)
+            looks = [{k: v[at] for k, v in seen.items()} for at in range(len(states))]
+            going = Going([record], states, looks, float(file["spent"]))
+            return Saved(going, beginning(file, SIMULATION))
     except Exception:  # see _fault
         _say(f"{path}: this checkpoint is damaged; the run begins again.")
         return None
+
+
+def stacked(looks: list[dict[str, float]]) -> dict[str, np.ndarray]:
+    """What observables saw (snapshots,), by name."""
+    return {name: np.array([each[name] for each in looks]) for name in looks[0]}
+
+
+def beginning(file: Mapping[str, np.ndarray], head: str) -> dict[str, np.ndarray]:
+    """Arrays of a file whose names begin with `head`, by the rest of their names."""
+    return {k.removeprefix(head): file[k] for k in file if k.startswith(head)}
 
 
 def _say(sentence: str) -> None:

@@ -3,6 +3,7 @@
 from dem.dynamics.simulation import Simulation
 from dem.experiment.bed import cylinder, diameters
 from dem.experiment.config import Replicate
+from dem.experiment.observables import module_of
 from dem.experiment.scene import make_scene
 from dem.packing.random import pack
 from dem.shapes import KINDS
@@ -22,7 +23,8 @@ def compile_kernels(replicate: Replicate) -> None:
     run = Simulation(make_scene(replicate, bed), bed.state, ledger=ledger)
     run.check_duration(1e-9)
     run.record(1e-9, 1)
-    if ledger:
-        run.ledger()
+    for name in own.record.observables:
+        if hasattr(module_of(name), "look"):
+            module_of(name).look(run)
     if "snapshots" in own.record.observables:
         run.contacts()  # of snapshots, which the measures of flow ask for

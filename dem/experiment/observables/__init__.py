@@ -1,8 +1,9 @@
 """What a run records, by name: one module each, loaded when it is asked for.
 
-In: what a run saw (dem.experiment.drag.Seen). Out: variables. A new observable is a file here.
-It has VARIABLES, a layout (name: dimensions, units, long name), and `measure(seen)`, which returns
-values by these names. It has LEDGER = True if the simulation must keep an energy ledger.
+A new observable is a file here. It has VARIABLES, a layout (name: dimensions, units, long name),
+and one or both of two functions that return values by these names: `look(simulation)` at each
+snapshot, one number a variable, and `measure(seen)` at the end, from what the run saw
+(dem.experiment.drag.Seen). It has LEDGER = True if the simulation must keep an energy ledger.
 """
 
 from importlib import import_module

@@ -6,6 +6,6 @@ VARIABLES = {
 }
 
 
-def measure(seen) -> dict:
-    """Values of VARIABLES by name."""
-    return {"ledger_residual": seen.residual}
+def look(simulation) -> dict:
+    """Values of VARIABLES by name, at one snapshot."""
+    return {"ledger_residual": simulation.ledger().residual}

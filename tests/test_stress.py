@@ -1,0 +1,308 @@
+"""What stress and fabric promise: laws of mechanics that hold for any bed."""
+
+from dataclasses import replace
+
+import matplotlib
+import numpy as np
+import pytest
+import xarray as xr
+from conftest import STIFF
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from made import made
+from numpy.testing import assert_allclose
+from test_readme import code
+from test_symmetry import mapped
+
+import dem
+from dem.experiment.observables.stress import VARIABLES
+from dem.jit.columns import FX, FY, TAU
+
+SOFT = dem.Material(density=2500.0, young_modulus=1e6, restitution=0.1)
+SMOOTH_SIDES = dem.Friction(granule=0.5, wall=0.0)
+THICKNESS = 1e-3
+G = 9.81
+
+
+def volume(run):
+    """Of a box with or without a cylinder (m3)."""
+    width, height = run.scene.walls[1, 2], run.scene.walls[3, 2]
+    cylinder = run.scene.cylinder
+    taken = 0.0 if cylinder is None else 0.25 * np.pi * cylinder.diameter**2
+    return (width * height - taken) * run.scene.thickness
+
+
+def shaken(small):
+    """A bed with friction, with the cylinder askew and all granules with velocity and spin."""
+    rng, n = np.random.default_rng(4), len(small.diameters)
+    state = replace(
+        small.state,
+        velocity=rng.normal(size=(n, 2)),
+        angular_velocity=rng.normal(scale=1e3, size=n),
+    )
+    return dem.Simulation(small.scene(), state)
+
+
+@pytest.fixture(scope="module")
+def column():
+    """Discs with friction that have come to rest under gravity, between smooth sides."""
+    rng = np.random.default_rng(2)
+    row, place = np.divmod(np.arange(120), 8)
+    shape = dem.Disc(0.5e-3 * rng.uniform(0.8, 1.2, 120))
+    walls = dem.box(10e-3, 30e-3)
+    scene = dem.Scene(
+        shape, SOFT, SMOOTH_SIDES, walls, gravity=(0.0, -G), thickness=THICKNESS
+    )  # fmt: skip
+    place = 1e-3 + 1.14e-3 * place + 0.1e-3 * (row % 2)
+    run = dem.Simulation(scene, dem.State(np.column_stack([place, 1e-3 + 1.3e-3 * row])))
+    run.advance(1.0)
+    return run
+
+
+@pytest.mark.parametrize(("kind", "fraction"), STIFF)
+def test_a_bed_at_rest_carries_what_its_boundary_puts_on_it(small_bed, kind, fraction):
+    """The moments of the forces of walls and cylinder, at their points, are stress times volume."""
+    small = small_bed(kind, fraction=fraction)
+    still = replace(small.cylinder, velocity=(0.0, 0.0))
+    run = dem.Simulation(small.scene(cylinder=still), small.state)
+    found, contacts = run.stress(), run.contacts()
+    edge = contacts.partner < 0
+    moment = contacts.total_force[edge].T @ contacts.point[edge]
+    assert_allclose(found.contact * volume(run), moment, atol=1e-6 * np.abs(moment).max())
+    assert found.pressure > 0.0
+
+
+def test_the_stress_of_a_bed_at_rest_is_the_pressure_on_its_walls():
+    """Force over area, but for the overlaps: contact points are inside the walls."""
+    shape = dem.Disc.of_size(np.linspace(0.8e-3, 1.2e-3, 60))
+    bed = dem.pack(shape, 8e-3, 7e-3, None, seed=1)
+    run = dem.Simulation(dem.Scene(shape, walls=bed.walls, thickness=THICKNESS), bed.state)
+    found, contacts = run.stress().contact, run.contacts()
+    left, right, bottom, top = (
+        contacts.force[contacts.partner == k].sum() for k in range(-2, -6, -1)
+    )
+    assert_allclose([left, bottom], [right, top], rtol=1e-5)
+    pressure = np.array([left / (7e-3 * THICKNESS), bottom / (8e-3 * THICKNESS)])
+    excess, deep = np.diag(found) / pressure - 1.0, contacts.overlap.max() / 7e-3
+    assert (excess > 0.0).all() and (excess < deep).all() and deep < 0.02
+
+
+@pytest.mark.parametrize(("kind", "fraction"), STIFF)
+def test_the_forces_of_contacts_move_the_granules(small_bed, kind, fraction):
+    """Springs and dashpots, normal and tangential, add up to the force that accelerates each granule."""
+    run = shaken(small_bed(kind, fraction=fraction))
+    run.advance(2e-6)
+    contacts, order = run.contacts(), run._order
+    felt = np.zeros((run.scene.granules, 2))
+    np.subtract.at(felt, contacts.granule, contacts.total_force)
+    pair = contacts.partner >= 0
+    np.add.at(felt, contacts.partner[pair], contacts.total_force[pair])
+    felt = felt if order is None else felt[order]
+    force = run.world.force[:, [FX, FY]]
+    assert_allclose(felt, force, atol=1e-2 * np.abs(force).max())
+
+
+@pytest.mark.parametrize(("kind", "fraction"), STIFF)
+def test_the_stress_is_symmetric_but_for_torques(small_bed, kind, fraction):
+    """What differs across the diagonal is the torque that turns granules faster."""
+    run = shaken(small_bed(kind, fraction=fraction))
+    run.advance(2e-6)
+    found, torque = run.stress().contact * volume(run), run.world.force[:, TAU]
+    # granules feel the opposite of the forces on their partners
+    assert abs(found[1, 0] - found[0, 1] + torque.sum()) < 0.02 * np.abs(torque).sum()
+
+
+def test_the_stress_of_a_bed_at_rest_with_friction_is_symmetric(column):
+    """To the torques that are left."""
+    found = column.stress().contact
+    left = np.abs(column.world.force[:, TAU]).sum() / volume(column)
+    rounding = 1e-12 * found[1, 1]
+    assert abs(found[0, 1] - found[1, 0]) <= left + rounding < 1e-6 * found[1, 1]
+    assert np.abs(column.contacts().tangential_force).max() > 0.01 * column.contacts().force.max()
+
+
+def test_each_layer_of_a_column_carries_the_weight_above_it(column):
+    """Mean of the weights of granules above a line, over all lines of a bin; sides are smooth."""
+    edges = np.linspace(0.0, 12e-3, 7)
+    found = column.stress(y=edges).contact[:, 1, 1]
+    height, weight = column.state.position[:, 1], G * column.scene.mass
+    low, high = edges[:-1, None], edges[1:, None]
+    above = np.clip((height - low) / (high - low), 0.0, 1.0) @ weight
+    assert_allclose(found * 10e-3 * THICKNESS, above, rtol=2e-3, atol=1e-4 * weight.sum())
+    assert (np.diff(found) < 0.0).all()
+    fraction = column.scene.shape.area.sum() / (10e-3 * height.max())
+    assert_allclose(np.diff(found[:4]), -2500.0 * fraction * G * 2e-3, rtol=0.2)  # rho g h
+
+
+def test_a_chain_of_discs_between_two_walls_has_the_stress_of_their_force():
+    """Along the chain the force over the height of the box; across it none."""
+    radius, count, height = 1e-3, 5, 4e-3
+    length = 2.0 * count * radius * (1.0 - 1e-4)
+    scene = dem.Scene(
+        dem.Disc([radius] * count), SOFT, walls=dem.box(length, height), thickness=THICKNESS
+    )
+    x = length * (np.arange(count) + 0.5) / count
+    run = dem.Simulation(scene, dem.State(np.column_stack([x, np.full(count, 0.5 * height)])))
+    run.advance(0.1)
+    found = run.stress()
+    on_walls = run.record(1e-4, 1).wall_force[0]
+    force = on_walls[0] / (height * THICKNESS)
+    assert_allclose(on_walls[1], on_walls[0], rtol=1e-6)
+    assert_allclose(found.contact, [[force, 0.0], [0.0, 0.0]], rtol=2e-4, atol=1e-9 * force)
+    assert_allclose(run.stress(x=[0.3 * length, 0.7 * length]).contact[0, 0, 0], force, rtol=1e-6)
+    assert_allclose(found.fabric, [[1.0, 0.0], [0.0, 0.0]], atol=1e-12)
+    assert (found.anisotropy, found.fabric_angle, found.angle) == pytest.approx((1.0, 0.0, 0.0))
+    assert found.pressure == pytest.approx(found.shear)
+    assert found.coordination_number == pytest.approx(2.0 * (count - 1) / count)
+
+
+@settings(max_examples=20)
+@given(angle=st.floats(-3.1, 3.1))
+def test_the_stress_turns_with_the_bed(small_bed, angle):
+    """As a tensor, fabric and motion too, in a box whose walls are askew."""
+    run = shaken(small_bed("disc"))
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    before = run.stress()
+    after = dem.Simulation(*mapped(run.scene, run.state, turn)).stress()
+    for name in ("contact", "kinetic", "fabric"):
+        expected = turn @ getattr(before, name) @ turn.T
+        assert_allclose(
+            getattr(after, name), expected, rtol=1e-6, atol=1e-6 * np.abs(expected).max()
+        )
+    assert after.pressure == pytest.approx(before.pressure, rel=1e-6)
+    assert after.shear == pytest.approx(before.shear, rel=1e-5)
+    turned = after.fabric_angle - before.fabric_angle - angle
+    assert abs(np.sin(turned)) < 1e-4  # an axis, not an arrow
+
+
+@given(cuts=st.lists(st.integers(1, 99), max_size=8, unique=True), along=st.sampled_from("xy"))
+def test_bins_share_the_stress_of_the_whole(small_bed, cuts, along):
+    """The volume of each bin, without the cylinder, times its stress: the sum is that of the bed."""
+    run = shaken(small_bed("disc"))
+    axis = "xy".index(along)
+    size = run.scene.walls[2 * axis + 1, 2]
+    edges = np.array([-1e-3, *(0.01 * size * np.sort(cuts)), size + 1e-3])
+    parts, whole = run.stress(**{along: edges}).contact, run.stress().contact
+    across = run.scene.walls[3 - 2 * axis, 2]
+    area = np.diff(np.clip(edges, 0.0, size)) * across
+    center = run.scene.cylinder.position[axis]
+    radius = 0.5 * run.scene.cylinder.diameter
+    lines = center + radius * np.cos(np.pi * (np.arange(20000) + 0.5) / 20000)
+    chords = 2.0 * np.abs(radius**2 - (lines - center) ** 2) ** 0.5
+    chords *= np.pi / 20000 * (radius**2 - (lines - center) ** 2) ** 0.5
+    area -= np.histogram(lines, edges, weights=chords)[0]
+    total = (parts * area[:, None, None]).sum(axis=0) * run.scene.thickness
+    assert_allclose(total, whole * volume(run), rtol=1e-3, atol=1e-4 * np.abs(total).max())
+
+
+def test_fabric_has_trace_one_and_a_coordination_number(small_bed):
+    """And the coordination number is that of `diagnose`."""
+    run = shaken(small_bed("ellipse"))
+    found = run.stress()
+    assert np.trace(found.fabric) == pytest.approx(1.0)
+    assert 0.0 < found.anisotropy < 1.0
+    assert found.coordination_number == pytest.approx(run.diagnose().coordination_number)
+    bins = run.stress(x=np.linspace(0.0, 8e-3, 5))
+    assert_allclose(np.trace(bins.fabric, axis1=1, axis2=2), 1.0)
+    assert bins.anisotropy.shape == bins.coordination_number.shape == (4,)
+
+
+def test_a_gas_has_the_pressure_of_its_energy_and_no_fabric():
+    """Pressure times area is the kinetic energy in two dimensions; what does not touch has no fabric."""
+    rng = np.random.default_rng(3)
+    scene = dem.Scene(dem.Disc(np.full(9, 0.2e-3)), SOFT, walls=dem.box(6e-3, 6e-3))
+    place = 1e-3 + 2e-3 * np.array(np.divmod(np.arange(9), 3)).T
+    velocity = rng.normal(size=(9, 2))
+    velocity -= velocity.mean(axis=0)
+    run = dem.Simulation(scene, dem.State(place, velocity))
+    found = run.stress()
+    assert not found.contact.any() and np.isnan(found.fabric).all()
+    assert found.coordination_number == 0.0
+    energy = run.diagnose().kinetic_energy
+    assert found.pressure * 36e-6 * scene.thickness == pytest.approx(energy)
+    drifting = dem.Simulation(scene, dem.State(place, velocity + [3.0, 4.0]))
+    assert_allclose(drifting.stress().kinetic, found.kinetic)  # of the motion about the mean
+    sliding = np.column_stack([1e3 * place[:, 1], np.zeros(9)])  # each row at its own speed
+    rows = dem.Simulation(scene, dem.State(place, sliding))
+    assert rows.stress().pressure > 0.0
+    assert_allclose(rows.stress(y=[0.0, 2e-3, 4e-3, 6e-3]).pressure, 0.0, atol=1e-9)
+    empty = run.stress(y=[2e-3, 2.5e-3])
+    assert not empty.contact.any() and np.isnan(empty.coordination_number).all()
+
+
+def test_friction_drags_the_floor_along():
+    """A disc that slides to the right pulls the floor to the right, with Coulomb's force."""
+    scene = dem.Scene(
+        dem.Disc([1e-3]), SOFT, dem.Friction(wall=0.3), [[0.0, -1.0, 0.0]], gravity=(0.0, -G)
+    )  # fmt: skip
+    run = dem.Simulation(scene, dem.State([[0.0, 0.999e-3]], velocity=[[1.0, 0.0]]))
+    run.advance(2e-3)
+    contacts = run.contacts()
+    assert_allclose(contacts.normal, [[0.0, -1.0]])
+    assert contacts.tangential_force[0] > 0.0  # along t = (1, 0)
+    ((pull, push),) = contacts.total_force
+    assert pull == pytest.approx(-0.3 * push)
+
+
+def test_frames_know_no_tangential_forces(small_bed):
+    """They are NaN with friction, and known to be zero without."""
+    small = small_bed("disc")
+    for friction, known in ((dem.Friction(), False), (None, True)):
+        result = dem.simulate(small.scene(friction=friction), small.state, 1e-6)
+        contacts = result.contacts()
+        assert np.isfinite(contacts.force).all()
+        assert np.isfinite(contacts.total_force).all() == known
+        assert (contacts.tangential_force == 0.0).all() == known
+
+
+def test_the_edges_of_bins_close_a_wedge():
+    """A wedge without a lid has no area; a bin of it is a trapezium."""
+    side = np.sqrt(0.5)
+    scene = dem.Scene(
+        dem.Disc([1e-3]), walls=[[-side, -side, 0.0], [side, -side, 0.0]], thickness=1.0
+    )
+    run = dem.Simulation(scene, dem.State([[0.0, 1.4e-3]], velocity=[[0.0, -1.0]]))
+    with pytest.raises(dem.InputError, match="the container of the bed is not closed"):
+        run.stress()
+    contacts = run.contacts()
+    moment = (contacts.total_force[:, 1] * contacts.branch[:, 1]).sum()
+    assert run.stress(y=[0.0, 2e-3]).contact[0, 1, 1] == pytest.approx(moment / 4e-6)
+
+
+@pytest.mark.parametrize(("edges", "sentence"), [
+    ({"x": [0.0, 1e-3], "y": [0.0, 1e-3]}, "x and y are both given; give edges along one of them"),
+    ({"y": [0.0]}, "y must hold two or more edges of bins"),
+    ({"y": [0.0, 2e-3, 1e-3]}, r"y must hold two or more edges of bins \(m\) that rise"),
+    ({"x": [0.0, np.nan]}, "x of edge 1 is nan; it must be finite"),
+    ({"x": 10}, "x is 10; it must hold real numbers"),
+])  # fmt: skip
+def test_edges_that_are_none_are_refused(small_bed, edges, sentence):
+    run = shaken(small_bed("disc"))
+    with pytest.raises(dem.InputError, match=sentence):
+        run.stress(**edges)
+
+
+def test_a_run_records_the_stress_of_its_bed(tmp_path):
+    """At the start it is the pressure of the packing; in stress.nc it has units."""
+    chosen = {"sweep": {"case": ["c1"], "seed": 1}, "record": {"observables": ["drag", "stress"]}}
+    made(tmp_path, **chosen)
+    with xr.open_dataset(tmp_path / "results/stress.nc") as found:
+        found = found.load().squeeze()
+    with xr.open_dataset(tmp_path / "results/drag.nc") as drag:
+        packed = float(drag["packing_pressure"].squeeze())
+    mean = 0.5 * (found["stress_xx"] + found["stress_yy"])
+    assert float(mean[0]) == pytest.approx(packed, rel=0.05)
+    assert_allclose(found["stress_xy"], found["stress_yx"], atol=1e-3 * float(mean[0]))
+    assert (found["kinetic_pressure"] < 1e-3 * mean).all()
+    assert {found[name].attrs["units"] for name in VARIABLES} == {"Pa", "1", "rad"}
+
+
+def test_the_page_on_stress_shows_the_weight_above():
+    """The code of the page runs, and its profile is the law that the page states."""
+    names = {}
+    with matplotlib.rc_context({"backend": "agg"}):
+        for block in code("docs/howto/stress.md").values():
+            exec(compile(block, "stress.md", "exec"), names)
+    pressed = names["found"].contact[:, 1, 1] * 10e-3 * names["scene"].thickness
+    between = 0.5 * (np.array(names["above"])[1:] + np.array(names["above"])[:-1])
+    assert_allclose(pressed, between, atol=0.05 * between[0])
