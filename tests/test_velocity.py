@@ -129,8 +129,8 @@ def test_the_inertial_number_is_a_ratio_of_two_times():
 
 def test_the_figure_shows_each_friction_and_the_inertial_number(tmp_path):
     figure = plot(swept([made_up(500.0, 40.0, 1.0), made_up(1000.0, 40.0, 1.0)]))
-    labels = {text.get_text() for text in figure.legends[0].get_texts()}
-    assert labels == {"friction 0", "friction 1"}
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert [label.partition(":")[0] for label in labels] == ["friction 0", "friction 1"]
     assert figure.axes[0].child_axes[0].get_xlabel() == "Inertial number"
     vector, pixels = save(figure, tmp_path / "velocity")
     assert vector.is_file()

@@ -63,7 +63,7 @@ class Rates(NamedTuple):
         """Of a number of all beds and of the resamples (1 + RESAMPLES,), by the quantiles of these.
 
         Few beds scatter too little when they are drawn again, so the quantiles are farther out, as
-        Student's t asks (Hesterberg 2015, Am. Stat. 69, 371, section 3.3).
+        Student's t asks (Hesterberg 2015, Am. Stat. 69, 371).
         """
         from scipy.special import ndtr, stdtrit
 

@@ -21,41 +21,42 @@ def plot(dataset: xr.Dataset) -> Figure:
     above, below = figure.subplots(2, 1, sharex=True)
     along = np.geomspace(found.velocity[0], found.velocity[-1], ALONG)
     for number, (place, law) in enumerate(found.laws.items()):
-        told = ", ".join(f"{dim} {at}" for dim, at in zip(others, place, strict=True))
-        color = COLORS[number % len(COLORS)]
-        look = {"color": color, "marker": MARKERS[number % len(MARKERS)], "label": told or "mean"}
-        _points(above, found, found.means[place], look)
-        _curve(above, found, along, law.drag, color)
-        _points(below, found, found.means[place] / law.limit[:, None], look)
-        _curve(below, found, along, lambda v, law=law: 1.0 + law.above(v), color)
-        limit = found.interval(law.limit)
-        above.axhline(limit.value, color=color, linewidth=1.0, linestyle=(0, (1.5, 1.5)))
-    above.set_ylim(bottom=0.0)
-    above.set_ylabel(f"Mean drag from {style.window_text(dataset)} (N)")
+        words = ", ".join(f"{dim} {at}" for dim, at in zip(others, place, strict=True))
+        look = {"color": COLORS[number % len(COLORS)], "marker": MARKERS[number % len(MARKERS)]}
+        limit, low, high = found.interval(law.limit)
+        look["label"] = f"{words or 'mean'}: limit {limit:.0f} N ({low:.0f} to {high:.0f})"
+        for axes, over in ((above, 1.0), (below, limit)):
+            _means(axes, found, found.means[place] / over, **look)
+            _law(axes, found, along, [law.drag(v) / over for v in along], look["color"])
+        above.axhline(limit, **style.REFERENCE | {"color": look["color"]})
+    above.set_yscale("log")
+    above.set_ylabel(f"Mean drag from\n{style.window_text(dataset)} (N)")
     below.axhline(1.0, **style.REFERENCE)
-    below.set_ylabel("Drag over its quasi-static limit")
+    below.set_ylabel("Drag over its\nquasi-static limit")
     below.set_xlabel("Velocity of the cylinder (m/s)")
     below.set_xscale("log")
+    below.set_xticks(found.velocity, [f"{v:.3g}" for v in found.velocity])
+    below.set_xticks([], minor=True)
     for axes in (above, below):
         axes.axvline(dataset.attrs[AXIS], **style.RAW | {"linewidth": 1.0})
-    if (number := inertial_number(dataset)) is not None:
-        scale = (lambda v: number * v, lambda i: i / number)
+    if (slow := inertial_number(dataset)) is not None:
+        scale = (lambda v: slow * v, lambda i: i / slow)
         above.secondary_xaxis("top", functions=scale).set_xlabel("Inertial number")
     style.legend(figure, above, "outside lower center", ncols=2)
     figure.suptitle(
-        f"Drag against velocity ({found.beds} beds; bars and bands: 95 % intervals;\n"
-        f"dotted: quasi-static limits; grey line: the sweep's own {dataset.attrs[AXIS]:g} m/s)"
+        f"Drag against velocity: means of {found.beds} beds, and the law fitted to them\n"
+        f"(95 % intervals; dotted: limits; grey line: {dataset.attrs[AXIS]:g} m/s)"
     )
     return figure
 
 
-def _points(axes, found, means, look) -> None:
+def _means(axes, found, means, **look):
     value, low, high = np.array([found.interval(each) for each in means.T]).T
     axes.errorbar(found.velocity, value, [value - low, high - value], linestyle="none", capsize=3,
                   markersize=6, elinewidth=1.4, **look)  # fmt: skip
 
 
-def _curve(axes, found, along, law, color) -> None:
-    value, low, high = np.array([found.interval(law(v)) for v in along]).T
+def _law(axes, found, along, drag, color):
+    value, low, high = np.array([found.interval(each) for each in drag]).T
     axes.plot(along, value, color=color, linewidth=1.4)
     axes.fill_between(along, low, high, color=color, alpha=0.15, linewidth=0.0)

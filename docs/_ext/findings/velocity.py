@@ -3,10 +3,9 @@
 from functools import cached_property
 
 import numpy as np
-import xarray as xr
 from rich.table import Table
 
-from dem.analysis.statistics import summarise, within
+from dem.analysis.statistics import within
 from dem.analysis.velocity import Estimate, Law, Rates, inertial_number, rates
 
 from .common import Findings, heads
@@ -45,7 +44,7 @@ class Velocity(Findings):
 
     def number(self, velocity: float) -> str:
         """Inertial number at a velocity."""
-        return f"{velocity * inertial_number(self.dataset):.1g}"
+        return f"{velocity * inertial_number(self.dataset):.2g}"
 
     def pressure(self) -> str:
         """Mean pressure on the walls before the cylinder moves."""
@@ -59,12 +58,10 @@ class Velocity(Findings):
         """How far the drag is above its limit."""
         return self._told(100.0 * self._law(friction).above(velocity), "%")
 
-    def change(self, friction: str, slow: float, fast: float = PAPER) -> str:
-        """Change of the mean drag from one velocity to another, beds paired, without any law."""
-        return self._told(100.0 * self._change(friction, slow, fast), "%")
-
-    def _change(self, friction: str, slow: float, fast: float) -> np.ndarray:
-        return self._means(friction, fast) / self._means(friction, slow) - 1.0
+    def change(self, friction: str, velocity: float = PAPER) -> str:
+        """Change of the mean drag from the lowest velocity to another, beds paired, without a law."""
+        slowest = self._means(friction, self.rates.velocity[0])
+        return self._told(100.0 * (self._means(friction, velocity) / slowest - 1.0), "%")
 
     def within(self, friction: str, share: float, velocity: float = PAPER) -> bool:
         """Whether the drag at a velocity is within a share of its limit, interval included."""
@@ -93,9 +90,23 @@ class Velocity(Findings):
         part, whole = (within(runs[name], *window) for name in ("drag_tangential", "drag"))
         return f"{100.0 * float(part.mean() / whole.mean()):.0f} %"
 
-    def hours(self) -> str:
+    def time(self) -> str:
         """Processor time of all runs."""
         return f"{float(self.dataset['run_time'].sum()) / 60.0:.0f} min"
+
+    def count(self) -> str:
+        """Number of velocities."""
+        return f"{len(self.rates.velocity)}"
+
+    def slowest(self) -> str:
+        """The lowest velocity."""
+        return f"{self.rates.velocity[0]:.2g} m/s"
+
+    def misses(self, friction: str) -> str:
+        """By how much the law misses a mean at most."""
+        law, means = self._law(friction), self.rates.means[(friction,)][0]
+        found = np.array([law.drag(v)[0] for v in self.rates.velocity])
+        return f"{100.0 * np.abs(found / means - 1.0).max():.0f} %"
 
     def laws(self) -> Table:
         """One row per friction: the law."""
@@ -119,10 +130,6 @@ class Velocity(Findings):
             told = self._told(smooth), self._told(rough), self._told(rough / smooth, digits=2)
             made.add_row(f"{v:g}", self.number(v), *told)
         return made
-
-    @cached_property
-    def summary(self) -> xr.Dataset:
-        return summarise(self.dataset)
 
 
 velocity = Velocity()
