@@ -26,6 +26,7 @@ from dem.base.validate import (
 )
 
 FINITE = f"be finite, up to {MOST:g} in size"
+ROOM = 2.5  # least period over the reach of a scene; two would leave no skin to neighbour lists
 
 
 @checked(
@@ -227,6 +228,23 @@ def planes(name: str, value: Any) -> np.ndarray:
     return rows
 
 
+def periods(name: str, value: Any) -> tuple[float | None, float | None] | None:
+    """Kind: periods (m) along x and y, None for a side without; None if neither has one."""
+    if not isinstance(value, tuple | list | np.ndarray) or len(value) != 2:
+        refuse(name, value, "be two periods (x, y) in m, None for a side that does not repeat itself")
+    take = or_none(positive("m"))
+    x, y = (take(f"{name} along {axis}", each) for axis, each in zip("xy", value, strict=True))
+    return None if x is None and y is None else (x, y)
+
+
+def wrapped(position: np.ndarray, periodic: tuple[float | None, float | None] | None) -> np.ndarray:
+    """Positions (..., 2) in m less whole periods: from 0 to the period along a periodic side."""
+    if periodic is None:
+        return position
+    columns = zip(np.moveaxis(position, -1, 0), periodic, strict=True)
+    return np.stack([x if period is None else np.mod(x, period) for x, period in columns], axis=-1)
+
+
 def fixed(array: np.ndarray) -> np.ndarray:
     """A copy that cannot be written."""
     array = array.copy()
@@ -243,6 +261,7 @@ def fixed(array: np.ndarray) -> np.ndarray:
     gravity=or_none(vector("m/s2")),
     thickness=or_none(positive("m")),
     boundary=or_none(one_of(Material)),
+    periodic=or_none(periods),
 )
 @dataclass(frozen=True)
 class Scene:
@@ -269,11 +288,17 @@ class Scene:
         for the mean diameter of discs of the same areas.
     boundary : Material, optional
         Material of walls and cylinder; None for rigid ones. Only its elasticity counts.
+    periodic : tuple of float or None, optional
+        Periods (x, y) in m with which the scene repeats itself; None for a side without. Positions
+        are not wrapped: a granule that leaves through one side goes on, and meets the images of the
+        others.
 
     Raises
     ------
     InputError
-        If a value cannot be used, for instance if a wall's normal is not a unit vector.
+        If a value cannot be used, for instance if a wall's normal is not a unit vector, if a wall
+        crosses a periodic side, or if a period is so short that a granule could touch two images
+        of one body.
 
     Notes
     -----
@@ -296,6 +321,13 @@ class Scene:
 
     >>> print(f"{scene.inertia[0] / (scene.mass[0] * 1e-3**2):.2f}")
     0.50
+
+    A disc that leaves a periodic scene through its right side comes in through the left one:
+
+    >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]), periodic=(20e-3, None))
+    >>> state = dem.State([[19.5e-3, 0.0], [1.49e-3, 0.0]])
+    >>> dem.Simulation(scene, state).contacts().partner
+    array([1])
     """
 
     shape: Any
@@ -306,11 +338,30 @@ class Scene:
     gravity: tuple[float, float] | None = None
     thickness: float = None  # type: ignore[assignment]  # a number once the scene is made
     boundary: Material | None = None
+    periodic: tuple[float | None, float | None] | None = None
 
     def __post_init__(self) -> None:
+        for axis, period in enumerate(self.periodic or ()):
+            if period is not None:
+                self._check_period(axis, period)
         if self.thickness is None:
             mean = float(np.mean(2.0 * np.sqrt(self.shape.area / np.pi)))
             object.__setattr__(self, "thickness", mean)
+
+    def _check_period(self, axis: int, period: float) -> None:
+        name, least = "xy"[axis], ROOM * reach(self)
+        if not period >= least:
+            raise InputError(
+                f"periodic along {name} is {period:g} m; it must be at least {least:.4g} m, {ROOM:g} "
+                "times the greatest distance at which two bodies touch."
+            )
+        slopes = [] if self.walls is None else self.walls[:, axis]
+        for wall, slope in enumerate(slopes):
+            if abs(slope) > 1e-9:
+                raise InputError(
+                    f"walls of row {wall} has n{name} = {slope:g}; it must be 0, because the scene "
+                    f"repeats itself along {name}."
+                )
 
     @property
     def granules(self) -> int:
@@ -326,6 +377,12 @@ class Scene:
     def inertia(self) -> np.ndarray:
         """Moment of inertia (n,) in kg m2."""
         return self.mass * self.shape.gyration_squared
+
+
+def reach(scene: Scene) -> float:
+    """Greatest distance (m) between the centres of two bodies that can touch."""
+    radius = float(scene.shape.bounding_radius.max())
+    return radius + max(radius, 0.5 * scene.cylinder.diameter if scene.cylinder else 0.0)
 
 
 @dataclass(init=False)

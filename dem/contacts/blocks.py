@@ -116,10 +116,19 @@ def gather_planes(shape, planes, frame, contacts, start, stop, values):
 
 
 @inlined
-def spacing(motion, k):
-    """Position (m) of body 2 of lane k from body 1."""
+def imaged(contacts, p, dx, dy):
+    """The place dx, dy (m) of body 2 of contact p from body 1, of that image which is beside it."""
+    x, y = contacts.shift_x, contacts.shift_y
+    return plus(dx, take(x, x, p)), plus(dy, take(y, y, p))
+
+
+@inlined
+def spacing(motion, contacts, p, k):
+    """Position (m) of body 2 of contact p, in lane k, from body 1."""
     at = FOUR * k
-    return motion[at + lane.X2] - motion[at + lane.X1], motion[at + lane.Y2] - motion[at + lane.Y1]
+    dx = motion[at + lane.X2] - motion[at + lane.X1]
+    dy = motion[at + lane.Y2] - motion[at + lane.Y1]
+    return imaged(contacts, p, dx, dy)
 
 
 @inlined
@@ -211,7 +220,7 @@ def find_contacts(shape, turns, contacts, start, stop, lanes):
     motion, values = lanes.motion, lanes.values
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
-        dx, dy = spacing(motion, k)
+        dx, dy = spacing(motion, contacts, p, k)
         own, other = outlines(shape, values, k)
         guess = remembered(contacts.normal_x, contacts.normal_y, p)
         geometry, converged = find_contact(shape, dx, dy, own, other, guess)
@@ -246,7 +255,7 @@ def refine_contacts(normal_x, shape, turns, contacts, start, stop, lanes):
     for p in range(start, stop):
         k = np.uint64(p - start)
         if values[lane.UNCONVERGED + k] != 0.0:
-            dx, dy = spacing(motion, k)
+            dx, dy = spacing(motion, contacts, p, k)
             own, other = outlines(shape, values, k)
             last = normal_x[p], contacts.normal_y[p]
             guess = refine_normal(shape, dx, dy, own, other, last)
