@@ -68,6 +68,12 @@ def copy_changes(changes, rows, i, motion, k, first):
     motion[at], motion[at + ONE] = rows[i + FIVE], rows[i + SIX]
 
 
+@optional
+def bring(shift, p, motion, at):
+    """Body 2 of contact p to that image of it which is beside body 1."""
+    motion[at] += shift[p]
+
+
 @inlined
 def gather(turns, one, two, contacts, start, stop, lanes):
     """Motion of both bodies of each contact, from rows of dem.jit.columns one after the other.
@@ -83,6 +89,8 @@ def gather(turns, one, two, contacts, start, stop, lanes):
         i, j = EIGHT * contacts.constituent[p], EIGHT * contacts.partner[p]
         copy_four(one, i, motion, at + lane.X1)
         copy_four(two, j, motion, at + lane.X2)
+        bring(contacts.shift_x, p, motion, at + lane.X2)
+        bring(contacts.shift_y, p, motion, at + lane.Y2)
         copy_rates(rates, one, i, motion, k, lane.W1)
         copy_rates(rates, two, j, motion, k, lane.W2)
         copy_changes(changes, one, i, motion, k, lane.W1)
@@ -123,12 +131,10 @@ def imaged(contacts, p, dx, dy):
 
 
 @inlined
-def spacing(motion, contacts, p, k):
-    """Position (m) of body 2 of contact p, in lane k, from body 1."""
+def spacing(motion, k):
+    """Position (m) of body 2 of lane k from body 1."""
     at = FOUR * k
-    dx = motion[at + lane.X2] - motion[at + lane.X1]
-    dy = motion[at + lane.Y2] - motion[at + lane.Y1]
-    return imaged(contacts, p, dx, dy)
+    return motion[at + lane.X2] - motion[at + lane.X1], motion[at + lane.Y2] - motion[at + lane.Y1]
 
 
 @inlined
@@ -220,7 +226,7 @@ def find_contacts(shape, turns, contacts, start, stop, lanes):
     motion, values = lanes.motion, lanes.values
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
-        dx, dy = spacing(motion, contacts, p, k)
+        dx, dy = spacing(motion, k)
         own, other = outlines(shape, values, k)
         guess = remembered(contacts.normal_x, contacts.normal_y, p)
         geometry, converged = find_contact(shape, dx, dy, own, other, guess)
@@ -255,7 +261,7 @@ def refine_contacts(normal_x, shape, turns, contacts, start, stop, lanes):
     for p in range(start, stop):
         k = np.uint64(p - start)
         if values[lane.UNCONVERGED + k] != 0.0:
-            dx, dy = spacing(motion, contacts, p, k)
+            dx, dy = spacing(motion, k)
             own, other = outlines(shape, values, k)
             last = normal_x[p], contacts.normal_y[p]
             guess = refine_normal(shape, dx, dy, own, other, last)
