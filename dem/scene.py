@@ -4,6 +4,7 @@ SI units throughout. Angles in rad, anticlockwise; x to the right, y upwards.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -25,6 +26,7 @@ from dem.base.validate import (
     vector,
 )
 
+Periods = tuple[float | None, float | None] | None  # (m) along x and y
 FINITE = f"be finite, up to {MOST:g} in size"
 ROOM = 2.5  # least period over the reach of a scene; two would leave no skin to neighbour lists
 
@@ -198,6 +200,22 @@ def box(width: float, height: float) -> np.ndarray:
     return np.array([[-1, 0, 0], [1, 0, width], [0, -1, 0], [0, 1, height]], float)
 
 
+SIDES = {"none": (False, False), "x": (True, False), "y": (False, True), "xy": (True, True)}
+
+
+def periods_of(width: float, height: float, periodic: str) -> Periods:
+    """Periods (m) of a box that repeats itself along the sides that a key of SIDES names."""
+    x, y = SIDES[periodic]
+    return (width if x else None, height if y else None) if x or y else None
+
+
+def walls_of(width: float, height: float, periodic: Periods) -> np.ndarray | None:
+    """Walls (w, 3) of a box but for those at periodic sides, as `box` returns them; None if there
+    are none."""
+    stay = [period is None for period in periodic or (None, None)]
+    return box(width, height)[np.repeat(stay, 2)] if any(stay) else None
+
+
 def arrays_of(shape: Any) -> dict[str, np.ndarray]:
     """The sizes (n,) in m that a shape is made of, by name."""
     return {name: size for name, size in shape._asdict().items() if isinstance(size, np.ndarray)}
@@ -228,21 +246,32 @@ def planes(name: str, value: Any) -> np.ndarray:
     return rows
 
 
-def periods(name: str, value: Any) -> tuple[float | None, float | None] | None:
+def periods(name: str, value: Any) -> Periods:
     """Kind: periods (m) along x and y, None for a side without; None if neither has one."""
     if not isinstance(value, tuple | list | np.ndarray) or len(value) != 2:
-        refuse(name, value, "be two periods (x, y) in m, None for a side that does not repeat itself")
+        refuse(
+            name, value, "be two periods (x, y) in m, None for a side that does not repeat itself"
+        )
     take = or_none(positive("m"))
     x, y = (take(f"{name} along {axis}", each) for axis, each in zip("xy", value, strict=True))
     return None if x is None and y is None else (x, y)
 
 
-def wrapped(position: np.ndarray, periodic: tuple[float | None, float | None] | None) -> np.ndarray:
+def wrapped(position: np.ndarray, periodic: Periods) -> np.ndarray:
     """Positions (..., 2) in m less whole periods: from 0 to the period along a periodic side."""
+    return _less_periods(position, periodic, np.floor)
+
+
+def nearest_image(away: np.ndarray, periodic: Periods) -> np.ndarray:
+    """Vectors (..., 2) in m from one body to another less whole periods: to its nearest image."""
+    return _less_periods(away, periodic, np.rint)
+
+
+def _less_periods(places: np.ndarray, periodic: Periods, whole: Callable) -> np.ndarray:
     if periodic is None:
-        return position
-    columns = zip(np.moveaxis(position, -1, 0), periodic, strict=True)
-    return np.stack([x if period is None else np.mod(x, period) for x, period in columns], axis=-1)
+        return places
+    columns = zip(np.moveaxis(places, -1, 0), periodic, strict=True)
+    return np.stack([x - (p * whole(x / p) if p else 0.0) for x, p in columns], axis=-1)
 
 
 def fixed(array: np.ndarray) -> np.ndarray:
@@ -338,7 +367,7 @@ class Scene:
     gravity: tuple[float, float] | None = None
     thickness: float = None  # type: ignore[assignment]  # a number once the scene is made
     boundary: Material | None = None
-    periodic: tuple[float | None, float | None] | None = None
+    periodic: Periods = None
 
     def __post_init__(self) -> None:
         for axis, period in enumerate(self.periodic or ()):
@@ -355,8 +384,8 @@ class Scene:
                 f"periodic along {name} is {period:g} m; it must be at least {least:.4g} m, {ROOM:g} "
                 "times the greatest distance at which two bodies touch."
             )
-        slopes = [] if self.walls is None else self.walls[:, axis]
-        for wall, slope in enumerate(slopes):
+        walls = np.empty((0, 3)) if self.walls is None else self.walls
+        for wall, slope in enumerate(walls[:, axis]):
             if abs(slope) > 1e-9:
                 raise InputError(
                     f"walls of row {wall} has n{name} = {slope:g}; it must be 0, because the scene "

@@ -278,7 +278,7 @@ RESULT = {
     "wall_force": (("time", "wall"), "N", "mean normal force on the wall since the frame before"),
     "wall_normal": (("wall", "axis"), "1", "unit normal of the wall, into the solid"),
     "wall_offset": (("wall",), "m", "distance of the wall from the origin along its normal"),
-    "period": (("axis",), "m", "period with which the scene repeats itself; not a number: it does not"),
+    "period": (("axis",), "m", "period of the scene; not a number where it has none"),
     "mass": (("granule",), "kg", "mass of the granule"),
     "bounding_radius": (("granule",), "m", "radius of the circle that holds the granule"),
     "time_step": ((), "s", "shortest time step taken"),
