@@ -212,8 +212,13 @@ def periods_of(width: float, height: float, periodic: str) -> Periods:
 def walls_of(width: float, height: float, periodic: Periods) -> np.ndarray | None:
     """Walls (w, 3) of a box but for those at periodic sides, as `box` returns them; None if there
     are none."""
-    stay = [period is None for period in periodic or (None, None)]
-    return box(width, height)[np.repeat(stay, 2)] if any(stay) else None
+    stay = walled(periodic)
+    return box(width, height)[stay] if stay.any() else None
+
+
+def walled(periodic: Periods) -> np.ndarray:
+    """Which of the four walls of a box stand (4,), in the order of `box`."""
+    return np.repeat([period is None for period in periodic or (None, None)], 2)
 
 
 def arrays_of(shape: Any) -> dict[str, np.ndarray]:
@@ -258,20 +263,21 @@ def periods(name: str, value: Any) -> Periods:
 
 
 def wrapped(position: np.ndarray, periodic: Periods) -> np.ndarray:
-    """Positions (..., 2) in m less whole periods: from 0 to the period along a periodic side."""
-    return _less_periods(position, periodic, np.floor)
+    """Positions (..., 2) in m less whole periods: from 0 to below the period along a periodic side."""
+    # twice: of a tiny negative number the first is the period
+    return _by_side(position, periodic, lambda x, period: np.mod(np.mod(x, period), period))
 
 
 def nearest_image(away: np.ndarray, periodic: Periods) -> np.ndarray:
     """Vectors (..., 2) in m from one body to another less whole periods: to its nearest image."""
-    return _less_periods(away, periodic, np.rint)
+    return _by_side(away, periodic, lambda x, period: x - period * np.rint(x / period))
 
 
-def _less_periods(places: np.ndarray, periodic: Periods, whole: Callable) -> np.ndarray:
+def _by_side(places: np.ndarray, periodic: Periods, change: Callable) -> np.ndarray:
     if periodic is None:
         return places
     columns = zip(np.moveaxis(places, -1, 0), periodic, strict=True)
-    return np.stack([x - (p * whole(x / p) if p else 0.0) for x, p in columns], axis=-1)
+    return np.stack([change(x, period) if period else x for x, period in columns], axis=-1)
 
 
 def fixed(array: np.ndarray) -> np.ndarray:

@@ -25,7 +25,7 @@ def packed(kind, periodic="xy", cylinder=None):
     sizes = np.random.default_rng(1).uniform(0.9, 1.1, 36) * PITCH
     shape = KINDS[kind].shape.of_size(sizes, KINDS[kind].aspect_ratio or 1.4)
     around = 0.0 if cylinder is None else 0.25 * np.pi * cylinder.diameter**2
-    side = np.sqrt(shape.area.sum() / (0.9 if kind == "disc" else 0.92) + around)
+    side = np.sqrt(shape.area.sum() / (0.86 if kind in ("disc", "dumbbell") else 0.9) + around)
     return shape, dem.pack(shape, side, side, cylinder, 1, periodic)
 
 
