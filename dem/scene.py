@@ -253,7 +253,9 @@ def planes(name: str, value: Any) -> np.ndarray:
 
 def periods(name: str, value: Any) -> Periods:
     """Kind: periods (m) along x and y, None for a side without; None if neither has one."""
-    if not isinstance(value, tuple | list | np.ndarray) or len(value) != 2:
+    if type(value) is np.ndarray:
+        value = value.tolist()
+    if not isinstance(value, tuple | list) or len(value) != 2:
         refuse(
             name, value, "be two periods (x, y) in m, None for a side that does not repeat itself"
         )

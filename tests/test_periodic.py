@@ -12,6 +12,11 @@ from test_neighbors import parts
 
 import dem
 from dem.dynamics.neighbors import near_circle, near_pairs
+from dem.experiment import flow_measures as measures
+from dem.experiment.config import of_values, parse
+from dem.figures.bed import images
+from dem.packing.pressed import compact
+from dem.packing.random import SOFT as UNIT
 from dem.shapes import KINDS
 
 PITCH = 1e-3  # m
@@ -307,3 +312,152 @@ def test_a_result_tells_its_periods():
     scene = dem.Scene(dem.Disc([1e-3]), periodic=(None, None))
     assert scene.periodic is None
     assert "period" not in dem.simulate(scene, dem.State([[0.0, 0.0]]), 1e-5).to_dataset()
+
+
+@pytest.mark.parametrize("periodic", ["x", "y", "xy"])
+def test_a_packed_bed_is_at_rest(periodic):
+    """Around the cylinder too, which reaches through a side."""
+    sides = ["x" in periodic, "y" in periodic]
+    cylinder = dem.Cylinder(2.0 * PITCH, (0.0 if sides[0] else 3e-3, 0.0 if sides[1] else 3e-3))
+    shape, bed = packed("disc", periodic, cylinder)
+    walls = None if all(sides) else dem.box(bed.width, bed.height)[np.repeat(np.invert(sides), 2)]
+    assert_array_equal(bed.walls, walls) if walls is not None else None
+    assert (bed.walls is None) == (walls is None)
+    assert bed.periodic == (bed.width if sides[0] else None, bed.height if sides[1] else None)
+    assert ((bed.position >= 0.0) & (bed.position <= [bed.width, bed.height])).all()
+    assert bed.net_force < 1e-9 and bed.coordination_number > 3.0 and bed.pressure > 0.0
+    scene = dem.Scene(shape, walls=walls, cylinder=cylinder, periodic=bed.periodic)
+    run = dem.Simulation(scene, bed.state)
+    contacts = run.contacts()
+    assert (contacts.partner == -1).sum() > 3
+    assert np.abs(run.world.force[:, :2]).max() < 1e-4 * contacts.force.mean()
+
+
+@pytest.mark.parametrize("periodic", ["none", "x", "xy"])
+def test_the_pressure_of_a_bed_is_the_energy_that_its_box_gives(periodic):
+    """When a frictionless box shrinks along the sides that the pressure is of, its energy grows by
+    the pressure times the area that it loses."""
+    shape, bed = packed("disc", periodic)
+    along = np.array([periodic in ("none", "xy"), True])
+    size, small = np.array([bed.width, bed.height]), 1e-6
+
+    def energy(share):
+        factor = np.where(along, 1.0 + share, 1.0)
+        width, height = factor * size
+        walls = dem.box(width, height)[
+            [each is None for each in bed.periodic or (None, None) for _ in "ab"]
+        ]
+        periods = bed.periodic and [f and f * g for f, g in zip(bed.periodic, factor, strict=True)]
+        scene = dem.Scene(
+            shape, UNIT, None, walls if len(walls) else None, thickness=1.0, periodic=periods
+        )
+        run = dem.Simulation(scene, dem.State(bed.position * factor), ledger=True)
+        return run.ledger().elastic_normal
+
+    gained = (energy(-small) - energy(small)) / (2.0 * small)
+    modulus = 0.5  # E* of two granules of unit modulus
+    assert_allclose(bed.pressure * modulus * along.sum() * size.prod(), gained, rtol=1e-4)
+
+
+def test_a_bed_that_is_pressed_with_friction_is_looser_in_contacts_and_at_rest():
+    shape, bed = packed("disc")
+    rough = compact(shape, bed.width, bed.height, dem.Cylinder(0.3e-3, (1e-3, 1e-3)), 1, 0.5, "xy")
+    assert rough.periodic == bed.periodic and rough.walls is None
+    assert rough.net_force < 2e-4 and rough.pressure > 0.0
+
+
+@pytest.mark.parametrize("measure", ["non_affine", "fluctuation", "mixing"])
+def test_measures_of_flow_do_not_depend_on_where_the_box_begins(measure):
+    rng, period = np.random.default_rng(1), (8e-3, 8e-3)
+    grid = PITCH * np.stack(np.meshgrid(*2 * [np.arange(8.0)]), -1).reshape(-1, 2)
+    before = grid + rng.normal(scale=1e-4, size=grid.shape)
+    after = before + rng.normal(scale=1e-4, size=grid.shape)
+    layers = measures.layers_of(grid, 8e-3)
+
+    def found(by):
+        here = before + by, after + by
+        if measure == "mixing":
+            return measures.mixing(layers, here[1], PITCH, period)
+        return getattr(measures, measure)(*here, PITCH, period)
+
+    turns = rng.integers(-3, 4, grid.shape) * period
+    assert np.isfinite(found(0.0)).all() and np.ptp(np.append(found(0.0), 0.0)) > 0.0
+    assert_allclose(found(turns + [3.3e-3, 1e-4]), found(0.0), rtol=1e-6)
+
+
+@given(st.integers(0, 2**32 - 1), st.sampled_from([(5.0, 4.0), (5.0, None), (None, 4.0), None]))
+def test_every_image_in_view_is_drawn(seed, periodic):
+    """As found among images to three periods away, and each granule at least once."""
+    rng = np.random.default_rng(seed)
+    place, reach = rng.uniform(-6.0, 9.0, (5, 2)), rng.uniform(0.1, 0.8, 5)
+    view = np.array([[-0.3, -0.2], [5.0, 4.1]])
+    found, owner = images(place, reach, view, periodic)
+    x, y = periodic or (None, None)
+    expected = {
+        (i, *np.round(place[i] + [a * (x or 0.0), b * (y or 0.0)], 9))
+        for i in range(5)
+        for a in (range(-5, 6) if x else [0])
+        for b in (range(-5, 6) if y else [0])
+        if all(
+            each is None or low - r < at < high + r
+            for each, at, low, high, r in zip(
+                (x, y),
+                place[i] + [a * (x or 0.0), b * (y or 0.0)],
+                *view,
+                2 * [reach[i]],
+                strict=True,
+            )
+        )
+    }
+    assert {(i, *np.round(at, 9)) for i, at in zip(owner.tolist(), found, strict=True)} == expected
+    assert set(owner.tolist()) == set(range(5)) and len(owner) == len(expected)
+
+
+def test_a_picture_is_the_same_whichever_image_is_given():
+    scene, state = gas(periodic=(True, False), cylinder=dem.Cylinder(0.2 * PITCH, (0.0, 3e-3)))
+    turn = np.random.default_rng(1).integers(-2, 3, len(state.position))[:, None] * [6e-3, 0.0]
+    drawn = []
+    for by in (0.0, turn):
+        result = dem.simulate(scene, moved(state, by), 1e-5)
+        figure = dem.plot.bed(result, color="speed", forces=True)
+        axes = figure.axes[0]
+        rings = axes.collections[0].get_paths()
+        drawn.append(sorted(tuple(np.round(ring.vertices.mean(axis=0), 6)) for ring in rings))
+        assert sum(each.get_visible() for each in axes.patches if hasattr(each, "center")) == 2
+        assert_allclose(axes.get_xlim(), [0.0, 6.0])
+    assert len(drawn[0]) >= scene.granules and drawn[0] == drawn[1]
+
+
+VALUES = {"extends": "config/smoke.yaml", "shape": "c1", "seed": 1, "record": {"snapshots": 3}}
+
+
+@pytest.mark.parametrize("periodic", ["x", "xy"])
+def test_a_run_of_the_experiment_takes_periodic_sides(periodic):
+    """Its walls are those that remain, and the cylinder may leave through the top."""
+    more = {"cylinder": {"start": 0.9}} if periodic == "xy" else {}
+    record = VALUES["record"] | {"observables": ["drag", "snapshots", "flow", "alignment"]}
+    found = dem.run_experiment(VALUES | more | {"record": record, "periodic": periodic})
+    stands = np.isfinite(found["wall_force"].values).all(axis=1)
+    assert stands.tolist() == [False, False, *2 * [periodic == "x"]]
+    assert np.isnan(found["wall_force"].values[~stands]).all()
+    assert found["drag"].mean() > 0.0 and found["packing_pressure"] > 0.0
+    assert np.isfinite(found["non_affine"].values[1:]).all()
+
+
+def test_identities_of_runs_between_walls_are_as_before_there_were_periodic_sides():
+    """And those of others differ, with their beds and their machine code."""
+    values = dem.load_sweep("config/smoke.yaml")[0]
+    one, same, other = (
+        of_values(values | more) for more in ({}, {"periodic": "none"}, {"periodic": "x"})
+    )
+    for of in ("run_key", "bed_key"):
+        assert getattr(one, of)() == getattr(same, of)() != getattr(other, of)()
+        assert "periodic" not in getattr(one, of)()
+    assert one.variant != other.variant and one.bed_family != other.bed_family
+    data = {key: each for key, each in values.items() if key not in ("shape", "density", "seed")}
+    for wrong, words in (("z", "periodic is 'z'"), (True, "periodic is True")):
+        with pytest.raises(dem.InputError, match=words):
+            parse(data | {"periodic": wrong})
+    narrow = values | {"periodic": "x", "box_width": 3e-3}
+    with pytest.raises(dem.InputError, match="along x it must be at least"):
+        of_values(narrow)
