@@ -76,6 +76,11 @@ def turned(period, cell, count):
     return either(turned_once(period, cell, count), cell)
 
 
+@optional
+def one(period):
+    return 1
+
+
 @compiled(allocates=True)
 def cells(constituents, size, period):
     """Sort constituents into cells of at least the given size (m): counting sort.
@@ -150,10 +155,11 @@ def near_pairs(constituents, radius, skin, per_granule, period):
             partner = larger
         lowest, highest = around(period[1], row, rows)
         leftmost, rightmost = around(period[0], column, columns)
+        run = either(one(period[0]), rightmost - leftmost)  # cells whose members follow each other
         for r in range(lowest, highest):
-            for c in range(leftmost, rightmost):
+            for c in range(leftmost, rightmost, run):
                 cell = turned(period[1], r, rows) * columns + turned(period[0], c, columns)
-                for m in range(start[cell], start[cell + 1]):
+                for m in range(start[cell], start[cell + run]):
                     j = members[m]
                     if j <= i or j // per_granule == i // per_granule:
                         continue

@@ -120,6 +120,8 @@ def _describe(file, replicate: Replicate) -> None:
         "lag": lag_of(moved) * float(moved[1] - moved[0]),
         "cylinder_diameter": own.cylinder.diameter, "layers": LAYERS,
     })  # fmt: skip
+    if own.periodic != "none":
+        file.periodic = own.periodic
 
 
 def _keep_beds(file, work: Work, block: str, base: str) -> None:
