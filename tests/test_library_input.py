@@ -113,6 +113,7 @@ ARGUMENTS = {
     "Scene gravity": (lambda v: scene(gravity=v), VECTOR),
     "Scene thickness": (lambda v: scene(thickness=v), POSITIVE[1:]),
     "Scene boundary": (lambda v: scene(boundary=v), THING[1:]),
+    "Scene periodic": (lambda v: scene(periodic=v), [1e-2, "x", (1e-2,), (0.0, None), (True, None)]),
     "State position": (lambda v: state(position=v), [None, *PLACE]),
     "State velocity": (lambda v: state(velocity=v), PLACE),
     "State angle": (lambda v: state(angle=v), ANGLE),
@@ -145,6 +146,7 @@ ARGUMENTS = {
     "pack height": (lambda v: pack(height=v), POSITIVE),
     "pack cylinder": (lambda v: pack(cylinder=v), THING[1:]),
     "pack seed": (lambda v: pack(seed=v), [None, -1, 1.5, 2.0, 2**63, *NUMBER]),
+    "pack periodic": (lambda v: pack(periodic=v), [None, "yx", True, (1e-2, None)]),
 }  # fmt: skip
 
 

@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 from dem.analysis.statistics import find
 from dem.base.errors import InputError
 from dem.figures import bed, style
+from dem.scene import periods_of
 
 SHARES = (0.0, 0.5, 1.0)  # of the stroke: displacements that are shown
 
@@ -42,6 +43,7 @@ def _row(row, here, snapshots, colors, attrs) -> None:
     sizes, height = here["bed_diameter"].values[known], float(here["bed_height"])
     rings = bed.outlines(str(here["kind"].values), sizes, float(here["aspect_ratio"]))
     width, diameter = float(attrs["box_width"]), float(attrs["cylinder_diameter"])
+    periods = periods_of(width, height, str(attrs.get("periodic", "none")))
     place = np.stack([here["bed_x"].values, here["bed_y"].values], axis=-1)[:, known]
     axis = 0.5 * width, float(here["bed_cylinder_y"][0])
     paint = (
@@ -49,7 +51,7 @@ def _row(row, here, snapshots, colors, attrs) -> None:
         else bed.layer_colors(place[0], height, int(attrs["layers"]))
     )  # fmt: skip
     for axes, snapshot in zip(row, snapshots, strict=True):
-        drawn = bed.Bed(axes, rings, width, height, diameter)
+        drawn = bed.Bed(axes, rings, width, height, diameter, periods)
         angle = here["bed_angle"].values[snapshot, known]
         drawn.move(place[snapshot], angle, float(here["bed_cylinder_y"][snapshot]))
         drawn.paint(paint)

@@ -19,6 +19,7 @@ from dem.experiment.motion import Motion
 from dem.experiment.observables.flow import VARIABLES as MEASURED
 from dem.experiment.observables.flow import lag_of, measured
 from dem.io.dataset import attributes, content_of, global_attributes, read, write
+from dem.scene import wrapped
 from dem.sweep.combine import combine
 from dem.sweep.work import Work
 
@@ -119,6 +120,8 @@ def _describe(file, replicate: Replicate) -> None:
         "lag": lag_of(moved) * float(moved[1] - moved[0]),
         "cylinder_diameter": own.cylinder.diameter, "layers": LAYERS,
     })  # fmt: skip
+    if own.periodic != "none":
+        file.periodic = own.periodic
 
 
 def _keep_beds(file, work: Work, block: str, base: str) -> None:
@@ -153,9 +156,10 @@ def _failed(file, place) -> bool:
 
 def _keep_bed(file, row: int, motion: Motion) -> None:
     """Snapshots of one run; NaN beyond its granules."""
-    x, y = np.moveaxis(motion.position, -1, 0)
+    x, y = np.moveaxis(wrapped(motion.position, motion.periodic), -1, 0)
+    axis = np.column_stack([np.zeros_like(motion.cylinder_y), motion.cylinder_y])
     kept = {
-        "bed_height": motion.height, "bed_cylinder_y": motion.cylinder_y,
+        "bed_height": motion.height, "bed_cylinder_y": wrapped(axis, motion.periodic)[:, 1],
         "bed_diameter": motion.diameters, "bed_x": x, "bed_y": y, "bed_angle": motion.angle,
     }  # fmt: skip
     for name, found in kept.items():

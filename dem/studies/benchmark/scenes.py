@@ -52,6 +52,8 @@ def variants(cases: dict[str, Case]) -> dict[str, Case]:
     """By what each has: scenes on the beds of `beds`, full ones first."""
     disc, dumbbell, ellipse = (cases[kind] for kind in ("disc", "dumbbell", "ellipse"))
     elastic = replace(disc.scene.material, restitution=1.0)
+    walls = disc.scene.walls
+    sides = {"walls": walls[2:], "periodic": (float(walls[1, 2]), None)}
     chord = ellipse.scene.shape._replace(contact="geometric_potential")
     return {
         FULL: disc,
@@ -61,6 +63,7 @@ def variants(cases: dict[str, Case]) -> dict[str, Case]:
         "discs, gravity too": _changed(disc, gravity=(0.0, -9.81)),
         "discs, no cylinder": _changed(disc, cylinder=None),
         "discs, no walls": _changed(disc, walls=None),
+        "discs, periodic sides": _changed(disc, **sides),
         "discs, no damping": _changed(disc, material=elastic),
         "discs, no friction, no rotation": _changed(disc, friction=None),
         "discs, Hertz's force alone": _changed(

@@ -147,6 +147,8 @@ def _check(scene):
         raise InputError(f"LAMMPS has no {type(scene.shape).__name__.lower()} with Hertz's law.")
     if scene.gravity is not None:
         raise InputError("gravity is not handed on to LAMMPS.")
+    if scene.periodic is not None:
+        raise InputError("periodic sides are not handed on to LAMMPS.")
     if scene.walls is not None:
         _, width, _, height = np.asarray(scene.walls)[:, 2] if len(scene.walls) == 4 else [0.0] * 4
         if not (width > 0.0 < height and np.array_equal(scene.walls, box(width, height))):
