@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 
 from dem.base.errors import InputError
 from dem.base.validate import (
-    MOST,
     array,
     checked,
     not_negative,
@@ -24,8 +23,17 @@ from dem.base.validate import (
     refuse,
     vector,
 )
-
-FINITE = f"be finite, up to {MOST:g} in size"
+from dem.motion import (
+    FINITE,
+    Held,
+    Motion,
+    Path,
+    fixed,
+    groups,
+    motion,
+    numbered,
+    wall_motions,
+)
 
 
 @checked(
@@ -127,10 +135,16 @@ class Friction:
     stiffness: float = 1.0
 
 
-@checked("cylinder ", diameter=positive("m"), position=vector("m"), velocity=vector("m/s"))
+@checked(
+    "cylinder ",
+    diameter=positive("m"),
+    position=vector("m"),
+    velocity=motion,
+    spin=number(FINITE),
+)
 @dataclass(frozen=True)
 class Cylinder:
-    """Cylinder that moves at a prescribed velocity and does not rotate.
+    """Cylinder that moves as it is told, or as the forces on it say.
 
     Parameters
     ----------
@@ -138,13 +152,16 @@ class Cylinder:
         Diameter (m).
     position : tuple of float
         Position (x, y) of the axis at the start (m).
-    velocity : tuple of float
-        Velocity (x, y) in m/s; at rest by default.
+    velocity : tuple of float, Path or Drive
+        Velocity (x, y) in m/s, or what it follows; at rest by default.
+    spin : float
+        Angular velocity (rad/s), anticlockwise; that of a `Path` if it has one.
 
     Raises
     ------
     InputError
-        If `diameter` is not positive, or a vector does not hold two finite numbers.
+        If `diameter` is not positive, a vector does not hold two finite numbers, or both the
+        cylinder and its path have a spin.
 
     See Also
     --------
@@ -162,7 +179,14 @@ class Cylinder:
 
     diameter: float
     position: tuple[float, float]
-    velocity: tuple[float, float] = (0.0, 0.0)
+    velocity: Motion = (0.0, 0.0)
+    spin: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.spin and isinstance(self.velocity, Path) and self.velocity.spin is not None:
+            raise InputError(
+                f"cylinder spin is {self.spin:g} rad/s; it must be left out, because its path has one."
+            )
 
 
 @checked("box ", width=positive("m"), height=positive("m"))
@@ -227,13 +251,6 @@ def planes(name: str, value: Any) -> np.ndarray:
     return rows
 
 
-def fixed(array: np.ndarray) -> np.ndarray:
-    """A copy that cannot be written."""
-    array = array.copy()
-    array.flags.writeable = False
-    return array
-
-
 @checked(
     shape=granules,
     material=one_of(Material),
@@ -243,6 +260,8 @@ def fixed(array: np.ndarray) -> np.ndarray:
     gravity=or_none(vector("m/s2")),
     thickness=or_none(positive("m")),
     boundary=or_none(one_of(Material)),
+    wall_motion=or_none(wall_motions),
+    held=groups,
 )
 @dataclass(frozen=True)
 class Scene:
@@ -269,6 +288,12 @@ class Scene:
         for the mean diameter of discs of the same areas.
     boundary : Material, optional
         Material of walls and cylinder; None for rigid ones. Only its elasticity counts.
+    wall_motion : sequence, optional
+        For each of the w walls its velocity (x, y) in m/s, a `Path`, a `Drive`, or None if it is at
+        rest. A wall is a straight line: it moves along its normal, and its velocity along itself only
+        drags the granules that touch it.
+    held : sequence of Held
+        Groups of granules that are a boundary.
 
     Raises
     ------
@@ -306,16 +331,35 @@ class Scene:
     gravity: tuple[float, float] | None = None
     thickness: float = None  # type: ignore[assignment]  # a number once the scene is made
     boundary: Material | None = None
+    wall_motion: tuple[Motion | None, ...] | None = None
+    held: tuple[Held, ...] = ()
 
     def __post_init__(self) -> None:
         if self.thickness is None:
             mean = float(np.mean(2.0 * np.sqrt(self.shape.area / np.pi)))
             object.__setattr__(self, "thickness", mean)
+        if self.wall_motion is not None:
+            walls = 0 if self.walls is None else len(self.walls)
+            if len(self.wall_motion) != walls:
+                raise InputError(
+                    f"wall_motion has {len(self.wall_motion)} entries; it must have one for each of "
+                    f"the {walls} walls, None for one at rest."
+                )
+        if self.held:
+            object.__setattr__(self, "held", numbered(self.held, self.granules))
 
     @property
     def granules(self) -> int:
         """Number of granules n."""
         return np.size(self.shape[0])
+
+    @property
+    def is_held(self) -> np.ndarray:
+        """Whether each granule (n,) is held."""
+        found = np.zeros(self.granules, bool)
+        for group in self.held:
+            found[group.granules] = True
+        return found
 
     @property
     def mass(self) -> np.ndarray:

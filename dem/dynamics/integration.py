@@ -11,10 +11,11 @@ import math
 import numpy as np
 
 from dem.dynamics.forces import add_forces, greater
+from dem.dynamics.guide import carry, move_cylinder, move_held, move_walls, wait_for_held
 from dem.dynamics.synchronise import LINE, barrier, follows, portion
 from dem.dynamics.world import granules_of, number_of_chunks
 from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
-from dem.jit.compilation import compiled
+from dem.jit.compilation import compiled, inlined
 from dem.jit.optional import either, optional, plus
 from dem.shapes.common_normal import turned
 from dem.shapes.protocol import collect, place
@@ -77,17 +78,27 @@ def drift(world, kick, dt, low, high):
         bodies[i, DVY] = half * ay
         spin = spin_up(inverse_inertia, bodies, force, i, kick, half)
         turn(spin, frame, angle, i, dt)
+    carry(world.held, bodies, low, high)
     place(world.shape, bodies, frame, world.constituents, low, high)
 
 
-@optional
-def move_cylinder(cylinder, dt):
-    """Move the cylinder over dt (s); returns its squared displacement (m2) since the lists."""
-    cylinder.motion[0, X] += dt * cylinder.motion[0, VX]
-    cylinder.motion[0, Y] += dt * cylinder.motion[0, VY]
-    dx = cylinder.motion[0, X] - cylinder.reference[0]
-    dy = cylinder.motion[0, Y] - cylinder.reference[1]
-    return dx * dx + dy * dy
+@inlined
+def move(world, kick, dt, begin, end, leads, thread):
+    """Kick and move the granules of chunks begin to end, and all boundaries if this thread leads.
+
+    Returns the largest squared displacement (m2) of a boundary since the lists were made.
+    """
+    granules = world.bodies.shape[0]
+    if leads:
+        move_held(world.held, kick, dt)
+    wait_for_held(world.held, thread)
+    for chunk in range(begin, end):
+        low, high = granules_of(world.chunks, granules, chunk)
+        drift(world, kick, dt, low, high)
+    if not leads:
+        return 0.0
+    moved = either(move_cylinder(world.cylinder, kick, dt), 0.0)
+    return greater(moved, either(move_walls(world.walls, kick, dt), 0.0))
 
 
 @optional
@@ -115,15 +126,11 @@ def advance(world, dt, steps, rebuild_at, thread):
     up to `rebuild_at`.
     """
     leads = not either(follows(thread), False)
-    granules = world.bodies.shape[0]
-    chunks = number_of_chunks(world.chunks, granules)
+    chunks = number_of_chunks(world.chunks, world.bodies.shape[0])
     begin, end = either(portion(thread, chunks), (0, chunks))
     kick, done, moved, limit = 0.5 * dt, 0, 0.0, rebuild_at * rebuild_at
     while done < steps and moved <= limit:
-        for chunk in range(begin, end):
-            low, high = granules_of(world.chunks, granules, chunk)
-            drift(world, kick, dt, low, high)
-        moved = either(move_cylinder(world.cylinder, dt), 0.0) if leads else 0.0
+        moved = move(world, kick, dt, begin, end, leads, thread)
         barrier(thread)
         moved = greater(moved, add_forces(world, dt, limit, begin, end, leads, thread))
         tell(thread, moved)
@@ -132,8 +139,6 @@ def advance(world, dt, steps, rebuild_at, thread):
         kick = dt
         done += 1
     if done > 0:
-        for chunk in range(begin, end):
-            low, high = granules_of(world.chunks, granules, chunk)
-            drift(world, 0.5 * dt, 0.0, low, high)
+        move(world, 0.5 * dt, 0.0, begin, end, leads, thread)
     barrier(thread)
     return done, math.sqrt(moved)
