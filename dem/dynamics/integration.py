@@ -83,22 +83,16 @@ def drift(world, kick, dt, low, high):
 
 
 @inlined
-def move(world, kick, dt, begin, end, leads, thread):
-    """Kick and move the granules of chunks begin to end, and all boundaries if this thread leads.
-
-    Returns the largest squared displacement (m2) of a boundary since the lists were made.
-    """
-    granules = world.bodies.shape[0]
-    if leads:
-        move_held(world.held, kick, dt)
-    wait_for_held(world.held, thread)
-    for chunk in range(begin, end):
-        low, high = granules_of(world.chunks, granules, chunk)
-        drift(world, kick, dt, low, high)
-    if not leads:
-        return 0.0
+def move_boundaries(world, kick, dt):
+    """Kick and move walls and cylinder; returns their largest squared displacement (m2) since the
+    lists were made."""
     moved = either(move_cylinder(world.cylinder, kick, dt), 0.0)
-    return greater(moved, either(move_walls(world.walls, kick, dt), 0.0))
+    return either(farther(move_walls(world.walls, kick, dt), moved), moved)
+
+
+@optional
+def farther(moved, other):
+    return greater(moved, other)
 
 
 @optional
@@ -126,11 +120,18 @@ def advance(world, dt, steps, rebuild_at, thread):
     up to `rebuild_at`.
     """
     leads = not either(follows(thread), False)
-    chunks = number_of_chunks(world.chunks, world.bodies.shape[0])
+    granules = world.bodies.shape[0]
+    chunks = number_of_chunks(world.chunks, granules)
     begin, end = either(portion(thread, chunks), (0, chunks))
     kick, done, moved, limit = 0.5 * dt, 0, 0.0, rebuild_at * rebuild_at
     while done < steps and moved <= limit:
-        moved = move(world, kick, dt, begin, end, leads, thread)
+        if leads:
+            move_held(world.held, kick, dt)
+        wait_for_held(world.held, thread)
+        for chunk in range(begin, end):
+            low, high = granules_of(world.chunks, granules, chunk)
+            drift(world, kick, dt, low, high)
+        moved = move_boundaries(world, kick, dt) if leads else 0.0
         barrier(thread)
         moved = greater(moved, add_forces(world, dt, limit, begin, end, leads, thread))
         tell(thread, moved)
@@ -139,6 +140,12 @@ def advance(world, dt, steps, rebuild_at, thread):
         kick = dt
         done += 1
     if done > 0:
-        move(world, 0.5 * dt, 0.0, begin, end, leads, thread)
+        if leads:
+            move_held(world.held, 0.5 * dt, 0.0)
+            move_boundaries(world, 0.5 * dt, 0.0)
+        wait_for_held(world.held, thread)
+        for chunk in range(begin, end):
+            low, high = granules_of(world.chunks, granules, chunk)
+            drift(world, 0.5 * dt, 0.0, low, high)
     barrier(thread)
     return done, math.sqrt(moved)

@@ -5,7 +5,15 @@ import math
 import numpy as np
 
 from dem.dynamics.neighbors import match_listed, match_pairs, near_circle, near_pairs, near_planes
-from dem.dynamics.world import CHUNK, Chunks, Contacts, CylinderBoundary, WallBoundary, World
+from dem.dynamics.world import (
+    CHUNK,
+    Chunks,
+    Contacts,
+    CylinderBoundary,
+    HeldGroups,
+    WallBoundary,
+    World,
+)
 from dem.jit.address import by_address
 from dem.jit.columns import X, Y
 from dem.jit.compilation import compiled, inlined
@@ -196,6 +204,14 @@ def chunked(old, pairs, world):
     return pairs, force, chunks
 
 
+@optional
+def same_held(held):
+    """By value: what a World holds, and not where it is."""
+    return HeldGroups(
+        held.group, held.member, held.start, held.motion, held.impulse, held.guide
+    )  # fmt: skip
+
+
 @compiled(allocates=True)
 def rebuild_neighbor_list(world, table):
     """The world with contact lists for the present positions.
@@ -218,5 +234,5 @@ def rebuild_neighbor_list(world, table):
         world.shape, world.bodies, world.angle, world.frame, world.inverse_mass,
         world.inverse_inertia, force, rows, constituent_force, world.reference, pairs,
         list_walls(world.walls, rows, table), list_cylinder(world.cylinder, rows, table),
-        world.gravity, world.lanes, chunks, world.held,
+        world.gravity, world.lanes, chunks, same_held(world.held),
     )  # fmt: skip
