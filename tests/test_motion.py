@@ -12,6 +12,7 @@ import dem
 
 FAR = 1.0  # m: boundaries that nothing meets, so that one compilation serves all
 SOFT = dem.Material(young_modulus=1e8, restitution=0.6)
+ELASTIC = dem.Material(young_modulus=1e8, restitution=1.0)
 STILL = dem.Path([0.0], [[0.0, 0.0]])
 AWAY = dem.Cylinder(1e-3, (0.5 * FAR, 0.5 * FAR), STILL)
 LEFT, RIGHT, BOTTOM, TOP = range(4)
@@ -39,7 +40,7 @@ def some(radius, position, velocity=None, motions=None, **changes):
 
 def bed(small_bed, motions=None, **changes):
     """Scene and state of a bed of discs around a cylinder, one of them held."""
-    small = small_bed("disc")
+    small = small_bed("disc", fraction=0.82)
     usual = {"walls": small.bed.walls, "cylinder": replace(small.cylinder, velocity=STILL)}
     return scene(small.shape, motions, **usual | changes), small.state
 
@@ -75,7 +76,7 @@ MOVERS = {
 @pytest.mark.parametrize("mover", MOVERS)
 def test_the_work_of_a_boundary_on_a_path_is_what_the_bed_gains(small_bed, mover):
     """The ledger adds up to 1e-4 of the work, and the work is that of the recorded forces."""
-    time, pieces = 2e-4, 200
+    time, pieces = 4e-4, 200
     changes = MOVERS[mover](time)
     velocity = changes.pop("velocity", None)
     made, start = bed(small_bed, **changes)
@@ -85,8 +86,9 @@ def test_the_work_of_a_boundary_on_a_path_is_what_the_bed_gains(small_bed, mover
     record = run.record(time / pieces, pieces)
     ledger = run.ledger()
     gained = ledger.held - ledger.before + ledger.damped + ledger.slid
-    assert ledger.work > 0.01 * ledger.before
-    assert abs(gained - ledger.work) < 1e-4 * max(ledger.work, ledger.held)
+    print(mover, ledger, (gained - ledger.work) / ledger.work)
+    assert ledger.work > 0.1 * ledger.before
+    assert abs(gained - ledger.work) < 1e-4 * ledger.work
     path = next(
         p for p in (velocity, *made.wall_motion, made.held[0].motion)
         if isinstance(p, dem.Path) and len(p.time) > 1
@@ -117,16 +119,16 @@ def test_what_the_bed_loses_of_momentum_is_what_the_boundaries_get(small_bed):
     time = 1e-4
     record = run.record(time, 1)
     gained = made.mass[free] @ run.state.velocity[free]
-    assert_allclose(-forces_on(record)[0] * time, gained, rtol=1e-2)
+    scale = record.wall_force.sum() * time
+    assert_allclose(-forces_on(record)[0] * time, gained, atol=3e-3 * scale)
+    assert np.abs(gained).max() > 0.05 * scale
     assert np.abs(record.wall_tangential_force[0, BOTTOM]) > 0.0
 
 
 def test_a_lid_keeps_its_pressure(small_bed):
     """A driven wall settles where the bed bears its force, to 1 % of it, and so does the floor."""
-    force = 40.0
-    smooth = dem.Friction(0.3, 0.0, 0.3)
-    mass = 60 * 4e-6
-    lid = dem.Drive((None, -force), mass, damping=1.0)
+    force, smooth = 3.0, dem.Friction(0.3, 0.0, 0.3)
+    lid = dem.Drive((None, -force), mass=2e-4, damping=1.0)
     made, start = bed(small_bed, {TOP: lid}, friction=smooth)
     run = dem.Simulation(made, start)
     run.advance(0.02)
@@ -195,7 +197,7 @@ def test_a_held_granule_in_the_place_of_the_cylinder_feels_what_it_feels(small_b
 
 def test_a_wall_that_oscillates_comes_back_and_the_bed_feels_it(small_bed):
     """After whole periods its offset is what it was; in between it has pushed and let go."""
-    period, reach = 4e-4, 1e-5
+    period, reach = 4e-4, 2e-5
     time = np.linspace(0.0, 2.0 * period, 201)
     speed = 2.0 * np.pi / period * reach * np.cos(2.0 * np.pi * time / period)
     path = dem.Path(time, np.column_stack([speed, 0.0 * speed]))
@@ -205,8 +207,8 @@ def test_a_wall_that_oscillates_comes_back_and_the_bed_feels_it(small_bed):
     offset = record.wall_offset[:, LEFT] - made.walls[LEFT, 2]
     assert np.ptp(offset) == pytest.approx(2.0 * reach, rel=1e-2)
     assert abs(offset[39]) < 2e-3 * reach and abs(offset[79]) < 2e-3 * reach
-    pushes = record.wall_force[:, LEFT]
-    assert pushes[:10].max() > 2.0 * pushes[20:30].min()
+    into, out = record.wall_force[:, LEFT].reshape(2, 2, 20).mean(axis=(0, 2))
+    assert into > 1.1 * out > 0.0
 
 
 @pytest.mark.parametrize("skin", [0.003, 0.3])
@@ -291,10 +293,9 @@ def test_the_time_step_follows_the_mass_of_what_is_driven(small_bed):
     """A light lid makes it short, as the root of its mass, and the bed stays quiet under it."""
     found = {}
     for mass in (1.0, 1e-9, 1e-11):
-        lid = dem.Drive((None, -40.0), mass)
-        run = dem.Simulation(*bed(small_bed, {TOP: lid}))
+        run = dem.Simulation(*bed(small_bed, {TOP: dem.Drive((None, -3.0), mass)}, material=ELASTIC))
         found[mass] = run.diagnose().critical_time_step
-    plain = dem.Simulation(*bed(small_bed)).diagnose().critical_time_step
+    plain = dem.Simulation(*bed(small_bed, material=ELASTIC)).diagnose().critical_time_step
     assert found[1.0] == pytest.approx(plain, rel=1e-2)
     assert found[1e-11] / found[1e-9] == pytest.approx(0.1, rel=0.05)
 
@@ -302,13 +303,11 @@ def test_the_time_step_follows_the_mass_of_what_is_driven(small_bed):
 @pytest.mark.parametrize("mover", ["wall", "cylinder", "held"])
 def test_light_driven_boundaries_are_stable_at_the_step_that_is_chosen(mover):
     """A body of a thousandth of the mass of the disc that it presses on does not gain energy."""
-    r, elastic = 1e-3, dem.Material(young_modulus=1e8, restitution=1.0)
-    drive = dem.Drive((0.0, -1e-2), 1e-8)
+    r, drive = 1e-3, dem.Drive((0.0, -1e-2), 1e-8)
     places = {"cylinder": {"cylinder": dem.Cylinder(2 * r, (5e-3, 3 * r), drive)},
               "held": {"held": [dem.Held([1], drive), dem.Held([2])]},
               "wall": {"motions": {TOP: drive}, "walls": dem.box(FAR, 2 * r)}}[mover]  # fmt: skip
     second = [5e-3, 3 * r] if mover == "held" else [9e-3, r]
-    frictionless = dem.Friction(0.0, 0.0, 0.0)
     if mover == "wall":
         shape, start = dem.Disc([r, r]), dem.State([[5e-3, r], [9e-3, r]])
         held = {"held": [dem.Held([1])]}
@@ -316,9 +315,7 @@ def test_light_driven_boundaries_are_stable_at_the_step_that_is_chosen(mover):
         shape = dem.Disc([r, r, r])
         start = dem.State([[5e-3, r], second, [0.9 * FAR, 0.9 * FAR]])
         held = {"held": [dem.Held([2])]}
-    made = scene(
-        shape, **{"material": elastic, "friction": frictionless} | held | places
-    )  # fmt: skip
+    made = scene(shape, **{"material": ELASTIC} | held | places)
     run = dem.Simulation(made, start, step_fraction=1.0)
     record = run.record(2e-4, 50)
     assert run.steps > 1000
@@ -328,7 +325,7 @@ def test_light_driven_boundaries_are_stable_at_the_step_that_is_chosen(mover):
 
 def everything(small_bed):
     """A bed in which all that can move does."""
-    lid = dem.Drive((None, -40.0), 2e-4, damping=0.1)
+    lid = dem.Drive((None, -3.0), 2e-4, damping=0.1)
     made, start = bed(
         small_bed, {TOP: lid, LEFT: smoothly(0.5, 1e-4), BOTTOM: (1.0, 0.0)},
         held=[dem.Held([3, 9], smoothly(-0.5, 1e-4)), dem.Held([20], dem.Drive((0.1, None), 1e-5))],

@@ -151,18 +151,17 @@ def measure_cylinder(cylinder, row, interval):
 
 @optional
 def measure_walls(walls, row, interval):
-    """Returns the column after those of the walls."""
     count = walls.planes.shape[0]
     take(walls.impulse, row, ON_WALLS, interval)
     take(walls.shear, row, ON_WALLS + count, interval)
     for k in range(count):
         row[ON_WALLS + 2 * count + k] = walls.planes[k, 2]
-    return ON_WALLS + 3 * count
 
 
 @optional
-def measure_held(held, row, at, interval):
-    take(held.impulse.reshape(-1), row, at, interval)
+def measure_held(held, row, interval):
+    impulse = held.impulse.reshape(-1)
+    take(impulse, row, row.shape[0] - impulse.shape[0], interval)
 
 
 @inlined
@@ -172,8 +171,8 @@ def measure(record, n, world, diagnostics, interval, shortest):
     row[ENERGY], row[CONTACTS] = diagnostics.kinetic_energy, diagnostics.coordination_number
     row[OVERLAP], row[STEP] = diagnostics.max_overlap, shortest
     measure_cylinder(world.cylinder, row, interval)
-    at = either(measure_walls(world.walls, row, interval), ON_WALLS)
-    measure_held(world.held, row, at, interval)
+    measure_walls(world.walls, row, interval)
+    measure_held(world.held, row, interval)
 
 
 def step_on(threads, world, dt, steps, list_range):
