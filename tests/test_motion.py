@@ -86,7 +86,6 @@ def test_the_work_of_a_boundary_on_a_path_is_what_the_bed_gains(small_bed, mover
     record = run.record(time / pieces, pieces)
     ledger = run.ledger()
     gained = ledger.held - ledger.before + ledger.damped + ledger.slid
-    print(mover, ledger, (gained - ledger.work) / ledger.work)
     assert ledger.work > 0.1 * ledger.before
     assert abs(gained - ledger.work) < 1e-4 * ledger.work
     path = next(
@@ -293,7 +292,9 @@ def test_the_time_step_follows_the_mass_of_what_is_driven(small_bed):
     """A light lid makes it short, as the root of its mass, and the bed stays quiet under it."""
     found = {}
     for mass in (1.0, 1e-9, 1e-11):
-        run = dem.Simulation(*bed(small_bed, {TOP: dem.Drive((None, -3.0), mass)}, material=ELASTIC))
+        run = dem.Simulation(
+            *bed(small_bed, {TOP: dem.Drive((None, -3.0), mass)}, material=ELASTIC)
+        )
         found[mass] = run.diagnose().critical_time_step
     plain = dem.Simulation(*bed(small_bed, material=ELASTIC)).diagnose().critical_time_step
     assert found[1.0] == pytest.approx(plain, rel=1e-2)
@@ -362,8 +363,10 @@ def test_motion_in_moving_boundaries_does_not_depend_on_the_skin(small_bed):
         dem.Simulation(*everything(small_bed), time_step=4e-8, skin=skin) for skin in (0.004, 0.5)
     ]
     records = [run.record(100 * 4e-8, 5) for run in runs]
-    assert_allclose(*(run.state.position for run in runs), rtol=0.0, atol=1e-13)
-    assert_allclose(*(record.wall_offset for record in records), rtol=0.0, atol=1e-13)
+    moved = np.abs(runs[0].state.position - everything(small_bed)[1].position).max()
+    assert moved > 1e-5
+    assert_allclose(*(run.state.position for run in runs), rtol=0.0, atol=1e-7 * moved)
+    assert_allclose(*(record.wall_offset for record in records), rtol=0.0, atol=1e-7 * moved)
 
 
 def crowd():
@@ -383,7 +386,8 @@ def test_held_granules_and_walls_change_no_bit_with_the_number_of_threads():
     found = []
     for threads in (1, 2, 3):
         run = dem.Simulation(made, start, threads=threads)
-        record = run.record(4e-5, 5)
+        for _ in range(20):
+            record = run.record(1e-5, 1)
         found.append((*vars(run.state).values(), *record))
     for other in found[1:]:
         for first, second in zip(found[0], other, strict=True):

@@ -1,6 +1,7 @@
 """Many steps in one call: choose the time step, rebuild lists, check limits, take measurements."""
 
 import math
+from fractions import Fraction
 from typing import NamedTuple
 
 from numba.extending import overload
@@ -185,6 +186,17 @@ def _step_alone(threads, world, dt, steps, list_range):
     return lambda threads, world, dt, steps, list_range: advance(world, dt, steps, list_range, None)
 
 
+def later(time, steps, dt):
+    """Time (s) after some steps, rounded once, as the processor does it in compiled code: the time
+    steps of several threads are then those of one."""
+    return float(Fraction(time) + steps * Fraction(dt))
+
+
+@overload(later, jit_options=INLINED)
+def _later(time, steps, dt):
+    return lambda time, steps, dt: time + steps * dt
+
+
 @compiled(allocates=True)
 def run_steps(world, table, rules, schedule, record, threads):
     """Advance as a Schedule says; returns the world and a StepOutcome.
@@ -225,7 +237,7 @@ def run_steps(world, table, rules, schedule, record, threads):
         done, moved = step_on(threads, here, dt, left, rules.rebuild_at)
         steps += done
         finished = done == left
-        time = end if finished else time + done * dt
+        time = end if finished else later(time, done, dt)
         if not moved <= rules.rebuild_at:
             granule = outside(here.walls, here.bodies)
             if not (moved <= rules.list_range or nearing(here) <= 2.0 * rules.list_range):
