@@ -8,6 +8,9 @@ from .dynamics.simulation import Simulation as Simulation
 from .dynamics.simulation import simulate as simulate
 from .figures import plot as plot
 from .figures.film import film as film
+from .motion import Drive as Drive
+from .motion import Held as Held
+from .motion import Path as Path
 from .packing.random import Bed as Bed
 from .packing.random import pack as pack
 from .scene import Cylinder as Cylinder

@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 
 from dem.base.errors import InputError
 from dem.base.validate import (
-    MOST,
     array,
     checked,
     not_negative,
@@ -25,9 +24,19 @@ from dem.base.validate import (
     refuse,
     vector,
 )
+from dem.motion import (
+    FINITE,
+    Held,
+    Motion,
+    Path,
+    fixed,
+    groups,
+    motion,
+    numbered,
+    wall_motions,
+)
 
 Periods = tuple[float | None, float | None] | None  # (m) along x and y
-FINITE = f"be finite, up to {MOST:g} in size"
 ROOM = 2.5  # least period over the reach of a scene; two would leave no skin to neighbour lists
 
 
@@ -130,10 +139,16 @@ class Friction:
     stiffness: float = 1.0
 
 
-@checked("cylinder ", diameter=positive("m"), position=vector("m"), velocity=vector("m/s"))
+@checked(
+    "cylinder ",
+    diameter=positive("m"),
+    position=vector("m"),
+    velocity=motion,
+    spin=number(FINITE),
+)
 @dataclass(frozen=True)
 class Cylinder:
-    """Cylinder that moves at a prescribed velocity and does not rotate.
+    """Cylinder that moves as it is told, or as the forces on it say.
 
     Parameters
     ----------
@@ -141,13 +156,16 @@ class Cylinder:
         Diameter (m).
     position : tuple of float
         Position (x, y) of the axis at the start (m).
-    velocity : tuple of float
-        Velocity (x, y) in m/s; at rest by default.
+    velocity : tuple of float, Path or Drive
+        Velocity (x, y) in m/s, or what it follows; at rest by default.
+    spin : float
+        Angular velocity (rad/s), anticlockwise; that of a `Path` if it has one.
 
     Raises
     ------
     InputError
-        If `diameter` is not positive, or a vector does not hold two finite numbers.
+        If `diameter` is not positive, a vector does not hold two finite numbers, or both the
+        cylinder and its path have a spin.
 
     See Also
     --------
@@ -165,7 +183,14 @@ class Cylinder:
 
     diameter: float
     position: tuple[float, float]
-    velocity: tuple[float, float] = (0.0, 0.0)
+    velocity: Motion = (0.0, 0.0)
+    spin: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.spin and isinstance(self.velocity, Path) and self.velocity.spin is not None:
+            raise InputError(
+                f"cylinder spin is {self.spin:g} rad/s; it must be left out, because its path has one."
+            )
 
 
 @checked("box ", width=positive("m"), height=positive("m"))
@@ -282,13 +307,6 @@ def _by_side(places: np.ndarray, periodic: Periods, change: Callable) -> np.ndar
     return np.stack([change(x, period) if period else x for x, period in columns], axis=-1)
 
 
-def fixed(array: np.ndarray) -> np.ndarray:
-    """A copy that cannot be written."""
-    array = array.copy()
-    array.flags.writeable = False
-    return array
-
-
 @checked(
     shape=granules,
     material=one_of(Material),
@@ -299,6 +317,8 @@ def fixed(array: np.ndarray) -> np.ndarray:
     thickness=or_none(positive("m")),
     boundary=or_none(one_of(Material)),
     periodic=or_none(periods),
+    wall_motion=or_none(wall_motions),
+    held=groups,
 )
 @dataclass(frozen=True)
 class Scene:
@@ -329,6 +349,12 @@ class Scene:
         Periods (x, y) in m with which the scene repeats itself; None for a side without. Positions
         are not wrapped: a granule that leaves through one side goes on, and meets the images of the
         others.
+    wall_motion : sequence, optional
+        For each of the w walls its velocity (x, y) in m/s, a `Path`, a `Drive`, or None if it is at
+        rest. A wall is a straight line: it moves along its normal, and its velocity along itself only
+        drags the granules that touch it.
+    held : sequence of Held
+        Groups of granules that are a boundary.
 
     Raises
     ------
@@ -376,6 +402,8 @@ class Scene:
     thickness: float = None  # type: ignore[assignment]  # a number once the scene is made
     boundary: Material | None = None
     periodic: Periods = None
+    wall_motion: tuple[Motion | None, ...] | None = None
+    held: tuple[Held, ...] = ()
 
     def __post_init__(self) -> None:
         for axis, period in enumerate(self.periodic or ()):
@@ -384,6 +412,15 @@ class Scene:
         if self.thickness is None:
             mean = float(np.mean(2.0 * np.sqrt(self.shape.area / np.pi)))
             object.__setattr__(self, "thickness", mean)
+        if self.wall_motion is not None:
+            walls = 0 if self.walls is None else len(self.walls)
+            if len(self.wall_motion) != walls:
+                raise InputError(
+                    f"wall_motion has {len(self.wall_motion)} entries; it must have one for each of "
+                    f"the {walls} walls, None for one at rest."
+                )
+        if self.held:
+            object.__setattr__(self, "held", numbered(self.held, self.granules))
 
     def _check_period(self, axis: int, period: float) -> None:
         name, least = "xy"[axis], ROOM * reach(self)
@@ -404,6 +441,14 @@ class Scene:
     def granules(self) -> int:
         """Number of granules n."""
         return np.size(self.shape[0])
+
+    @property
+    def is_held(self) -> np.ndarray:
+        """Whether each granule (n,) is held."""
+        found = np.zeros(self.granules, bool)
+        for group in self.held:
+            found[group.granules] = True
+        return found
 
     @property
     def mass(self) -> np.ndarray:

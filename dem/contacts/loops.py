@@ -14,12 +14,13 @@ from dem.contacts.blocks import (
     gather_pairs,
     gather_planes,
     refine_contacts,
+    take,
 )
 from dem.jit.address import local
-from dem.jit.columns import VX, VY
+from dem.jit.columns import DVX, DVY, DW, FX, FY, VX, VY, W
 from dem.jit.compilation import compiled
-from dem.jit.lanes import BLOCK, EIGHT, WORK
-from dem.jit.optional import optional
+from dem.jit.lanes import BLOCK, EIGHT, FORCE_X, FORCE_Y, NX, NY, TORQUE_2, WORK
+from dem.jit.optional import optional, plus, times
 from dem.jit.prefetch import prefetch
 
 
@@ -76,20 +77,24 @@ def wall_contacts(walls, constituents, force, dt, lanes):
 def _wall_contacts(walls, constituents, force, dt, lanes):
     contacts, shape, frame = local(walls.contacts), constituents.shape, constituents.frame
     turns = constituents.inverse_inertia
-    rows, still = constituents.motion.reshape(-1), walls.motion.reshape(-1)
+    rows, motion = constituents.motion.reshape(-1), walls.motion
     flat, count, impulse = force.reshape(-1), contacts.constituent.shape[0], walls.impulse
-    planes = walls.planes
+    planes, shear, guide, others = walls.planes, walls.shear, walls.guide, motion.reshape(-1)
+    clear_contact_force(guide)
     for start in range(0, count, BLOCK):
         stop = min(start + BLOCK, count)
-        gather(turns, rows, still, contacts, start, stop, lanes)
+        gather(turns, rows, others, contacts, start, stop, lanes)
         gather_planes(shape, planes, frame, contacts, start, stop, lanes.values)
         find_wall_contacts(shape, turns, contacts, start, stop, lanes)
         contact_forces(contacts.friction, shape, contacts, start, stop, dt, lanes)
         add_losses(lanes.account, contacts, start, stop, lanes.values)
         for p in range(start, stop):
             k = np.uint64(p - start)
-            wall, normal, _ = boundary_reaction(contacts, p, k, lanes.values, turns, flat)
+            wall, normal, shares = boundary_reaction(contacts, p, k, lanes.values, turns, flat)
             impulse[wall] += normal * dt
+            add_shear(contacts.friction, shear, wall, lanes.values, k, dt)
+            add_contact_force(guide, wall, shares)
+            add_work_of_wall(guide, lanes.account, motion, wall, shares, dt)
 
 
 @optional
@@ -103,7 +108,9 @@ def _cylinder_contacts(cylinder, constituents, force, dt, lanes):
     turns = constituents.inverse_inertia
     rows, axis = constituents.motion.reshape(-1), cylinder.motion.reshape(-1)
     flat, count, impulse = force.reshape(-1), contacts.constituent.shape[0], cylinder.impulse
-    radius, motion = cylinder.radius, cylinder.motion
+    radius, motion, twist = cylinder.radius, cylinder.motion, cylinder.twist
+    guide = cylinder.guide
+    clear_contact_force(guide)
     for start in range(0, count, BLOCK):
         stop = min(start + BLOCK, count)
         gather(turns, rows, axis, contacts, start, stop, lanes)
@@ -117,11 +124,49 @@ def _cylinder_contacts(cylinder, constituents, force, dt, lanes):
             _, _, shares = boundary_reaction(contacts, p, k, lanes.values, turns, flat)
             for c in range(4):
                 impulse[c] += shares[c] * dt
-            add_work(lanes.account, motion, shares, dt)
+            torque = take(turns, lanes.values, TORQUE_2 + k)
+            add_twist(torque, twist, dt)
+            add_contact_force(guide, 0, shares)
+            add_work(lanes.account, motion, 0, shares, torque, dt)
 
 
 @optional
-def add_work(account, motion, shares, dt):
-    """Work (J) of the cylinder on a granule: shares (N), see boundary_reaction, act on it."""
+def clear_contact_force(guide):
+    """Begin to sum up what the contacts exert on the boundaries of a Guide."""
+    for b in range(guide.force.shape[0]):
+        guide.force[b, FX], guide.force[b, FY] = 0.0, 0.0
+
+
+@optional
+def add_contact_force(guide, boundary, shares):
+    guide.force[boundary, FX] += shares[0] + shares[2]
+    guide.force[boundary, FY] += shares[1] + shares[3]
+
+
+@optional
+def add_shear(friction, shear, wall, values, k, dt):
+    """Tangential impulse (N s) of the contact of lane k, along (-ny, nx)."""
+    nx, ny = values[NX + k], values[NY + k]
+    shear[wall] += (values[FORCE_Y + k] * nx - values[FORCE_X + k] * ny) * dt
+
+
+@optional
+def add_twist(torque, twist, dt):
+    twist[0] += torque * dt
+
+
+@optional
+def add_work_of_wall(guide, account, motion, wall, shares, dt):
+    add_work(account, motion, wall, shares, None, dt)
+
+
+@optional
+def add_work(account, motion, boundary, shares, torque, dt):
+    """Work (J) of a boundary on a granule: shares (N), see boundary_reaction, and torque act on it."""
     fx, fy = shares[0] + shares[2], shares[1] + shares[3]
-    account[WORK] -= (fx * motion[0, VX] + fy * motion[0, VY]) * dt
+    vx, vy = (
+        motion[boundary, VX] + motion[boundary, DVX],
+        motion[boundary, VY] + motion[boundary, DVY],
+    )
+    spin = motion[boundary, W] + motion[boundary, DW]
+    account[WORK] -= plus(fx * vx + fy * vy, times(torque, spin)) * dt

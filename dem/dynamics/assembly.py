@@ -16,11 +16,15 @@ from dem.dynamics.world import (
     Contacts,
     CylinderBoundary,
     FrictionParameters,
+    Guide,
+    HeldGroups,
+    Orders,
     WallBoundary,
     World,
 )
 from dem.jit.columns import VX, VY, W, X, Y, rows
 from dem.jit.lanes import make_lanes
+from dem.motion import Drive, Path
 from dem.scene import Scene, State, arrays_of, reach
 
 CONTACT_KINDS = "granule", "wall", "cylinder"
@@ -33,7 +37,9 @@ class GranuleTable(NamedTuple):
     the circle that holds one; mass (constituents,) in kg: of the whole granule; mobility: greatest
     1/m + lever^2/I (1/kg) of a contact; bend (n,) in 1/(kg m): 2/3 normal_bend / I, which bounds
     the rotational stiffness that a normal force adds, over k delta; skin (m); period along x and y
-    (m), None where the scene does not repeat itself; alpha: dashpot constant; modulus: E* of two granules (Pa); mean_radius (m), mean_mass (kg).
+    (m), None where the scene does not repeat itself; alpha: dashpot constant; modulus: E* of two
+    granules (Pa); mean_radius (m), mean_mass (kg). held (constituents,): which are held, None if none
+    is.
     """
 
     per: int
@@ -48,6 +54,7 @@ class GranuleTable(NamedTuple):
     modulus: float
     mean_radius: float
     mean_mass: float
+    held: np.ndarray | None
 
 
 def own(shape):
@@ -63,7 +70,11 @@ def widest_skins(scene: Scene, period) -> list[float]:
 
 def granule_table(scene: Scene, skin: float) -> GranuleTable:
     """GranuleTable of a scene; skin as a share of the mean bounding radius."""
-    shape, inverse_mass, inverse_inertia = own(scene.shape), 1.0 / scene.mass, 1.0 / scene.inertia
+    shape, (inverse_mass, inverse_inertia), held = (
+        own(scene.shape),
+        mobilities(scene),
+        scene.is_held,
+    )
     bounding = shape.constituent_bounding_radius
     per = len(bounding) // scene.granules
     period = scene.periodic or (None, None)
@@ -80,7 +91,16 @@ def granule_table(scene: Scene, skin: float) -> GranuleTable:
         modulus=effective_modulus(scene.material, scene.material),
         mean_radius=float(shape.constituent_radius.mean()),
         mean_mass=float(scene.mass.mean()),
+        held=np.repeat(held, per) if scene.held else None,
     )
+
+
+def mobilities(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
+    """1/mass and 1/inertia (n,) of all granules in 1/kg and 1/(kg m2): no contact moves a held one."""
+    inverse_mass, inverse_inertia = 1.0 / scene.mass, 1.0 / scene.inertia
+    if scene.held:
+        inverse_mass[scene.is_held] = inverse_inertia[scene.is_held] = 0.0
+    return inverse_mass, inverse_inertia
 
 
 def partners(scene: Scene, boundary: bool):
@@ -112,6 +132,101 @@ def motion(position, velocity, spin):
     motion = rows(len(position), 8)
     motion[:, [X, Y]], motion[:, [VX, VY]], motion[:, W] = position, velocity, spin
     return motion
+
+
+def start_of(motion) -> tuple[tuple[float, float], float]:
+    """Velocity (m/s) and spin (rad/s) of a boundary at the start."""
+    if isinstance(motion, Path):
+        x, y = (float(np.interp(0.0, motion.time, column)) for column in motion.velocity.T)
+        return (x, y), 0.0 if motion.spin is None else float(
+            np.interp(0.0, motion.time, motion.spin)
+        )
+    return (motion.velocity if isinstance(motion, Drive) else motion), 0.0
+
+
+def table_of(motion) -> np.ndarray:
+    """Rows of Orders.table for one boundary."""
+    if isinstance(motion, Drive):
+        return np.empty((0, 4))
+    if isinstance(motion, Path):
+        spin = np.zeros(len(motion.time)) if motion.spin is None else motion.spin
+        return np.column_stack([motion.time, motion.velocity, spin])
+    return np.array([[0.0, *motion, 0.0]])
+
+
+def guide(motions) -> Guide:
+    """What moves boundaries with these motions."""
+    tables = [table_of(each) for each in motions]
+    push, inverse_mass = np.zeros((2, len(motions), 2))
+    damping = np.zeros(len(motions))
+    for b, each in enumerate(motions):
+        if isinstance(each, Drive):
+            damping[b] = each.damping
+            for c, force in enumerate(each.force):
+                if force is not None:
+                    push[b, c], inverse_mass[b, c] = force, 1.0 / each.mass
+    first = np.cumsum([0, *map(len, tables)])
+    orders = Orders(first, np.concatenate(tables), push, inverse_mass, damping)
+    return Guide(orders, np.zeros(1), rows(len(motions), 4))
+
+
+def started(position, motions) -> np.ndarray:
+    """Rows of dem.jit.columns for boundaries at the start."""
+    velocity, spin = zip(*map(start_of, motions), strict=True)
+    return motion(position, np.array(velocity), np.array(spin))
+
+
+def wall_boundary(scene: Scene, table: GranuleTable) -> WallBoundary:
+    planes = np.array(scene.walls, float)
+    count = len(planes)
+    given = scene.wall_motion or ()
+    moved = any(each is not None for each in given)
+    motions = [(0.0, 0.0) if each is None else each for each in given]
+    return WallBoundary(
+        planes=planes,
+        motion=started(np.zeros((count, 2)), motions) if moved else rows(count, 8),
+        contacts=contacts(scene, table, "wall"),
+        impulse=np.zeros(count),
+        shear=np.zeros(count),
+        reference=planes[:, 2].copy() if moved else None,
+        guide=guide(motions) if moved else None,
+    )
+
+
+def cylinder_boundary(scene: Scene, table: GranuleTable) -> CylinderBoundary:
+    cylinder = scene.cylinder
+    assert cylinder is not None
+    axis = started(cylinder.position, [cylinder.velocity])
+    axis[0, W] += cylinder.spin  # that of the path is then zero, see Cylinder
+    guided = guide([cylinder.velocity]) if isinstance(cylinder.velocity, Path | Drive) else None
+    if guided is not None:
+        guided.orders.table[:, 3] += cylinder.spin
+    return CylinderBoundary(
+        radius=0.5 * cylinder.diameter,
+        motion=axis,
+        reference=np.zeros(2),
+        contacts=contacts(scene, table, "cylinder"),
+        impulse=np.zeros(4),
+        twist=np.zeros(1),
+        guide=guided,
+    )
+
+
+def held_groups(scene: Scene, bodies: np.ndarray) -> HeldGroups | None:
+    """The groups of a scene, whose granules take their velocities at once."""
+    if not scene.held:
+        return None
+    group = np.full(scene.granules, -1)
+    for b, each in enumerate(scene.held):
+        group[each.granules] = b
+    member = np.flatnonzero(group >= 0)
+    motions = [each.motion for each in scene.held]
+    moved = started(np.zeros((len(motions), 2)), motions)
+    bodies[np.ix_(member, [VX, VY])] = moved[np.ix_(group[member], [VX, VY])]
+    return HeldGroups(
+        group, member, bodies[np.ix_(member, [X, Y])], moved, np.zeros((len(motions), 2)),
+        guide(motions),
+    )  # fmt: skip
 
 
 def contacts(scene: Scene, table: GranuleTable, kind: str) -> Contacts:
@@ -147,33 +262,23 @@ def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = 
     turning = rough or bool(np.any(scene.shape.normal_lever > 0.0))
     bodies, force = motion(state.position, state.velocity, state.angular_velocity), rows(n, 4)
     alone = table.per == 1
-    walls = cylinder = None
-    if scene.walls is not None:
-        planes = np.ascontiguousarray(scene.walls, float)
-        walls = WallBoundary(
-            planes, rows(len(planes), 8), contacts(scene, table, "wall"), np.zeros(len(planes))
-        )
-    if scene.cylinder is not None:
-        axis = motion(scene.cylinder.position, scene.cylinder.velocity, 0.0)
-        radius = 0.5 * scene.cylinder.diameter
-        cylinder = CylinderBoundary(
-            radius, axis, np.zeros(2), contacts(scene, table, "cylinder"), np.zeros(4)
-        )
+    inverse_mass, inverse_inertia = mobilities(scene)
     return World(
         shape=own(scene.shape),
         bodies=bodies,
         angle=state.angle,
         frame=np.column_stack([np.cos(state.angle), np.sin(state.angle)]) if has_angle else None,
-        inverse_mass=1.0 / scene.mass,
-        inverse_inertia=1.0 / scene.inertia if turning else None,
+        inverse_mass=inverse_mass,
+        inverse_inertia=inverse_inertia if turning else None,
         force=force,
         constituents=bodies if alone else rows(n * table.per, 8),
         constituent_force=force if alone else rows(n * table.per, 4),
         reference=np.zeros((n * table.per, 2)),
         pairs=contacts(scene, table, "granule"),
-        walls=walls,
-        cylinder=cylinder,
+        walls=None if scene.walls is None else wall_boundary(scene, table),
+        cylinder=None if scene.cylinder is None else cylinder_boundary(scene, table),
         gravity=None if scene.gravity is None else np.array(scene.gravity, float),
         lanes=make_lanes(accounted),
         chunks=Chunks(index, index, np.zeros(0, np.int64)) if n > CHUNK else None,
+        held=held_groups(scene, bodies),
     )

@@ -12,10 +12,11 @@ from dem.dynamics.world import CHUNK
 
 # of a World: what the scene holds and no run changes, and what each step writes before it reads
 FIXED = (
-    "shape.", "inverse_mass", "inverse_inertia", "gravity", "walls.planes", "walls.motion",
-    "lanes.motion", "lanes.values",
+    "shape.", "inverse_mass", "inverse_inertia", "gravity", "lanes.motion", "lanes.values",
+    "walls.guide.orders", "cylinder.guide.orders", "held.guide.orders", "held.group", "held.member",
 )  # fmt: skip
 CYLINDER_PLACE = "world.cylinder.reference"
+AT_REST = "walls.planes", "walls.motion"  # fixed where no wall moves
 LISTS = "world.pairs", "world.walls.contacts", "world.cylinder.contacts"
 
 
@@ -55,7 +56,8 @@ def writable(tree):
 
 def moving(world) -> dict:
     """The arrays of a World that a run changes, by their path in it."""
-    fixed = tuple(f"world.{name}" for name in FIXED)
+    at_rest = world.walls is not None and world.walls.guide is None
+    fixed = tuple(f"world.{name}" for name in (*FIXED, *(AT_REST if at_rest else ())))
     return {k: v for k, v in named_arrays(world).items() if not k.startswith(fixed)}
 
 

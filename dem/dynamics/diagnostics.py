@@ -9,6 +9,7 @@ from dem.contacts.blocks import Constituents, imaged, remembered
 from dem.contacts.force_law import damping_ratio, impact_overlap
 from dem.contacts.response import local_stiffness
 from dem.dynamics.forces import greater
+from dem.dynamics.guide import count_guided, driven_acceleration, fastest, lightness
 from dem.dynamics.stable_step import (
     COLUMNS,
     Bounds,
@@ -25,7 +26,7 @@ from dem.dynamics.stable_step import (
 from dem.jit.address import by_address, local
 from dem.jit.columns import FX, FY, TAU, VX, VY, W, X, Y
 from dem.jit.compilation import compiled, inlined
-from dem.jit.optional import either, optional, plus
+from dem.jit.optional import either, optional, plus, unless
 from dem.shapes.protocol import circle, outline, solve_contact, support
 
 
@@ -35,7 +36,7 @@ class Diagnostics(NamedTuple):
     Attributes
     ----------
     kinetic_energy : float
-        Kinetic energy (J) of all granules.
+        Kinetic energy (J) of all granules that are not held.
     speed_bound : float
         Bound on the speed (m/s) of any granule until the next neighbour list.
     coordination_number : float
@@ -63,12 +64,13 @@ def spin_energy(inverse_inertia, i, spin):
 
 @compiled
 def kinetic(bodies, inverse_mass, inverse_inertia):
-    """Kinetic energy (J) and greatest speed (m/s); NaN wins."""
+    """Kinetic energy (J) of the granules that are free, and greatest speed (m/s) of all; NaN wins."""
     energy, speed_bound = 0.0, 0.0
     for i in range(bodies.shape[0]):
         squared = bodies[i, VX] ** 2 + bodies[i, VY] ** 2
-        energy += 0.5 * squared / inverse_mass[i]
-        energy = plus(energy, spin_energy(inverse_inertia, i, bodies[i, W]))
+        if inverse_mass[i] > 0.0:
+            energy += 0.5 * squared / inverse_mass[i]
+            energy = plus(energy, spin_energy(inverse_inertia, i, bodies[i, W]))
         speed_bound = greater(speed_bound, squared)
     return energy, math.sqrt(speed_bound)
 
@@ -94,8 +96,37 @@ def levers(granules, constituents, g, i, normal, point):
     return x * ny - y * nx, x * nx + y * ny
 
 
+@optional
+def row_of_member(held, i):
+    b = held.group[i]
+    return i if b < 0 else held.group.shape[0] + b
+
+
+@inlined
+def row_of(held, i):
+    """Row of Bounds for granule i: that of its group where it is held."""
+    return either(row_of_member(held, i), i)
+
+
+@optional
+def weight_of_member(held, inverse_mass, inverse_inertia, i, lever):
+    b = held.group[i]
+    if b < 0:
+        return weight(inverse_mass, inverse_inertia, i, lever)
+    return lightness(held.guide, b)
+
+
+@inlined
+def weight_of(held, inverse_mass, inverse_inertia, i, lever):
+    """As `weight`; that of its group where granule i is held."""
+    return either(
+        weight_of_member(held, inverse_mass, inverse_inertia, i, lever),
+        weight(inverse_mass, inverse_inertia, i, lever),
+    )
+
+
 @compiled
-def survey_pairs(bodies, granules, contacts, inverse_mass, table, bounds):
+def survey_pairs(bodies, granules, contacts, inverse_mass, table, bounds, held):
     """bodies: Constituents; granules (n, 8): their motion; bounds: rows are added to.
 
     Returns the number of pairs that touch, and the greatest relative overlap with its constituent.
@@ -124,19 +155,39 @@ def survey_pairs(bodies, granules, contacts, inverse_mass, table, bounds):
             theirs = levers(granules, motion, h, j, (nx, ny), (-n2 - apart, either(t2, 0.0)))
             damping = normal_damping(contacts.damping, p, sqrt_overlap)
             k = 1.5 * stiffness * sqrt_overlap
-            weights = weight(light, turns, g, mine[0]), weight(light, turns, h, theirs[0])
-            add_pair_stiffness(rows, (g, h), k, damping, (nx, ny), weights)
-            weights = weight(light, turns, g, mine[1]), weight(light, turns, h, theirs[1])
+            pair = row_of(held, g), row_of(held, h)
+            one = weight_of(held, light, turns, g, mine[0])
+            two = weight_of(held, light, turns, h, theirs[0])
+            add_pair_stiffness(rows, pair, k, damping, (nx, ny), (one, two))
+            one = weight_of(held, light, turns, g, mine[1])
+            two = weight_of(held, light, turns, h, theirs[1])
             spring = stiffness, sqrt_overlap, damping
-            add_pair_tangent(contacts.friction, rows, (g, h), spring, (-ny, nx), weights)
+            add_pair_tangent(contacts.friction, rows, pair, spring, (-ny, nx), (one, two))
             add_force_stiffness(rows, g, k, overlap, table.bend)
             add_force_stiffness(rows, h, k, overlap, table.bend)
     return touching, worst
 
 
+@optional
+def add_guided_stiffness(guide, wall, friction, rows, pair, k, spring, normal, weights):
+    """Stiffness k (N/m) along the normal, and the tangential one, of a granule and a boundary.
+
+    pair: rows of both; spring: as of add_pair_tangent; weights: of the granule, for both directions.
+    """
+    nx, ny = normal
+    other = lightness(guide, wall)
+    add_pair_stiffness(rows, pair, k, spring[2], normal, (weights[0], other))
+    add_pair_tangent(friction, rows, pair, spring, (-ny, nx), (weights[1], other))
+
+
 @compiled
-def survey_boundary(boundary, geometries, bodies, granules, inverse_mass, table, bounds, worst):
-    """The same of walls or cylinder, with geometries (m, 6) from one of the functions below."""
+def survey_boundary(
+    boundary, geometries, bodies, granules, inverse_mass, table, bounds, worst, held, first
+):
+    """The same of walls or cylinder, with geometries (m, 6) from one of the functions below.
+
+    first: row of Bounds of the first of these boundaries, if they are guided.
+    """
     contacts, table = local(boundary.contacts), local(table)
     rows, turns = bounds.rows, bodies.inverse_inertia
     for p in range(contacts.constituent.shape[0]):
@@ -151,11 +202,17 @@ def survey_boundary(boundary, geometries, bodies, granules, inverse_mass, table,
         normal, tangential = levers(granules, bodies.motion, g, i, (nx, ny), (n1, t1))
         damping = normal_damping(contacts.damping, p, sqrt_overlap)
         k = 1.5 * stiffness * sqrt_overlap
-        one = weight(inverse_mass, turns, g, normal)
-        add_wall_stiffness(rows, g, k, damping, (nx, ny), one)
-        one = weight(inverse_mass, turns, g, tangential)
-        spring = stiffness, sqrt_overlap, damping
-        add_wall_tangent(contacts.friction, rows, g, spring, (-ny, nx), one)
+        row, spring = row_of(held, g), (stiffness, sqrt_overlap, damping)
+        along = weight_of(held, inverse_mass, turns, g, normal)
+        across = weight_of(held, inverse_mass, turns, g, tangential)
+        still = unless(boundary.guide, rows)
+        add_wall_stiffness(still, row, k, damping, (nx, ny), along)
+        add_wall_tangent(contacts.friction, still, row, spring, (-ny, nx), across)
+        wall = np.int64(contacts.partner[p])
+        add_guided_stiffness(
+            boundary.guide, wall, contacts.friction, rows, (row, first + wall), k, spring, (nx, ny),
+            (along, across),
+        )  # fmt: skip
         add_force_stiffness(rows, g, k, overlap, table.bend)
     return worst
 
@@ -220,18 +277,42 @@ def cylinder_geometries(shape, motion, frame, cylinder):
 
 
 @optional
-def survey_walls(walls, world, bodies, table, bounds, worst):
+def guided(boundary):
+    """Number of guided boundaries, None if there is none."""
+    return count_guided(boundary.guide)
+
+
+@optional
+def survey_walls(walls, world, bodies, table, bounds, worst, first):
     found = wall_geometries(world.shape, world.constituents, world.frame, walls)
     return survey_boundary(
-        walls, found, bodies, world.bodies, world.inverse_mass, table, bounds, worst
+        walls,
+        found,
+        bodies,
+        world.bodies,
+        world.inverse_mass,
+        table,
+        bounds,
+        worst,
+        world.held,
+        first,
     )
 
 
 @optional
-def survey_cylinder(cylinder, world, bodies, table, bounds, worst):
+def survey_cylinder(cylinder, world, bodies, table, bounds, worst, first):
     found = cylinder_geometries(world.shape, world.constituents, world.frame, cylinder)
     return survey_boundary(
-        cylinder, found, bodies, world.bodies, world.inverse_mass, table, bounds, worst
+        cylinder,
+        found,
+        bodies,
+        world.bodies,
+        world.inverse_mass,
+        table,
+        bounds,
+        worst,
+        world.held,
+        first,
     )
 
 
@@ -245,13 +326,20 @@ def survey(world, table, least):
     the critical time step (s).
     """
     world, table = by_address(world), by_address(table)
-    bounds = Bounds(np.zeros((world.bodies.shape[0], COLUMNS)), least)
+    first_wall = world.bodies.shape[0] + either(guided(world.held), 0)
+    first_cylinder = first_wall + either(guided(world.walls), 0)
+    count = first_cylinder + either(guided(world.cylinder), 0)
+    bounds = Bounds(np.zeros((count, COLUMNS)), least)
     bodies = Constituents(world.shape, world.constituents, world.frame, world.inverse_inertia)
     touching, worst = survey_pairs(
-        bodies, world.bodies, world.pairs, world.inverse_mass, table, bounds
+        bodies, world.bodies, world.pairs, world.inverse_mass, table, bounds, world.held
     )
-    worst = either(survey_walls(world.walls, world, bodies, table, bounds, worst), worst)
-    worst = either(survey_cylinder(world.cylinder, world, bodies, table, bounds, worst), worst)
+    worst = either(
+        survey_walls(world.walls, world, bodies, table, bounds, worst, first_wall), worst
+    )
+    worst = either(
+        survey_cylinder(world.cylinder, world, bodies, table, bounds, worst, first_cylinder), worst
+    )
     return touching, worst[0], worst[1], shortest(bounds.rows)
 
 
@@ -279,14 +367,34 @@ def greatest_acceleration(force, inverse_mass, inverse_inertia, table):
 
 @optional
 def speed_squared(cylinder):
-    return cylinder.motion[0, VX] ** 2 + cylinder.motion[0, VY] ** 2
+    now = cylinder.motion[0, VX] ** 2 + cylinder.motion[0, VY] ** 2
+    return either(fastest(cylinder.guide, cylinder.motion), now)
+
+
+@optional
+def guided_speed_squared(boundary):
+    """Of walls or held groups; None if they are at rest."""
+    return fastest(boundary.guide, boundary.motion)
 
 
 @inlined
-def expected_speed(cylinder, gravity, skin, speed_bound):
-    """Greatest speed (m/s) before the lists are rebuilt: of granules, cylinder, and a fall."""
-    squared = max(speed_bound * speed_bound, either(speed_squared(cylinder), 0.0))
-    return math.sqrt(plus(squared, fall_squared(gravity, skin)))
+def expected_speed(world, skin, speed_bound):
+    """Greatest speed (m/s) before the lists are rebuilt: of granules, boundaries, and a fall."""
+    squared = max(speed_bound * speed_bound, either(speed_squared(world.cylinder), 0.0))
+    squared = either(faster(guided_speed_squared(world.walls), squared), squared)
+    squared = either(faster(guided_speed_squared(world.held), squared), squared)
+    return math.sqrt(plus(squared, fall_squared(world.gravity, skin)))
+
+
+@optional
+def faster(more, than):
+    return greater(more, than)
+
+
+@optional
+def push_on(boundary):
+    """Greatest acceleration (m/s2) of walls, cylinder or held groups; None if nothing drives them."""
+    return driven_acceleration(boundary.guide)
 
 
 @compiled(allocates=True)
@@ -299,7 +407,7 @@ def diagnose(world, table):
     """
     world, table = by_address(world), by_address(table)
     energy, speed_bound = kinetic(world.bodies, world.inverse_mass, world.inverse_inertia)
-    speed = expected_speed(world.cylinder, world.gravity, table.skin, speed_bound)
+    speed = expected_speed(world, table.skin, speed_bound)
     radius, mass = 0.5 * table.mean_radius, 0.5 * table.mean_mass
     least = max(impact_overlap(mass, radius, table.modulus, speed), 1e-8 * radius)
     touching, overlap, deepest, step = survey(world, table, least)
@@ -307,6 +415,9 @@ def diagnose(world, table):
     damping = 2.0 * damping_ratio(table.alpha) * math.sqrt(2.0 * stiffness)
     granules = world.bodies.shape[0]
     push = greatest_acceleration(world.force, world.inverse_mass, world.inverse_inertia, table)
+    push = either(faster(push_on(world.walls), push), push)
+    push = either(faster(push_on(world.cylinder), push), push)
+    push = either(faster(push_on(world.held), push), push)
     return Diagnostics(
         energy, math.sqrt(speed * speed + 2.0 * table.skin * push), 2.0 * touching / granules, overlap, deepest // table.per,
         min(step, critical_step(stiffness, damping)),

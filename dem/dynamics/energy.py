@@ -1,7 +1,7 @@
 """The energy ledger: the energy that a bed holds, gains and loses.
 
 The kernels sum three energies over time (dem.jit.lanes): losses in dashpots, losses by sliding, and
-the work of the cylinder. The loss by sliding is the work of the slip minus the gain in stored
+the work of walls, cylinder and held granules. The loss by sliding is the work of the slip minus the gain in stored
 spring energy. Energy that a spring loses while the overlap shrinks is included. Kinetic and elastic
 energies follow from the state. Each step counts with the force at its end, and the last step counts
 half. This is the trapezoidal rule, of second order in the time step, if no power acts at the start.
@@ -27,7 +27,7 @@ class Ledger(NamedTuple):
     Attributes
     ----------
     kinetic : float
-        Kinetic energy now (J).
+        Kinetic energy of the granules now (J); held ones have none.
     elastic_normal : float
         Elastic energy of the normal springs now (J).
     elastic_tangential : float
@@ -37,7 +37,7 @@ class Ledger(NamedTuple):
     slid : float
         Energy lost by sliding since the start (J).
     work : float
-        Work of the cylinder on the granules since the start (J).
+        Work of the boundaries on the granules since the start (J): of walls, cylinder and held granules.
     fallen : float
         Work of gravity on the granules since the start (J).
     before : float
@@ -114,7 +114,8 @@ def fallen(world) -> float:
     """Minus the potential energy (J) of the granules in gravity."""
     if world.gravity is None:
         return 0.0
-    return float(np.sum((world.bodies[:, :2] @ world.gravity) / world.inverse_mass))
+    depth, light = world.bodies[:, :2] @ world.gravity, world.inverse_mass
+    return float(np.sum(np.divide(depth, light, out=np.zeros_like(depth), where=light > 0.0)))
 
 
 class Bookkeeper:

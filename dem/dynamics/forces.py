@@ -7,9 +7,9 @@ from dem.contacts.loops import cylinder_contacts, pair_contacts, wall_contacts
 from dem.dynamics.synchronise import barrier
 from dem.dynamics.world import granules_of, number_of_chunks
 from dem.jit.address import by_address
-from dem.jit.columns import X, Y
+from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
 from dem.jit.compilation import compiled, inlined
-from dem.jit.lanes import ACCOUNTS, FOUR, ONE, TWO, ZERO
+from dem.jit.lanes import ACCOUNTS, FOUR, ONE, TWO, WORK, ZERO
 from dem.jit.optional import optional
 from dem.shapes.protocol import collect, place
 
@@ -72,6 +72,36 @@ def farthest(motion, reference, low, high, limit):
     return largest
 
 
+@optional
+def add_work_on(account, motion, force, row, dt):
+    """Work (J) of a held constituent on what touches it."""
+    vx, vy = motion[row, VX] + motion[row, DVX], motion[row, VY] + motion[row, DVY]
+    spin = motion[row, W] + motion[row, DW]
+    account[WORK] -= (force[row, FX] * vx + force[row, FY] * vy + force[row, TAU] * spin) * dt
+
+
+@optional
+def weigh_held(held, motion, force, account, dt):
+    """Sum up what the contacts exert on each group, in one order whatever the number of threads.
+
+    motion, force: of the constituents.
+    """
+    on, member, impulse = held.guide.force, held.member, held.impulse
+    per = motion.shape[0] // held.group.shape[0]
+    for b in range(on.shape[0]):
+        on[b, FX], on[b, FY] = 0.0, 0.0
+    for q in range(member.shape[0]):
+        b = held.group[member[q]]
+        for c in range(per):
+            row = per * member[q] + c
+            on[b, FX] += force[row, FX]
+            on[b, FY] += force[row, FY]
+            add_work_on(account, motion, force, row, dt)
+    for b in range(on.shape[0]):
+        impulse[b, 0] += on[b, FX] * dt
+        impulse[b, 1] += on[b, FY] * dt
+
+
 @compiled
 def add_forces(world, dt, limit, begin, end, leads, thread):
     """Forces on the constituents: of pairs in chunks begin to end; of walls and cylinder if this
@@ -105,6 +135,7 @@ def add_forces(world, dt, limit, begin, end, leads, thread):
     if leads:
         wall_contacts(world.walls, constituents, force, dt, lanes)
         cylinder_contacts(world.cylinder, constituents, force, dt, lanes)
+        weigh_held(world.held, constituents.motion, force, lanes.account, dt)
     return moved
 
 

@@ -11,10 +11,11 @@ import math
 import numpy as np
 
 from dem.dynamics.forces import add_forces, greater
+from dem.dynamics.guide import carry, move_cylinder, move_held, move_walls, wait_for_held
 from dem.dynamics.synchronise import LINE, barrier, follows, portion
 from dem.dynamics.world import granules_of, number_of_chunks
 from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
-from dem.jit.compilation import compiled
+from dem.jit.compilation import compiled, inlined
 from dem.jit.optional import either, optional, plus
 from dem.shapes.common_normal import turned
 from dem.shapes.protocol import collect, place
@@ -77,17 +78,21 @@ def drift(world, kick, dt, low, high):
         bodies[i, DVY] = half * ay
         spin = spin_up(inverse_inertia, bodies, force, i, kick, half)
         turn(spin, frame, angle, i, dt)
+    carry(world.held, bodies, low, high)
     place(world.shape, bodies, frame, world.constituents, low, high)
 
 
+@inlined
+def move_boundaries(world, kick, dt):
+    """Kick and move walls and cylinder; returns their largest squared displacement (m2) since the
+    lists were made."""
+    moved = either(move_cylinder(world.cylinder, kick, dt), 0.0)
+    return either(farther(move_walls(world.walls, kick, dt), moved), moved)
+
+
 @optional
-def move_cylinder(cylinder, dt):
-    """Move the cylinder over dt (s); returns its squared displacement (m2) since the lists."""
-    cylinder.motion[0, X] += dt * cylinder.motion[0, VX]
-    cylinder.motion[0, Y] += dt * cylinder.motion[0, VY]
-    dx = cylinder.motion[0, X] - cylinder.reference[0]
-    dy = cylinder.motion[0, Y] - cylinder.reference[1]
-    return dx * dx + dy * dy
+def farther(moved, other):
+    return greater(moved, other)
 
 
 @optional
@@ -120,10 +125,13 @@ def advance(world, dt, steps, rebuild_at, thread):
     begin, end = either(portion(thread, chunks), (0, chunks))
     kick, done, moved, limit = 0.5 * dt, 0, 0.0, rebuild_at * rebuild_at
     while done < steps and moved <= limit:
+        if leads:
+            move_held(world.held, kick, dt)
+        wait_for_held(world.held, thread)
         for chunk in range(begin, end):
             low, high = granules_of(world.chunks, granules, chunk)
             drift(world, kick, dt, low, high)
-        moved = either(move_cylinder(world.cylinder, dt), 0.0) if leads else 0.0
+        moved = move_boundaries(world, kick, dt) if leads else 0.0
         barrier(thread)
         moved = greater(moved, add_forces(world, dt, limit, begin, end, leads, thread))
         tell(thread, moved)
@@ -132,6 +140,10 @@ def advance(world, dt, steps, rebuild_at, thread):
         kick = dt
         done += 1
     if done > 0:
+        if leads:
+            move_held(world.held, 0.5 * dt, 0.0)
+            move_boundaries(world, 0.5 * dt, 0.0)
+        wait_for_held(world.held, thread)
         for chunk in range(begin, end):
             low, high = granules_of(world.chunks, granules, chunk)
             drift(world, 0.5 * dt, 0.0, low, high)

@@ -13,7 +13,15 @@ from dem.dynamics.neighbors import (
     near_pairs,
     near_planes,
 )
-from dem.dynamics.world import CHUNK, Chunks, Contacts, CylinderBoundary, WallBoundary, World
+from dem.dynamics.world import (
+    CHUNK,
+    Chunks,
+    Contacts,
+    CylinderBoundary,
+    HeldGroups,
+    WallBoundary,
+    World,
+)
 from dem.jit.address import by_address
 from dem.jit.columns import X, Y
 from dem.jit.compilation import compiled, inlined
@@ -86,17 +94,42 @@ def set_constants(contacts, p, radius, mass, alpha):
     put_damping(contacts.damping, p, alpha, mass, stiffness)
 
 
+@optional
+def without_held(held, first, constituent, partner):
+    """The same pairs but those of which both are held."""
+    kept, count = np.zeros_like(first), 0
+    for i in range(first.shape[0] - 1):
+        for p in range(first[i], first[i + 1]):
+            if not (held[i] and held[partner[p]]):
+                constituent[count], partner[count] = i, partner[p]
+                count += 1
+        kept[i + 1] = count
+    return kept, constituent[:count].copy(), partner[:count].copy()
+
+
+@optional
+def mass_of_free(held, mass, i, j, reduced):
+    """Effective mass (kg) of a pair: a held one is infinitely heavy."""
+    if held[i]:
+        return mass[j]
+    return mass[i] if held[j] else reduced
+
+
 @compiled(allocates=True)
 def list_pairs(old, rows, table):
     radius, mass = table.radius, table.mass
     period = table.period
-    first, constituent, partner = near_pairs(rows, table.bounding, table.skin, table.per, period)
+    found = near_pairs(rows, table.bounding, table.skin, table.per, period)
+    first, constituent, partner = either(
+        without_held(table.held, found[0], found[1], found[2]), found
+    )
     source = match_pairs(first, partner, old.first, old.partner)
     new = renewed(old, first, constituent, partner, source)
     for p in range(constituent.shape[0]):
         i, j = constituent[p], partner[p]
         reduced_radius = radius[i] * radius[j] / (radius[i] + radius[j])
         reduced_mass = mass[i] * mass[j] / (mass[i] + mass[j])
+        reduced_mass = either(mass_of_free(table.held, mass, i, j, reduced_mass), reduced_mass)
         set_constants(new, p, reduced_radius, reduced_mass, table.alpha)
         aim(new, p, rows[j, X] - rows[i, X], rows[j, Y] - rows[i, Y], period)
     return new
@@ -116,7 +149,16 @@ def list_walls(walls, rows, table):
     for p in range(constituent.shape[0]):
         i = constituent[p]
         set_constants(new, p, table.radius[i], table.mass[i], table.alpha)
-    return WallBoundary(walls.planes, walls.motion, new, walls.impulse)
+    note_offsets(walls.reference, walls.planes)
+    return WallBoundary(
+        walls.planes, walls.motion, new, walls.impulse, walls.shear, walls.reference, walls.guide
+    )
+
+
+@optional
+def note_offsets(reference, planes):
+    for k in range(reference.shape[0]):
+        reference[k] = planes[k, 2]
 
 
 @optional
@@ -131,7 +173,10 @@ def list_cylinder(cylinder, rows, table):
         set_constants(new, p, radius, table.mass[i], table.alpha)
         aim(new, p, x - rows[i, X], y - rows[i, Y], period)
     cylinder.reference[0], cylinder.reference[1] = x, y
-    return CylinderBoundary(size, cylinder.motion, cylinder.reference, new, cylinder.impulse)
+    return CylinderBoundary(
+        size, cylinder.motion, cylinder.reference, new, cylinder.impulse, cylinder.twist,
+        cylinder.guide,
+    )  # fmt: skip
 
 
 @optional
@@ -183,6 +228,14 @@ def chunked(old, pairs, world):
     return pairs, force, chunks
 
 
+@optional
+def same_held(held):
+    """By value: what a World holds, and not where it is."""
+    return HeldGroups(
+        held.group, held.member, held.start, held.motion, held.impulse, held.guide
+    )  # fmt: skip
+
+
 @compiled(allocates=True)
 def rebuild_neighbor_list(world, table):
     """The world with contact lists for the present positions.
@@ -205,5 +258,5 @@ def rebuild_neighbor_list(world, table):
         world.shape, world.bodies, world.angle, world.frame, world.inverse_mass,
         world.inverse_inertia, force, rows, constituent_force, world.reference, pairs,
         list_walls(world.walls, rows, table), list_cylinder(world.cylinder, rows, table),
-        world.gravity, world.lanes, chunks,
+        world.gravity, world.lanes, chunks, same_held(world.held),
     )  # fmt: skip

@@ -40,4 +40,6 @@ def ordered(scene: Scene, state: State, order) -> tuple[Scene, State]:
         state.position[order], state.velocity[order], state.angle[order],
         state.angular_velocity[order],
     )  # fmt: skip
-    return replace(scene, shape=scene.shape._replace(**fields)), state
+    places = np.argsort(order)
+    held = tuple(replace(group, granules=places[group.granules]) for group in scene.held)
+    return replace(scene, shape=scene.shape._replace(**fields), held=held), state

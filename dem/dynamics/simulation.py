@@ -33,11 +33,15 @@ from dem.dynamics.diagnostics import Diagnostics
 from dem.dynamics.energy import Bookkeeper, Ledger
 from dem.dynamics.ordering import order_of, ordered
 from dem.dynamics.stepping import (
+    AXIS,
     LOST,
     MOST_STEPS,
+    ON_CYLINDER,
+    ON_WALLS,
     OUTSIDE,
     TOO_DEEP,
     TOO_LONG,
+    TORQUE,
     Schedule,
     StepControl,
     StepOutcome,
@@ -68,7 +72,7 @@ FRACTION = number(STABLE, LEAST)
 
 
 class Record(NamedTuple):
-    """What `Simulation.record` measures: one row per interval, c in all.
+    """What `Simulation.record` measures: one row per interval, c in all, with w walls and g held groups.
 
     Attributes
     ----------
@@ -86,6 +90,16 @@ class Record(NamedTuple):
         Largest overlap over the smaller radius, without unit, at the end of the interval.
     time_step : ndarray of shape (c,)
         Shortest time step (s) of the interval.
+    torque : ndarray of shape (c,)
+        Mean torque (N m) on the cylinder about its axis, anticlockwise.
+    cylinder_position : ndarray of shape (c, 2)
+        Axis of the cylinder (m) at the end of the interval; NaN without a cylinder.
+    wall_tangential_force : ndarray of shape (c, w)
+        Mean tangential force (N) on each wall along (-ny, nx), with (nx, ny) the normal of the wall.
+    wall_offset : ndarray of shape (c, w)
+        Offset (m) of each wall at the end of the interval.
+    held_force : ndarray of shape (c, g, 2)
+        Mean force (x, y) of the contacts on each group of held granules (N).
     """
 
     normal_force: np.ndarray
@@ -95,10 +109,26 @@ class Record(NamedTuple):
     coordination_number: np.ndarray
     max_overlap: np.ndarray
     time_step: np.ndarray
+    torque: np.ndarray
+    cylinder_position: np.ndarray
+    wall_tangential_force: np.ndarray
+    wall_offset: np.ndarray
+    held_force: np.ndarray
+
+
+class Impulses(NamedTuple):
+    """Forces and torques on boundaries, summed over time: on the cylinder as of collect_impulses,
+    and its torque (N m s); normal and tangential on walls (w,); on held groups (g, 2)."""
+
+    on_cylinder: np.ndarray
+    on_walls: np.ndarray
+    twist: float
+    shear: np.ndarray
+    on_held: np.ndarray
 
 
 class Result(NamedTuple):
-    """What simulate returns: f frames of n granules and w walls.
+    """What simulate returns: f frames of n granules, w walls and g held groups.
 
     The first frame is the start; frame -1 is the last one.
 
@@ -117,8 +147,7 @@ class Result(NamedTuple):
     cylinder_force : (f, 2) array
         Mean force on the cylinder since the frame before (N); NaN in the first frame.
     wall_force : (f, w) array
-        Mean normal force on each wall since the frame before (N); NaN in the first frame. Friction
-        on walls is not recorded.
+        Mean normal force on each wall since the frame before (N); NaN in the first frame.
     state : State
         The last state, from which another run can start. It does not hold the tangential springs
         of the contacts: another run starts without them. Simulation.checkpoint keeps them.
@@ -126,6 +155,19 @@ class Result(NamedTuple):
         Shortest time step taken (s).
     scene : Scene
         What was simulated.
+    cylinder_position : (f, 2) array or None
+        Axis of the cylinder (m); None without a cylinder.
+    cylinder_torque : (f,) array or None
+        Mean torque on the cylinder about its axis since the frame before (N m), anticlockwise; NaN in
+        the first frame, None without a cylinder.
+    wall_tangential_force : (f, w) array
+        Mean tangential force on each wall since the frame before (N), along (-ny, nx) where (nx, ny)
+        is its normal; NaN in the first frame.
+    wall_offset : (f, w) array
+        Offsets of the walls (m).
+    held_force : (f, g, 2) array or None
+        Mean force of the contacts on each group of held granules since the frame before (N); NaN in
+        the first frame, None if none is held.
 
     Examples
     --------
@@ -149,14 +191,19 @@ class Result(NamedTuple):
     state: State
     time_step: float
     scene: Scene
+    cylinder_position: np.ndarray | None
+    cylinder_torque: np.ndarray | None
+    wall_tangential_force: np.ndarray
+    wall_offset: np.ndarray
+    held_force: np.ndarray | None
 
     @property
-    def cylinder_position(self) -> np.ndarray | None:
-        """Where the axis of the cylinder is, (f, 2) in m; None without a cylinder."""
-        cylinder = self.scene.cylinder
-        if cylinder is None:
-            return None
-        return np.array(cylinder.position) + np.outer(self.time, cylinder.velocity)
+    def walls(self) -> np.ndarray:
+        """Walls of all frames, (f, w, 3): rows (nx, ny, offset), offset in m."""
+        walls = np.zeros((*self.wall_offset.shape, 3))
+        if self.scene.walls is not None:
+            walls[..., :2], walls[..., 2] = self.scene.walls[:, :2], self.wall_offset
+        return walls
 
     def contacts(self, frame: int = -1) -> Touching:
         """Find all contacts of one frame.
@@ -192,6 +239,8 @@ class Result(NamedTuple):
         scene, place = self.scene, self.cylinder_position
         if scene.cylinder is not None and place is not None:
             scene = replace(scene, cylinder=replace(scene.cylinder, position=place[frame]))
+        if scene.walls is not None:
+            scene = replace(scene, walls=self.walls[frame])
         state = State(*(getattr(self, name)[frame] for name in vars(self.state)))
         found = Simulation(scene, state).contacts()
         if scene.friction is None:
@@ -207,9 +256,9 @@ class Result(NamedTuple):
         Returns
         -------
         xarray.Dataset
-            Dimensions are time, granule, axis and wall. Every variable has units and a long name
-            (CF). Walls are numbered in the order of the scene. Without a cylinder there is none of
-            its variables but its force, which is zero.
+            Dimensions are time, granule, axis, wall and group (of held granules). Every variable has
+            units and a long name (CF). Walls are numbered in the order of the scene. Without a
+            cylinder there is none of its variables but its force, which is zero.
         """
         import xarray
 
@@ -219,17 +268,15 @@ class Result(NamedTuple):
             "mass": scene.mass,
             "bounding_radius": scene.shape.bounding_radius,
             "wall_normal": walls[:, :2],
-            "wall_offset": walls[:, 2],
         }
         if scene.cylinder is not None:
-            values["cylinder_position"] = self.cylinder_position
             values["cylinder_diameter"] = scene.cylinder.diameter
         if scene.periodic is not None:
             values["period"] = np.array(scene.periodic, float)  # None becomes NaN
         variables = {
             name: (dimensions, values[name], {"units": units, "long_name": words})
             for name, (dimensions, units, words) in RESULT.items()
-            if name in values
+            if values.get(name) is not None
         }
         attrs = {"Conventions": "CF-1.11", "title": "Motion of granules and forces on walls"}
         return xarray.Dataset(
@@ -283,15 +330,18 @@ RESULT = {
     "angular_velocity": (("time", "granule"), "rad s-1", "angular velocity, anticlockwise"),
     "cylinder_force": (("time", "axis"), "N", "mean force on the cylinder since the frame before"),
     "cylinder_position": (("time", "axis"), "m", "position of the axis of the cylinder"),
+    "cylinder_torque": (("time",), "N m", "mean torque on the cylinder since the frame before, anticlockwise"),
     "cylinder_diameter": ((), "m", "diameter of the cylinder"),
     "wall_force": (("time", "wall"), "N", "mean normal force on the wall since the frame before"),
+    "wall_tangential_force": (("time", "wall"), "N", "mean tangential force on the wall since the frame before, along its normal turned anticlockwise by a right angle"),
     "wall_normal": (("wall", "axis"), "1", "unit normal of the wall, into the solid"),
-    "wall_offset": (("wall",), "m", "distance of the wall from the origin along its normal"),
+    "wall_offset": (("time", "wall"), "m", "distance of the wall from the origin along its normal"),
+    "held_force": (("time", "group", "axis"), "N", "mean force of the contacts on the held group since the frame before"),
     "period": (("axis",), "m", "period of the scene; not a number where it has none"),
     "mass": (("granule",), "kg", "mass of the granule"),
     "bounding_radius": (("granule",), "m", "radius of the circle that holds the granule"),
     "time_step": ((), "s", "shortest time step taken"),
-}
+}  # fmt: skip
 
 
 class Simulation:
@@ -479,15 +529,24 @@ class Simulation:
         >>> print(f"{right / (scene.mass[0] * (1.0 - run.state.velocity[0, 0])):.3f}")
         1.000
         """
-        cylinder, walls = self._world.cylinder, self._world.walls
-        on_cylinder = (
-            np.zeros((2, 2)) if cylinder is None else cylinder.impulse.reshape(2, 2).copy()
+        found = self._collect()
+        return found.on_cylinder, found.on_walls
+
+    def _collect(self) -> Impulses:
+        """All impulses since the last call."""
+        cylinder, walls, held = self._world.cylinder, self._world.walls, self._world.held
+        none = np.zeros(0)
+        sums = (
+            np.zeros(4) if cylinder is None else cylinder.impulse,
+            none if walls is None else walls.impulse,
+            np.zeros(1) if cylinder is None else cylinder.twist,
+            none if walls is None else walls.shear,
+            np.zeros((0, 2)) if held is None else held.impulse,
         )
-        on_walls = np.zeros(0) if walls is None else walls.impulse.copy()
-        for boundary in (cylinder, walls):
-            if boundary is not None:
-                boundary.impulse[:] = 0.0
-        return on_cylinder, on_walls
+        on_cylinder, on_walls, twist, shear, on_held = (each.copy() for each in sums)
+        for each in sums:
+            each[...] = 0.0
+        return Impulses(on_cylinder.reshape(2, 2), on_walls, float(twist[0]), shear, on_held)
 
     def diagnose(self) -> Diagnostics:
         """Energy, contacts, largest overlap and critical time step at the present time.
@@ -633,7 +692,8 @@ class Simulation:
             axis = world.cylinder.motion[0]
             cylinder = float(axis[X]), float(axis[Y]), world.cylinder.radius
         planes = np.empty((0, 3)) if world.walls is None else world.walls.planes
-        container = Container(planes, self.scene.thickness, cylinder, (None, None))
+        period = self.scene.periodic or (None, None)
+        container = Container(planes, self.scene.thickness, cylinder, period)
         bins = next(((k, np.asarray(e)) for k, e in enumerate((x, y)) if e is not None), None)
         state = self.state
         return stress(
@@ -745,11 +805,12 @@ class Simulation:
             (b.contacts.friction, b.contacts.modulus, b.contacts.damping is None)
             for b in boundaries
         ]
+        guided = [b.guide.orders for b in (*boundaries, world.held) if b is not None and b.guide]
         held = [world.shape, self._table, self._rules, world.pairs.friction, world.pairs.modulus]
         arrays = [world.inverse_mass, world.inverse_inertia, world.gravity, order]
-        planes = None if world.walls is None else world.walls.planes
+        groups = None if world.held is None else world.held.group
         radius = None if world.cylinder is None else world.cylinder.radius
-        return fingerprint(*held, fixed, radius, *arrays, planes)
+        return fingerprint(*held, fixed, radius, *arrays, self.scene.walls, groups, *guided)
 
     # Motion
 
@@ -765,7 +826,8 @@ class Simulation:
         Raises
         ------
         InputError
-            If the scene has no cylinder, or `velocity` does not hold two finite numbers.
+            If the scene has no cylinder, if it follows a Path or a Drive, or if `velocity` does not
+            hold two finite numbers.
 
         Examples
         --------
@@ -788,6 +850,8 @@ class Simulation:
         cylinder = self._world.cylinder
         if cylinder is None:
             raise InputError("velocity cannot be set: the scene has no cylinder.")
+        if cylinder.guide is not None:
+            raise InputError("velocity cannot be set: the cylinder follows a Path or a Drive.")
         cylinder.motion[0, [VX, VY]] = velocity
 
     @checked(duration=not_negative("s"))
@@ -876,11 +940,24 @@ class Simulation:
         self._run_steps("interval * count", interval, count, rows)
         self.diagnose()  # the guard on overlaps, also for the end of the last interval
         energy, contacts, overlap, step = rows[:, :4].T
-        return Record(rows[:, 4:6], rows[:, 6:8], rows[:, 8:], energy, contacts, overlap, step)
+        walls, groups = self._walls, len(self.scene.held)
+        of_walls = np.split(rows[:, ON_WALLS : ON_WALLS + 3 * walls], 3, axis=1)
+        return Record(
+            rows[:, ON_CYLINDER : ON_CYLINDER + 2], rows[:, ON_CYLINDER + 2 : TORQUE], of_walls[0],
+            energy, contacts, overlap, step, rows[:, TORQUE], rows[:, AXIS:ON_WALLS], of_walls[1],
+            of_walls[2], rows[:, ON_WALLS + 3 * walls :].reshape(count, groups, 2),
+        )  # fmt: skip
+
+    @property
+    def _walls(self) -> int:
+        return 0 if self.scene.walls is None else len(self.scene.walls)
 
     def _rows(self, count: int) -> np.ndarray:
         """Room for what `record` measures in a number of intervals."""
-        return np.zeros((count, 8 + (0 if self.scene.walls is None else len(self.scene.walls))))
+        rows = np.zeros((count, ON_WALLS + 3 * self._walls + 2 * len(self.scene.held)))
+        if self.scene.cylinder is None:
+            rows[:, AXIS:ON_WALLS] = math.nan
+        return rows
 
     def _take(
         self,
@@ -935,8 +1012,9 @@ class Simulation:
         if outcome == LOST:
             moved = np.linalg.norm(self._world.constituents[:, :2] - self._world.reference, axis=1)
             farthest = int(moved.argmax()) // self._table.per
+            what = f"granule {self._name(farthest)}" if moved.max() >= value else "a boundary"
             raise StateError(
-                f"granule {self._name(farthest)} moved {value:.3g} m before its contacts were listed "
+                f"{what} moved {value:.3g} m before its contacts were listed "
                 f"again {when}; it may move {self._rules.list_range:.3g} m: take a smaller time "
                 "step."
             )
@@ -1042,18 +1120,29 @@ def simulate(
     interval, shortest = duration / frames, math.inf
     for frame in range(1, frames + 1):
         shortest = min(shortest, run.advance(interval))
-        on_cylinder, on_walls = run.collect_impulses()
-        _keep(kept, frame, run, on_cylinder.sum(axis=0) / interval, on_walls / interval)
-    return Result(**kept, state=run.state, time_step=shortest, scene=scene)
+        pushed = run._collect()
+        forces = {
+            "cylinder_force": pushed.on_cylinder.sum(axis=0), "cylinder_torque": pushed.twist,
+            "wall_force": pushed.on_walls, "wall_tangential_force": pushed.shear,
+            "held_force": pushed.on_held,
+        }  # fmt: skip
+        _keep(kept, frame, run, {name: each / interval for name, each in forces.items()})
+    optional: dict[str, Any] = dict.fromkeys(("cylinder_position", "cylinder_torque", "held_force"))
+    return Result(**optional | kept, state=run.state, time_step=shortest, scene=scene)
 
 
 def _history(frames: int, run: Simulation) -> dict[str, np.ndarray]:
     """Arrays of a Result by name, with the start in them; raises InputError if they are too large."""
-    n, walls = run.scene.granules, len(run.collect_impulses()[1])
+    n, walls = run.scene.granules, len(run._collect().on_walls)
     shapes = {
         "time": (), "position": (n, 2), "angle": (n,), "velocity": (n, 2), "angular_velocity": (n,),
-        "cylinder_force": (2,), "wall_force": (walls,),
+        "cylinder_force": (2,), "wall_force": (walls,), "wall_tangential_force": (walls,),
+        "wall_offset": (walls,),
     }  # fmt: skip
+    if run.scene.held:
+        shapes["held_force"] = len(run.scene.held), 2
+    if run.scene.cylinder is not None:
+        shapes |= {"cylinder_position": (2,), "cylinder_torque": ()}
     held = 8 * (frames + 1) * sum(map(math.prod, shapes.values()))
     if held > MOST_KEPT:
         raise InputError(
@@ -1061,15 +1150,21 @@ def _history(frames: int, run: Simulation) -> dict[str, np.ndarray]:
             f"{MOST_KEPT / 2**30:g}: keep fewer, or advance a Simulation and save what you need."
         )
     kept = {name: np.empty((frames + 1, *shape)) for name, shape in shapes.items()}
-    _keep(kept, 0, run, math.nan, math.nan)
+    for name, each in kept.items():
+        if name.endswith(("force", "torque")):
+            each[0] = math.nan
+    _keep(kept, 0, run, {})
     return kept
 
 
-def _keep(
-    kept: dict[str, np.ndarray], frame: int, run: Simulation, cylinder_force: Any, wall_force: Any
-) -> None:
+def _keep(kept: dict[str, np.ndarray], frame: int, run: Simulation, forces: dict[str, Any]) -> None:
     """Note the simulation as it is, and the mean forces (N) since the frame before."""
-    for name, values in vars(run.state).items():
-        kept[name][frame] = values
-    kept["time"][frame] = run.time
-    kept["cylinder_force"][frame], kept["wall_force"][frame] = cylinder_force, wall_force
+    world = run.world
+    found = vars(run.state) | forces | {"time": run.time}
+    if world.walls is not None:
+        found["wall_offset"] = world.walls.planes[:, 2]
+    if world.cylinder is not None:
+        found["cylinder_position"] = world.cylinder.motion[0, :2]
+    for name, values in found.items():
+        if name in kept:
+            kept[name][frame] = values

@@ -8,9 +8,9 @@ granule 1. For any s > 0
     g g^T <= (1 + s) g1 g1^T + (1 + 1/s) g2 g2^T,
 
 so that blocks of three by three, one per granule, bound both matrices, and the eigenvalues of the
-blocks bound theirs; s = |g2| / |g1|. The force at a contact usually lowers the stiffness. Off the
-centre of a granule it can raise the rotational stiffness, by GranuleTable.bend at most. All
-contacts are taken to stick. The bound leaves out that contacts grow stiffer until the next survey,
+blocks bound theirs; s = |g2| / |g1|. A boundary that is driven counts as a granule does. The force at
+a contact usually lowers the stiffness. Off the centre of a granule it can raise the rotational
+stiffness, by GranuleTable.bend at most. All contacts are taken to stick. The bound leaves out that contacts grow stiffer until the next survey,
 and that the dashpot of a contact changes with its overlap.
 """
 
@@ -22,14 +22,15 @@ import numpy as np
 from dem.jit.compilation import inlined
 from dem.jit.optional import either, optional
 
-# Columns of `rows` (n, 12): xx, xy, yy, xr, yr, rr of stiffness (1/s2), then of damping (1/s)
+# Columns of `rows` (bodies, 12): xx, xy, yy, xr, yr, rr of stiffness (1/s2), then of damping (1/s)
 STIFFNESS, DAMPING, COLUMNS = 0, 6, 12
+TINY = 1e-100  # kg^-0.5: far below any weight, and its inverse times any other is finite
 
 
 class Bounds(NamedTuple):
-    """Sums of stiffness and damping for each granule.
+    """Sums of stiffness and damping for each granule, then for each boundary that can be driven.
 
-    rows (n, 12): see COLUMNS; least (m): smallest overlap that a stiffness is computed for.
+    rows (bodies, 12): see COLUMNS; least (m): smallest overlap that a stiffness is computed for.
     """
 
     rows: np.ndarray
@@ -82,13 +83,14 @@ def add_if(modulus, rows, i, column, factor, direction, size):
 
 @inlined
 def add_pair_stiffness(rows, pair, k, c, direction, weights):
-    """Stiffness k (N/m) and damping c (N s/m, or None) along a direction, between two granules.
+    """Stiffness k (N/m) and damping c (N s/m, or None) along a direction, between two bodies.
 
-    pair: their numbers; weights: of `weight`, with the levers of the contact about both centres.
+    pair: their rows; weights: of `weight`, with the levers of the contact about both centres; zeros
+    for a body that no force moves.
     """
     one, two = weights
     first, second = math.hypot(one[0], one[1]), math.hypot(two[0], two[1])
-    mine, theirs = 1.0 + second / first, 1.0 + first / second
+    mine, theirs = 1.0 + second / max(first, TINY), 1.0 + first / max(second, TINY)
     add_if(k, rows, pair[0], STIFFNESS, mine, direction, one)
     add_if(k, rows, pair[1], STIFFNESS, theirs, direction, two)
     add_if(c, rows, pair[0], DAMPING, mine, direction, one)
@@ -103,16 +105,16 @@ def add_pair_tangent(friction, rows, pair, spring, direction, weights):
     add_pair_stiffness(rows, pair, k, tangential_damping(damping, friction), direction, weights)
 
 
-@inlined
+@optional
 def add_wall_stiffness(rows, i, k, c, direction, one):
-    """The same for granule i and a wall or the cylinder."""
+    """The same for granule i and a wall or the cylinder that no force moves."""
     add_if(k, rows, i, STIFFNESS, 1.0, direction, one)
     add_if(c, rows, i, DAMPING, 1.0, direction, one)
 
 
 @optional
 def add_wall_tangent(friction, rows, i, spring, direction, one):
-    """As add_pair_tangent."""
+    """As add_pair_tangent; rows: None for nothing."""
     stiffness, sqrt_overlap, damping = spring
     k = tangential_stiffness(friction, stiffness, sqrt_overlap)
     add_wall_stiffness(rows, i, k, tangential_damping(damping, friction), direction, one)

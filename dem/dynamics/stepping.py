@@ -1,12 +1,13 @@
 """Many steps in one call: choose the time step, rebuild lists, check limits, take measurements."""
 
 import math
+from fractions import Fraction
 from typing import NamedTuple
 
 from numba.extending import overload
 
 from dem.dynamics.diagnostics import Diagnostics, diagnose
-from dem.dynamics.forces import forces
+from dem.dynamics.forces import forces, greater
 from dem.dynamics.integration import advance
 from dem.dynamics.neighbor_list import rebuild_neighbor_list
 from dem.jit.address import by_address
@@ -92,7 +93,9 @@ def outside(walls, bodies):
 @compiled
 def nearing(world):
     """Most by which two bodies can have come nearer since the lists were made (m)."""
-    first, second = either(displacement(world.cylinder), 0.0), 0.0
+    one = either(displacement(world.cylinder), 0.0)
+    other = either(displacement_of_walls(world.walls), 0.0)
+    first, second = max(one, other), min(one, other)
     motion, reference = world.constituents, world.reference
     for i in range(motion.shape[0]):
         dx = motion[i, X] - reference[i, 0]
@@ -114,22 +117,63 @@ def displacement(cylinder):
 
 
 @optional
-def take_impulses(boundary, row, at, interval):
-    """Mean forces (N) on walls or cylinder into row[at] ..., their sums back to zero."""
-    rate = 1.0 / interval
-    for k in range(boundary.impulse.shape[0]):
-        row[at + k] = boundary.impulse[k] * rate
-        boundary.impulse[k] = 0.0
+def displacement_of_walls(walls):
+    """How far any wall has moved along its normal since the lists were made (m)."""
+    return _displacement_of_planes(walls.reference, walls.planes)
+
+
+@optional
+def _displacement_of_planes(reference, planes):
+    farthest = 0.0
+    for k in range(planes.shape[0]):
+        farthest = greater(farthest, abs(planes[k, 2] - reference[k]))
+    return farthest
+
+
+# Columns of a record: of the bed; of the cylinder; then of walls, and last of held groups
+ENERGY, CONTACTS, OVERLAP, STEP, ON_CYLINDER, TORQUE, AXIS, ON_WALLS = 0, 1, 2, 3, 4, 8, 9, 11
 
 
 @inlined
-def measure(record, n, cylinder, walls, diagnostics, interval, shortest):
+def take(impulse, row, at, interval):
+    """Mean forces (N) from their sums over time into row[at] ..., the sums back to zero."""
+    rate = 1.0 / interval
+    for k in range(impulse.shape[0]):
+        row[at + k] = impulse[k] * rate
+        impulse[k] = 0.0
+
+
+@optional
+def measure_cylinder(cylinder, row, interval):
+    take(cylinder.impulse, row, ON_CYLINDER, interval)
+    take(cylinder.twist, row, TORQUE, interval)
+    row[AXIS], row[AXIS + 1] = cylinder.motion[0, X], cylinder.motion[0, Y]
+
+
+@optional
+def measure_walls(walls, row, interval):
+    count = walls.planes.shape[0]
+    take(walls.impulse, row, ON_WALLS, interval)
+    take(walls.shear, row, ON_WALLS + count, interval)
+    for k in range(count):
+        row[ON_WALLS + 2 * count + k] = walls.planes[k, 2]
+
+
+@optional
+def measure_held(held, row, interval):
+    impulse = held.impulse.reshape(-1)
+    take(impulse, row, row.shape[0] - impulse.shape[0], interval)
+
+
+@inlined
+def measure(record, n, world, diagnostics, interval, shortest):
     """Row n of the record: see Simulation.record."""
     row = record[n]
-    row[0], row[1] = diagnostics.kinetic_energy, diagnostics.coordination_number
-    row[2], row[3] = diagnostics.max_overlap, shortest
-    take_impulses(cylinder, row, 4, interval)
-    take_impulses(walls, row, 8, interval)
+    row[ENERGY], row[CONTACTS] = diagnostics.kinetic_energy, diagnostics.coordination_number
+    row[OVERLAP], row[STEP] = diagnostics.max_overlap, shortest
+    measure_cylinder(world.cylinder, row, interval)
+    measure_walls(world.walls, row, interval)
+    measure_held(world.held, row, interval)
 
 
 def step_on(threads, world, dt, steps, list_range):
@@ -140,6 +184,17 @@ def step_on(threads, world, dt, steps, list_range):
 @overload(step_on, jit_options=INLINED)
 def _step_alone(threads, world, dt, steps, list_range):
     return lambda threads, world, dt, steps, list_range: advance(world, dt, steps, list_range, None)
+
+
+def later(time, steps, dt):
+    """Time (s) after some steps, rounded once, as the processor does it in compiled code: the time
+    steps of several threads are then those of one."""
+    return float(Fraction(time) + steps * Fraction(dt))
+
+
+@overload(later, jit_options=INLINED)
+def _later(time, steps, dt):
+    return lambda time, steps, dt: time + steps * dt
 
 
 @compiled(allocates=True)
@@ -164,7 +219,7 @@ def run_steps(world, table, rules, schedule, record, threads):
         diagnostics = diagnose(here, table)
         if finished:
             if n < record.shape[0]:
-                measure(record, n, here.cylinder, here.walls, diagnostics, interval, least)
+                measure(record, n, here, diagnostics, interval, least)
             shortest = min(shortest, least)
             n, end, least = n + 1, time + interval, math.inf
         if n == intervals:
@@ -182,7 +237,7 @@ def run_steps(world, table, rules, schedule, record, threads):
         done, moved = step_on(threads, here, dt, left, rules.rebuild_at)
         steps += done
         finished = done == left
-        time = end if finished else time + done * dt
+        time = end if finished else later(time, done, dt)
         if not moved <= rules.rebuild_at:
             granule = outside(here.walls, here.bodies)
             if not (moved <= rules.list_range or nearing(here) <= 2.0 * rules.list_range):

@@ -82,7 +82,10 @@ def _columns(world, names, listed, geometries, partner, second):
     touch = geometries[:, 0] > 0.0
     constituent = listed.constituent[touch].astype(np.int64)
     granule = constituent // (len(world.constituents) // len(world.bodies))
-    partner, first, second = partner[touch], world.bodies[granule], second[touch]
+    partner, first, second = partner[touch], world.bodies[granule], second[touch]  # copies
+    for column, shift in ((X, listed.shift_x), (Y, listed.shift_y)):
+        if shift is not None:
+            second[:, column] += shift[touch]
     overlap, nx, ny, n1, t1, stiffness = geometries[touch].T.copy()
     normal, tangent = np.column_stack([nx, ny]), np.column_stack([-ny, nx])
     point = world.constituents[constituent][:, [X, Y]] + n1[:, None] * normal
@@ -109,7 +112,8 @@ def _velocity(motion, point):
 
 def _copied(listed, touch, overlap, stiffness):
     """Those that touch, to be written to: a response remembers, and the bed must not see it."""
-    kept = {"stiffness": stiffness, "first": None, "normal_x": None, "normal_y": None}
+    unread = "first", "normal_x", "normal_y", "shift_x", "shift_y"
+    kept = dict.fromkeys(unread) | {"stiffness": stiffness}
     if listed.damping is not None:
         kept["damping"] = listed.damping[touch]
     if listed.friction is not None:

@@ -53,24 +53,58 @@ class Contacts(NamedTuple):
     shift_y: np.ndarray | None
 
 
+class Orders(NamedTuple):
+    """What r boundaries are told: dem.motion as arrays.
+
+    table (k, 4): rows (time in s, velocity x and y in m/s, spin in rad/s) of all paths, one after the
+    other; first (r + 1,): those of boundary b are first[b] to first[b + 1], none if it is driven.
+    Of a driven one, push (r, 2): the force from outside (N); inverse_mass (r, 2): in 1/kg, along x and
+    y, zero where the velocity is kept; damping (r,): in N s/m.
+    """
+
+    first: np.ndarray
+    table: np.ndarray
+    push: np.ndarray
+    inverse_mass: np.ndarray
+    damping: np.ndarray
+
+
+class Guide(NamedTuple):
+    """What moves r boundaries: their orders, and what these are applied to.
+
+    clock (1,): time since the start (s). force (r, 4): what the contacts exert on each boundary now, as
+    rows of dem.jit.columns, without the torque.
+    """
+
+    orders: Orders
+    clock: np.ndarray
+    force: np.ndarray
+
+
 class WallBoundary(NamedTuple):
     """Straight walls: planes (w, 3) rows (nx, ny, offset), solid where n.x > offset.
 
-    motion (w, 8): rows of dem.jit.columns like those of granules, all zero: walls do not move.
-    impulse (w,): normal force on each wall, summed over time (N s).
+    motion (w, 8): rows of dem.jit.columns like those of granules; the position is how far a wall has
+    moved since the start. impulse and shear (w,): normal force on each wall, and tangential force
+    along (-ny, nx), summed over time (N s). reference (w,): offsets (m) at which the contact lists
+    were made; guide: what moves the walls; both None if all are at rest.
     """
 
     planes: np.ndarray
     motion: np.ndarray
     contacts: Contacts
     impulse: np.ndarray
+    shear: np.ndarray
+    reference: np.ndarray | None
+    guide: Guide | None
 
 
 class CylinderBoundary(NamedTuple):
-    """The cylinder: radius (m), motion (1, 8) as in dem.jit.columns, prescribed.
+    """The cylinder: radius (m), motion (1, 8) as in dem.jit.columns.
 
     reference (2,): position (m) at which the contact lists were made. impulse (4,): force on it
-    summed over time (N s): x and y of the normal forces, then of the tangential forces.
+    summed over time (N s): x and y of the normal forces, then of the tangential forces. twist (1,):
+    torque on it summed over time (N m s). guide: what moves it; None for a constant velocity.
     """
 
     radius: float
@@ -78,6 +112,25 @@ class CylinderBoundary(NamedTuple):
     reference: np.ndarray
     contacts: Contacts
     impulse: np.ndarray
+    twist: np.ndarray
+    guide: Guide | None
+
+
+class HeldGroups(NamedTuple):
+    """Groups g of granules that move as boundaries do; in World.inverse_mass they have zeros.
+
+    group (n,): group of each granule, -1 for a free one. member (h,): the held granules, in ascending
+    order; start (h, 2): where they were at the start (m). motion (g, 8): rows of dem.jit.columns; the
+    position is how far a group has moved since the start. impulse (g, 2): force on each group, summed
+    over time (N s).
+    """
+
+    group: np.ndarray
+    member: np.ndarray
+    start: np.ndarray
+    motion: np.ndarray
+    impulse: np.ndarray
+    guide: Guide
 
 
 class Chunks(NamedTuple):
@@ -104,7 +157,7 @@ class World(NamedTuple):
     in rad; frame (n, 2): its cosine and sine, None for discs. inverse_mass (n,) in 1/kg,
     inverse_inertia (n,) in 1/(kg m2), None where nothing turns. gravity (2,) in m/s2, or None.
     reference (constituents, 2): positions (m) at which the contact lists were made. lanes: scratch.
-    chunks: None for a bed of one.
+    chunks: None for a bed of one. held: granules that are a boundary, or None.
     """
 
     shape: tuple
@@ -123,6 +176,7 @@ class World(NamedTuple):
     gravity: np.ndarray | None
     lanes: Lanes
     chunks: Chunks | None
+    held: HeldGroups | None
 
 
 @optional

@@ -51,7 +51,7 @@ OTHER = np.uint64(OWN + OUTLINE * ROW)
 VALUES = int(OTHER + OUTLINE * ROW)  # numbers in all
 
 
-# account: energy (J) lost in dashpots, by sliding; work of the cylinder on the granules
+# account: energy (J) lost in dashpots, by sliding; work of the boundaries on the granules
 LOST_DAMPED, LOST_SLID, WORK, ACCOUNTS = 0, 1, 2, 3
 
 

@@ -12,7 +12,8 @@ import numpy as np
 
 from dem.dynamics.assembly import assemble, granule_table
 from dem.dynamics.forces import forces, greater
-from dem.dynamics.integration import drift, move_cylinder
+from dem.dynamics.guide import move_cylinder
+from dem.dynamics.integration import drift
 from dem.dynamics.neighbor_list import rebuild_neighbor_list
 from dem.dynamics.simulation import MARGIN, SKIN
 from dem.jit.columns import DVX, DVY, DW, VX, VY, W, X, Y
@@ -117,7 +118,7 @@ def advance(world, stages, tally, dt, steps, room):
                 continue  # the next stage makes this kick with its own
             count(tally, kick)
             drift(world, kick, move, 0, granules)
-            farther = either(move_cylinder(world.cylinder, move), 0.0)
+            farther = either(move_cylinder(world.cylinder, kick, move), 0.0)
             tally.span[0] += move
             kick = 0.0
             if evaluate:

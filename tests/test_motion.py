@@ -1,0 +1,478 @@
+"""Walls, cylinder and held granules that move: on paths, or as the forces on them say."""
+
+import io
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from test_large import PITCH, swarm
+
+import dem
+
+FAR = 1.0  # m: boundaries that nothing meets, so that one compilation serves all
+SOFT = dem.Material(young_modulus=1e8, restitution=0.6)
+ELASTIC = dem.Material(young_modulus=1e8, restitution=1.0)
+STILL = dem.Path([0.0], [[0.0, 0.0]])
+AWAY = dem.Cylinder(1e-3, (0.5 * FAR, 0.5 * FAR), STILL)
+LEFT, RIGHT, BOTTOM, TOP = range(4)
+
+
+def scene(shape, motions=None, **changes):
+    """Discs, with boundaries of all kinds that are guided: motions by the number of the wall."""
+    motions = motions or {}
+    usual = {
+        "material": SOFT, "boundary": SOFT, "friction": dem.Friction(), "thickness": 1e-3,
+        "gravity": (0.0, 0.0), "walls": dem.box(FAR, FAR), "cylinder": AWAY,
+        "wall_motion": [motions.get(k, STILL) for k in range(4)],
+        "held": [dem.Held([shape.radius.size - 1])],
+    }  # fmt: skip
+    return dem.Scene(shape, **usual | changes)
+
+
+def some(radius, position, velocity=None, motions=None, **changes):
+    """Scene and state of some discs, and of one that is held far away."""
+    position = np.concatenate([position, [[0.5 * FAR, 0.4 * FAR]]])
+    if velocity is not None:
+        velocity = np.concatenate([velocity, [[0.0, 0.0]]])
+    return scene(dem.Disc([*radius, 1e-3]), motions, **changes), dem.State(position, velocity)
+
+
+def bed(small_bed, motions=None, **changes):
+    """Scene and state of a bed of discs around a cylinder, one of them held."""
+    small = small_bed("disc", fraction=0.82)
+    usual = {"walls": small.bed.walls, "cylinder": replace(small.cylinder, velocity=STILL)}
+    return scene(small.shape, motions, **usual | changes), small.state
+
+
+def smoothly(speed, time, axis=0, spin=0.0):
+    """A path that gains its speed (m/s) and its spin (rad/s) over a time (s), without a jerk."""
+    at = np.linspace(0.0, time, 101)
+    share = np.sin(0.5 * np.pi * at / time) ** 2
+    velocity = np.zeros((101, 2))
+    velocity[:, axis] = speed * share
+    return dem.Path(at, velocity, spin * share if spin else None)
+
+
+def forces_on(record):
+    """Mean force (N) of the contacts on all boundaries together, by the interval."""
+    normals = dem.box(1.0, 1.0)[:, :2]
+    tangents = np.column_stack([-normals[:, 1], normals[:, 0]])
+    return (
+        record.normal_force + record.tangential_force + record.held_force.sum(axis=1)
+        + record.wall_force @ normals + record.wall_tangential_force @ tangents
+    )  # fmt: skip
+
+
+MOVERS = {
+    "a wall": lambda time: {"motions": {LEFT: smoothly(1.0, time)}},
+    "a wall that slides": lambda time: {"motions": {BOTTOM: smoothly(-3.0, time)}},
+    "the cylinder": lambda time: {"velocity": smoothly(1.0, time, axis=1)},
+    "the cylinder that turns": lambda time: {"velocity": smoothly(0.0, time, spin=2e3)},
+    "a held granule": lambda time: {"held": [dem.Held([30], smoothly(1.0, time))]},
+}
+
+
+@pytest.mark.parametrize("mover", MOVERS)
+def test_the_work_of_a_boundary_on_a_path_is_what_the_bed_gains(small_bed, mover):
+    """The ledger adds up to 1e-4 of the work, and the work is that of the recorded forces."""
+    time, pieces = 4e-4, 200
+    changes = MOVERS[mover](time)
+    velocity = changes.pop("velocity", None)
+    made, start = bed(small_bed, **changes)
+    if velocity is not None:
+        made = replace(made, cylinder=replace(made.cylinder, velocity=velocity))
+    run = dem.Simulation(made, start, step_fraction=0.1, ledger=True)
+    record = run.record(time / pieces, pieces)
+    ledger = run.ledger()
+    gained = ledger.held - ledger.before + ledger.damped + ledger.slid
+    assert ledger.work > 0.1 * ledger.before
+    assert abs(gained - ledger.work) < 1e-4 * ledger.work
+    path = next(
+        p for p in (velocity, *made.wall_motion, made.held[0].motion)
+        if isinstance(p, dem.Path) and len(p.time) > 1
+    )  # fmt: skip
+    middle = (np.arange(pieces) + 0.5) * time / pieces
+    at = [np.interp(middle, path.time, column) for column in path.velocity.T]
+    power = -(forces_on(record) * np.column_stack(at)).sum(axis=1)
+    if path.spin is not None:
+        power = -record.torque * np.interp(middle, path.time, path.spin)
+    if mover == "a wall":
+        power = record.wall_force[:, LEFT] * at[0]
+    elif mover == "a wall that slides":
+        power = -record.wall_tangential_force[:, BOTTOM] * at[0]
+    elif mover == "the cylinder":
+        power = -(record.normal_force + record.tangential_force)[:, 1] * at[1]
+    elif mover == "a held granule":
+        power = -record.held_force[:, 0, 0] * at[0]
+    assert power.sum() * time / pieces == pytest.approx(ledger.work, rel=2e-3)
+
+
+def test_what_the_bed_loses_of_momentum_is_what_the_boundaries_get(small_bed):
+    """Normal and tangential forces on walls, cylinder and held granules are all there is."""
+    made, start = bed(
+        small_bed, {TOP: (0.0, -1.0), BOTTOM: (2.0, 0.0)}, held=[dem.Held([7, 30], (0.3, 0.2))]
+    )
+    run = dem.Simulation(made, start)
+    free = ~made.is_held
+    time = 1e-4
+    record = run.record(time, 1)
+    gained = made.mass[free] @ run.state.velocity[free]
+    scale = record.wall_force.sum() * time
+    assert_allclose(-forces_on(record)[0] * time, gained, atol=3e-3 * scale)
+    assert np.abs(gained).max() > 0.05 * scale
+    assert np.abs(record.wall_tangential_force[0, BOTTOM]) > 0.0
+
+
+def test_a_lid_keeps_its_pressure(small_bed):
+    """A driven wall settles where the bed bears its force, to 1 % of it, and so does the floor."""
+    force, smooth = 3.0, dem.Friction(0.3, 0.0, 0.3)
+    lid = dem.Drive((None, -force), mass=2e-4, damping=1.0)
+    made, start = bed(small_bed, {TOP: lid}, friction=smooth)
+    run = dem.Simulation(made, start)
+    run.advance(0.02)
+    record = run.record(1e-4, 20)
+    assert_allclose(record.wall_force[:, TOP], force, rtol=0.01)
+    assert record.wall_offset[-1, TOP] != made.walls[TOP, 2]
+    held_up = record.wall_force[:, BOTTOM] - record.held_force[:, 0, 1]
+    held_up = held_up - (record.normal_force + record.tangential_force)[:, 1]
+    assert_allclose(held_up, force, rtol=0.01)
+
+
+@pytest.mark.parametrize("damping", [0.0, 3.0])
+def test_a_driven_boundary_that_meets_nothing_moves_as_mechanics_says(damping):
+    """A wall, the cylinder and held granules alike: at rest at first, under a constant force."""
+    mass, force, time = 2e-3, 5.0, 2e-3
+    drive = dem.Drive((force, None), mass, damping, velocity=(0.0, 0.5))
+    made, start = some(
+        [1e-3], [[0.25 * FAR, 0.25 * FAR]], motions={RIGHT: drive},
+        cylinder=replace(AWAY, velocity=drive), held=[dem.Held([1], drive)],
+    )  # fmt: skip
+    run = dem.Simulation(made, start, time_step=1e-6)
+    record = run.record(time, 1)
+    if damping:
+        rate = damping / mass
+        way = force / damping * (time - (1.0 - np.exp(-rate * time)) / rate)
+    else:
+        way = 0.5 * force / mass * time**2
+    assert record.wall_offset[0, RIGHT] - FAR == pytest.approx(way, rel=1e-5)
+    moved = np.array([way, 0.5 * time])
+    assert_allclose(record.cylinder_position[0] - AWAY.position, moved, rtol=1e-5)
+    assert_allclose(run.state.position[1] - start.position[1], moved, rtol=1e-5)
+
+
+def test_a_boundary_on_a_path_is_where_its_velocity_leads():
+    """The integral of a velocity that is linear between rows, for the cylinder in all frames."""
+    path = dem.Path([1e-4, 3e-4, 4e-4], [[1.0, 0.0], [-1.0, 2.0], [0.0, 2.0]])
+    made, start = some([1e-3], [[0.25 * FAR, 0.25 * FAR]], cylinder=replace(AWAY, velocity=path))
+    result = dem.simulate(made, start, 6e-4, time_step=1e-6, frames=6)
+    moved = result.cylinder_position - AWAY.position
+    x = 1e-4 * np.array([0.0, 1.0, 1.5, 1.0, 0.5, 0.5, 0.5])
+    y = 1e-4 * np.array([0.0, 0.0, 0.5, 2.0, 4.0, 6.0, 8.0])
+    assert_allclose(moved, np.column_stack([x, y]), rtol=0.0, atol=1e-12)
+
+
+def test_a_held_granule_in_the_place_of_the_cylinder_feels_what_it_feels(small_bed):
+    """A disc of its size, spin and velocity, of one material: same forces, same motion."""
+    small = small_bed("disc")
+    velocity, spin, sizes = (0.5, 1.0), 300.0, small.shape.radius
+    cylinder = replace(small.cylinder, velocity=dem.Path([0.0], [velocity]), spin=spin)
+    plain = scene(small.shape, walls=small.bed.walls, cylinder=cylinder)
+    first = dem.Simulation(plain, small.state, time_step=2e-7)
+    shape = dem.Disc([0.5 * cylinder.diameter, *sizes])
+    held = [dem.Held([0], velocity), dem.Held([len(sizes)])]
+    other = scene(shape, walls=small.bed.walls, cylinder=AWAY, held=held)
+    start = dem.State(
+        np.concatenate([[cylinder.position], small.state.position]),
+        angular_velocity=[spin, *np.zeros(len(sizes))],
+    )
+    second = dem.Simulation(other, start, time_step=2e-7)
+    one, two = (run.record(1e-5, 5) for run in (first, second))
+    force = one.normal_force + one.tangential_force
+    assert np.abs(force).max() > 0.1
+    assert_allclose(two.held_force[:, 0], force, rtol=1e-6, atol=1e-6 * np.abs(force).max())
+    assert_allclose(second.state.position[1:], first.state.position, rtol=0.0, atol=1e-12)
+
+
+def test_a_wall_that_oscillates_comes_back_and_the_bed_feels_it(small_bed):
+    """After whole periods its offset is what it was; in between it has pushed and let go."""
+    period, reach = 4e-4, 2e-5
+    time = np.linspace(0.0, 2.0 * period, 201)
+    speed = 2.0 * np.pi / period * reach * np.cos(2.0 * np.pi * time / period)
+    path = dem.Path(time, np.column_stack([speed, 0.0 * speed]))
+    made, start = bed(small_bed, {LEFT: path})
+    run = dem.Simulation(made, start)
+    record = run.record(period / 40, 80)
+    offset = record.wall_offset[:, LEFT] - made.walls[LEFT, 2]
+    assert np.ptp(offset) == pytest.approx(2.0 * reach, rel=1e-2)
+    assert abs(offset[39]) < 2e-3 * reach and abs(offset[79]) < 2e-3 * reach
+    into, out = record.wall_force[:, LEFT].reshape(2, 2, 20).mean(axis=(0, 2))
+    assert into > 1.1 * out > 0.0
+
+
+@pytest.mark.parametrize("skin", [0.003, 0.3])
+def test_nothing_passes_a_moving_boundary_unseen(skin):
+    """A fast wall and a fast held granule sweep up all discs of a row, however thin the skin is."""
+    r, n = 0.5e-3, 8
+    place = np.column_stack([3e-3 * (1 + np.arange(n)), np.full(n, 5e-3)])
+    made, start = some(
+        np.full(n, r), place, motions={LEFT: (30.0, 0.0)},
+        friction=dem.Friction(0.0, 0.0, 0.0), material=replace(SOFT, young_modulus=1e10),
+    )  # fmt: skip
+    run = dem.Simulation(made, start, skin=skin)
+    record = run.record(1e-3, 1)
+    assert record.wall_offset[0, LEFT] == pytest.approx(-30e-3)
+    behind = run.state.position[:n, 0] + record.wall_offset[0, LEFT]
+    assert (behind > 0.5 * r).all() and (np.diff(run.state.position[:n, 0]) > 0.9 * r).all()
+    made, start = some(
+        np.full(n, r), place - [2.9e-3, 0.0], motions={},
+        friction=dem.Friction(0.0, 0.0, 0.0), material=replace(SOFT, young_modulus=1e10),
+    )  # fmt: skip
+    made = replace(made, held=[dem.Held([0], (30.0, 0.0)), dem.Held([n])])
+    run = dem.Simulation(made, start, skin=skin)
+    run.advance(1e-3)
+    assert (np.diff(run.state.position[:n, 0]) > 0.9 * r).all()
+    assert run.state.position[0, 0] == pytest.approx(30.1e-3)
+
+
+@pytest.mark.parametrize("restitution", [0.3, 0.8])
+def test_a_disc_bounces_off_a_held_one_as_off_a_wall(restitution):
+    """It comes back with its speed times the restitution: the held one is infinitely heavy."""
+    made, start = some(
+        [0.5e-3, 0.2e-3], [[3e-3, 3e-3], [3.75e-3, 3e-3]], [[9.0, 9.0], [-1.0, 0.0]],
+        material=dem.Material(young_modulus=1e8, restitution=restitution), boundary=None,
+        held=[dem.Held([0]), dem.Held([2])], gravity=(0.0, 0.0),
+    )  # fmt: skip
+    run = dem.Simulation(made, start, step_fraction=0.02)
+    run.advance(4e-4)
+    assert not run.contacts().granule.size
+    assert run.state.velocity[1] == pytest.approx([restitution, 0.0], rel=2e-3)
+    assert_array_equal(run.state.position[0], start.position[0])
+
+
+def test_a_driven_group_and_a_disc_share_their_momentum():
+    """No force from outside: what the disc loses two discs of a given mass gain, together."""
+    mass, r = 3e-5, 0.5e-3
+    pair = dem.Held([0, 1], dem.Drive((0.0, 0.0), mass))
+    made, start = some(
+        [r, r, r], [[3e-3, 3e-3], [3e-3, 3.9e-3], [1.95e-3, 3.3e-3]], [[0, 0], [0, 0], [1.0, 0.0]],
+        held=[pair, dem.Held([3])],
+    )  # fmt: skip
+    run = dem.Simulation(made, start)
+    run.advance(1e-3)
+    after = run.state.velocity
+    assert_array_equal(after[0], after[1])
+    assert after[0, 0] > 0.05
+    lost = made.mass[2] * (start.velocity[2] - after[2])
+    assert_allclose(mass * after[0], lost, rtol=1e-9, atol=1e-15)
+    apart = run.state.position[1] - run.state.position[0]
+    assert_allclose(apart, [0.0, 0.9e-3], rtol=0.0, atol=1e-15)
+
+
+def test_held_granules_feel_neither_gravity_nor_each_other():
+    """However much they overlap; a spin of the state stays, and the rest of it does not count."""
+    made, start = some(
+        np.full(3, 1e-3), [[3e-3, 3e-3], [3.1e-3, 3e-3], [9e-3, 9e-3]], np.full((3, 2), 7.0),
+        held=[dem.Held([0]), dem.Held([1], (0.0, 0.1)), dem.Held([3])], gravity=(0.0, -9.81),
+    )  # fmt: skip
+    start.angular_velocity[1] = 50.0
+    run = dem.Simulation(made, start)
+    record = run.record(1e-3, 1)
+    assert not record.held_force.any() and not len(run.contacts().granule)
+    moved = run.state.position[:3] - start.position[:3]
+    assert_allclose(moved[:2], [[0.0, 0.0], [0.0, 1e-4]], rtol=0.0, atol=1e-15)
+    assert run.state.angle[1] == pytest.approx(0.05) and run.state.angular_velocity[1] == 50.0
+    assert moved[2, 1] == pytest.approx(7e-3 - 0.5 * 9.81e-6)
+    assert record.kinetic_energy[0] == pytest.approx(
+        0.5 * made.mass[2] * (49.0 + (7.0 - 9.81e-3) ** 2)
+    )
+
+
+def test_the_time_step_follows_the_mass_of_what_is_driven(small_bed):
+    """A light lid makes it short, as the root of its mass, and the bed stays quiet under it."""
+    found = {}
+    for mass in (1.0, 1e-9, 1e-11):
+        run = dem.Simulation(
+            *bed(small_bed, {TOP: dem.Drive((None, -3.0), mass)}, material=ELASTIC)
+        )
+        found[mass] = run.diagnose().critical_time_step
+    plain = dem.Simulation(*bed(small_bed, material=ELASTIC)).diagnose().critical_time_step
+    assert found[1.0] == pytest.approx(plain, rel=1e-2)
+    assert found[1e-11] / found[1e-9] == pytest.approx(0.1, rel=0.05)
+
+
+@pytest.mark.parametrize("mover", ["wall", "cylinder", "held"])
+def test_light_driven_boundaries_are_stable_at_the_step_that_is_chosen(mover):
+    """A body of a thousandth of the mass of the disc that it presses on does not gain energy."""
+    r, drive = 1e-3, dem.Drive((0.0, -1e-2), 1e-8)
+    places = {"cylinder": {"cylinder": dem.Cylinder(2 * r, (5e-3, 3 * r), drive)},
+              "held": {"held": [dem.Held([1], drive), dem.Held([2])]},
+              "wall": {"motions": {TOP: drive}, "walls": dem.box(FAR, 2 * r)}}[mover]  # fmt: skip
+    second = [5e-3, 3 * r] if mover == "held" else [9e-3, r]
+    if mover == "wall":
+        shape, start = dem.Disc([r, r]), dem.State([[5e-3, r], [9e-3, r]])
+        held = {"held": [dem.Held([1])]}
+    else:
+        shape = dem.Disc([r, r, r])
+        start = dem.State([[5e-3, r], second, [0.9 * FAR, 0.9 * FAR]])
+        held = {"held": [dem.Held([2])]}
+    made = scene(shape, **{"material": ELASTIC} | held | places)
+    run = dem.Simulation(made, start, step_fraction=1.0)
+    record = run.record(2e-4, 50)
+    assert run.steps > 1000
+    load = 1e-2 * 20e-6  # J: of the force over a way that it never goes
+    assert record.kinetic_energy.max() < load and record.max_overlap.max() < 0.01
+
+
+def everything(small_bed):
+    """A bed in which all that can move does."""
+    lid = dem.Drive((None, -3.0), 2e-4, damping=0.1)
+    made, start = bed(
+        small_bed, {TOP: lid, LEFT: smoothly(0.5, 1e-4), BOTTOM: (1.0, 0.0)},
+        held=[dem.Held([3, 9], smoothly(-0.5, 1e-4)), dem.Held([20], dem.Drive((0.1, None), 1e-5))],
+    )  # fmt: skip
+    drive = dem.Drive((0.0, 30.0), 5e-5, 0.2)
+    return replace(made, cylinder=replace(made.cylinder, velocity=drive, spin=100.0)), start
+
+
+def test_a_run_with_all_motions_goes_on_from_a_checkpoint_with_the_same_bits(small_bed):
+    """Clocks, offsets, velocities of boundaries and their forces are saved."""
+    made, start = everything(small_bed)
+    whole = dem.Simulation(made, start)
+    whole.record(3e-5, 1)
+    file = io.BytesIO()
+    np.savez(file, **whole.checkpoint())
+    file.seek(0)
+    second = dem.Simulation(made, start)
+    with np.load(file) as saved:
+        second.restore(saved)
+    one, two = (run.record(3e-5, 3) for run in (whole, second))
+    for a, b in zip(one, two, strict=True):
+        assert_array_equal(a, b)
+    for a, b in zip(vars(whole.state).values(), vars(second.state).values(), strict=True):
+        assert_array_equal(a, b)
+    assert np.ptp(one.wall_offset, axis=0)[[LEFT, TOP]].min() > 0.0
+    for changes in ({"wall_motion": [STILL] * 4}, {"held": made.held[:1]}):
+        with pytest.raises(dem.InputError, match="another scene"):
+            dem.Simulation(replace(made, **changes), start).restore(whole.checkpoint())
+
+
+def test_motion_in_moving_boundaries_does_not_depend_on_the_skin(small_bed):
+    """Lists that are made often and lists made seldom lead to the same motion."""
+    runs = [
+        dem.Simulation(*everything(small_bed), time_step=4e-8, skin=skin) for skin in (0.004, 0.5)
+    ]
+    records = [run.record(100 * 4e-8, 5) for run in runs]
+    moved = np.abs(runs[0].state.position - everything(small_bed)[1].position).max()
+    assert moved > 1e-5
+    assert_allclose(*(run.state.position for run in runs), rtol=0.0, atol=1e-7 * moved)
+    assert_allclose(*(record.wall_offset for record in records), rtol=0.0, atol=1e-7 * moved)
+
+
+def crowd():
+    """More granules than a chunk holds, some of them held, in walls that move."""
+    made, start = swarm()
+    side = made.walls[RIGHT, 2]
+    ground = dem.Held(start.position[:, 1] < PITCH, (2.0, 0.0))
+    middle = np.flatnonzero(np.hypot(*(start.position - 0.5 * side).T) < 3 * PITCH)
+    body = dem.Held(middle, dem.Drive((0.0, 0.5), 1e-4))
+    motions = [None, dem.Drive((-1.0, None), 1e-3), None, smoothly(-1.0, 1e-4, axis=1)]
+    return replace(made, held=[ground, body], wall_motion=motions), start
+
+
+def test_held_granules_and_walls_change_no_bit_with_the_number_of_threads():
+    """The sums over a group have one order; the numbers of granules are those of the user."""
+    made, start = crowd()
+    found = []
+    for threads in (1, 2, 3):
+        run = dem.Simulation(made, start, threads=threads)
+        for _ in range(20):
+            record = run.record(1e-5, 1)
+        found.append((*vars(run.state).values(), *record))
+    for other in found[1:]:
+        for first, second in zip(found[0], other, strict=True):
+            assert_array_equal(first, second)
+    ground, body = (group.granules for group in made.held)
+    moved = found[0][0] - start.position
+    assert_allclose(moved[ground], np.broadcast_to([4e-4, 0.0], (len(ground), 2)), atol=1e-15)
+    assert np.ptp(moved[body], axis=0).max() < 1e-15 and moved[body][0, 1] > 0.0
+    assert np.abs(found[0][-1]).max() > 0.0
+
+
+def test_frames_show_walls_where_they_were():
+    """The contacts of a frame are those with the wall at that time."""
+    r = 1e-3
+    made, start = some([r], [[2 * r, 5e-3]], motions={LEFT: (1.0, 0.0)})
+    result = dem.simulate(made, start, 1.1e-3, frames=11)
+    touch = [(-2 in result.contacts(frame).partner) for frame in (5, 11)]
+    assert touch == [False, True] or result.position[-1, 0, 0] > 2 * r
+    assert_allclose(result.walls[:, LEFT, 2], -result.time, rtol=1e-9)
+    assert not touch[0]
+    assert {"cylinder_torque", "held_force", "wall_offset"} <= set(result.to_dataset())
+
+
+PLACES = [[2e-3, 2e-3], [5e-3, 2e-3]]
+DISCS = dem.Disc([1e-3, 1e-3])
+WALLS = {"walls": dem.box(1e-2, 1e-2)}
+REFUSED = {
+    "path time of row 1 is 0; it must be later than the 1 s of the row before":
+        lambda: dem.Path([1.0, 0.0], np.zeros((2, 2))),
+    "path velocity has 2 rows; it must have one for each of the 3 times":
+        lambda: dem.Path([0.0, 1.0, 2.0], np.zeros((2, 2))),
+    "path spin has 1 rows; it must have one for each of the 2 times":
+        lambda: dem.Path([0.0, 1.0], np.zeros((2, 2)), [1.0]),
+    "path velocity of row 0 is nan; it must be finite":
+        lambda: dem.Path([0.0], [[np.nan, 0.0]]),
+    "drive force is 3.0; it must be two forces (x, y) in N, None for an axis whose velocity is kept":
+        lambda: dem.Drive(3.0, 1.0),
+    "drive force is (1.0, nan); it must": lambda: dem.Drive((1.0, np.nan), 1.0),
+    "drive mass is 0.0; it must be a positive number (kg)": lambda: dem.Drive((1.0, 1.0), 0.0),
+    "drive damping is -1.0; it must": lambda: dem.Drive((1.0, 1.0), 1.0, -1.0),
+    "held granules is [0, 0]; it must be numbers of granules, each once, or one truth value":
+        lambda: dem.Held([0, 0]),
+    "held granules is [-1]; it must": lambda: dem.Held([-1]),
+    "held granules is [0.5]; it must": lambda: dem.Held([0.5]),
+    "held granules is an array of bool with shape (2,); it must":
+        lambda: dem.Held(np.zeros(2, bool)),
+    "held motion is 'up'; it must be a velocity (x, y) in m/s, a dem.Path or a dem.Drive":
+        lambda: dem.Held([0], "up"),
+    "held motion has a spin; only the cylinder can turn on a path":
+        lambda: dem.Held([0], dem.Path([0.0], [[0.0, 0.0]], [1.0])),
+    "cylinder spin is 2 rad/s; it must be left out, because its path has one":
+        lambda: dem.Cylinder(1.0, (0.0, 0.0), dem.Path([0.0], [[0.0, 0.0]], [1.0]), 2.0),
+    "cylinder velocity is 1.0; it must be a velocity": lambda: dem.Cylinder(1.0, (0, 0), 1.0),
+    "wall_motion has 3 entries; it must have one for each of the 4 walls":
+        lambda: dem.Scene(DISCS, **WALLS, wall_motion=[None] * 3),
+    "wall_motion has 1 entries; it must have one for each of the 0 walls":
+        lambda: dem.Scene(DISCS, wall_motion=[None]),
+    "wall_motion of wall 2 is 1.0; it must be a velocity":
+        lambda: dem.Scene(DISCS, **WALLS, wall_motion=[None, None, 1.0, None]),
+    "wall_motion of wall 0 has a spin": lambda: dem.Scene(
+        DISCS, **WALLS, wall_motion=[dem.Path([0.0], [[0.0, 0.0]], [1.0]), None, None, None]
+    ),
+    "held is [1]; it must be a list of dem.Held": lambda: dem.Scene(DISCS, held=[1]),
+    "held group 0 has granule 2; it must have some of the 2 granules":
+        lambda: dem.Scene(DISCS, held=[dem.Held([2])]),
+    "held group 0 has 3 truth values; it must have one for each of the 2 granules":
+        lambda: dem.Scene(DISCS, held=[dem.Held([True, False, False])]),
+    "held group 1 has granule 0, which an earlier group has too":
+        lambda: dem.Scene(DISCS, held=[dem.Held([0]), dem.Held([0])]),
+    "held has all 2 granules; at least one must be free":
+        lambda: dem.Scene(DISCS, held=[dem.Held([0, 1])]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("sentence", REFUSED)
+def test_motion_that_cannot_be_is_refused_in_one_sentence(sentence):
+    with pytest.raises(dem.InputError) as error:
+        REFUSED[sentence]()
+    assert str(error.value).startswith(sentence) and str(error.value).endswith(".")
+    assert "\n" not in str(error.value)
+
+
+def test_the_velocity_of_a_cylinder_on_a_path_cannot_be_set():
+    """The path would take it back; the run goes on as before."""
+    run = dem.Simulation(*some([1e-3], [[0.25 * FAR, 0.25 * FAR]]))
+    with pytest.raises(dem.InputError, match="the cylinder follows a Path or a Drive"):
+        run.set_cylinder_velocity((1.0, 0.0))
+    assert not run.world.cylinder.motion[0, 2:].any()
