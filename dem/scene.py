@@ -4,6 +4,7 @@ SI units throughout. Angles in rad, anticlockwise; x to the right, y upwards.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -25,7 +26,9 @@ from dem.base.validate import (
     vector,
 )
 
+Periods = tuple[float | None, float | None] | None  # (m) along x and y
 FINITE = f"be finite, up to {MOST:g} in size"
+ROOM = 2.5  # least period over the reach of a scene; two would leave no skin to neighbour lists
 
 
 @checked(
@@ -197,6 +200,27 @@ def box(width: float, height: float) -> np.ndarray:
     return np.array([[-1, 0, 0], [1, 0, width], [0, -1, 0], [0, 1, height]], float)
 
 
+SIDES = {"none": (False, False), "x": (True, False), "y": (False, True), "xy": (True, True)}
+
+
+def periods_of(width: float, height: float, periodic: str) -> Periods:
+    """Periods (m) of a box that repeats itself along the sides that a key of SIDES names."""
+    x, y = SIDES[periodic]
+    return (width if x else None, height if y else None) if x or y else None
+
+
+def walls_of(width: float, height: float, periodic: Periods) -> np.ndarray | None:
+    """Walls (w, 3) of a box but for those at periodic sides, as `box` returns them; None if there
+    are none."""
+    stay = walled(periodic)
+    return box(width, height)[stay] if stay.any() else None
+
+
+def walled(periodic: Periods) -> np.ndarray:
+    """Which of the four walls of a box stand (4,), in the order of `box`."""
+    return np.repeat([period is None for period in periodic or (None, None)], 2)
+
+
 def arrays_of(shape: Any) -> dict[str, np.ndarray]:
     """The sizes (n,) in m that a shape is made of, by name."""
     return {name: size for name, size in shape._asdict().items() if isinstance(size, np.ndarray)}
@@ -227,6 +251,35 @@ def planes(name: str, value: Any) -> np.ndarray:
     return rows
 
 
+def periods(name: str, value: Any) -> Periods:
+    """Kind: periods (m) along x and y, None for a side without; None if neither has one."""
+    if not isinstance(value, tuple | list | np.ndarray) or len(value) != 2:
+        refuse(
+            name, value, "be two periods (x, y) in m, None for a side that does not repeat itself"
+        )
+    take = or_none(positive("m"))
+    x, y = (take(f"{name} along {axis}", each) for axis, each in zip("xy", value, strict=True))
+    return None if x is None and y is None else (x, y)
+
+
+def wrapped(position: np.ndarray, periodic: Periods) -> np.ndarray:
+    """Positions (..., 2) in m less whole periods: from 0 to below the period along a periodic side."""
+    # twice: of a tiny negative number the first is the period
+    return _by_side(position, periodic, lambda x, period: np.mod(np.mod(x, period), period))
+
+
+def nearest_image(away: np.ndarray, periodic: Periods) -> np.ndarray:
+    """Vectors (..., 2) in m from one body to another less whole periods: to its nearest image."""
+    return _by_side(away, periodic, lambda x, period: x - period * np.rint(x / period))
+
+
+def _by_side(places: np.ndarray, periodic: Periods, change: Callable) -> np.ndarray:
+    if periodic is None:
+        return places
+    columns = zip(np.moveaxis(places, -1, 0), periodic, strict=True)
+    return np.stack([change(x, period) if period else x for x, period in columns], axis=-1)
+
+
 def fixed(array: np.ndarray) -> np.ndarray:
     """A copy that cannot be written."""
     array = array.copy()
@@ -243,6 +296,7 @@ def fixed(array: np.ndarray) -> np.ndarray:
     gravity=or_none(vector("m/s2")),
     thickness=or_none(positive("m")),
     boundary=or_none(one_of(Material)),
+    periodic=or_none(periods),
 )
 @dataclass(frozen=True)
 class Scene:
@@ -269,11 +323,17 @@ class Scene:
         for the mean diameter of discs of the same areas.
     boundary : Material, optional
         Material of walls and cylinder; None for rigid ones. Only its elasticity counts.
+    periodic : tuple of float or None, optional
+        Periods (x, y) in m with which the scene repeats itself; None for a side without. Positions
+        are not wrapped: a granule that leaves through one side goes on, and meets the images of the
+        others.
 
     Raises
     ------
     InputError
-        If a value cannot be used, for instance if a wall's normal is not a unit vector.
+        If a value cannot be used, for instance if a wall's normal is not a unit vector, if a wall
+        crosses a periodic side, or if a period is so short that a granule could touch two images
+        of one body.
 
     Notes
     -----
@@ -296,6 +356,13 @@ class Scene:
 
     >>> print(f"{scene.inertia[0] / (scene.mass[0] * 1e-3**2):.2f}")
     0.50
+
+    A disc that leaves a periodic scene through its right side comes in through the left one:
+
+    >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]), periodic=(20e-3, None))
+    >>> state = dem.State([[19.5e-3, 0.0], [1.49e-3, 0.0]])
+    >>> dem.Simulation(scene, state).contacts().partner
+    array([1])
     """
 
     shape: Any
@@ -306,11 +373,30 @@ class Scene:
     gravity: tuple[float, float] | None = None
     thickness: float = None  # type: ignore[assignment]  # a number once the scene is made
     boundary: Material | None = None
+    periodic: Periods = None
 
     def __post_init__(self) -> None:
+        for axis, period in enumerate(self.periodic or ()):
+            if period is not None:
+                self._check_period(axis, period)
         if self.thickness is None:
             mean = float(np.mean(2.0 * np.sqrt(self.shape.area / np.pi)))
             object.__setattr__(self, "thickness", mean)
+
+    def _check_period(self, axis: int, period: float) -> None:
+        name, least = "xy"[axis], ROOM * reach(self)
+        if not period >= least:
+            raise InputError(
+                f"periodic along {name} is {period:g} m; it must be at least {least:.4g} m, {ROOM:g} "
+                "times the greatest distance at which two bodies touch."
+            )
+        walls = np.empty((0, 3)) if self.walls is None else self.walls
+        for wall, slope in enumerate(walls[:, axis]):
+            if abs(slope) > 1e-9:
+                raise InputError(
+                    f"walls of row {wall} has n{name} = {slope:g}; it must be 0, because the scene "
+                    f"repeats itself along {name}."
+                )
 
     @property
     def granules(self) -> int:
@@ -326,6 +412,12 @@ class Scene:
     def inertia(self) -> np.ndarray:
         """Moment of inertia (n,) in kg m2."""
         return self.mass * self.shape.gyration_squared
+
+
+def reach(scene: Scene) -> float:
+    """Greatest distance (m) between the centres of two bodies that can touch."""
+    radius = float(scene.shape.bounding_radius.max())
+    return radius + max(radius, 0.5 * scene.cylinder.diameter if scene.cylinder else 0.0)
 
 
 @dataclass(init=False)

@@ -68,6 +68,12 @@ def copy_changes(changes, rows, i, motion, k, first):
     motion[at], motion[at + ONE] = rows[i + FIVE], rows[i + SIX]
 
 
+@optional
+def bring(shift, p, motion, at):
+    """Body 2 of contact p to that image of it which is beside body 1."""
+    motion[at] += shift[p]
+
+
 @inlined
 def gather(turns, one, two, contacts, start, stop, lanes):
     """Motion of both bodies of each contact, from rows of dem.jit.columns one after the other.
@@ -83,6 +89,8 @@ def gather(turns, one, two, contacts, start, stop, lanes):
         i, j = EIGHT * contacts.constituent[p], EIGHT * contacts.partner[p]
         copy_four(one, i, motion, at + lane.X1)
         copy_four(two, j, motion, at + lane.X2)
+        bring(contacts.shift_x, p, motion, at + lane.X2)
+        bring(contacts.shift_y, p, motion, at + lane.Y2)
         copy_rates(rates, one, i, motion, k, lane.W1)
         copy_rates(rates, two, j, motion, k, lane.W2)
         copy_changes(changes, one, i, motion, k, lane.W1)
@@ -113,6 +121,13 @@ def gather_planes(shape, planes, frame, contacts, start, stop, values):
         store_outline(outline(shape, contacts.constituent[p], frame), values, lane.OWN + k)
         values[lane.NX + k], values[lane.NY + k] = planes[wall, 0], planes[wall, 1]
         values[lane.OTHER + k] = planes[wall, 2]
+
+
+@inlined
+def imaged(contacts, p, dx, dy):
+    """The place dx, dy (m) of body 2 of contact p from body 1, of that image which is beside it."""
+    x, y = contacts.shift_x, contacts.shift_y
+    return plus(dx, take(x, x, p)), plus(dy, take(y, y, p))
 
 
 @inlined

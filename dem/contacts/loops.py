@@ -42,6 +42,8 @@ def fetch_ahead(chunks, rows, contacts, start, end):
         fetch(contacts.sqrt_overlap, p)
         fetch(contacts.normal_x, p)
         fetch(contacts.normal_y, p)
+        fetch(contacts.shift_x, p)
+        fetch(contacts.shift_y, p)
     near = start + BLOCK
     for p in range(near, min(near + BLOCK, end)):
         prefetch(rows, EIGHT * contacts.partner[p])

@@ -21,7 +21,7 @@ from dem.dynamics.world import (
 )
 from dem.jit.columns import VX, VY, W, X, Y, rows
 from dem.jit.lanes import make_lanes
-from dem.scene import Scene, State, arrays_of
+from dem.scene import Scene, State, arrays_of, reach
 
 CONTACT_KINDS = "granule", "wall", "cylinder"
 
@@ -32,8 +32,8 @@ class GranuleTable(NamedTuple):
     per: constituents per granule; radius, bounding (constituents,) in m: for Hertz's law, and of
     the circle that holds one; mass (constituents,) in kg: of the whole granule; mobility: greatest
     1/m + lever^2/I (1/kg) of a contact; bend (n,) in 1/(kg m): 2/3 normal_bend / I, which bounds
-    the rotational stiffness that a normal force adds, over k delta; skin (m); alpha: dashpot
-    constant; modulus: E* of two granules (Pa); mean_radius (m), mean_mass (kg).
+    the rotational stiffness that a normal force adds, over k delta; skin (m); period along x and y
+    (m), None where the scene does not repeat itself; alpha: dashpot constant; modulus: E* of two granules (Pa); mean_radius (m), mean_mass (kg).
     """
 
     per: int
@@ -43,6 +43,7 @@ class GranuleTable(NamedTuple):
     mobility: float
     bend: np.ndarray
     skin: float
+    period: tuple[float | None, float | None]
     alpha: float
     modulus: float
     mean_radius: float
@@ -54,11 +55,18 @@ def own(shape):
     return shape._replace(**{name: size.copy() for name, size in arrays_of(shape).items()})
 
 
+def widest_skins(scene: Scene, period) -> list[float]:
+    """Skins (m) with which no list holds two images of one body, nor finds one pair by another image
+    than the list before: for each period."""
+    return [0.25 * (each - 2.0 * reach(scene)) for each in period if each is not None]
+
+
 def granule_table(scene: Scene, skin: float) -> GranuleTable:
     """GranuleTable of a scene; skin as a share of the mean bounding radius."""
     shape, inverse_mass, inverse_inertia = own(scene.shape), 1.0 / scene.mass, 1.0 / scene.inertia
     bounding = shape.constituent_bounding_radius
     per = len(bounding) // scene.granules
+    period = scene.periodic or (None, None)
     return GranuleTable(
         per=per,
         radius=shape.constituent_radius,
@@ -66,7 +74,8 @@ def granule_table(scene: Scene, skin: float) -> GranuleTable:
         mass=np.repeat(scene.mass, per),
         mobility=float((inverse_mass + shape.bounding_radius**2 * inverse_inertia).max()),
         bend=2.0 / 3.0 * shape.normal_bend * inverse_inertia,
-        skin=float(skin * bounding.mean()),
+        skin=min([float(skin * bounding.mean()), *widest_skins(scene, period)]),
+        period=period,
         alpha=damping_from_restitution(scene.material.restitution),
         modulus=effective_modulus(scene.material, scene.material),
         mean_radius=float(shape.constituent_radius.mean()),
@@ -111,6 +120,7 @@ def contacts(scene: Scene, table: GranuleTable, kind: str) -> Contacts:
     friction = friction_parameters(scene, kind)
     memory = numbers if friction else None
     guesses = numbers if kind != "wall" and scene.shape.guesses else None
+    period = (None, None) if kind == "wall" else table.period
     return Contacts(
         first=np.zeros(len(table.radius) + 1, np.uint32) if kind == "granule" else None,
         constituent=index,
@@ -124,6 +134,8 @@ def contacts(scene: Scene, table: GranuleTable, kind: str) -> Contacts:
         sqrt_overlap=memory,
         normal_x=guesses,
         normal_y=guesses,
+        shift_x=None if period[0] is None else numbers,
+        shift_y=None if period[1] is None else numbers,
     )
 
 

@@ -15,6 +15,7 @@ FIXED = (
     "shape.", "inverse_mass", "inverse_inertia", "gravity", "walls.planes", "walls.motion",
     "lanes.motion", "lanes.values",
 )  # fmt: skip
+CYLINDER_PLACE = "world.cylinder.reference"
 LISTS = "world.pairs", "world.walls.contacts", "world.cylinder.contacts"
 
 
@@ -103,9 +104,10 @@ def clock(saved: dict) -> tuple[float, int]:
     return float(time), int(steps)
 
 
-def replaced(world, arrays: dict):
+def replaced(world, arrays: dict, period):
     """The World with these arrays; raises InputError, with nothing changed, where they do not fit.
 
+    period: of the dem.dynamics.assembly.GranuleTable.
     An array of the same shape is overwritten in place: a bed of discs has one for bodies
     and constituents.
     """
@@ -138,6 +140,9 @@ def replaced(world, arrays: dict):
             fits = shape[1:] == own.shape[1:] and shape[0] >= least
         if not fits:
             _damaged(path)
+    for axis, each in enumerate(period):
+        if each is not None:
+            _check_images(arrays, axis, each)
     return _replaced(world, arrays, "world")
 
 
@@ -193,6 +198,19 @@ def _check_chunks(arrays, count, size):
     if not np.array_equal(arrays["world.pairs.force_row"], force_row):
         _damaged("world.pairs.force_row")
     return spare
+
+
+def _check_images(arrays, axis, period):
+    """Each contact is with the image of its partner that was nearest when the lists were made."""
+    place = arrays["world.reference"][:, axis]
+    for path in LISTS:
+        name = f"{path}.shift_{'xy'[axis]}"
+        if name in arrays:
+            pairs = path == LISTS[0]
+            other = place[arrays[f"{path}.partner"]] if pairs else arrays[CYLINDER_PLACE][axis]
+            away = other - place[arrays[f"{path}.constituent"]]
+            if not np.allclose(arrays[name], -period * np.rint(away / period), 1e-12, 0.0):
+                _damaged(name)
 
 
 def _replaced(tree, arrays, path):

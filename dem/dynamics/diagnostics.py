@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.contacts.blocks import Constituents, remembered
+from dem.contacts.blocks import Constituents, imaged, remembered
 from dem.contacts.force_law import damping_ratio, impact_overlap
 from dem.contacts.response import local_stiffness
 from dem.dynamics.forces import greater
@@ -110,6 +110,7 @@ def survey_pairs(bodies, granules, contacts, inverse_mass, table, bounds):
         for p in range(contacts.first[i], contacts.first[i + 1]):
             j = np.int64(contacts.partner[p])
             dx, dy = motion[j, X] - motion[i, X], motion[j, Y] - motion[i, Y]
+            dx, dy = imaged(contacts, p, dx, dy)
             guess = remembered(contacts.normal_x, contacts.normal_y, p)
             geometry = solve_contact(shape, dx, dy, own, outline(shape, j, frame), guess)
             overlap, nx, ny, n1, t1, n2, t2, rho = geometry
@@ -173,6 +174,7 @@ def pair_geometries(shape, motion, frame, contacts):
     for p in range(found.shape[0]):
         i, j = contacts.constituent[p], contacts.partner[p]
         dx, dy = motion[j, X] - motion[i, X], motion[j, Y] - motion[i, Y]
+        dx, dy = imaged(contacts, p, dx, dy)
         guess = remembered(contacts.normal_x, contacts.normal_y, p)
         own, other = outline(shape, i, frame), outline(shape, j, frame)
         one = solve_contact(shape, dx, dy, own, other, guess)
@@ -209,6 +211,7 @@ def cylinder_geometries(shape, motion, frame, cylinder):
     for p in range(found.shape[0]):
         i = contacts.constituent[p]
         dx, dy = cylinder.motion[0, X] - motion[i, X], cylinder.motion[0, Y] - motion[i, Y]
+        dx, dy = imaged(contacts, p, dx, dy)
         guess = remembered(contacts.normal_x, contacts.normal_y, p)
         one = solve_contact(shape, dx, dy, outline(shape, i, frame), other, guess)
         stiffness = either(local_stiffness(one.radius, contacts.modulus), contacts.stiffness[p])

@@ -4,7 +4,15 @@ import math
 
 import numpy as np
 
-from dem.dynamics.neighbors import match_listed, match_pairs, near_circle, near_pairs, near_planes
+from dem.contacts.blocks import imaged
+from dem.dynamics.neighbors import (
+    image,
+    match_listed,
+    match_pairs,
+    near_circle,
+    near_pairs,
+    near_planes,
+)
 from dem.dynamics.world import CHUNK, Chunks, Contacts, CylinderBoundary, WallBoundary, World
 from dem.jit.address import by_address
 from dem.jit.columns import X, Y
@@ -43,6 +51,21 @@ def put_damping(damping, p, alpha, mass, stiffness):
     damping[p] = alpha * math.sqrt(mass * stiffness)
 
 
+@optional
+def put_shift(shift, p, period, distance):
+    shift[p] = image(period, distance)
+
+
+@inlined
+def aim(contacts, p, dx, dy, period):
+    """Set which image of its partner contact p is with, and the first guess of its normal; dx, dy
+    (m): position of the partner from the constituent."""
+    put_shift(contacts.shift_x, p, period[0], dx)
+    put_shift(contacts.shift_y, p, period[1], dy)
+    dx, dy = imaged(contacts, p, dx, dy)
+    point(contacts.normal_x, contacts.normal_y, p, dx, dy)
+
+
 @inlined
 def renewed(old, first, constituent, partner, source):
     """Contacts of a new list; stiffness and damping still to be filled."""
@@ -51,7 +74,7 @@ def renewed(old, first, constituent, partner, source):
         first, constituent, partner, partner, np.empty(count), old.modulus,
         fresh(old.damping, count), old.friction, carried(old.tangential_force, source),
         carried(old.sqrt_overlap, source), carried(old.normal_x, source),
-        carried(old.normal_y, source),
+        carried(old.normal_y, source), fresh(old.shift_x, count), fresh(old.shift_y, count),
     )  # fmt: skip
 
 
@@ -66,7 +89,8 @@ def set_constants(contacts, p, radius, mass, alpha):
 @compiled(allocates=True)
 def list_pairs(old, rows, table):
     radius, mass = table.radius, table.mass
-    first, constituent, partner = near_pairs(rows, table.bounding, table.skin, table.per)
+    period = table.period
+    first, constituent, partner = near_pairs(rows, table.bounding, table.skin, table.per, period)
     source = match_pairs(first, partner, old.first, old.partner)
     new = renewed(old, first, constituent, partner, source)
     for p in range(constituent.shape[0]):
@@ -74,7 +98,7 @@ def list_pairs(old, rows, table):
         reduced_radius = radius[i] * radius[j] / (radius[i] + radius[j])
         reduced_mass = mass[i] * mass[j] / (mass[i] + mass[j])
         set_constants(new, p, reduced_radius, reduced_mass, table.alpha)
-        point(new.normal_x, new.normal_y, p, rows[j, X] - rows[i, X], rows[j, Y] - rows[i, Y])
+        aim(new, p, rows[j, X] - rows[i, X], rows[j, Y] - rows[i, Y], period)
     return new
 
 
@@ -98,14 +122,14 @@ def list_walls(walls, rows, table):
 @optional
 def list_cylinder(cylinder, rows, table):
     size = cylinder.radius
-    x, y = cylinder.motion[0, X], cylinder.motion[0, Y]
-    constituent, partner = near_circle(rows, table.bounding, table.skin, x, y, size)
+    x, y, period = cylinder.motion[0, X], cylinder.motion[0, Y], table.period
+    constituent, partner = near_circle(rows, table.bounding, table.skin, x, y, size, period)
     new = list_boundary(cylinder.contacts, constituent, partner)
     for p in range(constituent.shape[0]):
         i = constituent[p]
         radius = table.radius[i] * size / (table.radius[i] + size)
         set_constants(new, p, radius, table.mass[i], table.alpha)
-        point(new.normal_x, new.normal_y, p, x - rows[i, X], y - rows[i, Y])
+        aim(new, p, x - rows[i, X], y - rows[i, Y], period)
     cylinder.reference[0], cylinder.reference[1] = x, y
     return CylinderBoundary(size, cylinder.motion, cylinder.reference, new, cylinder.impulse)
 
@@ -154,7 +178,7 @@ def chunked(old, pairs, world):
     pairs = Contacts(
         pairs.first, pairs.constituent, pairs.partner, force_row, pairs.stiffness, pairs.modulus,
         pairs.damping, pairs.friction, pairs.tangential_force, pairs.sqrt_overlap, pairs.normal_x,
-        pairs.normal_y,
+        pairs.normal_y, pairs.shift_x, pairs.shift_y,
     )  # fmt: skip
     return pairs, force, chunks
 

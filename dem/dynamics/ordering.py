@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from dem.dynamics.world import CHUNK
-from dem.scene import Scene, State, arrays_of
+from dem.scene import Scene, State, arrays_of, wrapped
 
 
 def _spread(number):
@@ -28,8 +28,8 @@ def order_of(scene: Scene, state: State) -> np.ndarray | None:
     if scene.granules <= CHUNK:
         return None
     cell = 2.0 * scene.shape.bounding_radius.mean()
-    corner = state.position.min(axis=0)
-    cells = np.minimum((state.position - corner) / cell, 2.0**31)
+    position = wrapped(state.position, scene.periodic)
+    cells = np.minimum((position - position.min(axis=0)) / cell, 2.0**31)
     return np.argsort(_spread(cells[:, 0]) | _spread(cells[:, 1]) << np.uint64(1), kind="stable")
 
 

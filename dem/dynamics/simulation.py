@@ -224,6 +224,8 @@ class Result(NamedTuple):
         if scene.cylinder is not None:
             values["cylinder_position"] = self.cylinder_position
             values["cylinder_diameter"] = scene.cylinder.diameter
+        if scene.periodic is not None:
+            values["period"] = np.array(scene.periodic, float)  # None becomes NaN
         variables = {
             name: (dimensions, values[name], {"units": units, "long_name": words})
             for name, (dimensions, units, words) in RESULT.items()
@@ -285,6 +287,7 @@ RESULT = {
     "wall_force": (("time", "wall"), "N", "mean normal force on the wall since the frame before"),
     "wall_normal": (("wall", "axis"), "1", "unit normal of the wall, into the solid"),
     "wall_offset": (("wall",), "m", "distance of the wall from the origin along its normal"),
+    "period": (("axis",), "m", "period of the scene; not a number where it has none"),
     "mass": (("granule",), "kg", "mass of the granule"),
     "bounding_radius": (("granule",), "m", "radius of the circle that holds the granule"),
     "time_step": ((), "s", "shortest time step taken"),
@@ -308,7 +311,7 @@ class Simulation:
         Largest allowed overlap over the smaller radius, without unit, up to 1.5.
     skin : float
         Skin of the neighbour list over the mean bounding radius, without unit. It changes only the
-        speed.
+        speed. A short period makes it smaller.
     threads : int
         Number of threads, without unit, for beds of thousands of granules. The result does not
         depend on it. A small bed uses fewer.
@@ -729,7 +732,7 @@ class Simulation:
         if saved.get("scene", np.empty(0)).tobytes() != self._fingerprint().tobytes():
             raise InputError("saved is no checkpoint of this simulation; it is of another scene.")
         time, steps = clock(saved)
-        world = replaced(self._world, saved)
+        world = replaced(self._world, saved, self._table.period)
         alone = self._table.per == 1  # a granule is its own only constituent: one array for both
         self._world = world._replace(force=world.constituent_force) if alone else world
         self.time, self.steps = time, steps

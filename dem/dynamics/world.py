@@ -33,6 +33,8 @@ class Contacts(NamedTuple):
     (m,): alpha sqrt(m* k), or None. friction: its parameters, or None; what a frictional contact
     remembers, or None: tangential_force (m,) of the spring (N), and sqrt_overlap (m,), the last one
     (m^0.5). normal_x, normal_y (m,): last normal of two granules that are not round, or None.
+    shift_x, shift_y (m,): along a periodic side, whole periods (m) that lead from the place of the
+    partner to its image beside the constituent; None where the scene does not repeat itself.
     """
 
     first: np.ndarray | None
@@ -47,6 +49,8 @@ class Contacts(NamedTuple):
     sqrt_overlap: np.ndarray | None
     normal_x: np.ndarray | None
     normal_y: np.ndarray | None
+    shift_x: np.ndarray | None
+    shift_y: np.ndarray | None
 
 
 class WallBoundary(NamedTuple):

@@ -10,7 +10,7 @@ from dem.experiment.fit import height_of_box, sample_diameters
 from dem.io.dataset import BED, global_attributes, read, write
 from dem.packing.pressed import compact
 from dem.packing.random import Bed, pack
-from dem.scene import Cylinder
+from dem.scene import Cylinder, Periods, periods_of
 from dem.shapes import KINDS
 
 
@@ -26,6 +26,12 @@ def cylinder(replicate: Replicate, height: float) -> Cylinder:
     return Cylinder(wanted.diameter, (0.5 * width, wanted.start * height), (0.0, wanted.velocity))
 
 
+def periods(replicate: Replicate, height: float) -> Periods:
+    """Periods (m) of a box of the given height (m)."""
+    own = replicate.configuration
+    return periods_of(own.box_width, height, own.periodic)
+
+
 def make_bed(replicate: Replicate) -> Bed:
     """Pack the bed; ellipses always by common normal, which alone has an energy to minimise."""
     sizes = diameters(replicate)
@@ -34,7 +40,9 @@ def make_bed(replicate: Replicate) -> Bed:
     height = height_of_box(own, sizes)
     room = shape, own.box_width, height, cylinder(replicate, height), replicate.seed
     friction = own.packing.friction
-    return compact(*room, friction) if friction > 0.0 else pack(*room)
+    if friction > 0.0:
+        return compact(*room, friction, own.periodic)
+    return pack(*room, own.periodic)
 
 
 WRITTEN = (
@@ -65,4 +73,5 @@ def read_bed(path: Path, replicate: Replicate) -> Bed:
         )
     x, y, angle, height, *measures = (values[name] for name in WRITTEN)
     position, width = np.column_stack([x, y]), replicate.configuration.box_width
-    return Bed(position, angle, width, float(height), *map(float, measures))
+    height, *measures = map(float, (height, *measures))
+    return Bed(position, angle, width, height, *measures, periods(replicate, height))

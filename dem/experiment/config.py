@@ -174,6 +174,9 @@ class Configuration(Section):
     box_width: Annotated[
         Positive, value("m", "width of the box; its height follows from packing.fraction")
     ]
+    periodic: Annotated[
+        Literal["none", "x", "y", "xy"], value(None, "sides along which the box repeats itself")
+    ] = "none"
     cylinder: CylinderSection
     packing: PackingSection
     material: MaterialSection
@@ -212,6 +215,8 @@ class Configuration(Section):
     def _read_by_all(self) -> str:
         """Values that every run reads, for any shape, as text."""
         unread = dict.fromkeys(("shapes", "ellipse", "experiment"), True)
+        if self.periodic == "none":  # runs between walls are the same as before there was this key
+            unread["periodic"] = True
         included = set(Configuration.model_fields)
         return json.dumps(
             self.model_dump(include=included, exclude=unread | {"record": {"window"}}),
@@ -306,7 +311,8 @@ class Replicate:
     def _bed(self) -> str:
         c = self.configuration
         others = c.packing.size_spread, c.box_width, c.cylinder.diameter, c.cylinder.start
-        return f"{c._granules[self.label]} {others}"
+        sides = "" if c.periodic == "none" else f" {c.periodic}"
+        return f"{c._granules[self.label]} {others}{sides}"
 
     @property
     def variant(self) -> str:
@@ -316,7 +322,7 @@ class Replicate:
         friction = [value > 0 for value in c.friction.model_dump().values()]
         features = (
             c.experiment, c.packing.friction > 0, c.material.restitution < 1, c.gravity > 0,
-            "ledger" in c.record.observables,
+            "ledger" in c.record.observables, c.periodic,
         )  # fmt: skip
         return " ".join(map(str, (self.shape.kind, *friction, *features, *ellipse.values())))
 

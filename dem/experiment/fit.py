@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 
+from dem.scene import ROOM
+
 
 def sample_diameters(shape, spread: float, seed: int) -> np.ndarray:
     """Volume diameters (n,) in m: uniform within +- spread of the mean."""
@@ -55,16 +57,17 @@ def _check_box(configuration, label: str, height: float, largest: float) -> None
             f"cylinder.diameter is {cylinder.diameter:g} m; it must be less than box_width, "
             f"{configuration.box_width:g} m"
         )
-    if bottom < 0:
+    turns = [each in configuration.periodic for each in "xy"]  # "none" has neither
+    if bottom < 0 and not turns[1]:
         raise ValueError(
             f"cylinder.start is {cylinder.start:g}: {where}, and the cylinder would begin below "
             "its floor"
         )
-    if top - cylinder.stroke > height:
+    if top - cylinder.stroke > height and not turns[1]:
         raise ValueError(
             f"cylinder.start is {cylinder.start:g}: {where}, and the cylinder would begin above its top"
         )
-    if top > height:
+    if top > height and not turns[1]:
         raise ValueError(
             f"cylinder.stroke is {cylinder.stroke:g} m: {where}, and the cylinder would leave it "
             f"during its stroke; at most {cylinder.stroke + height - top:.3g} m fit"
@@ -75,3 +78,10 @@ def _check_box(configuration, label: str, height: float, largest: float) -> None
             f"shapes.{label}.diameter is {shape.diameter:g} m: {where}, and a granule of length "
             f"{length:.3g} m cannot fit"
         )
+    least = ROOM * 0.5 * (length + max(length, cylinder.diameter))
+    for key, side, turn in zip("xy", (configuration.box_width, height), turns, strict=True):
+        if turn and side < least:
+            raise ValueError(
+                f"periodic is {configuration.periodic}: {where}; along {key} it must be at least "
+                f"{least:.4g} m, {ROOM:g} times the greatest distance at which two bodies touch"
+            )

@@ -1,20 +1,25 @@
 """How irregular a flow is: numbers a snapshot, from the motion since a lag before it.
 
-All are means over the granules of the bed; lengths in m.
+All are means over the granules of the bed; lengths in m. periodic: periods of the box, as of
+dem.Scene; positions are not wrapped.
 """
 
 import numpy as np
+
+from dem.scene import nearest_image, wrapped
 
 NEAR = 1.5  # mean diameters: centres of granules that are beside each other
 AROUND = 2.5  # mean diameters: the neighbourhood that a granule's motion is compared with
 LAYERS = 8
 
 
-def pairs_within(position, distance):
+def pairs_within(position, distance, periodic=None):
     """Pairs (m, 2) of granules whose centres are nearer than a distance, each once."""
     from scipy.spatial import cKDTree
 
-    return cKDTree(position).query_pairs(distance, output_type="ndarray")
+    size = periodic and [period or 0.0 for period in periodic]  # 0: it does not repeat itself
+    tree = cKDTree(wrapped(position, periodic), boxsize=size)
+    return tree.query_pairs(distance, output_type="ndarray")
 
 
 def both_ways(pairs):
@@ -29,14 +34,16 @@ def sums(values, index, count):
     return np.stack(found, axis=-1).reshape(count, *values.shape[1:])
 
 
-def non_affine(before, after, diameter: float) -> np.ndarray:
+def non_affine(before, after, diameter: float, periodic=None) -> np.ndarray:
     """Falk and Langer's D2min (n,) over the squared diameter; NaN with fewer than 3 neighbours.
 
     The mean squared distance of the neighbours from where the best affine motion of the
     neighbourhood would have brought them (Phys. Rev. E 57, 7192, 1998).
     """
-    i, j = both_ways(pairs_within(before, AROUND * diameter))
-    old, new, n = before[j] - before[i], after[j] - after[i], len(before)
+    i, j = both_ways(pairs_within(before, AROUND * diameter, periodic))
+    apart, n = before[j] - before[i], len(before)
+    old = nearest_image(apart, periodic)
+    new = after[j] - after[i] + (old - apart)  # of the same image
     crossed = sums(new[:, :, None] * old[:, None, :], i, n)
     squared = sums(old[:, :, None] * old[:, None, :], i, n)
     count = np.bincount(i, minlength=n)
@@ -48,9 +55,9 @@ def non_affine(before, after, diameter: float) -> np.ndarray:
     return np.where(enough, found, np.nan)
 
 
-def fluctuation(before, after, diameter: float) -> np.ndarray:
+def fluctuation(before, after, diameter: float, periodic=None) -> np.ndarray:
     """Size (n,) in m of a granule's displacement less the mean of its neighbours'."""
-    i, j = both_ways(pairs_within(before, AROUND * diameter))
+    i, j = both_ways(pairs_within(before, AROUND * diameter, periodic))
     moved, n = after - before, len(before)
     count = np.bincount(i, minlength=n)
     around = sums(moved[j], i, n) / np.maximum(count, 1)[:, None]
@@ -62,9 +69,9 @@ def layers_of(start, height: float, layers: int = LAYERS) -> np.ndarray:
     return np.clip((start[:, 1] / height * layers).astype(int), 0, layers - 1)
 
 
-def mixing(layers, position, diameter: float) -> float:
+def mixing(layers, position, diameter: float, periodic=None) -> float:
     """Share of the pairs of granules beside each other that are of different layers."""
-    pairs = pairs_within(position, NEAR * diameter)
+    pairs = pairs_within(position, NEAR * diameter, periodic)
     return float((layers[pairs[:, 0]] != layers[pairs[:, 1]]).mean())
 
 

@@ -49,7 +49,7 @@ def compress(replicate: Replicate) -> Path:
     room = shape, own.box_width, height, cylinder(replicate, height)
     fractions, loads = [], []
     try:
-        press = Press(*room, replicate.seed, friction)
+        press = Press(*room, replicate.seed, friction, own.periodic)
         for fraction in START + STEP * np.arange(STEPS):
             loads.append(press.press(fraction) / replicate.shape.diameter)
             fractions.append(fraction)

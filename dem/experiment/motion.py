@@ -7,16 +7,18 @@ import numpy as np
 
 from dem.dynamics.simulation import Simulation
 from dem.dynamics.touching import Touching
+from dem.experiment.bed import periods
 from dem.experiment.config import Replicate
 from dem.experiment.scene import make_scene
 from dem.packing.random import Bed
+from dem.scene import Periods
 from dem.shapes import KINDS
 
 
 class Motion(NamedTuple):
     """Snapshots s of granules n. SI units.
 
-    displacement, cylinder_y (s,); position (s, n, 2); angle (s, n); diameters (n,); drag (bins,)
+    displacement, cylinder_y (s,); position (s, n, 2), not wrapped at periodic sides; angle (s, n); diameters (n,); drag (bins,)
     at drag_displacement (bins,), None where it is not asked for.
     """
 
@@ -29,6 +31,11 @@ class Motion(NamedTuple):
     diameters: np.ndarray
     drag_displacement: np.ndarray | None = None
     drag: np.ndarray | None = None
+
+    @property
+    def periodic(self) -> Periods:
+        """Periods (m) of the box."""
+        return periods(self.replicate, self.height)
 
     @property
     def outlines(self) -> np.ndarray:
@@ -49,6 +56,7 @@ class Motion(NamedTuple):
             replicate.configuration.box_width,
             self.height,
             *(np.nan,) * 4,
+            self.periodic,
         )
         scene = make_scene(replicate, bed)
         axis = scene.cylinder.position[0], float(self.cylinder_y[snapshot])

@@ -29,6 +29,7 @@ def make_scene(replicate: Replicate, bed: Bed) -> Scene:
         cylinder=cylinder(replicate, bed.height),
         gravity=(0.0, -own.gravity) if own.gravity > 0.0 else None,
         thickness=material.thickness or replicate.shape.diameter,
+        periodic=bed.periodic,
     )
 
 

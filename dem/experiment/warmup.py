@@ -18,7 +18,7 @@ def compile_kernels(replicate: Replicate) -> None:
     start = own.cylinder.start
     height = 4.0 * (own.cylinder.diameter + few.diameter) / min(start, 1.0 - start)
     shape = KINDS[few.kind].shape.of_size(diameters(replicate), few.ratio)
-    bed = pack(shape, own.box_width, height, cylinder(replicate, height), seed=0)
+    bed = pack(shape, own.box_width, height, cylinder(replicate, height), 0, own.periodic)
     ledger = "ledger" in own.record.observables
     run = Simulation(make_scene(replicate, bed), bed.state, ledger=ledger)
     run.check_duration(1e-9)

@@ -7,7 +7,7 @@ from matplotlib.path import Path
 
 from dem.experiment.flow_measures import layers_of
 from dem.figures import style
-from dem.scene import box
+from dem.scene import walls_of, wrapped
 from dem.shapes import KINDS
 
 PLAIN, SHADED = "#dfe7ee", style.CURVE
@@ -63,20 +63,41 @@ def edges(planes, view) -> tuple[np.ndarray, np.ndarray]:
     return np.array(found).reshape(-1, 2, 2), around
 
 
+def images(place, reach, view, periodic):
+    """Where bodies at places (n, 2) in m are seen in a view: (m, 2) in m, and whose each is (m,).
+
+    Along a periodic side a body is seen once a period. reach (n,): radius (m) of the circle about
+    it that holds it.
+    """
+    found, owner = wrapped(place, periodic), np.arange(len(place))
+    for axis, period in enumerate(periodic or ()):
+        if period is not None:
+            turns = np.repeat([-period, 0.0, period], len(found))
+            found, owner = np.tile(found, (3, 1)), np.tile(owner, 3)
+            found[:, axis] += turns
+            at, far = found[:, axis], reach[owner]
+            seen = (at + far > view[0, axis]) & (at - far < view[1, axis])
+            found, owner = found[seen], owner[seen]
+    return found, owner
+
+
 class Drawing:
     """Granules, walls and cylinder on axes; lengths in m. What is drawn can be moved, for films.
 
     rings: outlines; walls (w, 3): planes as of dem.Scene; view: lower left and upper right corner;
-    diameter: of the cylinder, None without one.
+    diameter: of the cylinder, None without one; periodic: periods as of dem.Scene.
     """
 
-    def __init__(self, axes, rings, walls, view, diameter: float | None):
+    def __init__(self, axes, rings, walls, view, diameter: float | None, periodic=None):
         self.axes, self.rings, self.per = axes, rings, rings.shape[1]
-        self.view = np.asarray(view)
+        self.view, self.periodic = np.asarray(view), periodic
+        self.reach = np.hypot(rings[..., 0], rings[..., 1]).max(axis=(1, 2))
         self.granules = PolyCollection([], **EDGE, zorder=1)
         self.joints = LineCollection([], colors=style.OUTLINE, linewidths=1.1, zorder=1.5)
         self.forces = LineCollection([], colors="#b34700", capstyle="round", zorder=2)
-        self.cylinder = Circle((0.0, 0.0), 0.5e3 * (diameter or 0.0), **STEEL)
+        self.radius = 0.5 * (diameter or 0.0)
+        most = 2 ** sum(period is not None for period in periodic or ())  # in view at once
+        self.cylinders = [Circle((0.0, 0.0), 1e3 * self.radius, **STEEL) for _ in range(most)]
         self.walls, self.space = edges(walls, view)
         lines = LineCollection(
             1e3 * self.walls, colors="black", linewidths=1.4, capstyle="projecting", zorder=1
@@ -85,7 +106,7 @@ class Drawing:
         for each in self.parts:
             axes.add_collection(each, autolim=False)
         if diameter is not None:
-            self.parts.append(axes.add_patch(self.cylinder))
+            self.parts += [axes.add_patch(each) for each in self.cylinders]
         axes.set(xlim=1e3 * self.view[:, 0], ylim=1e3 * self.view[:, 1], aspect="equal")
         axes.grid(visible=False)
 
@@ -100,34 +121,53 @@ class Drawing:
 
     def move(self, position, angle, cylinder) -> None:
         """Granules to positions (n, 2) in m and angles (n,) in rad; the cylinder to (x, y) in m."""
-        placed_rings = placed(self.rings, position, angle)
+        place, self.owner = images(np.asarray(position), self.reach, self.view, self.periodic)
+        placed_rings = placed(self.rings[self.owner], place, np.asarray(angle)[self.owner])
         self.granules.set_verts(placed_rings)
         if self.per > 1:  # a line from part to part tells which belong together
             self.joints.set_segments(placed_rings.mean(axis=1).reshape(-1, self.per, 2))
         if cylinder is not None:
-            self.cylinder.center = 1e3 * cylinder[0], 1e3 * cylinder[1]
+            axis, reach = np.array([cylinder], float), np.array([self.radius])
+            seen, _ = images(axis, reach, self.view, self.periodic)
+            for number, each in enumerate(self.cylinders):
+                each.set_visible(number < len(seen))
+            for each, (x, y) in zip(self.cylinders, seen, strict=False):
+                each.center = 1e3 * x, 1e3 * y
 
     def paint(self, colors) -> None:
         """Colours (n, ...), one per granule."""
-        self.granules.set_facecolor(np.repeat(np.asarray(colors), self.per, axis=0))
+        colors = np.asarray(colors)[self.owner]
+        self.granules.set_facecolor(np.repeat(colors, self.per, axis=0))
 
     def push(self, segments, forces, largest: float) -> None:
         """Lines (m, 2, 2) in m with the width of the force (m,) in N; the largest is 4 points wide."""
-        self.forces.set_segments(1e3 * np.asarray(segments))
-        self.forces.set_linewidths(4.0 * np.minimum(np.asarray(forces) / largest, 1.5))
+        segments, forces = np.asarray(segments), np.asarray(forces)
+        if self.periodic is not None:
+            middle, ends = segments.mean(axis=1), segments[:, 1] - segments[:, 0]
+            place, owner = images(middle, 0.5 * np.hypot(*ends.T), self.view, self.periodic)
+            segments, forces = segments[owner] + (place - middle[owner])[:, None], forces[owner]
+        self.forces.set_segments(1e3 * segments)
+        self.forces.set_linewidths(4.0 * np.minimum(forces / largest, 1.5))
 
 
 class Bed(Drawing):
     """A bed of the paper: the box alone, without numbers, and the cylinder in its middle."""
 
-    def __init__(self, axes, rings, width: float, height: float, cylinder: float):
-        super().__init__(axes, rings, box(width, height), box_view(width, height), cylinder)
+    def __init__(self, axes, rings, width: float, height: float, cylinder: float, periodic=None):
+        walls, view = box_walls(width, height, periodic), box_view(width, height)
+        super().__init__(axes, rings, walls, view, cylinder, periodic)
         self.middle = 0.5 * width
         self.joints.set_visible(False)  # panels of figures are too small for them
         axes.set_axis_off()
 
     def move(self, position, angle, cylinder_y: float) -> None:
         super().move(position, angle, (self.middle, cylinder_y))
+
+
+def box_walls(width: float, height: float, periodic) -> np.ndarray:
+    """Walls (w, 3) of a box with such periods (m)."""
+    walls = walls_of(width, height, periodic)
+    return np.empty((0, 3)) if walls is None else walls
 
 
 def box_view(width: float, height: float) -> np.ndarray:

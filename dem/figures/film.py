@@ -22,6 +22,7 @@ from dem.experiment.flow_measures import LAYERS
 from dem.experiment.motion import Motion
 from dem.figures import bed, style
 from dem.figures.frames import Frames, frames_of
+from dem.scene import nearest_image
 
 COLORS = ("speed", "force", "layer", "cluster")
 SIZE, DPI = (12.8, 7.2), 100  # 720p
@@ -76,7 +77,9 @@ class Scene:
         left, *right = self.figure.subplots(
             1, 1 + beside, width_ratios=(1.15, 1.0)[: 1 + beside], squeeze=False
         )[0]
-        self.bed = bed.Drawing(left, frames.rings, frames.walls, frames.view, frames.diameter)
+        self.bed = bed.Drawing(
+            left, frames.rings, frames.walls, frames.view, frames.diameter, frames.periodic
+        )
         if frames.boxed:
             left.set_axis_off()
         else:
@@ -157,6 +160,8 @@ def _contacts(frames: Frames, frame: int):
     start = place[touching.granule]
     between = touching.partner >= 0
     end = np.where(between[:, None], place[np.where(between, touching.partner, 0)], touching.point)
+    if frames.periodic is not None:
+        end = start + nearest_image(end - start, frames.periodic)
     total = np.bincount(touching.granule, touching.force, len(place))
     total += np.bincount(touching.partner[between], touching.force[between], len(place))
     return np.stack([start, end], axis=1), touching.force, total

@@ -11,7 +11,7 @@ from dem.dynamics.simulation import Result
 from dem.dynamics.touching import Touching
 from dem.experiment.motion import Motion
 from dem.figures import bed, style
-from dem.scene import box
+from dem.scene import Periods
 
 MARGIN = 0.05  # of the view of a result, around what it shows
 CURVES = ((style.CURVE, "-"), ("#b34700", (0, (5, 1.5))), ("#5b4a8a", (0, (1, 1))),
@@ -27,7 +27,7 @@ class Frames(NamedTuple):
     fastest: top of the scale of speeds. layers: height of the lowest layer, and of all together.
     cluster (n,): colours, None without one. captions: of the frames. boxed: draw the box alone,
     without numbers. record(axes): draws curves beside the bed, None without any; marks (f,): where
-    on their horizontal axis a frame is.
+    on their horizontal axis a frame is. periodic: periods as of dem.Scene.
     """
 
     title: str | None
@@ -47,6 +47,7 @@ class Frames(NamedTuple):
     boxed: bool
     record: Callable | None
     marks: np.ndarray
+    periodic: Periods
 
 
 def frames_of(source: Result | Motion) -> Frames:
@@ -78,11 +79,11 @@ def of_motion(motion: Motion) -> Frames:
     return Frames(
         title=f"{run.label}, {run.density:g} kg/m³, seed {run.seed}",
         position=motion.position, angle=motion.angle, rings=motion.outlines,
-        walls=box(width, motion.height), view=bed.box_view(width, motion.height),
+        walls=bed.box_walls(width, motion.height, motion.periodic), view=bed.box_view(width, motion.height),
         cylinder=axis, diameter=size, speed=speed, contacts=motion.contacts, fastest=velocity,
         layers=(0.0, motion.height), captions=[f"{float(each):.2f} mm" for each in moved],
         cluster=bed.cluster_colors(motion.position[0], axis[0], size), boxed=True,
-        record=record, marks=moved,
+        record=record, marks=moved, periodic=motion.periodic,
     )  # fmt: skip
 
 
@@ -105,24 +106,28 @@ def of_result(result: Result) -> Frames:
         layers=(low, high - low or 1.0), cluster=None,
         captions=[f"t = {each:.{digits}f} {unit}" for each in time], boxed=False,
         record=(lambda axes: draw_forces(axes, result, groups[0])) if groups else None, marks=time,
+        periodic=scene.periodic,
     )  # fmt: skip
 
 
 def _view(result: Result, walls) -> np.ndarray:
     """Corners (2, 2) in m of a view that holds all frames, and the corners of walls that are near."""
-    reach = result.scene.shape.bounding_radius[:, None]
+    reach, periodic = result.scene.shape.bounding_radius[:, None], result.scene.periodic
+    turns = np.array([period is not None for period in periodic or (None, None)])
     low, high = (result.position - reach).min((0, 1)), (result.position + reach).max((0, 1))
     if result.cylinder_position is not None:
         half = 0.5 * result.scene.cylinder.diameter
         low = np.minimum(low, result.cylinder_position.min(0) - half)
         high = np.maximum(high, result.cylinder_position.max(0) + half)
+    if periodic is not None:
+        low, high = np.where(turns, 0.0, low), np.where(turns, np.array(periodic, float), high)
     size = (high - low).max()
     wide = np.array([low - size, high + size])
     ends = bed.edges(walls, wide)[0].reshape(-1, 2)
     inside = ((ends > wide[0] + 1e-6 * size) & (ends < wide[1] - 1e-6 * size)).all(axis=1)
     around = np.array([low, high, *ends[inside]])
     low, high = around.min(0), around.max(0)
-    edge = MARGIN * (high - low).max()
+    edge = np.where(turns, 0.0, MARGIN * (high - low).max())  # a period is shown once
     return np.array([low - edge, high + edge])
 
 

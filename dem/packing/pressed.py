@@ -14,8 +14,17 @@ from dem.contacts.force_law import effective_modulus
 from dem.dynamics.assembly import assemble, granule_table
 from dem.dynamics.simulation import Simulation
 from dem.packing.minimise import minimise
-from dem.packing.random import SKIN, SOFT, Bed, finished, name_of, pack, soft_scene
-from dem.scene import Cylinder, Friction, Material, Scene, State, box
+from dem.packing.random import (
+    SKIN,
+    SOFT,
+    Bed,
+    finished,
+    name_of,
+    pack,
+    pressure_of,
+    soft_scene,
+)
+from dem.scene import Cylinder, Friction, Material, Scene, State, periods_of, walls_of
 
 START = 0.74  # packing fraction of the bed before it is pressed: no shape jams there
 STEP = 0.005  # of the packing fraction, at most, between two rests
@@ -28,14 +37,16 @@ PIECES = 80  # of damped motion, at most, after a step
 FRACTION = 0.9  # of the bound on the critical time step: the motion need not be accurate
 
 
-def compact(shape, width, height, cylinder: Cylinder, seed: int, friction: float) -> Bed:
+def compact(
+    shape, width, height, cylinder: Cylinder, seed: int, friction: float, periodic: str = "none"
+) -> Bed:
     """A bed packed with friction, otherwise as dem.pack makes it. Raises PackingError.
 
     The packing fraction at which it jams depends on how it is pressed.
     """
-    press = Press(shape, width, height, cylinder, seed, friction)
+    press = Press(shape, width, height, cylinder, seed, friction, periodic)
     press.press(press.full)
-    scene = soft_scene(shape, press.walls, press.cylinder)
+    scene = press.scene()
     if not press.net_force <= MOVING:
         raise PackingError(
             f"{name_of(scene, width, height, seed)} is not at rest after it was pressed with "
@@ -51,20 +62,29 @@ class Press:
     """A bed in a box of width and height (m) whose granules grow up to those of `shape`.
 
     full: packing fraction when they have grown; fraction: as they are; friction: Coulomb's
-    coefficient of all contacts while they grow. Raises PackingError as dem.pack does.
+    coefficient of all contacts while they grow; periodic: as of dem.pack. Raises PackingError as
+    dem.pack does.
     """
 
-    def __init__(self, shape, width, height, cylinder: Cylinder, seed: int, friction: float = 0.0):
+    def __init__(
+        self, shape, width, height, cylinder: Cylinder, seed: int, friction: float = 0.0,
+        periodic: str = "none",
+    ):  # fmt: skip
         self.shape, self.friction = shape, friction
         self.cylinder = Cylinder(cylinder.diameter, cylinder.position)
-        self.walls, self.size = box(width, height), (width, height)
+        self.size, self.periodic = (width, height), periods_of(width, height, periodic)
+        self.walls = walls_of(width, height, self.periodic)
         room = width * height - math.pi * (0.5 * cylinder.diameter) ** 2
         self.full = float(shape.area.sum() / room)
         self.fraction = min(START, self.full)
         self.unit = effective_modulus(SOFT, SOFT) * shape.constituent_radius.mean() ** 2  # N
-        bed = pack(self.grown(), width, height, self.cylinder, seed)
+        bed = pack(self.grown(), width, height, self.cylinder, seed, periodic)
         self.state = bed.state
         self.pressure, self.net_force = bed.pressure, bed.net_force
+
+    def scene(self) -> Scene:
+        """The box, without friction, with the granules as they are."""
+        return soft_scene(self.grown(), self.walls, self.cylinder, self.periodic)
 
     def grown(self):
         """The granules as they are."""
@@ -88,18 +108,19 @@ class Press:
             self._minimise()
 
     def _minimise(self):
-        scene = soft_scene(self.grown(), self.walls, self.cylinder)
+        scene = self.scene()
         table = granule_table(scene, SKIN)
         world = assemble(scene, self.state.checked(scene.granules), table)
         world, rest = minimise(scene, table, world, PATIENCE, RESTING * self.unit)
         self.state = State(world.bodies[:, :2].copy(), angle=world.angle.copy())
         self.net_force = rest.net_force / self.unit
-        self._read(world.walls.impulse.sum())
+        self.pressure = pressure_of(world, scene, *self.size)
 
     def _damp(self):
         friction = Friction(self.friction, self.friction, self.friction)
         scene = Scene(
-            self.grown(), DAMPED, friction, self.walls, self.cylinder, thickness=1.0
+            self.grown(), DAMPED, friction, self.walls, self.cylinder, thickness=1.0,
+            periodic=self.periodic,
         )  # fmt: skip
         run = Simulation(scene, self.state, step_fraction=FRACTION)
         radius = self.shape.constituent_radius.mean()
@@ -113,8 +134,4 @@ class Press:
         end = run.state
         self.state = State(end.position, angle=end.angle)
         self.net_force = float(net) / self.unit
-        self._read(run.collect_impulses()[1].sum() / piece)
-
-    def _read(self, force):
-        """Pressure from the sum of the normal forces (N) on the walls."""
-        self.pressure = float(force) / (2.0 * sum(self.size)) / effective_modulus(SOFT, SOFT)
+        self.pressure = pressure_of(run.world, scene, *self.size, piece)

@@ -12,12 +12,26 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dem.base.errors import InputError, PackingError
-from dem.base.validate import checked, one_of, or_none, positive, whole
+from dem.base.validate import checked, named, one_of, or_none, positive, whole
 from dem.contacts.force_law import effective_modulus
 from dem.dynamics.assembly import GranuleTable, assemble, granule_table
+from dem.dynamics.touching import touching
 from dem.dynamics.world import World
+from dem.jit.columns import X, Y
 from dem.packing.minimise import Rest, minimise
-from dem.scene import Cylinder, Material, Scene, State, box, granules
+from dem.scene import (
+    SIDES,
+    Cylinder,
+    Material,
+    Periods,
+    Scene,
+    State,
+    granules,
+    nearest_image,
+    periods_of,
+    walls_of,
+    wrapped,
+)
 
 REST = 1e-9  # E* R^2: a bed is at rest when no granule feels a greater net force
 LOOSE = 0.3  # area fraction of the bounding circles at the start
@@ -47,11 +61,13 @@ class Bed(NamedTuple):
         Largest net force on a granule over E* R^2, without unit.
     pressure : float
         Mean normal force on the walls per length, over E* and a thickness of one metre, without
-        unit.
+        unit. Without walls, the mean normal stress of the contacts over E*.
     coordination_number : float
         Contacts per granule, without unit; contacts with walls and cylinder do not count.
     max_overlap : float
         Largest overlap over the smaller radius, without unit.
+    periodic : tuple of float or None
+        Periods (x, y) in m, as `Scene` takes them; None without a periodic side.
 
     See Also
     --------
@@ -76,6 +92,7 @@ class Bed(NamedTuple):
     pressure: float
     coordination_number: float
     max_overlap: float
+    periodic: Periods = None
 
     @property
     def state(self) -> State:
@@ -83,37 +100,50 @@ class Bed(NamedTuple):
         return State(self.position, angle=self.angle)
 
     @property
-    def walls(self) -> np.ndarray:
-        """Walls (4, 3) of the box, as `box` returns them and `Scene` takes them."""
-        return box(self.width, self.height)
+    def walls(self) -> np.ndarray | None:
+        """Walls (4, 3) of the box, as `box` returns them and `Scene` takes them.
+
+        Periodic sides have none: two walls (2, 3) are left, or None.
+        """
+        return walls_of(self.width, self.height, self.periodic)
 
 
 def scatter(
-    shape: Any, width: float, height: float, cylinder: Cylinder | None, rng: np.random.Generator
+    shape: Any,
+    width: float,
+    height: float,
+    cylinder: Cylinder | None,
+    rng: np.random.Generator,
+    periodic: Periods = None,
 ) -> np.ndarray:
     """Random sequential addition of the bounding circles: positions (n, 2) in m.
 
     A grid finds the neighbours, so that the work is proportional to the number of granules. Its
     squares are at least as wide as the largest circle.
     """
-    radius = shape.bounding_radius
+    radius, side = shape.bounding_radius, np.array([width, height])
+    turns = np.array([each is not None for each in periodic or (None, None)])
     size = max(2.0 * radius.max(), math.sqrt(width * height / len(radius)))
-    grid: dict[tuple[int, int], list[int]] = {}
+    count = np.where(turns, np.maximum(side // size, 1.0), np.inf)  # squares that make a period
+    sizes = np.where(turns, side / count, size)
+    grid: dict[tuple[float, float], list[int]] = {}
     position = np.empty((len(radius), 2))
     for i, r in enumerate(radius):
         for _ in range(1000):
-            trial = r + (np.array([width, height]) - 2.0 * r) * rng.random(2)
-            column, row = int(trial[0] // size), int(trial[1] // size)
-            if _blocked(trial, r, cylinder):
+            trial = np.where(turns, 0.0, r) + np.where(turns, side, side - 2.0 * r) * rng.random(2)
+            column, row = trial // sizes
+            if _blocked(trial, r, cylinder, periodic):
                 continue
-            near = [
-                j for c in range(column - 1, column + 2) for k in range(row - 1, row + 2)
-                for j in grid.get((c, k), ())
-            ]  # fmt: skip
-            gap = position[near] - trial
+            around = {
+                (c % count[0], k % count[1])
+                for c in (column - 1.0, column, column + 1.0)
+                for k in (row - 1.0, row, row + 1.0)
+            }
+            near = [j for square in around for j in grid.get(square, ())]
+            gap = nearest_image(position[near] - trial, periodic)
             if (np.einsum("ij,ij->i", gap, gap) >= (r + radius[near]) ** 2).all():
                 position[i] = trial
-                grid.setdefault((column, row), []).append(i)
+                grid.setdefault((column % count[0], row % count[1]), []).append(i)
                 break
         else:
             raise PackingError(
@@ -123,10 +153,13 @@ def scatter(
     return position
 
 
-def _blocked(place: np.ndarray, radius: float, cylinder: Cylinder | None) -> bool:
+def _blocked(
+    place: np.ndarray, radius: float, cylinder: Cylinder | None, periodic: Periods
+) -> bool:
     if cylinder is None:
         return False
-    return math.dist(place, cylinder.position) < radius + 0.5 * cylinder.diameter
+    away = nearest_image(place - cylinder.position, periodic)
+    return math.hypot(*away) < radius + 0.5 * cylinder.diameter
 
 
 @checked(
@@ -135,8 +168,16 @@ def _blocked(place: np.ndarray, radius: float, cylinder: Cylinder | None) -> boo
     height=positive("m"),
     cylinder=or_none(one_of(Cylinder)),
     seed=whole(0, 2**63 - 1),
+    periodic=named({key: key for key in SIDES}),
 )
-def pack(shape: Any, width: float, height: float, cylinder: Cylinder | None, seed: int) -> Bed:
+def pack(
+    shape: Any,
+    width: float,
+    height: float,
+    cylinder: Cylinder | None,
+    seed: int,
+    periodic: str = "none",
+) -> Bed:
     """Pack granules at random into a box and bring them to rest.
 
     The packing fraction follows from the granules and the box, equation (18) of the paper.
@@ -153,6 +194,9 @@ def pack(shape: Any, width: float, height: float, cylinder: Cylinder | None, see
         Cylinder that the granules leave room for. Its velocity is ignored.
     seed : int
         Seed of the random places and angles, without unit, zero or positive.
+    periodic : str
+        Along which sides the box repeats itself: "none", "x", "y" or "xy". There are no walls across
+        these.
 
     Returns
     -------
@@ -185,21 +229,38 @@ def pack(shape: Any, width: float, height: float, cylinder: Cylinder | None, see
     packing fraction 0.69
     >>> bool(bed.net_force < 1e-9)
     True
+
+    With a periodic side there are no walls to the left and right:
+
+    >>> bed = dem.pack(shape, width=8e-3, height=9e-3, cylinder=cylinder, seed=1, periodic="x")
+    >>> bed.walls.tolist()
+    [[0.0, -1.0, 0.0], [0.0, 1.0, 0.009]]
+    >>> scene = dem.Scene(shape, walls=bed.walls, cylinder=cylinder, periodic=bed.periodic)
+    >>> scene.periodic
+    (0.008, None)
     """
     still, half = None, 0.0
+    periods = periods_of(width, height, periodic)
     if cylinder is not None:
-        (x, y), half = cylinder.position, 0.5 * cylinder.diameter
-        if not (half < x < width - half and half < y < height - half):
-            raise InputError(f"the cylinder at {cylinder.position} m does not fit into the box.")
+        half = 0.5 * cylinder.diameter
+        for place, side, turns in zip(
+            cylinder.position, (width, height), SIDES[periodic], strict=True
+        ):
+            if not (turns or half < place < side - half):
+                raise InputError(
+                    f"the cylinder at {cylinder.position} m does not fit into the box."
+                )
         still = Cylinder(cylinder.diameter, cylinder.position)
+    walls = walls_of(width, height, periods)
+    soft_scene(shape, walls, still, periods)  # refused now where it would be when they are grown
     rng = np.random.default_rng([seed, 1])
     room = width * height - math.pi * half**2
     factor = min(1.0, math.sqrt(LOOSE * room / (np.pi * (shape.bounding_radius**2).sum())))
-    position = scatter(shape.scaled(factor), width, height, cylinder, rng)
+    position = scatter(shape.scaled(factor), width, height, cylinder, rng, periods)
     state = State(position, angle=rng.uniform(0.0, 2.0 * np.pi, len(position)))
     while True:
         last = factor == 1.0
-        scene = soft_scene(shape.scaled(factor), box(width, height), still)
+        scene = soft_scene(shape.scaled(factor), walls, still, periods)
         table = granule_table(scene, SKIN)
         world = assemble(scene, state.checked(len(position)), table)
         unit = effective_modulus(SOFT, SOFT) * table.radius.mean() ** 2  # N
@@ -217,9 +278,11 @@ def pack(shape: Any, width: float, height: float, cylinder: Cylinder | None, see
         factor = min(factor * GROWTH, 1.0)
 
 
-def soft_scene(shape: Any, walls: np.ndarray, cylinder: Cylinder | None) -> Scene:
+def soft_scene(
+    shape: Any, walls: np.ndarray | None, cylinder: Cylinder | None, periodic: Periods
+) -> Scene:
     """Granules of unit modulus and density, one metre thick, without friction."""
-    return Scene(shape, SOFT, walls=walls, cylinder=cylinder, thickness=1.0)
+    return Scene(shape, SOFT, walls=walls, cylinder=cylinder, thickness=1.0, periodic=periodic)
 
 
 def name_of(scene: Scene, width: float, height: float, seed: int) -> str:
@@ -244,10 +307,11 @@ def finished(
     Raises PackingError if a granule is outside the box or overlaps too much.
     """
     cylinder, name = scene.cylinder, name_of(scene, width, height, seed)
-    position = world.bodies[:, :2].copy()
+    position = wrapped(world.bodies[:, :2].copy(), scene.periodic)
     lost = ((position < 0.0) | (position > [width, height])).any(axis=1)
     if cylinder is not None:
-        lost |= np.hypot(*(position - cylinder.position).T) < 0.5 * cylinder.diameter
+        away = nearest_image(position - cylinder.position, scene.periodic)
+        lost |= np.hypot(*away.T) < 0.5 * cylinder.diameter
     if lost.any():
         raise PackingError(
             f"{name} cannot be made: the centre of granule {lost.argmax()} was pushed into the "
@@ -258,15 +322,41 @@ def finished(
             f"{name} cannot be made: granule {rest.deepest // table.per} overlaps by {rest.max_overlap:.2g} of the "
             f"smaller radius, at most {DEEPEST:g} is allowed: ask for a lower packing fraction."
         )
-    assert world.walls is not None
-    stress = world.walls.impulse.sum() / (2.0 * (width + height))
     return Bed(
         position=position,
         angle=np.mod(world.angle, 2.0 * np.pi),
         width=width,
         height=height,
         net_force=net_force,
-        pressure=stress / effective_modulus(scene.material, scene.material),
+        pressure=pressure_of(world, scene, width, height),
         coordination_number=2.0 * rest.touching / scene.granules,
         max_overlap=rest.max_overlap,
+        periodic=scene.periodic,
     )
+
+
+def pressure_of(
+    world: World, scene: Scene, width: float, height: float, seconds: float = 1.0
+) -> float:
+    """Pressure of a Bed in a box (m) whose walls have the impulses of a time (s)."""
+    if world.walls is None:
+        stress = mean_stress(world, scene.periodic, width * height)
+    else:
+        x, y = (each is None for each in scene.periodic or (None, None))
+        length = 2.0 * ((width if y else 0.0) + (height if x else 0.0))
+        stress = float(world.walls.impulse.sum()) / seconds / length
+    return stress / effective_modulus(scene.material, scene.material)
+
+
+def mean_stress(world: World, periodic: Periods, area: float) -> float:
+    """Mean normal stress (N/m: times the thickness) in an area (m2) without walls.
+
+    Half the sum over contacts of force times the branch from centre to centre, over the area.
+    """
+    place = world.bodies[:, [X, Y]]
+    contacts = touching(world, np.arange(len(place)))
+    if world.cylinder is not None:  # its number as a partner is -1
+        place = np.vstack([place, world.cylinder.motion[:, [X, Y]]])
+    branch = nearest_image(place[contacts.partner] - place[contacts.granule], periodic)
+    work = contacts.force * (contacts.normal * branch).sum(axis=1)
+    return float(work.sum()) / (2.0 * area)

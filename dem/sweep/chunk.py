@@ -14,7 +14,7 @@ from filelock import FileLock
 from dem.base import provenance
 from dem.base.errors import InputError, RunError
 from dem.experiment import drag, resume
-from dem.experiment.bed import make_bed
+from dem.experiment.bed import make_bed, periods
 from dem.experiment.config import Replicate
 from dem.io.dataset import AXES, FAILURES, LABELS, OF_STORE, WHOLE, global_attributes, read, write
 from dem.packing.random import Bed
@@ -78,7 +78,9 @@ def _run(store: Store, replicate: Replicate, progress) -> dict:
     if experiment is not drag:
         return experiment.run(replicate)
     found = store.bed(replicate, make_bed)
-    bed = Bed(found["position"], found["angle"], *(float(found[name]) for name in Bed._fields[2:]))
+    numbers = [float(found[name]) for name in Bed._fields[2:-1]]
+    sides = periods(replicate, float(found["height"]))
+    bed = Bed(found["position"], found["angle"], *numbers, sides)
     checkpoint = store.run_of(replicate.id, ".checkpoint.npz")
     resume.clear_way(checkpoint, replicate, bed, own=True)
     return drag.run(replicate, bed, progress, checkpoint=checkpoint)

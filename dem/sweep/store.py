@@ -170,14 +170,15 @@ class Store:
             self.file_of_bed(replicate).unlink(missing_ok=True)
 
     def bed(self, replicate: Replicate, make) -> dict:
-        """The bed of a run by the names of Bed: the stored one, or as `make(replicate)` packs it,
-        once for all processes."""
+        """The bed of a run by the names of Bed, but for its periods: the stored one, or as
+        `make(replicate)` packs it, once for all processes."""
         path = self.file_of_bed(replicate)
         if (found := _load(path)) is None:
             path.parent.mkdir(parents=True, exist_ok=True)
             with FileLock(path.parent / ".lock"):
                 if (found := _load(path)) is None:
                     found = make(replicate)._asdict()
+                    del found["periodic"]  # the configuration says it
                     _save(path, found)
         return found
 

@@ -19,6 +19,7 @@ from dem.experiment.motion import Motion
 from dem.experiment.observables.flow import VARIABLES as MEASURED
 from dem.experiment.observables.flow import lag_of, measured
 from dem.io.dataset import attributes, content_of, global_attributes, read, write
+from dem.scene import wrapped
 from dem.sweep.combine import combine
 from dem.sweep.work import Work
 
@@ -153,9 +154,10 @@ def _failed(file, place) -> bool:
 
 def _keep_bed(file, row: int, motion: Motion) -> None:
     """Snapshots of one run; NaN beyond its granules."""
-    x, y = np.moveaxis(motion.position, -1, 0)
+    x, y = np.moveaxis(wrapped(motion.position, motion.periodic), -1, 0)
+    axis = np.column_stack([np.zeros_like(motion.cylinder_y), motion.cylinder_y])
     kept = {
-        "bed_height": motion.height, "bed_cylinder_y": motion.cylinder_y,
+        "bed_height": motion.height, "bed_cylinder_y": wrapped(axis, motion.periodic)[:, 1],
         "bed_diameter": motion.diameters, "bed_x": x, "bed_y": y, "bed_angle": motion.angle,
     }  # fmt: skip
     for name, found in kept.items():

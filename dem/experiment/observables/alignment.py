@@ -6,6 +6,8 @@ is the difference to the angles at the start of the same granules.
 
 import numpy as np
 
+from dem.scene import nearest_image
+
 S = ("snapshot",)
 VARIABLES = {
     "alignment": (S, "1", "mean of cos 2(angle - direction of motion) of the granules near the cylinder"),
@@ -17,15 +19,17 @@ NEAR = 2.0  # mean granule diameters from the surface of the cylinder
 MOVED = 0.01  # mean granule diameters: less motion than that has no direction
 
 
-def alignment(before, after, angles, cylinder, radius: float, diameter: float, drawn: float):
+def alignment(
+    before, after, angles, cylinder, radius: float, diameter: float, drawn: float, periodic=None
+):
     """Mean of cos 2(angle - direction) of the granules near the cylinder; 1: along, 0: at random.
 
     before, after (n, 2): centres (m) at both ends of a motion; angles (k, n): angles of the long axes
     (rad), k times of them, such as now and at the start; cylinder (x, y), its axis (m), at the end;
-    drawn (m): how far it moved, upwards. Returns (2, k): with the direction in which each granule
+    drawn (m): how far it moved, upwards; periodic: periods of the box (m), as of dem.Scene. Returns (2, k): with the direction in which each granule
     moves, and with that in which it passes the cylinder. NaN where no granule moves.
     """
-    gap = np.hypot(*(after - np.asarray(cylinder)).T) - radius
+    gap = np.hypot(*nearest_image(after - np.asarray(cylinder), periodic).T) - radius
     near, found = gap < NEAR * diameter, []
     for moved in (after - before, after - before - np.array([0.0, drawn])):
         going = near & (np.hypot(*moved.T) > MOVED * diameter)
@@ -45,6 +49,6 @@ def measure(seen) -> dict:
             found[:, now] = alignment(
                 motion.position[now - 1], motion.position[now], motion.angle[[now, 0]], cylinder,
                 0.5 * own.cylinder.diameter, seen.replicate.shape.diameter,
-                float(np.diff(motion.displacement[now - 1 : now + 1])[0]),
+                float(np.diff(motion.displacement[now - 1 : now + 1])[0]), motion.periodic,
             ).ravel()  # fmt: skip
     return dict(zip(VARIABLES, found, strict=True))

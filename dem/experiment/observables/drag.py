@@ -1,12 +1,16 @@
 """Forces on cylinder and walls, energy and contacts of the bed: mean or end of each bin."""
 
+import numpy as np
+
+from dem.scene import walled
+
 D = ("displacement",)
 VARIABLES = {
     "drag": (D, "N", "drag: force of the granules on the cylinder against its motion"),
     "drag_normal": (D, "N", "part of the drag from normal contact forces"),
     "drag_tangential": (D, "N", "part of the drag from tangential contact forces"),
     "transverse_force": (D, "N", "force on the cylinder across its motion, to the right"),
-    "wall_force": (("wall", *D), "N", "normal force of the granules on a wall, outwards"),
+    "wall_force": (("wall", *D), "N", "normal force of the granules on a wall, outwards; none at a periodic side"),
     "kinetic_energy": (D, "J", "kinetic energy of the granules, end of the bin"),
     "coordination_number": (D, "1", "contacts between granules, twice, over the number of granules, end of the bin"),
     "max_overlap": (D, "1", "greatest overlap over the smaller granule radius, end of the bin"),
@@ -18,12 +22,14 @@ def measure(seen) -> dict:
     """Values of VARIABLES by name."""
     record = seen.record
     total = record.normal_force + record.tangential_force
+    on_walls = np.full((4, len(total)), np.nan)
+    on_walls[walled(seen.bed.periodic)] = record.wall_force.T
     return {
         "drag": -total[:, 1],
         "drag_normal": -record.normal_force[:, 1],
         "drag_tangential": -record.tangential_force[:, 1],
         "transverse_force": total[:, 0],
-        "wall_force": record.wall_force.T,
+        "wall_force": on_walls,
         "kinetic_energy": record.kinetic_energy,
         "coordination_number": record.coordination_number,
         "max_overlap": record.max_overlap,

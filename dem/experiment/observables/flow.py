@@ -34,21 +34,22 @@ def measure(seen) -> dict:
 def measured(motion) -> dict:
     """Measures (snapshots,) by name, NaN where the lag reaches back beyond the start."""
     count, lag = len(motion.displacement), lag_of(motion.displacement)
-    diameter = motion.replicate.shape.diameter
+    diameter, periodic = motion.replicate.shape.diameter, motion.periodic
     layers = measures.layers_of(motion.position[0], motion.height)
     names = "non_affine", "fluctuation", "mixing", "contacts_lost"
     found = {name: np.full(count, np.nan) for name in names}
     contacts = [touching(motion, snapshot) for snapshot in range(count)]
     for now in range(count):
         after = motion.position[now]
-        found["mixing"][now] = measures.mixing(layers, after, diameter)
+        found["mixing"][now] = measures.mixing(layers, after, diameter, periodic)
         if now >= lag:
             before, drawn = (
                 motion.position[now - lag],
                 np.ptp(motion.displacement[[now - lag, now]]),
             )
-            apart = measures.fluctuation(before, after, diameter)
-            found["non_affine"][now] = np.nanmean(measures.non_affine(before, after, diameter))
+            apart = measures.fluctuation(before, after, diameter, periodic)
+            squares = measures.non_affine(before, after, diameter, periodic)
+            found["non_affine"][now] = np.nanmean(squares)
             found["fluctuation"][now] = np.nanmean(apart) / drawn
             found["contacts_lost"][now] = measures.lost(contacts[now - lag], contacts[now])
     found["mixing"] -= found["mixing"][0]
