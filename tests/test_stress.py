@@ -306,3 +306,53 @@ def test_the_page_on_stress_shows_the_weight_above():
     pressed = names["found"].contact[:, 1, 1] * 10e-3 * names["scene"].thickness
     between = 0.5 * (np.array(names["above"])[1:] + np.array(names["above"])[:-1])
     assert_allclose(pressed, between, atol=0.05 * between[0])
+
+
+@pytest.fixture(scope="module")
+def endless():
+    """A bed of discs under load that repeats itself along x, shaken, with a cylinder in it."""
+    cylinder = dem.Cylinder(2e-3, (3e-3, 3e-3))
+    shape = dem.Disc.of_size(np.linspace(0.8e-3, 1.2e-3, 50))
+    bed = dem.pack(shape, 7e-3, 7e-3, cylinder, 1, "x")
+    velocity = np.random.default_rng(2).normal(size=(50, 2))
+    scene = dem.Scene(
+        shape, SOFT, dem.Friction(), bed.walls, cylinder, thickness=THICKNESS, periodic=bed.periodic
+    )
+    return dem.Simulation(scene, replace(bed.state, velocity=velocity))
+
+
+@settings(max_examples=10)
+@given(laps=st.lists(st.integers(-3, 3), min_size=50, max_size=50), moved=st.floats(-9e-3, 9e-3))
+def test_laps_and_the_origin_do_not_change_the_stress(endless, laps, moved):
+    """Of a bed that repeats itself: granules may be any number of periods away, and the bed, its
+    cylinder and the edges may be moved along."""
+    scene, state = endless.scene, endless.state
+    cylinder = replace(scene.cylinder, position=(3e-3 + moved, 3e-3))
+    position = state.position + np.outer(np.array(laps) * 7e-3 + moved, [1.0, 0.0])
+    other = dem.Simulation(replace(scene, cylinder=cylinder), replace(state, position=position))
+    for edges in ({}, {"y": np.linspace(0.0, 7e-3, 8)}, {"x": np.linspace(1e-3, 5e-3, 6)}):
+        expected = endless.stress(**edges)
+        if "x" in edges:
+            edges = {"x": edges["x"] + moved}
+        found = other.stress(**edges)
+        for name in ("contact", "kinetic", "fabric"):
+            value = getattr(expected, name)
+            assert_allclose(getattr(found, name), value, rtol=1e-6, atol=1e-6 * np.abs(value).max())
+
+
+def test_a_ring_of_discs_has_the_stress_of_its_contacts():
+    """A chain that meets itself across a periodic side carries one force through every line."""
+    radius, count, height = 1e-3, 5, 4e-3
+    length = 2.0 * count * radius * (1.0 - 1e-4)
+    scene = dem.Scene(
+        dem.Disc([radius] * count), SOFT, walls=dem.box(length, height)[2:], thickness=THICKNESS,
+        periodic=(length, None),
+    )  # fmt: skip
+    x = length * (np.arange(count) + 0.3) / count
+    run = dem.Simulation(scene, dem.State(np.column_stack([x, np.full(count, 0.5 * height)])))
+    contacts = run.contacts()
+    assert len(contacts.force) == count
+    expected = contacts.force.mean() / (height * THICKNESS)
+    assert_allclose(run.stress().contact, [[expected, 0.0], [0.0, 0.0]], atol=1e-9 * expected)
+    for edges in (np.linspace(0.0, length, 8), [0.9 * length, 1.1 * length], [-1.0, -1.0 + 1e-3]):
+        assert_allclose(run.stress(x=edges).contact[:, 0, 0], expected, rtol=1e-9)

@@ -667,8 +667,8 @@ class Simulation:
         Notes
         -----
         The stress of the contacts is the sum of ``f l`` over the volume: force f on the partner,
-        branch vector l of `Touching`. The volume is the thickness times the area between walls and
-        edges, without the cylinder. In bins a contact counts for the share of its branch vector
+        branch vector l of `Touching`. The volume is the thickness times the area between walls,
+        edges and periodic sides, without the cylinder. In bins a contact counts for the share of its branch vector
         that is in the bin. The fabric counts contacts by their points, the other measures granules
         by their centres.
 
@@ -692,8 +692,9 @@ class Simulation:
             axis = world.cylinder.motion[0]
             cylinder = float(axis[X]), float(axis[Y]), world.cylinder.radius
         planes = np.empty((0, 3)) if world.walls is None else world.walls.planes
-        period = self.scene.periodic or (None, None)
-        container = Container(planes, self.scene.thickness, cylinder, period)
+        container = Container(
+            planes, self.scene.thickness, cylinder, self.scene.periodic or (None, None)
+        )
         bins = next(((k, np.asarray(e)) for k, e in enumerate((x, y)) if e is not None), None)
         state = self.state
         return stress(

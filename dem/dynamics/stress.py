@@ -154,6 +154,8 @@ def _below(limits, start, length, period):
     A line of no length counts for the bin that begins at it.
     """
     low, length = np.minimum(start, start + length), np.maximum(np.abs(length), LEAST)
+    if period is not None:
+        low -= period * np.floor((low - limits[0]) / period)  # after many laps: fewer images
     return sum(
         np.clip((limits[:, None] - shift - low) / length, 0.0, 1.0)
         for shift in _images(limits, low, low + length, period)

@@ -12,6 +12,7 @@ from dem.jit.optional import either
 from dem.shapes.protocol import ContactGeometry
 
 CYLINDER, FIRST_WALL = -1, -2  # as partners
+UNREAD = "first", "normal_x", "normal_y", "shift_x", "shift_y"  # of Contacts, by a response
 
 
 class Touching(NamedTuple):
@@ -29,8 +30,8 @@ class Touching(NamedTuple):
     normal : ndarray of shape (m, 2)
         Unit normals (nx, ny) that point away from the granule, without unit.
     branch : ndarray of shape (m, 2)
-        Branch vectors (m): from the centre of the granule to that of the other granule, or to the
-        point of contact with cylinder or wall.
+        Branch vectors (m): from the centre of the granule to that of the other granule, of its
+        image beside a periodic side, or to the point of contact with cylinder or wall.
     overlap : ndarray of shape (m,)
         Overlaps (m).
     force : ndarray of shape (m,)
@@ -82,7 +83,7 @@ def _columns(world, names, listed, geometries, partner, second):
     touch = geometries[:, 0] > 0.0
     constituent = listed.constituent[touch].astype(np.int64)
     granule = constituent // (len(world.constituents) // len(world.bodies))
-    partner, first, second = partner[touch], world.bodies[granule], second[touch]  # copies
+    partner, first, second = partner[touch], world.bodies[granule], second[touch]
     for column, shift in ((X, listed.shift_x), (Y, listed.shift_y)):
         if shift is not None:
             second[:, column] += shift[touch]
@@ -112,8 +113,7 @@ def _velocity(motion, point):
 
 def _copied(listed, touch, overlap, stiffness):
     """Those that touch, to be written to: a response remembers, and the bed must not see it."""
-    unread = "first", "normal_x", "normal_y", "shift_x", "shift_y"
-    kept = dict.fromkeys(unread) | {"stiffness": stiffness}
+    kept = {"stiffness": stiffness} | dict.fromkeys(UNREAD)
     if listed.damping is not None:
         kept["damping"] = listed.damping[touch]
     if listed.friction is not None:
