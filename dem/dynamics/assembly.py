@@ -33,7 +33,8 @@ class GranuleTable(NamedTuple):
     the circle that holds one; mass (constituents,) in kg: of the whole granule; mobility: greatest
     1/m + lever^2/I (1/kg) of a contact; bend (n,) in 1/(kg m): 2/3 normal_bend / I, which bounds
     the rotational stiffness that a normal force adds, over k delta; skin (m); period along x and y
-    (m), None where the scene does not repeat itself; alpha: dashpot constant; modulus: E* of two granules (Pa); mean_radius (m), mean_mass (kg).
+    (m), None where the scene does not repeat itself; alpha: dashpot constant; modulus: E* of two
+    granules (Pa); mean_radius (m), mean_mass (kg).
     """
 
     per: int
