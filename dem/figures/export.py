@@ -8,6 +8,7 @@ import numpy as np
 
 from dem.base.files import atomic
 from dem.experiment.motion import Motion
+from dem.scene import wrapped
 
 PVD = """<?xml version="1.0"?>
 <VTKFile type="Collection" version="0.1"><Collection>
@@ -21,7 +22,7 @@ def export(motion: Motion, folder: Path, progress=lambda done: None) -> Path:
 
     Granules are polygons with their true outline; data of each: number, volume diameter (m) and
     angle (rad). The cylinder is one polygon more, number -1. Lengths in m; time is the
-    displacement.
+    displacement. What has left through a periodic side is put back into the box.
     """
     folder, lines = Path(folder), []
     folder = Path(os.path.realpath(folder))  # of a link, the folder that it leads to
@@ -41,11 +42,13 @@ def _mesh(motion: Motion, snapshot: int) -> meshio.Mesh:
     from dem.figures.bed import placed
 
     rings = motion.outlines[:, :, :-1]  # the last point is the first
-    outlines = 1e-3 * placed(rings, motion.position[snapshot], motion.angle[snapshot])
+    place = wrapped(motion.position[snapshot], motion.periodic)
+    outlines = 1e-3 * placed(rings, place, motion.angle[snapshot])
     own, count = motion.replicate.configuration, rings.shape[2]
     turn = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
     circle = 0.5 * own.cylinder.diameter * np.column_stack([np.cos(turn), np.sin(turn)])
-    circle += [0.5 * own.box_width, motion.cylinder_y[snapshot]]
+    axis = np.array([0.5 * own.box_width, motion.cylinder_y[snapshot]])
+    circle += wrapped(axis, motion.periodic)
     polygons = np.concatenate([outlines, circle[None]])
     points = np.concatenate([polygons.reshape(-1, 2), np.zeros((polygons.size // 2, 1))], axis=1)
     corners = np.arange(len(points)).reshape(len(polygons), count)
