@@ -4,6 +4,7 @@ SI units throughout. Angles in rad, anticlockwise; x to the right, y upwards.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -331,8 +332,8 @@ class Scene:
     gravity: tuple[float, float] | None = None
     thickness: float = None  # type: ignore[assignment]  # a number once the scene is made
     boundary: Material | None = None
-    wall_motion: tuple[Motion | None, ...] | None = None
-    held: tuple[Held, ...] = ()
+    wall_motion: Sequence[Motion | None] | None = None
+    held: Sequence[Held] = ()
 
     def __post_init__(self) -> None:
         if self.thickness is None:
