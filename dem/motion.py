@@ -4,6 +4,7 @@ A boundary is a wall, the cylinder, or a group of granules that is held. SI unit
 in rad, anticlockwise.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NoReturn
 
@@ -99,18 +100,14 @@ class Path:
             )
 
 
-def listed(value: Any) -> bool:
-    """Whether a value is a list, or an array with rows or numbers."""
-    return isinstance(value, list | tuple) or (isinstance(value, np.ndarray) and value.ndim > 0)
-
-
 def forces(name: str, value: Any) -> tuple[float | None, float | None]:
     """Kind: two forces, either of which may be None."""
-    take = number("be finite")
-    if not listed(value) or len(value) != 2:
+    if type(value) is np.ndarray:
+        value = value.tolist() if value.dtype.kind in "iuf" else None
+    if not isinstance(value, list | tuple) or len(value) != 2:
         refuse(name, value, FORCES)
     try:
-        x, y = (None if each is None else take(name, each) for each in value)
+        x, y = (None if each is None else number("be finite")(name, each) for each in value)
     except InputError:
         refuse(name, value, FORCES)
     return x, y
@@ -215,7 +212,7 @@ class Held:
     Parameters
     ----------
     granules : array_like of int of shape (h,), or of bool of shape (n,)
-        Numbers of the granules, or for each granule of the scene whether it is held.
+        Numbers of the granules, or for each granule of the scene whether it is held (without unit).
     motion : tuple of float, Path or Drive
         Velocity (x, y) of all of them in m/s, or what it follows; at rest by default.
 
@@ -249,7 +246,7 @@ class Held:
 
 def wall_motions(name: str, value: Any) -> tuple[Motion | None, ...]:
     """Kind: for each wall a motion, or None."""
-    if not listed(value):
+    if not isinstance(value, list | tuple):
         refuse(name, value, "be a list with a motion per wall, None for one at rest")
     return tuple(
         None if each is None else sliding(f"{name} of wall {k}", each)
@@ -264,7 +261,7 @@ def groups(name: str, value: Any) -> tuple[Held, ...]:
     return tuple(value)
 
 
-def numbered(held: tuple[Held, ...], granules: int) -> tuple[Held, ...]:
+def numbered(held: Sequence[Held], granules: int) -> tuple[Held, ...]:
     """The groups with the numbers of their granules, after a check that a scene can have them."""
     found, taken = [], np.zeros(granules, bool)
     for k, group in enumerate(held):

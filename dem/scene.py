@@ -4,7 +4,7 @@ SI units throughout. Angles in rad, anticlockwise; x to the right, y upwards.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -402,8 +402,8 @@ class Scene:
     thickness: float = None  # type: ignore[assignment]  # a number once the scene is made
     boundary: Material | None = None
     periodic: Periods = None
-    wall_motion: tuple[Motion | None, ...] | None = None
-    held: tuple[Held, ...] = ()
+    wall_motion: Sequence[Motion | None] | None = None
+    held: Sequence[Held] = ()
 
     def __post_init__(self) -> None:
         for axis, period in enumerate(self.periodic or ()):

@@ -27,7 +27,7 @@ CODES = {
     "PR05", "PR07", "PR10", "RT01", "YD01",
 }  # fmt: skip
 NUMBER = re.compile(r"\b(float|int|ndarray|array_like)\b")
-UNIT = r"(m|m/s2?|s|rad|rad/s|N|N s|J|Pa|kg/m3|SI units)"
+UNIT = r"(m|m/s2?|s|rad|rad/s|N|N m|N s|N s/m|J|Pa|kg|kg/m3|SI units)"
 STATED = re.compile(rf"\({UNIT}\)|\bin {UNIT}\b|without unit")
 
 

@@ -33,11 +33,12 @@ def test_a_result_is_a_dataset_with_units(tmp_path):
         "position": "m", "angle": "rad", "velocity": "m s-1", "angular_velocity": "rad s-1",
         "cylinder_force": "N", "wall_force": "N", "time_step": "s", "cylinder_position": "m",
         "cylinder_diameter": "m", "wall_normal": "1", "wall_offset": "m", "mass": "kg",
-        "bounding_radius": "m",
+        "bounding_radius": "m", "cylinder_torque": "N m", "wall_tangential_force": "N",
     }  # fmt: skip
     assert dataset["time"].attrs["units"] == "s"
     assert all(each.attrs["long_name"] for each in dataset.variables.values())
-    for name in set(result._fields) - {"state", "scene"}:
+    assert result.held_force is None
+    for name in set(result._fields) - {"state", "scene", "held_force"}:
         assert_array_equal(dataset[name], getattr(result, name))
     assert_array_equal(dataset["position"].sel(axis="y").isel(time=-1), result.state.position[:, 1])
     dataset.to_netcdf(tmp_path / "run.nc")
