@@ -14,7 +14,7 @@ from dem.contacts.response import relative_velocity, respond
 from dem.jit import lanes as lane
 from dem.jit.compilation import inlined
 from dem.jit.lanes import EIGHT, FIVE, FOUR, ONE, SIX, THREE, TWO, load_outline, store_outline
-from dem.jit.optional import either, minus, optional, plus, times, unless
+from dem.jit.optional import either, minus, optional, plus, rolled_without_first, times, unless
 from dem.shapes.protocol import (
     ContactGeometry,
     circle,
@@ -269,8 +269,8 @@ def refine_contacts(normal_x, shape, turns, contacts, start, stop, lanes):
             store_geometry(turns, geometry, contacts, p, lanes, k)
 
 
-@inlined
-def contact_forces(shape, contacts, start, stop, dt, lanes):
+@rolled_without_first
+def contact_forces(friction, shape, contacts, start, stop, dt, lanes):
     values = lanes.values
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)

@@ -24,13 +24,14 @@ from numba.core.registry import CPUDispatcher
 
 import dem.jit.boxing  # noqa: F401 takes effect by being imported
 from dem.base.sources import cache_folder, code_hash
-from dem.jit.parts import PartCompiler
+from dem.jit.parts import PartCompiler, RolledCompiler
 
 # nnan and ninf stay off: they would remove the very tests that find a NaN.
 # reassoc stays off: a sum has one order, so a seed has one result.
 OPTIONS = {"error_model": "numpy", "fastmath": {"contract", "arcp", "nsz"}}
 NO_WRAPPERS = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 INLINED = {"forceinline": True, "pipeline_class": PartCompiler, **NO_WRAPPERS, **OPTIONS}
+ROLLED = INLINED | {"pipeline_class": RolledCompiler}
 
 
 def is_ours(module: str) -> bool:

@@ -11,7 +11,7 @@ from numba.core import types
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import lower_builtin, overload
 
-from dem.jit.compilation import INLINED
+from dem.jit.compilation import INLINED, ROLLED
 
 NONE = types.none
 
@@ -40,6 +40,20 @@ def optional(function):
 
 def _nothing(context, builder, signature, arguments):
     return context.get_dummy_value()
+
+
+def rolled_without_first(function):
+    """Decorator: an inlined loop, left rolled (dem.jit.parts) if its first argument is None.
+
+    The loop is then so short that LLVM would unroll it before the kernel can make vector code of it.
+    """
+    overload(function, strict=False, jit_options=INLINED)(
+        lambda first, *rest: None if first is NONE else function
+    )
+    overload(function, strict=False, jit_options=ROLLED)(
+        lambda first, *rest: function if first is NONE else None
+    )
+    return function
 
 
 def _by_presence(stub):

@@ -5,6 +5,7 @@ library that calls it. A part is only lowered and simplified. The kernels that c
 Python calls, are optimised and assembled once.
 """
 
+from llvmlite import binding
 from numba import _dynfunc
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
@@ -31,15 +32,37 @@ class PartLibrary(JITCodeLibrary):
         self._finalized = True
 
 
+class RolledLibrary(PartLibrary):
+    """Code of an inlined loop, optimised with the loop left as it is.
+
+    Only the kernel knows that the arrays of the loop do not overlap, so only there it becomes
+    vector code; a loop that is unrolled before stays scalar.
+    """
+
+    def _optimize_final_module(self):
+        for prepares in True, False:
+            options = binding.create_pipeline_tuning_options(speed_level=3)
+            options.loop_vectorization, options.slp_vectorization = True, False
+            options.loop_unrolling = False
+            builder = binding.create_pass_builder(self._codegen._tm, options)
+            passes = builder.getModulePassManager()
+            if prepares:  # as Numba does
+                passes.add_loop_rotate_pass()
+                passes.add_instruction_combine_pass()
+                passes.add_jump_threading_pass()
+            passes.run(self._final_module, builder)
+
+
 @register_pass(mutates_CFG=True, analysis_only=False)
 class LowerPart(NativeLowering):
     """Lower a function into a PartLibrary. Python cannot call it: it has no address."""
 
     _name = "lower_part"
+    library = PartLibrary
 
     def run_pass(self, state):
         name = state.func_id.func_qualname
-        state.library = library = PartLibrary(state.targetctx.codegen(), name)
+        state.library = library = self.library(state.targetctx.codegen(), name)
         library.inlined = state.flags.forceinline
         state.flags.no_compile = True
         super().run_pass(state)
@@ -50,14 +73,31 @@ class LowerPart(NativeLowering):
         return True
 
 
+@register_pass(mutates_CFG=True, analysis_only=False)
+class LowerRolled(LowerPart):
+    """The same into a RolledLibrary."""
+
+    _name = "lower_rolled"
+    library = RolledLibrary
+
+
 class PartCompiler(Compiler):
     """Numba's compiler, up to LowerPart."""
+
+    lower = LowerPart
 
     def define_pipelines(self):
         (manager,) = super().define_pipelines()
         manager.passes = [
-            (LowerPart if each is NativeLowering else each, words) for each, words in manager.passes
+            (self.lower if each is NativeLowering else each, words)
+            for each, words in manager.passes
         ]
         manager._finalized = False
         manager.finalize()
         return [manager]
+
+
+class RolledCompiler(PartCompiler):
+    """The same, up to LowerRolled."""
+
+    lower = LowerRolled

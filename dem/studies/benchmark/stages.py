@@ -59,7 +59,7 @@ def find(wanted, shape, turns, contacts, start, stop, lanes):
 
 @optional
 def respond(wanted, shape, contacts, start, stop, dt, lanes):
-    contact_forces(shape, contacts, start, stop, dt, lanes)
+    contact_forces(contacts.friction, shape, contacts, start, stop, dt, lanes)
 
 
 @optional
