@@ -148,10 +148,15 @@ def test_where_the_box_begins_changes_no_motion(kind):
     scene, state = crowd(kind)
     period = np.array(scene.periodic)
     images = np.random.default_rng(2).integers(-3, 4, state.position.shape)
-    runs = [
-        dem.Simulation(scene, moved(state, by), STEP)
-        for by in (0.0, 0.37 * period, images * period)
-    ]
+    runs = []
+    for by, axis in (
+        (0.0, 0.0),
+        (0.37 * period, 0.37 * period),
+        (images * period, [2, -1] * period),
+    ):
+        there = replace(CYLINDER, position=tuple(axis + np.array(CYLINDER.position)))
+        cut = replace(scene, cylinder=there)
+        runs.append(dem.Simulation(cut, moved(state, by), STEP))
     ways = []
     for run in runs:
         before = run.state.position
