@@ -4,12 +4,16 @@ from dem.dynamics.simulation import Simulation
 from dem.experiment.bed import cylinder, diameters
 from dem.experiment.config import Replicate
 from dem.experiment.scene import make_scene
+from dem.packing.pressed import compact
 from dem.packing.random import pack
 from dem.shapes import KINDS
 
 
 def compile_kernels(replicate: Replicate) -> None:
-    """Pack three granules of this run's shape loosely and run them for an instant, as it would."""
+    """Pack three granules of this run's shape loosely and run them for an instant, as it would.
+
+    All that is of one `Replicate.variant` is compiled.
+    """
     own, label = replicate.configuration, replicate.label
     few = replicate.shape.model_copy(update={"granules": 3})
     own = own.model_copy(update={"shapes": {label: few}})
@@ -17,7 +21,11 @@ def compile_kernels(replicate: Replicate) -> None:
     start = own.cylinder.start
     height = 4.0 * (own.cylinder.diameter + few.diameter) / min(start, 1.0 - start)
     shape = KINDS[few.kind].shape.of_size(diameters(replicate), few.ratio)
-    bed = pack(shape, own.box_width, height, cylinder(replicate, height), seed=0)
+    room = shape, own.box_width, height, cylinder(replicate, height), 0
+    if own.experiment == "jamming":  # of other runs of the variant the bed may be pressed
+        compact(*room, friction=1.0)
+        return
+    bed = compact(*room, own.packing.friction) if own.packing.friction > 0.0 else pack(*room)
     ledger = "ledger" in own.record.observables
     run = Simulation(make_scene(replicate, bed), bed.state, ledger=ledger)
     run.check_duration(1e-9)
