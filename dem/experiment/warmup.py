@@ -12,7 +12,7 @@ from dem.shapes import KINDS
 def compile_kernels(replicate: Replicate) -> None:
     """Pack three granules of this run's shape loosely and run them for an instant, as it would.
 
-    All that is of one `Replicate.variant` is compiled.
+    This compiles for all runs of its `Replicate.variant`.
     """
     own, label = replicate.configuration, replicate.label
     few = replicate.shape.model_copy(update={"granules": 3})
@@ -22,10 +22,9 @@ def compile_kernels(replicate: Replicate) -> None:
     height = 4.0 * (own.cylinder.diameter + few.diameter) / min(start, 1.0 - start)
     shape = KINDS[few.kind].shape.of_size(diameters(replicate), few.ratio)
     room = shape, own.box_width, height, cylinder(replicate, height), 0
-    if own.experiment == "jamming":  # of other runs of the variant the bed may be pressed
-        compact(*room, friction=1.0)
-        return
-    bed = compact(*room, own.packing.friction) if own.packing.friction > 0.0 else pack(*room)
+    # a bed that jams is pressed with friction in other runs of the variant, and drawn in most sweeps
+    friction = 1.0 if own.experiment == "jamming" else own.packing.friction
+    bed = compact(*room, friction) if friction > 0.0 else pack(*room)
     ledger = "ledger" in own.record.observables
     run = Simulation(make_scene(replicate, bed), bed.state, ledger=ledger)
     run.check_duration(1e-9)
