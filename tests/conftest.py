@@ -43,6 +43,7 @@ def pytest_collection_modifyitems(items):
     for item in items:
         parameters, stem = item.name.lower().partition("[")[2], item.path.stem
         group = next((kind for kind in KINDS if kind in parameters), stem)
+        group = "test_large" if "in chunks" in parameters else group  # beds of many granules
         groups[item] = "claims" if "claimed" in item.fixturenames else group
         item.add_marker(pytest.mark.xdist_group(groups[item]))
     if "PYTEST_XDIST_WORKER" in os.environ:

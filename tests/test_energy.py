@@ -127,6 +127,7 @@ def test_a_wall_without_friction_turns_no_disc():
     scene = dem.Scene(
         dem.Disc([r, r]), friction=dem.Friction(granule=0.3, wall=0.0),
         walls=[[-1.0, 0.0, 0.0], [1.0, 0.0, 4 * r * 0.9999]], thickness=r,
+        cylinder=dem.Cylinder(r, (2 * r, FAR)),
     )  # fmt: skip
     state = dem.State([[r, 0.0], [3 * r * 0.9999, 0.0]], angular_velocity=[0.0, 100.0])
     spin = dem.simulate(scene, state, duration=1e-4).state.angular_velocity

@@ -25,8 +25,8 @@ SWEEPS = {
     "grid": {"shape": ["c1", "d1"], "friction.granule": [0.1, 0.2, 0.3], "box": BOXES,
              "seed": "1 to 2"},
     "names": {"shape": ["c1", "d1"], "box": BOXES},
-    "many": {"shape": ["c1"], "gravity": [0.0, 1.0, 2.0, 3.0], "box": BOXES,
-             "friction.granule": [0.1, 0.2, 0.3], "friction.wall": [0.1, 0.3], "seed": "1 to 2"},
+    "many": {"shape": ["c1"], "gravity": [1.0, 2.0, 3.0, 4.0], "box": BOXES,
+             "friction.granule": [0.1, 0.2, 0.3], "friction.wall": [0.1, 0.3]},
     "point": {"shape": ["c1"], "friction.granule": [0.3], "seed": "1 to 2"},
     "design": {"shape": ["c1", "d1"], "point": {
         "design": "latin_hypercube", "points": 6, "first_seed": 11,

@@ -247,6 +247,26 @@ def test_what_a_run_reads_makes_another_run():
     assert len(found) == len(changed) + 4
 
 
+def test_runs_that_compute_the_same_motion_share_machine_code():
+    """Whatever they record, and however their beds are pressed; other forces need other code."""
+
+    def kernels(path="seed", value=1, observables=("drag", "snapshots"), **values):
+        record = SMALL["record"] | {"observables": list(observables)}
+        sweep = small({"shape": "c1", path: [value]}, record=record, **values)
+        return stores.kernels_of(sweep.block("drag").runs[0].replicate)
+
+    first = kernels()
+    assert first == kernels("friction.wall", 0.0) == kernels(observables=["drag"])
+    assert first == kernels("packing.friction", 0.3)
+    for friction in (0.0, 0.3):
+        assert first == kernels("packing.friction", friction, experiment="jamming")
+    others = [
+        kernels("gravity", 9.81), kernels("material.restitution", 1.0),
+        kernels(observables=["drag", "ledger"]),
+    ]  # fmt: skip
+    assert len({first, *others}) == 4
+
+
 def test_an_ellipse_reads_how_its_contacts_are_found():
     """A disc does not: its places on that axis are one run, made once."""
     contacts = ["common_normal", "geometric_potential"]

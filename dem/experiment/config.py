@@ -371,15 +371,23 @@ class Replicate:
 
     @property
     def variant(self) -> str:
-        """The values that select the machine code of the run, as text."""
-        c = self.configuration
-        ellipse = c.ellipse.model_dump() if self.shape.kind == "ellipse" else {}
-        friction = [value > 0 for value in c.friction.model_dump().values()]
-        features = (
-            c.experiment, c.packing.friction > 0, c.material.restitution < 1, c.gravity > 0,
-            "ledger" in c.observables, c.periodic,
-        )  # fmt: skip
-        return " ".join(map(str, (self.shape.kind, *friction, *features, *ellipse.values())))
+        """The values that select the machine code of the run, as text.
+
+        Each motion that it computes: its own, and that of a bed pressed with friction. Has it
+        friction, damping, gravity, a ledger; how are contacts of ellipses found? Beds
+        between rough walls have others.
+        """
+        c, motions = self.configuration, set()
+        rough = any((c.friction.granule, c.friction.wall, c.friction.cylinder))
+        if c.experiment == "shear":
+            motions.add(("held", rough, c.material.restitution < 1))
+        if c.experiment == "drag":
+            ellipse = c.ellipse if self.shape.kind == "ellipse" else EllipseSection()
+            ledger = "ledger" in c.observables
+            motions.add((rough, c.material.restitution < 1, c.gravity > 0, ledger, str(ellipse)))
+        if c.experiment == "jamming" or c.packing.friction > 0:
+            motions.add((True, True, False, False, str(EllipseSection())))
+        return f"{self.shape.kind} {c.periodic} {sorted(motions)}"
 
     @property
     def bed_family(self) -> str:

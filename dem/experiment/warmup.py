@@ -6,6 +6,7 @@ from dem.experiment.bed import cylinder, diameters
 from dem.experiment.config import Replicate
 from dem.experiment.observables import module_of
 from dem.experiment.scene import make_scene
+from dem.packing.pressed import compact
 from dem.packing.random import pack
 from dem.shapes import KINDS
 
@@ -13,7 +14,8 @@ from dem.shapes import KINDS
 def compile_kernels(replicate: Replicate) -> None:
     """Pack three granules of this run's shape loosely and run them for an instant, as it would.
 
-    A bed between rough walls is its own, for an instant too.
+    This compiles for all runs of its `Replicate.variant`. A bed between
+    rough walls is its own, for an instant too.
     """
     own, label = replicate.configuration, replicate.label
     if own.experiment == "shear":
@@ -25,7 +27,10 @@ def compile_kernels(replicate: Replicate) -> None:
     start = own.cylinder.start
     height = 4.0 * (own.cylinder.diameter + few.diameter) / min(start, 1.0 - start)
     shape = KINDS[few.kind].shape.of_size(diameters(replicate), few.ratio)
-    bed = pack(shape, own.box_width, height, cylinder(replicate, height), 0, own.periodic)
+    room = shape, own.box_width, height, cylinder(replicate, height), 0
+    # a bed that jams is pressed with friction in other runs of the variant, and drawn in most sweeps
+    friction = 1.0 if own.experiment == "jamming" else own.packing.friction
+    bed = compact(*room, friction, own.periodic) if friction > 0.0 else pack(*room, own.periodic)
     ledger = "ledger" in own.record.observables
     run = Simulation(make_scene(replicate, bed), bed.state, ledger=ledger)
     run.check_duration(1e-9)

@@ -20,10 +20,13 @@ from filelock import FileLock, Timeout
 
 from dem.base.errors import InputError, RunError
 from dem.base.files import atomic
+from dem.base.sources import code_hash
 from dem.experiment.config import Replicate, of_values
 from dem.io.checksums import is_sealed, seal
+from dem.shapes import KINDS
 
 FOLDER = Path("results/store")
+KERNELS = "dem.dynamics.simulation", "dem.packing.pressed"  # modules that call all kernels of runs
 DAMAGED = OSError, ValueError, KeyError, TypeError, IndexError  # what a plan that is none raises
 
 
@@ -276,8 +279,11 @@ def alike(replicate: Replicate) -> tuple:
 
 
 def kernels_of(replicate: Replicate) -> str:
-    """What the machine code of a run is known by; nothing that is not in the run's own identity."""
-    text = f"{replicate.source_hash} {replicate.variant}"
+    """What the machine code of a run is known by; nothing that is not in the run's own identity.
+
+    Not by all code of the run: most of it is compiled nowhere, and kinds of runs share the rest.
+    """
+    text = f"{code_hash(*KERNELS, KINDS[replicate.shape.kind].module)} {replicate.variant}"
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
