@@ -23,6 +23,7 @@ import dem
 from dem.base.errors import InputError, RunError
 from dem.base.sources import code_hash
 from dem.base.yaml_file import read
+from dem.experiment.config import EXPERIMENTS
 from dem.experiment.observables import OBSERVABLES
 from dem.figures import FLOW, possible
 from dem.io.progress import WorkflowProgress

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 from functools import cache, cached_property
 from importlib import import_module
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple, get_args
 
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, Field, ValidationError, model_validator
@@ -33,7 +33,9 @@ from dem.experiment.fit import check_room
 from dem.experiment.observables import OBSERVABLES
 from dem.shapes import KINDS
 
-EXPERIMENTS = ("drag", "jamming")  # modules of this room
+EXPERIMENTS = ("drag", "jamming", "shear")  # modules of this room
+# sections that only some experiments have
+SECTIONS = {"cylinder": ("drag", "jamming"), "record": ("drag", "jamming"), "shear": ("shear",)}
 
 
 def value(units: str | None, about: str, **limits):
@@ -76,6 +78,17 @@ class FrictionSection(Section):
     stiffness: Annotated[Positive, value("1", "stiffness of tangential springs over Mindlin's")] = (
         1.0
     )
+
+
+class ShearSection(Section):
+    inertial_number: Annotated[
+        Positive,
+        value("1", "inertial number: rate of shear times sqrt(mass / (pressure thickness))"),
+    ]
+    pressure: Annotated[Positive, value("Pa", "pressure on the lid")]
+    settle: Annotated[NotNegative, value("1", "strain before anything is measured")]
+    strain: Annotated[Positive, value("1", "strain while it is measured")]
+    samples: Annotated[Whole, value("1", "samples over this strain", ge=2, le=100_000)]
 
 
 class EllipseSection(Section):
@@ -177,18 +190,49 @@ class Configuration(Section):
     periodic: Annotated[
         Literal["none", "x", "y", "xy"], value(None, "sides along which the box repeats itself")
     ] = "none"
-    cylinder: CylinderSection
+    cylinder: CylinderSection | None = None
     packing: PackingSection
     material: MaterialSection
     friction: FrictionSection
     gravity: Annotated[NotNegative, value("m s-2", "gravity, downwards")] = 0.0
     ellipse: EllipseSection = EllipseSection()
     shapes: Annotated[dict[Label, ShapeSection], Field(min_length=1)]
-    record: RecordSection
+    record: RecordSection | None = None
+    shear: ShearSection | None = None
     numerics: NumericsSection = NumericsSection()
 
     @model_validator(mode="after")
+    def _check_sections(self):
+        for name, experiments in SECTIONS.items():
+            given, wanted = getattr(self, name) is not None, self.experiment in experiments
+            if wanted and not given:
+                raise ValueError(f"{name} is missing")
+            if given and not wanted:
+                raise ValueError(
+                    f"{name} is no section of the experiment {self.experiment}; leave it out"
+                )
+        if self.experiment == "shear":
+            self._check_shear()
+        return self
+
+    def _check_shear(self):
+        if self.periodic != "x":
+            raise ValueError(
+                f"periodic is {self.periodic}; it must be x, because the bed is sheared along x"
+            )
+        if self.gravity > 0.0:
+            raise ValueError(
+                f"gravity is {self.gravity:g}; it must be 0, because the pressure must be the same "
+                "at all heights"
+            )
+        for label, shape in self.shapes.items():
+            if shape.kind != "disc":
+                raise ValueError(f"shapes.{label}.kind is {shape.kind}; only a disc is sheared")
+
+    @model_validator(mode="after")
     def _check_window(self):
+        if self.record is None or self.cylinder is None:
+            return self
         if self.record.window[1] > self.cylinder.stroke:
             raise ValueError(
                 f"record.window ends at {self.record.window[1]:g} m, beyond cylinder.stroke, "
@@ -207,6 +251,11 @@ class Configuration(Section):
         middle = (np.arange(self.record.bins) + 0.5) / self.record.bins * self.cylinder.stroke
         return (middle >= self.record.window[0]) & (middle <= self.record.window[1])
 
+    @property
+    def observables(self) -> tuple[str, ...]:
+        """What is recorded, as record.observables names it."""
+        return self.record.observables if self.record else ()
+
     def values(self) -> dict:
         """The values of a run as plain groups, without the other keys of a file."""
         return json.loads(self.model_dump_json(include=set(Configuration.model_fields)))
@@ -217,9 +266,10 @@ class Configuration(Section):
         unread = dict.fromkeys(("shapes", "ellipse", "experiment"), True)
         if self.periodic == "none":  # runs between walls are the same as before there was this key
             unread["periodic"] = True
+        unread |= {name: True for name in SECTIONS if getattr(self, name) is None}
         included = set(Configuration.model_fields)
         return json.dumps(
-            self.model_dump(include=included, exclude=unread | {"record": {"window"}}),
+            self.model_dump(include=included, exclude={"record": {"window"}} | unread),
             sort_keys=True,
         )
 
@@ -276,7 +326,10 @@ class Configuration(Section):
             *groups, last = path.split(".")
             at = data
             for name in groups:
-                at = at.get(name, {})
+                if (at := at.get(name, {})) is None:
+                    raise InputError(
+                        f"{path} cannot vary; the experiment {self.experiment} has no {name}."
+                    )
             if last in at:
                 at[last] = new
         return parse(data, f"{shape} with {words_of(changes)}" if changes else shape)
@@ -310,7 +363,9 @@ class Replicate:
 
     def _bed(self) -> str:
         c = self.configuration
-        others = c.packing.size_spread, c.box_width, c.cylinder.diameter, c.cylinder.start
+        others = c.packing.size_spread, c.box_width
+        if c.cylinder is not None:
+            others += c.cylinder.diameter, c.cylinder.start
         sides = "" if c.periodic == "none" else f" {c.periodic}"
         return f"{c._granules[self.label]} {others}{sides}"
 
@@ -319,13 +374,16 @@ class Replicate:
         """The values that select the machine code of the run, as text.
 
         Each motion that it computes: its own, and that of a bed pressed with friction. Has it
-        friction, damping, gravity, a ledger; how are contacts of ellipses found?
+        friction, damping, gravity, a ledger; how are contacts of ellipses found? Beds
+        between rough walls have others.
         """
         c, motions = self.configuration, set()
+        rough = any((c.friction.granule, c.friction.wall, c.friction.cylinder))
+        if c.experiment == "shear":
+            motions.add(("held", rough, c.material.restitution < 1))
         if c.experiment == "drag":
-            rough = any((c.friction.granule, c.friction.wall, c.friction.cylinder))
             ellipse = c.ellipse if self.shape.kind == "ellipse" else EllipseSection()
-            ledger = "ledger" in c.record.observables
+            ledger = "ledger" in c.observables
             motions.add((rough, c.material.restitution < 1, c.gravity > 0, ledger, str(ellipse)))
         if c.experiment == "jamming" or c.packing.friction > 0:
             motions.add((True, True, False, False, str(EllipseSection())))
@@ -354,7 +412,7 @@ class Replicate:
     def source_hash(self) -> str:
         """SHA-256 of the code that this run depends on."""
         c = self.configuration
-        observables = () if c.experiment == "jamming" else c.record.observables
+        observables = c.observables if c.experiment == "drag" else ()
         return _code(c.experiment, tuple(observables), self.shape.kind)
 
     @cached_property
@@ -432,14 +490,20 @@ def entries(shapes: Iterable[str]) -> dict[str, Entry]:
             if path == "shapes":
                 for label in shapes:
                     visit(ShapeSection, f"shapes.{label}.")
-            elif isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel):
-                visit(field.annotation, path + ".")
+            elif section := section_of(field.annotation):
+                visit(section, path + ".")
             elif path not in ("record.window", "record.observables"):
                 units = (field.json_schema_extra or {}).get("units")
                 found[path] = Entry(path, units, field.description)
 
     visit(Configuration, "")
     return found
+
+
+def section_of(annotation) -> type[BaseModel] | None:
+    """The section that a field holds, or may hold."""
+    choices = get_args(annotation) or (annotation,)
+    return next((c for c in choices if isinstance(c, type) and issubclass(c, BaseModel)), None)
 
 
 def nearest(word: str, words: Iterable[str]) -> str:

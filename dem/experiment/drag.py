@@ -142,6 +142,12 @@ def _of_bed(replicate: Replicate, bed: Bed) -> dict:
     }
 
 
+def duration(replicate: Replicate) -> float:
+    """Time (s) that a run simulates."""
+    cylinder = replicate.configuration.cylinder
+    return cylinder.stroke / cylinder.velocity
+
+
 def labels(replicate: Replicate) -> dict:
     """What tells this run from others."""
     return {

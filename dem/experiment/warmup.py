@@ -1,6 +1,7 @@
 """Compile the kernels that a run needs before many processes need them at once."""
 
 from dem.dynamics.simulation import Simulation
+from dem.experiment import shear
 from dem.experiment.bed import cylinder, diameters
 from dem.experiment.config import Replicate
 from dem.experiment.observables import module_of
@@ -13,9 +14,13 @@ from dem.shapes import KINDS
 def compile_kernels(replicate: Replicate) -> None:
     """Pack three granules of this run's shape loosely and run them for an instant, as it would.
 
-    This compiles for all runs of its `Replicate.variant`.
+    This compiles for all runs of its `Replicate.variant`. A bed between
+    rough walls is its own, for an instant too.
     """
     own, label = replicate.configuration, replicate.label
+    if own.experiment == "shear":
+        shear.run(shear.brief(replicate))
+        return
     few = replicate.shape.model_copy(update={"granules": 3})
     own = own.model_copy(update={"shapes": {label: few}})
     replicate = Replicate(own, label, replicate.density, replicate.seed)

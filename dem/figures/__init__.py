@@ -54,6 +54,14 @@ SWEPT = {
     ),
 }
 
+# from shear.nc, of the experiment shear: (what it shows, how many values of which axes suffice for it)
+SHEAR = {
+    "shear": (
+        "Friction and packing fraction of sheared beds against their inertial number",
+        {"shear_inertial_number": 2},  # LEAST of dem.analysis.shear, which loads xarray
+    ),
+}
+
 # drawn from a study's own file: (what it shows, variables that the file must hold)
 ACCURACY = {
     "accuracy_contacts": ("Contacts of ellipses: error against time, and energy over many bounces", ("contact_method",)),
@@ -85,19 +93,21 @@ STUDY_FIGURES = {
     "stability": STABILITY,
     "benchmark": BENCHMARK,
 }  # by file
-FILES = {"drag": FIGURES | SWEPT, "flow": FLOW} | STUDY_FIGURES  # by file of results, without .nc
+FILES = {"drag": FIGURES | SWEPT, "flow": FLOW, "shear": SHEAR} | STUDY_FIGURES  # by file, no .nc
 FILE_OF = {name: file for file, figures in FILES.items() for name in figures}
 
 
 def captions() -> dict[str, str]:
     """What each figure shows, by name, in the order of the paper, studies last."""
     paper = dict(sorted((FIGURES | FLOW).items()))
-    return {name: words for name, (words, _) in (SWEPT | paper | STUDIES).items()}
+    return {name: words for name, (words, _) in (SWEPT | SHEAR | paper | STUDIES).items()}
 
 
 def possible(block, figures=FIGURES) -> list[str]:
     """Names of the figures of FIGURES or FLOW that the runs of a block suffice for."""
     own = block.runs[0].replicate.configuration
+    if own.experiment == "shear" and figures is FIGURES:
+        return _enough(dict(zip(block.dims, block.shape, strict=True)), SHEAR)
     if own.experiment != "drag":
         return []
     held = set(own.record.observables)
@@ -114,12 +124,16 @@ def possible(block, figures=FIGURES) -> list[str]:
 def _suffices(sizes: dict[str, int], cases: list, figures: dict) -> list[str]:
     """Names of the figures that runs over some axes, of some sizes, suffice for."""
     if set(sizes) not in ({"case", "seed"}, {"shape", "seed"}):
-        swept = SWEPT if figures is FIGURES else {}
-        return [
-            name for name, (_, least) in swept.items()
-            if all(sizes.get(dim, 0) >= number for dim, number in least.items())
-        ]  # fmt: skip
+        return _enough(sizes, SWEPT) if figures is FIGURES else []
     return [name for name, (_, suffices) in figures.items() if suffices(cases)]
+
+
+def _enough(sizes: dict[str, int], swept: dict) -> list[str]:
+    """Names of the figures that axes of some sizes suffice for."""
+    return [
+        name for name, (_, least) in swept.items()
+        if all(sizes.get(dim, 0) >= number for dim, number in least.items())
+    ]  # fmt: skip
 
 
 def drawable(folder: Path) -> list[str]:
@@ -133,7 +147,7 @@ def drawable(folder: Path) -> list[str]:
     for file, figures in FILES.items():
         data = Path(folder) / f"{file}.nc"
         if not data.is_file():
-            if file == "drag":
+            if file == "drag" and not (Path(folder) / "shear.nc").is_file():
                 raise InputError(
                     f"{data}: it is not there to draw from; make it first: snakemake -j2"
                 )
@@ -141,6 +155,8 @@ def drawable(folder: Path) -> list[str]:
         with open_lazily(data) as dataset:
             if file in ("drag", "flow"):
                 found += drawn_from(data, dataset, FIGURES if file == "drag" else FLOW)
+            elif file == "shear":
+                found += _enough(dict(dataset["run_id"].sizes), SHEAR)
             else:
                 held = set(dataset.variables)
                 found += [name for name, (_, needs) in figures.items() if held.issuperset(needs)]
@@ -177,8 +193,10 @@ def draw(name: str, data: Path, folder: Path) -> list[Path]:
 
     if name in STUDIES:
         return _draw_study(name, data, Path(folder))
+    if name in SHEAR:
+        return _draw_shear(name, data, Path(folder))
     if name not in ("all", *FIGURES, *SWEPT):
-        names = ", ".join([*FIGURES, *SWEPT, *STUDIES])
+        names = ", ".join([*FIGURES, *SWEPT, *SHEAR, *STUDIES])
         raise InputError(f"figure is {name!r}; there are {names} and all.")
     files, faults = [], []
     with open_combined(data) as dataset:
@@ -205,6 +223,19 @@ def _refuse(name, data, dataset):
         f"{data}: {name} shows runs that differ in case, or shape, and seed alone; these differ in "
         f"{dims}. Draw sweep."
     )
+
+
+def _draw_shear(name, data, folder):
+    from dem.figures.style import save
+    from dem.io.lazily import open_lazily, require
+
+    with open_lazily(data) as dataset:
+        require(dataset, data, {}, ("run_id", "lid_shear_stress"), ("configuration",))
+        try:
+            figure = import_module(f"dem.figures.{name}").plot(dataset.load())
+        except InputError as error:
+            raise InputError(f"{data}: {name} cannot be drawn: {error}") from None
+        return save(figure, folder / name)
 
 
 def _draw_study(name, data, folder):

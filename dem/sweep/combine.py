@@ -243,14 +243,13 @@ def _check(sweep: Sweep, block: Block, failed) -> None:
 def about(sweep: Sweep, provenance: dict, source: str = "dem chunk, dem combine") -> dict:
     """Attributes of the file. The averaging window and the cylinder's velocity are among them, so
     that figures need nothing else."""
+    drawn = {}
+    if sweep.record and sweep.cylinder:
+        drawn["window_start"], drawn["window_stop"] = sweep.record.window
+        drawn["cylinder_velocity"] = sweep.cylinder.velocity
+    configuration = json.dumps(sweep.dump())
     return global_attributes(
-        sweep.title,
-        source,
-        configuration=json.dumps(sweep.dump()),
-        **provenance,
-        window_start=sweep.record.window[0],
-        window_stop=sweep.record.window[1],
-        cylinder_velocity=sweep.cylinder.velocity,
+        sweep.title, source, configuration=configuration, **provenance, **drawn
     )
 
 

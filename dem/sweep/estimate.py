@@ -78,10 +78,10 @@ def made(work: Work, block: str) -> set[str]:
 def _effort(replicate: Replicate) -> float:
     """How much there is to do, but for a factor: granules times steps, without their bed."""
     own, shape = replicate.configuration, replicate.shape
-    if own.experiment != "drag":
+    if own.experiment == "jamming":
         return 1e5 * shape.granules
     speed = np.sqrt(own.material.young_modulus / replicate.density)
-    duration = own.cylinder.stroke / own.cylinder.velocity
+    duration = own.module.duration(replicate)
     return shape.granules * duration * speed / shape.diameter / own.numerics.step_fraction
 
 

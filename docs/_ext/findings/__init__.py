@@ -13,6 +13,7 @@ from .claims import claims
 from .common import DATA, Findings, holds, interval, table
 from .drag import beds, drag, flow
 from .scale import ensembles, overhead
+from .shear import shear
 from .speed import speed, timings
 from .stability import stability
 from .velocity import velocity
@@ -23,7 +24,16 @@ TEMPLATES = Environment(
     comment_end_string="#>",
     keep_trailing_newline=True,
 )
-FILES = drag, flow, claims, accuracy, stability, velocity, speed  # written by docs/data/release.py
+FILES = (
+    drag,
+    flow,
+    claims,
+    accuracy,
+    stability,
+    velocity,
+    shear,
+    speed,
+)  # written by docs/data/release.py
 MEASURED = ensembles, overhead  # by the scripts that measure
 NAMES = {
     "table": table,
@@ -37,6 +47,7 @@ NAMES = {
     "ensembles": ensembles,
     "flow": flow,
     "overhead": overhead,
+    "shear": shear,
     "speed": speed,
     "stability": stability,
     "timings": timings,

@@ -1,0 +1,134 @@
+"""Friction and packing fraction of a sheared bed against its inertial number, of any sweep over it.
+
+A `dataset` has the layout of shear.nc with the dimension shear_inertial_number. What a run measures
+along its strain is averaged over blocks of one strain. The blocks of all runs of a place count as
+independent, which the correlation of neighbours checks.
+
+The friction of the bed is the ratio of the mean forces on the lid along it and across it: in steady
+flow both stresses are the same at all heights, and forces on the lid are means over all time steps.
+"""
+
+import json
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from dem.analysis.statistics import LEVEL, over_seeds
+from dem.base.errors import InputError
+
+AXIS = "shear_inertial_number"
+LEAST = {AXIS: 2}  # values that curves take
+FEWEST = 3  # blocks of a place, for an interval
+
+
+class Curves(NamedTuple):
+    """Of one place on the other axes, at i inertial numbers. Each but `number` is (i, 3): mean and ends
+    of its interval.
+
+    number (i,): inertial number of the rate of shear and the normal stress in the middle; friction:
+    of the bed, from the forces on the lid; middle: the same from the stress in the middle; fraction:
+    packing fraction in the middle; pressure: normal stress on the lid over the one that is asked
+    for; rate: of shear in the middle, over the one that is asked for.
+    """
+
+    number: np.ndarray
+    friction: np.ndarray
+    middle: np.ndarray
+    fraction: np.ndarray
+    pressure: np.ndarray
+    rate: np.ndarray
+
+
+class Rheology(NamedTuple):
+    """curves by the place on the other axes, such as ("0.4",); blocks: of one place, in all runs;
+    correlation: of neighbouring blocks of a run, of friction and of packing fraction."""
+
+    curves: dict[tuple, Curves]
+    blocks: int
+    correlation: tuple[float, float]
+
+
+def axes_of(dataset: xr.Dataset) -> list[str]:
+    """Axes with more than one value, beside inertial number and seed."""
+    sizes = dataset["run_id"].sizes
+    return [str(dim) for dim in sizes if dim not in (AXIS, "seed") and sizes[dim] > 1]
+
+
+def rheology(dataset: xr.Dataset) -> Rheology:
+    """Curves of all places. Raises InputError where there are too few inertial numbers or blocks."""
+    own = json.loads(dataset.attrs["configuration"])["shear"]
+    if dataset["run_id"].sizes.get(AXIS, 1) < LEAST[AXIS]:
+        raise InputError("its runs do not differ in shear.inertial_number.")
+    whole = int(own["strain"])
+    blocks = whole * dataset["run_id"].sizes.get("seed", 1)
+    if blocks < FEWEST:
+        raise InputError(
+            f"it has {blocks} strains in all runs of a place; an interval takes {FEWEST}."
+        )
+    samples = dataset.sizes["shear_strain"] // whole * whole
+    others = axes_of(dataset)
+    rows = {
+        name: _blocks(dataset[name], others, whole, samples)
+        for name in (
+            "lid_shear_stress", "lid_normal_stress", "shear_stress", "normal_stress",
+            "shear_rate", "shear_fraction",
+        )
+    }  # fmt: skip
+    pressure, rate = own["pressure"], _asked(dataset)
+    number = dataset[AXIS].values[:, None, None] * rows["shear_rate"] / rate
+    measured = {
+        "number": number / np.sqrt(rows["normal_stress"].mean((-2, -1), keepdims=True) / pressure),
+        "friction": rows["lid_shear_stress"] / rows["lid_normal_stress"],
+        "middle": rows["shear_stress"] / rows["normal_stress"],
+        "fraction": rows["shear_fraction"],
+        "pressure": rows["lid_normal_stress"] / pressure,
+        "rate": rows["shear_rate"] / rate,
+    }
+    found = {name: _interval(each) for name, each in measured.items()}
+    found["number"] = found["number"][..., 0]
+    places = list(product(*(dataset[dim].values.astype(str).tolist() for dim in others)))
+    curves = {
+        place: Curves(**{name: each[row] for name, each in found.items()})
+        for row, place in enumerate(places)
+    }
+    correlation = tuple(_neighbours(measured[name]) for name in ("friction", "fraction"))
+    return Rheology(curves, blocks, correlation)
+
+
+def _blocks(values: xr.DataArray, others: list[str], whole: int, samples: int) -> np.ndarray:
+    """Means (places, i, seeds, blocks) over blocks of one strain."""
+    values = over_seeds(values)
+    kept = {*others, AXIS, "seed", "shear_strain"}
+    values = values.squeeze([dim for dim in values.dims if dim not in kept])
+    values = values.transpose(*others, AXIS, "seed", "shear_strain").values[..., :samples]
+    *_, numbers, seeds, _ = values.shape
+    return values.reshape(-1, numbers, seeds, whole, samples // whole).mean(-1)
+
+
+def _asked(dataset: xr.Dataset) -> np.ndarray:
+    """Rates of shear (i, 1, 1) in 1/s that the inertial numbers ask for."""
+    own = json.loads(dataset.attrs["configuration"])["shear"]
+    area = 0.25 * np.pi * float(dataset["diameter"].mean()) ** 2
+    unit = np.sqrt(float(dataset["density"].mean()) * area / own["pressure"])
+    return dataset[AXIS].values[:, None, None] / unit
+
+
+def _interval(values: np.ndarray) -> np.ndarray:
+    """Mean and ends of its interval (places, i, 3) by Student's t over blocks of all seeds."""
+    from scipy.special import stdtrit
+
+    flat = values.reshape(*values.shape[:2], -1)
+    flat = np.where(np.isnan(flat).any(-1, keepdims=True), np.nan, flat)
+    count = flat.shape[-1]
+    half = stdtrit(count - 1, 0.5 + 0.5 * LEVEL) * flat.std(-1, ddof=1) / np.sqrt(count)
+    mean = flat.mean(-1)
+    return np.stack([mean, mean - half, mean + half], -1)
+
+
+def _neighbours(values: np.ndarray) -> float:
+    """Correlation of blocks that follow each other in a run, over all runs; about the mean of a place."""
+    flat = values.reshape(*values.shape[:2], -1)
+    off = (values - flat.mean(-1)[..., None, None]) / flat.std(-1)[..., None, None]
+    return float(np.nanmean(off[..., 1:] * off[..., :-1]))

@@ -1,0 +1,160 @@
+"""Simple shear of discs between rough walls: stress and packing fraction at a rate of shear.
+
+The discs repeat themselves along x. Those next to floor and lid are held: the lower ones are at rest,
+the upper ones move along x and are pressed down, so that the pressure is given and the height is not.
+Everything is measured in the middle half of the height, away from the walls. The setup is that of
+da Cruz et al. (2005, Phys. Rev. E 72, 021309), with Hertzian contacts.
+"""
+
+import time
+from typing import NamedTuple
+
+import numpy as np
+
+from dem.dynamics.simulation import Simulation
+from dem.experiment.bed import make_bed
+from dem.experiment.config import Configuration, Replicate
+from dem.experiment.scene import make_scene
+from dem.motion import Drive, Held
+from dem.packing.random import Bed
+from dem.scene import Scene, State
+
+VARIABLES = {
+    "run_time": ((), "s", "processor time of the run; the first run of a process loads or compiles kernels too"),
+    "steps": ((), "1", "number of time steps of the run"),
+    "shear_stress": (("shear_strain",), "Pa", "shear stress in the middle of the bed"),
+    "normal_stress": (("shear_strain",), "Pa", "stress across the flow in the middle of the bed"),
+    "shear_rate": (("shear_strain",), "s-1", "gradient of the velocity in the middle of the bed"),
+    "shear_fraction": (("shear_strain",), "1", "packing fraction in the middle of the bed"),
+    "lid_shear_stress": (("shear_strain",), "Pa", "shear stress on the lid, mean since the sample before"),
+    "lid_normal_stress": (("shear_strain",), "Pa", "normal stress on the lid, mean since the sample before"),
+    "shear_height": (("shear_strain",), "m", "distance between the mean heights of both walls"),
+}  # fmt: skip
+AXIS = {
+    "shear_strain": (("shear_strain",), "1", "strain of the bed as the lid's velocity asks for")
+}
+THICK = 1.0  # mean diameters from floor or lid to the farthest centres that are held
+MIDDLE = 0.25  # of the height, on either side of the middle
+
+
+class Cell(NamedTuple):
+    """scene: granules between rough walls; state: with the flow that is asked for; rate: of shear
+    (1/s) that is asked for; area: of the lid (m2)."""
+
+    scene: Scene
+    state: State
+    rate: float
+    area: float
+
+
+def rate_of(configuration: Configuration, label: str, density: float) -> float:
+    """Rate of shear (1/s) of the inertial number I = rate sqrt(m / (pressure thickness))."""
+    wanted, diameter = configuration.shear, configuration.shapes[label].diameter
+    area = 0.25 * np.pi * diameter**2  # of the mean granule; the thickness cancels
+    return float(wanted.inertial_number / np.sqrt(density * area / wanted.pressure))
+
+
+def make_cell(replicate: Replicate, bed: Bed) -> Cell:
+    """The bed of a run between rough walls, the upper one pressed down and moved."""
+    own, diameter = replicate.configuration, replicate.shape.diameter
+    scene = make_scene(replicate, bed)
+    height = bed.position[:, 1]
+    floor, lid = height < THICK * diameter, height > bed.height - THICK * diameter
+    rate = rate_of(own, replicate.label, replicate.density)
+    low, high = height[floor].max(), height[lid].min()
+    speed = rate * (high - low)
+    area = bed.width * scene.thickness
+    force = own.shear.pressure * area
+    # yields to a wave of the bed, and keeps the pressure where the lid moves at much less than the shear
+    damping = bed.width / diameter * np.sqrt(scene.mass.mean() * force / bed.width)
+    drive = Drive((None, -force), float(scene.mass[lid].sum()), float(damping), (speed, 0.0))
+    scene = Scene(
+        scene.shape, scene.material, scene.friction, thickness=scene.thickness,
+        periodic=scene.periodic, held=[Held(floor), Held(lid, drive)],
+    )  # fmt: skip
+    flow = np.clip(rate * (height - low), 0.0, speed)
+    state = State(bed.position, np.column_stack([flow, np.zeros_like(flow)]), bed.angle)
+    return Cell(scene, state, rate, area)
+
+
+def start(replicate: Replicate, cell: Cell) -> Simulation:
+    """The simulation of a cell."""
+    numerics = replicate.configuration.numerics
+    return Simulation(cell.scene, cell.state, **numerics.model_dump())
+
+
+def duration(replicate: Replicate) -> float:
+    """Time (s) that a run simulates."""
+    own = replicate.configuration
+    rate = rate_of(own, replicate.label, replicate.density)
+    return (own.shear.settle + own.shear.strain) / rate
+
+
+def brief(replicate: Replicate) -> Replicate:
+    """The same run for an instant."""
+    own = replicate.configuration
+    instant = own.shear.model_copy(update={"settle": 0.0, "strain": 1e-6, "samples": 2})
+    own = own.model_copy(update={"shear": instant})
+    return Replicate(own, replicate.label, replicate.density, replicate.seed)
+
+
+def run(replicate: Replicate) -> dict:
+    """Shear the bed of a run; returns the variables of a run by name. Raises RunError."""
+    own = replicate.configuration.shear
+    cell = make_cell(replicate, make_bed(replicate))
+    simulation = start(replicate, cell)
+    simulation.check_duration(duration(replicate))
+    started = time.process_time()
+    simulation.advance(own.settle / cell.rate)
+    samples = [
+        _sample(simulation, cell, own.strain / own.samples / cell.rate) for _ in range(own.samples)
+    ]
+    found = {name: np.array([each[name] for each in samples]) for name in samples[0]}
+    spent = time.process_time() - started
+    return found | {"run_time": spent, "steps": np.int64(simulation.steps)}
+
+
+def _sample(simulation: Simulation, cell: Cell, interval: float) -> dict[str, float]:
+    """What is measured after an interval (s)."""
+    on_lid = simulation.record(interval, 1).held_force[0, 1] / cell.area
+    state = simulation.state
+    floor, lid = (state.position[group.granules, 1].mean() for group in cell.scene.held)
+    middle, half = 0.5 * (floor + lid), MIDDLE * (lid - floor)
+    edges = np.array([middle - half, middle + half])
+    stress = simulation.stress(y=edges)
+    both = (stress.contact + stress.kinetic)[0]
+    height = state.position[:, 1]
+    inside = (height > edges[0]) & (height < edges[1])
+    radius = cell.scene.shape.bounding_radius
+    room = 2.0 * half * cell.scene.periodic[0]
+    return {
+        "shear_stress": -both[0, 1],
+        "normal_stress": both[1, 1],
+        "shear_rate": np.polyfit(height[inside], state.velocity[inside, 0], 1)[0],
+        "shear_fraction": np.diff(_below(edges[:, None], height, radius).sum(axis=1))[0] / room,
+        "lid_shear_stress": -on_lid[0],
+        "lid_normal_stress": on_lid[1],
+        "shear_height": lid - floor,
+    }
+
+
+def _below(line, height: np.ndarray, radius: np.ndarray) -> np.ndarray:
+    """Areas (m2) of discs below a line."""
+    over = np.clip((line - height) / radius, -1.0, 1.0)
+    return radius**2 * (0.5 * np.pi + np.arcsin(over) + over * np.sqrt(1.0 - over**2))
+
+
+def layout(configuration: Configuration) -> dict:
+    """The variables of a run, as in dem.io.dataset."""
+    return VARIABLES
+
+
+def axes(configuration: Configuration) -> dict:
+    """Values along the dimensions that all runs share."""
+    own = configuration.shear
+    return {"shear_strain": own.settle + own.strain * np.arange(1, own.samples + 1) / own.samples}
+
+
+def sizes(replicate: Replicate) -> dict[str, int]:
+    """Length of every dimension of a run."""
+    return {"shear_strain": replicate.configuration.shear.samples}

@@ -1,0 +1,219 @@
+"""Simple shear: the lid keeps its pressure, both stresses are the same at all heights, and the
+friction of a bed comes out with an interval that holds it."""
+
+import json
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from conftest import assert_not_blank
+
+from dem.analysis.shear import AXIS, LEAST, rheology
+from dem.base.errors import InputError
+from dem.experiment import shear
+from dem.experiment.bed import make_bed
+from dem.experiment.config import Replicate, of_values
+from dem.figures import SHEAR
+from dem.figures.shear import plot
+from dem.figures.style import save
+from dem.sweep.config import load
+
+ROOT = Path(__file__).parent.parent
+PRESSURE = 1e5  # Pa
+
+
+def values(**more):
+    """Values of a small bed: 9 diameters long and about 8 high."""
+    same = dict.fromkeys(("granule", "wall", "cylinder"), 0.4)
+    asked = {
+        "inertial_number": 0.1,
+        "pressure": PRESSURE,
+        "settle": 1.0,
+        "strain": 3.0,
+        "samples": 300,
+    }
+    return {
+        "experiment": "shear", "box_width": 9e-3, "periodic": "x",
+        "packing": {"fraction": 0.8, "size_spread": 0.2},
+        "material": {"young_modulus": 5e9, "poisson_ratio": 0.3, "restitution": 0.1},
+        "friction": same, "shapes": {"disc": {"kind": "disc", "diameter": 1e-3, "granules": 72}},
+        "shear": asked, "shape": "disc", "density": 2500.0, "seed": 1,
+    } | more  # fmt: skip
+
+
+@cache
+def sheared():
+    """What a run of the small bed measures."""
+    return shear.run(of_values(values()))
+
+
+def test_the_lid_bears_the_pressure_that_is_asked_for():
+    """In steady flow the lid does not rise, so the forces on it balance."""
+    assert np.mean(sheared()["lid_normal_stress"]) == pytest.approx(PRESSURE, rel=0.01)
+
+
+@pytest.mark.parametrize("stress", ["shear_stress", "normal_stress"])
+def test_stress_in_the_middle_is_that_on_the_lid(stress):
+    """Momentum that goes in at the lid goes through every height."""
+    found = sheared()
+    assert found[stress].mean() == pytest.approx(found[f"lid_{stress}"].mean(), rel=0.1)
+
+
+def test_rough_walls_drag_the_bed_with_them():
+    """The rate of shear in the middle is that of the walls, but for what slips next to them."""
+    own = of_values(values())
+    asked = shear.rate_of(own.configuration, own.label, own.density)
+    assert 0.6 < sheared()["shear_rate"].mean() / asked < 1.2
+
+
+def test_the_packing_fraction_of_a_slice_counts_the_discs_that_stick_out_of_it():
+    """Slices of all heights hold together what the discs hold."""
+    rng = np.random.default_rng(1)
+    height, radius = rng.uniform(2.0, 8.0, 50), rng.uniform(0.5, 1.0, 50)
+    edges = np.linspace(0.0, 10.0, 21)[:, None]
+    slices = np.diff(shear._below(edges, height, radius).sum(axis=1))
+    assert slices.sum() == pytest.approx(np.pi * np.sum(radius**2))
+    one = shear._below(np.array([[3.0]]), np.array([3.0]), np.array([2.0]))
+    assert one[0, 0] == pytest.approx(2.0 * np.pi)  # half of a disc
+
+
+def test_the_inertial_number_is_a_ratio_of_two_times():
+    """Sixteen times the pressure brings granules back four times as fast, at the same number."""
+    slow, fast = (of_values(values(shear=values()["shear"] | {"pressure": p})) for p in (1e5, 16e5))
+    rates = [shear.rate_of(r.configuration, r.label, r.density) for r in (slow, fast)]
+    assert rates[1] == pytest.approx(4.0 * rates[0])
+
+
+def test_both_walls_go_all_the_way_along_the_bed():
+    """No gap between held discs is wide enough for another disc."""
+    own = of_values(values())
+    cell = shear.make_cell(own, make_bed(own))
+    for group in cell.scene.held:
+        x = np.sort(cell.state.position[group.granules, 0] % 9e-3)
+        gaps = np.diff(np.append(x, x[0] + 9e-3))
+        assert gaps.max() < 2.0e-3
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"periodic": "none"}, "periodic is none; it must be x"),
+        ({"gravity": 9.81}, "gravity is 9.81; it must be 0"),
+        ({"shear": None}, "shear is missing"),
+        (
+            {"shapes": {"disc": {"kind": "dumbbell", "diameter": 1e-3, "granules": 72}}},
+            "shapes.disc.kind is dumbbell; only a disc is sheared",
+        ),
+        (
+            {"cylinder": {"diameter": 2e-3, "velocity": 1.0, "start": 0.3, "stroke": 1e-3}},
+            "cylinder is no section of the experiment shear; leave it out",
+        ),
+        ({"experiment": "drag"}, "cylinder is missing"),
+    ],
+)
+def test_a_file_that_cannot_be_sheared_is_refused(change, words):
+    with pytest.raises(InputError, match=words):
+        of_values(values(**change))
+
+
+def test_values_of_another_experiment_cannot_vary():
+    own = of_values(values()).configuration
+    with pytest.raises(InputError, match="the experiment shear has no cylinder"):
+        own.changed({"cylinder.velocity": 1.0}, "disc")
+
+
+def test_runs_are_the_same_after_their_values_were_written_down():
+    own = of_values(values())
+    assert of_values(own.values()).id == own.id
+    assert Replicate(own.configuration, "disc", 2500.0, 2).id != own.id
+
+
+NUMBERS = np.array([0.01, 0.1])
+
+
+def swept(friction, fraction=0.8, noise=0.02, seeds=3, strain=4, seed=0):
+    """A file of runs whose beds have some friction (place, number)."""
+    rng = np.random.default_rng(seed)
+    friction = np.asarray(friction, float)
+    samples = 10 * strain
+    shape = (*friction.shape, seeds, samples)
+    dims = "friction", AXIS, "seed", "shear_strain"
+
+    def around(value):
+        return dims, value * (1.0 + noise * rng.standard_normal(shape))
+
+    unit = np.sqrt(2500.0 * 0.25 * np.pi * 1e-6 / PRESSURE)
+    asked = {"pressure": PRESSURE, "strain": float(strain)}
+    return xr.Dataset(
+        {
+            "lid_shear_stress": around(PRESSURE * friction[..., None, None]),
+            "lid_normal_stress": around(PRESSURE),
+            "shear_stress": around(PRESSURE * friction[..., None, None]),
+            "normal_stress": around(PRESSURE),
+            "shear_rate": around(0.9 * NUMBERS[:, None, None] / unit),
+            "shear_fraction": around(fraction),
+            "run_id": (dims[:-1], np.full(shape[:-1], "x")),
+        },
+        {
+            "friction": [str(k) for k in range(len(friction))], AXIS: NUMBERS,
+            "seed": np.arange(seeds), "diameter": 1e-3, "density": 2500.0,
+        },
+        {"configuration": json.dumps({"shear": asked})},
+    )  # fmt: skip
+
+
+def test_curves_tell_places_apart():
+    found = rheology(swept([[0.1, 0.2], [0.3, 0.5]], noise=0.0))
+    np.testing.assert_allclose(found.curves[("0",)].friction[:, 0], [0.1, 0.2])
+    np.testing.assert_allclose(found.curves[("1",)].middle[:, 0], [0.3, 0.5])
+    np.testing.assert_allclose(found.curves[("1",)].number, 0.9 * NUMBERS)
+
+
+def test_intervals_hold_the_truth_as_often_as_they_say():
+    """Of many sweeps about 95 % of the intervals hold the packing fraction that was put in."""
+    held = []
+    for seed in range(200):
+        curves = rheology(swept([[0.3, 0.4]], seeds=2, strain=3, seed=seed)).curves[()]
+        held += [low < 0.8 < high for _, low, high in curves.fraction]
+    assert 0.91 <= np.mean(held) <= 0.99
+
+
+def test_blocks_that_remember_the_ones_before_are_noticed():
+    """A drift along the strain correlates neighbours; noise does not."""
+    steady, drifting = (swept([[0.3, 0.4]], strain=20, noise=n) for n in (0.05, 0.001))
+    drifting["shear_fraction"] = drifting["shear_fraction"] + xr.DataArray(
+        np.linspace(0.0, 0.1, 200), dims="shear_strain"
+    )
+    assert abs(rheology(steady).correlation[1]) < 0.3 < rheology(drifting).correlation[1]
+
+
+def test_too_little_for_an_interval_is_refused():
+    with pytest.raises(InputError, match="2 strains in all runs of a place"):
+        rheology(swept([[0.3, 0.4]], seeds=1, strain=2))
+    with pytest.raises(InputError, match=r"do not differ in shear\.inertial_number"):
+        rheology(swept([[0.3, 0.4]]).isel({AXIS: 0}))
+
+
+def test_the_figure_shows_each_friction_beside_what_is_published(tmp_path):
+    assert SHEAR["shear"][1] == LEAST
+    figure = plot(swept([[0.1, 0.2], [0.3, 0.5]]))
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert set(labels) == {"friction 0", "friction 1", "da Cruz et al. 2005, friction 0.4"}
+    vector, pixels = save(figure, tmp_path / "shear")
+    assert vector.is_file()
+    assert_not_blank(pixels)
+
+
+def test_every_bed_is_sheared_in_all_ways():
+    """With friction in all contacts and with none, at the same inertial numbers."""
+    beds = {}
+    for run in load(ROOT / "config/shear.yaml").block("drag").runs:
+        own = run.replicate.configuration
+        ways = beds.setdefault(run.replicate.bed_key(), set())
+        ways.add((own.shear.inertial_number, *own.friction.model_dump().values()))
+    numbers = {number for number, *_ in next(iter(beds.values()))}
+    assert {1e-3, 0.3} <= numbers
+    for ways in beds.values():
+        assert ways == {(number, mu, mu, mu, 1.0) for number in numbers for mu in (0.0, 0.4)}
