@@ -41,7 +41,7 @@ def _wall_motion(replicate: Replicate, bed: Bed) -> list[Drive | None] | None:
     """The top wall is pressed down where there is a pressure P; all others are at rest.
 
     It has the mass of a row of granules, and yields at v with a damping of v sqrt(density P) per area:
-    that part of P that v is of sqrt(P / density), a hundred metres a second or more in the paper's bed.
+    that part of P that v is of sqrt(P / density), ninety metres a second at 30 MPa.
     """
     pressure = replicate.configuration.packing.pressure
     if pressure is None or bed.walls is None:
