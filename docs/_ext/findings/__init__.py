@@ -12,6 +12,7 @@ from .calibration import calibration
 from .claims import claims
 from .common import DATA, Findings, holds, interval, table
 from .drag import beds, drag, flow
+from .pressure import pressure
 from .scale import ensembles, overhead
 from .speed import speed, timings
 from .stability import stability
@@ -23,7 +24,7 @@ TEMPLATES = Environment(
     comment_end_string="#>",
     keep_trailing_newline=True,
 )
-FILES = drag, flow, claims, accuracy, stability, velocity, speed  # written by docs/data/release.py
+FILES = drag, flow, claims, accuracy, stability, velocity, pressure, speed  # written by docs/data/release.py
 MEASURED = ensembles, overhead  # by the scripts that measure
 NAMES = {
     "table": table,
@@ -37,6 +38,7 @@ NAMES = {
     "ensembles": ensembles,
     "flow": flow,
     "overhead": overhead,
+    "pressure": pressure,
     "speed": speed,
     "stability": stability,
     "timings": timings,
