@@ -137,9 +137,3 @@ class Widths:
     def enough(self, place: tuple, shape: str) -> float:
         """Width, over that of the first box, from which on the line is NEAR its limit."""
         return abs(self.line(place, shape).slope) / float(np.log1p(NEAR))
-
-    def apart(self, place: tuple, shape: str, box: str, other: str) -> Estimate:
-        """Drag in a box over that in another one."""
-        mean, variance = self._cell(place, shape)
-        a, b = self.boxes.index(box), self.boxes.index(other)
-        return self._told(place, mean[a] - mean[b], np.sqrt(variance[a] + variance[b]))

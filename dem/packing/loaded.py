@@ -18,9 +18,10 @@ from dem.scene import Cylinder, State, periods_of, walls_of
 
 STEP = 0.01  # of the height, at most, between two rests
 STEPS = 100  # at most
+FAR = 1e-3  # of the height: less tells no slope
 NEAR = 1e-3  # of the load: how near it is met
 PATIENCE = 20_000  # iterations between two steps
-RESTING = 1e-3  # of the force of the load on a granule: enough between two steps
+RESTING = 1e-4  # of the force of the load on a granule: enough between two steps
 
 
 def pack_under(
@@ -66,12 +67,15 @@ def pack_under(
 
 
 def _next(seen: list[tuple[float, float]]) -> float:
-    """Height (m) to look at next, by a secant, at most STEP from the last one."""
+    """Height (m) to look at next, by a secant, at most STEP from the last one.
+
+    The other point of the secant is the last one that is far enough away to tell a slope.
+    """
     height, borne = seen[-1]
+    far = (at for at in reversed(seen) if abs(at[0] / height - 1.0) > FAR)
+    before, less = next(far, (height, borne))
     change = -STEP if borne < 1.0 else STEP
-    if len(seen) > 1 and seen[-2][1] > 0.0:
-        before, less = seen[-2]
-        if (height - before) * (borne - less) < 0.0:
-            slope = (borne - less) / (height - before)
-            change = float(np.clip((1.0 - borne) / slope / height, -STEP, STEP))
+    if (height - before) * (borne - less) < 0.0:
+        slope = (borne - less) / (height - before)
+        change = float(np.clip((1.0 - borne) / slope / height, -STEP, STEP))
     return height * (1.0 + change)

@@ -131,10 +131,6 @@ class Pressure(Findings):
         found = self.widths.excess((way,), shape, width)
         return words(Estimate(*(100.0 * (each - 1.0) for each in found)), "%", 0)
 
-    def higher(self, way: str, shape: str) -> str:
-        """Drag in the box of twice the height over that in the first."""
-        return words(self.widths.apart((way,), shape, "high", "1"))
-
     def ratio(self, way: str, shape: str, box: str) -> str:
         """Drag over that of the first shape."""
         return words(self.widths.ratio((way,), shape, box))
