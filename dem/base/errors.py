@@ -28,7 +28,7 @@ class RunError(RuntimeError):
 
 
 class PackingError(RunError):
-    """No bed comes to rest at this packing fraction; lower packing.fraction or take another seed.
+    """No bed comes to rest at this packing fraction or pressure; lower it or take another seed.
 
     Examples
     --------

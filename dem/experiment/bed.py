@@ -4,11 +4,13 @@ from pathlib import Path
 
 import numpy as np
 
-from dem.base.errors import InputError
+from dem.base.errors import InputError, PackingError
+from dem.contacts.force_law import effective_modulus
 from dem.experiment.config import Replicate
-from dem.experiment.fit import height_of_box, sample_diameters
+from dem.experiment.fit import NOMINAL, height_of_box, sample_diameters
 from dem.io.dataset import BED, global_attributes, read, write
-from dem.packing.pressed import compact
+from dem.packing.loaded import pack_under
+from dem.packing.pressed import START, compact
 from dem.packing.random import Bed, pack
 from dem.scene import Cylinder, Periods, periods_of
 from dem.shapes import KINDS
@@ -21,7 +23,11 @@ def diameters(replicate: Replicate) -> np.ndarray:
 
 
 def cylinder(replicate: Replicate, height: float) -> Cylinder | None:
-    """The cylinder at its start in a box of the given height (m), if there is one."""
+    """The cylinder at its start in a box of the given height (m), None if there is none.
+
+    Where packing.pressure is given, this is the height of a box at the packing fraction NOMINAL
+    (dem.experiment.fit): that of the bed is known only once it is packed around the cylinder.
+    """
     wanted, width = replicate.configuration.cylinder, replicate.configuration.box_width
     if wanted is None:
         return None
@@ -34,13 +40,35 @@ def periods(replicate: Replicate, height: float) -> Periods:
     return periods_of(own.box_width, height, own.periodic)
 
 
+def thickness(replicate: Replicate) -> float:
+    """Thickness (m) of the granules out of the plane."""
+    return replicate.configuration.material.thickness or replicate.shape.diameter
+
+
 def make_bed(replicate: Replicate) -> Bed:
-    """Pack the bed; ellipses always by common normal, which alone has an energy to minimise."""
+    """Pack the bed; ellipses always by common normal, which alone has an energy to minimise.
+
+    Under a pressure the top wall comes down on a loose bed. Raises PackingError where no bed is found,
+    or where it leaves no room for the stroke.
+    """
     sizes = diameters(replicate)
     shape = KINDS[replicate.shape.kind].shape.of_size(sizes, replicate.shape.ratio)
     own = replicate.configuration
     height = height_of_box(own, sizes)
-    room = shape, own.box_width, height, cylinder(replicate, height), replicate.seed
+    at = cylinder(replicate, height)
+    if own.packing.pressure is not None:
+        loose = height * NOMINAL / START
+        load = own.packing.pressure * thickness(replicate) / effective_modulus(*2 * [own.material])
+        room = shape, own.box_width, loose, at, replicate.seed
+        bed = pack_under(*room, load, own.periodic)
+        top = at.position[1] + own.cylinder.stroke + 0.5 * at.diameter
+        if top > bed.height:
+            raise PackingError(
+                f"under {own.packing.pressure:g} Pa the box is {bed.height:.4g} m high, and the cylinder "
+                f"would leave it during its stroke; at most {own.cylinder.stroke + bed.height - top:.3g} m fit."
+            )
+        return bed
+    room = shape, own.box_width, height, at, replicate.seed
     friction = own.packing.friction
     if friction > 0.0:
         return compact(*room, friction, own.periodic)

@@ -53,13 +53,35 @@ class CylinderSection(Section):
 
 
 class PackingSection(Section):
-    fraction: Annotated[Positive, value("1", "packing fraction", lt=1)]
+    fraction: Annotated[
+        Positive | None, value("1", "packing fraction; none: packing.pressure is given", lt=1)
+    ] = None
     size_spread: Annotated[
         Number, value("1", "diameters are uniform within +- this share", ge=0, lt=1)
     ]
     friction: Annotated[
         NotNegative, value("1", "friction of all contacts while the bed is packed")
     ] = 0.0
+    pressure: Annotated[
+        Positive | None,
+        value("Pa", "pressure on the top wall, which holds it; none: packing.fraction is given"),
+    ] = None
+
+    @model_validator(mode="after")
+    def _check(self):
+        if self.fraction is None and self.pressure is None:
+            raise ValueError("fraction is missing; give it, or a pressure in its place")
+        if self.fraction is not None and self.pressure is not None:
+            raise ValueError(
+                f"fraction is {self.fraction:g} and pressure {self.pressure:g} Pa; one follows from "
+                "the other, make one of them null"
+            )
+        if self.pressure is not None and self.friction > 0.0:
+            raise ValueError(
+                f"friction is {self.friction:g}; a bed that is packed under a pressure is packed "
+                "without friction, make it 0"
+            )
+        return self
 
 
 class MaterialSection(Section):
@@ -185,7 +207,10 @@ class Configuration(Section):
 
     experiment: Annotated[Literal[EXPERIMENTS], value(None, "what is done with the bed")] = "drag"
     box_width: Annotated[
-        Positive, value("m", "width of the box; its height follows from packing.fraction")
+        Positive,
+        value(
+            "m", "width of the box; its height follows from packing.fraction or packing.pressure"
+        ),
     ]
     periodic: Annotated[
         Literal["none", "x", "y", "xy"], value(None, "sides along which the box repeats itself")
@@ -230,6 +255,21 @@ class Configuration(Section):
                 raise ValueError(f"shapes.{label}.kind is {shape.kind}; only a disc is sheared")
 
     @model_validator(mode="after")
+    def _check_pressure(self):
+        if self.packing.pressure is not None:
+            asked = f"packing.pressure is {self.packing.pressure:g} Pa"
+            if "y" in self.periodic:
+                raise ValueError(
+                    f"{asked} and periodic {self.periodic}; a pressure needs a top wall, let periodic "
+                    "be none or x"
+                )
+            if self.experiment != "drag":
+                raise ValueError(
+                    f"{asked}; the experiment {self.experiment} needs packing.fraction"
+                )
+        return self
+
+    @model_validator(mode="after")
     def _check_window(self):
         if self.record is None or self.cylinder is None:
             return self
@@ -267,11 +307,11 @@ class Configuration(Section):
         if self.periodic == "none":  # runs between walls are the same as before there was this key
             unread["periodic"] = True
         unread |= {name: True for name in SECTIONS if getattr(self, name) is None}
+        exclude = {"record": {"window"}} | unread
+        if self.packing.pressure is None:  # likewise
+            exclude["packing"] = {"pressure"}
         included = set(Configuration.model_fields)
-        return json.dumps(
-            self.model_dump(include=included, exclude={"record": {"window"}} | unread),
-            sort_keys=True,
-        )
+        return json.dumps(self.model_dump(include=included, exclude=exclude), sort_keys=True)
 
     @cached_property
     def _granules(self) -> dict[str, str]:
@@ -374,7 +414,7 @@ class Replicate:
         """The values that select the machine code of the run, as text.
 
         Each motion that it computes: its own, and that of a bed pressed with friction. Has it
-        friction, damping, gravity, a ledger; how are contacts of ellipses found? Beds
+        friction, damping, gravity, a ledger; does a wall hold a pressure; how are contacts of ellipses found? Beds
         between rough walls have others.
         """
         c, motions = self.configuration, set()
@@ -383,21 +423,25 @@ class Replicate:
             motions.add(("held", rough, c.material.restitution < 1))
         if c.experiment == "drag":
             ellipse = c.ellipse if self.shape.kind == "ellipse" else EllipseSection()
-            ledger = "ledger" in c.observables
-            motions.add((rough, c.material.restitution < 1, c.gravity > 0, ledger, str(ellipse)))
+            has = c.gravity > 0, "ledger" in c.observables, c.packing.pressure is not None
+            motions.add((rough, c.material.restitution < 1, *has, str(ellipse)))
         if c.experiment == "jamming" or c.packing.friction > 0:
-            motions.add((True, True, False, False, str(EllipseSection())))
+            motions.add((True, True, False, False, False, str(EllipseSection())))
         return f"{self.shape.kind} {c.periodic} {sorted(motions)}"
 
     @property
     def bed_family(self) -> str:
-        """Hash of all that the bed depends on, except packing fraction, friction and seed."""
+        """Hash of all that the bed depends on, except packing fraction or pressure, friction and
+        seed."""
         return _digest(self._bed())
 
     def bed_key(self) -> str:
         """All that the bed depends on, as text."""
-        packing = self.configuration.packing
-        return f"{self._bed()} {packing.fraction} {packing.friction} {self.seed}"
+        packing, material = self.configuration.packing, self.configuration.material
+        if packing.pressure is None:
+            return f"{self._bed()} {packing.fraction} {packing.friction} {self.seed}"
+        load = packing.pressure, material.young_modulus, material.poisson_ratio, material.thickness
+        return f"{self._bed()} {load} {self.seed}"
 
     def run_key(self) -> str:
         """All that the run depends on, as text."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from dem.contacts.force_law import effective_modulus
 from dem.dynamics.simulation import Record
-from dem.experiment.bed import diameters
+from dem.experiment.bed import cylinder, diameters, thickness
 from dem.experiment.config import Configuration, Replicate
 from dem.experiment.motion import Motion
 from dem.experiment.observables import module_of
@@ -39,7 +39,7 @@ class Seen(NamedTuple):
     @property
     def motion(self) -> Motion:
         """The snapshots."""
-        start = self.replicate.configuration.cylinder.start * self.bed.height
+        _, start = cylinder(self.replicate, self.bed.height).position
         return Motion(
             self.replicate, self.bed.height, self.moved, start + self.moved,
             np.stack([state.position for state in self.states]),
@@ -133,9 +133,7 @@ def _of_bed(replicate: Replicate, bed: Bed) -> dict:
     modulus = effective_modulus(material, material)
     return {
         "box_height": bed.height,
-        "packing_pressure": bed.pressure
-        * modulus
-        / (material.thickness or replicate.shape.diameter),
+        "packing_pressure": bed.pressure * modulus / thickness(replicate),
         "packing_coordination_number": bed.coordination_number,
         "packing_net_force": bed.net_force,
         "packing_max_overlap": bed.max_overlap,

@@ -6,6 +6,8 @@ import numpy as np
 
 from dem.scene import ROOM
 
+NOMINAL = 0.84  # packing fraction that tells where a bed under a pressure has its cylinder
+
 
 def sample_diameters(shape, spread: float, seed: int) -> np.ndarray:
     """Volume diameters (n,) in m: uniform within +- spread of the mean."""
@@ -16,12 +18,14 @@ def sample_diameters(shape, spread: float, seed: int) -> np.ndarray:
 def height_of_box(configuration, diameters: np.ndarray | float, each: int = 1) -> float:
     """Height (m) for granules of the sampled diameters, V_f = V_g / (W H - V_c) (equation 18).
 
-    each: how many granules there are of every diameter.
+    each: how many granules there are of every diameter. Where packing.pressure is given, V_f is
+    NOMINAL: the height by which the start of the cylinder is measured, near that of the bed.
     """
     granules = 0.25 * math.pi * each * np.sum(np.square(diameters))
     still = configuration.cylinder
     cylinder = 0.25 * math.pi * still.diameter**2 if still else 0.0
-    return (granules / configuration.packing.fraction + cylinder) / configuration.box_width
+    fraction = configuration.packing.fraction or NOMINAL
+    return (granules / fraction + cylinder) / configuration.box_width
 
 
 def check_rooms(configuration, label: str, seeds) -> None:

@@ -48,7 +48,7 @@ class Motion(NamedTuple):
         return int(np.abs(self.displacement - displacement).argmin())
 
     def contacts(self, snapshot: int) -> Touching:
-        """Contacts at a snapshot."""
+        """Contacts at a snapshot; without those at a top wall that moves under a pressure."""
         replicate, place = self.replicate, self.position[snapshot]
         bed = Bed(
             place,
@@ -61,4 +61,6 @@ class Motion(NamedTuple):
         scene = make_scene(replicate, bed)
         axis = scene.cylinder.position[0], float(self.cylinder_y[snapshot])
         scene = replace(scene, cylinder=replace(scene.cylinder, position=axis))
+        if scene.wall_motion is not None:
+            scene = replace(scene, walls=scene.walls[:-1], wall_motion=None)
         return Simulation(scene, bed.state).contacts()

@@ -1,8 +1,11 @@
 """The scene of a run and its simulation, at the start."""
 
+import math
+
 from dem.dynamics.simulation import Simulation
-from dem.experiment.bed import cylinder, diameters
+from dem.experiment.bed import cylinder, diameters, thickness
 from dem.experiment.config import Replicate
+from dem.motion import Drive
 from dem.packing.random import Bed
 from dem.scene import Friction, Material, Scene
 from dem.shapes import KINDS
@@ -28,9 +31,28 @@ def make_scene(replicate: Replicate, bed: Bed) -> Scene:
         walls=bed.walls,
         cylinder=cylinder(replicate, bed.height),
         gravity=(0.0, -own.gravity) if own.gravity > 0.0 else None,
-        thickness=material.thickness or replicate.shape.diameter,
+        thickness=thickness(replicate),
         periodic=bed.periodic,
+        wall_motion=_wall_motion(replicate, bed),
     )
+
+
+def _wall_motion(replicate: Replicate, bed: Bed) -> list[Drive | None] | None:
+    """The top wall is pressed down where there is a pressure P; all others are at rest.
+
+    It has the mass of a row of granules, and yields at v with a damping of v sqrt(density P) per area:
+    that part of P that v is of sqrt(P / density), ninety metres a second at 30 MPa.
+    """
+    pressure = replicate.configuration.packing.pressure
+    if pressure is None or bed.walls is None:
+        return None
+    area = bed.width * thickness(replicate)
+    lid = Drive(
+        force=(None, -pressure * area),
+        mass=replicate.density * area * replicate.shape.diameter,
+        damping=math.sqrt(replicate.density * pressure) * area,
+    )
+    return [None] * (len(bed.walls) - 1) + [lid]
 
 
 def start(replicate: Replicate, bed: Bed, **options) -> Simulation:

@@ -1,13 +1,16 @@
 """Compile the kernels that a run needs before many processes need them at once."""
 
+from dataclasses import replace
+
 from dem.dynamics.simulation import Simulation
 from dem.experiment import shear
-from dem.experiment.bed import cylinder, diameters
+from dem.experiment.bed import diameters
 from dem.experiment.config import Replicate
 from dem.experiment.observables import module_of
 from dem.experiment.scene import make_scene
 from dem.packing.pressed import compact
 from dem.packing.random import pack
+from dem.scene import Cylinder
 from dem.shapes import KINDS
 
 
@@ -27,12 +30,15 @@ def compile_kernels(replicate: Replicate) -> None:
     start = own.cylinder.start
     height = 4.0 * (own.cylinder.diameter + few.diameter) / min(start, 1.0 - start)
     shape = KINDS[few.kind].shape.of_size(diameters(replicate), few.ratio)
-    room = shape, own.box_width, height, cylinder(replicate, height), 0
+    at = 0.5 * own.box_width, start * height  # of a box that is much too high for three granules
+    cylinder = Cylinder(own.cylinder.diameter, at, (0.0, own.cylinder.velocity))
+    room = shape, own.box_width, height, cylinder, 0
     # a bed that jams is pressed with friction in other runs of the variant, and drawn in most sweeps
     friction = 1.0 if own.experiment == "jamming" else own.packing.friction
     bed = compact(*room, friction, own.periodic) if friction > 0.0 else pack(*room, own.periodic)
     ledger = "ledger" in own.record.observables
-    run = Simulation(make_scene(replicate, bed), bed.state, ledger=ledger)
+    scene = replace(make_scene(replicate, bed), cylinder=cylinder)
+    run = Simulation(scene, bed.state, ledger=ledger)
     run.check_duration(1e-9)
     run.record(1e-9, 1)
     for name in own.record.observables:

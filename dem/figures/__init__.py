@@ -52,6 +52,10 @@ SWEPT = {
         "Drag against the velocity of the cylinder, and its quasi-static limit",
         {"cylinder_velocity": 4, "seed": 3},  # LEAST of dem.analysis.velocity, which loads xarray
     ),
+    "pressure": (
+        "Drag of shapes against the width of the box, at equal pressure and at equal packing fraction",
+        {"box": 3, "shape": 2, "seed": 2},  # LEAST of dem.analysis.pressure
+    ),
 }
 
 # from shear.nc, of the experiment shear: (what it shows, how many values of which axes suffice for it)

@@ -59,7 +59,7 @@ def axis_of(key: str, spec, place: Place) -> Axis:
     if key in place.paths:
         found = [_converted(value, place.paths[key], here) for value in _values(key, spec, here)]
         _once(found, here)
-        return Axis(key.replace(".", "_"), place.paths[key], found, [{key: each} for each in found])
+        return Axis(name_of(key), place.paths[key], found, [{key: each} for each in found])
     if isinstance(spec, dict) and spec and "design" in spec:
         return _design(key, spec, here)
     if isinstance(spec, dict) and spec and all(isinstance(point, dict) for point in spec.values()):
@@ -156,10 +156,16 @@ def _design(key: str, spec: dict, here: Place) -> Axis:
 def _own_name(key: str, here: Place) -> str:
     """The name of a dimension, with a suffix if a variable has that name."""
     check_label(key, here.where.rpartition(".")[0])
+    return name_of(key)
+
+
+def name_of(path: str) -> str:
+    """The name of a value in files of results, with a suffix if what runs record has that name."""
+    name = path.replace(".", "_")
     taken = {"run", "bound", "snapshot", "granule", *OBSERVABLES}
     for table in (AXES, LABELS, OF_RUN, OF_STORE, *(module_of(n).VARIABLES for n in OBSERVABLES)):
         taken |= set(table)
-    return f"{key}_swept" if key in taken else key
+    return f"{name}_swept" if name in taken else name
 
 
 def changes(values, place: Place) -> dict:

@@ -79,6 +79,10 @@ def derived_by(sweep, paths: list[Path]):
         kinds = replicate.bed_family, reference.bed_family
         # of the block, if it sets one
         fraction = replicate.configuration.packing.fraction
+        if fraction is None:
+            raise InputError(
+                f"{way} compares beds of one packing.fraction; {replicate.label} has packing.pressure."
+            )
         friction = asked.get("friction", 0.0)
         try:
             if way == "equal_load":

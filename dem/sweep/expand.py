@@ -12,7 +12,7 @@ from dem.base.errors import InputError
 from dem.base.schema import MOST
 from dem.experiment.config import Configuration, Entry, Replicate, entries
 from dem.experiment.fit import check_rooms
-from dem.sweep.axis import OWN, Axis, axis_of, changes, is_derived, place_in
+from dem.sweep.axis import OWN, Axis, axis_of, changes, is_derived, name_of, place_in
 
 WORDS = ("needs", "values")  # of a block, beside what varies
 SAME = ("cylinder.stroke", "record.bins", "record.snapshots", "experiment")
@@ -79,7 +79,7 @@ class Block:
                 found[name] = (None, *self._along(list(map(get, self._replicates)), forced))
         known = {entry.path: entry for entry in self._entries.values()}
         for path in dict.fromkeys(p for axis in self.axes for point in axis.points for p in point):
-            name = path.replace(".", "_")
+            name = name_of(path)
             if path in known and name not in self.dims and not path.startswith("shapes."):
                 values = self._along([self._value(r, path) for r in self._replicates], [])
                 found[name] = (known[path], *values)

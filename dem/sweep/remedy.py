@@ -26,7 +26,7 @@ ELSEWHERE = {
     "radius": "; write diameter, which is twice the radius",
     "min": "; write low",
     "max": "; write high",
-    "box_height": "; leave it out: the height follows from packing.fraction",
+    "box_height": "; leave it out: the height follows from packing.fraction or packing.pressure",
 }
 
 

@@ -7,6 +7,7 @@ from dem.base.errors import InputError
 from dem.dynamics.simulation import STEP_FRACTION, Simulation
 from dem.experiment.bed import make_bed
 from dem.experiment.config import Replicate
+from dem.experiment.fit import NOMINAL
 from dem.experiment.scene import make_scene
 from dem.scene import Scene, State
 from dem.sweep.config import Sweep
@@ -40,7 +41,7 @@ def beds(sweep: Sweep) -> dict[str, Case]:
         label = next((label for label, shape in shapes if shape.kind == kind), None)
         if label is None:
             raise InputError(f"the configuration has no {kind}; the benchmark needs one.")
-        packing = {"fraction": max(sweep.packing.fraction, LOADED.get(kind, 0.0))}
+        packing = {"fraction": max(sweep.packing.fraction or NOMINAL, LOADED.get(kind, 0.0))}
         loaded = sweep.model_copy(update={"packing": sweep.packing.model_copy(update=packing)})
         replicate = Replicate(loaded, label, sweep.density_of(label), sweep.first_seed)
         bed = make_bed(replicate)

@@ -76,7 +76,7 @@ def shared(sweep, factors: list[str]) -> dict:
         "jam_at": jamming.axes(sweep)["jam_at"],
         "reference_shape": np.array(first.shape),
         "reference_density": first.density,
-        "reference_packing": sweep.packing.fraction,
+        "reference_packing": sweep.packing.fraction or np.nan,  # none under a pressure
     }
 
 
@@ -139,7 +139,7 @@ def coarse(values: np.ndarray) -> np.ndarray:
 def labels(block: Block, run: Run, factors: dict[str, Range | Choice]) -> dict:
     """What a run is."""
     part, at, own = block.name.partition("_")[0], coordinates(block, run), run.replicate
-    packing = own.configuration.packing.fraction
+    packing = own.configuration.packing.fraction or np.nan
     alone = "ellipse" if part == "ratios" else own.label
     return {
         "part": part,

@@ -12,6 +12,7 @@ from .calibration import calibration
 from .claims import claims
 from .common import DATA, Findings, holds, interval, table
 from .drag import beds, drag, flow
+from .pressure import pressure
 from .scale import ensembles, overhead
 from .shear import shear
 from .speed import speed, timings
@@ -32,6 +33,7 @@ FILES = (
     stability,
     velocity,
     shear,
+    pressure,
     speed,
 )  # written by docs/data/release.py
 MEASURED = ensembles, overhead  # by the scripts that measure
@@ -47,6 +49,7 @@ NAMES = {
     "ensembles": ensembles,
     "flow": flow,
     "overhead": overhead,
+    "pressure": pressure,
     "shear": shear,
     "speed": speed,
     "stability": stability,

@@ -1,0 +1,64 @@
+"""Drag over that of the first shape against the width of the box, at equal pressure and fraction."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from dem.analysis.pressure import Widths
+from dem.figures import style
+
+MARKERS = "osD^vPX"
+COLORS = style.CASES
+APART = 0.012  # between shapes, along 1 / width
+
+
+@style.styled
+def plot(dataset: xr.Dataset) -> Figure:
+    """Drags above and ratios below against 1 / width, one column per place on the other axes."""
+    found = Widths(dataset)
+    figure = Figure(figsize=(style.WIDTH, 7.4))
+    rows = figure.subplots(2, len(found.places), sharex=True, sharey="row", squeeze=False)
+    for column, place in enumerate(found.places):
+        above, below = rows[:, column]
+        words = ", ".join(f"{dim}: {at}" for dim, at in zip(found.others, place, strict=True))
+        above.set_title(words or "all runs")
+        for number, shape in enumerate(found.shapes):
+            look = {"color": COLORS[number % len(COLORS)], "marker": MARKERS[number % len(MARKERS)]}
+            shift = APART * (number - 0.5 * (len(found.shapes) - 1))
+            _points(above, found, shift, lambda b: found.drag(place, shape, b),
+                    found.drag_limit(place, shape), found.line(place, shape), shape, look)  # fmt: skip
+            if number:
+                _points(below, found, shift, lambda b: found.ratio(place, shape, b),
+                        found.limit(place, shape), found.line(place, shape, found.shapes[0]),
+                        shape, look)  # fmt: skip
+        below.axhline(1.0, **style.REFERENCE)
+        below.set_xlabel("Width of the first box over the width")
+        for axes in (above, below):
+            axes.set_yscale("log")
+            axes.yaxis.set_major_formatter("{x:.4g}")
+            axes.yaxis.set_minor_formatter("{x:.4g}")
+    rows[0, 0].set_ylabel(f"Mean drag from\n{style.window_text(dataset)} (N)")
+    rows[1, 0].set_ylabel(f"Drag over that of {found.shapes[0]}")
+    style.legend(figure, rows[0, 0], "outside lower center", ncols=len(found.shapes))
+    figure.suptitle(
+        "Drag against the width of the box, with the line in 1 / width\n"
+        "(95 % intervals; open, at 0: a box without end)"
+    )
+    return figure
+
+
+def _points(axes, found, shift, value, limit, line, shape, look):
+    """Means in the boxes that differ in width alone, the limit, and the line through them."""
+    boxes = [b for b, along in zip(found.boxes, found.along, strict=True) if along]
+    x = 1.0 / found.width[found.along]
+    middle, low, high = np.array([value(b) for b in boxes]).T
+    options = {"linestyle": "none", "capsize": 3, "markersize": 6, "elinewidth": 1.4}
+    axes.errorbar(x + shift, middle, [middle - low, high - middle], label=shape, **options, **look)
+    axes.errorbar(
+        [shift], [limit.value], [[limit.value - limit.low], [limit.high - limit.value]],
+        markerfacecolor="white", **options, **look,
+    )  # fmt: skip
+    along = np.linspace(0.0, x.max(), 50)
+    axes.plot(
+        along + shift, np.exp(line.limit + line.slope * along), color=look["color"], linewidth=1.2
+    )

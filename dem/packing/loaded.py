@@ -1,0 +1,81 @@
+"""A bed that bears a load: a loose bed whose top wall comes down until it carries what is asked.
+
+The granules keep their size, so the height of the box is a result. After every step down the elastic
+energy is minimised without friction, as in dem.packing.random. Above jamming the load to the power
+of 2/3 is nearly linear in the height (see dem.experiment.jamming), so a secant finds the height.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from dem.base.errors import PackingError
+from dem.contacts.force_law import effective_modulus
+from dem.dynamics.assembly import assemble, granule_table
+from dem.packing.minimise import minimise
+from dem.packing.random import LONGEST, REST, SKIN, SOFT, Bed, finished, pack, soft_scene
+from dem.scene import Cylinder, State, periods_of, walls_of
+
+STEP = 0.01  # of the height, at most, between two rests
+STEPS = 100  # at most
+FAR = 1e-3  # of the height: less tells no slope
+NEAR = 1e-3  # of the load: how near it is met
+PATIENCE = 20_000  # iterations between two steps
+RESTING = 1e-4  # of the force of the load on a granule: enough between two steps
+
+
+def pack_under(
+    shape: Any, width: float, height: float, cylinder: Cylinder, seed: int, load: float,
+    periodic: str = "none",
+) -> Bed:  # fmt: skip
+    """A bed at rest whose top wall bears a load, to one part in a thousand.
+
+    height (m): of the box in which the bed is loose, before its top wall comes down; load (m): normal
+    force on the top wall over width and E*. The cylinder stays where it is; otherwise as dem.pack.
+    Raises PackingError as dem.pack does, and where no height is found.
+    """
+    still = Cylinder(cylinder.diameter, cylinder.position)
+    state = pack(shape, width, height, still, seed, periodic).state
+    modulus = effective_modulus(SOFT, SOFT)
+    unit = modulus * shape.constituent_radius.mean() ** 2  # N
+    near = RESTING * load * modulus * 2.0 * shape.constituent_radius.mean()
+    seen: list[tuple[float, float]] = []  # heights (m), load^(2/3) over what is asked
+    met = False
+    while len(seen) < STEPS:
+        periods = periods_of(width, height, periodic)
+        scene = soft_scene(shape, walls_of(width, height, periods), still, periods)
+        table = granule_table(scene, SKIN)
+        world = assemble(scene, state.checked(scene.granules), table)
+        iterations, enough = (LONGEST, REST * unit) if met else (PATIENCE, near)
+        world, rest = minimise(scene, table, world, iterations, enough)
+        borne = float(world.walls.impulse[-1]) / (modulus * width * load)
+        polished, met = met, abs(borne - 1.0) < NEAR
+        if polished and met:
+            if not rest.net_force <= enough:
+                break
+            net_force = rest.net_force / unit
+            return finished(scene, table, world, rest, width, height, net_force, seed)
+        seen.append((height, borne ** (2.0 / 3.0)))
+        lower = height if met else _next(seen)  # once more, until it is at rest as any other bed
+        position = world.bodies[:, :2].copy()
+        position[:, 1] *= lower / height
+        state, height = State(position, angle=world.angle.copy()), lower
+    raise PackingError(
+        f"no height of a box of {width:.3g} m was found in which the bed (seed {seed}) is at rest "
+        f"under its load; at {height:.4g} m it bears {borne:.3g} of it."
+    )
+
+
+def _next(seen: list[tuple[float, float]]) -> float:
+    """Height (m) to look at next, by a secant, at most STEP from the last one.
+
+    The other point of the secant is the last one that is far enough away to tell a slope.
+    """
+    height, borne = seen[-1]
+    far = (at for at in reversed(seen) if abs(at[0] / height - 1.0) > FAR)
+    before, less = next(far, (height, borne))
+    change = -STEP if borne < 1.0 else STEP
+    if (height - before) * (borne - less) < 0.0:
+        slope = (borne - less) / (height - before)
+        change = float(np.clip((1.0 - borne) / slope / height, -STEP, STEP))
+    return height * (1.0 + change)

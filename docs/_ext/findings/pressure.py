@@ -1,0 +1,179 @@
+"""Shapes at equal pressure and at equal packing fraction, in boxes of several widths."""
+
+from functools import cached_property
+
+import numpy as np
+from rich.table import Table
+
+from dem.analysis.pressure import NEAR, Estimate, Widths
+from dem.studies.claims import report as claims_report
+from dem.studies.claims.evidence import from_sweep
+from dem.studies.claims.verdicts import judge
+
+from .claims import claims
+from .common import Findings, heads
+
+WAYS = "fraction", "pressure"
+ABOUT_SHAPE = (
+    "dumbbells_above_discs", "dumbbells_below_discs", "slight_ellipses_drop", "shape_matters",
+)  # fmt: skip
+
+
+def words(found: Estimate, unit: str = "", digits: int = 2) -> str:
+    """An estimate and its interval: 1.18 (1.09 to 1.27), on one line."""
+    text = f"{found.value:.{digits}f} ({found.low:.{digits}f} to {found.high:.{digits}f}) {unit}"
+    return text.rstrip().replace("-", "\N{MINUS SIGN}").replace(" ", "\N{NO-BREAK SPACE}")
+
+
+class Pressure(Findings):
+    """Drag at equal fraction and at equal pressure, pressure.nc."""
+
+    name, command = "pressure", "snakemake -j2 --configfile config/pressure.yaml"
+    source = "pressure/drag.nc"
+
+    @cached_property
+    def widths(self) -> Widths:
+        return Widths(self.dataset)
+
+    @cached_property
+    def judged(self) -> dict:
+        """Verdicts by way, in the widest box."""
+        widest = self.widths.boxes[int(np.argmax(self.widths.width))]
+        found = {}
+        for way in WAYS:
+            runs = self.dataset.sel(confinement=way, box=widest)
+            runs = runs.rename_dims(shape="case").assign_coords(case=("case", runs["shape"].values))
+            runs = runs.assign_coords(
+                density=("case", np.broadcast_to(runs["density"].values, runs.sizes["case"]).copy())
+            )
+            found[way] = {each.claim.name: each for each in judge(from_sweep(runs))}
+        return found
+
+    def asked(self) -> str:
+        """Pressure on the top wall."""
+        return f"{1e-6 * float(self.dataset['packing_pressure_swept'].max()):.0f} MPa"
+
+    def seeds(self) -> str:
+        """Beds of each kind."""
+        return f"{self.dataset.sizes['seed']}"
+
+    def time(self) -> str:
+        """Processor time of all runs, without their beds."""
+        return f"{float(self.dataset['run_time'].sum()) / 60.0:.0f} min"
+
+    def held(self) -> str:
+        """Mean normal stress on the top wall within the window, least and greatest of all runs."""
+        found = 1e-6 * self._top()
+        return f"{float(found.min()):.1f} to {float(found.max()):.1f} MPa"
+
+    def near(self) -> str:
+        """By how much a run's mean pressure misses what is asked, at most."""
+        asked = float(self.dataset["packing_pressure_swept"].max())
+        return f"{100.0 * float(np.abs(self._top() / asked - 1.0).max()):.1f} %"
+
+    def _top(self, way: str = "pressure"):
+        runs = self.dataset.sel(confinement=way)
+        force = runs["wall_force"].sel(wall="top")
+        inside = (runs["displacement"] >= runs.attrs["window_start"]) & (
+            runs["displacement"] <= runs.attrs["window_stop"]
+        )
+        return force.where(inside).mean("displacement") / (runs["box_width"] * runs["diameter"])
+
+    def at_fraction(self) -> str:
+        """Mean pressure on the top wall of c1 within the window, where the height is kept, in the
+        first box."""
+        found = self._top("fraction").isel(box=0).sel(shape="c1")
+        return f"{1e-6 * float(found.mean()):.0f} MPa"
+
+    def packed(self) -> Table:
+        """One row per shape: packing fraction at rest and after the stroke, in the first box."""
+        runs = self.dataset.sel(confinement="pressure").isel(box=0)
+        made = heads(1, "shape", "V_f at rest", "at the end of the stroke")
+        for shape in self.widths.shapes:
+            one = runs.sel(shape=shape)
+            height = one["box_height"]
+            end = one["bed_fraction"].isel(displacement=-1)
+            room = one["box_width"] * one["top_height"].isel(displacement=-1)
+            hole = 0.25 * np.pi * self.dataset.attrs["cylinder_diameter"] ** 2
+            start = end * (room - hole) / (one["box_width"] * height - hole)
+            made.add_row(shape, f"{float(start.mean()):.3f}", f"{float(end.mean()):.3f}")
+        return made
+
+    def fall(self, shape: str, box: str = "1") -> str:
+        """Drag at equal fraction over that at equal pressure, in a box."""
+        a, b = (self.widths.drag((way,), shape, box).value for way in WAYS)
+        return f"{a / b:.1f}"
+
+    def ratios(self, way: str) -> Table:
+        """One row per shape: drag over that of the first, by box, and in one without end."""
+        made = heads(1, "shape", *(f"box {box}" for box in self.widths.boxes), "without end")
+        for shape in self.widths.shapes[1:]:
+            cells = [words(self.widths.ratio((way,), shape, box)) for box in self.widths.boxes]
+            made.add_row(shape, *cells, words(self.widths.limit((way,), shape)))
+        return made
+
+    def drags(self, way: str) -> Table:
+        """One row per shape: drag by box, without end, and the width that is wide enough."""
+        boxes = self.widths.boxes
+        made = heads(
+            1, "shape", *(f"box {box}, N" for box in boxes), "without end, N", "wide enough, times"
+        )
+        for shape in self.widths.shapes:
+            cells = [words(self.widths.drag((way,), shape, box), digits=0) for box in boxes]
+            made.add_row(
+                shape, *cells, words(self.widths.drag_limit((way,), shape), digits=0),
+                f"{self.widths.enough((way,), shape):.1f}",
+            )  # fmt: skip
+        return made
+
+    def excess(self, way: str, shape: str, width: float) -> str:
+        """How far the drag is from that in a box without end, in per cent."""
+        found = self.widths.excess((way,), shape, width)
+        return words(Estimate(*(100.0 * (each - 1.0) for each in found)), "%", 0)
+
+    def ratio(self, way: str, shape: str, box: str) -> str:
+        """Drag over that of the first shape."""
+        return words(self.widths.ratio((way,), shape, box))
+
+    def limit(self, way: str, shape: str) -> str:
+        """Drag over that of the first shape in a box without end."""
+        return words(self.widths.limit((way,), shape))
+
+    def below(self, way: str, shape: str, share: float = 1.0) -> bool:
+        """Whether the limit of the ratio is below a number, interval included."""
+        return self.widths.limit((way,), shape).high < share
+
+    def above(self, way: str, shape: str, share: float = 1.0) -> bool:
+        """Whether the limit of the ratio is above a number, interval included."""
+        return self.widths.limit((way,), shape).low > share
+
+    def tolerance(self) -> str:
+        """What wide enough means."""
+        return f"{100.0 * NEAR:.0f} %"
+
+    def verdicts(self) -> Table:
+        """One row per claim about shape: in the paper's box, and at equal fraction and pressure."""
+        made = heads(
+            4, "claim (section)", "the paper's box, claims.nc", "equal fraction, widest box",
+            "equal pressure, widest box",
+        )  # fmt: skip
+        for name in ABOUT_SHAPE:
+            each = claims.judged[name]
+            cells = [self._cell(found[name]) for found in (claims.judged, *self.judged.values())]
+            made.add_row(f"{each.claim.title} ({each.claim.place})", *cells)
+        return made
+
+    @staticmethod
+    def _cell(verdict) -> str:
+        parts = "<br>".join(
+            f"{part.words}: {claims_report.span(part)}".replace(" ", "\N{NO-BREAK SPACE}")
+            for part in verdict.comparisons
+        )
+        return f"**{verdict.verdict}**<br>{parts}"
+
+    def verdict(self, way: str, name: str) -> str:
+        """Supported, contradicted, undecided or not tested."""
+        return self.judged[way][name].verdict
+
+
+pressure = Pressure()

@@ -1,0 +1,216 @@
+"""Beds under a pressure: what is asked is borne, and held; shapes in boxes of several widths."""
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from conftest import assert_not_blank
+
+from dem.analysis.pressure import LEAST, Widths
+from dem.base.errors import InputError, PackingError
+from dem.dynamics.simulation import Simulation
+from dem.experiment import drag
+from dem.experiment.bed import cylinder, make_bed, read_bed, write_bed
+from dem.experiment.config import parse
+from dem.experiment.scene import make_scene
+from dem.figures import SWEPT
+from dem.figures.pressure import plot
+from dem.figures.style import save
+from dem.sweep.config import load
+
+CONFIG = Path(__file__).parent.parent / "config"
+PRESSURE = 60e6  # Pa
+
+
+def asked(pressure=PRESSURE, **changes):
+    """A run of the small bed of discs under a pressure."""
+    values = {
+        "packing.fraction": None, "packing.pressure": pressure, "periodic": "x",
+        "record.observables": ["drag", "top"],
+    }  # fmt: skip
+    sweep = load(CONFIG / "smoke.yaml")
+    return sweep.changed(values | changes, "c1").replicate("c1", 3900.0, 1)
+
+
+@cache
+def bed_under(pressure=PRESSURE, periodic="x"):
+    return make_bed(asked(pressure, periodic=periodic))
+
+
+@cache
+def drawn():
+    """What the run records."""
+    return drag.run(asked(), bed_under())
+
+
+def area_of(run):
+    """Area (m2) of the top wall."""
+    return run.configuration.box_width * run.shape.diameter
+
+
+@pytest.mark.parametrize("pressure", [5e6, PRESSURE])
+def test_the_top_wall_bears_the_pressure_asked_for(pressure):
+    """By the forces of the run's own granules, before anything has moved."""
+    run, bed = asked(pressure), bed_under(pressure)
+    force = Simulation(make_scene(run, bed), bed.state).record(1e-10, 1).wall_force[0]
+    assert force[-1] / area_of(run) == pytest.approx(pressure, rel=5e-3)
+
+
+def test_floor_and_top_wall_bear_the_same_where_the_cylinder_bears_none():
+    """Between side walls too; what the cylinder at rest takes is the difference (Newton's third law)."""
+    run, bed = asked(periodic="none"), bed_under(periodic="none")
+    scene = make_scene(run, bed)
+    record = Simulation(scene, bed.state).record(1e-10, 1)
+    left, right, bottom, top = record.wall_force[0]
+    on_cylinder = record.normal_force[0]
+    assert bottom == pytest.approx(top + on_cylinder[1], rel=1e-2)
+    assert left == pytest.approx(right - on_cylinder[0], rel=1e-2)
+    assert top / area_of(run) == pytest.approx(PRESSURE, rel=5e-3)
+
+
+def test_the_top_wall_holds_the_pressure_while_the_cylinder_moves():
+    """Its mean force is the pressure to within 3 %, though the cylinder pushes the bed against it; a
+    wall that does not yield bears much more."""
+    run, values = asked(), drawn()
+    held = values["wall_force"][3] / area_of(run)
+    assert held.mean() == pytest.approx(PRESSURE, rel=0.03)
+    assert values["drag"].mean() > 0.0
+    assert values["top_height"][-1] != values["top_height"][0]
+
+
+def test_the_packing_fraction_follows_the_top_wall():
+    """Granules keep their area: fraction times free area is the same in all bins."""
+    run, values = asked(), drawn()
+    own = run.configuration
+    hole = 0.25 * np.pi * own.cylinder.diameter**2
+    area = values["bed_fraction"] * (own.box_width * values["top_height"] - hole)
+    np.testing.assert_allclose(area, area[0], rtol=1e-12)
+    assert 0.7 < values["bed_fraction"].min() < values["bed_fraction"].max() < 0.95
+
+
+def test_more_pressure_makes_a_lower_box_around_the_same_cylinder():
+    """The cylinder is where it is before the height is known."""
+    beds = {pressure: bed_under(pressure) for pressure in (5e6, PRESSURE)}
+    assert beds[5e6].height > beds[PRESSURE].height
+    places = {cylinder(asked(p), bed.height).position for p, bed in beds.items()}
+    assert len(places) == 1
+
+
+def test_the_file_of_a_bed_gives_back_its_bits(tmp_path):
+    """The same values give the same bed, and its file the same run; another pressure is refused."""
+    run, bed = asked(), bed_under()
+    again = make_bed(asked())
+    assert (again.position == bed.position).all() and again.height == bed.height
+    write_bed(tmp_path / "bed.nc", run, bed)
+    found = read_bed(tmp_path / "bed.nc", run)
+    assert (found.position == bed.position).all() and found.height == bed.height
+    with pytest.raises(InputError, match="not the bed of c1"):
+        read_bed(tmp_path / "bed.nc", asked(5e6))
+
+
+def test_a_box_too_low_for_the_stroke_is_refused():
+    with pytest.raises(PackingError, match="would leave it during its stroke; at most"):
+        make_bed(asked(1e9, **{"cylinder.stroke": 4.3e-3}))
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"packing.pressure": None}, "fraction is missing; give it, or a pressure"),
+        (
+            {"packing.fraction": 0.84},
+            "fraction is 0.84 and pressure 6e+07 Pa; one follows from the",
+        ),
+        ({"packing.friction": 0.3}, "friction is 0.3; a bed that is packed under a pressure"),
+        ({"periodic": "y"}, "packing.pressure is 6e+07 Pa and periodic y; a pressure needs a top"),
+        ({"experiment": "jamming"}, "packing.pressure is 6e+07 Pa; the experiment jamming needs"),
+        ({"packing.pressure": 0.0}, "packing.pressure is 0.0; it must be positive"),
+    ],
+)
+def test_a_pressure_that_cannot_be_is_refused(changes, words):
+    with pytest.raises(InputError) as error:
+        asked(**changes)
+    assert words in str(error.value) and str(error.value).count("\n") == 0
+
+
+def test_what_has_no_pressure_is_what_it_was():
+    """Identities of beds and runs do not depend on a key that is not given."""
+    values = load(CONFIG / "paper.yaml").values()
+    values["packing"].pop("pressure", None)
+    run = parse(values).replicate("c1", 3900.0, 1)
+    assert "pressure" not in run.run_key() and "None" not in run.bed_key()
+
+
+WIDTH = np.array([1.0, 2.0, 4.0, 1.0])
+BOXES = ["1", "2", "4", "high"]
+
+
+def boxes(limit=(1000.0, 500.0), slope=(0.8, -0.3), seeds=4, noise=0.0, seed=1):
+    """A file of runs: drags of two shapes with a part that falls as 1 / width, in N."""
+    rng = np.random.default_rng(seed)
+    line = np.log(limit)[:, None] + np.array(slope)[:, None] / WIDTH
+    drag = np.exp(line[..., None] + noise * rng.standard_normal((2, 4, seeds)))
+    dims = "shape", "box", "seed"
+    return xr.Dataset(
+        {
+            "drag": ((*dims, "displacement"), np.repeat(drag[..., None], 3, axis=-1)),
+            "run_id": (dims, np.full(drag.shape, "x")),
+        },
+        {
+            "shape": ["c1", "e1"], "box": BOXES, "seed": np.arange(seeds),
+            "box_width": ("box", 20e-3 * WIDTH), "cylinder_start": ("box", [0.25] * 3 + [0.125]),
+            "displacement": [0.5e-3, 1.5e-3, 2.5e-3],
+        },
+        {"window_start": 1e-3, "window_stop": 3e-3},
+    )  # fmt: skip
+
+
+def test_the_line_finds_the_box_without_end():
+    found = Widths(boxes())
+    assert found.along.tolist() == [True, True, True, False]
+    assert found.drag_limit((), "c1").value == pytest.approx(1000.0)
+    assert found.limit((), "e1").value == pytest.approx(0.5)
+    # ln(1 + 5 %) is left of a slope of 0.8 at this width
+    assert found.excess((), "c1", found.enough((), "c1")).value == pytest.approx(1.05)
+
+
+def test_intervals_of_the_limit_hold_the_truth_as_often_as_they_say():
+    held = []
+    for seed in range(200):
+        found = Widths(boxes(noise=0.2, seed=seed)).limit((), "e1")
+        held.append(found.low < 0.5 < found.high)
+    assert 0.90 <= np.mean(held) <= 0.99
+
+
+@pytest.mark.parametrize(
+    ("few", "words"),
+    [
+        ({"box": [0, 1]}, "2 of box; a line takes 3"),
+        ({"shape": [0]}, "1 of shape; a line takes 2"),
+        ({"box": [0, 1, 3]}, "fewer than 3 of its boxes differ in width alone"),
+    ],
+)
+def test_too_little_for_a_line_is_refused(few, words):
+    with pytest.raises(InputError, match=words):
+        Widths(boxes().isel(few))
+
+
+def test_the_figure_shows_shapes_and_ratios(tmp_path):
+    assert SWEPT["pressure"][1] == LEAST
+    figure = plot(boxes(noise=0.1))
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["c1", "e1"]
+    _, pixels = save(figure, tmp_path / "pressure")
+    assert_not_blank(pixels)
+
+
+def test_every_bed_of_the_study_has_the_same_shape_of_neighbourhood():
+    """Boxes of all widths have as many granules per width and height, and the cylinder as far from
+    the floor."""
+    runs = load(CONFIG / "pressure.yaml").block("drag").runs
+    for run in runs:
+        own, shape = run.replicate.configuration, run.replicate.shape
+        high = 0.25 / own.cylinder.start
+        assert shape.granules == pytest.approx(400 * own.box_width / 20e-3 * high)
+        assert (own.packing.fraction is None) != (own.packing.pressure is None)
