@@ -20,9 +20,11 @@ def diameters(replicate: Replicate) -> np.ndarray:
     return sample_diameters(replicate.shape, spread, replicate.seed)
 
 
-def cylinder(replicate: Replicate, height: float) -> Cylinder:
-    """The cylinder at its start in a box of the given height (m)."""
+def cylinder(replicate: Replicate, height: float) -> Cylinder | None:
+    """The cylinder, if there is one, at its start in a box of the given height (m)."""
     wanted, width = replicate.configuration.cylinder, replicate.configuration.box_width
+    if wanted is None:
+        return None
     return Cylinder(wanted.diameter, (0.5 * width, wanted.start * height), (0.0, wanted.velocity))
 
 

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 from functools import cache, cached_property
 from importlib import import_module
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple, get_args
 
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, Field, ValidationError, model_validator
@@ -33,7 +33,7 @@ from dem.experiment.fit import check_room
 from dem.experiment.observables import OBSERVABLES
 from dem.shapes import KINDS
 
-EXPERIMENTS = ("drag", "jamming")  # modules of this room
+EXPERIMENTS = ("drag", "jamming", "onset")  # modules of this room
 
 
 def value(units: str | None, about: str, **limits):
@@ -177,7 +177,7 @@ class Configuration(Section):
     periodic: Annotated[
         Literal["none", "x", "y", "xy"], value(None, "sides along which the box repeats itself")
     ] = "none"
-    cylinder: CylinderSection
+    cylinder: Annotated[CylinderSection | None, value(None, "the cylinder; none: there is none")]
     packing: PackingSection
     material: MaterialSection
     friction: FrictionSection
@@ -189,6 +189,10 @@ class Configuration(Section):
 
     @model_validator(mode="after")
     def _check_window(self):
+        if self.cylinder is None:
+            if self.experiment == "drag":
+                raise ValueError("cylinder is null; the experiment drag draws one, describe it")
+            return self
         if self.record.window[1] > self.cylinder.stroke:
             raise ValueError(
                 f"record.window ends at {self.record.window[1]:g} m, beyond cylinder.stroke, "
@@ -276,7 +280,7 @@ class Configuration(Section):
             *groups, last = path.split(".")
             at = data
             for name in groups:
-                at = at.get(name, {})
+                at = at.get(name) or {}
             if last in at:
                 at[last] = new
         return parse(data, f"{shape} with {words_of(changes)}" if changes else shape)
@@ -310,7 +314,8 @@ class Replicate:
 
     def _bed(self) -> str:
         c = self.configuration
-        others = c.packing.size_spread, c.box_width, c.cylinder.diameter, c.cylinder.start
+        around = (c.cylinder.diameter, c.cylinder.start) if c.cylinder else ()
+        others = c.packing.size_spread, c.box_width, *around
         sides = "" if c.periodic == "none" else f" {c.periodic}"
         return f"{c._granules[self.label]} {others}{sides}"
 
@@ -339,8 +344,8 @@ class Replicate:
     def run_key(self) -> str:
         """All that the run depends on, as text."""
         c = self.configuration
-        if c.experiment == "jamming":
-            return f"jamming {self.bed_key()}"
+        if c.experiment != "drag":
+            return f"{c.experiment} {self.bed_key()}"
         ellipse = c.ellipse if self.shape.kind == "ellipse" else ""
         own = c._granules[self.label], c._read_by_all, ellipse, self.density, self.seed
         return " ".join(map(str, own))
@@ -349,7 +354,7 @@ class Replicate:
     def source_hash(self) -> str:
         """SHA-256 of the code that this run depends on."""
         c = self.configuration
-        observables = () if c.experiment == "jamming" else c.record.observables
+        observables = c.record.observables if c.experiment == "drag" else ()
         return _code(c.experiment, tuple(observables), self.shape.kind)
 
     @cached_property
@@ -427,14 +432,20 @@ def entries(shapes: Iterable[str]) -> dict[str, Entry]:
             if path == "shapes":
                 for label in shapes:
                     visit(ShapeSection, f"shapes.{label}.")
-            elif isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel):
-                visit(field.annotation, path + ".")
+            elif section := section_of(field.annotation):
+                visit(section, path + ".")
             elif path not in ("record.window", "record.observables"):
                 units = (field.json_schema_extra or {}).get("units")
                 found[path] = Entry(path, units, field.description)
 
     visit(Configuration, "")
     return found
+
+
+def section_of(annotation) -> type[BaseModel] | None:
+    """The section that a key holds, which may also be null; None where it holds a value."""
+    kinds = annotation, *get_args(annotation)
+    return next((k for k in kinds if isinstance(k, type) and issubclass(k, BaseModel)), None)
 
 
 def nearest(word: str, words: Iterable[str]) -> str:

@@ -19,8 +19,9 @@ def height_of_box(configuration, diameters: np.ndarray | float, each: int = 1) -
     each: how many granules there are of every diameter.
     """
     granules = 0.25 * math.pi * each * np.sum(np.square(diameters))
-    cylinder = 0.25 * math.pi * configuration.cylinder.diameter**2
-    return (granules / configuration.packing.fraction + cylinder) / configuration.box_width
+    cylinder = configuration.cylinder
+    taken = 0.25 * math.pi * cylinder.diameter**2 if cylinder else 0.0
+    return (granules / configuration.packing.fraction + taken) / configuration.box_width
 
 
 def check_rooms(configuration, label: str, seeds) -> None:
@@ -49,15 +50,35 @@ def check_room(configuration, label: str, seed: int) -> None:
 def _check_box(configuration, label: str, height: float, largest: float) -> None:
     """Raise ValueError where cylinder or the largest granule (m) do not fit into a box (m)."""
     shape, cylinder = configuration.shapes[label], configuration.cylinder
+    where = f"with shapes.{label} the box is {configuration.box_width:.4g} m by {height:.4g} m"
+    turns = [each in configuration.periodic for each in "xy"]  # "none" has neither
+    if cylinder:
+        _check_cylinder(configuration, height, where, turns)
+    length = largest * math.sqrt(shape.ratio)
+    if length > min(configuration.box_width, height):
+        raise ValueError(
+            f"shapes.{label}.diameter is {shape.diameter:g} m: {where}, and a granule of length "
+            f"{length:.3g} m cannot fit"
+        )
+    least = ROOM * 0.5 * (length + max(length, cylinder.diameter if cylinder else 0.0))
+    for key, side, turn in zip("xy", (configuration.box_width, height), turns, strict=True):
+        if turn and side < least:
+            raise ValueError(
+                f"periodic is {configuration.periodic}: {where}; along {key} it must be at least "
+                f"{least:.4g} m, {ROOM:g} times the greatest distance at which two bodies touch"
+            )
+
+
+def _check_cylinder(configuration, height: float, where: str, turns: list[bool]) -> None:
+    """Raise ValueError where the cylinder does not fit into a box (m), or leaves it."""
+    cylinder = configuration.cylinder
     half = 0.5 * cylinder.diameter
     bottom, top = cylinder.start * height - half, cylinder.start * height + cylinder.stroke + half
-    where = f"with shapes.{label} the box is {configuration.box_width:.4g} m by {height:.4g} m"
     if cylinder.diameter >= configuration.box_width:
         raise ValueError(
             f"cylinder.diameter is {cylinder.diameter:g} m; it must be less than box_width, "
             f"{configuration.box_width:g} m"
         )
-    turns = [each in configuration.periodic for each in "xy"]  # "none" has neither
     if bottom < 0 and not turns[1]:
         raise ValueError(
             f"cylinder.start is {cylinder.start:g}: {where}, and the cylinder would begin below "
@@ -72,16 +93,3 @@ def _check_box(configuration, label: str, height: float, largest: float) -> None
             f"cylinder.stroke is {cylinder.stroke:g} m: {where}, and the cylinder would leave it "
             f"during its stroke; at most {cylinder.stroke + height - top:.3g} m fit"
         )
-    length = largest * math.sqrt(shape.ratio)
-    if length > min(configuration.box_width, height):
-        raise ValueError(
-            f"shapes.{label}.diameter is {shape.diameter:g} m: {where}, and a granule of length "
-            f"{length:.3g} m cannot fit"
-        )
-    least = ROOM * 0.5 * (length + max(length, cylinder.diameter))
-    for key, side, turn in zip("xy", (configuration.box_width, height), turns, strict=True):
-        if turn and side < least:
-            raise ValueError(
-                f"periodic is {configuration.periodic}: {where}; along {key} it must be at least "
-                f"{least:.4g} m, {ROOM:g} times the greatest distance at which two bodies touch"
-            )

@@ -38,8 +38,9 @@ FRACTION = 0.9  # of the bound on the critical time step: the motion need not be
 
 
 def compact(
-    shape, width, height, cylinder: Cylinder, seed: int, friction: float, periodic: str = "none"
-) -> Bed:
+    shape, width, height, cylinder: Cylinder | None, seed: int, friction: float,
+    periodic: str = "none",
+) -> Bed:  # fmt: skip
     """A bed packed with friction, otherwise as dem.pack makes it. Raises PackingError.
 
     The packing fraction at which it jams depends on how it is pressed.
@@ -67,14 +68,15 @@ class Press:
     """
 
     def __init__(
-        self, shape, width, height, cylinder: Cylinder, seed: int, friction: float = 0.0,
+        self, shape, width, height, cylinder: Cylinder | None, seed: int, friction: float = 0.0,
         periodic: str = "none",
     ):  # fmt: skip
         self.shape, self.friction = shape, friction
-        self.cylinder = Cylinder(cylinder.diameter, cylinder.position)
+        self.cylinder = cylinder and Cylinder(cylinder.diameter, cylinder.position)
         self.size, self.periodic = (width, height), periods_of(width, height, periodic)
         self.walls = walls_of(width, height, self.periodic)
-        room = width * height - math.pi * (0.5 * cylinder.diameter) ** 2
+        around = 0.0 if cylinder is None else math.pi * (0.5 * cylinder.diameter) ** 2
+        room = width * height - around
         self.full = float(shape.area.sum() / room)
         self.fraction = min(START, self.full)
         self.unit = effective_modulus(SOFT, SOFT) * shape.constituent_radius.mean() ** 2  # N
@@ -90,33 +92,33 @@ class Press:
         """The granules as they are."""
         return self.shape.scaled(math.sqrt(self.fraction / self.full))
 
-    def press(self, fraction: float) -> float:
+    def press(self, fraction: float, resting: float = RESTING) -> float:
         """Grow the granules to a packing fraction; returns `pressure`, the mean normal stress on
-        the walls over E* (unit thickness, m)."""
+        the walls over E* (unit thickness, m). resting: net force (E* R^2) of a bed at rest."""
         for part in np.linspace(self.fraction, fraction, 1 + self._steps(fraction))[1:]:
             self.fraction = float(part)
-            self._rest()
+            self._rest(resting * self.unit)
         return self.pressure
 
     def _steps(self, fraction):
         return max(1, math.ceil(abs(fraction - self.fraction) / STEP - 1e-9))
 
-    def _rest(self):
+    def _rest(self, enough):
         if self.friction:
-            self._damp()
+            self._damp(enough)
         else:
-            self._minimise()
+            self._minimise(enough)
 
-    def _minimise(self):
+    def _minimise(self, enough):
         scene = self.scene()
         table = granule_table(scene, SKIN)
         world = assemble(scene, self.state.checked(scene.granules), table)
-        world, rest = minimise(scene, table, world, PATIENCE, RESTING * self.unit)
+        world, rest = minimise(scene, table, world, PATIENCE, enough)
         self.state = State(world.bodies[:, :2].copy(), angle=world.angle.copy())
         self.net_force = rest.net_force / self.unit
         self.pressure = pressure_of(world, scene, *self.size)
 
-    def _damp(self):
+    def _damp(self, enough):
         friction = Friction(self.friction, self.friction, self.friction)
         scene = Scene(
             self.grown(), DAMPED, friction, self.walls, self.cylinder, thickness=1.0,
@@ -129,7 +131,7 @@ class Press:
             run.collect_impulses()
             run.advance(piece)
             net = np.linalg.norm(run.world.force[:, :2], axis=1).max()
-            if net <= RESTING * self.unit:
+            if net <= enough:
                 break
         end = run.state
         self.state = State(end.position, angle=end.angle)

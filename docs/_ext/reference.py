@@ -4,13 +4,12 @@ from importlib import import_module
 from pathlib import Path
 
 import typer
-from pydantic import BaseModel
 from typer.cli import get_docs_for_click
 
 from dem.analysis.flow.layout import VARIABLES as FLOW
 from dem.cli.app import app
 from dem.experiment import jamming
-from dem.experiment.config import Configuration, ShapeSection
+from dem.experiment.config import Configuration, ShapeSection, section_of
 from dem.experiment.observables import OBSERVABLES, module_of
 from dem.figures import STUDY_FIGURES
 from dem.io import dataset
@@ -40,9 +39,9 @@ def configuration() -> str:
         _table(HEADS, _values(Configuration, "")),
     ]
     for name, field in Configuration.model_fields.items():
-        if _section(field):
+        if (section := section_of(field.annotation)) and name != "shapes":
             parts.append(f"## {name}\n")
-            parts.append(_table(HEADS, _values(field.annotation, f"{name}.")))
+            parts.append(_table(HEADS, _values(section, f"{name}.")))
     parts += ["## shapes\n", _table(HEADS, _values(ShapeSection, "shapes.LABEL."))]
     return "\n".join(parts)
 
@@ -55,15 +54,11 @@ the file: `title`, `results`, `extends`, `cases`, `sweep`, `chunk`, `failures`, 
 """
 
 
-def _section(field) -> bool:
-    return isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel)
-
-
 def _values(section, head: str) -> list[tuple[str, ...]]:
     """Rows of a table: key, unit, default and meaning of each value of a section."""
     rows = []
     for name, field in section.model_fields.items():
-        if _section(field) or name == "shapes":
+        if section_of(field.annotation):
             continue
         units = (field.json_schema_extra or {}).get("units") or ""
         default = "required" if field.is_required() else _word(field.default)
