@@ -44,8 +44,15 @@ FLOW = {
     "irregularity": ("How irregular the flow is, by shape: four measures against displacement", _some_shape),
 }  # fmt: skip
 
-# from drag.nc too, where runs differ in more than case, or shape, and seed
-SWEPT = {"sweep": "Mean drag over what was varied"}
+# from drag.nc too, where runs differ in more than case, or shape, and seed: (what it shows, how many
+# values of which axes suffice for it)
+SWEPT = {
+    "sweep": ("Mean drag over what was varied", {}),
+    "velocity": (
+        "Drag against the velocity of the cylinder, and its quasi-static limit",
+        {"cylinder_velocity": 4, "seed": 3},  # LEAST of dem.analysis.velocity, which loads xarray
+    ),
+}
 
 # drawn from a study's own file: (what it shows, variables that the file must hold)
 ACCURACY = {
@@ -85,7 +92,7 @@ FILE_OF = {name: file for file, figures in FILES.items() for name in figures}
 def captions() -> dict[str, str]:
     """What each figure shows, by name, in the order of the paper, studies last."""
     paper = dict(sorted((FIGURES | FLOW).items()))
-    return SWEPT | {name: words for name, (words, _) in (paper | STUDIES).items()}
+    return {name: words for name, (words, _) in (SWEPT | paper | STUDIES).items()}
 
 
 def possible(block, figures=FIGURES) -> list[str]:
@@ -98,16 +105,20 @@ def possible(block, figures=FIGURES) -> list[str]:
         return []
     runs = [run.replicate for run in block.runs]
     cases = list(dict.fromkeys((run.label, run.density) for run in runs))
-    found = _suffices(set(block.dims), cases, figures)
+    found = _suffices(dict(zip(block.dims, block.shape, strict=True)), cases, figures)
     if figures is FLOW and "snapshots" not in held:  # the measures alone
         return [name for name in found if name == "irregularity" and "flow" in held]
     return found
 
 
-def _suffices(dims: set[str], cases: list, figures: dict) -> list[str]:
-    """Names of the figures that runs over some axes suffice for."""
-    if dims not in ({"case", "seed"}, {"shape", "seed"}):
-        return list(SWEPT) if figures is FIGURES else []
+def _suffices(sizes: dict[str, int], cases: list, figures: dict) -> list[str]:
+    """Names of the figures that runs over some axes, of some sizes, suffice for."""
+    if set(sizes) not in ({"case", "seed"}, {"shape", "seed"}):
+        swept = SWEPT if figures is FIGURES else {}
+        return [
+            name for name, (_, least) in swept.items()
+            if all(sizes.get(dim, 0) >= number for dim, number in least.items())
+        ]  # fmt: skip
     return [name for name, (_, suffices) in figures.items() if suffices(cases)]
 
 
@@ -144,10 +155,12 @@ def drawn_from(data: Path, dataset, figures: dict) -> list[str]:
     require(dataset, data, {}, ("run_id",))
     found = by_case(dataset)
     if found is None:
-        return _suffices(set(), [], figures)
+        return _suffices(dict(dataset["run_id"].sizes), [], figures)
     require(found, data, {}, ("shape", "density"))
     shapes, densities = (found[key].values.tolist() for key in ("shape", "density"))
-    names = _suffices({"case", "seed"}, list(zip(shapes, densities, strict=True)), figures)
+    names = _suffices(
+        dict(found["run_id"].sizes), list(zip(shapes, densities, strict=True)), figures
+    )
     held = set(found.variables)
     return [name for name in names if figures is FIGURES or held.issuperset(STUDIES[name][1])]
 

@@ -9,7 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from findings import DATA
+from findings import DATA, FILES
 
 from dem.figures import FILE_OF, captions, draw, drawable
 
@@ -46,17 +46,18 @@ def write(docs: Path) -> None:
     folder = docs / FOLDER
     folder.mkdir(parents=True, exist_ok=True)
     code = max(path.stat().st_mtime for path in (ROOT / "dem").rglob("*.py"))
-    names = [name for name in captions() if name in drawable(DATA)]
-    for name in names:
-        data = DATA / f"{FILE_OF[name]}.nc"
-        if _older(folder / f"{name}.png", max(code, data.stat().st_mtime)):
-            draw(name, data, folder)
+    released = {each.name: each for each in FILES}
+    drawn = {name: released[FILE_OF[name]] for name in captions() if name in drawable(DATA)}
+    drawn["velocity"] = released["velocity"]  # a sweep of its own, so another drag.nc
+    for name, file in drawn.items():
+        if _older(folder / f"{name}.png", max(code, file.path.stat().st_mtime)):
+            draw(name, file.path, folder)
     for file, command in (
         RUNS | {each: command for each, (_, command) in PICTURES.items()}
     ).items():
         if _older(folder / file, code):
             _run(command, folder)
-    (folder.parent / "gallery.md").write_text(_page(names), encoding="utf-8")
+    (folder.parent / "gallery.md").write_text(_page(drawn), encoding="utf-8")
 
 
 def _older(file: Path, time: float) -> bool:
@@ -70,12 +71,12 @@ def _run(command: str, folder: Path) -> None:
     subprocess.run([sys.executable, "-m", *words], cwd=ROOT, check=True, stderr=subprocess.DEVNULL)
 
 
-def _page(names: list[str]) -> str:
+def _page(drawn: dict) -> str:
     """Every figure with its command, in the order of the paper."""
     words = captions()
     figures = [
-        (words[name], f"dem figure {name} results/{FILE_OF[name]}.nc", f"{name}.png")
-        for name in names
+        (words[name], f"dem figure {name} results/{file.source}", f"{name}.png")
+        for name, file in drawn.items()
     ]
     runs = [(about, command, file) for file, (about, command) in PICTURES.items()]
     parts = ["# What can be drawn?\n"]

@@ -27,16 +27,20 @@ from findings import FILES  # noqa: E402
 # What decides how granules move. The rest of dem.dynamics drives these kernels and reads them.
 ROOMS = "contacts", "dynamics", "jit", "packing", "shapes"
 DRIVERS = "dynamics/simulation.py", "dynamics/checkpoint.py", "shapes/check.py"
-LEFT_OUT = {
-    "drag": ("wall_force", "transverse_force", "kinetic_energy")
-}  # on no page, in no figure
+LEFT_OUT = {  # on no page, in no figure
+    "drag": ("wall_force", "transverse_force", "kinetic_energy"),
+    "velocity": (
+        "wall_force", "transverse_force", "kinetic_energy", "drag_normal", "coordination_number",
+        "time_step",
+    ),
+}  # fmt: skip
 ROUNDED = ("bed_x", "bed_y", "bed_angle", "run_curve")  # no page shows more digits than float32 has
 
 
 def release(results: Path) -> None:
     """Write docs/data/*.nc from the files that a folder of results holds."""
     for each in FILES:
-        source = results / each.path.name
+        source = results / each.source
         if not source.is_file():
             print(f"{source} is missing; {each.path} stays as it is")
             continue

@@ -15,6 +15,7 @@ from .drag import beds, drag, flow
 from .scale import ensembles, overhead
 from .speed import speed, timings
 from .stability import stability
+from .velocity import velocity
 
 TEMPLATES = Environment(
     undefined=StrictUndefined,
@@ -22,7 +23,7 @@ TEMPLATES = Environment(
     comment_end_string="#>",
     keep_trailing_newline=True,
 )
-FILES = drag, flow, claims, accuracy, stability, speed  # written by docs/data/release.py
+FILES = drag, flow, claims, accuracy, stability, velocity, speed  # written by docs/data/release.py
 MEASURED = ensembles, overhead  # by the scripts that measure
 NAMES = {
     "table": table,
@@ -39,6 +40,7 @@ NAMES = {
     "speed": speed,
     "stability": stability,
     "timings": timings,
+    "velocity": velocity,
 }
 __all__ = ["DATA", "FILES", "MEASURED", "NAMES", "Findings", "fill"]
 

@@ -61,6 +61,11 @@ class Findings:
     def path(self) -> Path:
         return DATA / f"{self.name}.nc"
 
+    @property
+    def source(self) -> str:
+        """Where the command writes it, in the folder results."""
+        return f"{self.name}.nc"
+
     @cached_property
     def dataset(self) -> xr.Dataset:
         if not self.path.is_file():

@@ -1,0 +1,138 @@
+"""Drag against the velocity of the cylinder and its quasi-static limit, of any sweep over velocity.
+
+A `dataset` has the layout of drag.nc with the dimension cylinder_velocity. The law is
+
+    F(v) = F_0 (1 + c v^n),
+
+with the quasi-static limit F_0 in N. It is fitted to the means over the beds. A bed is drawn at all
+velocities, so the runs of a bed belong together: intervals come from beds that are drawn again, with
+all their runs, and the same beds for everything that is compared.
+"""
+
+import json
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from dem.analysis.statistics import LEVEL, over_seeds, summarise
+from dem.base.errors import InputError
+
+AXIS = "cylinder_velocity"
+LEAST = {AXIS: 4, "seed": 3}  # values that a fit and its intervals take
+RESAMPLES = 2000
+EXPONENTS = np.linspace(0.25, 2.0, 141)  # from nearly logarithmic to that of collisions
+
+
+class Estimate(NamedTuple):
+    """A value and the ends of its interval."""
+
+    value: float
+    low: float
+    high: float
+
+
+class Law(NamedTuple):
+    """limit: F_0 (N); rise: c, what the drag has risen by at 1 m/s, over F_0; exponent: n. Each is
+    (1 + RESAMPLES,): of all beds, then of beds that were drawn again."""
+
+    limit: np.ndarray
+    rise: np.ndarray
+    exponent: np.ndarray
+
+    def above(self, velocity: float) -> np.ndarray:
+        """How far the drag is above its limit at a velocity (m/s), over the limit."""
+        return self.rise * velocity**self.exponent
+
+    def drag(self, velocity: float) -> np.ndarray:
+        """Drag (N) at a velocity (m/s)."""
+        return self.limit * (1.0 + self.above(velocity))
+
+
+class Rates(NamedTuple):
+    """velocity (v,) in m/s; means: drag (1 + RESAMPLES, v) in N by the place on the other axes, such
+    as ("0.3",), laws fitted to them; beds: their number."""
+
+    velocity: np.ndarray
+    means: dict[tuple, np.ndarray]
+    laws: dict[tuple, Law]
+    beds: int
+
+    def interval(self, samples: np.ndarray) -> Estimate:
+        """Of a number of all beds and of the resamples (1 + RESAMPLES,), by the quantiles of these.
+
+        Few beds scatter too little when they are drawn again, so the quantiles are farther out, as
+        Student's t asks (Hesterberg 2015, Am. Stat. 69, 371).
+        """
+        from scipy.special import ndtr, stdtrit
+
+        free = self.beds - 1
+        tail = ndtr(-np.sqrt(self.beds / free) * stdtrit(free, 0.5 + 0.5 * LEVEL))
+        return Estimate(float(samples[0]), *map(float, np.quantile(samples[1:], [tail, 1 - tail])))
+
+
+def axes_of(dataset: xr.Dataset) -> list[str]:
+    """Axes with more than one value, beside velocity and seed."""
+    sizes = dataset["run_id"].sizes
+    return [str(dim) for dim in sizes if dim not in LEAST and sizes[dim] > 1]
+
+
+def rates(dataset: xr.Dataset) -> Rates:
+    """Means and laws of all places; only beds that were drawn at all velocities and places count.
+
+    Raises InputError where there are too few velocities or beds.
+    """
+    runs = over_seeds(summarise(dataset)["run_mean"])
+    if AXIS not in runs.dims:
+        raise InputError("its runs do not differ in cylinder.velocity.")
+    runs = runs.dropna("seed").sortby(AXIS)
+    for dim, least in LEAST.items():
+        if runs.sizes[dim] < least:
+            what = "velocities" if dim == AXIS else "beds that were drawn at all velocities"
+            raise InputError(f"it has {runs.sizes[dim]} {what}; a fit takes {least}.")
+    velocity, beds = runs[AXIS].values, runs.sizes["seed"]
+    rng = np.random.default_rng(1)
+    drawn = rng.multinomial(beds, np.full(beds, 1.0 / beds), RESAMPLES)
+    weights = np.vstack([np.ones(beds), drawn]) / beds
+    others = axes_of(dataset)
+    runs = runs.squeeze([dim for dim in runs.dims if dim not in (*LEAST, *others)])
+    places = product(*(runs[dim].values.astype(str).tolist() for dim in others))
+    rows = runs.transpose(*others, AXIS, "seed").values.reshape(-1, len(velocity), beds)
+    means = {place: weights @ row.T for place, row in zip(places, rows, strict=True)}
+    return Rates(velocity, means, {at: fit(velocity, each) for at, each in means.items()}, beds)
+
+
+def fit(velocity: np.ndarray, drag: np.ndarray) -> Law:
+    """The law that is nearest to each row of drag (r, v) in N at velocities (v,) in m/s.
+
+    Nearest in the squares of the relative errors, because the scatter is proportional to the drag.
+    For an exponent the law is a straight line, so only the exponent is searched for.
+    """
+    weight = drag**-2.0
+    x = velocity ** EXPONENTS[:, None]
+    every, along, squares = weight.sum(axis=1)[:, None], weight @ x.T, weight @ (x * x).T
+    level, product = (weight * drag).sum(axis=1)[:, None], (weight * drag) @ x.T
+    slope = (every * product - along * level) / (every * squares - along**2)
+    limit = (level - slope * along) / every
+    missed = -limit * level - slope * product  # and a sum that is the same for all exponents
+    best = np.arange(len(drag)), missed.argmin(axis=1)
+    return Law(limit[best], slope[best] / limit[best], EXPONENTS[best[1]])
+
+
+def inertial_number(dataset: xr.Dataset) -> float | None:
+    """Inertial number at 1 m/s: I / v = (d / D) sqrt(rho / P), in s/m; None where places differ in it.
+
+    v / D is the rate of shear, with the diameter D of the cylinder; d, rho and P are the mean diameter
+    and density of the granules and the mean pressure on the walls before the cylinder moves. So I
+    is the time in which this pressure brings a granule back into place over the time in which the
+    shear moves it out of it.
+    """
+    if "cylinder_diameter" in dataset["run_id"].dims:
+        return None
+    cylinder = json.loads(dataset.attrs["configuration"])["cylinder"]["diameter"]
+    seeds = [dim for dim in ("seed",) if dim in dataset["packing_pressure"].dims]
+    pressure = dataset["packing_pressure"].mean(seeds)
+    number = dataset["diameter"] / cylinder * np.sqrt(dataset["density"] / pressure)
+    same = float(number.max()) < 1.01 * float(number.min())
+    return float(number.mean()) if same else None

@@ -1,0 +1,62 @@
+"""Drag against the velocity of the cylinder: means, the law through them, its quasi-static limit."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from dem.analysis.velocity import AXIS, axes_of, inertial_number, rates
+from dem.figures import style
+
+MARKERS = "osD^vPX"
+COLORS = style.CASES
+ALONG = 80  # points of a curve
+
+
+@style.styled
+def plot(dataset: xr.Dataset) -> Figure:
+    """Drag above, drag over its quasi-static limit below, one curve per place on the other axes."""
+    found = rates(dataset)
+    others = axes_of(dataset)
+    figure = Figure(figsize=(style.WIDTH, 7.6))
+    above, below = figure.subplots(2, 1, sharex=True)
+    along = np.geomspace(found.velocity[0], found.velocity[-1], ALONG)
+    for number, (place, law) in enumerate(found.laws.items()):
+        words = ", ".join(f"{dim} {at}" for dim, at in zip(others, place, strict=True))
+        look = {"color": COLORS[number % len(COLORS)], "marker": MARKERS[number % len(MARKERS)]}
+        limit, low, high = found.interval(law.limit)
+        look["label"] = f"{words or 'mean'}: limit {limit:.0f} N ({low:.0f} to {high:.0f})"
+        for axes, over in ((above, 1.0), (below, limit)):
+            _means(axes, found, found.means[place] / over, **look)
+            _law(axes, found, along, [law.drag(v) / over for v in along], look["color"])
+        above.axhline(limit, **style.REFERENCE | {"color": look["color"]})
+    above.set_yscale("log")
+    above.set_ylabel(f"Mean drag from\n{style.window_text(dataset)} (N)")
+    below.axhline(1.0, **style.REFERENCE)
+    below.set_ylabel("Drag over its\nquasi-static limit")
+    below.set_xlabel("Velocity of the cylinder (m/s)")
+    below.set_xscale("log")
+    below.set_xticks(found.velocity, [f"{v:.3g}" for v in found.velocity])
+    below.set_xticks([], minor=True)
+    for axes in (above, below):
+        axes.axvline(dataset.attrs[AXIS], **style.RAW | {"linewidth": 1.0})
+    if (slow := inertial_number(dataset)) is not None:
+        scale = (lambda v: slow * v, lambda i: i / slow)
+        above.secondary_xaxis("top", functions=scale).set_xlabel("Inertial number")
+    style.legend(figure, above, "outside lower center", ncols=2)
+    figure.suptitle(
+        f"Drag against velocity: means of {found.beds} beds, and the law fitted to them\n"
+        f"(95 % intervals; dotted: limits; grey line: {dataset.attrs[AXIS]:g} m/s)"
+    )
+    return figure
+
+
+def _means(axes, found, means, **look):
+    value, low, high = np.array([found.interval(each) for each in means.T]).T
+    axes.errorbar(found.velocity, value, [value - low, high - value], linestyle="none", capsize=3,
+                  markersize=6, elinewidth=1.4, **look)  # fmt: skip
+
+
+def _law(axes, found, along, drag, color):
+    value, low, high = np.array([found.interval(each) for each in drag]).T
+    axes.plot(along, value, color=color, linewidth=1.4)
+    axes.fill_between(along, low, high, color=color, alpha=0.15, linewidth=0.0)

@@ -1,0 +1,153 @@
+"""Drag against velocity: the law finds what made the drag, and its intervals hold it."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from conftest import assert_not_blank
+
+from dem.analysis.velocity import AXIS, LEAST, inertial_number, rates
+from dem.base.errors import InputError
+from dem.figures import SWEPT
+from dem.figures.style import save
+from dem.figures.velocity import plot
+from dem.sweep.config import load
+
+ROOT = Path(__file__).parent.parent
+VELOCITY = np.array([0.03, 0.1, 0.5, 1.0, 2.0, 4.0, 8.0])
+
+
+def swept(drag, velocity=VELOCITY, density=4000.0):
+    """A file of runs with some drag (friction, velocity, seed) in N, the same along the stroke."""
+    drag = np.asarray(drag, float)
+    dims = "friction", AXIS, "seed"
+    bins = np.array([0.5e-3, 1.5e-3, 2.5e-3])
+    found = xr.Dataset(
+        {
+            "drag": ((*dims, "displacement"), np.repeat(drag[..., None], 3, axis=-1)),
+            "packing_pressure": (dims, np.full(drag.shape, 1e7)),
+            "run_id": (dims, np.full(drag.shape, "x")),
+        },
+        {
+            "friction": [str(i) for i in range(drag.shape[0])], AXIS: velocity,
+            "seed": np.arange(drag.shape[2]), "displacement": bins,
+        },
+        {
+            "window_start": 1e-3, "window_stop": 3e-3, AXIS: 2.0,
+            "configuration": json.dumps({"cylinder": {"diameter": 3e-3}}),
+        },
+    )  # fmt: skip
+    return found.assign_coords(diameter=1e-3, density=density).expand_dims("shape")
+
+
+def made_up(limit, growth, exponent, beds=6, scatter=0.1, noise=0.03, seed=1):
+    """Drag (velocity, seed): each bed has a level of its own, and each run some noise."""
+    rng = np.random.default_rng(seed)
+    level = 1.0 + scatter * rng.standard_normal(beds)
+    wobble = 1.0 + noise * rng.standard_normal((len(VELOCITY), beds))
+    return (limit + growth * VELOCITY[:, None] ** exponent) * level * wobble
+
+
+@pytest.mark.parametrize("exponent", [0.5, 1.0, 2.0])
+def test_the_law_finds_what_made_the_drag(exponent):
+    """A yield force of 1000 N and a part that grows as a power of velocity, 40 N at 1 m/s."""
+    found = rates(swept([made_up(1000.0, 40.0, exponent, scatter=0.0, noise=0.0)]))
+    law = found.laws[()]
+    assert law.limit[0] == pytest.approx(1000.0, rel=1e-9)
+    assert law.exponent[0] == pytest.approx(exponent)
+    assert law.above(1.0)[0] == pytest.approx(0.04) and law.drag(1.0)[0] == pytest.approx(1040.0)
+
+
+def test_a_drag_without_rate_is_its_own_limit():
+    """Where only noise differs between velocities, no rise is found at any."""
+    found = rates(swept([made_up(1000.0, 0.0, 1.0)]))
+    for velocity in VELOCITY[:-2]:
+        above = found.interval(found.laws[()].above(velocity))
+        assert above.low < 0.0 < above.high and abs(above.value) < 0.05
+
+
+def test_intervals_hold_the_truth_as_often_as_they_say():
+    """Of the limits of many sweeps of five beds about 95 % of the intervals hold the true one."""
+    held = []
+    for seed in range(120):
+        found = rates(swept([made_up(1000.0, 40.0, 1.0, beds=5, seed=seed)]))
+        limit = found.interval(found.laws[()].limit)
+        held.append(limit.low < 1000.0 < limit.high)
+    assert 0.88 <= np.mean(held) <= 0.99
+
+
+def test_beds_are_their_own_control():
+    """What beds have in common with and without friction cancels in the ratio of both."""
+    bed = made_up(1000.0, 40.0, 1.0, scatter=0.3, noise=0.001)
+    found = rates(swept([0.5 * bed, bed]))
+    smooth, rough = (law.limit for law in found.laws.values())
+    alone, ratio = found.interval(rough), found.interval(smooth / rough)
+    assert alone.high - alone.low > 0.2 * alone.value
+    assert ratio.low == pytest.approx(0.5) and ratio.high == pytest.approx(0.5)
+
+
+def test_a_bed_with_a_run_that_failed_does_not_count():
+    """Else the beds at one velocity would be others than at the next."""
+    drag = np.array([made_up(1000.0, 40.0, 1.0)] * 2)
+    whole = rates(swept(drag[..., 1:]))
+    drag[1, 3, 0] = np.nan
+    found = rates(swept(drag))
+    assert found.beds == whole.beds == 5
+    for place, means in found.means.items():
+        np.testing.assert_allclose(means[0], whole.means[place][0])
+
+
+@pytest.mark.parametrize(
+    ("drag", "words"),
+    [
+        (np.ones((1, 3, 5)), "3 velocities; a fit takes 4"),
+        (np.ones((1, 7, 2)), "2 beds that were drawn at all velocities; a fit takes 3"),
+    ],
+)
+def test_too_little_for_a_law_is_refused(drag, words):
+    with pytest.raises(InputError, match=words):
+        rates(swept(drag, VELOCITY[: drag.shape[1]]))
+    with pytest.raises(InputError, match=r"do not differ in cylinder\.velocity"):
+        rates(swept(drag, VELOCITY[: drag.shape[1]]).isel({AXIS: 0}))
+
+
+def test_the_figure_is_drawn_of_the_sweeps_that_a_law_can_be_fitted_to():
+    assert SWEPT["velocity"][1] == LEAST
+
+
+def test_the_inertial_number_is_a_ratio_of_two_times():
+    """Granules four times as dense take twice as long to come back; where they differ, no axis is
+    shared."""
+    drag = [made_up(1000.0, 40.0, 1.0)] * 2
+    light, heavy = (inertial_number(swept(drag, density=rho)) for rho in (4000.0, 16000.0))
+    assert heavy == pytest.approx(2.0 * light)
+    both = swept(drag).drop_vars("density").assign_coords(density=("friction", [4e3, 1.6e4]))
+    assert inertial_number(both) is None
+
+
+def test_the_figure_shows_each_friction_and_the_inertial_number(tmp_path):
+    figure = plot(swept([made_up(500.0, 40.0, 1.0), made_up(1000.0, 40.0, 1.0)]))
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert [label.partition(":")[0] for label in labels] == ["friction 0", "friction 1"]
+    assert figure.axes[0].child_axes[0].get_xlabel() == "Inertial number"
+    vector, pixels = save(figure, tmp_path / "velocity")
+    assert vector.is_file()
+    assert_not_blank(pixels)
+
+
+def test_every_bed_is_drawn_in_all_ways():
+    """So that beds are their own control; without friction no contact has any."""
+    block = load(ROOT / "config/velocity.yaml").block("drag")
+    beds = {}
+    for run in block.runs:
+        own = run.replicate.configuration
+        ways = beds.setdefault(run.replicate.bed_key(), set())
+        ways.add(
+            (own.cylinder.velocity, own.friction.granule, own.friction.wall, own.friction.cylinder)
+        )
+    velocities = {velocity for velocity, *_ in ways}
+    assert len(beds) == block.shape[-1] >= LEAST["seed"] and 2.0 in velocities
+    for ways in beds.values():
+        assert ways == {(v, mu, mu, mu) for v in velocities for mu in (0.0, 0.3)}
