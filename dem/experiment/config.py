@@ -189,6 +189,10 @@ class Configuration(Section):
 
     @model_validator(mode="after")
     def _check_window(self):
+        if self.experiment == "onset" and self.packing.friction:
+            raise ValueError(
+                f"packing.friction is {self.packing.friction:g}; it must be 0 for the experiment onset"
+            )
         if self.cylinder is None:
             if self.experiment == "drag":
                 raise ValueError("cylinder is null; the experiment drag draws one, describe it")

@@ -14,10 +14,14 @@ def compile_kernels(replicate: Replicate) -> None:
     few = replicate.shape.model_copy(update={"granules": 3})
     own = own.model_copy(update={"shapes": {label: few}})
     replicate = Replicate(own, label, replicate.density, replicate.seed)
-    start = own.cylinder.start
-    height = 4.0 * (own.cylinder.diameter + few.diameter) / min(start, 1.0 - start)
+    if drawn := own.cylinder:
+        height = 4.0 * (drawn.diameter + few.diameter) / min(drawn.start, 1.0 - drawn.start)
+    else:
+        height = own.box_width
     shape = KINDS[few.kind].shape.of_size(diameters(replicate), few.ratio)
     bed = pack(shape, own.box_width, height, cylinder(replicate, height), 0, own.periodic)
+    if drawn is None:  # the bed is packed, and no more
+        return
     ledger = "ledger" in own.record.observables
     run = Simulation(make_scene(replicate, bed), bed.state, ledger=ledger)
     run.check_duration(1e-9)

@@ -13,6 +13,7 @@ from dem.base.errors import PackingError
 from dem.contacts.force_law import effective_modulus
 from dem.dynamics.assembly import assemble, granule_table
 from dem.dynamics.simulation import Simulation
+from dem.dynamics.touching import Touching, touching
 from dem.packing.minimise import minimise
 from dem.packing.random import (
     SKIN,
@@ -92,28 +93,39 @@ class Press:
         """The granules as they are."""
         return self.shape.scaled(math.sqrt(self.fraction / self.full))
 
-    def press(self, fraction: float, resting: float = RESTING) -> float:
+    def press(self, fraction: float, resting: float = RESTING, patience: int = PATIENCE) -> float:
         """Grow the granules to a packing fraction; returns `pressure`, the mean normal stress on
-        the walls over E* (unit thickness, m). resting: net force (E* R^2) of a bed at rest."""
+        the walls, or of the contacts without walls, over E* (unit thickness, m).
+
+        resting: greatest net force (E* R^2) of a bed at rest; patience: iterations of FIRE, at most.
+        """
         for part in np.linspace(self.fraction, fraction, 1 + self._steps(fraction))[1:]:
             self.fraction = float(part)
-            self._rest(resting * self.unit)
+            self._rest(resting * self.unit, patience)
         return self.pressure
 
     def _steps(self, fraction):
         return max(1, math.ceil(abs(fraction - self.fraction) / STEP - 1e-9))
 
-    def _rest(self, enough):
-        if self.friction:
-            self._damp(enough)
-        else:
-            self._minimise(enough)
-
-    def _minimise(self, enough):
+    def contacts(self) -> Touching:
+        """Contacts of the bed as it is, without friction."""
         scene = self.scene()
         table = granule_table(scene, SKIN)
         world = assemble(scene, self.state.checked(scene.granules), table)
-        world, rest = minimise(scene, table, world, PATIENCE, enough)
+        world, _ = minimise(scene, table, world, 0, RESTING * self.unit)
+        return touching(world, np.arange(scene.granules))
+
+    def _rest(self, enough, patience):
+        if self.friction:
+            self._damp(enough)
+        else:
+            self._minimise(enough, patience)
+
+    def _minimise(self, enough, patience):
+        scene = self.scene()
+        table = granule_table(scene, SKIN)
+        world = assemble(scene, self.state.checked(scene.granules), table)
+        world, rest = minimise(scene, table, world, patience, enough)
         self.state = State(world.bodies[:, :2].copy(), angle=world.angle.copy())
         self.net_force = rest.net_force / self.unit
         self.pressure = pressure_of(world, scene, *self.size)

@@ -250,7 +250,7 @@ def about(sweep: Sweep, provenance: dict, source: str = "dem chunk, dem combine"
         **provenance,
         window_start=sweep.record.window[0],
         window_stop=sweep.record.window[1],
-        cylinder_velocity=sweep.cylinder.velocity,
+        **({"cylinder_velocity": sweep.cylinder.velocity} if sweep.cylinder else {}),
     )
 
 

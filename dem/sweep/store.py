@@ -271,7 +271,8 @@ def alike(replicate: Replicate) -> tuple:
     """What runs of one chunk share: the size of their arrays and their machine code."""
     own = replicate.configuration
     sizes = own.module.sizes(replicate)
-    return own.experiment, own.record.observables, own.cylinder.stroke, *sizes.values()
+    stroke = own.cylinder and own.cylinder.stroke
+    return own.experiment, own.record.observables, stroke, *sizes.values()
 
 
 def kernels_of(replicate: Replicate) -> str:

@@ -8,7 +8,7 @@ from typer.cli import get_docs_for_click
 
 from dem.analysis.flow.layout import VARIABLES as FLOW
 from dem.cli.app import app
-from dem.experiment import jamming
+from dem.experiment import jamming, onset
 from dem.experiment.config import Configuration, ShapeSection, section_of
 from dem.experiment.observables import OBSERVABLES, module_of
 from dem.figures import STUDY_FIGURES
@@ -80,7 +80,9 @@ def files() -> str:
     for name in OBSERVABLES:
         module = module_of(name)
         parts += [f"## Observable `{name}`\n", _first_line(module), _variables(module.VARIABLES)]
-    parts += ["## Experiment `jamming`\n", _variables(jamming.VARIABLES)]
+    for module in (jamming, onset):
+        name = module.__name__.rpartition(".")[2]
+        parts += [f"## Experiment `{name}`\n", _first_line(module), _variables(module.VARIABLES)]
     parts += ["## `flow.nc`\n", LAG, _variables({"run_id": dataset.OF_STORE["run_id"]} | FLOW)]
     for name in STUDY_FIGURES:
         layout = import_module(f"dem.studies.{name}.layout")
