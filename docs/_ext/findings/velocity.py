@@ -80,8 +80,28 @@ class Velocity(Findings):
         """Share of the limit with friction that is absent without."""
         return self._told(100.0 * self._share(), "%")
 
+    def rest(self) -> str:
+        """Limit without friction, over that with it."""
+        return self._told(100.0 * (1.0 - self._share()), "%")
+
     def _share(self) -> np.ndarray:
         return 1.0 - self._law("0.0").limit / self._law("0.3").limit
+
+    def falls(self) -> bool:
+        """Whether drag with friction over that without is less at the highest than at the lowest
+        velocity, interval included."""
+        first, last = (
+            self._means("0.3", v) / self._means("0.0", v) for v in self.rates.velocity[[0, -1]]
+        )
+        return self.rates.interval(last / first).high < 1.0
+
+    def below(self, friction: str, exponent: float) -> bool:
+        """Whether the exponent of the law is below a number, interval included."""
+        return self.rates.interval(self._law(friction).exponent).high < exponent
+
+    def yields(self, friction: str) -> bool:
+        """Whether the limit is above zero, interval included."""
+        return self.rates.interval(self._law(friction).limit).low > 0.0
 
     def tangential(self, velocity: float) -> str:
         """Share of tangential contact forces in the drag with friction."""
