@@ -54,6 +54,10 @@ SWEPT = {
     ),
 }
 
+# from onset.nc: (what it shows, variables that the file must hold)
+ONSET = {"onset": ("Where beds jam and on how many contacts, against aspect ratio", ("onset_fraction", "onset_contacts"))}  # fmt: skip
+ONSET_LEAST = 3  # numbers of granules, and seeds: LEAST of dem.analysis.onset, which loads xarray
+
 # drawn from a study's own file: (what it shows, variables that the file must hold)
 ACCURACY = {
     "accuracy_contacts": ("Contacts of ellipses: error against time, and energy over many bounces", ("contact_method",)),
@@ -75,7 +79,7 @@ CLAIMS = {
 BENCHMARK = {"benchmark": ("Speed beside other codes", ("granule_steps_per_second", "variant_step_time"))}  # fmt: skip
 STUDIES = (
     {name: (words, ("non_affine",) if name == "irregularity" else ("bed_x",)) for name, (words, _) in FLOW.items()}
-    | ACCURACY | STABILITY | CLAIMS | BENCHMARK
+    | ACCURACY | STABILITY | CLAIMS | BENCHMARK | ONSET
 )  # fmt: skip
 
 
@@ -85,7 +89,7 @@ STUDY_FIGURES = {
     "stability": STABILITY,
     "benchmark": BENCHMARK,
 }  # by file
-FILES = {"drag": FIGURES | SWEPT, "flow": FLOW} | STUDY_FIGURES  # by file of results, without .nc
+FILES = {"drag": FIGURES | SWEPT, "flow": FLOW, "onset": ONSET} | STUDY_FIGURES  # by file of results, without .nc
 FILE_OF = {name: file for file, figures in FILES.items() for name in figures}
 
 
@@ -98,6 +102,10 @@ def captions() -> dict[str, str]:
 def possible(block, figures=FIGURES) -> list[str]:
     """Names of the figures of FIGURES or FLOW that the runs of a block suffice for."""
     own = block.runs[0].replicate.configuration
+    if own.experiment == "onset" and figures is FIGURES:
+        varied = [(run.replicate.shape.granules, run.replicate.seed) for run in block.runs]
+        enough = all(len(set(values)) >= ONSET_LEAST for values in zip(*varied, strict=True))
+        return list(ONSET) if enough else []
     if own.experiment != "drag":
         return []
     held = set(own.record.observables)
@@ -133,7 +141,7 @@ def drawable(folder: Path) -> list[str]:
     for file, figures in FILES.items():
         data = Path(folder) / f"{file}.nc"
         if not data.is_file():
-            if file == "drag":
+            if file == "drag" and not (Path(folder) / "onset.nc").is_file():
                 raise InputError(
                     f"{data}: it is not there to draw from; make it first: snakemake -j2"
                 )
@@ -212,8 +220,11 @@ def _draw_study(name, data, folder):
     from dem.figures.style import save
     from dem.io.lazily import open_lazily, require
 
-    package = "dem.analysis.flow" if name in FLOW else f"dem.studies.{FILE_OF[name]}"
-    layout = import_module(f"{package}.layout").VARIABLES
+    if name in ONSET:
+        layout = import_module("dem.experiment.onset").VARIABLES
+    else:
+        package = "dem.analysis.flow" if name in FLOW else f"dem.studies.{FILE_OF[name]}"
+        layout = import_module(f"{package}.layout").VARIABLES
     with open_lazily(data) as dataset:
         whole = dataset
         if name in FLOW:

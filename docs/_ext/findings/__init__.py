@@ -12,6 +12,7 @@ from .calibration import calibration
 from .claims import claims
 from .common import DATA, Findings, holds, interval, table
 from .drag import beds, drag, flow
+from .onset import onset
 from .scale import ensembles, overhead
 from .speed import speed, timings
 from .stability import stability
@@ -23,7 +24,7 @@ TEMPLATES = Environment(
     comment_end_string="#>",
     keep_trailing_newline=True,
 )
-FILES = drag, flow, claims, accuracy, stability, velocity, speed  # written by docs/data/release.py
+FILES = drag, flow, claims, accuracy, stability, velocity, onset, speed  # written by docs/data/release.py
 MEASURED = ensembles, overhead  # by the scripts that measure
 NAMES = {
     "table": table,
@@ -36,6 +37,7 @@ NAMES = {
     "drag": drag,
     "ensembles": ensembles,
     "flow": flow,
+    "onset": onset,
     "overhead": overhead,
     "speed": speed,
     "stability": stability,
