@@ -89,7 +89,11 @@ STUDY_FIGURES = {
     "stability": STABILITY,
     "benchmark": BENCHMARK,
 }  # by file
-FILES = {"drag": FIGURES | SWEPT, "flow": FLOW, "onset": ONSET} | STUDY_FIGURES  # by file of results, without .nc
+FILES = {
+    "drag": FIGURES | SWEPT,
+    "flow": FLOW,
+    "onset": ONSET,
+} | STUDY_FIGURES  # by file of results, without .nc
 FILE_OF = {name: file for file, figures in FILES.items() for name in figures}
 
 

@@ -24,7 +24,16 @@ TEMPLATES = Environment(
     comment_end_string="#>",
     keep_trailing_newline=True,
 )
-FILES = drag, flow, claims, accuracy, stability, velocity, onset, speed  # written by docs/data/release.py
+FILES = (
+    drag,
+    flow,
+    claims,
+    accuracy,
+    stability,
+    velocity,
+    onset,
+    speed,
+)  # written by docs/data/release.py
 MEASURED = ensembles, overhead  # by the scripts that measure
 NAMES = {
     "table": table,
