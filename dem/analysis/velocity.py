@@ -16,21 +16,13 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from dem.analysis.statistics import LEVEL, over_seeds, summarise
+from dem.analysis.statistics import Estimate, bootstrapped, over_seeds, summarise
 from dem.base.errors import InputError
 
 AXIS = "cylinder_velocity"
 LEAST = {AXIS: 4, "seed": 3}  # values that a fit and its intervals take
 RESAMPLES = 2000
 EXPONENTS = np.linspace(0.25, 2.0, 141)  # from nearly logarithmic to that of collisions
-
-
-class Estimate(NamedTuple):
-    """A value and the ends of its interval."""
-
-    value: float
-    low: float
-    high: float
 
 
 class Law(NamedTuple):
@@ -66,16 +58,8 @@ class Rates(NamedTuple):
     beds: int
 
     def interval(self, samples: np.ndarray) -> Estimate:
-        """Of a number of all beds and of the resamples (1 + RESAMPLES,), by the quantiles of these.
-
-        Few beds scatter too little when they are drawn again, so the quantiles are farther out, as
-        Student's t asks (Hesterberg 2015, Am. Stat. 69, 371).
-        """
-        from scipy.special import ndtr, stdtrit
-
-        free = self.beds - 1
-        tail = ndtr(-np.sqrt(self.beds / free) * stdtrit(free, 0.5 + 0.5 * LEVEL))
-        return Estimate(float(samples[0]), *map(float, np.quantile(samples[1:], [tail, 1 - tail])))
+        """Of a number of all beds and of the resamples (1 + RESAMPLES,)."""
+        return bootstrapped(samples, self.beds)
 
 
 def axes_of(dataset: xr.Dataset) -> list[str]:

@@ -33,9 +33,13 @@ from dem.experiment.fit import check_room
 from dem.experiment.observables import OBSERVABLES
 from dem.shapes import KINDS
 
-EXPERIMENTS = ("drag", "jamming", "shear")  # modules of this room
-# sections that only some experiments have
-SECTIONS = {"cylinder": ("drag", "jamming"), "record": ("drag", "jamming"), "shear": ("shear",)}
+EXPERIMENTS = ("drag", "jamming", "onset", "shear")  # modules of this room
+# sections that only some experiments read, and those that can do without one
+SECTIONS = {
+    "cylinder": ("drag", "jamming", "onset"), "record": ("drag", "jamming", "onset"),
+    "shear": ("shear",),
+}  # fmt: skip
+SPARED = {"cylinder": ("jamming", "onset")}
 
 
 def value(units: str | None, about: str, **limits):
@@ -215,7 +219,9 @@ class Configuration(Section):
     periodic: Annotated[
         Literal["none", "x", "y", "xy"], value(None, "sides along which the box repeats itself")
     ] = "none"
-    cylinder: CylinderSection | None = None
+    cylinder: Annotated[
+        CylinderSection | None, value(None, "the cylinder; null: there is none")
+    ] = None
     packing: PackingSection
     material: MaterialSection
     friction: FrictionSection
@@ -230,8 +236,8 @@ class Configuration(Section):
     def _check_sections(self):
         for name, experiments in SECTIONS.items():
             given, wanted = getattr(self, name) is not None, self.experiment in experiments
-            if wanted and not given:
-                raise ValueError(f"{name} is missing")
+            if wanted and not given and self.experiment not in SPARED.get(name, ()):
+                raise ValueError(f"{name} is missing; the experiment {self.experiment} needs it")
             if given and not wanted:
                 raise ValueError(
                     f"{name} is no section of the experiment {self.experiment}; leave it out"
@@ -271,6 +277,10 @@ class Configuration(Section):
 
     @model_validator(mode="after")
     def _check_window(self):
+        if self.experiment == "onset" and self.packing.friction:
+            raise ValueError(
+                f"packing.friction is {self.packing.friction:g}; it must be 0 for the experiment onset"
+            )
         if self.record is None or self.cylinder is None:
             return self
         if self.record.window[1] > self.cylinder.stroke:
@@ -403,9 +413,8 @@ class Replicate:
 
     def _bed(self) -> str:
         c = self.configuration
-        others = c.packing.size_spread, c.box_width
-        if c.cylinder is not None:
-            others += c.cylinder.diameter, c.cylinder.start
+        around = (c.cylinder.diameter, c.cylinder.start) if c.cylinder else ()
+        others = c.packing.size_spread, c.box_width, *around
         sides = "" if c.periodic == "none" else f" {c.periodic}"
         return f"{c._granules[self.label]} {others}{sides}"
 
@@ -446,8 +455,8 @@ class Replicate:
     def run_key(self) -> str:
         """All that the run depends on, as text."""
         c = self.configuration
-        if c.experiment == "jamming":
-            return f"jamming {self.bed_key()}"
+        if c.experiment != "drag":
+            return f"{c.experiment} {self.bed_key()}"
         ellipse = c.ellipse if self.shape.kind == "ellipse" else ""
         own = c._granules[self.label], c._read_by_all, ellipse, self.density, self.seed
         return " ".join(map(str, own))
@@ -545,9 +554,9 @@ def entries(shapes: Iterable[str]) -> dict[str, Entry]:
 
 
 def section_of(annotation) -> type[BaseModel] | None:
-    """The section that a field holds, or may hold."""
-    choices = get_args(annotation) or (annotation,)
-    return next((c for c in choices if isinstance(c, type) and issubclass(c, BaseModel)), None)
+    """The section that a key holds, which may also be null; None where it holds a value."""
+    kinds = annotation, *get_args(annotation)
+    return next((k for k in kinds if isinstance(k, type) and issubclass(k, BaseModel)), None)
 
 
 def nearest(word: str, words: Iterable[str]) -> str:

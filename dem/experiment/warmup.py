@@ -27,15 +27,21 @@ def compile_kernels(replicate: Replicate) -> None:
     few = replicate.shape.model_copy(update={"granules": 3})
     own = own.model_copy(update={"shapes": {label: few}})
     replicate = Replicate(own, label, replicate.density, replicate.seed)
-    start = own.cylinder.start
-    height = 4.0 * (own.cylinder.diameter + few.diameter) / min(start, 1.0 - start)
+    if drawn := own.cylinder:
+        height = 4.0 * (drawn.diameter + few.diameter) / min(drawn.start, 1.0 - drawn.start)
+    else:
+        height = own.box_width
     shape = KINDS[few.kind].shape.of_size(diameters(replicate), few.ratio)
-    at = 0.5 * own.box_width, start * height  # of a box that is much too high for three granules
-    cylinder = Cylinder(own.cylinder.diameter, at, (0.0, own.cylinder.velocity))
+    cylinder = None
+    if drawn:  # in a box that is much too high for three granules
+        at = 0.5 * own.box_width, drawn.start * height
+        cylinder = Cylinder(drawn.diameter, at, (0.0, drawn.velocity))
     room = shape, own.box_width, height, cylinder, 0
     # a bed that jams is pressed with friction in other runs of the variant, and drawn in most sweeps
     friction = 1.0 if own.experiment == "jamming" else own.packing.friction
     bed = compact(*room, friction, own.periodic) if friction > 0.0 else pack(*room, own.periodic)
+    if cylinder is None:  # the bed is packed, and no more
+        return
     ledger = "ledger" in own.record.observables
     scene = replace(make_scene(replicate, bed), cylinder=cylinder)
     run = Simulation(scene, bed.state, ledger=ledger)

@@ -66,6 +66,10 @@ SHEAR = {
     ),
 }
 
+# from onset.nc: (what it shows, variables that the file must hold)
+ONSET = {"onset": ("Where beds jam and on how many contacts, against aspect ratio", ("onset_fraction", "onset_contacts"))}  # fmt: skip
+ONSET_LEAST = 3  # numbers of granules, and seeds: LEAST of dem.analysis.onset, which loads xarray
+
 # drawn from a study's own file: (what it shows, variables that the file must hold)
 ACCURACY = {
     "accuracy_contacts": ("Contacts of ellipses: error against time, and energy over many bounces", ("contact_method",)),
@@ -87,7 +91,7 @@ CLAIMS = {
 BENCHMARK = {"benchmark": ("Speed beside other codes", ("granule_steps_per_second", "variant_step_time"))}  # fmt: skip
 STUDIES = (
     {name: (words, ("non_affine",) if name == "irregularity" else ("bed_x",)) for name, (words, _) in FLOW.items()}
-    | ACCURACY | STABILITY | CLAIMS | BENCHMARK
+    | ACCURACY | STABILITY | CLAIMS | BENCHMARK | ONSET
 )  # fmt: skip
 
 
@@ -97,7 +101,12 @@ STUDY_FIGURES = {
     "stability": STABILITY,
     "benchmark": BENCHMARK,
 }  # by file
-FILES = {"drag": FIGURES | SWEPT, "flow": FLOW, "shear": SHEAR} | STUDY_FIGURES  # by file, no .nc
+FILES = {
+    "drag": FIGURES | SWEPT,
+    "flow": FLOW,
+    "onset": ONSET,
+    "shear": SHEAR,
+} | STUDY_FIGURES  # by file of results, without .nc
 FILE_OF = {name: file for file, figures in FILES.items() for name in figures}
 
 
@@ -112,6 +121,10 @@ def possible(block, figures=FIGURES) -> list[str]:
     own = block.runs[0].replicate.configuration
     if own.experiment == "shear" and figures is FIGURES:
         return _enough(dict(zip(block.dims, block.shape, strict=True)), SHEAR)
+    if own.experiment == "onset" and figures is FIGURES:
+        varied = [(run.replicate.shape.granules, run.replicate.seed) for run in block.runs]
+        enough = all(len(set(values)) >= ONSET_LEAST for values in zip(*varied, strict=True))
+        return list(ONSET) if enough else []
     if own.experiment != "drag":
         return []
     held = set(own.record.observables)
@@ -151,7 +164,8 @@ def drawable(folder: Path) -> list[str]:
     for file, figures in FILES.items():
         data = Path(folder) / f"{file}.nc"
         if not data.is_file():
-            if file == "drag" and not (Path(folder) / "shear.nc").is_file():
+            others = [Path(folder) / f"{name}.nc" for name in ("onset", "shear")]
+            if file == "drag" and not any(other.is_file() for other in others):
                 raise InputError(
                     f"{data}: it is not there to draw from; make it first: snakemake -j2"
                 )
@@ -247,8 +261,11 @@ def _draw_study(name, data, folder):
     from dem.figures.style import save
     from dem.io.lazily import open_lazily, require
 
-    package = "dem.analysis.flow" if name in FLOW else f"dem.studies.{FILE_OF[name]}"
-    layout = import_module(f"{package}.layout").VARIABLES
+    if name in ONSET:
+        layout = import_module("dem.experiment.onset").VARIABLES
+    else:
+        package = "dem.analysis.flow" if name in FLOW else f"dem.studies.{FILE_OF[name]}"
+        layout = import_module(f"{package}.layout").VARIABLES
     with open_lazily(data) as dataset:
         whole = dataset
         if name in FLOW:

@@ -13,6 +13,7 @@ from dem.base.errors import PackingError
 from dem.contacts.force_law import effective_modulus
 from dem.dynamics.assembly import assemble, granule_table
 from dem.dynamics.simulation import Simulation
+from dem.dynamics.touching import Touching, touching
 from dem.packing.minimise import minimise
 from dem.packing.random import (
     SKIN,
@@ -38,8 +39,9 @@ FRACTION = 0.9  # of the bound on the critical time step: the motion need not be
 
 
 def compact(
-    shape, width, height, cylinder: Cylinder, seed: int, friction: float, periodic: str = "none"
-) -> Bed:
+    shape, width, height, cylinder: Cylinder | None, seed: int, friction: float,
+    periodic: str = "none",
+) -> Bed:  # fmt: skip
     """A bed packed with friction, otherwise as dem.pack makes it. Raises PackingError.
 
     The packing fraction at which it jams depends on how it is pressed.
@@ -67,14 +69,15 @@ class Press:
     """
 
     def __init__(
-        self, shape, width, height, cylinder: Cylinder, seed: int, friction: float = 0.0,
+        self, shape, width, height, cylinder: Cylinder | None, seed: int, friction: float = 0.0,
         periodic: str = "none",
     ):  # fmt: skip
         self.shape, self.friction = shape, friction
-        self.cylinder = Cylinder(cylinder.diameter, cylinder.position)
+        self.cylinder = cylinder and Cylinder(cylinder.diameter, cylinder.position)
         self.size, self.periodic = (width, height), periods_of(width, height, periodic)
         self.walls = walls_of(width, height, self.periodic)
-        room = width * height - math.pi * (0.5 * cylinder.diameter) ** 2
+        around = 0.0 if cylinder is None else math.pi * (0.5 * cylinder.diameter) ** 2
+        room = width * height - around
         self.full = float(shape.area.sum() / room)
         self.fraction = min(START, self.full)
         self.unit = effective_modulus(SOFT, SOFT) * shape.constituent_radius.mean() ** 2  # N
@@ -90,33 +93,44 @@ class Press:
         """The granules as they are."""
         return self.shape.scaled(math.sqrt(self.fraction / self.full))
 
-    def press(self, fraction: float) -> float:
+    def press(self, fraction: float, resting: float = RESTING, patience: int = PATIENCE) -> float:
         """Grow the granules to a packing fraction; returns `pressure`, the mean normal stress on
-        the walls over E* (unit thickness, m)."""
+        the walls, or of the contacts without walls, over E* (unit thickness, m).
+
+        resting: greatest net force (E* R^2) of a bed at rest; patience: iterations of FIRE, at most.
+        """
         for part in np.linspace(self.fraction, fraction, 1 + self._steps(fraction))[1:]:
             self.fraction = float(part)
-            self._rest()
+            self._rest(resting * self.unit, patience)
         return self.pressure
 
     def _steps(self, fraction):
         return max(1, math.ceil(abs(fraction - self.fraction) / STEP - 1e-9))
 
-    def _rest(self):
-        if self.friction:
-            self._damp()
-        else:
-            self._minimise()
-
-    def _minimise(self):
+    def contacts(self) -> Touching:
+        """Contacts of the bed as it is, without friction."""
         scene = self.scene()
         table = granule_table(scene, SKIN)
         world = assemble(scene, self.state.checked(scene.granules), table)
-        world, rest = minimise(scene, table, world, PATIENCE, RESTING * self.unit)
+        world, _ = minimise(scene, table, world, 0, RESTING * self.unit)
+        return touching(world, np.arange(scene.granules))
+
+    def _rest(self, enough, patience):
+        if self.friction:
+            self._damp(enough)
+        else:
+            self._minimise(enough, patience)
+
+    def _minimise(self, enough, patience):
+        scene = self.scene()
+        table = granule_table(scene, SKIN)
+        world = assemble(scene, self.state.checked(scene.granules), table)
+        world, rest = minimise(scene, table, world, patience, enough)
         self.state = State(world.bodies[:, :2].copy(), angle=world.angle.copy())
         self.net_force = rest.net_force / self.unit
         self.pressure = pressure_of(world, scene, *self.size)
 
-    def _damp(self):
+    def _damp(self, enough):
         friction = Friction(self.friction, self.friction, self.friction)
         scene = Scene(
             self.grown(), DAMPED, friction, self.walls, self.cylinder, thickness=1.0,
@@ -129,7 +143,7 @@ class Press:
             run.collect_impulses()
             run.advance(piece)
             net = np.linalg.norm(run.world.force[:, :2], axis=1).max()
-            if net <= RESTING * self.unit:
+            if net <= enough:
                 break
         end = run.state
         self.state = State(end.position, angle=end.angle)

@@ -48,7 +48,10 @@ class Place(NamedTuple):
 
 def place_in(sweep: Configuration, where: str) -> Place:
     """The top of what a file says of a sweep."""
-    return Place(sweep, entries(sweep.shapes), where)
+    paths = entries(sweep.shapes)
+    if sweep.cylinder is None:
+        paths = {path: entry for path, entry in paths.items() if not path.startswith("cylinder.")}
+    return Place(sweep, paths, where)
 
 
 def axis_of(key: str, spec, place: Place) -> Axis:

@@ -8,7 +8,7 @@ from typer.cli import get_docs_for_click
 
 from dem.analysis.flow.layout import VARIABLES as FLOW
 from dem.cli.app import app
-from dem.experiment import jamming, shear
+from dem.experiment import jamming, onset, shear
 from dem.experiment.config import Configuration, ShapeSection, section_of
 from dem.experiment.observables import OBSERVABLES, module_of
 from dem.figures import STUDY_FIGURES
@@ -39,7 +39,7 @@ def configuration() -> str:
         _table(HEADS, _values(Configuration, "")),
     ]
     for name, field in Configuration.model_fields.items():
-        if section := section_of(field.annotation):
+        if (section := section_of(field.annotation)) and name != "shapes":
             parts.append(f"## {name}\n")
             parts.append(_table(HEADS, _values(section, f"{name}.")))
     parts += ["## shapes\n", _table(HEADS, _values(ShapeSection, "shapes.LABEL."))]
@@ -58,7 +58,7 @@ def _values(section, head: str) -> list[tuple[str, ...]]:
     """Rows of a table: key, unit, default and meaning of each value of a section."""
     rows = []
     for name, field in section.model_fields.items():
-        if section_of(field.annotation) or name == "shapes":
+        if section_of(field.annotation):
             continue
         units = (field.json_schema_extra or {}).get("units") or ""
         default = "required" if field.is_required() else _word(field.default)
@@ -80,9 +80,9 @@ def files() -> str:
     for name in OBSERVABLES:
         module = module_of(name)
         parts += [f"## Observable `{name}`\n", _first_line(module), _variables(module.VARIABLES)]
-    for experiment in (jamming, shear):
-        name = experiment.__name__.rpartition(".")[2]
-        parts += [f"## Experiment `{name}`\n", _variables(experiment.VARIABLES)]
+    for module in (jamming, onset, shear):
+        name = module.__name__.rpartition(".")[2]
+        parts += [f"## Experiment `{name}`\n", _first_line(module), _variables(module.VARIABLES)]
     parts += ["## `flow.nc`\n", LAG, _variables({"run_id": dataset.OF_STORE["run_id"]} | FLOW)]
     for name in STUDY_FIGURES:
         layout = import_module(f"dem.studies.{name}.layout")

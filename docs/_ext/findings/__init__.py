@@ -12,6 +12,7 @@ from .calibration import calibration
 from .claims import claims
 from .common import DATA, Findings, holds, interval, table
 from .drag import beds, drag, flow
+from .onset import onset
 from .pressure import pressure
 from .scale import ensembles, overhead
 from .shear import shear
@@ -34,6 +35,7 @@ FILES = (
     velocity,
     shear,
     pressure,
+    onset,
     speed,
 )  # written by docs/data/release.py
 MEASURED = ensembles, overhead  # by the scripts that measure
@@ -48,6 +50,7 @@ NAMES = {
     "drag": drag,
     "ensembles": ensembles,
     "flow": flow,
+    "onset": onset,
     "overhead": overhead,
     "pressure": pressure,
     "shear": shear,

@@ -5,8 +5,8 @@ from functools import cached_property
 import numpy as np
 from rich.table import Table
 
-from dem.analysis.statistics import within
-from dem.analysis.velocity import Estimate, Law, Rates, inertial_number, rates
+from dem.analysis.statistics import Estimate, within
+from dem.analysis.velocity import Law, Rates, inertial_number, rates
 
 from .common import Findings, heads
 

@@ -1,0 +1,124 @@
+"""The onset of jamming of a frictionless bed: its packing fraction, and the contacts that carry it.
+
+The granules grow until the bed is jammed, and shrink again until it just is. Pressure of a Hertzian
+bed goes as the distance from the onset to the power of 3/2 (O'Hern et al. 2003, Phys. Rev. E 68,
+011306), so the line of load^(2/3) through the last two beds tells where the load vanishes, and each
+bed is chosen nearer to that by the same factor.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from dem.base.errors import PackingError
+from dem.dynamics.touching import Touching
+from dem.experiment.bed import cylinder, diameters
+from dem.experiment.config import Configuration, Replicate
+from dem.experiment.fit import height_of_box
+from dem.packing.pressed import Press
+from dem.shapes import KINDS
+
+VARIABLES = {
+    "onset_fraction": ((), "1", "packing fraction at the onset of jamming"),
+    "onset_load": ((), "1", "load of the bed whose contacts are counted, over E* and the mean diameter"),
+    "onset_contacts": ((), "1", "contacts between granules that are no rattlers"),
+    "onset_rattlers": ((), "1", "granules that are held by too few contacts, left out of the contacts"),
+}  # fmt: skip
+STEP = 0.002  # of the packing fraction, while granules grow
+FULL = 0.98  # packing fraction beyond which no bed is looked for
+# load: mean normal stress of the contacts over E* and the mean diameter
+JAMMED = 1e-5  # about 0.001 of packing fraction beyond the onset
+MARGINAL = 1e-9  # about 2e-6 beyond it, where nearly all contacts are those of the onset
+BACK = 1e-4  # first step back, of the packing fraction
+NEARER = 8.0  # by what factor a bed is nearer to the onset than the one before
+LOOSE = 1e-3  # load over that of the bed before, below which contact was lost
+GROWN = 1e-7  # E* R^2: greatest net force at rest while granules grow
+STILL = 1e-5  # greatest net force at rest over E* R^2 and the load of the bed before
+PATIENCE = 100_000  # iterations of FIRE
+HOLDING = 3  # contacts that hold a granule of two dimensions, round or not, without friction
+
+
+class Onset(NamedTuple):
+    """fraction: packing fraction at the onset; load: of the last bed, over E* and the mean
+    diameter; contacts: between granules that are no rattlers; rattlers: their number."""
+
+    fraction: float
+    load: float
+    contacts: int
+    rattlers: int
+
+
+def find(replicate: Replicate) -> Onset:
+    """The onset of jamming of the bed of a run; raises PackingError where none is found."""
+    sizes, own = diameters(replicate), replicate.configuration
+    height = height_of_box(own, sizes)
+    shape = KINDS[replicate.shape.kind].shape.of_size(sizes, replicate.shape.ratio)
+    room = shape, own.box_width, height, cylinder(replicate, height)
+    press = Press(*room, replicate.seed, periodic=own.periodic)
+    unit = replicate.shape.diameter
+    fraction = None
+    while fraction is None:  # a bed that comes loose had not come to rest: it grows on
+        if press.fraction > FULL:
+            raise PackingError(f"no bed jams up to the packing fraction {FULL:g}.")
+        load = press.press(press.fraction + STEP, GROWN, PATIENCE) / unit
+        if load > JAMMED:
+            fraction = _loosen(press, load, unit)
+    contacts = press.contacts()
+    holds = contacts.force > press.net_force * press.unit  # others are not at rest
+    contacts = Touching(*(column[holds] for column in contacts))
+    firm = backbone(contacts, len(sizes))
+    between = firm[contacts.granule] & firm[contacts.partner] & (contacts.partner >= 0)
+    return Onset(fraction, press.pressure / unit, int(between.sum()), int((~firm).sum()))
+
+
+def _loosen(press: Press, load: float, unit: float) -> float | None:
+    """Shrink the granules of a jammed bed until it just is; the packing fraction at the onset, or
+    None where contact is lost."""
+    fraction, goal = press.fraction, press.fraction - BACK
+    while True:
+        before = fraction, load ** (2.0 / 3.0)
+        last, load = load, press.press(goal, STILL * load, PATIENCE) / unit
+        if not load > LOOSE * last:
+            return None
+        fraction, height = press.fraction, load ** (2.0 / 3.0)
+        onset = fraction - height * (fraction - before[0]) / (height - before[1])
+        if load < MARGINAL:
+            return onset
+        goal = onset + (fraction - onset) / NEARER
+
+
+def backbone(contacts: Touching, granules: int) -> np.ndarray:
+    """Which granules (n,) are no rattlers: each has HOLDING contacts with others that are none.
+
+    Walls and cylinder are none. Those with too few are taken out until none is left.
+    """
+    first, second = contacts.granule, contacts.partner
+    firm = np.ones(granules, bool)
+    while True:
+        both = firm[first] & ((second < 0) | firm[second])
+        ends = np.concatenate([first[both], second[both & (second >= 0)]])
+        kept = firm & (np.bincount(ends, minlength=granules) >= HOLDING)
+        if (kept == firm).all():
+            return firm
+        firm = kept
+
+
+def layout(configuration: Configuration) -> dict:
+    """The variables of a run, as in dem.io.dataset."""
+    return VARIABLES
+
+
+def axes(configuration: Configuration) -> dict:
+    """Values along the dimensions that all runs share."""
+    return {}
+
+
+def sizes(replicate: Replicate) -> dict[str, int]:
+    """Length of every dimension of a run."""
+    return {}
+
+
+def run(replicate: Replicate) -> dict:
+    """Find the onset of jamming of a run; returns the variables of a run by name."""
+    found = find(replicate)
+    return {f"onset_{name}": float(value) for name, value in found._asdict().items()}

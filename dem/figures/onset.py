@@ -1,0 +1,49 @@
+"""Where beds jam and on how many contacts, against aspect ratio: by size, and for infinite size."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from dem.analysis.onset import limits
+from dem.figures import style
+
+MARKERS = "sD^vPX"
+ISOSTATIC = {4.0: "isostatic discs, 4", 6.0: "isostatic ellipses, 6"}
+
+
+@style.styled
+def plot(dataset: xr.Dataset) -> Figure:
+    """Packing fraction at the onset above, contacts per granule below."""
+    found = limits(dataset)
+    figure = Figure(figsize=(style.WIDTH, 7.6))
+    above, below = figure.subplots(2, 1, sharex=True)
+    for axes, means, estimates in (
+        (above, found.fractions, found.fraction),
+        (below, found.contacts, found.coordination),
+    ):
+        for column, (granules, marker) in enumerate(zip(found.granules, MARKERS, strict=False)):
+            axes.plot(
+                found.ratio, means[:, column], marker, color="0.15", markersize=5,
+                markerfacecolor=str(0.95 - 0.75 * column / len(found.granules)),
+                label=f"{granules} granules" if axes is above else None,
+            )  # fmt: skip
+        value, low, high = np.array(estimates).T
+        axes.errorbar(
+            found.ratio, value, [value - low, high - value], marker="o", color=style.CURVE,
+            capsize=4, label="infinitely many" if axes is above else None,
+        )  # fmt: skip
+    for level, words in ISOSTATIC.items():
+        below.axhline(level, **style.REFERENCE)
+        below.annotate(
+            words, (1.0, level), (-2, -4), xycoords=("axes fraction", "data"),
+            textcoords="offset points", ha="right", va="top",
+        )  # fmt: skip
+    above.set_ylabel("Packing fraction\nat the onset of jamming")
+    below.set_ylabel("Contacts per granule there,\nrattlers left out")
+    below.set_xlabel("Aspect ratio")
+    style.legend(figure, above, "outside lower center", ncols=3)
+    figure.suptitle(
+        f"Onset of jamming without friction: means of {found.beds} beds of each size,\n"
+        "and the lines through them at infinite size (95 % intervals)"
+    )
+    return figure

@@ -1,0 +1,190 @@
+"""The onset of jamming: what carries a bed there, what lies below and above, lines over the size."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from conftest import assert_not_blank
+
+from dem.analysis.onset import LEAST, limits
+from dem.base.errors import InputError
+from dem.dynamics.touching import Touching
+from dem.experiment import jamming, onset
+from dem.experiment.bed import diameters
+from dem.experiment.config import parse
+from dem.experiment.fit import height_of_box
+from dem.figures import ONSET_LEAST
+from dem.figures.onset import plot
+from dem.figures.style import save
+from dem.packing.pressed import Press
+from dem.shapes import KINDS
+from dem.sweep.config import load
+from dem.sweep.config import parse as parse_sweep
+
+ROOT = Path(__file__).parent.parent
+SWEEP = load(ROOT / "config/ellipses.yaml")
+
+
+def bed(ratio=1.0, granules=40, seed=1, **changes):
+    """A run of the sweep with few granules."""
+    width = 0.98e-3 * np.sqrt(granules)
+    new = {"shapes.e.aspect_ratio": ratio, "shapes.e.granules": granules, "box_width": width}
+    return SWEEP.changed(new | changes, "e").replicate("e", 3900.0, seed)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_discs_jam_with_as_many_contacts_as_degrees_of_freedom(seed):
+    """Two a disc; two less because the whole may move, one more because the bed bears a load."""
+    found = onset.find(bed(1.0, seed=seed))
+    discs = 40 - found.rattlers
+    assert found.contacts == 2 * discs - 1
+    assert 0.80 < found.fraction < 0.87
+
+
+@pytest.mark.parametrize("ratio", [1.1, 1.5])
+def test_ellipses_jam_with_fewer_contacts_than_degrees_of_freedom(ratio):
+    """Yet with more than discs, which do not feel that they turn."""
+    found = onset.find(bed(ratio))
+    ellipses = 40 - found.rattlers
+    assert 2 * ellipses - 1 < found.contacts < 3 * ellipses - 1
+
+
+def test_a_bed_bears_no_load_below_the_onset_and_that_of_hertz_above():
+    """The load goes as the distance from the onset to the power of 3/2."""
+    replicate = bed(1.3)
+    sizes, own = diameters(replicate), replicate.configuration
+    shape = KINDS["ellipse"].shape.of_size(sizes, 1.3)
+    press = Press(shape, own.box_width, height_of_box(own, sizes), None, 1, periodic="xy")
+    at = onset.find(replicate).fraction
+    while press.fraction < at + 1e-3:  # as the onset was found
+        press.press(press.fraction + onset.STEP, onset.GROWN, onset.PATIENCE)
+    far, near = (press.press(at + gap, 1e-10, onset.PATIENCE) for gap in (4e-4, 1e-4))
+    assert far / near == pytest.approx(8.0, rel=0.1)
+    assert press.press(at - 1e-4, 1e-12, onset.PATIENCE) < 1e-3 * near
+
+
+def test_the_onset_is_just_below_where_the_line_of_greater_loads_meets_zero():
+    """The experiment jamming fits that line to beds that are farther beyond the onset."""
+    replicate = bed(1.0, granules=80)
+    wide = jamming.compress(replicate).jamming
+    assert onset.find(replicate).fraction == pytest.approx(wide, abs=0.01)
+
+
+def contacts(*pairs):
+    """Contacts between granules by number, as Simulation.contacts gives them."""
+    first, second = np.array(pairs).T
+    gap = np.zeros((len(pairs), 2))
+    return Touching(first, second, gap, gap, np.ones(len(pairs)), np.ones(len(pairs)))
+
+
+def test_granules_that_too_few_contacts_hold_are_rattlers():
+    """A chain on a firm square of four goes link by link; walls and the cylinder hold granules."""
+    square = (0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)
+    chain = (3, 4), (4, 5), (5, 6), (5, 2), (5, 1), (6, 4)
+    assert onset.backbone(contacts(*square), 8).tolist() == [True] * 4 + [False] * 4
+    assert onset.backbone(contacts(*square, (3, 4), (4, 5), (5, 6), (5, 3)), 8)[4:].sum() == 0
+    assert onset.backbone(contacts(*square, *chain, (6, 0), (4, -1)), 8)[4:].tolist() == [
+        True, True, True, False,
+    ]  # fmt: skip
+
+
+# Configuration
+
+
+def values(**changes):
+    return bed().configuration.values() | changes
+
+
+def test_only_what_draws_no_cylinder_may_lack_one():
+    with pytest.raises(InputError, match="cylinder is missing; the experiment drag needs it"):
+        parse(values(experiment="drag"))
+    assert parse(values(experiment="jamming")).cylinder is None
+
+
+def test_the_onset_is_that_of_beds_without_friction():
+    packing = values()["packing"] | {"friction": 0.3}
+    with pytest.raises(InputError, match=r"packing\.friction is 0\.3; it must be 0"):
+        parse(values(packing=packing))
+
+
+def test_a_cylinder_that_is_not_there_cannot_vary():
+    data = SWEEP.dump()
+    data["sweep"] = {"shape": "e", "cylinder.diameter": [1e-3, 2e-3]}
+    with pytest.raises(InputError, match=r"cylinder\.diameter is no value that can vary"):
+        parse_sweep(data)
+
+
+def test_boxes_of_the_sweep_are_about_square():
+    for run in SWEEP.block("drag").runs:
+        own = run.replicate.configuration
+        height = height_of_box(own, diameters(run.replicate))
+        assert 0.8 < height / own.box_width < 1.25
+
+
+# Lines over the size
+
+
+def swept(fraction, contact, granules=(50, 100, 200), beds=4, noise=1e-3, seed=1):
+    """A file of beds that jam at a packing fraction, and on contacts per granule, of N."""
+    rng = np.random.default_rng(seed)
+    n = np.array(granules)[None, :, None]
+    dims = "ratio", "size", "seed"
+    shape = 2, len(granules), beds
+    scatter = noise * rng.standard_normal(shape) * np.sqrt(100.0 / n)
+    return xr.Dataset(
+        {
+            "onset_fraction": (dims, fraction(n) + scatter),
+            "onset_contacts": (dims, np.broadcast_to(0.5 * n * contact(n), shape)),
+            "onset_rattlers": (dims, np.zeros(shape)),
+            "run_id": (dims, np.full(shape, "x")),
+        },
+        {
+            "granules": ("size", list(granules)), "aspect_ratio": ("ratio", [1.0, 1.5]),
+            "seed": np.arange(beds),
+        },
+    )  # fmt: skip
+
+
+def test_lines_find_what_beds_without_end_have():
+    found = limits(swept(lambda n: 0.84 - 0.05 * n**-0.5, lambda n: 4.0 - 2.0 / n, noise=0.0))
+    for fraction, contact in zip(found.fraction, found.coordination, strict=True):
+        assert fraction == pytest.approx((0.84, 0.84, 0.84))
+        assert contact == pytest.approx((4.0, 4.0, 4.0))
+
+
+def test_intervals_hold_the_truth_as_often_as_they_say():
+    held = []
+    for seed in range(100):
+        found = limits(swept(lambda n: 0.84 - 0.05 * n**-0.5, lambda n: 4.0 - 2.0 / n, seed=seed))
+        held += [each.low < 0.84 < each.high for each in found.fraction]
+    assert 0.88 <= np.mean(held) <= 0.99
+
+
+def test_rattlers_count_neither_as_granules_nor_for_contacts():
+    beds = swept(lambda n: 0.84 + 0.0 * n, lambda n: 4.0 - 2.0 / n, noise=0.0)
+    half = beds.assign(
+        onset_rattlers=0.5 * beds["granules"] + 0.0 * beds["onset_rattlers"],
+        onset_contacts=0.5 * beds["onset_contacts"],
+    )
+    assert limits(half).contacts == pytest.approx(limits(beds).contacts)
+    assert limits(half).rattlers == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize(
+    ("granules", "beds", "words"),
+    [((50, 100), 4, "number of granules; a line takes 3"), ((50, 100, 200), 2, "2 beds of each size")],
+)  # fmt: skip
+def test_too_few_beds_for_a_line_are_refused(granules, beds, words):
+    with pytest.raises(InputError, match=words):
+        limits(swept(lambda n: 0.84 + 0.0 * n, lambda n: 4.0 + 0.0 * n, granules, beds))
+    assert ONSET_LEAST == LEAST
+
+
+def test_the_figure_shows_every_size_and_the_limit(tmp_path):
+    figure = plot(swept(lambda n: 0.84 - 0.05 * n**-0.5, lambda n: 4.0 - 2.0 / n))
+    names = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert names == ["50 granules", "100 granules", "200 granules", "infinitely many"]
+    vector, pixels = save(figure, tmp_path / "onset")
+    assert vector.is_file()
+    assert_not_blank(pixels)
