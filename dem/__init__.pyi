@@ -8,6 +8,7 @@ from .dynamics.simulation import Simulation as Simulation
 from .dynamics.simulation import simulate as simulate
 from .figures import plot as plot
 from .figures.film import film as film
+from .packing.grown import grow as grow
 from .packing.random import Bed as Bed
 from .packing.random import pack as pack
 from .scene import Cylinder as Cylinder

@@ -8,10 +8,13 @@ from dem.base.errors import InputError
 from dem.experiment.config import Replicate
 from dem.experiment.fit import height_of_box, sample_diameters
 from dem.io.dataset import BED, global_attributes, read, write
+from dem.packing.grown import grow
 from dem.packing.pressed import compact
 from dem.packing.random import Bed, pack
 from dem.scene import Cylinder, Periods, periods_of
 from dem.shapes import KINDS
+
+PREPARATIONS = {"relaxed": pack, "grown": grow}  # by packing.preparation
 
 
 def diameters(replicate: Replicate) -> np.ndarray:
@@ -34,15 +37,14 @@ def periods(replicate: Replicate, height: float) -> Periods:
 
 def make_bed(replicate: Replicate) -> Bed:
     """Pack the bed; ellipses always by common normal, which alone has an energy to minimise."""
-    sizes = diameters(replicate)
+    sizes, own = diameters(replicate), replicate.configuration
     shape = KINDS[replicate.shape.kind].shape.of_size(sizes, replicate.shape.ratio)
-    own = replicate.configuration
     height = height_of_box(own, sizes)
     room = shape, own.box_width, height, cylinder(replicate, height), replicate.seed
-    friction = own.packing.friction
+    friction, prepare = own.packing.friction, PREPARATIONS[own.packing.preparation]
     if friction > 0.0:
-        return compact(*room, friction, own.periodic)
-    return pack(*room, own.periodic)
+        return compact(*room, friction, own.periodic, prepare)
+    return prepare(*room, own.periodic)
 
 
 WRITTEN = (

@@ -58,6 +58,10 @@ class PackingSection(Section):
     friction: Annotated[
         NotNegative, value("1", "friction of all contacts while the bed is packed")
     ] = 0.0
+    preparation: Annotated[
+        Literal["relaxed", "grown"],
+        value(None, "how granules grow: energy minimised, or in motion"),
+    ] = "relaxed"
 
 
 class MaterialSection(Section):
@@ -217,6 +221,8 @@ class Configuration(Section):
         unread = dict.fromkeys(("shapes", "ellipse", "experiment"), True)
         if self.periodic == "none":  # runs between walls are the same as before there was this key
             unread["periodic"] = True
+        if self.packing.preparation == "relaxed":  # likewise
+            unread["packing"] = {"preparation"}
         included = set(Configuration.model_fields)
         return json.dumps(
             self.model_dump(include=included, exclude=unread | {"record": {"window"}}),
@@ -312,7 +318,8 @@ class Replicate:
         c = self.configuration
         others = c.packing.size_spread, c.box_width, c.cylinder.diameter, c.cylinder.start
         sides = "" if c.periodic == "none" else f" {c.periodic}"
-        return f"{c._granules[self.label]} {others}{sides}"
+        made = "" if c.packing.preparation == "relaxed" else f" {c.packing.preparation}"
+        return f"{c._granules[self.label]} {others}{sides}{made}"
 
     @property
     def variant(self) -> str:
@@ -322,7 +329,7 @@ class Replicate:
         friction = [value > 0 for value in c.friction.model_dump().values()]
         features = (
             c.experiment, c.packing.friction > 0, c.material.restitution < 1, c.gravity > 0,
-            "ledger" in c.record.observables, c.periodic,
+            "ledger" in c.record.observables, c.periodic, c.packing.preparation,
         )  # fmt: skip
         return " ".join(map(str, (self.shape.kind, *friction, *features, *ellipse.values())))
 

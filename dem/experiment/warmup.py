@@ -1,10 +1,9 @@
 """Compile the kernels that a run needs before many processes need them at once."""
 
 from dem.dynamics.simulation import Simulation
-from dem.experiment.bed import cylinder, diameters
+from dem.experiment.bed import PREPARATIONS, cylinder, diameters
 from dem.experiment.config import Replicate
 from dem.experiment.scene import make_scene
-from dem.packing.random import pack
 from dem.shapes import KINDS
 
 
@@ -17,7 +16,8 @@ def compile_kernels(replicate: Replicate) -> None:
     start = own.cylinder.start
     height = 4.0 * (own.cylinder.diameter + few.diameter) / min(start, 1.0 - start)
     shape = KINDS[few.kind].shape.of_size(diameters(replicate), few.ratio)
-    bed = pack(shape, own.box_width, height, cylinder(replicate, height), 0, own.periodic)
+    prepare = PREPARATIONS[own.packing.preparation]
+    bed = prepare(shape, own.box_width, height, cylinder(replicate, height), 0, own.periodic)
     ledger = "ledger" in own.record.observables
     run = Simulation(make_scene(replicate, bed), bed.state, ledger=ledger)
     run.check_duration(1e-9)
