@@ -12,6 +12,7 @@ from .calibration import calibration
 from .claims import claims
 from .common import DATA, Findings, holds, interval, table
 from .drag import beds, drag, flow
+from .preparation import preparation
 from .scale import ensembles, overhead
 from .speed import speed, timings
 from .stability import stability
@@ -36,6 +37,7 @@ NAMES = {
     "ensembles": ensembles,
     "flow": flow,
     "overhead": overhead,
+    "preparation": preparation,
     "speed": speed,
     "stability": stability,
     "timings": timings,
