@@ -40,6 +40,11 @@ def pack(**changes):
     return dem.pack(**room | changes)
 
 
+def grow(**changes):
+    room = {"shape": DISCS, "width": 1e-2, "height": 1e-2, "cylinder": None, "seed": 1}
+    return dem.grow(**room | changes)
+
+
 def record(**changes):
     return simulation().record(**{"interval": 1e-9, "count": 1} | changes)
 
@@ -151,6 +156,12 @@ ARGUMENTS = {
     "simulate time_step": (lambda v: simulate(time_step=v), POSITIVE[1:]),
     "simulate frames": (lambda v: simulate(frames=v), COUNT),
     "simulate skin": (lambda v: simulate(skin=v), FRACTION),
+    "grow shape": (lambda v: grow(shape=v), THING),
+    "grow width": (lambda v: grow(width=v), POSITIVE),
+    "grow height": (lambda v: grow(height=v), POSITIVE),
+    "grow cylinder": (lambda v: grow(cylinder=v), THING[1:]),
+    "grow seed": (lambda v: grow(seed=v), [None, -1, 1.5, 2.0, 2**63, *NUMBER]),
+    "grow periodic": (lambda v: grow(periodic=v), [None, "yx", True, (1e-2, None)]),
     "pack shape": (lambda v: pack(shape=v), THING),
     "pack width": (lambda v: pack(width=v), POSITIVE),
     "pack height": (lambda v: pack(height=v), POSITIVE),

@@ -1,17 +1,20 @@
 """Beds: what was asked for, at rest, nothing outside, nothing interlocked."""
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
-from conftest import STIFF, make_small_bed
+from conftest import CONFIG, STIFF, make_small_bed
 from numpy.testing import assert_allclose
 from reference import bed_forces, parting
 
 import dem
 from dem.contacts.force_law import effective_modulus
+from dem.experiment.bed import make_bed
 from dem.packing.pressed import Press, compact
 from dem.shapes import KINDS
+from dem.sweep.config import load
 
 # At 0.84 ellipses are below jamming and touch nothing; at 0.88 they press on each other.
 BEDS = [*STIFF, ("ellipse", 0.84)]
@@ -163,3 +166,77 @@ def test_pressed_bed_jams(friction):
     assert pressures[0] < 1e-2 * pressures[2]
     assert pressures[1] < pressures[2] < pressures[3]
     assert press.net_force <= 1e-4
+
+
+@cache
+def grown(kind, fraction):
+    """A small bed from `dem.grow`, in the box of the one from `dem.pack`, and the latter."""
+    small = make_small_bed(kind, fraction=fraction)
+    bed = dem.grow(small.shape, small.bed.width, small.bed.height, small.cylinder, 1)
+    return small, bed
+
+
+def test_granules_of_a_grown_bed_below_jamming_are_apart():
+    """It carries no load and hardly any granules touch; fewer nearly touch than in a relaxed bed."""
+    small, bed = grown("ellipse", 0.80)
+    still = dem.Cylinder(small.cylinder.diameter, small.cylinder.position)
+
+    def touching(of, swollen=1.0):
+        scene = dem.Scene(small.shape.scaled(swollen), walls=of.walls, cylinder=still)
+        return (dem.Simulation(scene, of.state).contacts().partner >= 0).sum()
+
+    assert bed.pressure < 1e-5 * make_small_bed("ellipse", fraction=0.88).bed.pressure
+    assert touching(bed) < 0.25 * len(small.diameters)
+    assert touching(bed, 1.0001) < 0.75 * touching(small.bed, 1.0001)
+
+
+def test_grown_bed_above_jamming_is_at_rest_under_load():
+    """Like a relaxed bed of the same granules in the same box, by the same measure of rest."""
+    small, bed = grown("disc", 0.84)
+    assert bed.net_force <= 1e-9
+    assert 0.5 < bed.pressure / small.bed.pressure < 2.0
+    assert bed.coordination_number > 3.5
+
+
+@pytest.mark.parametrize(("kind", "fraction"), [("ellipse", 0.80), ("disc", 0.84)])
+def test_grown_bed_follows_from_its_seed(kind, fraction):
+    """The same seed gives the same bits, inside the box; another seed gives another bed."""
+    small, bed = grown(kind, fraction)
+    room = small.shape, bed.width, bed.height, small.cylinder
+    again, other = (dem.grow(*room, seed) for seed in (1, 2))
+    assert (again.position == bed.position).all() and (again.angle == bed.angle).all()
+    assert np.median(np.hypot(*(other.position - bed.position).T)) > small.diameters.mean()
+    assert ((bed.position > 0.0) & (bed.position < [bed.width, bed.height])).all()
+    distance = np.hypot(*(bed.position - small.cylinder.position).T)
+    assert (distance > 0.5 * small.cylinder.diameter).all()
+
+
+def test_grown_bed_of_an_impossible_fraction_is_refused():
+    """It ends in a PackingError that names the fraction."""
+    sizes = np.random.default_rng(1).uniform(0.9e-3, 1.1e-3, 60)
+    shape = dem.Disc.of_size(sizes)
+    cylinder = dem.Cylinder(2e-3, (4e-3, 3e-3))
+    height = (shape.area.sum() / 0.97 + np.pi * 1e-6) / 8e-3
+    with pytest.raises(dem.PackingError, match=r"packing fraction 0\.97 .* cannot be made"):
+        dem.grow(shape, 8e-3, height, cylinder, 1)
+
+
+def test_preparation_is_part_of_what_a_bed_is():
+    """Beds grown in motion are other beds and runs; the default, written or not, is the old one."""
+    sweep = load(CONFIG / "smoke.yaml")
+
+    def replicate(**changes):
+        changes = {f"packing.{name}": value for name, value in changes.items()}
+        return sweep.changed(changes, "e3").replicate("e3", 3900.0, 1)
+
+    ways = {}, {"preparation": "relaxed"}, {"preparation": "grown"}
+    silent, relaxed, grown = (replicate(**way) for way in ways)
+    for name in ("id", "bed_id", "bed_family", "variant"):
+        assert getattr(silent, name) == getattr(relaxed, name) != getattr(grown, name)
+    assert "preparation" not in silent.run_key() and "relaxed" not in silent.bed_key()
+    made = make_bed(grown)
+    assert made.coordination_number < 0.5 * make_bed(relaxed).coordination_number
+    rough = make_bed(replicate(preparation="grown", friction=0.3))
+    assert not np.array_equal(rough.position, make_bed(replicate(friction=0.3)).position)
+    with pytest.raises(dem.InputError, match=r"packing.preparation is 'shaken'; it must be 'rel"):
+        replicate(preparation="shaken")

@@ -9,11 +9,14 @@ from dem.contacts.force_law import effective_modulus
 from dem.experiment.config import Replicate
 from dem.experiment.fit import NOMINAL, height_of_box, sample_diameters
 from dem.io.dataset import BED, global_attributes, read, write
+from dem.packing.grown import grow
 from dem.packing.loaded import pack_under
 from dem.packing.pressed import START, compact
 from dem.packing.random import Bed, pack
 from dem.scene import Cylinder, Periods, periods_of
 from dem.shapes import KINDS
+
+PREPARATIONS = {"relaxed": pack, "grown": grow}  # by packing.preparation
 
 
 def diameters(replicate: Replicate) -> np.ndarray:
@@ -51,9 +54,8 @@ def make_bed(replicate: Replicate) -> Bed:
     Under a pressure the top wall comes down on a loose bed. Raises PackingError where no bed is found,
     or where it leaves no room for the stroke.
     """
-    sizes = diameters(replicate)
+    sizes, own = diameters(replicate), replicate.configuration
     shape = KINDS[replicate.shape.kind].shape.of_size(sizes, replicate.shape.ratio)
-    own = replicate.configuration
     height = height_of_box(own, sizes)
     at = cylinder(replicate, height)
     if own.packing.pressure is not None:
@@ -69,10 +71,10 @@ def make_bed(replicate: Replicate) -> Bed:
             )
         return bed
     room = shape, own.box_width, height, at, replicate.seed
-    friction = own.packing.friction
+    friction, prepare = own.packing.friction, PREPARATIONS[own.packing.preparation]
     if friction > 0.0:
-        return compact(*room, friction, own.periodic)
-    return pack(*room, own.periodic)
+        return compact(*room, friction, own.periodic, prepare)
+    return prepare(*room, own.periodic)
 
 
 WRITTEN = (

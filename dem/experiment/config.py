@@ -70,6 +70,10 @@ class PackingSection(Section):
         Positive | None,
         value("Pa", "pressure on the top wall, which holds it; none: packing.fraction is given"),
     ] = None
+    preparation: Annotated[
+        Literal["relaxed", "grown"],
+        value(None, "how granules grow: energy minimised, or in motion"),
+    ] = "relaxed"
 
     @model_validator(mode="after")
     def _check(self):
@@ -84,6 +88,11 @@ class PackingSection(Section):
             raise ValueError(
                 f"friction is {self.friction:g}; a bed that is packed under a pressure is packed "
                 "without friction, make it 0"
+            )
+        if self.pressure is not None and self.preparation != "relaxed":
+            raise ValueError(
+                f"preparation is {self.preparation}; a bed that is packed under a pressure is relaxed, "
+                "leave it out"
             )
         return self
 
@@ -317,9 +326,11 @@ class Configuration(Section):
         if self.periodic == "none":  # runs between walls are the same as before there was this key
             unread["periodic"] = True
         unread |= {name: True for name in SECTIONS if getattr(self, name) is None}
+        usual = {"pressure": None, "preparation": "relaxed"}  # likewise
+        packing = {name for name, value in usual.items() if getattr(self.packing, name) == value}
         exclude = {"record": {"window"}} | unread
-        if self.packing.pressure is None:  # likewise
-            exclude["packing"] = {"pressure"}
+        if packing:
+            exclude["packing"] = packing
         included = set(Configuration.model_fields)
         return json.dumps(self.model_dump(include=included, exclude=exclude), sort_keys=True)
 
@@ -416,7 +427,8 @@ class Replicate:
         around = (c.cylinder.diameter, c.cylinder.start) if c.cylinder else ()
         others = c.packing.size_spread, c.box_width, *around
         sides = "" if c.periodic == "none" else f" {c.periodic}"
-        return f"{c._granules[self.label]} {others}{sides}"
+        made = "" if c.packing.preparation == "relaxed" else f" {c.packing.preparation}"
+        return f"{c._granules[self.label]} {others}{sides}{made}"
 
     @property
     def variant(self) -> str:
@@ -436,6 +448,8 @@ class Replicate:
             motions.add((rough, c.material.restitution < 1, *has, str(ellipse)))
         if c.experiment == "jamming" or c.packing.friction > 0:
             motions.add((True, True, False, False, False, str(EllipseSection())))
+        if c.packing.preparation == "grown":
+            motions.add((False, True, False, False, False, str(EllipseSection())))
         return f"{self.shape.kind} {c.periodic} {sorted(motions)}"
 
     @property

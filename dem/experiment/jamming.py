@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.base.errors import PackingError
-from dem.experiment.bed import cylinder, diameters
+from dem.experiment.bed import PREPARATIONS, cylinder, diameters
 from dem.experiment.config import Configuration, Replicate
 from dem.experiment.fit import height_of_box
 from dem.packing.pressed import START, Press
@@ -49,7 +49,8 @@ def compress(replicate: Replicate) -> Path:
     room = shape, own.box_width, height, cylinder(replicate, height)
     fractions, loads = [], []
     try:
-        press = Press(*room, replicate.seed, friction, own.periodic)
+        prepare = PREPARATIONS[own.packing.preparation]
+        press = Press(*room, replicate.seed, friction, own.periodic, prepare)
         for fraction in START + STEP * np.arange(STEPS):
             loads.append(press.press(fraction) / replicate.shape.diameter)
             fractions.append(fraction)

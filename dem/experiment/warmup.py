@@ -4,12 +4,11 @@ from dataclasses import replace
 
 from dem.dynamics.simulation import Simulation
 from dem.experiment import shear
-from dem.experiment.bed import diameters
+from dem.experiment.bed import PREPARATIONS, diameters
 from dem.experiment.config import Replicate
 from dem.experiment.observables import module_of
 from dem.experiment.scene import make_scene
 from dem.packing.pressed import compact
-from dem.packing.random import pack
 from dem.scene import Cylinder
 from dem.shapes import KINDS
 
@@ -36,10 +35,14 @@ def compile_kernels(replicate: Replicate) -> None:
     if drawn:  # in a box that is much too high for three granules
         at = 0.5 * own.box_width, drawn.start * height
         cylinder = Cylinder(drawn.diameter, at, (0.0, drawn.velocity))
+    prepare = PREPARATIONS[own.packing.preparation]
     room = shape, own.box_width, height, cylinder, 0
     # a bed that jams is pressed with friction in other runs of the variant, and drawn in most sweeps
     friction = 1.0 if own.experiment == "jamming" else own.packing.friction
-    bed = compact(*room, friction, own.periodic) if friction > 0.0 else pack(*room, own.periodic)
+    if friction > 0.0:
+        bed = compact(*room, friction, own.periodic, prepare)
+    else:
+        bed = prepare(*room, own.periodic)
     if cylinder is None:  # the bed is packed, and no more
         return
     ledger = "ledger" in own.record.observables

@@ -16,6 +16,7 @@ SHOWN = 7  # factors
 BARS = (("drag of c1", "o", "#17457d"), ("e1 over c1", "D", "white"))
 WORDS = {
     "packing.fraction": "packing fraction", "packing.friction": "friction in packing",
+    "packing.preparation": "preparation of the bed",
     "friction.granule": "friction of granules", "friction.wall": "friction of walls",
     "friction.cylinder": "friction of the cylinder", "friction.stiffness": "tangential stiffness",
     "shapes.c2.granules": "number of granules of c2", "material.thickness": "thickness (mass)",

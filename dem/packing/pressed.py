@@ -6,6 +6,7 @@ which a bed jams. Contacts lose their memory of friction between steps, and befo
 """
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from dem.contacts.force_law import effective_modulus
 from dem.dynamics.assembly import assemble, granule_table
 from dem.dynamics.simulation import Simulation
 from dem.dynamics.touching import Touching, touching
+from dem.packing.grown import DAMPED, FRACTION
 from dem.packing.minimise import minimise
 from dem.packing.random import (
     SKIN,
@@ -25,28 +27,27 @@ from dem.packing.random import (
     pressure_of,
     soft_scene,
 )
-from dem.scene import Cylinder, Friction, Material, Scene, State, periods_of, walls_of
+from dem.scene import Cylinder, Friction, Scene, State, periods_of, walls_of
 
+Preparation = Callable[..., Bed]  # called as dem.pack is
 START = 0.74  # packing fraction of the bed before it is pressed: no shape jams there
 STEP = 0.005  # of the packing fraction, at most, between two rests
 RESTING = 1e-5  # E* R^2: a bed is at rest when no granule feels a greater net force
 MOVING = 2e-4  # E* R^2: beyond it a finished bed is refused
 PATIENCE = 20_000  # iterations of FIRE
-DAMPED = Material(density=1.0, young_modulus=1.0, poisson_ratio=0.0, restitution=0.5)
 PIECE = 10.0  # sqrt(m / (E* R)): one piece of damped motion
 PIECES = 80  # of damped motion, at most, after a step
-FRACTION = 0.9  # of the bound on the critical time step: the motion need not be accurate
 
 
 def compact(
     shape, width, height, cylinder: Cylinder | None, seed: int, friction: float,
-    periodic: str = "none",
+    periodic: str = "none", prepare: Preparation = pack,
 ) -> Bed:  # fmt: skip
     """A bed packed with friction, otherwise as dem.pack makes it. Raises PackingError.
 
     The packing fraction at which it jams depends on how it is pressed.
     """
-    press = Press(shape, width, height, cylinder, seed, friction, periodic)
+    press = Press(shape, width, height, cylinder, seed, friction, periodic, prepare)
     press.press(press.full)
     scene = press.scene()
     if not press.net_force <= MOVING:
@@ -64,13 +65,13 @@ class Press:
     """A bed in a box of width and height (m) whose granules grow up to those of `shape`.
 
     full: packing fraction when they have grown; fraction: as they are; friction: Coulomb's
-    coefficient of all contacts while they grow; periodic: as of dem.pack. Raises PackingError as
-    dem.pack does.
+    coefficient of all contacts while they grow; periodic: as of dem.pack; prepare: dem.pack or
+    dem.grow, which makes the bed that is pressed. Raises PackingError as these do.
     """
 
     def __init__(
         self, shape, width, height, cylinder: Cylinder | None, seed: int, friction: float = 0.0,
-        periodic: str = "none",
+        periodic: str = "none", prepare: Preparation = pack,
     ):  # fmt: skip
         self.shape, self.friction = shape, friction
         self.cylinder = cylinder and Cylinder(cylinder.diameter, cylinder.position)
@@ -81,7 +82,7 @@ class Press:
         self.full = float(shape.area.sum() / room)
         self.fraction = min(START, self.full)
         self.unit = effective_modulus(SOFT, SOFT) * shape.constituent_radius.mean() ** 2  # N
-        bed = pack(self.grown(), width, height, self.cylinder, seed, periodic)
+        bed = prepare(self.grown(), width, height, self.cylinder, seed, periodic)
         self.state = bed.state
         self.pressure, self.net_force = bed.pressure, bed.net_force
 

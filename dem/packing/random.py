@@ -7,6 +7,7 @@ on the geometry and the seed: moduli and masses cancel.
 """
 
 import math
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -239,6 +240,23 @@ def pack(
     >>> scene.periodic
     (0.008, None)
     """
+    scene, factor, state = sown(shape, width, height, cylinder, seed, periodic)
+    while factor < 1.0:
+        smaller = replace(scene, shape=shape.scaled(factor))
+        world, _, _ = relax(smaller, state, PATIENCE, SETTLED)
+        state = State(world.bodies[:, :2].copy(), angle=world.angle)
+        factor = min(factor * GROWTH, 1.0)
+    return at_rest(scene, state, width, height, seed)
+
+
+def sown(
+    shape: Any, width: float, height: float, cylinder: Cylinder | None, seed: int, periodic: str
+) -> tuple[Scene, float, State]:
+    """Small granules at random places and angles, apart from each other.
+
+    Returns the soft Scene of the finished bed, the factor by which its lengths are scaled at the
+    start, and the State at the start.
+    """
     still, half = None, 0.0
     periods = periods_of(width, height, periodic)
     if cylinder is not None:
@@ -252,30 +270,34 @@ def pack(
                 )
         still = Cylinder(cylinder.diameter, cylinder.position)
     walls = walls_of(width, height, periods)
-    soft_scene(shape, walls, still, periods)  # refused now where it would be when they are grown
+    scene = soft_scene(shape, walls, still, periods)
     rng = np.random.default_rng([seed, 1])
     room = width * height - math.pi * half**2
     factor = min(1.0, math.sqrt(LOOSE * room / (np.pi * (shape.bounding_radius**2).sum())))
     position = scatter(shape.scaled(factor), width, height, cylinder, rng, periods)
-    state = State(position, angle=rng.uniform(0.0, 2.0 * np.pi, len(position)))
-    while True:
-        last = factor == 1.0
-        scene = soft_scene(shape.scaled(factor), walls, still, periods)
-        table = granule_table(scene, SKIN)
-        world = assemble(scene, state.checked(len(position)), table)
-        unit = effective_modulus(SOFT, SOFT) * table.radius.mean() ** 2  # N
-        iterations, enough = (LONGEST, REST) if last else (PATIENCE, SETTLED)
-        world, rest = minimise(scene, table, world, iterations, enough * unit)
-        if last:
-            net_force = rest.net_force / unit
-            if not net_force <= REST:
-                raise PackingError(
-                    f"{name_of(scene, width, height, seed)} is not at rest after {LONGEST} "
-                    f"iterations: net force {net_force:.2g} E* R^2, asked for {REST:g}."
-                )
-            return finished(scene, table, world, rest, width, height, net_force, seed)
-        state = State(world.bodies[:, :2].copy(), angle=world.angle)
-        factor = min(factor * GROWTH, 1.0)
+    return scene, factor, State(position, angle=rng.uniform(0.0, 2.0 * np.pi, len(position)))
+
+
+def relax(
+    scene: Scene, state: State, iterations: int, enough: float
+) -> tuple[World, GranuleTable, Rest]:
+    """Minimise the energy of a soft scene; forces, also of the Rest, over E* R^2."""
+    table = granule_table(scene, SKIN)
+    world = assemble(scene, state.checked(scene.granules), table)
+    unit = effective_modulus(SOFT, SOFT) * table.radius.mean() ** 2  # N
+    world, rest = minimise(scene, table, world, iterations, enough * unit)
+    return world, table, rest._replace(net_force=rest.net_force / unit)
+
+
+def at_rest(scene: Scene, state: State, width: float, height: float, seed: int) -> Bed:
+    """The bed of full-sized granules, brought to rest; raises PackingError if it finds none."""
+    world, table, rest = relax(scene, state, LONGEST, REST)
+    if not rest.net_force <= REST:
+        raise PackingError(
+            f"{name_of(scene, width, height, seed)} is not at rest after {LONGEST} "
+            f"iterations: net force {rest.net_force:.2g} E* R^2, asked for {REST:g}."
+        )
+    return finished(scene, table, world, rest, width, height, rest.net_force, seed)
 
 
 def soft_scene(

@@ -13,6 +13,7 @@ from .claims import claims
 from .common import DATA, Findings, holds, interval, table
 from .drag import beds, drag, flow
 from .onset import onset
+from .preparation import preparation
 from .pressure import pressure
 from .scale import ensembles, overhead
 from .shear import shear
@@ -52,6 +53,7 @@ NAMES = {
     "flow": flow,
     "onset": onset,
     "overhead": overhead,
+    "preparation": preparation,
     "pressure": pressure,
     "shear": shear,
     "speed": speed,

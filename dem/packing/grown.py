@@ -1,0 +1,127 @@
+"""A random bed that grows in motion, at a prescribed packing fraction, around the cylinder.
+
+Granules start as in dem.packing.random. They grow in the same steps, but after each step they move
+by the dynamics of a run (dem.dynamics.simulation), without friction and with inelastic collisions.
+At full size they move on until they are at rest. A bed below jamming then has granules apart from
+each other, as shaking leaves them. A minimiser stops as soon as an overlap is gone, so it leaves
+them just touching.
+"""
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from dem.base.errors import OverlapError, PackingError, StateError
+from dem.base.validate import checked, named, one_of, or_none, positive, whole
+from dem.contacts.force_law import effective_modulus
+from dem.dynamics.simulation import Simulation
+from dem.packing.random import GROWTH, SETTLED, SOFT, Bed, at_rest, name_of, sown
+from dem.scene import SIDES, Cylinder, Material, Scene, State, granules
+
+DAMPED = Material(density=1.0, young_modulus=1.0, poisson_ratio=0.0, restitution=0.5)
+FRACTION = 0.9  # of the bound on the critical time step: the motion need not be accurate
+STAGE = 300.0  # sqrt(m / (E* R)): motion after each step of growth
+KEPT = 0.5  # of all velocities, after a stage
+STAGES = 100  # at full size, at most; what is jammed then moves little and is minimised
+
+
+@checked(
+    shape=granules,
+    width=positive("m"),
+    height=positive("m"),
+    cylinder=or_none(one_of(Cylinder)),
+    seed=whole(0, 2**63 - 1),
+    periodic=named({key: key for key in SIDES}),
+)
+def grow(
+    shape: Any,
+    width: float,
+    height: float,
+    cylinder: Cylinder | None,
+    seed: int,
+    periodic: str = "none",
+) -> Bed:
+    """Pack granules at random into a box by growth in motion.
+
+    Takes what `pack` takes. Beds above jamming are at rest by the same measure. Below jamming the
+    granules of this bed are apart from each other, and those of `pack` just touch: its beds resist
+    a cylinder sooner.
+
+    Parameters
+    ----------
+    shape : Disc, Dumbbell, Ellipse or Superellipse
+        Granules, n in all, with their sizes (m).
+    width : float
+        Width of the box (m).
+    height : float
+        Height of the box (m).
+    cylinder : Cylinder or None
+        Cylinder that the granules leave room for. Its velocity is ignored.
+    seed : int
+        Seed of the random places and angles, without unit, zero or positive.
+    periodic : str
+        Along which sides the box repeats itself: "none", "x", "y" or "xy". There are no walls across
+        these.
+
+    Returns
+    -------
+    Bed
+        The bed, with the net force and the pressure that remain in it.
+
+    Raises
+    ------
+    PackingError
+        If no bed at rest is found, usually because the packing fraction is too high.
+    InputError
+        If a value cannot be used, for instance if the cylinder does not fit into the box.
+
+    See Also
+    --------
+    pack : Make a bed by minimising its energy, which is faster.
+
+    Notes
+    -----
+    The granules start small and apart, and grow in steps of 2 %. After each step they move for
+    300 sqrt(m / (E* R)) without friction, at a restitution of 0.5, and all velocities are halved.
+    At full size they move on until no granule feels a net force above 1e-5 E* R^2. What is left of
+    it is minimised as by `pack`, to 1e-9 E* R^2.
+
+    Examples
+    --------
+    >>> import dem
+    >>> import numpy as np
+    >>> shape = dem.Ellipse.of_size(np.linspace(0.8e-3, 1.2e-3, 60), 1.25)
+    >>> room = dict(width=8e-3, height=7.2e-3, cylinder=None, seed=1)
+    >>> bed = dem.grow(shape, **room)
+    >>> bool(bed.coordination_number < dem.pack(shape, **room).coordination_number)
+    True
+    """
+    scene, factor, state = sown(shape, width, height, cylinder, seed, periodic)
+    unit = effective_modulus(SOFT, SOFT) * shape.constituent_radius.mean() ** 2  # N
+    try:
+        while factor < 1.0:
+            state, _ = _moved(replace(scene, shape=shape.scaled(factor)), state)
+            factor = min(factor * GROWTH, 1.0)
+        for _ in range(STAGES):
+            state, net_force = _moved(scene, state)
+            if net_force <= SETTLED * unit:
+                break
+    except (OverlapError, StateError) as error:
+        name = name_of(scene, width, height, seed)
+        raise PackingError(f"{name} cannot be made: while it grew, {error}") from None
+    return at_rest(scene, State(state.position, angle=state.angle), width, height, seed)
+
+
+def _moved(scene: Scene, state: State) -> tuple[State, float]:
+    """The State after one stage, with velocities reduced, and the largest net force (N)."""
+    scene = replace(scene, material=DAMPED)
+    run = Simulation(scene, state, step_fraction=FRACTION)
+    radius = scene.shape.constituent_radius.mean()
+    modulus = effective_modulus(DAMPED, DAMPED)
+    run.advance(STAGE * math.sqrt(scene.mass.mean() / (modulus * radius)))
+    net_force = float(np.linalg.norm(run.world.force[:, :2], axis=1).max())
+    end = run.state
+    slower = State(end.position, KEPT * end.velocity, end.angle, KEPT * end.angular_velocity)
+    return slower, net_force
