@@ -165,7 +165,7 @@ def swept(friction, fraction=0.8, noise=0.02, seeds=3, strain=4, seed=0):
 
 
 def test_curves_tell_places_apart():
-    found = rheology(swept([[0.1, 0.2], [0.3, 0.5]], noise=0.0))
+    found = rheology(swept([[0.1, 0.2], [0.3, 0.5]], noise=1e-9))
     np.testing.assert_allclose(found.curves[("0",)].friction[:, 0], [0.1, 0.2])
     np.testing.assert_allclose(found.curves[("1",)].middle[:, 0], [0.3, 0.5])
     np.testing.assert_allclose(found.curves[("1",)].number, 0.9 * NUMBERS)

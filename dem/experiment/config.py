@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 from functools import cache, cached_property
 from importlib import import_module
-from typing import Annotated, Any, Literal, NamedTuple, get_args
+from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin
 
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, Field, ValidationError, model_validator
@@ -568,9 +568,11 @@ def entries(shapes: Iterable[str]) -> dict[str, Entry]:
 
 
 def section_of(annotation) -> type[BaseModel] | None:
-    """The section that a key holds, which may also be null; None where it holds a value."""
-    kinds = annotation, *get_args(annotation)
-    return next((k for k in kinds if isinstance(k, type) and issubclass(k, BaseModel)), None)
+    """The section that a field holds, or may hold."""
+    if get_origin(annotation) is dict:  # of sections by name
+        return None
+    choices = get_args(annotation) or (annotation,)
+    return next((c for c in choices if isinstance(c, type) and issubclass(c, BaseModel)), None)
 
 
 def nearest(word: str, words: Iterable[str]) -> str:

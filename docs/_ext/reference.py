@@ -39,7 +39,7 @@ def configuration() -> str:
         _table(HEADS, _values(Configuration, "")),
     ]
     for name, field in Configuration.model_fields.items():
-        if (section := section_of(field.annotation)) and name != "shapes":
+        if section := section_of(field.annotation):
             parts.append(f"## {name}\n")
             parts.append(_table(HEADS, _values(section, f"{name}.")))
     parts += ["## shapes\n", _table(HEADS, _values(ShapeSection, "shapes.LABEL."))]
@@ -58,7 +58,7 @@ def _values(section, head: str) -> list[tuple[str, ...]]:
     """Rows of a table: key, unit, default and meaning of each value of a section."""
     rows = []
     for name, field in section.model_fields.items():
-        if section_of(field.annotation):
+        if section_of(field.annotation) or name == "shapes":
             continue
         units = (field.json_schema_extra or {}).get("units") or ""
         default = "required" if field.is_required() else _word(field.default)
