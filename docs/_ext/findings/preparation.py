@@ -50,7 +50,7 @@ class Preparation:
         """Where the numbers come from."""
         found = self._found
         return (
-            f"*Computed by `{found['command']}` at revision `{found['revision']}` on "
+            f"*Runs of `{found['command']}`, computed at revision `{found['revision']}` on "
             f"{found['date']}; file `docs/data/preparation.yaml`. Intervals are 95 %.*"
         )
 
