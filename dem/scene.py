@@ -4,7 +4,7 @@ SI units throughout. Angles in rad, anticlockwise; x to the right, y upwards.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -35,9 +35,7 @@ from dem.motion import (
     numbered,
     wall_motions,
 )
-
-Periods = tuple[float | None, float | None] | None  # (m) along x and y
-ROOM = 2.5  # least period over the reach of a scene; two would leave no skin to neighbour lists
+from dem.periodic import ROOM, Periods, walled
 
 
 @checked(
@@ -225,25 +223,11 @@ def box(width: float, height: float) -> np.ndarray:
     return np.array([[-1, 0, 0], [1, 0, width], [0, -1, 0], [0, 1, height]], float)
 
 
-SIDES = {"none": (False, False), "x": (True, False), "y": (False, True), "xy": (True, True)}
-
-
-def periods_of(width: float, height: float, periodic: str) -> Periods:
-    """Periods (m) of a box that repeats itself along the sides that a key of SIDES names."""
-    x, y = SIDES[periodic]
-    return (width if x else None, height if y else None) if x or y else None
-
-
 def walls_of(width: float, height: float, periodic: Periods) -> np.ndarray | None:
     """Walls (w, 3) of a box but for those at periodic sides, as `box` returns them; None if there
     are none."""
     stay = walled(periodic)
     return box(width, height)[stay] if stay.any() else None
-
-
-def walled(periodic: Periods) -> np.ndarray:
-    """Which of the four walls of a box stand (4,), in the order of `box`."""
-    return np.repeat([period is None for period in periodic or (None, None)], 2)
 
 
 def arrays_of(shape: Any) -> dict[str, np.ndarray]:
@@ -287,24 +271,6 @@ def periods(name: str, value: Any) -> Periods:
     take = or_none(positive("m"))
     x, y = (take(f"{name} along {axis}", each) for axis, each in zip("xy", value, strict=True))
     return None if x is None and y is None else (x, y)
-
-
-def wrapped(position: np.ndarray, periodic: Periods) -> np.ndarray:
-    """Positions (..., 2) in m less whole periods: from 0 to below the period along a periodic side."""
-    # twice: of a tiny negative number the first is the period
-    return _by_side(position, periodic, lambda x, period: np.mod(np.mod(x, period), period))
-
-
-def nearest_image(away: np.ndarray, periodic: Periods) -> np.ndarray:
-    """Vectors (..., 2) in m from one body to another less whole periods: to its nearest image."""
-    return _by_side(away, periodic, lambda x, period: x - period * np.rint(x / period))
-
-
-def _by_side(places: np.ndarray, periodic: Periods, change: Callable) -> np.ndarray:
-    if periodic is None:
-        return places
-    columns = zip(np.moveaxis(places, -1, 0), periodic, strict=True)
-    return np.stack([change(x, period) if period else x for x, period in columns], axis=-1)
 
 
 @checked(

@@ -9,7 +9,8 @@ from dataclasses import replace
 import numpy as np
 
 from dem.dynamics.world import CHUNK
-from dem.scene import Scene, State, arrays_of, wrapped
+from dem.periodic import wrapped
+from dem.scene import Scene, State, arrays_of
 
 
 def _spread(number):

@@ -13,7 +13,8 @@ from dem.packing.grown import grow
 from dem.packing.loaded import pack_under
 from dem.packing.pressed import START, compact
 from dem.packing.random import Bed, pack
-from dem.scene import Cylinder, Periods, periods_of
+from dem.periodic import Periods, periods_of
+from dem.scene import Cylinder
 from dem.shapes import KINDS
 
 PREPARATIONS = {"relaxed": pack, "grown": grow}  # by packing.preparation

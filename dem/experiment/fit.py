@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from dem.scene import ROOM
+from dem.periodic import ROOM
 
 NOMINAL = 0.84  # packing fraction that tells where a bed under a pressure has its cylinder
 

@@ -6,7 +6,7 @@ dem.Scene; positions are not wrapped.
 
 import numpy as np
 
-from dem.scene import nearest_image, wrapped
+from dem.periodic import nearest_image, wrapped
 
 NEAR = 1.5  # mean diameters: centres of granules that are beside each other
 AROUND = 2.5  # mean diameters: the neighbourhood that a granule's motion is compared with

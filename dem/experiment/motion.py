@@ -11,7 +11,7 @@ from dem.experiment.bed import periods
 from dem.experiment.config import Replicate
 from dem.experiment.scene import make_scene
 from dem.packing.random import Bed
-from dem.scene import Periods
+from dem.periodic import Periods
 from dem.shapes import KINDS
 
 

@@ -7,7 +7,8 @@ from matplotlib.path import Path
 
 from dem.experiment.flow_measures import layers_of
 from dem.figures import style
-from dem.scene import walls_of, wrapped
+from dem.periodic import wrapped
+from dem.scene import walls_of
 from dem.shapes import KINDS
 
 PLAIN, SHADED = "#dfe7ee", style.CURVE

@@ -8,7 +8,7 @@ import numpy as np
 
 from dem.base.files import atomic
 from dem.experiment.motion import Motion
-from dem.scene import wrapped
+from dem.periodic import wrapped
 
 PVD = """<?xml version="1.0"?>
 <VTKFile type="Collection" version="0.1"><Collection>

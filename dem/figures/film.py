@@ -22,7 +22,7 @@ from dem.experiment.flow_measures import LAYERS
 from dem.experiment.motion import Motion
 from dem.figures import bed, style
 from dem.figures.frames import Frames, frames_of
-from dem.scene import nearest_image
+from dem.periodic import nearest_image
 
 COLORS = ("speed", "force", "layer", "cluster")
 SIZE, DPI = (12.8, 7.2), 100  # 720p

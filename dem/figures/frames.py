@@ -11,7 +11,7 @@ from dem.dynamics.simulation import Result
 from dem.dynamics.touching import Touching
 from dem.experiment.motion import Motion
 from dem.figures import bed, style
-from dem.scene import Periods
+from dem.periodic import Periods
 
 MARGIN = 0.05  # of the view of a result, around what it shows
 CURVES = ((style.CURVE, "-"), ("#b34700", (0, (5, 1.5))), ("#5b4a8a", (0, (1, 1))),

@@ -1,5 +1,7 @@
 """Drag over that of the first shape against the width of the box, at equal pressure and fraction."""
 
+from functools import partial
+
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
@@ -25,10 +27,10 @@ def plot(dataset: xr.Dataset) -> Figure:
         for number, shape in enumerate(found.shapes):
             look = {"color": COLORS[number % len(COLORS)], "marker": MARKERS[number % len(MARKERS)]}
             shift = APART * (number - 0.5 * (len(found.shapes) - 1))
-            _points(above, found, shift, lambda b: found.drag(place, shape, b),
+            _points(above, found, shift, partial(found.drag, place, shape),
                     found.drag_limit(place, shape), found.line(place, shape), shape, look)  # fmt: skip
             if number:
-                _points(below, found, shift, lambda b: found.ratio(place, shape, b),
+                _points(below, found, shift, partial(found.ratio, place, shape),
                         found.limit(place, shape), found.line(place, shape, found.shapes[0]),
                         shape, look)  # fmt: skip
         below.axhline(1.0, **style.REFERENCE)

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from dem.analysis.statistics import find
 from dem.base.errors import InputError
 from dem.figures import bed, style
-from dem.scene import periods_of
+from dem.periodic import periods_of
 
 SHARES = (0.0, 0.5, 1.0)  # of the stroke: displacements that are shown
 

@@ -18,7 +18,8 @@ from dem.base.validate import checked, named, one_of, or_none, positive, whole
 from dem.contacts.force_law import effective_modulus
 from dem.dynamics.simulation import Simulation
 from dem.packing.random import GROWTH, SETTLED, SOFT, Bed, at_rest, name_of, sown
-from dem.scene import SIDES, Cylinder, Material, Scene, State, granules
+from dem.periodic import SIDES
+from dem.scene import Cylinder, Material, Scene, State, granules
 
 DAMPED = Material(density=1.0, young_modulus=1.0, poisson_ratio=0.0, restitution=0.5)
 FRACTION = 0.9  # of the bound on the critical time step: the motion need not be accurate

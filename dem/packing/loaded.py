@@ -14,7 +14,8 @@ from dem.contacts.force_law import effective_modulus
 from dem.dynamics.assembly import assemble, granule_table
 from dem.packing.minimise import minimise
 from dem.packing.random import LONGEST, REST, SKIN, SOFT, Bed, finished, pack, soft_scene
-from dem.scene import Cylinder, State, periods_of, walls_of
+from dem.periodic import periods_of
+from dem.scene import Cylinder, State, walls_of
 
 STEP = 0.01  # of the height, at most, between two rests
 STEPS = 100  # at most

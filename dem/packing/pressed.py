@@ -27,7 +27,8 @@ from dem.packing.random import (
     pressure_of,
     soft_scene,
 )
-from dem.scene import Cylinder, Friction, Scene, State, periods_of, walls_of
+from dem.periodic import periods_of
+from dem.scene import Cylinder, Friction, Scene, State, walls_of
 
 Preparation = Callable[..., Bed]  # called as dem.pack is
 START = 0.74  # packing fraction of the bed before it is pressed: no shape jams there

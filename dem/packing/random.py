@@ -20,19 +20,8 @@ from dem.dynamics.touching import touching
 from dem.dynamics.world import World
 from dem.jit.columns import X, Y
 from dem.packing.minimise import Rest, minimise
-from dem.scene import (
-    SIDES,
-    Cylinder,
-    Material,
-    Periods,
-    Scene,
-    State,
-    granules,
-    nearest_image,
-    periods_of,
-    walls_of,
-    wrapped,
-)
+from dem.periodic import SIDES, Periods, nearest_image, periods_of, wrapped
+from dem.scene import Cylinder, Material, Scene, State, granules, walls_of
 
 REST = 1e-9  # E* R^2: a bed is at rest when no granule feels a greater net force
 LOOSE = 0.3  # area fraction of the bounding circles at the start

@@ -19,7 +19,7 @@ from dem.experiment.motion import Motion
 from dem.experiment.observables.flow import VARIABLES as MEASURED
 from dem.experiment.observables.flow import lag_of, measured
 from dem.io.dataset import attributes, content_of, global_attributes, read, write
-from dem.scene import wrapped
+from dem.periodic import wrapped
 from dem.sweep.combine import combine
 from dem.sweep.work import Work
 

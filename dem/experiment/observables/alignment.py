@@ -6,7 +6,7 @@ is the difference to the angles at the start of the same granules.
 
 import numpy as np
 
-from dem.scene import nearest_image
+from dem.periodic import nearest_image
 
 S = ("snapshot",)
 VARIABLES = {

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dem.scene import walled
+from dem.periodic import walled
 
 D = ("displacement",)
 VARIABLES = {
