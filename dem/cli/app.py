@@ -115,11 +115,17 @@ def simulate(
     Example: dem simulate --shape c1 --density 3900 --seed 1 friction.granule=0.2 -o run.nc
     """
     start_lean()
+    from dem.base.errors import InputError
     from dem.experiment import drag, resume
     from dem.experiment.bed import make_bed, read_bed
     from dem.sweep.chunk import write_one
 
     replicate = _replicate(config, shape, density, seed, values)
+    if (experiment := replicate.configuration.experiment) != "drag":
+        raise InputError(
+            f"{config}: experiment is {experiment}; dem simulate makes only runs of drag, dem sweep "
+            "all others."
+        )
     at_rest = read_bed(bed, replicate) if bed else None
     if checkpoint:
         resume.clear_way(checkpoint, replicate, at_rest)

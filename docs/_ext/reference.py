@@ -9,7 +9,7 @@ from typer.cli import get_docs_for_click
 from dem.analysis.flow.layout import VARIABLES as FLOW
 from dem.cli.app import app
 from dem.experiment import jamming, onset, shear
-from dem.experiment.config import Configuration, ShapeSection, section_of
+from dem.experiment.config import SECTIONS, Configuration, ShapeSection, section_of
 from dem.experiment.observables import OBSERVABLES, module_of
 from dem.figures import STUDY_FIGURES
 from dem.io import dataset
@@ -41,6 +41,8 @@ def configuration() -> str:
     for name, field in Configuration.model_fields.items():
         if section := section_of(field.annotation):
             parts.append(f"## {name}\n")
+            if name in SECTIONS:
+                parts.append(f"Only for the experiment {' and '.join(SECTIONS[name])}.\n")
             parts.append(_table(HEADS, _values(section, f"{name}.")))
     parts += ["## shapes\n", _table(HEADS, _values(ShapeSection, "shapes.LABEL."))]
     return "\n".join(parts)
