@@ -15,7 +15,7 @@ from pydantic import BaseModel, ValidationError
 from dem.base.errors import InputError
 from dem.base.remedy import of_value
 from dem.base.schema import sentences
-from dem.experiment.config import entries, nearest
+from dem.experiment.config import entries, nearest, section_of
 
 SHOWN = 4  # names that a hint lists
 # keys that people look for, and what to write instead
@@ -142,9 +142,7 @@ def _at(model: type[BaseModel] | None, place: tuple):
 
 def _inside(annotation):
     """The section that an annotation is of; {"section": it or None} for a group by name."""
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return annotation
     if get_origin(annotation) is not dict:
-        return None
+        return section_of(annotation)
     of = get_args(annotation)[1]
-    return {"section": of if isinstance(of, type) and issubclass(of, BaseModel) else None}
+    return {"section": section_of(of)}
