@@ -129,8 +129,8 @@ def swept(fraction, contact, granules=(50, 100, 200), beds=4, noise=1e-3, seed=1
     """A file of beds that jam at a packing fraction, and on contacts per granule, of N."""
     rng = np.random.default_rng(seed)
     n = np.array(granules)[None, :, None]
-    dims = "ratio", "size", "seed"
-    shape = 2, len(granules), beds
+    dims = "shape", "ratio", "size", "seed"
+    shape = 1, 2, len(granules), beds
     scatter = noise * rng.standard_normal(shape) * np.sqrt(100.0 / n)
     return xr.Dataset(
         {
@@ -140,8 +140,8 @@ def swept(fraction, contact, granules=(50, 100, 200), beds=4, noise=1e-3, seed=1
             "run_id": (dims, np.full(shape, "x")),
         },
         {
-            "granules": ("size", list(granules)), "aspect_ratio": ("ratio", [1.0, 1.5]),
-            "seed": np.arange(beds),
+            "granules": (("shape", "size"), [list(granules)]),
+            "aspect_ratio": (("shape", "ratio"), [[1.0, 1.5]]), "seed": np.arange(beds),
         },
     )  # fmt: skip
 

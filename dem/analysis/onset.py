@@ -44,15 +44,14 @@ def coordination(dataset: xr.Dataset) -> xr.DataArray:
 
 def limits(dataset: xr.Dataset) -> Limits:
     """Where beds of infinitely many granules jam; raises InputError where there are too few beds."""
-    runs = dataset["onset_fraction"].dims
+    sizes = dataset["run_id"].sizes
+    dataset = dataset.squeeze([dim for dim in sizes if sizes[dim] == 1 and dim != "seed"])
     if dataset["granules"].ndim != 1 or dataset["granules"].size < LEAST:
         raise InputError(f"its beds must differ in their number of granules; a line takes {LEAST}.")
-    (size,) = dataset["granules"].dims
-    over = [str(dim) for dim in dataset["aspect_ratio"].dims]
-    if len(over) != 1 or size in over or set(runs) - {*over, size, "seed"} - _single(dataset):
+    dims = *dataset["aspect_ratio"].dims, *dataset["granules"].dims, "seed"
+    if len(dims) != 3 or set(dims) != set(dataset["run_id"].dims):
         raise InputError("its beds must differ in aspect ratio, number of granules and seed alone.")
-    dataset = dataset.squeeze([dim for dim in _single(dataset) if dim not in (*over, size, "seed")])
-    dataset = dataset.sortby("granules").transpose(*over, size, "seed", ...)
+    dataset = dataset.sortby("granules").transpose(*dims, ...)
     fraction, contacts = dataset["onset_fraction"].values, coordination(dataset).values
     beds, granules = fraction.shape[-1], dataset["granules"].values.astype(float)
     if beds < LEAST:
@@ -72,10 +71,6 @@ def limits(dataset: xr.Dataset) -> Limits:
         contacts.mean(axis=-1), found(fraction, -0.5), found(contacts, -1.0),
         found(fraction, -1.0), rattlers, beds,
     )  # fmt: skip
-
-
-def _single(dataset: xr.Dataset) -> set:
-    return {dim for dim, size in dataset["run_id"].sizes.items() if size == 1}
 
 
 def intercept(x: np.ndarray, y: np.ndarray, weight: np.ndarray) -> np.ndarray:

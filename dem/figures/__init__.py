@@ -261,8 +261,8 @@ def _draw_study(name, data, folder):
     from dem.figures.style import save
     from dem.io.lazily import open_lazily, require
 
-    if name in ONSET:
-        layout = import_module("dem.experiment.onset").VARIABLES
+    if name in ONSET:  # its variables lie over the axes of any sweep
+        layout = {}
     else:
         package = "dem.analysis.flow" if name in FLOW else f"dem.studies.{FILE_OF[name]}"
         layout = import_module(f"{package}.layout").VARIABLES

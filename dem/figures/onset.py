@@ -35,8 +35,8 @@ def plot(dataset: xr.Dataset) -> Figure:
     for level, words in ISOSTATIC.items():
         below.axhline(level, **style.REFERENCE)
         below.annotate(
-            words, (1.0, level), (-2, -4), xycoords=("axes fraction", "data"),
-            textcoords="offset points", ha="right", va="top",
+            words, (1.0, level), (-2, 3 if level == 4.0 else -4), xycoords=("axes fraction", "data"),
+            textcoords="offset points", ha="right", va="bottom" if level == 4.0 else "top",
         )  # fmt: skip
     above.set_ylabel("Packing fraction\nat the onset of jamming")
     below.set_ylabel("Contacts per granule there,\nrattlers left out")

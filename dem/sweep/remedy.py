@@ -145,4 +145,4 @@ def _inside(annotation):
     if get_origin(annotation) is not dict:
         return section_of(annotation)
     of = get_args(annotation)[1]
-    return {"section": of if isinstance(of, type) and issubclass(of, BaseModel) else None}
+    return {"section": section_of(of)}

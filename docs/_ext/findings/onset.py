@@ -73,11 +73,6 @@ class Onset(Findings):
         """Whether ellipses of all aspect ratios have fewer contacts than that, beyond the intervals."""
         return all(each.high < ELLIPSES for each in self.limits.coordination)
 
-    def turns(self) -> bool:
-        """Whether the longest ellipses have no more contacts than those before them."""
-        last, before = self.limits.coordination[-1], self.limits.coordination[-2]
-        return last.value <= before.value
-
     def jump(self, ratio: float) -> str:
         """By how many contacts ellipses exceed discs."""
         return f"{self._excess(ratio):.2f}"
