@@ -94,10 +94,11 @@ def test_a_released_file_is_of_todays_kernels(file):
     then, now = json.loads(file.dataset.attrs["kernels"]), release.kernels(PACKAGE)
     listed = yaml.safe_load((DOCS / "data/unchanged.yaml").read_text(encoding="utf-8"))
     same = {
-        (module, *hashes)
+        (module, before, hashes[-1])
         for each in listed
         if each["why"]
         for module, hashes in each["edits"].items()
+        for before in hashes[:-1]
     }
     changed = [
         name
