@@ -39,7 +39,9 @@ def seconds(scene: Scene, state: State, time_step: float, warm: int, steps: int)
     """Time (s) that a number of steps takes after `warm` others, without starting and ending."""
     apart = scene.gravity, scene.boundary, scene.periodic
     if not isinstance(scene.shape, Disc) or any(each is not None for each in apart):
-        raise InputError("only discs between rigid walls, without gravity and periodic sides, go to LIGGGHTS.")
+        raise InputError(
+            "only discs between rigid walls, without gravity and periodic sides, go to LIGGGHTS."
+        )
     if scene.walls is None or scene.cylinder is None or scene.friction is None:
         raise InputError("only scenes with walls, cylinder and friction go to LIGGGHTS.")
     with tempfile.TemporaryDirectory() as folder:
