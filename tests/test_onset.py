@@ -74,8 +74,8 @@ def test_the_onset_is_just_below_where_the_line_of_greater_loads_meets_zero():
 def contacts(*pairs):
     """Contacts between granules by number, as Simulation.contacts gives them."""
     first, second = np.array(pairs).T
-    gap = np.zeros((len(pairs), 2))
-    return Touching(first, second, gap, gap, np.ones(len(pairs)), np.ones(len(pairs)))
+    none, one = np.zeros((len(pairs), 2)), np.ones(len(pairs))
+    return Touching(first, second, none, none, none, one, one, 0.0 * one, none)
 
 
 def test_granules_that_too_few_contacts_hold_are_rattlers():
