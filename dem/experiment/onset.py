@@ -25,7 +25,7 @@ VARIABLES = {
     "onset_rattlers": ((), "1", "granules that are held by too few contacts, left out of the contacts"),
 }  # fmt: skip
 STEP = 0.002  # of the packing fraction, while granules grow
-FULL = 0.98  # packing fraction beyond which no bed is looked for
+STEPS = 200  # at most; 0.98 would be reached after 120
 # load: mean normal stress of the contacts over E* and the mean diameter
 JAMMED = 1e-5  # about 0.001 of packing fraction beyond the onset
 MARGINAL = 1e-9  # about 2e-6 beyond it, where nearly all contacts are those of the onset
@@ -56,13 +56,14 @@ def find(replicate: Replicate) -> Onset:
     room = shape, own.box_width, height, cylinder(replicate, height)
     press = Press(*room, replicate.seed, periodic=own.periodic)
     unit = replicate.shape.diameter
-    fraction = None
-    while fraction is None:  # a bed that comes loose had not come to rest: it grows on
-        if press.fraction > FULL:
-            raise PackingError(f"no bed jams up to the packing fraction {FULL:g}.")
+    for _ in range(STEPS):
         load = press.press(press.fraction + STEP, GROWN, PATIENCE) / unit
-        if load > JAMMED:
-            fraction = _loosen(press, load, unit)
+        if load > JAMMED and (fraction := _loosen(press, load, unit)):
+            break  # a bed that comes loose had not come to rest: it grows on
+    else:
+        raise PackingError(
+            f"no bed jams up to the packing fraction {press.fraction:.4g} (seed {replicate.seed})."
+        )
     contacts = press.contacts()
     holds = contacts.force > press.net_force * press.unit  # others are not at rest
     contacts = Touching(*(column[holds] for column in contacts))
@@ -73,12 +74,12 @@ def find(replicate: Replicate) -> Onset:
 
 def _loosen(press: Press, load: float, unit: float) -> float | None:
     """Shrink the granules of a jammed bed until it just is; the packing fraction at the onset, or
-    None where contact is lost."""
+    None where contact is lost, or where the bed gives way to another."""
     fraction, goal = press.fraction, press.fraction - BACK
     while True:
         before = fraction, load ** (2.0 / 3.0)
         last, load = load, press.press(goal, STILL * load, PATIENCE) / unit
-        if not load > LOOSE * last:
+        if not LOOSE * last < load < last:
             return None
         fraction, height = press.fraction, load ** (2.0 / 3.0)
         onset = fraction - height * (fraction - before[0]) / (height - before[1])
