@@ -119,7 +119,10 @@ def test_a_box_too_low_for_the_stroke_is_refused():
     ("changes", "words"),
     [
         ({"packing.pressure": None}, "fraction is missing; give it, or a pressure"),
-        ({"packing.fraction": 0.84}, "fraction is 0.84 and pressure 6e+07 Pa; one follows from the"),
+        (
+            {"packing.fraction": 0.84},
+            "fraction is 0.84 and pressure 6e+07 Pa; one follows from the",
+        ),
         ({"packing.friction": 0.3}, "friction is 0.3; a bed that is packed under a pressure"),
         ({"periodic": "y"}, "packing.pressure is 6e+07 Pa and periodic y; a pressure needs a top"),
         ({"experiment": "jamming"}, "packing.pressure is 6e+07 Pa; the experiment jamming needs"),

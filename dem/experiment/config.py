@@ -195,7 +195,9 @@ class Configuration(Section):
     experiment: Annotated[Literal[EXPERIMENTS], value(None, "what is done with the bed")] = "drag"
     box_width: Annotated[
         Positive,
-        value("m", "width of the box; its height follows from packing.fraction or packing.pressure"),
+        value(
+            "m", "width of the box; its height follows from packing.fraction or packing.pressure"
+        ),
     ]
     periodic: Annotated[
         Literal["none", "x", "y", "xy"], value(None, "sides along which the box repeats itself")

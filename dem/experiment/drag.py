@@ -133,9 +133,7 @@ def _of_bed(replicate: Replicate, bed: Bed) -> dict:
     modulus = effective_modulus(material, material)
     return {
         "box_height": bed.height,
-        "packing_pressure": bed.pressure
-        * modulus
-        / thickness(replicate),
+        "packing_pressure": bed.pressure * modulus / thickness(replicate),
         "packing_coordination_number": bed.coordination_number,
         "packing_net_force": bed.net_force,
         "packing_max_overlap": bed.max_overlap,

@@ -24,7 +24,8 @@ TEMPLATES = Environment(
     comment_end_string="#>",
     keep_trailing_newline=True,
 )
-FILES = drag, flow, claims, accuracy, stability, velocity, pressure, speed  # written by docs/data/release.py
+# written by docs/data/release.py
+FILES = drag, flow, claims, accuracy, stability, velocity, pressure, speed
 MEASURED = ensembles, overhead  # by the scripts that measure
 NAMES = {
     "table": table,
