@@ -28,7 +28,10 @@ def cylinder(replicate: Replicate, height: float) -> Cylinder:
     Where packing.pressure is given, this is the height of a box at the packing fraction NOMINAL
     (dem.experiment.fit): that of the bed is known only once it is packed around the cylinder.
     """
-    wanted, width = replicate.configuration.cylinder, replicate.configuration.box_width
+    own = replicate.configuration
+    if own.packing.pressure is not None:
+        height = height_of_box(own, diameters(replicate))
+    wanted, width = own.cylinder, own.box_width
     return Cylinder(wanted.diameter, (0.5 * width, wanted.start * height), (0.0, wanted.velocity))
 
 
