@@ -1,7 +1,5 @@
 """Drag over that of the first shape against the width of the box, at equal pressure and fraction."""
 
-from functools import partial
-
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
@@ -20,6 +18,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     found = Widths(dataset)
     figure = Figure(figsize=(style.WIDTH, 7.4))
     rows = figure.subplots(2, len(found.places), sharex=True, sharey="row", squeeze=False)
+    boxes = [box for box, along in zip(found.boxes, found.along, strict=True) if along]
     for column, place in enumerate(found.places):
         above, below = rows[:, column]
         words = ", ".join(f"{dim}: {at}" for dim, at in zip(found.others, place, strict=True))
@@ -27,12 +26,14 @@ def plot(dataset: xr.Dataset) -> Figure:
         for number, shape in enumerate(found.shapes):
             look = {"color": COLORS[number % len(COLORS)], "marker": MARKERS[number % len(MARKERS)]}
             shift = APART * (number - 0.5 * (len(found.shapes) - 1))
-            _points(above, found, shift, partial(found.drag, place, shape),
-                    found.drag_limit(place, shape), found.line(place, shape), shape, look)  # fmt: skip
+            drags = [found.drag(place, shape, box) for box in boxes]
+            look["label"] = shape
+            _points(above, found, shift, drags, found.drag_limit(place, shape),
+                    found.line(place, shape), look)  # fmt: skip
             if number:
-                _points(below, found, shift, partial(found.ratio, place, shape),
-                        found.limit(place, shape), found.line(place, shape, found.shapes[0]),
-                        shape, look)  # fmt: skip
+                ratios = [found.ratio(place, shape, box) for box in boxes]
+                _points(below, found, shift, ratios, found.limit(place, shape),
+                        found.line(place, shape, found.shapes[0]), look)  # fmt: skip
         below.axhline(1.0, **style.REFERENCE)
         below.set_xlabel("Width of the first box over the width")
         for axes in (above, below):
@@ -49,16 +50,15 @@ def plot(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def _points(axes, found, shift, value, limit, line, shape, look):
+def _points(axes, found, shift, values, limit, line, look):
     """Means in the boxes that differ in width alone, the limit, and the line through them."""
-    boxes = [b for b, along in zip(found.boxes, found.along, strict=True) if along]
     x = 1.0 / found.width[found.along]
-    middle, low, high = np.array([value(b) for b in boxes]).T
+    middle, low, high = np.array(values).T
     options = {"linestyle": "none", "capsize": 3, "markersize": 6, "elinewidth": 1.4}
-    axes.errorbar(x + shift, middle, [middle - low, high - middle], label=shape, **options, **look)
+    axes.errorbar(x + shift, middle, [middle - low, high - middle], **options, **look)
     axes.errorbar(
         [shift], [limit.value], [[limit.value - limit.low], [limit.high - limit.value]],
-        markerfacecolor="white", **options, **look,
+        markerfacecolor="white", **options, **look | {"label": None},
     )  # fmt: skip
     along = np.linspace(0.0, x.max(), 50)
     axes.plot(

@@ -27,18 +27,8 @@ TEMPLATES = Environment(
     comment_end_string="#>",
     keep_trailing_newline=True,
 )
-FILES = (
-    drag,
-    flow,
-    claims,
-    accuracy,
-    stability,
-    velocity,
-    shear,
-    pressure,
-    onset,
-    speed,
-)  # written by docs/data/release.py
+# written by docs/data/release.py
+FILES = drag, flow, claims, accuracy, stability, velocity, shear, pressure, onset, speed
 MEASURED = ensembles, overhead  # by the scripts that measure
 NAMES = {
     "table": table,

@@ -99,6 +99,13 @@ class Pressure(Findings):
             made.add_row(shape, f"{float(start.mean()):.3f}", f"{float(end.mean()):.3f}")
         return made
 
+    def lifted(self, shape: str, box: str) -> str:
+        """Drag at equal pressure over the force on the top wall, in a box."""
+        width = float(self.dataset["box_width"].sel(box=box))
+        area = width * float(self.dataset["diameter"].sel(shape=shape))
+        force = float(self.dataset["packing_pressure_swept"].max()) * area
+        return f"{100.0 * self.widths.drag(('pressure',), shape, box).value / force:.0f} %"
+
     def fall(self, shape: str, box: str = "1") -> str:
         """Drag at equal fraction over that at equal pressure, in a box."""
         a, b = (self.widths.drag((way,), shape, box).value for way in WAYS)
