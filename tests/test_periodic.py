@@ -142,7 +142,7 @@ def test_the_cylinder_lists_every_part_near_one_of_its_images(bed, size):
     assert list(part) == list(np.flatnonzero(gaps < skin)) and not other.any()
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", ["disc", "dumbbell", "ellipse"])
 def test_where_the_box_begins_changes_no_motion(kind):
     """A bed moves alike wherever the sides of the box cut it, whichever image of a granule is given."""
     scene, state = crowd(kind)
@@ -168,7 +168,7 @@ def test_where_the_box_begins_changes_no_motion(kind):
             assert_allclose(two, one, rtol=0.0, atol=1e-9 * np.abs(one).max())
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", ["disc", "dumbbell", "ellipse"])
 def test_a_bed_that_travels_through_the_sides_moves_as_one_at_rest(kind):
     """Galilei's law: springs of friction and the normals of contacts last when granules cross a side."""
     scene, state = crowd(kind)
@@ -188,7 +188,7 @@ def test_a_bed_that_travels_through_the_sides_moves_as_one_at_rest(kind):
         assert_allclose(two, one, rtol=0.0, atol=1e-6 * np.abs(one).max())
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", ["disc", "dumbbell", "ellipse"])
 def test_momentum_is_kept_across_the_sides(kind):
     """But for that which the cylinder takes."""
     scene, state = crowd(kind)
