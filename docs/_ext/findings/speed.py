@@ -60,10 +60,6 @@ class Speed(Findings):
         """Load average of the computer before anything was timed."""
         return f"{float(self.dataset['load_average']):.1f}"
 
-    def dearer(self, scene: str) -> bool:
-        """Whether a scene that lacks something costs more than the full one."""
-        return float(self.dataset["variant_ratio"].sel(variant=scene)) > 1.0
-
     def scenes(self) -> Table:
         """One row per scene: what it costs."""
         return speed_report.scenes(self.dataset)
