@@ -243,19 +243,6 @@ def test_a_disc_that_leaves_meets_the_image_of_another():
     assert across.state.position[0, 0] > 18.9e-3  # it is not wrapped
 
 
-def test_a_thread_more_changes_no_bit():
-    """In a bed of several chunks, across whose borders and sides granules touch."""
-    scene, state = gas(36)
-    found = []
-    for threads in (1, 2):
-        run = dem.Simulation(scene, state, threads=threads)
-        record = run.record(1e-4, 3)
-        found.append((*vars(run.state).values(), *record, run.steps))
-    assert found[0][-1] > 50
-    for first, second in zip(*found, strict=True):
-        assert_array_equal(first, second)
-
-
 @pytest.mark.parametrize("side", [6, 36])
 def test_a_restart_changes_no_bit(side):
     """Also when granules have crossed a side, and a damaged image is refused with nothing changed."""
