@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dem.base.errors import RunError
 from dem.dynamics.simulation import Simulation
 from dem.experiment.bed import make_bed
 from dem.experiment.config import Configuration, Replicate
@@ -37,7 +38,7 @@ AXIS = {
         "strain since the first sample, as the lid's velocity asks for",
     )
 }
-THICK = 1.0  # mean diameters from floor or lid to the farthest centres that are held
+THICK = 1.25  # mean diameters from floor or lid to the farthest centres that are held
 MIDDLE = 0.25  # of the height, on either side of the middle
 # times that a bed takes to fall through its height under the pressure, before it is measured: a fast
 # flow throws it up when it begins
@@ -108,7 +109,8 @@ def brief(replicate: Replicate) -> Replicate:
 
 
 def run(replicate: Replicate) -> dict:
-    """Shear the bed of a run; returns the variables of a run by name. Raises RunError."""
+    """Shear the bed of a run; returns the variables of a run by name. Raises RunError, also where a granule
+    gets out between those that are held."""
     own = replicate.configuration.shear
     cell = make_cell(replicate, make_bed(replicate))
     simulation = start(replicate, cell)
@@ -127,12 +129,19 @@ def _sample(simulation: Simulation, cell: Cell, interval: float) -> dict[str, fl
     """What is measured after an interval (s)."""
     on_lid = simulation.record(interval, 1).held_force[0, 1] / cell.area
     state = simulation.state
-    floor, lid = (state.position[group.granules, 1].mean() for group in cell.scene.held)
+    height = state.position[:, 1]
+    walls = [height[group.granules] for group in cell.scene.held]
+    beyond = np.flatnonzero((height < walls[0].min()) | (height > walls[1].max()))
+    if len(beyond):
+        raise RunError(
+            f"granule {beyond[0]} got out through a gap in the rough walls; ask for a higher "
+            "packing.fraction, at which they are closed."
+        )
+    floor, lid = (wall.mean() for wall in walls)
     middle, half = 0.5 * (floor + lid), MIDDLE * (lid - floor)
     edges = np.array([middle - half, middle + half])
     stress = simulation.stress(y=edges)
     both = (stress.contact + stress.kinetic)[0]
-    height = state.position[:, 1]
     inside = (height > edges[0]) & (height < edges[1])
     radius = cell.scene.shape.bounding_radius
     room = 2.0 * half * cell.scene.periodic[0]
