@@ -11,7 +11,7 @@ import xarray as xr
 from conftest import assert_not_blank
 
 from dem.analysis.shear import AXIS, LEAST, rheology
-from dem.base.errors import InputError
+from dem.base.errors import InputError, RunError
 from dem.experiment import shear
 from dem.experiment.bed import make_bed
 from dem.experiment.config import Replicate, of_values
@@ -36,7 +36,7 @@ def values(**more):
     }
     return {
         "experiment": "shear", "box_width": 9e-3, "periodic": "x",
-        "packing": {"fraction": 0.8, "size_spread": 0.2},
+        "packing": {"fraction": 0.83, "size_spread": 0.2},
         "material": {"young_modulus": 5e9, "poisson_ratio": 0.3, "restitution": 0.1},
         "friction": same, "shapes": {"disc": {"kind": "disc", "diameter": 1e-3, "granules": 72}},
         "shear": asked, "shape": "disc", "density": 2500.0, "seed": 1,
@@ -94,6 +94,15 @@ def test_both_walls_go_all_the_way_along_the_bed():
         x = np.sort(cell.state.position[group.granules, 0] % 9e-3)
         gaps = np.diff(np.append(x, x[0] + 9e-3))
         assert gaps.max() < 2.0e-3
+
+
+def test_a_granule_that_gets_out_is_told():
+    own = of_values(values())
+    cell = shear.make_cell(own, make_bed(own))
+    free = int(np.flatnonzero(~cell.scene.is_held)[0])
+    cell.state.position[free, 1] = cell.state.position[:, 1].max() + 5e-3
+    with pytest.raises(RunError, match=f"granule {free} got out through a gap"):
+        shear._sample(shear.start(own, cell), cell, 1e-7)
 
 
 @pytest.mark.parametrize(

@@ -121,7 +121,7 @@ class ShearSection(Section):
         value("1", "inertial number: rate of shear times sqrt(mass / (pressure thickness))"),
     ]
     pressure: Annotated[Positive, value("Pa", "pressure on the lid")]
-    settle: Annotated[NotNegative, value("1", "strain before anything is measured")]
+    settle: Annotated[NotNegative, value("1", "least strain before anything is measured")]
     strain: Annotated[Positive, value("1", "strain while it is measured")]
     samples: Annotated[Whole, value("1", "samples over this strain", ge=2, le=100_000)]
 

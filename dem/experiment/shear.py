@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dem.base.errors import RunError
 from dem.dynamics.simulation import Simulation
 from dem.experiment.bed import make_bed
 from dem.experiment.config import Configuration, Replicate
@@ -31,20 +32,28 @@ VARIABLES = {
     "shear_height": (("shear_strain",), "m", "distance between the mean heights of both walls"),
 }  # fmt: skip
 AXIS = {
-    "shear_strain": (("shear_strain",), "1", "strain of the bed as the lid's velocity asks for")
+    "shear_strain": (
+        ("shear_strain",),
+        "1",
+        "strain since the first sample, as the lid's velocity asks for",
+    )
 }
-THICK = 1.0  # mean diameters from floor or lid to the farthest centres that are held
+THICK = 1.25  # mean diameters from floor or lid to the farthest centres that are held
 MIDDLE = 0.25  # of the height, on either side of the middle
+# times that a bed takes to fall through its height under the pressure, before it is measured: a fast
+# flow throws it up when it begins
+FALLS = 3.0
 
 
 class Cell(NamedTuple):
     """scene: granules between rough walls; state: with the flow that is asked for; rate: of shear
-    (1/s) that is asked for; area: of the lid (m2)."""
+    (1/s) that is asked for; area: of the lid (m2); settle: time (s) before anything is measured."""
 
     scene: Scene
     state: State
     rate: float
     area: float
+    settle: float
 
 
 def rate_of(configuration: Configuration, label: str, density: float) -> float:
@@ -74,7 +83,8 @@ def make_cell(replicate: Replicate, bed: Bed) -> Cell:
     )  # fmt: skip
     flow = np.clip(rate * (height - low), 0.0, speed)
     state = State(bed.position, np.column_stack([flow, np.zeros_like(flow)]), bed.angle)
-    return Cell(scene, state, rate, area)
+    fall = np.sqrt(2.0 * bed.height * scene.mass.sum() / force)
+    return Cell(scene, state, rate, area, max(own.shear.settle / rate, FALLS * float(fall)))
 
 
 def start(replicate: Replicate, cell: Cell) -> Simulation:
@@ -84,7 +94,7 @@ def start(replicate: Replicate, cell: Cell) -> Simulation:
 
 
 def duration(replicate: Replicate) -> float:
-    """Time (s) that a run simulates."""
+    """Time (s) that a run simulates, but for what a fast flow takes to settle."""
     own = replicate.configuration
     rate = rate_of(own, replicate.label, replicate.density)
     return (own.shear.settle + own.shear.strain) / rate
@@ -99,13 +109,14 @@ def brief(replicate: Replicate) -> Replicate:
 
 
 def run(replicate: Replicate) -> dict:
-    """Shear the bed of a run; returns the variables of a run by name. Raises RunError."""
+    """Shear the bed of a run; returns the variables of a run by name. Raises RunError, also where a granule
+    gets out between those that are held."""
     own = replicate.configuration.shear
     cell = make_cell(replicate, make_bed(replicate))
     simulation = start(replicate, cell)
-    simulation.check_duration(duration(replicate))
+    simulation.check_duration(cell.settle + own.strain / cell.rate)
     started = time.process_time()
-    simulation.advance(own.settle / cell.rate)
+    simulation.advance(cell.settle)
     samples = [
         _sample(simulation, cell, own.strain / own.samples / cell.rate) for _ in range(own.samples)
     ]
@@ -118,12 +129,19 @@ def _sample(simulation: Simulation, cell: Cell, interval: float) -> dict[str, fl
     """What is measured after an interval (s)."""
     on_lid = simulation.record(interval, 1).held_force[0, 1] / cell.area
     state = simulation.state
-    floor, lid = (state.position[group.granules, 1].mean() for group in cell.scene.held)
+    height = state.position[:, 1]
+    walls = [height[group.granules] for group in cell.scene.held]
+    beyond = np.flatnonzero((height < walls[0].min()) | (height > walls[1].max()))
+    if len(beyond):
+        raise RunError(
+            f"granule {beyond[0]} got out through a gap in the rough walls; ask for a higher "
+            "packing.fraction, at which they are closed."
+        )
+    floor, lid = (wall.mean() for wall in walls)
     middle, half = 0.5 * (floor + lid), MIDDLE * (lid - floor)
     edges = np.array([middle - half, middle + half])
     stress = simulation.stress(y=edges)
     both = (stress.contact + stress.kinetic)[0]
-    height = state.position[:, 1]
     inside = (height > edges[0]) & (height < edges[1])
     radius = cell.scene.shape.bounding_radius
     room = 2.0 * half * cell.scene.periodic[0]
@@ -152,7 +170,7 @@ def layout(configuration: Configuration) -> dict:
 def axes(configuration: Configuration) -> dict:
     """Values along the dimensions that all runs share."""
     own = configuration.shear
-    return {"shear_strain": own.settle + own.strain * np.arange(1, own.samples + 1) / own.samples}
+    return {"shear_strain": own.strain * np.arange(1, own.samples + 1) / own.samples}
 
 
 def sizes(replicate: Replicate) -> dict[str, int]:
