@@ -70,11 +70,14 @@ def pack_under(
 def _next(seen: list[tuple[float, float]]) -> float:
     """Height (m) to look at next, by a secant, at most STEP from the last one.
 
-    The other point of the secant is the last one that is far enough away to tell a slope.
+    The other point of the secant is the last one that bore too much where this one bears too
+    little, or the other way round: the next height is then between them. Without one it is the last
+    that is far enough away to tell a slope.
     """
     height, borne = seen[-1]
-    far = (at for at in reversed(seen) if abs(at[0] / height - 1.0) > FAR)
-    before, less = next(far, (height, borne))
+    across = [at for at in seen if (at[1] - 1.0) * (borne - 1.0) < 0.0]
+    apart = [at for at in seen if abs(at[0] / height - 1.0) > FAR]
+    before, less = (across or apart or [seen[-1]])[-1]
     change = -STEP if borne < 1.0 else STEP
     if (height - before) * (borne - less) < 0.0:
         slope = (borne - less) / (height - before)
