@@ -33,6 +33,7 @@ LEFT_OUT = {  # on no page, in no figure
         "wall_force", "transverse_force", "kinetic_energy", "drag_normal", "coordination_number",
         "time_step",
     ),
+    "shear": ("shear_height", "steps"),
 }  # fmt: skip
 ROUNDED = ("bed_x", "bed_y", "bed_angle", "run_curve")  # no page shows more digits than float32 has
 
