@@ -25,7 +25,7 @@ def scene(shape, motions=None, **changes):
         "material": SOFT, "boundary": SOFT, "friction": dem.Friction(), "thickness": 1e-3,
         "gravity": (0.0, 0.0), "walls": dem.box(FAR, FAR), "cylinder": AWAY,
         "wall_motion": [motions.get(k, STILL) for k in range(4)],
-        "held": [dem.Held([shape.radius.size - 1])],
+        "held": [dem.Held([len(shape.area) - 1])],
     }  # fmt: skip
     return dem.Scene(shape, **usual | changes)
 
@@ -106,6 +106,23 @@ def test_the_work_of_a_boundary_on_a_path_is_what_the_bed_gains(small_bed, mover
     elif mover == "a held granule":
         power = -record.held_force[:, 0, 0] * at[0]
     assert power.sum() * time / pieces == pytest.approx(ledger.work, rel=2e-3)
+
+
+@pytest.mark.parametrize("kind", ["dumbbell", "ellipse"])
+def test_energy_adds_up_between_moving_boundaries_for_granules_that_are_not_round(small_bed, kind):
+    """A wall, the cylinder and a held granule that turns all do work; the ledger has a thousandth."""
+    small, time = small_bed(kind), 1e-4
+    made = scene(
+        small.shape, {LEFT: smoothly(0.5, time)}, walls=small.bed.walls,
+        cylinder=replace(small.cylinder, velocity=smoothly(0.5, time, axis=1, spin=1e3)),
+        held=[dem.Held([30], smoothly(0.5, time))],
+    )  # fmt: skip
+    start = replace(small.state, angular_velocity=np.where(made.is_held, 100.0, 0.0))
+    run = dem.Simulation(made, start, step_fraction=0.2, ledger=True)
+    run.advance(time)
+    ledger = run.ledger()
+    gained = ledger.held - ledger.before + ledger.damped + ledger.slid
+    assert ledger.work > 0.0 and abs(gained - ledger.work) < 1e-3 * max(ledger.work, ledger.before)
 
 
 def test_what_the_bed_loses_of_momentum_is_what_the_boundaries_get(small_bed):

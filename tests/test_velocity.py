@@ -58,6 +58,7 @@ def test_the_law_finds_what_made_the_drag(exponent):
     assert law.limit[0] == pytest.approx(1000.0, rel=1e-9)
     assert law.exponent[0] == pytest.approx(exponent)
     assert law.above(1.0)[0] == pytest.approx(0.04) and law.drag(1.0)[0] == pytest.approx(1040.0)
+    assert law.drag(law.reaches(0.1)[0])[0] == pytest.approx(1100.0)
 
 
 def test_a_drag_without_rate_is_its_own_limit():

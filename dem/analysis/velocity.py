@@ -49,6 +49,12 @@ class Law(NamedTuple):
         """Drag (N) at a velocity (m/s)."""
         return self.limit * (1.0 + self.above(velocity))
 
+    def reaches(self, share: float) -> np.ndarray:
+        """Velocity (m/s) at which the drag is above its limit by a share of it; infinite where it never is."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found = (share / self.rise) ** (1.0 / self.exponent)
+        return np.where(self.rise > 0.0, found, np.inf)
+
 
 class Rates(NamedTuple):
     """velocity (v,) in m/s; means: drag (1 + RESAMPLES, v) in N by the place on the other axes, such

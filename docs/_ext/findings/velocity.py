@@ -68,6 +68,10 @@ class Velocity(Findings):
         found = self.rates.interval(self._law(friction).above(velocity))
         return max(abs(found.low), abs(found.high)) < share
 
+    def tenth(self, friction: str) -> str:
+        """Velocity at which the drag is a tenth above its limit."""
+        return self._told(self._law(friction).reaches(0.1), "m/s", 1)
+
     def risen(self, friction: str, velocity: float = PAPER) -> bool:
         """Whether the drag at a velocity is above its limit, interval included."""
         return self.rates.interval(self._law(friction).above(velocity)).low > 0.0
@@ -130,12 +134,15 @@ class Velocity(Findings):
 
     def laws(self) -> Table:
         """One row per friction: the law."""
-        made = heads(1, "friction", "limit, N", "exponent", f"above the limit at {PAPER:g} m/s, %")
+        made = heads(
+            1, "friction", "limit, N", "exponent", f"above the limit at {PAPER:g} m/s, %",
+            "10 % above it at, m/s",
+        )  # fmt: skip
         for friction in ("0.0", "0.3"):
             law = self._law(friction)
             made.add_row(
                 friction, self._told(law.limit), self._told(law.exponent, digits=2),
-                self._told(100.0 * law.above(PAPER)),
+                self._told(100.0 * law.above(PAPER)), self._told(law.reaches(0.1), digits=1),
             )  # fmt: skip
         return made
 
