@@ -86,6 +86,13 @@ class Shear(Findings):
         """The same in words."""
         return f"{self.misses(name):.{digits}f}"
 
+    def holding(self, name: str) -> str:
+        """At how many inertial numbers the interval holds what is published, with friction: 4 of 6."""
+        own = self._curves(ROUGH)
+        _, low, high = getattr(own, name).T
+        theirs = self.published(name, own.number)
+        return f"{int(((low <= theirs) & (theirs <= high)).sum())} of {len(theirs)}"
+
     def slowest(self, name: str, friction: str = ROUGH, digits: int = 3) -> str:
         """Value and interval at the lowest inertial number."""
         return words(*getattr(self._curves(friction), name)[0], digits=digits)
