@@ -7,7 +7,6 @@ import numpy as np
 from rich.table import Table
 
 from dem.analysis.shear import Curves, Rheology, rheology
-from dem.figures.shear import PUBLISHED
 
 from .common import Findings, heads
 
@@ -37,11 +36,6 @@ class Shear(Findings):
     def _asked(self) -> dict:
         return json.loads(self.dataset.attrs["configuration"])["shear"]
 
-    def published(self, name: str, number: np.ndarray) -> np.ndarray:
-        """What da Cruz et al. give at inertial numbers."""
-        start, slope = PUBLISHED[name]
-        return start + slope * number
-
     def table(self, friction: str) -> Table:
         """One row per inertial number."""
         made = heads(
@@ -56,42 +50,6 @@ class Shear(Findings):
                 words(*own.rate[row], digits=2),
             )  # fmt: skip
         return made
-
-    def compared(self) -> Table:
-        """One row per inertial number, with friction, beside what is published."""
-        made = heads(
-            0, "inertial number", "friction here", "0.25 + 1.1 I", "difference",
-            "packing fraction here", "0.81 - 0.3 I", "difference",
-        )  # fmt: skip
-        own = self._curves(ROUGH)
-        for row, number in enumerate(own.number.tolist()):
-            cells = [f"{number:.2g}"]
-            for name, digits in (("friction", 3), ("fraction", 4)):
-                found, theirs = getattr(own, name)[row], self.published(name, number)
-                off = f"{found[0] - theirs:+.{digits}f}".replace("-", "\N{MINUS SIGN}")
-                cells += [
-                    words(*found, digits=digits),
-                    f"{theirs:.{digits}f}",
-                    off.replace("+", ""),
-                ]
-            made.add_row(*cells)
-        return made
-
-    def misses(self, name: str) -> float:
-        """Greatest difference from what is published, with friction."""
-        own = self._curves(ROUGH)
-        return float(np.abs(getattr(own, name)[:, 0] - self.published(name, own.number)).max())
-
-    def missed(self, name: str, digits: int = 3) -> str:
-        """The same in words."""
-        return f"{self.misses(name):.{digits}f}"
-
-    def holding(self, name: str) -> str:
-        """At how many inertial numbers the interval holds what is published, with friction: 4 of 6."""
-        own = self._curves(ROUGH)
-        _, low, high = getattr(own, name).T
-        theirs = self.published(name, own.number)
-        return f"{int(((low <= theirs) & (theirs <= high)).sum())} of {len(theirs)}"
 
     def slowest(self, name: str, friction: str = ROUGH, digits: int = 3) -> str:
         """Value and interval at the lowest inertial number."""
