@@ -10,7 +10,7 @@ from dem.analysis.shear import Curves, Rheology, rheology
 
 from .common import Findings, heads
 
-ROUGH, SMOOTH = "0.4", "0.0"
+ROUGH = "0.4"  # friction between granules
 
 
 def words(value: float, low: float, high: float, digits: int = 3) -> str:
