@@ -3,6 +3,7 @@
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullLocator
 
 from dem.analysis.pressure import Widths
 from dem.figures import style
@@ -17,7 +18,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     """Drags above and ratios below against 1 / width, one column per place on the other axes."""
     found = Widths(dataset)
     figure = Figure(figsize=(style.WIDTH, 7.4))
-    rows = figure.subplots(2, len(found.places), sharex=True, sharey="row", squeeze=False)
+    rows = figure.subplots(2, len(found.places), sharex=True, squeeze=False)
     boxes = [box for box, along in zip(found.boxes, found.along, strict=True) if along]
     for column, place in enumerate(found.places):
         above, below = rows[:, column]
@@ -39,13 +40,14 @@ def plot(dataset: xr.Dataset) -> Figure:
         for axes in (above, below):
             axes.set_yscale("log")
             axes.yaxis.set_major_formatter("{x:.4g}")
-            axes.yaxis.set_minor_formatter("{x:.4g}")
+            axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+            axes.yaxis.set_minor_locator(NullLocator())
     rows[0, 0].set_ylabel(f"Mean drag from\n{style.window_text(dataset)} (N)")
     rows[1, 0].set_ylabel(f"Drag over that of {found.shapes[0]}")
     style.legend(figure, rows[0, 0], "outside lower center", ncols=len(found.shapes))
     figure.suptitle(
         "Drag against the width of the box, with the line in 1 / width of the drag or its inverse\n"
-        "(95 % intervals; open, at 0: a box without end, where its drag is not zero)"
+        "(95 % intervals; open, at 0: a box without end, where there is drag in it)"
     )
     return figure
 
