@@ -156,11 +156,12 @@ WIDTH = np.array([1.0, 2.0, 4.0, 1.0])
 BOXES = ["1", "2", "4", "high"]
 
 
-def boxes(limit=(1000.0, 500.0), slope=(0.8, -0.3), seeds=4, noise=0.0, seed=1):
-    """A file of runs: drags of two shapes with a part that falls as 1 / width, in N."""
+def boxes(power=1.0, slope=(0.8, 1.5), seeds=4, noise=0.0, seed=1):
+    """A file of runs: drags of 1000 N and 500 N in a box without end, to which walls add in proportion
+    to 1 / width; or, with power -1, to the inverse of which a top wall does."""
     rng = np.random.default_rng(seed)
-    line = np.log(limit)[:, None] + np.array(slope)[:, None] / WIDTH
-    drag = np.exp(line[..., None] + noise * rng.standard_normal((2, 4, seeds)))
+    drag = np.array([[1000.0], [500.0]]) * (1.0 + np.array(slope)[:, None] / WIDTH) ** power
+    drag = drag[..., None] * (1.0 + noise * rng.standard_normal((2, 4, seeds)))
     dims = "shape", "box", "seed"
     return xr.Dataset(
         {
@@ -176,19 +177,29 @@ def boxes(limit=(1000.0, 500.0), slope=(0.8, -0.3), seeds=4, noise=0.0, seed=1):
     )  # fmt: skip
 
 
-def test_the_line_finds_the_box_without_end():
-    found = Widths(boxes())
-    assert found.along.tolist() == [True, True, True, False]
+@pytest.mark.parametrize("power", [1.0, -1.0])
+def test_the_line_finds_the_box_without_end(power):
+    """And in which of both ways the walls count, and how wide is within 5 % of it."""
+    found = Widths(boxes(power))
+    assert found.along.tolist() == [True, True, True, False] and found.powers == [power]
     assert found.drag_limit((), "c1").value == pytest.approx(1000.0)
     assert found.limit((), "e1").value == pytest.approx(0.5)
-    # ln(1 + 5 %) is left of a slope of 0.8 at this width
-    assert found.excess((), "c1", found.enough((), "c1")).value == pytest.approx(1.05)
+    near = found.share((), "c1", found.enough((), "c1")).value
+    assert near == pytest.approx(1.0 + 0.05 * power)
 
 
-def test_intervals_of_the_limit_hold_the_truth_as_often_as_they_say():
+def test_a_drag_that_only_walls_make_has_no_limit():
+    """A bed that is not jammed makes room in a box without end."""
+    found = Widths(boxes(slope=(0.8, 1e9), noise=0.1))
+    assert found.limit((), "e1").low == 0.0 and found.limit((), "e1").value < 0.5e6
+
+
+@pytest.mark.parametrize("power", [1.0, -1.0])
+def test_intervals_of_the_limit_hold_the_truth_as_often_as_they_say(power):
+    """Where the scatter is so small that the drags tell in which way the walls count."""
     held = []
     for seed in range(200):
-        found = Widths(boxes(noise=0.2, seed=seed)).limit((), "e1")
+        found = Widths(boxes(power, noise=0.02, seed=seed)).limit((), "e1")
         held.append(found.low < 0.5 < found.high)
     assert 0.90 <= np.mean(held) <= 0.99
 

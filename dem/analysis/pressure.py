@@ -1,13 +1,16 @@
 """Drag of shapes over that of the first one, by the width of the box, of any sweep over boxes and shapes.
 
 A `dataset` has the layout of drag.nc with the dimensions box and shape, and others such as
-confinement. The logarithm of the mean drag of a run is the sample: shapes then differ by ratios. All
-runs share one scatter, which is taken from all beds together, so that few beds of each kind suffice
-for Student's t. Over the boxes that differ in width alone, a line in 1 / width is fitted to the
-logarithms; its value at zero is that in a box without end.
+confinement. Over the boxes that differ in width alone, a line in 1 / width is fitted to the mean drags
+of a shape, or to their inverse: to which, is decided by what lies nearer to lines, for all shapes at
+once. At 1 / width = 0 it gives the drag in a box without end. A top wall that yields to the force of a
+pressure bears in proportion to the width, which is in series with the bed: the inverses add. Walls
+that stay add to the drag in proportion to 1 / width. Intervals do not count that the choice may be wrong.
+
+The scatter of a shape, over its drag, is taken from all its beds together, so that few beds in each box
+suffice for Student's t.
 """
 
-from functools import cached_property
 from itertools import product
 from typing import NamedTuple
 
@@ -20,6 +23,7 @@ from dem.base.errors import InputError
 LEAST = {"box": 3, "shape": 2, "seed": 2}  # values that a line and its interval take
 AROUND = ("periodic", "cylinder_start")  # what boxes of one series have in common
 NEAR = 0.05  # of the drag: a box that is nearer to the limit is wide enough
+DRAWS = 20_000
 
 
 class Estimate(NamedTuple):
@@ -31,20 +35,27 @@ class Estimate(NamedTuple):
 
 
 class Line(NamedTuple):
-    """ln drag = limit + slope / width, with the width over that of the first box; errors of both over the
-    scatter of a run."""
+    """drag^power = limit + slope / width, in N^power and in widths of the first box. limit and slope
+    are (1 + DRAWS,): as fitted, then drawn from their distribution."""
 
-    limit: float
-    slope: float
-    limit_error: float
-    slope_error: float
+    power: float
+    limit: np.ndarray
+    slope: np.ndarray
+
+    def drag(self, width: float) -> np.ndarray:
+        """Drag (N) in a box of a width over that of the first; zero or infinite where the line says
+        that there is none, or no end to it."""
+        with np.errstate(divide="ignore"):
+            return np.maximum(self.limit + self.slope / width, 0.0) ** self.power
 
 
 class Widths:
-    """Drag by place on the other axes, such as ("pressure",), shape and box.
+    """Drag by place on the other axes, such as ("pressure",), by shape and by box.
 
-    means, counts (place, shape, box): of the logarithm of the drag in N, and how many beds; width
-    (box,) over that of the first; along (box,): which boxes differ from the first in width alone.
+    means (N), counts (place, shape, box): of the drag, and of how many beds; scatter, freedom (place,
+    shape): standard deviation of a run over the mean of its box, and its degrees of freedom; width
+    (box,) over that of the first; along (box,): which boxes differ from the first in width alone;
+    powers (place,): of the drag, that lines are fitted to.
     """
 
     def __init__(self, dataset: xr.Dataset):
@@ -62,12 +73,12 @@ class Widths:
         self.places = list(product(*(runs[d].values.astype(str).tolist() for d in self.others)))
         self.shapes = runs["shape"].values.astype(str).tolist()
         self.boxes = runs["box"].values.astype(str).tolist()
-        logs = np.log(runs.values.reshape(-1, *runs.shape[-3:]))
-        self.counts = np.isfinite(logs).sum(axis=-1)
-        self.means = np.nanmean(logs, axis=-1)
-        free = np.maximum(self.counts - 1, 0).sum(axis=(1, 2))
-        rest = np.nansum((logs - self.means[..., None]) ** 2, axis=(1, 2, 3))
-        self.freedom, self.scatter = free, np.sqrt(rest / free)
+        drags = runs.values.reshape(-1, *runs.shape[-3:])
+        self.counts = np.isfinite(drags).sum(axis=-1)
+        self.means = np.nanmean(drags, axis=-1)
+        self.freedom = np.maximum(self.counts - 1, 0).sum(axis=-1)
+        rest = np.nansum((drags / self.means[..., None] - 1.0) ** 2, axis=(2, 3))
+        self.scatter = np.sqrt(rest / self.freedom)
         width = dataset["box_width"].values
         self.width = width / width[0]
         self.along = np.ones(len(width), bool)
@@ -77,63 +88,85 @@ class Widths:
         if len(set(width[self.along])) < LEAST["box"]:
             raise InputError(f"fewer than {LEAST['box']} of its boxes differ in width alone.")
 
-    @cached_property
-    def _at(self) -> dict:
-        return {place: n for n, place in enumerate(self.places)}
+        far = [[self._missed(n, power) for power in (1.0, -1.0)] for n in range(len(self.places))]
+        self.powers = [(1.0, -1.0)[int(np.argmin(each))] for each in far]
 
-    def _cell(self, place: tuple, shape: str):
-        """Means (box,) of the logarithm, and their variances over that of a run."""
-        n, s = self._at[place], self.shapes.index(shape)
-        return self.means[n, s], 1.0 / self.counts[n, s]
-
-    def _told(self, place: tuple, value: float, error: float) -> Estimate:
-        """A logarithm as a number with its interval; error: over the scatter of a run."""
-        from scipy.special import stdtrit
-
-        n = self._at[place]
-        half = stdtrit(self.freedom[n], 0.5 + 0.5 * LEVEL) * self.scatter[n] * error
-        return Estimate(*(float(np.exp(value + sign * half)) for sign in (0.0, -1.0, 1.0)))
-
-    def line(self, place: tuple, shape: str, other: str | None = None) -> Line:
-        """The line of a shape, or of its drag over that of another one."""
-        mean, variance = self._cell(place, shape)
-        if other is not None:
-            base, more = self._cell(place, other)
-            mean, variance = mean - base, variance + more
-        y, weight = mean[self.along], 1.0 / variance[self.along]
+    def _fit(self, n: int, s: int, power: float):
+        """Limit and slope, their covariance over the squared scatter, and the squares of what the line
+        misses, over the drag."""
+        y = self.means[n, s, self.along] ** power
+        weight = self.counts[n, s, self.along] / y**2
         design = np.column_stack([np.ones(len(y)), 1.0 / self.width[self.along]])
-        inverse = np.linalg.inv(design.T @ (weight[:, None] * design))
-        limit, slope = inverse @ (design.T @ (weight * y))
-        return Line(limit, slope, *np.sqrt(np.diag(inverse)))
+        covariance = np.linalg.inv(design.T @ (weight[:, None] * design))
+        found = covariance @ (design.T @ (weight * y))
+        return found, covariance, float((weight * (y - design @ found) ** 2).sum())
+
+    def _missed(self, n: int, power: float) -> float:
+        """What the lines miss, over the scatter of their shapes."""
+        scatter = np.maximum(self.scatter[n], 1e-9)
+        return sum(self._fit(n, s, power)[2] / scatter[s] ** 2 for s in range(len(self.shapes)))
+
+    def line(self, place: tuple, shape: str) -> Line:
+        """The line of a shape."""
+        n, s = self.places.index(place), self.shapes.index(shape)
+        found, covariance, _ = self._fit(n, s, self.powers[n])
+        rng = np.random.default_rng(s)
+        free = self.freedom[n, s]
+        unit = rng.standard_normal((DRAWS, 2)) @ np.linalg.cholesky(covariance).T
+        wide = self.scatter[n, s] / np.sqrt(rng.chisquare(free, (DRAWS, 1)) / free)
+        limit, slope = np.vstack([found, found + wide * unit]).T
+        return Line(self.powers[n], limit, slope)
 
     def drag(self, place: tuple, shape: str, box: str) -> Estimate:
         """Drag in a box (N)."""
-        mean, variance = (each[self.boxes.index(box)] for each in self._cell(place, shape))
-        return self._told(place, mean, np.sqrt(variance))
+        return self._told(place, {shape: 1.0}, box)
 
     def ratio(self, place: tuple, shape: str, box: str) -> Estimate:
         """Drag over that of the first shape, in a box."""
-        at = self.boxes.index(box)
-        (mean, variance), (base, more) = (
-            self._cell(place, each) for each in (shape, self.shapes[0])
-        )
-        return self._told(place, mean[at] - base[at], np.sqrt(variance[at] + more[at]))
+        return self._told(place, {shape: 1.0, self.shapes[0]: -1.0}, box)
+
+    def _told(self, place: tuple, powers: dict[str, float], box: str) -> Estimate:
+        """Product of powers of mean drags, by the delta method for its logarithm and Welch's degrees
+        of freedom."""
+        from scipy.special import stdtrit
+
+        n, at = self.places.index(place), self.boxes.index(box)
+        some = [self.shapes.index(shape) for shape in powers]
+        value = float(np.prod(self.means[n, some, at] ** np.array(list(powers.values()))))
+        parts = self.scatter[n, some] ** 2 / self.counts[n, some, at]
+        free = parts.sum() ** 2 / (parts**2 / self.freedom[n, some]).sum() if parts.any() else 1.0
+        half = float(stdtrit(free, 0.5 + 0.5 * LEVEL) * np.sqrt(parts.sum()))
+        return Estimate(value, value * np.exp(-half), value * np.exp(half))
 
     def drag_limit(self, place: tuple, shape: str) -> Estimate:
         """Drag in a box without end (N)."""
-        line = self.line(place, shape)
-        return self._told(place, line.limit, line.limit_error)
+        return interval(self.line(place, shape).drag(np.inf))
 
     def limit(self, place: tuple, shape: str) -> Estimate:
         """Drag over that of the first shape in a box without end."""
-        line = self.line(place, shape, self.shapes[0])
-        return self._told(place, line.limit, line.limit_error)
+        one, other = (self.line(place, each).drag(np.inf) for each in (shape, self.shapes[0]))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return interval(one / other)
 
-    def excess(self, place: tuple, shape: str, width: float) -> Estimate:
-        """Drag in a box of this width, over that of the first box, over the drag in one without end."""
+    def share(self, place: tuple, shape: str, width: float) -> Estimate:
+        """Drag in a box of this width over that of the first box, over the drag in one without end."""
         line = self.line(place, shape)
-        return self._told(place, line.slope / width, line.slope_error / width)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return interval(line.drag(width) / line.drag(np.inf))
 
     def enough(self, place: tuple, shape: str) -> float:
-        """Width, over that of the first box, from which on the line is NEAR its limit."""
-        return abs(self.line(place, shape).slope) / float(np.log1p(NEAR))
+        """Width, over that of the first box, from which on the line is NEAR its limit; infinite where
+        the limit is no drag at all."""
+        line = self.line(place, shape)
+        limit, slope = line.limit[0], line.slope[0]
+        if not limit > 0.0:
+            return np.inf
+        near = (1.0 + NEAR * np.sign(slope) * line.power) ** line.power - 1.0
+        return float(slope / limit / near)
+
+
+def interval(samples: np.ndarray) -> Estimate:
+    """Of a number as fitted and of its draws, by their quantiles; ends are open where it has none."""
+    drawn = np.sort(np.where(np.isnan(samples[1:]), np.inf, samples[1:]))
+    tail = int(0.5 * (1.0 - LEVEL) * len(drawn))
+    return Estimate(float(samples[0]), float(drawn[tail]), float(drawn[-1 - tail]))

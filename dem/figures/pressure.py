@@ -3,6 +3,7 @@
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullLocator
 
 from dem.analysis.pressure import Widths
 from dem.figures import style
@@ -17,7 +18,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     """Drags above and ratios below against 1 / width, one column per place on the other axes."""
     found = Widths(dataset)
     figure = Figure(figsize=(style.WIDTH, 7.4))
-    rows = figure.subplots(2, len(found.places), sharex=True, sharey="row", squeeze=False)
+    rows = figure.subplots(2, len(found.places), sharex=True, squeeze=False)
     boxes = [box for box, along in zip(found.boxes, found.along, strict=True) if along]
     for column, place in enumerate(found.places):
         above, below = rows[:, column]
@@ -28,39 +29,45 @@ def plot(dataset: xr.Dataset) -> Figure:
             shift = APART * (number - 0.5 * (len(found.shapes) - 1))
             drags = [found.drag(place, shape, box) for box in boxes]
             look["label"] = shape
-            _points(above, found, shift, drags, found.drag_limit(place, shape),
-                    found.line(place, shape), look)  # fmt: skip
+            line, base = found.line(place, shape), found.line(place, found.shapes[0])
+            _points(above, found, shift, drags, found.drag_limit(place, shape), line.drag, look)
             if number:
                 ratios = [found.ratio(place, shape, box) for box in boxes]
-                _points(below, found, shift, ratios, found.limit(place, shape),
-                        found.line(place, shape, found.shapes[0]), look)  # fmt: skip
+                over = _over(line, base)
+                _points(below, found, shift, ratios, found.limit(place, shape), over, look)
         below.axhline(1.0, **style.REFERENCE)
         below.set_xlabel("Width of the first box over the width")
         for axes in (above, below):
             axes.set_yscale("log")
             axes.yaxis.set_major_formatter("{x:.4g}")
-            axes.yaxis.set_minor_formatter("{x:.4g}")
+            axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+            axes.yaxis.set_minor_locator(NullLocator())
     rows[0, 0].set_ylabel(f"Mean drag from\n{style.window_text(dataset)} (N)")
     rows[1, 0].set_ylabel(f"Drag over that of {found.shapes[0]}")
     style.legend(figure, rows[0, 0], "outside lower center", ncols=len(found.shapes))
     figure.suptitle(
-        "Drag against the width of the box, with the line in 1 / width\n"
-        "(95 % intervals; open, at 0: a box without end)"
+        "Drag against the width of the box, with the line in 1 / width of the drag or its inverse\n"
+        "(95 % intervals; open, at 0: a box without end, where there is drag in it)"
     )
     return figure
 
 
-def _points(axes, found, shift, values, limit, line, look):
+def _over(line, base):
+    """Ratio of two lines by width."""
+    return lambda width: line.drag(width) / base.drag(width)
+
+
+def _points(axes, found, shift, values, limit, curve, look):
     """Means in the boxes that differ in width alone, the limit, and the line through them."""
     x = 1.0 / found.width[found.along]
     middle, low, high = np.array(values).T
     options = {"linestyle": "none", "capsize": 3, "markersize": 6, "elinewidth": 1.4}
     axes.errorbar(x + shift, middle, [middle - low, high - middle], **options, **look)
-    axes.errorbar(
-        [shift], [limit.value], [[limit.value - limit.low], [limit.high - limit.value]],
-        markerfacecolor="white", **options, **look | {"label": None},
-    )  # fmt: skip
-    along = np.linspace(0.0, x.max(), 50)
-    axes.plot(
-        along + shift, np.exp(line.limit + line.slope * along), color=look["color"], linewidth=1.2
-    )
+    if limit.low > 0.0 and limit.high < np.inf:
+        axes.errorbar(
+            [shift], [limit.value], [[limit.value - limit.low], [limit.high - limit.value]],
+            markerfacecolor="white", **options, **look | {"label": None},
+        )  # fmt: skip
+    along = np.geomspace(0.5 * x.min(), x.max(), 50)
+    y = np.array([curve(1.0 / each)[0] for each in along])
+    axes.plot(along[y > 0.0] + shift, y[y > 0.0], color=look["color"], linewidth=1.2)

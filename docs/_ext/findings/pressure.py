@@ -1,11 +1,14 @@
 """Shapes at equal pressure and at equal packing fraction, in boxes of several widths."""
 
+import json
 from functools import cached_property
+from types import SimpleNamespace
 
 import numpy as np
 from rich.table import Table
 
 from dem.analysis.pressure import NEAR, Estimate, Widths
+from dem.experiment.fit import sample_diameters
 from dem.studies.claims import report as claims_report
 from dem.studies.claims.evidence import from_sweep
 from dem.studies.claims.verdicts import judge
@@ -21,7 +24,8 @@ ABOUT_SHAPE = (
 
 def words(found: Estimate, unit: str = "", digits: int = 2) -> str:
     """An estimate and its interval: 1.18 (1.09 to 1.27), on one line."""
-    text = f"{found.value:.{digits}f} ({found.low:.{digits}f} to {found.high:.{digits}f}) {unit}"
+    low, high = (f"{each:.{digits}f}" for each in found[1:])
+    text = f"{found.value:.{digits}f} ({low} to {high}) {unit}"
     return text.rstrip().replace("-", "\N{MINUS SIGN}").replace(" ", "\N{NO-BREAK SPACE}")
 
 
@@ -86,17 +90,22 @@ class Pressure(Findings):
         return f"{1e-6 * float(found.mean()):.0f} MPa"
 
     def packed(self) -> Table:
-        """One row per shape: packing fraction at rest and after the stroke, in the first box."""
-        runs = self.dataset.sel(confinement="pressure").isel(box=0)
-        made = heads(1, "shape", "V_f at rest", "at the end of the stroke")
+        """One row per shape: packing fraction of the beds at rest under the pressure, in the widest
+        box."""
+        runs = self.dataset.sel(confinement="pressure").isel(box=int(np.argmax(self.widths.width)))
+        own = json.loads(self.dataset.attrs["configuration"])
+        hole = 0.25 * np.pi * own["cylinder"]["diameter"] ** 2
+        spread = own["packing"]["size_spread"]
+        made = heads(1, "shape", "packing fraction at rest")
         for shape in self.widths.shapes:
             one = runs.sel(shape=shape)
-            height = one["box_height"]
-            end = one["bed_fraction"].isel(displacement=-1)
-            room = one["box_width"] * one["top_height"].isel(displacement=-1)
-            hole = 0.25 * np.pi * self.dataset.attrs["cylinder_diameter"] ** 2
-            start = end * (room - hole) / (one["box_width"] * height - hole)
-            made.add_row(shape, f"{float(start.mean()):.3f}", f"{float(end.mean()):.3f}")
+            sizes = SimpleNamespace(diameter=float(one["diameter"]), granules=int(one["granules"]))
+            found = []
+            for seed in one["seed"].values:
+                area = 0.25 * np.pi * np.sum(sample_diameters(sizes, spread, int(seed)) ** 2)
+                height = float(one["box_height"].sel(seed=seed))
+                found.append(area / (float(one["box_width"]) * height - hole))
+            made.add_row(shape, f"{np.mean(found):.3f}")
         return made
 
     def lifted(self, shape: str, box: str) -> str:
@@ -129,14 +138,27 @@ class Pressure(Findings):
             cells = [words(self.widths.drag((way,), shape, box), digits=0) for box in boxes]
             made.add_row(
                 shape, *cells, words(self.widths.drag_limit((way,), shape), digits=0),
-                f"{self.widths.enough((way,), shape):.1f}",
+                f"{wide:.0f}" if np.isfinite(wide := self.widths.enough((way,), shape)) else "-",
             )  # fmt: skip
         return made
 
-    def excess(self, way: str, shape: str, width: float) -> str:
-        """How far the drag is from that in a box without end, in per cent."""
-        found = self.widths.excess((way,), shape, width)
-        return words(Estimate(*(100.0 * (each - 1.0) for each in found)), "%", 0)
+    def share(self, way: str, shape: str, width: float) -> str:
+        """Drag in a box of some width, by the line, over that in a box without end."""
+        return words(self.widths.share((way,), shape, width))
+
+    def enough(self, way: str) -> str:
+        """Widths that are wide enough, over the paper's, from the least to the greatest."""
+        found = [self.widths.enough((way,), shape) for shape in self.widths.shapes]
+        return f"{min(found):.0f} to {max(found):.0f}"
+
+    def vanishes(self, way: str, shape: str) -> bool:
+        """Whether the line leaves no drag in a box without end."""
+        return self.widths.drag_limit((way,), shape).low == 0.0
+
+    def nearer(self, way: str) -> str:
+        """To what the line is fitted: the drag, or its inverse."""
+        power = self.widths.powers[self.widths.places.index((way,))]
+        return "the drag" if power > 0.0 else "the inverse of the drag"
 
     def ratio(self, way: str, shape: str, box: str) -> str:
         """Drag over that of the first shape."""
