@@ -17,7 +17,7 @@ later ones"""
 SCENES = """\
 contacts held as they are, by time steps a thousand times shorter; code: machine code of one step"""
 SIZES = """\
-discs in motion, in a box without a cylinder; contacts listed again as needed; memory: all arrays"""
+discs in motion, in a box without a cylinder, while one contact list holds; memory: all arrays"""
 MOTION = """\
 greatest distance of a granule between ours and LAMMPS over the mean radius, undamped, from the same
 start; with friction the arm and the unloading of the tangential spring differ"""
