@@ -289,6 +289,20 @@ def test_a_driven_group_and_a_disc_share_their_momentum():
     assert_allclose(apart, [0.0, 0.9e-3], rtol=0.0, atol=1e-15)
 
 
+def test_the_stress_between_held_granules_is_the_force_on_them():
+    """Across a line through a disc that two held ones squeeze."""
+    r, middle = 1e-3, 0.3 * FAR
+    squeezed = middle + 0.999 * np.array([[-2.0 * r], [0.0], [2.0 * r]]) * [0.0, 1.0]
+    made, start = some([r, r, r], squeezed, held=[dem.Held([k]) for k in (0, 2, 3)])
+    run = dem.Simulation(made, start)
+    record = run.record(1e-9, 1)
+    force = (
+        run.stress(y=[middle - 0.1 * r, middle + 0.1 * r]).contact[0, 1, 1] * FAR * made.thickness
+    )
+    assert_allclose(record.held_force[0, :2, 1], [-force, force], rtol=1e-6)
+    assert force > 0.0
+
+
 def test_held_granules_feel_neither_gravity_nor_each_other():
     """However much they overlap; a spin of the state stays, and the rest of it does not count."""
     made, start = some(
