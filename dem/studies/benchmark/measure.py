@@ -38,7 +38,7 @@ class Plan(NamedTuple):
     warm: int = 100
     steps: int = 5000
     compared: tuple[int, ...] = (100, 1000, 10_000)
-    beds: int = 20
+    beds: int = 12
     tiles: tuple[int, ...] = TILES
     threads: tuple[int, ...] = (1, 2)
 
