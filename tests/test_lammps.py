@@ -92,6 +92,20 @@ def test_the_largest_step_is_where_the_drag_leaves_its_level():
     assert found.value == pytest.approx(1.12, abs=0.01)
 
 
+def test_with_our_law_lammps_follows_our_motion(small_bed):
+    """Friction and damping: only the arm of the tangential force differs then."""
+    small = small_bed("disc")
+    scene, step = small.scene(), 1e-8
+    ours = dem.Simulation(scene, small.state, time_step=step)
+    ours.advance(500 * step)
+    apart = {}
+    for same in (False, True):
+        with lammps.Run(scene, small.state, step, same=same) as theirs:
+            theirs.advance(500)
+            apart[same] = np.abs(theirs.position - ours.state.position).max()
+    assert apart[True] < 0.5 * apart[False]
+
+
 def test_what_lammps_has_no_equivalent_for_is_refused(small_bed):
     """Ellipses have no Hertzian contact there."""
     small = small_bed("ellipse")

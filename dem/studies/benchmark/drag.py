@@ -50,7 +50,7 @@ def lammps_drag(case: Case, time_step: float, window, same: bool = False) -> tup
 WAYS = {
     "dem": (our_drag, (0.6, 1.0, 1.2, 1.4, 1.6)),
     "LAMMPS": (lammps_drag, (0.5, 0.65, 0.75, 0.85, 0.95)),
-    "LAMMPS, our law": (partial(lammps_drag, same=True), (0.6, 1.0, 1.2, 1.4, 1.6)),
+    "LAMMPS, our law": (partial(lammps_drag, same=True), (1.0, 1.5, 1.8, 2.1, 2.4)),
 }
 
 
