@@ -50,6 +50,11 @@ class Speed(Findings):
         """Through how many beds each code draws the cylinder, at each time step."""
         return self.dataset.sizes["drag_bed"]
 
+    def longer(self, code: str) -> bool:
+        """Whether the largest step of a code is clearly longer than that of this one."""
+        found = at_equal_error(self.dataset)
+        return float(found["low"].sel(drag_code=code)) > float(found["high"][0])
+
     def dearer(self, code: str) -> str:
         """Processor time of a stroke in the cheapest form of a code over that in this one."""
         cost = at_equal_error(self.dataset)["cost"]
