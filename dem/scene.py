@@ -353,8 +353,9 @@ class Scene:
 
     A disc that leaves a periodic scene through its right side comes in through the left one:
 
-    >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]), periodic=(20e-3, None))
-    >>> state = dem.State([[19.5e-3, 0.0], [1.49e-3, 0.0]])
+    >>> floor_and_lid = dem.box(20e-3, 4e-3)[2:]
+    >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]), walls=floor_and_lid, periodic=(20e-3, None))
+    >>> state = dem.State([[19.5e-3, 2e-3], [1.49e-3, 2e-3]])
     >>> dem.Simulation(scene, state).contacts().partner
     array([1])
     """

@@ -193,10 +193,10 @@ def test_restitution_holds_at_the_default_time_step(restitution):
 
 
 def floor(**properties):
-    """Scene of one disc of 5 mm above a floor, with gravity; as in a bed there is a cylinder."""
+    """Scene of one disc of 5 mm above a floor, with gravity."""
     return Scene(
         Disc(np.array([5e-3])), walls=box(10.0, 1.0), gravity=(0.0, -9.81), thickness=1e-2,
-        cylinder=Cylinder(1e-3, (9.0, 0.9)), **properties,
+        **properties,
     )  # fmt: skip
 
 

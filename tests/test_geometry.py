@@ -10,6 +10,7 @@ from reference import bed_forces, outline, parting, potential
 
 from dem import (
     CommonNormal,
+    Cylinder,
     Disc,
     Dumbbell,
     Ellipse,
@@ -18,6 +19,7 @@ from dem import (
     Scene,
     Simulation,
     State,
+    box,
 )
 from dem.jit.compilation import compiled
 from dem.shapes import KINDS
@@ -254,7 +256,8 @@ def test_dumbbells_are_two_rigidly_joined_discs():
         np.concatenate([here, there]), rng.normal(size=(2 * n, 2)),
         rng.uniform(0.0, 7.0, 2 * n), 1e3 * rng.normal(size=2 * n),
     )  # fmt: skip
-    scene = Scene(Dumbbell(radius), friction=Friction(0.4, 0.0, 0.0))
+    far = {"walls": box(10.0, 10.0) + [0.0, 0.0, 5.0], "cylinder": Cylinder(1.0, (3.0, 3.0))}
+    scene = Scene(Dumbbell(radius), friction=Friction(0.4, 0.0, 0.0), **far)
     force = Simulation(scene, state).world.force
     expected, torque = bed_forces(scene, state, 0.0)
     assert (np.hypot(*expected.T) > 0.0).sum() > n // 2

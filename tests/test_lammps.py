@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import dem
+from dem.studies.benchmark.drag import compare_drag, largest_step
 from dem.studies.benchmark.measure import (
     Plan,
     compare_codes,
@@ -67,6 +68,44 @@ def test_a_collision_returns_the_coefficient_of_restitution():
         assert run.velocity[:, 0] == pytest.approx([-0.25, 0.25], rel=1e-3)
 
 
+def test_the_force_on_the_cylinder_is_the_same(small_bed):
+    """Without friction and damping, before chaos: mean over the same steps."""
+    small = small_bed("disc")
+    scene, step = small.scene(friction=None, material=ELASTIC), 5e-8
+    record = dem.Simulation(scene, small.state, time_step=step).record(200 * step, 1)
+    with lammps.Run(scene, small.state, step, force=True) as run:
+        assert run.mean_force(200, every=1) == pytest.approx(record.normal_force[0], rel=1e-2)
+
+
+@pytest.mark.skipif(lammps.mpiexec() is None, reason="there is no mpiexec beside Python")
+def test_two_ranks_share_a_bed(small_bed):
+    """A run whose ranks do not know of each other is refused; this one is not."""
+    small = small_bed("disc")
+    assert lammps.seconds(small.scene(), small.state, 1e-9, 1, 10, ranks=2) > 0.0
+
+
+def test_the_largest_step_is_where_the_drag_leaves_its_level():
+    """Level at 100 N up to a step of 1.1, then 50 N less for 1 more: 1 % is reached at 1.12."""
+    steps = np.array([0.6, 1.0, 1.2, 1.4, 1.6])
+    beds = np.random.default_rng(1).normal(size=(1, 50))
+    found = largest_step(steps, 100.0 - 50.0 * np.maximum(0.0, steps - 1.1)[:, None] + beds)
+    assert found.value == pytest.approx(1.12, abs=0.01)
+
+
+def test_with_our_law_lammps_follows_our_motion(small_bed):
+    """Friction and damping: only the arm of the tangential force differs then."""
+    small = small_bed("disc")
+    scene, step = small.scene(), 1e-8
+    ours = dem.Simulation(scene, small.state, time_step=step)
+    ours.advance(500 * step)
+    apart = {}
+    for same in (False, True):
+        with lammps.Run(scene, small.state, step, same=same) as theirs:
+            theirs.advance(500)
+            apart[same] = np.abs(theirs.position - ours.state.position).max()
+    assert apart[True] < 0.5 * apart[False]
+
+
 def test_what_lammps_has_no_equivalent_for_is_refused(small_bed):
     """Ellipses have no Hertzian contact there."""
     small = small_bed("ellipse")
@@ -86,6 +125,7 @@ def test_the_benchmark_fills_its_file(small_bed, tmp_path):
         assert np.isfinite(found).all() == (status[code] == "run")
     values |= compare_stages(cases, plan) | {"load_average": load_average()}
     values |= compare_scenes({FULL: cases["disc"]}, plan) | compare_motion(cases, plan)
+    values |= compare_drag(load(CONFIG), 2)
     values |= compare_sizes(load(CONFIG), 1, threads=(1,), tiles=(1,))
     assert values["variant_code_size"][0] > 1000
     assert values["trajectory_difference"][0, 0] < 1e-12
@@ -95,5 +135,5 @@ def test_the_benchmark_fills_its_file(small_bed, tmp_path):
         [sys.executable, "-m", "dem", "info", str(path)], text=True, capture_output=True
     )
     assert run.returncode == 0, run.stderr
-    for word in ("LAMMPS", FULL, "force law", "YADE: not run"):
+    for word in ("LAMMPS", FULL, "force law", "a millimetre"):
         assert word in run.stdout

@@ -137,7 +137,7 @@ def test_tiles_of_a_bed_at_rest_are_at_rest(tiles):
     height = Disc.of_size(sizes).area.sum() / 0.86 / 6e-3
     bed = pack(Disc.of_size(sizes), 6e-3, height, None, 1)
     shape, state, wide, high = tiled(Disc.of_size(sizes), bed, *tiles)
-    scene = Scene(shape, Material(restitution=1.0), walls=box(wide, high))
+    scene = Scene(shape, walls=box(wide, high))
     world = Simulation(scene, state).world
     typical = np.abs(world.pairs.stiffness).mean() * (bed.max_overlap * 5e-4) ** 1.5
     assert bed.coordination_number > 3.0

@@ -48,7 +48,7 @@ def test_a_result_is_a_dataset_with_units(tmp_path):
 
 def test_a_result_without_walls_is_a_dataset_too():
     """No walls: a dimension of none."""
-    scene = discs(walls=None, cylinder=None)
+    scene = discs(walls=None, cylinder=None, friction=None)
     dataset = dem.simulate(scene, dem.State(**STATE), 1e-6).to_dataset()
     assert dataset.sizes["wall"] == 0 and np.isfinite(dataset["position"]).all()
 
@@ -132,7 +132,7 @@ def test_the_cylinder_takes_another_velocity(small_bed):
         each.advance(1e-6)
         moved = each.world.cylinder.motion[0, :2] - before
         assert moved == pytest.approx([1e-6, -2e-6], rel=1e-6)
-    empty = dem.Simulation(small.scene(cylinder=None), small.state)
+    empty = dem.Simulation(dem.Scene(dem.Disc([1e-3])), dem.State([[0.0, 0.0]]))
     with pytest.raises(dem.InputError, match="the scene has no cylinder"):
         empty.set_cylinder_velocity((0.0, 0.0))
 

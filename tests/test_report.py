@@ -25,7 +25,7 @@ SWEEPS = {
     "grid": {"shape": ["c1", "d1"], "friction.granule": [0.1, 0.2, 0.3], "box": BOXES,
              "seed": "1 to 2"},
     "names": {"shape": ["c1", "d1"], "box": BOXES},
-    "many": {"shape": ["c1"], "gravity": [1.0, 2.0, 3.0, 4.0], "box": BOXES,
+    "many": {"shape": ["c1"], "material.restitution": [0.2, 0.4, 0.6, 0.8], "box": BOXES,
              "friction.granule": [0.1, 0.2, 0.3], "friction.wall": [0.1, 0.3]},
     "point": {"shape": ["c1"], "friction.granule": [0.3], "seed": "1 to 2"},
     "design": {"shape": ["c1", "d1"], "point": {
@@ -139,7 +139,7 @@ def test_every_mean_of_a_sweep_is_drawn(swept):
     figure, _, found = figure_of(folder / "drag.nc")
     shown = np.concatenate([places_shown(axes)[:, 1] for axes in figure.axes])
     wanted = found["mean"]
-    if name == "many":  # 4 x 2 x 3 x 2: gravity along x, friction by lines, two by panels
+    if name == "many":  # 4 x 2 x 3 x 2: restitution along x, friction by lines, two by panels
         left_out = re.search(r"averaged over (\w+)", figure.get_suptitle())
         wanted = wanted.mean(left_out[1]) if left_out else wanted
     for value in wanted.values.ravel():

@@ -40,6 +40,7 @@ SECTIONS = {
     "shear": ("shear",),
 }  # fmt: skip
 SPARED = {"cylinder": ("jamming", "onset")}
+OF_BEDS = "jamming", "onset"  # experiments that read nothing but what makes the bed
 
 
 def value(units: str | None, about: str, **limits):
@@ -469,7 +470,7 @@ class Replicate:
     def run_key(self) -> str:
         """All that the run depends on, as text."""
         c = self.configuration
-        if c.experiment != "drag":
+        if c.experiment in OF_BEDS:
             return f"{c.experiment} {self.bed_key()}"
         ellipse = c.ellipse if self.shape.kind == "ellipse" else ""
         own = c._granules[self.label], c._read_by_all, ellipse, self.density, self.seed

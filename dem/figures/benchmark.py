@@ -15,9 +15,10 @@ BARS = {
     OURS: ("#2f6db5", "#17457d", ""),
     "LAMMPS": ("#f5c49a", "#b34700", "///"),
     "LIGGGHTS": ("#d5eedd", "#0f5a30", "..."),
+    "YADE": ("#f3d9e5", "#8a2f5b", "xx"),
 }
 CUT = 2.5  # a bar so much longer than the next is cut
-OTHER = ("#d9d2ea", "#5b4a8a", "xx")
+OTHER = ("#d9d2ea", "#5b4a8a", "++")
 
 
 @style.styled

@@ -68,8 +68,9 @@ class Bed(NamedTuple):
     >>> import dem
     >>> import numpy as np
     >>> shape = dem.Disc(np.full(60, 0.5e-3))
-    >>> bed = dem.pack(shape, width=8e-3, height=8e-3, cylinder=None, seed=1)
-    >>> scene = dem.Scene(shape, walls=bed.walls)
+    >>> cylinder = dem.Cylinder(diameter=2e-3, position=(4e-3, 4e-3))
+    >>> bed = dem.pack(shape, width=8e-3, height=8e-3, cylinder=cylinder, seed=1)
+    >>> scene = dem.Scene(shape, walls=bed.walls, cylinder=cylinder)
     >>> bed.state.position.shape
     (60, 2)
     """

@@ -17,6 +17,7 @@ from dem.dynamics.checkpoint import writable
 from dem.dynamics.simulation import Simulation
 from dem.io.dataset import global_attributes, write
 from dem.studies.benchmark.check import checks, differences
+from dem.studies.benchmark.drag import compare_drag
 from dem.studies.benchmark.layout import VARIABLES
 from dem.studies.benchmark.machine_code import machine_code
 from dem.studies.benchmark.peers import CODES, our_seconds
@@ -30,13 +31,14 @@ from dem.sweep.config import Sweep
 class Plan(NamedTuple):
     """How often and how long: repeats, steps of each after `warm` others, steps of comparisons.
 
-    tiles, threads: of large beds (dem.studies.benchmark.sizes).
+    beds: of the comparison of drag. tiles, threads: of large beds (dem.studies.benchmark.sizes).
     """
 
     repeats: int = 5
     warm: int = 100
     steps: int = 5000
     compared: tuple[int, ...] = (100, 1000, 10_000)
+    beds: int = 12
     tiles: tuple[int, ...] = TILES
     threads: tuple[int, ...] = (1, 2)
 
@@ -54,16 +56,18 @@ def measure(sweep: Sweep, plan: Plan = USUAL, progress=lambda done: None) -> dic
     progress(0.1)
     with one_core():
         rates = compare_codes(cases, plan)
-        progress(0.35)
+        progress(0.3)
         stages = compare_stages(cases, plan)
-        progress(0.45)
+        progress(0.4)
         scenes = compare_scenes(variants(cases), plan)
-        progress(0.6)
+        progress(0.5)
         motion = compare_motion(cases, plan)
-    progress(0.7)
+        progress(0.6)
+        drag = compare_drag(sweep, plan.beds)
+    progress(0.8)
     sizes = compare_sizes(sweep, plan.repeats, plan.threads, plan.tiles)
     progress(1.0)
-    return load | rates | stages | scenes | motion | sizes
+    return load | rates | stages | scenes | motion | drag | sizes
 
 
 def compare_codes(cases: dict[str, Case], plan: Plan) -> dict:

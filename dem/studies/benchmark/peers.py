@@ -1,7 +1,6 @@
 """The codes that are timed, ours first; one that is not there is named and skipped."""
 
 import importlib.metadata
-import shutil
 import time
 from collections.abc import Callable
 from typing import NamedTuple
@@ -11,7 +10,7 @@ from dem.scene import Scene, State
 from dem.shapes.disc import Disc
 from dem.shapes.dumbbell import Dumbbell
 from dem.shapes.ellipse import Ellipse
-from dem.studies.peers import lammps, liggghts
+from dem.studies.peers import lammps, liggghts, yade
 
 
 class Code(NamedTuple):
@@ -38,30 +37,12 @@ def our_seconds(scene: Scene, state: State, time_step: float, warm: int, steps: 
     return spent * steps / (simulation.steps - before)  # rounding may make it one step more
 
 
-def lammps_seconds(scene: Scene, state: State, time_step: float, warm: int, steps: int) -> float:
-    """See Code."""
-    with lammps.Run(scene, state, time_step) as run:
-        run.advance(warm)
-        started = time.perf_counter()
-        run.advance(steps)
-        return time.perf_counter() - started
-
-
-def yade_missing() -> str:
-    """YADE is looked for but has no input here."""
-    return "it has no input here" if shutil.which("yade") else "there is no program yade"
-
-
-def _nothing(*arguments):
-    raise NotImplementedError
-
-
 CODES = (
     Code(
         "dem", (Disc, Dumbbell, Ellipse), lambda: None,
         lambda: importlib.metadata.version("granular-drag"), our_seconds,
     ),
-    Code("LAMMPS", (Disc, Dumbbell), lammps.available, lammps.version, lammps_seconds),
+    Code("LAMMPS", (Disc, Dumbbell), lammps.available, lammps.version, lammps.seconds),
     Code("LIGGGHTS", (Disc,), liggghts.available, liggghts.version, liggghts.seconds),
-    Code("YADE", (), yade_missing, _nothing, _nothing),
+    Code("YADE", (Disc,), yade.available, yade.version, yade.seconds),
 )  # fmt: skip

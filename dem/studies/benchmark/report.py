@@ -7,10 +7,11 @@ from rich.table import Table
 from rich.text import Text
 
 from dem.analysis.tables import numbers
+from dem.studies.benchmark.drag import TOLERANCE, at_equal_error
 
 LEGEND = """\
-medians of the repeats; contact: touching pair of parts of granules. Damping of the other codes has
-another form than ours, with the same restitution (LAMMPS: at 1 m/s)."""
+medians of the repeats; contact: touching pair of parts of granules. Damping of LAMMPS and LIGGGHTS
+has another form than ours, with the same restitution (LAMMPS: at 1 m/s)."""
 STAGES = """\
 contacts held as they are; each part runs many times by itself, stages of a pair by leaving out the
 later ones"""
@@ -18,6 +19,11 @@ SCENES = """\
 contacts held as they are, by time steps a thousand times shorter; code: machine code of one step"""
 SIZES = """\
 discs in motion, in a box without a cylinder, while one contact list holds; memory: all arrays"""
+RANKS = """\
+bed of discs in motion as above; this code on threads, LAMMPS on ranks of MPI"""
+DRAG = f"""\
+fixed time step at which the mean drag of a code leaves its level by {TOLERANCE:.0%}, over the bound on
+the critical step at rest; processor time"""
 MOTION = """\
 greatest distance of a granule between ours and LAMMPS over the mean radius, undamped, from the same
 start; with friction the arm and the unloading of the tangential spring differ"""
@@ -31,7 +37,10 @@ def summary(dataset: xr.Dataset) -> Group:
         if status != "run":
             lines.append(f"{code}: {status}")
     parts = [Text(attrs["title"], style="bold"), Text("\n".join(lines)), ""]
-    tables = (codes, LEGEND), (stages, STAGES), (scenes, SCENES), (sizes, SIZES), (motion, MOTION)
+    tables = (
+        (codes, LEGEND), (drag, DRAG), (stages, STAGES), (scenes, SCENES), (sizes, SIZES),
+        (ranks, RANKS), (motion, MOTION),
+    )  # fmt: skip
     for table, legend in tables:
         parts += [table(dataset), Text(legend, style="dim"), ""]
     return Group(*parts)
@@ -108,6 +117,40 @@ def sizes(dataset: xr.Dataset) -> Table:
                 f"{here / float(middle.sel(size=size)[0]):.2f}",
                 f"{float(dataset['size_memory'].sel(size=size)):.0f}",
             )  # fmt: skip
+    return table
+
+
+def ranks(dataset: xr.Dataset) -> Table:
+    """One row per code and number of processors, for the bed that LAMMPS ran too."""
+    table = numbers(
+        "code", "discs", "threads or ranks", "ns a granule-step", "lowest, highest", "against one"
+    )
+    ran = np.isfinite(dataset["ranks_step_time"]).all(("threads", "repeat"))
+    for size in dataset["size"].values[ran]:
+        for code, name in (("dem", "size_step_time"), ("LAMMPS", "ranks_step_time")):
+            here = 1e9 * dataset[name].sel(size=size)
+            for number in here["threads"].values:
+                times = here.sel(threads=number).values
+                table.add_row(
+                    code, f"{size:,}", str(number), f"{np.median(times):.1f}",
+                    f"{times.min():.1f}, {times.max():.1f}",
+                    f"{np.median(times) / np.median(here[0]):.2f}",
+                )  # fmt: skip
+    return table
+
+
+def drag(dataset: xr.Dataset) -> Table:
+    """One row per code: its largest time step, and what a stroke costs."""
+    table = numbers(
+        "code", "largest step", "95 % interval", "ns", "steps a second", "seconds a millimetre"
+    )
+    found = at_equal_error(dataset)
+    for code in found["drag_code"].values:
+        one = {name: float(value) for name, value in found.sel(drag_code=code).items()}
+        table.add_row(
+            str(code), f"{one['largest']:.2f}", f"{one['low']:.2f}, {one['high']:.2f}",
+            f"{1e9 * one['time_step']:.0f}", f"{one['rate']:,.0f}", f"{1e-3 * one['cost']:.3f}",
+        )  # fmt: skip
     return table
 
 

@@ -31,6 +31,16 @@ def make_case(scene: Scene, state: State) -> Case:
     return Case(scene, state, STEP_FRACTION * critical)
 
 
+def packed(sweep: Sweep, label: str, seed: int) -> Case:
+    """A bed of one of the sweep's shapes, which carries load, with the cylinder in it."""
+    least = LOADED.get(sweep.shapes[label].kind, 0.0)
+    packing = {"fraction": max(sweep.packing.fraction or NOMINAL, least)}
+    loaded = sweep.model_copy(update={"packing": sweep.packing.model_copy(update=packing)})
+    replicate = Replicate(loaded, label, sweep.density_of(label), seed)
+    bed = make_bed(replicate)
+    return make_case(make_scene(replicate, bed), bed.state)
+
+
 def beds(sweep: Sweep) -> dict[str, Case]:
     """One packed bed that carries load per kind of granule: the first of the sweep, ellipses by
     ASPECT_RATIO."""
@@ -41,11 +51,7 @@ def beds(sweep: Sweep) -> dict[str, Case]:
         label = next((label for label, shape in shapes if shape.kind == kind), None)
         if label is None:
             raise InputError(f"the configuration has no {kind}; the benchmark needs one.")
-        packing = {"fraction": max(sweep.packing.fraction or NOMINAL, LOADED.get(kind, 0.0))}
-        loaded = sweep.model_copy(update={"packing": sweep.packing.model_copy(update=packing)})
-        replicate = Replicate(loaded, label, sweep.density_of(label), sweep.first_seed)
-        bed = make_bed(replicate)
-        found[kind] = make_case(make_scene(replicate, bed), bed.state)
+        found[kind] = packed(sweep, label, sweep.first_seed)
     return found
 
 

@@ -11,9 +11,11 @@ from dem.packing.random import pack
 from dem.packing.tiled import tiled
 from dem.scene import Friction, Material, Scene, box
 from dem.shapes.disc import Disc
+from dem.studies.peers import lammps
 from dem.sweep.config import Sweep
 
 TILES = (1, 4, 16, 50)  # along each side of a bed: of 400 granules, to a million
+RANKED = 102_400  # discs of the bed that LAMMPS runs too
 STEPS = 100  # of each run, all from the same start: fewer than a list holds
 SPEED = 0.5  # m/s, of the granules at the start, a quarter of the cylinder's
 SEED = 1
@@ -49,8 +51,9 @@ def bytes_a_granule(world) -> float:
 
 def compare_sizes(sweep: Sweep, repeats: int, threads=(1, 2), tiles=TILES) -> dict:
     """Variables: seconds per granule and step by size and threads, and memory per granule."""
+    ranked = lammps.available() is None and lammps.mpiexec() is not None
     beds = [large_scene(sweep, side) for side in tiles]
-    times = np.empty((len(beds), len(threads), repeats))
+    times, ranks = np.full((2, len(beds), len(threads), repeats), np.nan)
     memory = np.empty(len(beds))
     for repeat in range(-1, repeats):  # the first compiles and does not count
         for place, (scene, state) in enumerate(beds):
@@ -66,9 +69,13 @@ def compare_sizes(sweep: Sweep, repeats: int, threads=(1, 2), tiles=TILES) -> di
                 memory[place] = bytes_a_granule(run.world)
                 if repeat >= 0:
                     times[place, column, repeat] = spent / runs / scene.granules
+                if repeat >= 0 and ranked and scene.granules == RANKED:
+                    spent = lammps.seconds(scene, state, step, 0, STEPS, ranks=number)
+                    ranks[place, column, repeat] = spent / STEPS / RANKED
     return {
         "size": np.array([scene.granules for scene, _ in beds]),
         "threads": np.array(threads),
         "size_step_time": times,
+        "ranks_step_time": ranks,
         "size_memory": memory,
     }

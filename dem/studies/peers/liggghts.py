@@ -13,13 +13,13 @@ from pathlib import Path
 
 import numpy as np
 
-from dem.base.errors import InputError, RunError
+from dem.base.errors import RunError
 from dem.scene import Scene, State
-from dem.shapes.disc import Disc
+from dem.studies.peers.material import RIGID, check_discs
 
 PROGRAM = "liggghts"
 SKIN = 0.3  # of the mean radius
-RIGID, HEAVY = 1e6, 1e9
+HEAVY = 1e9
 MODEL = "model hertz tangential history"
 
 
@@ -37,13 +37,7 @@ def version() -> str:
 
 def seconds(scene: Scene, state: State, time_step: float, warm: int, steps: int) -> float:
     """Time (s) that a number of steps takes after `warm` others, without starting and ending."""
-    apart = scene.gravity, scene.boundary, scene.periodic
-    if not isinstance(scene.shape, Disc) or any(each is not None for each in apart):
-        raise InputError(
-            "only discs between rigid walls, without gravity and periodic sides, go to LIGGGHTS."
-        )
-    if scene.walls is None or scene.cylinder is None or scene.friction is None:
-        raise InputError("only scenes with walls, cylinder and friction go to LIGGGHTS.")
+    check_discs(scene, "LIGGGHTS")
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "bed").write_text(_bed(scene, state.checked(scene.granules)))
         said = _output("\n".join(_input(scene, time_step, warm, steps)), folder)

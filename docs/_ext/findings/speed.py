@@ -8,6 +8,7 @@ from rich.table import Table
 
 from dem.base.errors import InputError
 from dem.studies.benchmark import report as speed_report
+from dem.studies.benchmark.drag import at_equal_error
 
 from .common import DATA, Findings, clock, heads, span
 
@@ -40,6 +41,33 @@ class Speed(Findings):
         """How many times as fast this code is as another, by the medians."""
         rates = self.dataset["granule_steps_per_second"].sel(scene=scene).median("repeat")
         return f"{float(rates[0] / rates.sel(code=code)):.1f}"
+
+    def strokes(self) -> Table:
+        """One row per code: the largest time step at equal error, and what a millimetre costs."""
+        return speed_report.drag(self.dataset)
+
+    def beds(self) -> int:
+        """Through how many beds each code draws the cylinder, at each time step."""
+        return self.dataset.sizes["drag_bed"]
+
+    def longer(self, code: str) -> bool:
+        """Whether the largest step of a code is clearly longer than that of this one."""
+        found = at_equal_error(self.dataset)
+        return float(found["low"].sel(drag_code=code)) > float(found["high"][0])
+
+    def dearer(self, code: str) -> str:
+        """Processor time of a stroke in the cheapest form of a code over that in this one."""
+        cost = at_equal_error(self.dataset)["cost"]
+        forms = cost[cost["drag_code"].str.startswith(code)]
+        return f"{float(forms.min() / cost[0]):.1f}"
+
+    def ranked(self) -> bool:
+        """Whether LAMMPS ran on ranks of MPI."""
+        return bool(np.isfinite(self.dataset["ranks_step_time"]).any())
+
+    def ranks(self) -> Table:
+        """One row per code and number of processors, for the bed that LAMMPS ran too."""
+        return speed_report.ranks(self.dataset)
 
     def stages(self) -> Table:
         """One row per bed and part of a step."""
