@@ -316,11 +316,9 @@ def take(present, array, k):
 def accumulate(contacts, start, stop, values, inverse_inertia, force):
     """Add the forces of a block to both constituents of each pair.
 
-    force (4 constituents,): the rows of dem.jit.columns one after the other. What constituent 1 has
-    felt so far stays in registers from pair to pair: to fetch it each time would wait for the last
-    store.
+    force (4 constituents,): the rows of dem.jit.columns one after the other. To keep the sum of one
+    constituent in registers from pair to pair would take a branch that no processor foresees.
     """
-    last, fx, fy, torque = np.uint64(0), force[0], force[1], force[2]
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         i, j = FOUR * contacts.constituent[p], FOUR * contacts.force_row[p]
@@ -328,14 +326,9 @@ def accumulate(contacts, start, stop, values, inverse_inertia, force):
         force[j] += gx
         force[j + ONE] += gy
         add(take(inverse_inertia, values, lane.TORQUE_2 + k), force, j + TWO)
-        same = i == last
-        fx = (fx if same else force[i]) - gx
-        fy = (fy if same else force[i + ONE]) - gy
-        torque = plus(
-            torque if same else force[i + TWO], take(inverse_inertia, values, lane.TORQUE_1 + k)
-        )
-        force[i], force[i + ONE], force[i + TWO] = fx, fy, torque
-        last = i
+        force[i] -= gx
+        force[i + ONE] -= gy
+        add(take(inverse_inertia, values, lane.TORQUE_1 + k), force, i + TWO)
 
 
 @inlined

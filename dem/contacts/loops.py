@@ -21,7 +21,9 @@ from dem.jit.columns import DVX, DVY, DW, FX, FY, VX, VY, W
 from dem.jit.compilation import compiled
 from dem.jit.lanes import BLOCK, EIGHT, FORCE_X, FORCE_Y, NX, NY, TORQUE_2, WORK
 from dem.jit.optional import optional, plus, times
-from dem.jit.prefetch import prefetch
+from dem.jit.prefetch import fetch_share, prefetch
+
+AHEAD = 1024  # constituents: what they need fits into the second-level cache with those at work
 
 
 @optional
@@ -30,8 +32,8 @@ def fetch(numbers, p):
 
 
 @optional
-def fetch_ahead(chunks, rows, contacts, start, end):
-    """Ask for what the block after the next needs, and for the motion of constituents in the next."""
+def fetch_columns(chunks, contacts, start, end):
+    """Ask for the rows of the list that the block after the next needs."""
     far = start + 2 * BLOCK
     for p in range(far, min(far + BLOCK, end), 8):
         prefetch(contacts.constituent, p)
@@ -45,9 +47,27 @@ def fetch_ahead(chunks, rows, contacts, start, end):
         fetch(contacts.normal_y, p)
         fetch(contacts.shift_x, p)
         fetch(contacts.shift_y, p)
+
+
+@optional
+def fetch_partners(chunks, rows, contacts, start, end):
+    """Ask for the motion of the partners in the next block."""
     near = start + BLOCK
     for p in range(near, min(near + BLOCK, end)):
         prefetch(rows, EIGHT * contacts.partner[p])
+
+
+@optional
+def fetch_constituents(chunks, constituents, force, contacts, start, stop):
+    """Ask for what constituents farther on will need, as many as this block has of its own."""
+    motion, count = constituents.motion, constituents.motion.shape[0]
+    low = min(np.int64(contacts.constituent[start]) + AHEAD, count)
+    high = min(np.int64(contacts.constituent[stop - 1]) + AHEAD + 1, count)
+    fetch_share(motion, low, high, count)
+    fetch_share(constituents.shape, low, high, count)
+    fetch_share(constituents.frame, low, high, count)
+    for i in range(low, high, 2):
+        prefetch(force, 4 * i)
 
 
 @compiled
@@ -58,13 +78,15 @@ def pair_contacts(constituents, contacts, force, dt, lanes, chunks, begin, end):
     rows, flat = constituents.motion.reshape(-1), force.reshape(-1)
     for start in range(begin, end, BLOCK):
         stop = min(start + BLOCK, end)
-        fetch_ahead(chunks, rows, contacts, start, end)
+        fetch_columns(chunks, contacts, start, end)
         gather(turns, rows, rows, contacts, start, stop, lanes)
         gather_pairs(shape, frame, contacts, start, stop, lanes.values)
+        fetch_partners(chunks, rows, contacts, start, end)
         find_contacts(shape, turns, contacts, start, stop, lanes)
         refine_contacts(contacts.normal_x, shape, turns, contacts, start, stop, lanes)
         contact_forces(contacts.friction, shape, contacts, start, stop, dt, lanes)
         add_losses(lanes.account, contacts, start, stop, lanes.values)
+        fetch_constituents(chunks, constituents, flat, contacts, start, stop)
         accumulate(contacts, start, stop, lanes.values, turns, flat)
 
 

@@ -53,7 +53,7 @@ class Schedule(NamedTuple):
 class StepOutcome(NamedTuple):
     """How a run went: FINE or why it stopped, with the value and the granule that say so (moved
     distance, overlap or time step); time (s); steps and intervals done; shortest time step (s); the
-    Diagnostics before the last step, or after it if all intervals are done."""
+    last Diagnostics that were made."""
 
     outcome: int
     value: float
@@ -216,7 +216,9 @@ def run_steps(world, table, rules, schedule, record, threads):
         forces(world, 0.0, math.inf)
     while True:
         here = by_address(world)
-        diagnostics = diagnose(here, table)
+        last = finished and n + 1 == intervals
+        if not last or n < record.shape[0]:  # after the last interval only a record asks
+            diagnostics = diagnose(here, table)
         if finished:
             if n < record.shape[0]:
                 measure(record, n, here, diagnostics, interval, least)

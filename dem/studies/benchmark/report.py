@@ -18,7 +18,7 @@ later ones"""
 SCENES = """\
 contacts held as they are, by time steps a thousand times shorter; code: machine code of one step"""
 SIZES = """\
-discs in motion, in a box without a cylinder; contacts listed again as needed; memory: all arrays"""
+discs in motion, in a box without a cylinder, while one contact list holds; memory: all arrays"""
 RANKS = """\
 bed of discs in motion as above; this code on threads, LAMMPS on ranks of MPI"""
 DRAG = f"""\

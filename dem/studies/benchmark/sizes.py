@@ -16,7 +16,7 @@ from dem.sweep.config import Sweep
 
 TILES = (1, 4, 16, 50)  # along each side of a bed: of 400 granules, to a million
 RANKED = 102_400  # discs of the bed that LAMMPS runs too
-STEPS = 100  # of each run, all from the same start: lists are rebuilt two or three times
+STEPS = 100  # of each run, all from the same start: fewer than a list holds
 SPEED = 0.5  # m/s, of the granules at the start, a quarter of the cylinder's
 SEED = 1
 
