@@ -169,16 +169,17 @@ def test_pressed_bed_jams(friction):
 
 
 @cache
-def grown(kind, fraction):
+def grown(kind, fraction, seed=1):
     """A small bed from `dem.grow`, in the box of the one from `dem.pack`, and the latter."""
     small = make_small_bed(kind, fraction=fraction)
-    bed = dem.grow(small.shape, small.bed.width, small.bed.height, small.cylinder, 1)
+    bed = dem.grow(small.shape, small.bed.width, small.bed.height, small.cylinder, seed)
     return small, bed
 
 
-def test_granules_of_a_grown_bed_below_jamming_are_apart():
+@pytest.mark.parametrize("seed", [1, 2])  # the second is not apart before motion at full size ends
+def test_granules_of_a_grown_bed_below_jamming_are_apart(seed):
     """It carries no load and hardly any granules touch; fewer nearly touch than in a relaxed bed."""
-    small, bed = grown("ellipse", 0.80)
+    small, bed = grown("ellipse", 0.80, seed)
     still = dem.Cylinder(small.cylinder.diameter, small.cylinder.position)
 
     def touching(of, swollen=1.0):
@@ -203,7 +204,7 @@ def test_grown_bed_follows_from_its_seed(kind, fraction):
     """The same seed gives the same bits, inside the box; another seed gives another bed."""
     small, bed = grown(kind, fraction)
     room = small.shape, bed.width, bed.height, small.cylinder
-    again, other = (dem.grow(*room, seed) for seed in (1, 2))
+    again, (_, other) = dem.grow(*room, 1), grown(kind, fraction, 2)
     assert (again.position == bed.position).all() and (again.angle == bed.angle).all()
     assert np.median(np.hypot(*(other.position - bed.position).T)) > small.diameters.mean()
     assert ((bed.position > 0.0) & (bed.position < [bed.width, bed.height])).all()
