@@ -591,7 +591,7 @@ WRONG = {
 }
 MUST = tuple(WRONG)[:12]
 PUBLIC = ("Material", "Friction", "Cylinder", "box", "Disc", "Dumbbell", "Ellipse", "Scene", "State", "pack",
-          "simulate", "Simulation", "advance", "record", "restore")  # fmt: skip
+          "grow", "simulate", "Simulation", "advance", "record", "restore")  # fmt: skip
 
 
 def a_wrong_type(rng, folder):
@@ -618,8 +618,8 @@ def a_wrong_type(rng, folder):
     cylinder = make("Cylinder", diameter=1e-3, position=(5e-3, 5e-3), velocity=(0.0, 1.0))
     scene = make("Scene", shape=shape, material=material, friction=friction, walls=walls, cylinder=cylinder, thickness=1e-3)  # fmt: skip
     state = make("State", position=place, velocity=0.1 * place, angle=np.ones(3), angular_velocity=np.ones(3))  # fmt: skip
-    if name == "pack":
-        make("pack", shape=shape, width=1e-2, height=1e-2, cylinder=cylinder, seed=1)
+    if name in ("pack", "grow"):
+        make(name, shape=shape, width=1e-2, height=1e-2, cylinder=cylinder, seed=1)
     elif name == "simulate":
         make("simulate", scene=scene, state=state, duration=1e-9, time_step=1e-10, frames=1)
     elif name not in ("Dumbbell", "Ellipse"):  # whose kernels are those of an_array

@@ -5,13 +5,17 @@ from functools import cache
 
 import numpy as np
 import pytest
-from conftest import CONFIG, STIFF, make_small_bed
+import xarray as xr
+from conftest import CONFIG, STIFF, assert_not_blank, make_small_bed
 from numpy.testing import assert_allclose
 from reference import bed_forces, parting
 
 import dem
 from dem.contacts.force_law import effective_modulus
 from dem.experiment.bed import make_bed
+from dem.figures import possible
+from dem.figures.preparation import plot
+from dem.figures.style import save
 from dem.packing.pressed import Press, compact
 from dem.shapes import KINDS
 from dem.sweep.config import load
@@ -169,16 +173,17 @@ def test_pressed_bed_jams(friction):
 
 
 @cache
-def grown(kind, fraction):
+def grown(kind, fraction, seed=1):
     """A small bed from `dem.grow`, in the box of the one from `dem.pack`, and the latter."""
     small = make_small_bed(kind, fraction=fraction)
-    bed = dem.grow(small.shape, small.bed.width, small.bed.height, small.cylinder, 1)
+    bed = dem.grow(small.shape, small.bed.width, small.bed.height, small.cylinder, seed)
     return small, bed
 
 
-def test_granules_of_a_grown_bed_below_jamming_are_apart():
+@pytest.mark.parametrize("seed", [1, 2])  # the second is not apart before motion at full size ends
+def test_granules_of_a_grown_bed_below_jamming_are_apart(seed):
     """It carries no load and hardly any granules touch; fewer nearly touch than in a relaxed bed."""
-    small, bed = grown("ellipse", 0.80)
+    small, bed = grown("ellipse", 0.80, seed)
     still = dem.Cylinder(small.cylinder.diameter, small.cylinder.position)
 
     def touching(of, swollen=1.0):
@@ -203,7 +208,7 @@ def test_grown_bed_follows_from_its_seed(kind, fraction):
     """The same seed gives the same bits, inside the box; another seed gives another bed."""
     small, bed = grown(kind, fraction)
     room = small.shape, bed.width, bed.height, small.cylinder
-    again, other = (dem.grow(*room, seed) for seed in (1, 2))
+    again, (_, other) = dem.grow(*room, 1), grown(kind, fraction, 2)
     assert (again.position == bed.position).all() and (again.angle == bed.angle).all()
     assert np.median(np.hypot(*(other.position - bed.position).T)) > small.diameters.mean()
     assert ((bed.position > 0.0) & (bed.position < [bed.width, bed.height])).all()
@@ -240,3 +245,23 @@ def test_preparation_is_part_of_what_a_bed_is():
     assert not np.array_equal(rough.position, make_bed(replicate(friction=0.3)).position)
     with pytest.raises(dem.InputError, match=r"packing.preparation is 'shaken'; it must be 'rel"):
         replicate(preparation="shaken")
+
+
+def test_the_figure_shows_both_ways_and_their_ratio(tmp_path):
+    """Where grown beds drag half as much, each mark of the ratio is at a half."""
+    assert "preparation" in possible(load(CONFIG / "preparation.yaml").block("drag"))
+    dims = "packing_preparation", "box", "shape", "seed"
+    drag = np.array([1000.0, 500.0])[:, None, None, None] * np.ones((2, 2, 3, 4))
+    drag = drag * np.linspace(0.9, 1.1, 4)  # by seed
+    runs = xr.Dataset(
+        {"drag": ((*dims, "displacement"), drag[..., None])},
+        {"packing_preparation": ["relaxed", "grown"], "box": ["1", "2"], "shape": ["c1", "e1", "e3"],
+         "seed": np.arange(4), "displacement": [2e-3]},
+        {"window_start": 1e-3, "window_stop": 3e-3},
+    )  # fmt: skip
+    figure = plot(runs)
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["relaxed", "grown"]
+    ratios = figure.axes[2].lines[0].get_ydata()
+    np.testing.assert_allclose(ratios, 0.5 * np.ones(3))
+    _, pixels = save(figure, tmp_path / "preparation")
+    assert_not_blank(pixels)

@@ -56,6 +56,10 @@ SWEPT = {
         "Drag of shapes against the width of the box, at equal pressure and at equal packing fraction",
         {"box": 3, "shape": 2, "seed": 2},  # LEAST of dem.analysis.pressure
     ),
+    "preparation": (
+        "Drag of shapes in beds that were made in several ways",
+        {"packing_preparation": 2, "shape": 2, "seed": 2},
+    ),
 }
 
 # from shear.nc, of the experiment shear: (what it shows, how many values of which axes suffice for it)

@@ -12,11 +12,11 @@ from dem.studies.claims.evidence import from_study
 from dem.studies.claims.influence import influences, responses
 from dem.studies.claims.verdicts import judge
 
-SHOWN = 7  # factors
-BARS = (("drag of c1", "o", "#17457d"), ("e1 over c1", "D", "white"))
+SHOWN = 10  # factors
+BARS = (("drag of c1", "o", "#17457d"), ("e1 over c1", "D", "white"), ("e3 over c1", "s", "0.75"))
 WORDS = {
     "packing.fraction": "packing fraction", "packing.friction": "friction in packing",
-    "packing.preparation": "preparation of the bed",
+    "packing.preparation": "grown over relaxed beds",
     "friction.granule": "friction of granules", "friction.wall": "friction of walls",
     "friction.cylinder": "friction of the cylinder", "friction.stiffness": "tangential stiffness",
     "shapes.c2.granules": "number of granules of c2", "material.thickness": "thickness (mass)",
@@ -59,11 +59,15 @@ def _title(ranked):
 
 
 def _factors(axes, ranked):
-    order = [each.factor for each in ranked.get("drag of c1", [])][:SHOWN]
+    """Those that decide one of the responses come first, by their influence on the first response."""
+    rows = [each for name, *_ in BARS for each in ranked.get(name, [])]
+    decide = {each.factor for each in rows if each.decides}
+    every = [each.factor for each in ranked.get(BARS[0][0], [])]
+    order = sorted(every, key=lambda factor: factor not in decide)[:SHOWN]
     for number, (name, mark, color) in enumerate(BARS):
         rows = {each.factor: each for each in ranked.get(name, [])}
         for place, factor in enumerate(order if rows else []):
-            each, y = rows[factor], -place + 0.16 - 0.32 * number
+            each, y = rows[factor], -place + 0.24 - 0.24 * number
             axes.errorbar(each.growth, y, xerr=[[each.growth - each.low], [each.high - each.growth]],
                           marker=mark, color="0.15", markerfacecolor=color, capsize=3, markersize=7,
                           linestyle="none", label=name if place == 0 else None)  # fmt: skip
@@ -71,7 +75,7 @@ def _factors(axes, ranked):
     axes.set_yticks([-p for p in range(len(order))], [fill(WORDS.get(f, f), 16) for f in order])
     axes.set_xscale("log")
     low, high = axes.get_xlim()
-    ticks = [tick for tick in (0.2, 0.5, 1.0, 2.0, 5.0, 10.0) if low <= tick <= high]
+    ticks = [tick for tick in (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0) if low <= tick <= high]
     axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
     axes.set_xticks([], minor=True)
     axes.grid(visible=False)

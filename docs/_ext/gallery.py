@@ -48,7 +48,7 @@ def write(docs: Path) -> None:
     code = max(path.stat().st_mtime for path in (ROOT / "dem").rglob("*.py"))
     released = {each.name: each for each in FILES}
     drawn = {name: released[FILE_OF[name]] for name in captions() if name in drawable(DATA)}
-    for name in ("velocity", "pressure"):  # sweeps of their own, so another drag.nc
+    for name in ("velocity", "pressure", "preparation"):  # sweeps of their own, so another drag.nc
         drawn[name] = released[name]
     for name, file in drawn.items():
         if _older(folder / f"{name}.png", max(code, file.path.stat().st_mtime)):

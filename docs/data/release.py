@@ -37,6 +37,10 @@ LEFT_OUT = {  # on no page, in no figure
         "transverse_force", "kinetic_energy", "drag_normal", "drag_tangential", "coordination_number",
         "time_step",
     ),
+    "preparation": (
+        "wall_force", "transverse_force", "kinetic_energy", "drag_normal", "drag_tangential",
+        "coordination_number", "max_overlap", "time_step",
+    ),
     "shear": ("shear_height", "steps"),
 }  # fmt: skip
 ROUNDED = ("bed_x", "bed_y", "bed_angle", "run_curve")  # no page shows more digits than float32 has

@@ -39,7 +39,7 @@ def responses(points) -> dict[str, np.ndarray]:
 
 
 def influences(points, response: np.ndarray) -> list[Influence]:
-    """All factors, the most influential first: by how much a plane through the logarithms rises.
+    """All factors, those that decide first: by how much a plane through the logarithms rises.
 
     Beside it the share of variance that a factor decides alone, by RBD-FAST, which knows no plane
     (Tarantola, Gatelli and Mara 2006, Reliab. Eng. Syst. Safe. 91, 717; SALib): a check. With some
@@ -60,7 +60,7 @@ def influences(points, response: np.ndarray) -> list[Influence]:
     half = t.ppf(0.5 + 0.5 * LEVEL, free) * error
     ends = np.exp([slope, slope - half, slope + half])
     rows = [Influence(n, *map(float, e), float(s)) for n, e, s in zip(names, ends.T, shares, strict=True)]  # fmt: skip
-    return sorted(rows, key=lambda row: -abs(np.log(row.growth)))
+    return sorted(rows, key=lambda row: (not row.decides, -abs(np.log(row.growth))))
 
 
 def plane(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:

@@ -28,7 +28,9 @@ TEMPLATES = Environment(
     keep_trailing_newline=True,
 )
 # written by docs/data/release.py
-FILES = drag, flow, claims, accuracy, stability, velocity, shear, pressure, onset, speed
+FILES = (
+    drag, flow, claims, accuracy, stability, velocity, shear, pressure, preparation, onset, speed,
+)  # fmt: skip
 MEASURED = ensembles, overhead  # by the scripts that measure
 NAMES = {
     "table": table,

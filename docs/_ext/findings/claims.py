@@ -3,14 +3,16 @@
 from functools import cached_property
 
 import numpy as np
+import xarray as xr
 from rich.table import Table
 
+from dem.analysis.statistics import by_case
 from dem.analysis.tables import numbers
 from dem.base.errors import InputError
 from dem.studies.claims import report as claims_report
 from dem.studies.claims.compare import Comparison
-from dem.studies.claims.evidence import from_study
-from dem.studies.claims.influence import influences, responses
+from dem.studies.claims.evidence import from_study, from_sweep
+from dem.studies.claims.influence import Influence, influences, responses
 from dem.studies.claims.remains import remaining
 from dem.studies.claims.verdicts import judge
 
@@ -159,11 +161,18 @@ class Claims(Findings):
                 )  # fmt: skip
         return made
 
-    def growth(self, response: str, factor: str) -> str:
-        """Response at the high end of a factor's range over that at the low end."""
+    def _influence(self, response: str, factor: str) -> Influence:
         points = from_study(self.dataset).points
         found = influences(points, responses(points)[response])
-        return f"{ {each.factor: each.growth for each in found}[factor]:.1f}"
+        return {each.factor: each for each in found}[factor]
+
+    def growth(self, response: str, factor: str) -> str:
+        """Response at the high end of a factor's range over that at the low end."""
+        return f"{self._influence(response, factor).growth:.1f}"
+
+    def told(self, response: str, factor: str) -> bool:
+        """Whether a response depends on a factor, interval included."""
+        return self._influence(response, factor).decides
 
     def scaling(self) -> Table:
         """One row per setting, shape and factor: drag over that at the paper's value."""
@@ -185,6 +194,29 @@ class Claims(Findings):
     def shrinks(self, setting: str, shape: str, factor: float) -> bool:
         """Whether the drag there is below that at the paper's value, the interval included."""
         return self._scaled(setting, shape, factor).interval()[1] < 1.0
+
+
+def verdicts_on(runs: xr.Dataset) -> dict:
+    """Verdicts on runs over shape and seed of any sweep, by the name of the claim."""
+    runs = by_case(runs)
+    density = np.broadcast_to(runs["density"].values, runs.sizes["case"]).copy()
+    found = from_sweep(runs.assign_coords(density=("case", density)))
+    return {each.claim.name: each for each in judge(found)}
+
+
+def side_by_side(names: tuple[str, ...], found: dict[str, dict]) -> Table:
+    """One row per claim: its verdict and numbers on the runs of claims.nc, and on others by what they are."""
+    made = heads(2 + len(found), "claim (section)", "the paper's box, claims.nc", *found)
+    for name in names:
+        each = claims.judged[name]
+        cells = [_cell(verdicts[name]) for verdicts in (claims.judged, *found.values())]
+        made.add_row(f"{each.claim.title} ({each.claim.place})", *cells)
+    return made
+
+
+def _cell(verdict) -> str:
+    parts = (f"{part.words}: {claims_report.span(part)}" for part in verdict.comparisons)
+    return f"**{verdict.verdict}**<br>{'<br>'.join(map(_on_one_line, parts))}"
 
 
 def _on_one_line(words: str) -> str:

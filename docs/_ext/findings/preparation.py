@@ -3,56 +3,102 @@
 from functools import cached_property
 
 import numpy as np
-import yaml
-from scipy.stats import t
+import xarray as xr
+from rich.table import Table
 
-from .common import DATA, heads, interval
+from dem.analysis.statistics import Estimate, summarise
+from dem.studies.claims.compare import Comparison
 
-BOXES = {"paper": "the paper's", "wide": "twice the width"}
+from .claims import claims, side_by_side, verdicts_on
+from .common import Findings, heads
+from .pressure import words
+
+BOXES = {"1": "the paper's", "2": "twice the width"}
+WAYS = "relaxed", "grown"
+ABOUT_SHAPE = (
+    "dumbbells_above_discs", "dumbbells_below_discs", "dumbbells_above_small_discs", "slight_ellipses_drop",
+    "longer_ellipses_drop", "shape_matters",
+)  # fmt: skip
 
 
-class Preparation:
-    """Mean drags of relaxed and of grown beds, from docs/data/preparation.yaml."""
+class Preparation(Findings):
+    """Drag in beds that were relaxed and in beds that grew in motion, preparation.nc."""
+
+    name, command = "preparation", "snakemake -j2 --configfile config/preparation.yaml"
+    source = "preparation/drag.nc"
 
     @cached_property
-    def _found(self) -> dict:
-        return yaml.safe_load((DATA / "preparation.yaml").read_text(encoding="utf-8"))
+    def drags(self) -> xr.DataArray:
+        """Mean drag (N) of each run within the window."""
+        return summarise(self.dataset)["run_mean"]
 
-    def _sample(self, box: str, shape: str, way: str) -> np.ndarray:
-        return np.array(self._found["drag"][box][shape][way], float)
+    @cached_property
+    def judged(self) -> dict:
+        """Verdicts by box and way."""
+        return {
+            (box, way): verdicts_on(self.dataset.sel(packing_preparation=way, box=box))
+            for box in BOXES
+            for way in WAYS
+        }
 
-    def mean(self, box: str, shape: str, way: str) -> str:
-        """Mean drag with its 95 % interval."""
-        sample = self._sample(box, shape, way)
-        half = t.ppf(0.975, len(sample) - 1) * sample.std(ddof=1) / np.sqrt(len(sample))
-        return interval(sample.mean(), half, "N")
+    def _drags(self, shape: str, way: str, box: str) -> np.ndarray:
+        return self.drags.sel(shape=shape, packing_preparation=way, box=box).values
 
-    def ratio(self, box: str, shape: str) -> float:
+    def _over(self, one: tuple, other: tuple | None = None) -> Estimate:
+        """Mean drag of a shape in beds made in a way in a box, or its ratio to another on the same seeds."""
+        over = None if other is None else self._drags(*other)
+        found = Comparison("", self._drags(*one), over, 0.0, np.inf, paired=True)
+        return Estimate(found.estimate, *found.interval())
+
+    def _grown(self, shape: str, box: str) -> Estimate:
+        return self._over((shape, "grown", box), (shape, "relaxed", box))
+
+    def mean(self, shape: str, way: str, box: str = "1") -> str:
+        """Mean drag."""
+        return words(self._over((shape, way, box)), "N", 0)
+
+    def grown(self, shape: str, box: str = "1") -> str:
         """Mean drag of grown beds over that of relaxed ones."""
-        return float(self._sample(box, shape, "grown").mean() / self._sample(box, shape, "relaxed").mean())  # fmt: skip
+        return words(self._grown(shape, box))
 
-    def shrinks(self, shape: str, way: str) -> float:
-        """Mean drag in the wide box over that in the paper's."""
-        return float(self._sample("wide", shape, way).mean() / self._sample("paper", shape, way).mean())  # fmt: skip
+    def falls(self, shape: str, box: str = "1") -> bool:
+        """Whether grown beds drag less than relaxed ones, interval included."""
+        return self._grown(shape, box).high < 1.0
 
-    def table(self):
+    def within(self, share: float, shape: str, box: str = "1") -> bool:
+        """Whether both drag the same to within a share, interval included."""
+        _, low, high = self._grown(shape, box)
+        return 1.0 - share < low and high < 1.0 + share
+
+    def shrinks(self, shape: str, way: str) -> str:
+        """Mean drag at twice the width over that in the paper's box."""
+        return words(self._over((shape, way, "2"), (shape, way, "1")))
+
+    def seeds(self) -> str:
+        """Beds of each kind."""
+        return f"{self.dataset.sizes['seed']}"
+
+    def time(self) -> str:
+        """Processor time of all runs, without their beds."""
+        return f"{float(self.dataset['run_time'].sum()) / 60.0:.0f} min"
+
+    def table(self) -> Table:
         """Drags of both ways, by box and shape."""
-        made = heads(2, "box", "shape", "beds", "relaxed", "grown", "grown over relaxed")
-        for box, shapes in self._found["drag"].items():
-            for shape in shapes:
-                ways = [self.mean(box, shape, way) for way in ("relaxed", "grown")]
-                beds = str(len(self._sample(box, shape, "grown")))
-                made.add_row(BOXES[box], shape, beds, *ways, f"{self.ratio(box, shape):.2f}")
+        made = heads(2, "box", "shape", "relaxed, N", "grown, N", "grown over relaxed")
+        for box, title in BOXES.items():
+            for shape in self.dataset["shape"].values.tolist():
+                ways = [words(self._over((shape, way, box)), digits=0) for way in WAYS]
+                made.add_row(title, shape, *ways, self.grown(shape, box))
         return made
 
-    @property
-    def made(self) -> str:
-        """Where the numbers come from."""
-        found = self._found
-        return (
-            f"*Runs of `{found['command']}`, computed at revision `{found['revision']}` on "
-            f"{found['date']}; file `docs/data/preparation.yaml`. Intervals are 95 %.*"
-        )
+    def verdicts(self) -> Table:
+        """One row per claim about shape, in the paper's box: in relaxed and in grown beds."""
+        return side_by_side(ABOUT_SHAPE, {way: self.judged["1", way] for way in WAYS})
+
+    def others(self, way: str, box: str = "1") -> dict[str, str]:
+        """Verdicts that are not those of claims.nc, by the name of the claim."""
+        found = {name: self.judged[box, way][name].verdict for name in ABOUT_SHAPE}
+        return {name: at for name, at in found.items() if at != claims.judged[name].verdict}
 
 
 preparation = Preparation()

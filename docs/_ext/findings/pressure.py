@@ -9,11 +9,8 @@ from rich.table import Table
 
 from dem.analysis.pressure import NEAR, Estimate, Widths
 from dem.experiment.fit import sample_diameters
-from dem.studies.claims import report as claims_report
-from dem.studies.claims.evidence import from_sweep
-from dem.studies.claims.verdicts import judge
 
-from .claims import claims
+from .claims import side_by_side, verdicts_on
 from .common import Findings, heads
 
 WAYS = "fraction", "pressure"
@@ -43,15 +40,7 @@ class Pressure(Findings):
     def judged(self) -> dict:
         """Verdicts by way, in the widest box."""
         widest = self.widths.boxes[int(np.argmax(self.widths.width))]
-        found = {}
-        for way in WAYS:
-            runs = self.dataset.sel(confinement=way, box=widest)
-            runs = runs.rename_dims(shape="case").assign_coords(case=("case", runs["shape"].values))
-            runs = runs.assign_coords(
-                density=("case", np.broadcast_to(runs["density"].values, runs.sizes["case"]).copy())
-            )
-            found[way] = {each.claim.name: each for each in judge(from_sweep(runs))}
-        return found
+        return {way: verdicts_on(self.dataset.sel(confinement=way, box=widest)) for way in WAYS}
 
     def asked(self) -> str:
         """Pressure on the top wall."""
@@ -182,23 +171,8 @@ class Pressure(Findings):
 
     def verdicts(self) -> Table:
         """One row per claim about shape: in the paper's box, and at equal fraction and pressure."""
-        made = heads(
-            4, "claim (section)", "the paper's box, claims.nc", "equal fraction, widest box",
-            "equal pressure, widest box",
-        )  # fmt: skip
-        for name in ABOUT_SHAPE:
-            each = claims.judged[name]
-            cells = [self._cell(found[name]) for found in (claims.judged, *self.judged.values())]
-            made.add_row(f"{each.claim.title} ({each.claim.place})", *cells)
-        return made
-
-    @staticmethod
-    def _cell(verdict) -> str:
-        parts = "<br>".join(
-            f"{part.words}: {claims_report.span(part)}".replace(" ", "\N{NO-BREAK SPACE}")
-            for part in verdict.comparisons
-        )
-        return f"**{verdict.verdict}**<br>{parts}"
+        columns = {f"equal {way}, widest box": found for way, found in self.judged.items()}
+        return side_by_side(ABOUT_SHAPE, columns)
 
     def verdict(self, way: str, name: str) -> str:
         """Supported, contradicted, undecided or not tested."""
