@@ -9,17 +9,21 @@ import pytest
 import xarray as xr
 from conftest import assert_not_blank
 
+from dem.analysis.one_run import motion_of
 from dem.analysis.pressure import LEAST, Widths
 from dem.base.errors import InputError, PackingError
 from dem.dynamics.simulation import Simulation
+from dem.dynamics.touching import FIRST_WALL
 from dem.experiment import drag
 from dem.experiment.bed import cylinder, diameters, make_bed, read_bed, write_bed
 from dem.experiment.config import parse
 from dem.experiment.fit import height_of_box
 from dem.experiment.scene import make_scene
 from dem.figures import SWEPT
+from dem.figures.film import Scene
+from dem.figures.frames import of_motion
 from dem.figures.pressure import plot
-from dem.figures.style import save
+from dem.figures.style import save, styled
 from dem.sweep.config import load
 
 CONFIG = Path(__file__).parent.parent / "config"
@@ -30,7 +34,7 @@ def asked(pressure=PRESSURE, **changes):
     """A run of the small bed of discs under a pressure."""
     values = {
         "packing.fraction": None, "packing.pressure": pressure, "periodic": "x",
-        "record.observables": ["drag", "top"],
+        "record.observables": ["drag", "snapshots", "top"],
     }  # fmt: skip
     sweep = load(CONFIG / "smoke.yaml")
     return sweep.changed(values | changes, "c1").replicate("c1", 3900.0, 1)
@@ -81,6 +85,25 @@ def test_the_top_wall_holds_the_pressure_while_the_cylinder_moves():
     assert held.mean() == pytest.approx(PRESSURE, rel=0.03)
     assert values["drag"].mean() > 0.0
     assert values["top_height"][-1] != values["top_height"][0]
+
+
+@styled
+def test_a_snapshot_shows_the_top_wall_where_it_is():
+    """What touches it there pushes it with the pressure, and no granule is drawn beyond it by more
+    than its overlap; it is not where it began."""
+    run = asked()
+    motion = motion_of("drawn", run, drawn() | drag.axes(run.configuration))
+    found = motion.contacts(-1)
+    on_top = found.partner == FIRST_WALL - 1  # the second wall, after the bottom
+    assert found.force[on_top].sum() / area_of(run) == pytest.approx(PRESSURE, rel=0.1)
+    frames = of_motion(motion)
+    scene = Scene(frames, "speed", forces=False)
+    scene.show(len(frames.position) - 1)
+    top = max(line[:, 1].min() for line in scene.bed.walls.get_segments())
+    outlines = [path.vertices for path in scene.bed.granules.get_paths()]
+    beyond = max(outline[:, 1].max() for outline in outlines) - top
+    assert 0.0 < beyond < 1.1e3 * found.overlap[on_top].max()
+    assert abs(motion.height[-1] / motion.height[0] - 1.0) > 1e-3
 
 
 def test_the_packing_fraction_follows_the_top_wall():
