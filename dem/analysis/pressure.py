@@ -17,21 +17,13 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from dem.analysis.statistics import LEVEL, over_seeds, summarise
+from dem.analysis.statistics import LEVEL, Estimate, over_seeds, summarise
 from dem.base.errors import InputError
 
 LEAST = {"box": 3, "shape": 2, "seed": 2}  # values that a line and its interval take
 AROUND = ("periodic", "cylinder_start")  # what boxes of one series have in common
 NEAR = 0.05  # of the drag: a box that is nearer to the limit is wide enough
 DRAWS = 20_000
-
-
-class Estimate(NamedTuple):
-    """A value and the ends of its interval."""
-
-    value: float
-    low: float
-    high: float
 
 
 class Line(NamedTuple):

@@ -7,26 +7,19 @@ from types import SimpleNamespace
 import numpy as np
 from rich.table import Table
 
-from dem.analysis.pressure import NEAR, Estimate, Widths
+from dem.analysis.pressure import NEAR, Widths
 from dem.experiment.fit import sample_diameters
 from dem.studies.claims import report as claims_report
 from dem.studies.claims.evidence import from_sweep
 from dem.studies.claims.verdicts import judge
 
 from .claims import claims
-from .common import Findings, heads
+from .common import Findings, estimate, heads
 
 WAYS = "fraction", "pressure"
 ABOUT_SHAPE = (
     "dumbbells_above_discs", "dumbbells_below_discs", "slight_ellipses_drop", "shape_matters",
 )  # fmt: skip
-
-
-def words(found: Estimate, unit: str = "", digits: int = 2) -> str:
-    """An estimate and its interval: 1.18 (1.09 to 1.27), on one line."""
-    low, high = (f"{each:.{digits}f}" for each in found[1:])
-    text = f"{found.value:.{digits}f} ({low} to {high}) {unit}"
-    return text.rstrip().replace("-", "\N{MINUS SIGN}").replace(" ", "\N{NO-BREAK SPACE}")
 
 
 class Pressure(Findings):
@@ -124,8 +117,8 @@ class Pressure(Findings):
         """One row per shape: drag over that of the first, by box, and in one without end."""
         made = heads(1, "shape", *(f"box {box}" for box in self.widths.boxes), "without end")
         for shape in self.widths.shapes[1:]:
-            cells = [words(self.widths.ratio((way,), shape, box)) for box in self.widths.boxes]
-            made.add_row(shape, *cells, words(self.widths.limit((way,), shape)))
+            cells = [estimate(self.widths.ratio((way,), shape, box)) for box in self.widths.boxes]
+            made.add_row(shape, *cells, estimate(self.widths.limit((way,), shape)))
         return made
 
     def drags(self, way: str) -> Table:
@@ -135,16 +128,16 @@ class Pressure(Findings):
             1, "shape", *(f"box {box}, N" for box in boxes), "without end, N", "wide enough, times"
         )
         for shape in self.widths.shapes:
-            cells = [words(self.widths.drag((way,), shape, box), digits=0) for box in boxes]
+            cells = [estimate(self.widths.drag((way,), shape, box), digits=0) for box in boxes]
             made.add_row(
-                shape, *cells, words(self.widths.drag_limit((way,), shape), digits=0),
+                shape, *cells, estimate(self.widths.drag_limit((way,), shape), digits=0),
                 f"{wide:.0f}" if np.isfinite(wide := self.widths.enough((way,), shape)) else "-",
             )  # fmt: skip
         return made
 
     def share(self, way: str, shape: str, width: float) -> str:
         """Drag in a box of some width, by the line, over that in a box without end."""
-        return words(self.widths.share((way,), shape, width))
+        return estimate(self.widths.share((way,), shape, width))
 
     def enough(self, way: str) -> str:
         """Widths that are wide enough, over the paper's, from the least to the greatest."""
@@ -162,11 +155,11 @@ class Pressure(Findings):
 
     def ratio(self, way: str, shape: str, box: str) -> str:
         """Drag over that of the first shape."""
-        return words(self.widths.ratio((way,), shape, box))
+        return estimate(self.widths.ratio((way,), shape, box))
 
     def limit(self, way: str, shape: str) -> str:
         """Drag over that of the first shape in a box without end."""
-        return words(self.widths.limit((way,), shape))
+        return estimate(self.widths.limit((way,), shape))
 
     def below(self, way: str, shape: str, share: float = 1.0) -> bool:
         """Whether the limit of the ratio is below a number, interval included."""
