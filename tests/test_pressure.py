@@ -218,13 +218,16 @@ def test_a_drag_that_only_walls_make_has_no_limit():
 
 
 @pytest.mark.parametrize("power", [1.0, -1.0])
-def test_intervals_of_the_limit_hold_the_truth_as_often_as_they_say(power):
-    """Where the scatter is so small that the drags tell in which way the walls count."""
+def test_intervals_hold_the_truth_as_often_as_they_say(power):
+    """Where the scatter is so small that the drags tell in which way the walls count; and of the drag
+    in a box that is as wide as the first."""
     held = []
     for seed in range(200):
-        found = Widths(boxes(power, noise=0.02, seed=seed)).limit((), "e1")
-        held.append(found.low < 0.5 < found.high)
-    assert 0.90 <= np.mean(held) <= 0.99
+        found = Widths(boxes(power, noise=0.02, seed=seed))
+        limit, change = found.limit((), "e1"), found.change((), "e1", "high")
+        held.append([limit.low < 0.5 < limit.high, change.low < 1.0 < change.high])
+    share = np.mean(held, axis=0)
+    assert (0.90 <= share).all() and (share <= 0.99).all()
 
 
 @pytest.mark.parametrize(
@@ -249,11 +252,12 @@ def test_the_figure_shows_shapes_and_ratios(tmp_path):
 
 
 def test_every_bed_of_the_study_has_the_same_shape_of_neighbourhood():
-    """Boxes of all widths have as many granules per width and height, and the cylinder as far from
-    the floor."""
-    runs = load(CONFIG / "pressure.yaml").block("drag").runs
+    """Boxes of all sizes have as many granules per area as the paper's, as thick as any other, and
+    the cylinder as far from the floor."""
+    paper, runs = load(CONFIG / "paper.yaml"), load(CONFIG / "pressure.yaml").block("drag").runs
     for run in runs:
         own, shape = run.replicate.configuration, run.replicate.shape
-        high = 0.25 / own.cylinder.start
-        assert shape.granules == pytest.approx(400 * own.box_width / 20e-3 * high)
+        size = own.box_width / paper.box_width * paper.cylinder.start / own.cylinder.start
+        assert shape.granules == pytest.approx(paper.shapes[run.replicate.label].granules * size)
+        assert own.material.thickness == paper.shapes["c1"].diameter
         assert (own.packing.fraction is None) != (own.packing.pressure is None)

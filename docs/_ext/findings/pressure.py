@@ -18,8 +18,10 @@ from .common import Findings, estimate, heads
 
 WAYS = "fraction", "pressure"
 ABOUT_SHAPE = (
-    "dumbbells_above_discs", "dumbbells_below_discs", "slight_ellipses_drop", "shape_matters",
+    "dumbbells_above_discs", "dumbbells_below_discs", "dumbbells_above_small_discs",
+    "slight_ellipses_drop", "longer_ellipses_drop", "shape_matters",
 )  # fmt: skip
+OTHERS = "high", "walls"  # boxes of the paper's width
 
 
 class Pressure(Findings):
@@ -74,7 +76,16 @@ class Pressure(Findings):
         inside = (runs["displacement"] >= runs.attrs["window_start"]) & (
             runs["displacement"] <= runs.attrs["window_stop"]
         )
-        return force.where(inside).mean("displacement") / (runs["box_width"] * runs["diameter"])
+        return force.where(inside).mean("displacement") / (runs["box_width"] * self._thickness)
+
+    @property
+    def _thickness(self) -> float:
+        """Of all granules (m)."""
+        return json.loads(self.dataset.attrs["configuration"])["material"]["thickness"]
+
+    def thickness(self) -> str:
+        """Of all granules."""
+        return f"{1e3 * self._thickness:.3f} mm"
 
     def at_fraction(self) -> str:
         """Mean pressure on the top wall of c1 within the window, where the height is kept, in the
@@ -103,8 +114,7 @@ class Pressure(Findings):
 
     def lifted(self, shape: str, box: str) -> str:
         """Drag at equal pressure over the force on the top wall, in a box."""
-        width = float(self.dataset["box_width"].sel(box=box))
-        area = width * float(self.dataset["diameter"].sel(shape=shape))
+        area = float(self.dataset["box_width"].sel(box=box)) * self._thickness
         force = float(self.dataset["packing_pressure_swept"].max()) * area
         return f"{100.0 * self.widths.drag(('pressure',), shape, box).value / force:.0f} %"
 
@@ -115,15 +125,36 @@ class Pressure(Findings):
 
     def ratios(self, way: str) -> Table:
         """One row per shape: drag over that of the first, by box, and in one without end."""
-        made = heads(1, "shape", *(f"box {box}" for box in self.widths.boxes), "without end")
+        boxes = self.widths.series
+        made = heads(1, "shape", *(f"box {box}" for box in boxes), "without end")
         for shape in self.widths.shapes[1:]:
-            cells = [estimate(self.widths.ratio((way,), shape, box)) for box in self.widths.boxes]
+            cells = [estimate(self.widths.ratio((way,), shape, box)) for box in boxes]
             made.add_row(shape, *cells, estimate(self.widths.limit((way,), shape)))
         return made
 
+    def others(self, way: str) -> Table:
+        """One row per shape: drag in the other boxes of the paper's width over that in the first box,
+        and over that of the first shape."""
+        first, others = self.widths.boxes[0], [box for box in OTHERS if box in self.widths.boxes]
+        made = heads(
+            1, "shape", *(f"{box} over box {first}" for box in others),
+            *(f"over {self.widths.shapes[0]}, {box}" for box in (f"box {first}", *others)),
+        )  # fmt: skip
+        for shape in self.widths.shapes:
+            made.add_row(
+                shape, *(estimate(self.widths.change((way,), shape, box)) for box in others),
+                *(estimate(self.widths.ratio((way,), shape, box)) if shape != self.widths.shapes[0] else "1"
+                  for box in (first, *others)),
+            )  # fmt: skip
+        return made
+
+    def grows(self, way: str, box: str, *shapes: str) -> bool:
+        """Whether the drags of some shapes in a box are above those in the first one, intervals included."""
+        return all(self.widths.change((way,), shape, box).low > 1.0 for shape in shapes)
+
     def drags(self, way: str) -> Table:
         """One row per shape: drag by box, without end, and the width that is wide enough."""
-        boxes = self.widths.boxes
+        boxes = self.widths.series
         made = heads(
             1, "shape", *(f"box {box}, N" for box in boxes), "without end, N", "wide enough, times"
         )
