@@ -175,9 +175,9 @@ class Pressure(Findings):
         found = [self.widths.enough((way,), shape) for shape in self.widths.shapes]
         return f"{min(found):.0f} to {max(found):.0f}"
 
-    def vanishes(self, way: str, shape: str) -> bool:
-        """Whether the line leaves no drag in a box without end."""
-        return self.widths.drag_limit((way,), shape).low == 0.0
+    def vanishes(self, way: str, *shapes: str) -> bool:
+        """Whether the lines of some shapes may leave no drag in a box without end."""
+        return all(self.widths.drag_limit((way,), shape).low == 0.0 for shape in shapes)
 
     def nearer(self, way: str) -> str:
         """To what the line is fitted: the drag, or its inverse."""
@@ -192,13 +192,13 @@ class Pressure(Findings):
         """Drag over that of the first shape in a box without end."""
         return estimate(self.widths.limit((way,), shape))
 
-    def below(self, way: str, shape: str, share: float = 1.0) -> bool:
-        """Whether the limit of the ratio is below a number, interval included."""
-        return self.widths.limit((way,), shape).high < share
+    def below(self, way: str, *shapes: str) -> bool:
+        """Whether the limits of the ratios of some shapes are below one, intervals included."""
+        return all(self.widths.limit((way,), shape).high < 1.0 for shape in shapes)
 
-    def above(self, way: str, shape: str, share: float = 1.0) -> bool:
-        """Whether the limit of the ratio is above a number, interval included."""
-        return self.widths.limit((way,), shape).low > share
+    def above(self, way: str, *shapes: str) -> bool:
+        """Whether they are above one."""
+        return all(self.widths.limit((way,), shape).low > 1.0 for shape in shapes)
 
     def tolerance(self) -> str:
         """What wide enough means."""
