@@ -118,11 +118,6 @@ class Pressure(Findings):
         force = float(self.dataset["packing_pressure_swept"].max()) * area
         return f"{100.0 * self.widths.drag(('pressure',), shape, box).value / force:.0f} %"
 
-    def fall(self, shape: str, box: str = "1") -> str:
-        """Drag at equal fraction over that at equal pressure, in a box."""
-        a, b = (self.widths.drag((way,), shape, box).value for way in WAYS)
-        return f"{a / b:.1f}"
-
     def ratios(self, way: str) -> Table:
         """One row per shape: drag over that of the first, by box, and in one without end."""
         boxes = self.widths.series
