@@ -13,11 +13,13 @@ VARIABLES = {
 def measure(seen) -> dict:
     """Values of VARIABLES by name."""
     motion = seen.motion
-    return {
+    found = {
         "cylinder_y": motion.cylinder_y,
-        "top_y": motion.height,
         "granule_x": motion.position[:, :, 0],
         "granule_y": motion.position[:, :, 1],
         "granule_angle": motion.angle,
         "granule_diameter": motion.diameters,
     }
+    if seen.replicate.configuration.packing.pressure is not None:
+        found["top_y"] = motion.height
+    return found
