@@ -35,12 +35,16 @@ class Pressure(Findings):
         return Widths(self.dataset)
 
     @cached_property
+    def widest(self) -> str:
+        """Name of the widest box: its width over that of the first."""
+        return self.widths.boxes[int(np.argmax(self.widths.width))]
+
+    @cached_property
     def judged(self) -> dict:
         """Verdicts by way, in the widest box."""
-        widest = self.widths.boxes[int(np.argmax(self.widths.width))]
         found = {}
         for way in WAYS:
-            runs = self.dataset.sel(confinement=way, box=widest)
+            runs = self.dataset.sel(confinement=way, box=self.widest)
             runs = runs.rename_dims(shape="case").assign_coords(case=("case", runs["shape"].values))
             runs = runs.assign_coords(
                 density=("case", np.broadcast_to(runs["density"].values, runs.sizes["case"]).copy())
@@ -96,7 +100,7 @@ class Pressure(Findings):
     def packed(self) -> Table:
         """One row per shape: packing fraction of the beds at rest under the pressure, in the widest
         box."""
-        runs = self.dataset.sel(confinement="pressure").isel(box=int(np.argmax(self.widths.width)))
+        runs = self.dataset.sel(confinement="pressure", box=self.widest)
         own = json.loads(self.dataset.attrs["configuration"])
         hole = 0.25 * np.pi * own["cylinder"]["diameter"] ** 2
         spread = own["packing"]["size_spread"]
