@@ -439,7 +439,7 @@ def test_held_granules_and_walls_change_no_bit_with_the_number_of_threads():
 
 
 def test_frames_show_walls_where_they_were():
-    """The contacts of a frame are those with the wall at that time."""
+    """The contacts of a frame are those with the wall at that time, and it is drawn there."""
     r = 1e-3
     made, start = some([r], [[2 * r, 5e-3]], motions={LEFT: (1.0, 0.0)})
     result = dem.simulate(made, start, 1.1e-3, frames=11)
@@ -447,6 +447,8 @@ def test_frames_show_walls_where_they_were():
     assert touch == [False, True] or result.position[-1, 0, 0] > 2 * r
     assert_allclose(result.walls[:, LEFT, 2], -result.time, rtol=1e-9)
     assert not touch[0]
+    lines = dem.plot.bed(result, color="speed").axes[0].collections[3].get_segments()
+    assert min(line[:, 0].max() for line in lines) == pytest.approx(1e3 * result.time[-1])
     assert {"cylinder_torque", "held_force", "wall_offset"} <= set(result.to_dataset())
 
 

@@ -9,17 +9,21 @@ import pytest
 import xarray as xr
 from conftest import assert_not_blank
 
+from dem.analysis.one_run import motion_of
 from dem.analysis.pressure import LEAST, Widths
 from dem.base.errors import InputError, PackingError
 from dem.dynamics.simulation import Simulation
+from dem.dynamics.touching import FIRST_WALL
 from dem.experiment import drag
 from dem.experiment.bed import cylinder, diameters, make_bed, read_bed, write_bed
 from dem.experiment.config import parse
 from dem.experiment.fit import height_of_box
 from dem.experiment.scene import make_scene
 from dem.figures import SWEPT
+from dem.figures.film import Scene
+from dem.figures.frames import of_motion
 from dem.figures.pressure import plot
-from dem.figures.style import save
+from dem.figures.style import save, styled
 from dem.sweep.config import load
 
 CONFIG = Path(__file__).parent.parent / "config"
@@ -30,7 +34,7 @@ def asked(pressure=PRESSURE, **changes):
     """A run of the small bed of discs under a pressure."""
     values = {
         "packing.fraction": None, "packing.pressure": pressure, "periodic": "x",
-        "record.observables": ["drag", "top"],
+        "record.observables": ["drag", "snapshots", "top"],
     }  # fmt: skip
     sweep = load(CONFIG / "smoke.yaml")
     return sweep.changed(values | changes, "c1").replicate("c1", 3900.0, 1)
@@ -81,6 +85,25 @@ def test_the_top_wall_holds_the_pressure_while_the_cylinder_moves():
     assert held.mean() == pytest.approx(PRESSURE, rel=0.03)
     assert values["drag"].mean() > 0.0
     assert values["top_height"][-1] != values["top_height"][0]
+
+
+@styled
+def test_a_snapshot_shows_the_top_wall_where_it_is():
+    """What touches it there pushes it with the pressure, and no granule is drawn beyond it by more
+    than its overlap; it is not where it began."""
+    run = asked()
+    motion = motion_of("drawn", run, drawn() | drag.axes(run.configuration))
+    found = motion.contacts(-1)
+    on_top = found.partner == FIRST_WALL - 1  # the second wall, after the bottom
+    assert found.force[on_top].sum() / area_of(run) == pytest.approx(PRESSURE, rel=0.1)
+    frames = of_motion(motion)
+    scene = Scene(frames, "speed", forces=False)
+    scene.show(len(frames.position) - 1)
+    top = max(line[:, 1].min() for line in scene.bed.walls.get_segments())
+    outlines = [path.vertices for path in scene.bed.granules.get_paths()]
+    beyond = max(outline[:, 1].max() for outline in outlines) - top
+    assert 0.0 < beyond < 1.1e3 * found.overlap[on_top].max()
+    assert abs(motion.height[-1] / motion.height[0] - 1.0) > 1e-3
 
 
 def test_the_packing_fraction_follows_the_top_wall():
@@ -195,13 +218,16 @@ def test_a_drag_that_only_walls_make_has_no_limit():
 
 
 @pytest.mark.parametrize("power", [1.0, -1.0])
-def test_intervals_of_the_limit_hold_the_truth_as_often_as_they_say(power):
-    """Where the scatter is so small that the drags tell in which way the walls count."""
+def test_intervals_hold_the_truth_as_often_as_they_say(power):
+    """Where the scatter is so small that the drags tell in which way the walls count; and of the drag
+    in a box that is as wide as the first."""
     held = []
     for seed in range(200):
-        found = Widths(boxes(power, noise=0.02, seed=seed)).limit((), "e1")
-        held.append(found.low < 0.5 < found.high)
-    assert 0.90 <= np.mean(held) <= 0.99
+        found = Widths(boxes(power, noise=0.02, seed=seed))
+        limit, change = found.limit((), "e1"), found.change((), "e1", "high")
+        held.append([limit.low < 0.5 < limit.high, change.low < 1.0 < change.high])
+    share = np.mean(held, axis=0)
+    assert (share >= 0.90).all() and (share <= 0.99).all()
 
 
 @pytest.mark.parametrize(
@@ -226,11 +252,12 @@ def test_the_figure_shows_shapes_and_ratios(tmp_path):
 
 
 def test_every_bed_of_the_study_has_the_same_shape_of_neighbourhood():
-    """Boxes of all widths have as many granules per width and height, and the cylinder as far from
-    the floor."""
-    runs = load(CONFIG / "pressure.yaml").block("drag").runs
+    """Boxes of all sizes have as many granules per area as the paper's, as thick as any other, and
+    the cylinder as far from the floor."""
+    paper, runs = load(CONFIG / "paper.yaml"), load(CONFIG / "pressure.yaml").block("drag").runs
     for run in runs:
         own, shape = run.replicate.configuration, run.replicate.shape
-        high = 0.25 / own.cylinder.start
-        assert shape.granules == pytest.approx(400 * own.box_width / 20e-3 * high)
+        size = own.box_width / paper.box_width * paper.cylinder.start / own.cylinder.start
+        assert shape.granules == pytest.approx(paper.shapes[run.replicate.label].granules * size)
+        assert own.material.thickness == paper.shapes["c1"].diameter
         assert (own.packing.fraction is None) != (own.packing.pressure is None)

@@ -195,6 +195,12 @@ def read_motion(path: Path, select: list[str] = ()) -> Motion:
     return motion_of(path, replicate, values)
 
 
+def names_of(replicate: Replicate) -> tuple[str, ...]:
+    """Names of the variables that hold the snapshots of a run."""
+    pressed = replicate.configuration.packing.pressure is not None
+    return (*SNAPSHOTS, "top_y") if pressed else SNAPSHOTS
+
+
 def motion_of(path: Path, replicate: Replicate, values: dict) -> Motion:
     """The snapshots of a run from its variables."""
     if "granule_x" not in values:
@@ -202,15 +208,16 @@ def motion_of(path: Path, replicate: Replicate, values: dict) -> Motion:
             f"{path}: no snapshots of {replicate.words()} are kept; "
             "add snapshots to record.observables and run again."
         )
-    absent = [name for name in SNAPSHOTS if name not in values]
+    absent = [name for name in names_of(replicate) if name not in values]
     if absent:
         raise InputError(f"{path}: it has no variable {absent[0]}; is it another file?")
     moved = values["snapshot_displacement"]
     if not (len(moved) > 1 and np.isfinite(moved).all() and (np.diff(moved) > 0.0).all()):
         raise InputError(f"{path}: its snapshots do not follow each other; is it another file?")
     position = np.stack([values["granule_x"], values["granule_y"]], axis=-1)
+    height = values.get("top_y", np.full(len(moved), float(values["box_height"])))
     return Motion(
-        replicate, float(values["box_height"]), moved, values["cylinder_y"], position,
+        replicate, height, moved, values["cylinder_y"], position,
         values["granule_angle"], values["granule_diameter"],
         values.get("displacement"), values.get("drag"),
     )  # fmt: skip

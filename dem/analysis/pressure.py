@@ -17,21 +17,13 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from dem.analysis.statistics import LEVEL, over_seeds, summarise
+from dem.analysis.statistics import LEVEL, Estimate, over_seeds, summarise
 from dem.base.errors import InputError
 
 LEAST = {"box": 3, "shape": 2, "seed": 2}  # values that a line and its interval take
 AROUND = ("periodic", "cylinder_start")  # what boxes of one series have in common
 NEAR = 0.05  # of the drag: a box that is nearer to the limit is wide enough
 DRAWS = 20_000
-
-
-class Estimate(NamedTuple):
-    """A value and the ends of its interval."""
-
-    value: float
-    low: float
-    high: float
 
 
 class Line(NamedTuple):
@@ -55,7 +47,7 @@ class Widths:
     means (N), counts (place, shape, box): of the drag, and of how many beds; scatter, freedom (place,
     shape): standard deviation of a run over the mean of its box, and its degrees of freedom; width
     (box,) over that of the first; along (box,): which boxes differ from the first in width alone;
-    powers (place,): of the drag, that lines are fitted to.
+    series: names of these boxes; powers (place,): of the drag, that lines are fitted to.
     """
 
     def __init__(self, dataset: xr.Dataset):
@@ -87,7 +79,7 @@ class Widths:
                 self.along &= dataset[name].values == dataset[name].values[0]
         if len(set(width[self.along])) < LEAST["box"]:
             raise InputError(f"fewer than {LEAST['box']} of its boxes differ in width alone.")
-
+        self.series = [box for box, along in zip(self.boxes, self.along, strict=True) if along]
         far = [[self._missed(n, power) for power in (1.0, -1.0)] for n in range(len(self.places))]
         self.powers = [(1.0, -1.0)[int(np.argmin(each))] for each in far]
 
@@ -119,22 +111,27 @@ class Widths:
 
     def drag(self, place: tuple, shape: str, box: str) -> Estimate:
         """Drag in a box (N)."""
-        return self._told(place, {shape: 1.0}, box)
+        return self._told(place, {(shape, box): 1.0})
 
     def ratio(self, place: tuple, shape: str, box: str) -> Estimate:
         """Drag over that of the first shape, in a box."""
-        return self._told(place, {shape: 1.0, self.shapes[0]: -1.0}, box)
+        return self._told(place, {(shape, box): 1.0, (self.shapes[0], box): -1.0})
 
-    def _told(self, place: tuple, powers: dict[str, float], box: str) -> Estimate:
+    def change(self, place: tuple, shape: str, box: str) -> Estimate:
+        """Drag in a box over that in the first box."""
+        return self._told(place, {(shape, box): 1.0, (shape, self.boxes[0]): -1.0})
+
+    def _told(self, place: tuple, powers: dict[tuple[str, str], float]) -> Estimate:
         """Product of powers of mean drags, by the delta method for its logarithm and Welch's degrees
         of freedom."""
         from scipy.special import stdtrit
 
-        n, at = self.places.index(place), self.boxes.index(box)
-        some = [self.shapes.index(shape) for shape in powers]
-        value = float(np.prod(self.means[n, some, at] ** np.array(list(powers.values()))))
-        parts = self.scatter[n, some] ** 2 / self.counts[n, some, at]
-        free = parts.sum() ** 2 / (parts**2 / self.freedom[n, some]).sum() if parts.any() else 1.0
+        n, value, parts = self.places.index(place), 1.0, np.zeros(len(self.shapes))
+        for (shape, box), power in powers.items():
+            s, at = self.shapes.index(shape), self.boxes.index(box)
+            value *= float(self.means[n, s, at] ** power)
+            parts[s] += self.scatter[n, s] ** 2 / self.counts[n, s, at]
+        free = parts.sum() ** 2 / (parts**2 / self.freedom[n]).sum() if parts.any() else 1.0
         half = float(stdtrit(free, 0.5 + 0.5 * LEVEL) * np.sqrt(parts.sum()))
         return Estimate(value, value * np.exp(-half), value * np.exp(half))
 

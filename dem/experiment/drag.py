@@ -41,10 +41,19 @@ class Seen(NamedTuple):
         """The snapshots."""
         _, start = cylinder(self.replicate, self.bed.height).position
         return Motion(
-            self.replicate, self.bed.height, self.moved, start + self.moved,
+            self.replicate, self.height, self.moved, start + self.moved,
             np.stack([state.position for state in self.states]),
             np.stack([state.angle for state in self.states]), diameters(self.replicate),
         )  # fmt: skip
+
+    @property
+    def height(self) -> np.ndarray:
+        """Height (s,) of the box at the snapshots (m)."""
+        found = np.full(len(self.states), self.bed.height)
+        if self.replicate.configuration.packing.pressure is not None:
+            every = len(self.record.wall_offset) // (len(found) - 1)
+            found[1:] = self.record.wall_offset[every - 1 :: every, -1]
+        return found
 
 
 def layout(configuration: Configuration) -> dict:
@@ -52,6 +61,8 @@ def layout(configuration: Configuration) -> dict:
     found = dict(OF_RUN)
     for name in configuration.record.observables:
         found |= module_of(name).VARIABLES
+    if configuration.packing.pressure is None:  # all walls are at rest
+        found.pop("top_y", None)
     return found
 
 

@@ -18,12 +18,12 @@ from dem.shapes import KINDS
 class Motion(NamedTuple):
     """Snapshots s of granules n. SI units.
 
-    displacement, cylinder_y (s,); position (s, n, 2), not wrapped at periodic sides; angle (s, n); diameters (n,); drag (bins,)
+    height (s,): of the box, up to its top wall; displacement, cylinder_y (s,); position (s, n, 2), not wrapped at periodic sides; angle (s, n); diameters (n,); drag (bins,)
     at drag_displacement (bins,), None where it is not asked for.
     """
 
     replicate: Replicate
-    height: float
+    height: np.ndarray
     displacement: np.ndarray
     cylinder_y: np.ndarray
     position: np.ndarray
@@ -35,7 +35,7 @@ class Motion(NamedTuple):
     @property
     def periodic(self) -> Periods:
         """Periods (m) of the box."""
-        return periods(self.replicate, self.height)
+        return periods(self.replicate, self.height[0])
 
     @property
     def outlines(self) -> np.ndarray:
@@ -48,19 +48,17 @@ class Motion(NamedTuple):
         return int(np.abs(self.displacement - displacement).argmin())
 
     def contacts(self, snapshot: int) -> Touching:
-        """Contacts at a snapshot; without those at a top wall that moves under a pressure."""
+        """Contacts at a snapshot."""
         replicate, place = self.replicate, self.position[snapshot]
         bed = Bed(
             place,
             self.angle[snapshot],
             replicate.configuration.box_width,
-            self.height,
+            float(self.height[snapshot]),
             *(np.nan,) * 4,
             self.periodic,
         )
         scene = make_scene(replicate, bed)
         axis = scene.cylinder.position[0], float(self.cylinder_y[snapshot])
         scene = replace(scene, cylinder=replace(scene.cylinder, position=axis))
-        if scene.wall_motion is not None:
-            scene = replace(scene, walls=scene.walls[:-1], wall_motion=None)
         return Simulation(scene, bed.state).contacts()

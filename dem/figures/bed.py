@@ -85,11 +85,13 @@ def images(place, reach, view, periodic):
 class Drawing:
     """Granules, walls and cylinder on axes; lengths in m. What is drawn can be moved, for films.
 
-    rings: outlines; walls (w, 3): planes as of dem.Scene; view: lower left and upper right corner;
-    diameter: of the cylinder, None without one; periodic: periods as of dem.Scene.
+    rings: outlines; view: lower left and upper right corner; diameter: of the cylinder, None without
+    one; periodic: periods as of dem.Scene; hatched: hatch what is solid, and number the axes in mm.
     """
 
-    def __init__(self, axes, rings, walls, view, diameter: float | None, periodic=None):
+    def __init__(
+        self, axes, rings, view, diameter: float | None, periodic=None, hatched: bool = False
+    ):
         self.axes, self.rings, self.per = axes, rings, rings.shape[1]
         self.view, self.periodic = np.asarray(view), periodic
         self.reach = np.hypot(rings[..., 0], rings[..., 1]).max(axis=(1, 2))
@@ -99,29 +101,25 @@ class Drawing:
         self.radius = 0.5 * (diameter or 0.0)
         most = 2 ** sum(period is not None for period in periodic or ())  # in view at once
         self.cylinders = [Circle((0.0, 0.0), 1e3 * self.radius, **STEEL) for _ in range(most)]
-        self.walls, self.space = edges(walls, view)
-        lines = LineCollection(
-            1e3 * self.walls, colors="black", linewidths=1.4, capstyle="projecting", zorder=1
+        self.walls = LineCollection(
+            [], colors="black", linewidths=1.4, capstyle="projecting", zorder=1
         )
-        self.parts = [self.granules, self.joints, self.forces, lines]
+        self.parts = [self.granules, self.joints, self.forces, self.walls]
         for each in self.parts:
             axes.add_collection(each, autolim=False)
+        self.solid = PathPatch(Path(np.empty((0, 2))), **SOLID)
+        if hatched:
+            self.parts += [axes.add_patch(self.solid), *axes.spines.values()]
+            axes.set(xlabel="x (mm)", ylabel="y (mm)")
         if diameter is not None:
             self.parts += [axes.add_patch(each) for each in self.cylinders]
         axes.set(xlim=1e3 * self.view[:, 0], ylim=1e3 * self.view[:, 1], aspect="equal")
         axes.grid(visible=False)
 
-    def hatch(self) -> None:
-        """Hatch what is solid, and number the axes in mm."""
-        (left, low), (right, high) = self.view
-        around = np.array([[left, low], [left, high], [right, high], [right, low]])  # clockwise
-        rings = [1e3 * each[[*range(len(each)), 0]] for each in (around, self.space)]
-        path = Path.make_compound_path(*map(Path, rings))
-        self.axes.add_patch(PathPatch(path, **SOLID))
-        self.axes.set(xlabel="x (mm)", ylabel="y (mm)")
-
-    def move(self, position, angle, cylinder) -> None:
-        """Granules to positions (n, 2) in m and angles (n,) in rad; the cylinder to (x, y) in m."""
+    def move(self, position, angle, cylinder, walls) -> None:
+        """Granules to positions (n, 2) in m and angles (n,) in rad; the cylinder to (x, y) in m; walls
+        to planes (w, 3) as of dem.Scene."""
+        self._place_walls(walls)
         place, self.owner = images(np.asarray(position), self.reach, self.view, self.periodic)
         placed_rings = placed(self.rings[self.owner], place, np.asarray(angle)[self.owner])
         self.granules.set_verts(placed_rings)
@@ -134,6 +132,14 @@ class Drawing:
                 each.set_visible(number < len(seen))
             for each, (x, y) in zip(self.cylinders, seen, strict=False):
                 each.center = 1e3 * x, 1e3 * y
+
+    def _place_walls(self, walls) -> None:
+        lines, space = edges(walls, self.view)
+        self.walls.set_segments(1e3 * lines)
+        (left, low), (right, high) = self.view
+        around = np.array([[left, low], [left, high], [right, high], [right, low]])  # clockwise
+        rings = [1e3 * each[[*range(len(each)), 0]] for each in (around, space)]
+        self.solid.set_path(Path.make_compound_path(*map(Path, rings)))
 
     def paint(self, colors) -> None:
         """Colours (n, ...), one per granule."""
@@ -152,17 +158,20 @@ class Drawing:
 
 
 class Bed(Drawing):
-    """A bed of the paper: the box alone, without numbers, and the cylinder in its middle."""
+    """A bed of the paper: the box alone, without numbers, and the cylinder in its middle.
+
+    height: of the highest box that is shown (m).
+    """
 
     def __init__(self, axes, rings, width: float, height: float, cylinder: float, periodic=None):
-        walls, view = box_walls(width, height, periodic), box_view(width, height)
-        super().__init__(axes, rings, walls, view, cylinder, periodic)
-        self.middle = 0.5 * width
+        super().__init__(axes, rings, box_view(width, height), cylinder, periodic)
+        self.width = width
         self.joints.set_visible(False)  # panels of figures are too small for them
         axes.set_axis_off()
 
-    def move(self, position, angle, cylinder_y: float) -> None:
-        super().move(position, angle, (self.middle, cylinder_y))
+    def move(self, position, angle, cylinder_y: float, height: float) -> None:
+        walls = box_walls(self.width, height, self.periodic)
+        super().move(position, angle, (0.5 * self.width, cylinder_y), walls)
 
 
 def box_walls(width: float, height: float, periodic) -> np.ndarray:

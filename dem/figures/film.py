@@ -78,12 +78,10 @@ class Scene:
             1, 1 + beside, width_ratios=(1.15, 1.0)[: 1 + beside], squeeze=False
         )[0]
         self.bed = bed.Drawing(
-            left, frames.rings, frames.walls, frames.view, frames.diameter, frames.periodic
+            left, frames.rings, frames.view, frames.diameter, frames.periodic, not frames.boxed
         )
         if frames.boxed:
             left.set_axis_off()
-        else:
-            self.bed.hatch()
         self.map = self._scale(left)
         self.mark = None
         if beside:
@@ -133,7 +131,8 @@ class Scene:
         """Draw one frame."""
         frames = self.frames
         cylinder = None if frames.cylinder is None else frames.cylinder[frame]
-        self.bed.move(frames.position[frame], frames.angle[frame], cylinder)
+        walls = frames.walls[frame]
+        self.bed.move(frames.position[frame], frames.angle[frame], cylinder, walls)
         self.bed.paint(self._paint(frame))
         if self.forces:
             segments, forces, _ = self.contacts[frame]

@@ -23,7 +23,7 @@ class Frames(NamedTuple):
     """f frames of n granules, SI units.
 
     title: None for none. speed(frame) (n,) and contacts(frame) are asked for when they are drawn.
-    walls (w, 3) and view: as of bed.Drawing. cylinder (f, 2): its places, None without one.
+    walls (f, w, 3): planes as of dem.Scene; view: as of bed.Drawing. cylinder (f, 2): its places, None without one.
     fastest: top of the scale of speeds. layers: height of the lowest layer, and of all together.
     cluster (n,): colours, None without one. captions: of the frames. boxed: draw the box alone,
     without numbers. record(axes): draws curves beside the bed, None without any; marks (f,): where
@@ -79,9 +79,10 @@ def of_motion(motion: Motion) -> Frames:
     return Frames(
         title=f"{run.label}, {run.density:g} kg/m³, seed {run.seed}",
         position=motion.position, angle=motion.angle, rings=motion.outlines,
-        walls=bed.box_walls(width, motion.height, motion.periodic), view=bed.box_view(width, motion.height),
+        walls=np.array([bed.box_walls(width, each, motion.periodic) for each in motion.height]),
+        view=bed.box_view(width, motion.height.max()),
         cylinder=axis, diameter=size, speed=speed, contacts=motion.contacts, fastest=velocity,
-        layers=(0.0, motion.height), captions=[f"{float(each):.2f} mm" for each in moved],
+        layers=(0.0, motion.height[0]), captions=[f"{float(each):.2f} mm" for each in moved],
         cluster=bed.cluster_colors(motion.position[0], axis[0], size), boxed=True,
         record=record, marks=moved, periodic=motion.periodic,
     )  # fmt: skip
@@ -91,7 +92,6 @@ def of_result(result: Result) -> Frames:
     """Frames of a result: its granules, walls and cylinder, and the forces on them against time."""
     result = one_of(Result)("result", result)
     scene, cylinder = result.scene, result.cylinder_position
-    walls = np.empty((0, 3)) if scene.walls is None else scene.walls
     speed = np.linalg.norm(result.velocity, axis=-1)
     low, high = np.quantile(result.position[0, :, 1], [0.0, 1.0])
     time, unit = in_units(result.time)
@@ -100,7 +100,7 @@ def of_result(result: Result) -> Frames:
     groups = forces_of(result)
     return Frames(
         title=None, position=result.position, angle=result.angle, rings=scene.shape.polygons(),
-        walls=walls, view=_view(result, walls), cylinder=cylinder,
+        walls=result.walls, view=_view(result), cylinder=cylinder,
         diameter=None if scene.cylinder is None else scene.cylinder.diameter,
         speed=speed.__getitem__, contacts=result.contacts, fastest=float(speed.max()) or 1.0,
         layers=(low, high - low or 1.0), cluster=None,
@@ -110,7 +110,7 @@ def of_result(result: Result) -> Frames:
     )  # fmt: skip
 
 
-def _view(result: Result, walls) -> np.ndarray:
+def _view(result: Result) -> np.ndarray:
     """Corners (2, 2) in m of a view that holds all frames, and the corners of walls that are near."""
     reach, periodic = result.scene.shape.bounding_radius[:, None], result.scene.periodic
     turns = np.array([period is not None for period in periodic or (None, None)])
@@ -123,7 +123,7 @@ def _view(result: Result, walls) -> np.ndarray:
         low, high = np.where(turns, 0.0, low), np.where(turns, np.array(periodic, float), high)
     size = (high - low).max()
     wide = np.array([low - size, high + size])
-    ends = bed.edges(walls, wide)[0].reshape(-1, 2)
+    ends = np.concatenate([bed.edges(each, wide)[0].reshape(-1, 2) for each in result.walls])
     inside = ((ends > wide[0] + 1e-6 * size) & (ends < wide[1] - 1e-6 * size)).all(axis=1)
     around = np.array([low, high, *ends[inside]])
     low, high = around.min(0), around.max(0)

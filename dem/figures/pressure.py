@@ -19,7 +19,6 @@ def plot(dataset: xr.Dataset) -> Figure:
     found = Widths(dataset)
     figure = Figure(figsize=(style.WIDTH, 7.4))
     rows = figure.subplots(2, len(found.places), sharex=True, squeeze=False)
-    boxes = [box for box, along in zip(found.boxes, found.along, strict=True) if along]
     for column, place in enumerate(found.places):
         above, below = rows[:, column]
         words = ", ".join(f"{dim}: {at}" for dim, at in zip(found.others, place, strict=True))
@@ -27,12 +26,12 @@ def plot(dataset: xr.Dataset) -> Figure:
         for number, shape in enumerate(found.shapes):
             look = {"color": COLORS[number % len(COLORS)], "marker": MARKERS[number % len(MARKERS)]}
             shift = APART * (number - 0.5 * (len(found.shapes) - 1))
-            drags = [found.drag(place, shape, box) for box in boxes]
+            drags = [found.drag(place, shape, box) for box in found.series]
             look["label"] = shape
             line, base = found.line(place, shape), found.line(place, found.shapes[0])
             _points(above, found, shift, drags, found.drag_limit(place, shape), line.drag, look)
             if number:
-                ratios = [found.ratio(place, shape, box) for box in boxes]
+                ratios = [found.ratio(place, shape, box) for box in found.series]
                 over = _over(line, base)
                 _points(below, found, shift, ratios, found.limit(place, shape), over, look)
         below.axhline(1.0, **style.REFERENCE)

@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from dem.analysis.flow.layout import heights
 from dem.analysis.statistics import find
 from dem.base.errors import InputError
 from dem.figures import bed, style
@@ -40,18 +41,19 @@ def beds(dataset: xr.Dataset, shapes: tuple[str, ...], colors: str, title: str) 
 def _row(row, here, snapshots, colors, attrs) -> None:
     """One case at several displacements."""
     known = np.isfinite(here["bed_diameter"].values)
-    sizes, height = here["bed_diameter"].values[known], float(here["bed_height"])
+    sizes, height = here["bed_diameter"].values[known], heights(here)
     rings = bed.outlines(str(here["kind"].values), sizes, float(here["aspect_ratio"]))
     width, diameter = float(attrs["box_width"]), float(attrs["cylinder_diameter"])
-    periods = periods_of(width, height, str(attrs.get("periodic", "none")))
+    periods = periods_of(width, height[0], str(attrs.get("periodic", "none")))
     place = np.stack([here["bed_x"].values, here["bed_y"].values], axis=-1)[:, known]
     axis = 0.5 * width, float(here["bed_cylinder_y"][0])
     paint = (
         bed.cluster_colors(place[0], axis, diameter) if colors == "cluster"
-        else bed.layer_colors(place[0], height, int(attrs["layers"]))
+        else bed.layer_colors(place[0], height[0], int(attrs["layers"]))
     )  # fmt: skip
     for axes, snapshot in zip(row, snapshots, strict=True):
-        drawn = bed.Bed(axes, rings, width, height, diameter, periods)
+        drawn = bed.Bed(axes, rings, width, height.max(), diameter, periods)
         angle = here["bed_angle"].values[snapshot, known]
-        drawn.move(place[snapshot], angle, float(here["bed_cylinder_y"][snapshot]))
+        axis_y = float(here["bed_cylinder_y"][snapshot])
+        drawn.move(place[snapshot], angle, axis_y, height[snapshot])
         drawn.paint(paint)

@@ -8,6 +8,7 @@ import xarray as xr
 from matplotlib.colors import to_hex
 from plotly.io import to_html
 
+from dem.analysis.flow.layout import heights
 from dem.analysis.statistics import edges_of_bins, running_mean
 from dem.figures import style
 from dem.figures.bed import outlines
@@ -78,10 +79,11 @@ def beds(flow: xr.Dataset) -> dict:
         one = flow.sel(case=case)
         known = np.isfinite(one["bed_diameter"].values)
         x, y, angle = (one[f"bed_{name}"].values[:, known] for name in ("x", "y", "angle"))
-        scale = 1.2 * max(width, float(one["bed_height"]))
+        height = heights(one)
+        scale = 1.2 * max(width, height.max())
         found[str(case)] = {
             "rings": _rings(str(one["kind"].values), float(one["aspect_ratio"])),
-            "height": float(one["bed_height"]), "scale": scale,
+            "height": height.tolist(), "scale": scale,
             "granules": int(known.sum()), "diameter": one["bed_diameter"].values[known].round(9).tolist(),
             "x": _packed(x, scale), "y": _packed(y, scale),
             "angle": _packed(np.mod(angle, 2.0 * np.pi), 2.0 * np.pi),

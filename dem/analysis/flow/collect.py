@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from dem.analysis.flow.layout import BEDS, OF_CHUNK
-from dem.analysis.one_run import SNAPSHOTS, motion_of, read_run
+from dem.analysis.one_run import motion_of, names_of, read_run
 from dem.base import provenance
 from dem.base.errors import InputError
 from dem.experiment.config import Replicate, of_values
@@ -24,7 +24,6 @@ from dem.sweep.combine import combine
 from dem.sweep.work import Work
 
 MOVED = "snapshot_displacement"
-OF_SNAPSHOTS = tuple(name for name in SNAPSHOTS if name != MOVED)
 
 
 def measure_chunk(chunk: Path, output: Path, progress=lambda share: None) -> None:
@@ -44,11 +43,12 @@ def measure_chunk(chunk: Path, output: Path, progress=lambda share: None) -> Non
 
 def _runs(chunk: Path, values: dict, attrs: dict) -> Iterator[tuple[Replicate, dict | None]]:
     """All runs of a chunk and their snapshots; None where a run failed."""
-    kept, _ = read(chunk, OF_SNAPSHOTS)
     with content_of(chunk):
         replicates = [of_values(each, str(chunk)) for each in json.loads(attrs["values"])]
+        names = tuple(name for name in names_of(replicates[0]) if name != MOVED)
+    kept, _ = read(chunk, names)
     for row, replicate in enumerate(replicates):
-        own = {name: kept[name][row] for name in OF_SNAPSHOTS} | {MOVED: values[MOVED]}
+        own = {name: kept[name][row] for name in names} | {MOVED: values[MOVED]}
         yield replicate, None if values["failure"][row] else own
 
 
@@ -131,7 +131,10 @@ def _keep_beds(file, work: Work, block: str, base: str) -> None:
     runs = sorted(found.runs, key=lambda run: run.replicate.seed)
     granules = max(run.replicate.shape.granules for run in runs)
     file.createDimension("granule", granules)
+    pressed = runs[0].replicate.configuration.packing.pressure is not None
     for name, (dims, *_) in BEDS.items():
+        if name == "bed_top_y" and not pressed:
+            continue
         made = file.createVariable(
             name, "f8", (base, *dims[1:]), zlib=True, shuffle=True, fletcher32=True,
             fill_value=np.nan,
@@ -159,8 +162,10 @@ def _keep_bed(file, row: int, motion: Motion) -> None:
     x, y = np.moveaxis(wrapped(motion.position, motion.periodic), -1, 0)
     axis = np.column_stack([np.zeros_like(motion.cylinder_y), motion.cylinder_y])
     kept = {
-        "bed_height": motion.height, "bed_cylinder_y": wrapped(axis, motion.periodic)[:, 1],
+        "bed_height": motion.height[0], "bed_top_y": motion.height,
+        "bed_cylinder_y": wrapped(axis, motion.periodic)[:, 1],
         "bed_diameter": motion.diameters, "bed_x": x, "bed_y": y, "bed_angle": motion.angle,
     }  # fmt: skip
     for name, found in kept.items():
-        file.variables[name][(row, *(slice(size) for size in np.shape(found)))] = found
+        if name in file.variables:
+            file.variables[name][(row, *(slice(size) for size in np.shape(found)))] = found

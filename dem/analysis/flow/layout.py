@@ -4,6 +4,8 @@ Measures are those of dem.experiment.observables.flow, over the axes of the swee
 Snapshots are kept where runs differ in case, or shape, and seed alone.
 """
 
+import numpy as np
+
 from dem.experiment.observables.flow import VARIABLES as MEASURED
 from dem.io.dataset import AXES, LABELS, OF_STORE
 
@@ -13,6 +15,7 @@ BED = ("case", "snapshot", "granule")
 # name: (dimensions, units, long name)
 BEDS = {
     "bed_height": (("case",), "m", "height of the box, run of the first seed"),
+    "bed_top_y": (("case", "snapshot"), "m", "height of the top wall above the floor, where it holds a pressure, run of the first seed"),
     "bed_cylinder_y": (("case", "snapshot"), "m", "height of the axis of the cylinder above the floor, run of the first seed"),
     "bed_diameter": (("case", "granule"), "m", "volume diameter of a granule, run of the first seed, NaN where the case has fewer"),
     "bed_x": (BED, "m", "distance of the granule's centre from the left wall, run of the first seed"),
@@ -24,6 +27,15 @@ VARIABLES = (
     {"snapshot_displacement": AXES["snapshot_displacement"], **LABELLED, **BEDS}
     | {name: (RUNS, *rest) for name, (_, *rest) in MEASURED.items()}
 )  # fmt: skip
+
+
+def heights(bed):
+    """Height (snapshot,) in m of the box of one case of flow.nc, an xarray.Dataset."""
+    if "bed_top_y" in bed:
+        return bed["bed_top_y"].values
+    return np.full(bed.sizes["snapshot"], float(bed["bed_height"]))
+
+
 # of the measures of some runs, a chunk: name of the file of the chunk
 OF_CHUNK = {
     "snapshot_displacement": AXES["snapshot_displacement"],

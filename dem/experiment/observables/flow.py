@@ -35,7 +35,7 @@ def measured(motion) -> dict:
     """Measures (snapshots,) by name, NaN where the lag reaches back beyond the start."""
     count, lag = len(motion.displacement), lag_of(motion.displacement)
     diameter, periodic = motion.replicate.shape.diameter, motion.periodic
-    layers = measures.layers_of(motion.position[0], motion.height)
+    layers = measures.layers_of(motion.position[0], motion.height[0])
     names = "non_affine", "fluctuation", "mixing", "contacts_lost"
     found = {name: np.full(count, np.nan) for name in names}
     contacts = [touching(motion, snapshot) for snapshot in range(count)]

@@ -35,16 +35,17 @@ function draw() {
   const bed = bedOf(shown);
   const canvas = document.getElementById("bed");
   const pen = canvas.getContext("2d");
-  const scale = Math.min((canvas.width - 8) / BEDS.width, (canvas.height - 8) / bed.height);
+  const highest = Math.max(...bed.height);
+  const scale = Math.min((canvas.width - 8) / BEDS.width, (canvas.height - 8) / highest);
   const unit = bed.scale / BEDS.steps;
   pen.setTransform(1, 0, 0, 1, 0, 0);
   pen.clearRect(0, 0, canvas.width, canvas.height);
-  pen.setTransform(scale, 0, 0, -scale, 4, 4 + bed.height * scale);
+  pen.setTransform(scale, 0, 0, -scale, 4, 4 + highest * scale);
   pen.lineWidth = 0.8 / scale;
   pen.strokeStyle = COLORS.outline;
   for (let i = 0; i < bed.granules; i++) {
     const at = snapshot * bed.granules + i;
-    const layer = Math.floor(((bed.y[i] * unit) / bed.height) * BEDS.layers);
+    const layer = Math.floor(((bed.y[i] * unit) / bed.height[0]) * BEDS.layers);
     pen.save();
     pen.translate(bed.x[at] * unit, bed.y[at] * unit);
     pen.rotate((bed.angle[at] / BEDS.steps) * 2 * Math.PI);
@@ -59,7 +60,7 @@ function draw() {
   pen.stroke();
   pen.lineWidth = 2 / scale;
   pen.strokeStyle = "black";
-  pen.strokeRect(0, 0, BEDS.width, bed.height);
+  pen.strokeRect(0, 0, BEDS.width, bed.height[snapshot]);
   document.getElementById("where").textContent = `${shown} after ${moved[snapshot].toFixed(2)} mm`;
   document.getElementById("bed").setAttribute("aria-label", `The bed of ${shown} after ${moved[snapshot].toFixed(2)} mm, granules in layers`);
   slider.value = snapshot;

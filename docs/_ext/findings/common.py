@@ -46,6 +46,13 @@ def interval(value: float, half: float, unit: str = "", digits: int = 0) -> str:
     return words.replace("-", "\N{MINUS SIGN}").replace(" ", "\N{NO-BREAK SPACE}")
 
 
+def estimate(found, unit: str = "", digits: int = 2) -> str:
+    """A value and the ends of its interval: 1180 (1090 to 1270) N, on one line."""
+    value, low, high = (f"{each:.{digits}f}" for each in found)
+    text = f"{value} ({low} to {high}) {unit}".rstrip()
+    return text.replace("-", "\N{MINUS SIGN}").replace(" ", "\N{NO-BREAK SPACE}")
+
+
 def span(low: float, high: float, unit: str = "", digits: int = 2) -> str:
     """A range: 0.9 to 2.4 mm."""
     return f"{low:.{digits}f} to {high:.{digits}f} {unit}".rstrip()

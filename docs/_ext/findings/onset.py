@@ -8,8 +8,7 @@ from rich.table import Table
 from dem.analysis.onset import Limits, limits
 from dem.analysis.statistics import Estimate
 
-from .common import Findings, heads
-from .velocity import words
+from .common import Findings, estimate, heads
 
 DISCS, ELLIPSES = 4.0, 6.0  # contacts per granule of isostatic beds
 
@@ -46,11 +45,11 @@ class Onset(Findings):
 
     def fraction(self, ratio: float) -> str:
         """Packing fraction at the onset, infinite size."""
-        return words(self.limits.fraction[self._at(ratio)], digits=4)
+        return estimate(self.limits.fraction[self._at(ratio)], digits=4)
 
     def contacts(self, ratio: float) -> str:
         """Coordination number at the onset, infinite size."""
-        return words(self.limits.coordination[self._at(ratio)], digits=2)
+        return estimate(self.limits.coordination[self._at(ratio)], digits=2)
 
     def peak(self) -> str:
         """Aspect ratio of the densest beds."""
@@ -58,7 +57,7 @@ class Onset(Findings):
 
     def densest(self) -> str:
         """Packing fraction of the densest beds."""
-        return words(self.limits.fraction[self._peak], digits=4)
+        return estimate(self.limits.fraction[self._peak], digits=4)
 
     def rises_and_falls(self) -> bool:
         """Whether the packing fraction has a maximum within the range, beyond the intervals."""

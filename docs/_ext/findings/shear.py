@@ -8,15 +8,9 @@ from rich.table import Table
 
 from dem.analysis.shear import Curves, Rheology, rheology
 
-from .common import Findings, heads
+from .common import Findings, estimate, heads
 
 ROUGH = "0.4"  # friction between granules
-
-
-def words(value: float, low: float, high: float, digits: int = 3) -> str:
-    """A mean and its interval: 0.342 (0.331 to 0.353), on one line."""
-    text = f"{value:.{digits}f} ({low:.{digits}f} to {high:.{digits}f})"
-    return text.replace("-", "\N{MINUS SIGN}").replace(" ", "\N{NO-BREAK SPACE}")
 
 
 class Shear(Findings):
@@ -45,15 +39,15 @@ class Shear(Findings):
         own = self._curves(friction)
         for row, number in enumerate(own.number.tolist()):
             made.add_row(
-                f"{number:.2g}", words(*own.friction[row]), words(*own.middle[row]),
-                words(*own.fraction[row], digits=4), words(*own.pressure[row]),
-                words(*own.rate[row], digits=2),
+                f"{number:.2g}", estimate(own.friction[row], digits=3), estimate(own.middle[row], digits=3),
+                estimate(own.fraction[row], digits=4), estimate(own.pressure[row], digits=3),
+                estimate(own.rate[row]),
             )  # fmt: skip
         return made
 
     def slowest(self, name: str, friction: str = ROUGH, digits: int = 3) -> str:
         """Value and interval at the lowest inertial number."""
-        return words(*getattr(self._curves(friction), name)[0], digits=digits)
+        return estimate(getattr(self._curves(friction), name)[0], digits=digits)
 
     def rises(self, friction: str = ROUGH) -> bool:
         """Whether friction rises, and packing fraction falls, from the lowest to the highest number."""

@@ -5,18 +5,12 @@ from functools import cached_property
 import numpy as np
 from rich.table import Table
 
-from dem.analysis.statistics import Estimate, within
+from dem.analysis.statistics import within
 from dem.analysis.velocity import Law, Rates, inertial_number, rates
 
-from .common import Findings, heads
+from .common import Findings, estimate, heads
 
 PAPER = 2.0  # m/s
-
-
-def words(found: Estimate, unit: str = "", digits: int = 0) -> str:
-    """An estimate and its interval: 1180 (1090 to 1270) N, on one line."""
-    text = f"{found.value:.{digits}f} ({found.low:.{digits}f} to {found.high:.{digits}f}) {unit}"
-    return text.rstrip().replace("-", "\N{MINUS SIGN}").replace(" ", "\N{NO-BREAK SPACE}")
 
 
 class Velocity(Findings):
@@ -36,7 +30,7 @@ class Velocity(Findings):
         return self.rates.means[(friction,)][:, self.rates.velocity.tolist().index(velocity)]
 
     def _told(self, samples: np.ndarray, unit: str = "", digits: int = 0) -> str:
-        return words(self.rates.interval(samples), unit, digits)
+        return estimate(self.rates.interval(samples), unit, digits)
 
     def beds(self) -> str:
         """Number of beds."""
