@@ -10,8 +10,7 @@ from dem.analysis.statistics import Estimate, summarise
 from dem.studies.claims.compare import Comparison
 
 from .claims import claims, side_by_side, verdicts_on
-from .common import Findings, heads
-from .pressure import words
+from .common import Findings, estimate, heads
 
 BOXES = {"1": "the paper's", "2": "twice the width"}
 WAYS = "relaxed", "grown"
@@ -55,11 +54,11 @@ class Preparation(Findings):
 
     def mean(self, shape: str, way: str, box: str = "1") -> str:
         """Mean drag."""
-        return words(self._over((shape, way, box)), "N", 0)
+        return estimate(self._over((shape, way, box)), "N", 0)
 
     def grown(self, shape: str, box: str = "1") -> str:
         """Mean drag of grown beds over that of relaxed ones."""
-        return words(self._grown(shape, box))
+        return estimate(self._grown(shape, box))
 
     def falls(self, shape: str, box: str = "1") -> bool:
         """Whether grown beds drag less than relaxed ones, interval included."""
@@ -72,7 +71,7 @@ class Preparation(Findings):
 
     def shrinks(self, shape: str, way: str) -> str:
         """Mean drag at twice the width over that in the paper's box."""
-        return words(self._over((shape, way, "2"), (shape, way, "1")))
+        return estimate(self._over((shape, way, "2"), (shape, way, "1")))
 
     def seeds(self) -> str:
         """Beds of each kind."""
@@ -87,7 +86,7 @@ class Preparation(Findings):
         made = heads(2, "box", "shape", "relaxed, N", "grown, N", "grown over relaxed")
         for box, title in BOXES.items():
             for shape in self.dataset["shape"].values.tolist():
-                ways = [words(self._over((shape, way, box)), digits=0) for way in WAYS]
+                ways = [estimate(self._over((shape, way, box)), digits=0) for way in WAYS]
                 made.add_row(title, shape, *ways, self.grown(shape, box))
         return made
 
