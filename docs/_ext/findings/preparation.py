@@ -52,10 +52,6 @@ class Preparation(Findings):
     def _grown(self, shape: str, box: str) -> Estimate:
         return self._over((shape, "grown", box), (shape, "relaxed", box))
 
-    def mean(self, shape: str, way: str, box: str = "1") -> str:
-        """Mean drag."""
-        return estimate(self._over((shape, way, box)), "N", 0)
-
     def grown(self, shape: str, box: str = "1") -> str:
         """Mean drag of grown beds over that of relaxed ones."""
         return estimate(self._grown(shape, box))
