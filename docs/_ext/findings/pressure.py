@@ -14,7 +14,7 @@ from dem.studies.claims.evidence import from_sweep
 from dem.studies.claims.verdicts import judge
 
 from .claims import claims
-from .common import Findings, estimate, heads
+from .common import Findings, estimate, heads, span
 
 WAYS = "fraction", "pressure"
 ABOUT_SHAPE = (
@@ -100,11 +100,22 @@ class Pressure(Findings):
     def packed(self) -> Table:
         """One row per shape: packing fraction of the beds at rest under the pressure, in the widest
         box."""
+        made = heads(1, "shape", "packing fraction at rest")
+        for shape, fraction in self._packed.items():
+            made.add_row(shape, f"{fraction:.3f}")
+        return made
+
+    def denser(self, one: str, other: str) -> bool:
+        """Whether the beds of a shape are denser under the pressure than those of another."""
+        return self._packed[one] > self._packed[other]
+
+    @cached_property
+    def _packed(self) -> dict[str, float]:
         runs = self.dataset.sel(confinement="pressure", box=self.widest)
         own = json.loads(self.dataset.attrs["configuration"])
         hole = 0.25 * np.pi * own["cylinder"]["diameter"] ** 2
         spread = own["packing"]["size_spread"]
-        made = heads(1, "shape", "packing fraction at rest")
+        made = {}
         for shape in self.widths.shapes:
             one = runs.sel(shape=shape)
             sizes = SimpleNamespace(diameter=float(one["diameter"]), granules=int(one["granules"]))
@@ -113,7 +124,7 @@ class Pressure(Findings):
                 area = 0.25 * np.pi * np.sum(sample_diameters(sizes, spread, int(seed)) ** 2)
                 height = float(one["box_height"].sel(seed=seed))
                 found.append(area / (float(one["box_width"]) * height - hole))
-            made.add_row(shape, f"{np.mean(found):.3f}")
+            made[shape] = float(np.mean(found))
         return made
 
     def lifted(self, shape: str, box: str) -> str:
@@ -147,9 +158,27 @@ class Pressure(Findings):
             )  # fmt: skip
         return made
 
-    def grows(self, way: str, box: str, *shapes: str) -> bool:
-        """Whether the drags of some shapes in a box are above those in the first one, intervals included."""
-        return all(self.widths.change((way,), shape, box).low > 1.0 for shape in shapes)
+    def change(self, way: str, shape: str, box: str) -> str:
+        """Drag in a box over that in the first one."""
+        return estimate(self.widths.change((way,), shape, box))
+
+    def changes(self, way: str, box: str) -> str:
+        """The least and the greatest of all shapes."""
+        found = [self.widths.change((way,), shape, box).value for shape in self.widths.shapes]
+        return span(min(found), max(found))
+
+    def grows(self, way: str, box: str) -> bool:
+        """Whether the drags of all shapes in a box are above those in the first one, intervals included."""
+        return all(self.widths.change((way,), each, box).low > 1.0 for each in self.widths.shapes)
+
+    def stays(self, way: str, box: str) -> bool:
+        """Whether no interval of the drag of a shape in a box over that in the first one is beside one."""
+        found = (self.widths.change((way,), each, box) for each in self.widths.shapes)
+        return all(low <= 1.0 <= high for _, low, high in found)
+
+    def leads(self, way: str, box: str, *shapes: str) -> bool:
+        """Whether some shapes drag more than the first one in a box, intervals included."""
+        return all(self.widths.ratio((way,), shape, box).low > 1.0 for shape in shapes)
 
     def drags(self, way: str) -> Table:
         """One row per shape: drag by box, without end, and the width that is wide enough."""
