@@ -69,4 +69,5 @@ def _points(axes, found, shift, values, limit, curve, look):
         )  # fmt: skip
     along = np.geomspace(0.5 * x.min(), x.max(), 50)
     y = np.array([curve(1.0 / each)[0] for each in along])
-    axes.plot(along[y > 0.0] + shift, y[y > 0.0], color=look["color"], linewidth=1.2)
+    shown = y > 0.5 * low.min()  # a line that falls to zero would take all of a logarithmic scale
+    axes.plot(along[shown] + shift, y[shown], color=look["color"], linewidth=1.2)
