@@ -247,7 +247,9 @@ def test_what_a_run_reads_makes_another_run():
     assert len(found) == len(changed) + 4
 
 
-@pytest.mark.parametrize("name", ["ellipses", "paper", "preparation", "pressure", "shear", "velocity"])
+@pytest.mark.parametrize(
+    "name", ["ellipses", "paper", "preparation", "pressure", "shear", "velocity"]
+)
 def test_every_place_of_a_sweep_that_comes_with_the_code_is_a_run_of_its_own(name):
     """Whatever the experiment: no value that varies is left out of what a run is known by."""
     sweep = load(CONFIG / f"{name}.yaml")
