@@ -9,6 +9,7 @@ from dem.experiment.bed import make_bed
 from dem.experiment.config import Replicate
 from dem.experiment.fit import NOMINAL
 from dem.experiment.scene import make_scene
+from dem.motion import Drive, Held, Path
 from dem.scene import Scene, State
 from dem.sweep.config import Sweep
 
@@ -62,6 +63,8 @@ def variants(cases: dict[str, Case]) -> dict[str, Case]:
     walls = disc.scene.walls
     sides = {"walls": walls[2:], "periodic": (float(walls[1, 2]), None)}
     chord = ellipse.scene.shape._replace(contact="geometric_potential")
+    steady = Path([0.0], [disc.scene.cylinder.velocity])
+    lid = Drive((None, -1.0), float(disc.scene.mass.sum()))
     return {
         FULL: disc,
         "dumbbells, full": dumbbell,
@@ -71,6 +74,11 @@ def variants(cases: dict[str, Case]) -> dict[str, Case]:
         "discs, no cylinder": _changed(disc, cylinder=None),
         "discs, no walls": _changed(disc, walls=None),
         "discs, periodic sides": _changed(disc, **sides),
+        "discs, cylinder on a path": _changed(
+            disc, cylinder=replace(disc.scene.cylinder, velocity=steady)
+        ),
+        "discs, a wall that holds a pressure": _changed(disc, wall_motion=[None] * 3 + [lid]),
+        "discs, ten of them held": _changed(disc, held=[Held(range(10))]),
         "discs, no damping": _changed(disc, material=elastic),
         "discs, no friction, no rotation": _changed(disc, friction=None),
         "discs, Hertz's force alone": _changed(
