@@ -155,7 +155,7 @@ def test_axes_of_a_sweep_have_names_and_units(swept):
     wanted = {
         "grid": {"Friction between granules (1)"},
         "names": {"Box"},
-        "many": {"Gravity, downwards (m s⁻²)"},
+        "many": {"Coefficient of restitution (1)"},
         "point": {"Friction between granules (1)"},
         "design": {"Friction between granules (1)", "Radius of ellipses in Hertz's law",
                    "Young's modulus (10⁹ Pa)"},

@@ -229,6 +229,7 @@ def draw(name: str, data: Path, folder: Path) -> list[Path]:
                 _refuse(each, data, dataset)
             try:
                 whole = dataset if each in SWEPT else cases
+                _check_axes(each, dataset["run_id"].sizes)
                 figure = import_module(f"dem.figures.{each}").plot(whole)
             except InputError as error:
                 faults.append(f"{data}: {each} cannot be drawn: {error}")
@@ -237,6 +238,15 @@ def draw(name: str, data: Path, folder: Path) -> list[Path]:
     if not files:
         raise InputError("\n".join(faults))
     return files
+
+
+def _check_axes(name, sizes):
+    """Raise InputError if the runs have too few values of an axis that a figure of SWEPT needs."""
+    for dim, least in SWEPT.get(name, ("", {}))[1].items():
+        if sizes.get(dim, 0) < least:
+            raise InputError(
+                f"the runs have {sizes.get(dim, 0)} values of {dim}; it takes {least} or more."
+            )
 
 
 def _refuse(name, data, dataset):
