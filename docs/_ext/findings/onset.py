@@ -35,7 +35,7 @@ class Onset(Findings):
         return f"{self.limits.beds}"
 
     def sizes(self) -> str:
-        """Numbers of granules: 50, 100 and 200."""
+        """Numbers of granules: 50, 100 and 200, say."""
         *some, last = map(str, self.limits.granules)
         return f"{', '.join(some)} and {last}"
 
