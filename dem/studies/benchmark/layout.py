@@ -18,7 +18,6 @@ VARIABLES = {
     "division_time": (("repeat",), "s", "time of a division, many side by side"),
     "variant": (("variant",), None, "what the scene holds"),
     "variant_step_time": (("variant", "repeat"), "s", "time of one step of one granule, contacts held as they are"),
-    "variant_ratio": (("variant",), "1", "median of that time over that of the first scene"),
     "variant_code_size": (("variant",), "1", "bytes of machine code of one step with all that it calls"),
     "variant_vector_bits": (("variant",), "bit", "width of the widest vector registers that this machine code uses"),
     "size": (("size",), "1", "number of discs of a bed of mirrored tiles, with friction and damping, without a cylinder"),

@@ -21,7 +21,7 @@ from dem.studies.benchmark.drag import compare_drag
 from dem.studies.benchmark.layout import VARIABLES
 from dem.studies.benchmark.machine_code import machine_code
 from dem.studies.benchmark.peers import CODES, our_seconds
-from dem.studies.benchmark.scenes import FULL, Case, beds, variants
+from dem.studies.benchmark.scenes import Case, beds, variants
 from dem.studies.benchmark.sizes import TILES, compare_sizes
 from dem.studies.benchmark.stages import STILL, slow_operations, stage_times
 from dem.studies.timing import one_core
@@ -127,12 +127,10 @@ def compare_scenes(cases: dict[str, Case], plan: Plan) -> dict:
         for place, (scene, state, time_step) in enumerate(cases.values()):
             spent = our_seconds(scene, state, STILL * time_step, plan.warm, plan.steps)
             times[place, repeat] = spent / plan.steps / scene.granules
-    middle = np.median(times, axis=1)
     codes = [machine_code(writable(Simulation(*case).world)) for case in cases.values()]
     return {
         "variant": np.array(list(cases)),
         "variant_step_time": times,
-        "variant_ratio": middle / middle[list(cases).index(FULL)],
         "variant_code_size": np.array([code.size for code in codes]),
         "variant_vector_bits": np.array([code.vector_bits for code in codes]),
     }
