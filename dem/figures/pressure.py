@@ -3,7 +3,6 @@
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullLocator
 
 from dem.analysis.pressure import Widths
 from dem.figures import style
@@ -37,10 +36,7 @@ def plot(dataset: xr.Dataset) -> Figure:
         below.axhline(1.0, **style.REFERENCE)
         below.set_xlabel("Width of the first box over the width")
         for axes in (above, below):
-            axes.set_yscale("log")
-            axes.yaxis.set_major_formatter("{x:.4g}")
-            axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-            axes.yaxis.set_minor_locator(NullLocator())
+            style.logarithmic(axes)
     rows[0, 0].set_ylabel(f"Mean drag from\n{style.window_text(dataset)} (N)")
     rows[1, 0].set_ylabel(f"Drag over that of {found.shapes[0]}")
     style.legend(figure, rows[0, 0], "outside lower center", ncols=len(found.shapes))

@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator, NullLocator
 
 from dem.base.files import atomic
 from dem.shapes import KINDS
@@ -190,3 +191,11 @@ def save(figure: Figure, stem: Path) -> list[Path]:
             figure.savefig(part, format=suffix[1:], dpi=DPI, metadata=metadata)
         files.append(path)
     return files
+
+
+def logarithmic(axes) -> None:
+    """Scale y by its logarithm, with plain numbers at 1, 2 and 5 of each decade."""
+    axes.set_yscale("log")
+    axes.yaxis.set_major_formatter("{x:.4g}")
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.yaxis.set_minor_locator(NullLocator())
