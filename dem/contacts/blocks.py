@@ -13,6 +13,7 @@ import numpy as np
 from dem.contacts.response import relative_velocity, respond
 from dem.jit import lanes as lane
 from dem.jit.compilation import inlined
+from dem.jit.four import add_four, subtract_four
 from dem.jit.lanes import EIGHT, FIVE, FOUR, ONE, SIX, THREE, TWO, load_outline, store_outline
 from dem.jit.optional import either, minus, optional, plus, rolled_without_first, times, unless
 from dem.shapes.protocol import (
@@ -303,11 +304,6 @@ def add_loss(present, account, kind, values, k):
 
 
 @optional
-def add(number, array, k):
-    array[k] += number
-
-
-@optional
 def take(present, array, k):
     return array[k]
 
@@ -321,14 +317,11 @@ def accumulate(contacts, start, stop, values, inverse_inertia, force):
     """
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
-        i, j = FOUR * contacts.constituent[p], FOUR * contacts.force_row[p]
         gx, gy = values[lane.FORCE_X + k], values[lane.FORCE_Y + k]
-        force[j] += gx
-        force[j + ONE] += gy
-        add(take(inverse_inertia, values, lane.TORQUE_2 + k), force, j + TWO)
-        force[i] -= gx
-        force[i + ONE] -= gy
-        add(take(inverse_inertia, values, lane.TORQUE_1 + k), force, i + TWO)
+        one = either(take(inverse_inertia, values, lane.TORQUE_1 + k), 0.0)
+        two = either(take(inverse_inertia, values, lane.TORQUE_2 + k), 0.0)
+        add_four(force, FOUR * contacts.force_row[p], gx, gy, two, 0.0)
+        subtract_four(force, FOUR * contacts.constituent[p], gx, gy, -one, 0.0)
 
 
 @inlined
@@ -337,11 +330,9 @@ def boundary_reaction(contacts, p, k, values, inverse_inertia, force):
 
     Returns the wall and the forces on it: normal (x, y) and tangential (x, y), in N.
     """
-    at = FOUR * contacts.constituent[p]
     gx, gy = values[lane.FORCE_X + k], values[lane.FORCE_Y + k]
-    force[at] -= gx
-    force[at + ONE] -= gy
-    add(take(inverse_inertia, values, lane.TORQUE_1 + k), force, at + TWO)
+    torque = either(take(inverse_inertia, values, lane.TORQUE_1 + k), 0.0)
+    subtract_four(force, FOUR * contacts.constituent[p], gx, gy, -torque, 0.0)
     nx, ny = values[lane.NX + k], values[lane.NY + k]
     normal = gx * nx + gy * ny
     hx, hy = normal * nx, normal * ny
