@@ -32,8 +32,7 @@ MUTANTS = (
     Mutant("list never made again", "dem/dynamics/stepping.py",
            "world = rebuild_neighbor_list(world, table)  # by value", "world = world", "tests/test_simulate.py"),
     Mutant("torque of walls and cylinder reversed", "dem/contacts/blocks.py",
-           "    add(take(inverse_inertia, values, lane.TORQUE_1 + k), force, at + TWO)",
-           "    add(minus(None, take(inverse_inertia, values, lane.TORQUE_1 + k)), force, at + TWO)",
+           "gx, gy, -torque, 0.0)", "gx, gy, torque, 0.0)",
            "tests/test_force_reference.py"),
 )  # fmt: skip
 
