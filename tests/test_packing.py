@@ -1,6 +1,7 @@
 """Beds: what was asked for, at rest, nothing outside, nothing interlocked."""
 
 import math
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -16,7 +17,9 @@ from dem.experiment.bed import make_bed
 from dem.figures import possible
 from dem.figures.preparation import plot
 from dem.figures.style import save
+from dem.packing.grown import _moved
 from dem.packing.pressed import Press, compact
+from dem.packing.random import sown
 from dem.shapes import KINDS
 from dem.sweep.config import load
 
@@ -224,6 +227,19 @@ def test_grown_bed_of_an_impossible_fraction_is_refused():
     height = (shape.area.sum() / 0.97 + np.pi * 1e-6) / 8e-3
     with pytest.raises(dem.PackingError, match=r"packing fraction 0\.97 .* cannot be made"):
         dem.grow(shape, 8e-3, height, cylinder, 1)
+
+
+def test_a_stage_of_growth_keeps_half_of_the_velocities():
+    """Of granules that meet nothing: they go on, and turn on, at half of the speed."""
+    small = make_small_bed("ellipse", fraction=0.80)
+    room = small.bed.width, small.bed.height, small.cylinder
+    scene, factor, start = sown(small.shape, *room, seed=1, periodic="none")
+    rng = np.random.default_rng(1)
+    slow = 1e-9 * rng.standard_normal((len(small.diameters), 3))  # no stage ends at a neighbour
+    start = dem.State(start.position, slow[:, :2], start.angle, slow[:, 2])
+    end, _ = _moved(replace(scene, shape=small.shape.scaled(0.5 * factor)), start)
+    assert_allclose(end.velocity, 0.5 * start.velocity, rtol=1e-12)
+    assert_allclose(end.angular_velocity, 0.5 * start.angular_velocity, rtol=1e-12)
 
 
 def test_preparation_is_part_of_what_a_bed_is():
