@@ -272,11 +272,14 @@ def test_the_figure_shows_both_ways_and_their_ratio(tmp_path):
     runs = xr.Dataset(
         {"drag": ((*dims, "displacement"), drag[..., None])},
         {"packing_preparation": ["relaxed", "grown"], "box": ["1", "2"], "shape": ["c1", "e1", "e3"],
+         "box_width": ("box", [0.02, 0.04], {"long_name": "width", "units": "m"}),
          "seed": np.arange(4), "displacement": [2e-3]},
         {"window_start": 1e-3, "window_stop": 3e-3},
     )  # fmt: skip
     figure = plot(runs)
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["relaxed", "grown"]
+    titles = [axes.get_title() for axes in figure.axes[:2]]
+    assert titles == ["width: 20\N{NO-BREAK SPACE}mm", "width: 40\N{NO-BREAK SPACE}mm"]
     ratios = figure.axes[2].lines[0].get_ydata()
     np.testing.assert_allclose(ratios, 0.5 * np.ones(3))
     _, pixels = save(figure, tmp_path / "preparation")

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from dem.analysis.statistics import summarise
 from dem.figures import style
+from dem.figures.sweep import heading
 from dem.studies.claims.compare import Comparison
 
 AXIS = "packing_preparation"
@@ -27,7 +28,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     figure = Figure(figsize=(style.WIDTH, 6.4))
     rows = figure.subplots(2, len(places), sharex=True, sharey="row", squeeze=False)
     for (above, below), place in zip(rows.T, places, strict=True):
-        above.set_title(", ".join(f"{dim}: {at}" for dim, at in place.items()) or "all runs")
+        above.set_title(heading(runs, place, len(places)) or "all runs")
         here = runs.sel(place).squeeze([d for d in runs.dims[:-3] if runs.sizes[d] == 1]).values
         for number, (way, drags) in enumerate(zip(ways, here, strict=True)):
             look = {"color": style.CASES[number % len(style.CASES)], "label": way,

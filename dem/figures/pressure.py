@@ -1,11 +1,14 @@
 """Drag over that of the first shape against the width of the box, at equal pressure and fraction."""
 
+from itertools import product
+
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
 from dem.analysis.pressure import Widths
 from dem.figures import style
+from dem.figures.sweep import heading
 
 MARKERS = "osD^vPX"
 COLORS = style.CASES
@@ -18,10 +21,10 @@ def plot(dataset: xr.Dataset) -> Figure:
     found = Widths(dataset)
     figure = Figure(figsize=(style.WIDTH, 7.4))
     rows = figure.subplots(2, len(found.places), sharex=True, squeeze=False)
-    for column, place in enumerate(found.places):
-        above, below = rows[:, column]
-        words = ", ".join(f"{dim}: {at}" for dim, at in zip(found.others, place, strict=True))
-        above.set_title(words or "all runs")
+    values = product(*(dataset[dim].values for dim in found.others))
+    for (above, below), place, at in zip(rows.T, found.places, values, strict=True):
+        named = dict(zip(found.others, at, strict=True))
+        above.set_title(heading(dataset, named, len(found.places)) or "all runs")
         for number, shape in enumerate(found.shapes):
             look = {"color": COLORS[number % len(COLORS)], "marker": MARKERS[number % len(MARKERS)]}
             shift = APART * (number - 0.5 * (len(found.shapes) - 1))

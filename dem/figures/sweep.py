@@ -11,7 +11,7 @@ from textwrap import fill
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import EngFormatter, MaxNLocator
 
 from dem.analysis.statistics import half_interval, over_seeds, summarise
 from dem.base.errors import InputError
@@ -28,6 +28,7 @@ FEW = 6  # values of x that each have their tick
 APART = 0.6, 0.012  # between two lines, so that intervals show: of a category's place; of a range
 WIDEST = 2.0  # intervals are cut at this multiple of the greatest mean
 BASES = ("shape", "case")  # axes that lines show
+PREFIXED = ("m", "s", "N", "Pa")  # units of which a value is told as "20 mm"
 
 
 @style.styled
@@ -42,8 +43,8 @@ def plot(dataset: xr.Dataset) -> Figure:
     return _design(dataset, runs, designs[0]) if designs else _grid(dataset, runs)
 
 
-def factors_of(runs: xr.DataArray, dim: str) -> list[str]:
-    """Names of the values that differ between the points of a design."""
+def factors_of(runs: xr.DataArray | xr.Dataset, dim: str) -> list[str]:
+    """Names of the values that differ between the points of a design, or of a group."""
     return [
         str(name) for name, values in runs.coords.items()
         if values.dims == (dim,) and name != dim and name not in LABELS
@@ -52,7 +53,7 @@ def factors_of(runs: xr.DataArray, dim: str) -> list[str]:
 
 def words(values: xr.DataArray, power: int = 0) -> str:
     """What an axis is, with its units: "Width of the box (m)"; power: of ten, before the units."""
-    name = str(values.attrs.get("long_name", values.name))
+    name = _quantity(values)
     if "units" not in values.attrs and values.name in values.dims:  # points by their names
         name = str(values.name).replace("_", " ")
     scale = f"10{_raised(str(power))}\N{NO-BREAK SPACE}" if power else ""
@@ -78,12 +79,36 @@ def _power(values: xr.DataArray) -> int:
     return 3 * int(np.floor(np.log10(greatest) / 3.0))
 
 
-def _told(values: xr.DataArray, value) -> str:
-    """One value in words: "gravity, downwards 10 m s⁻²"."""
+def _quantity(values: xr.DataArray) -> str:
+    """What values are, without what a table of the documentation adds after the name."""
+    return re.split("[;:,]", str(values.attrs.get("long_name", values.name)))[0]
+
+
+def heading(runs: xr.DataArray | xr.Dataset, place: dict, columns: int) -> str:
+    """Title of one of several panels side by side, from its place on some axes."""
+    return "\n".join(fill(_told(runs, dim, at), 88 // columns) for dim, at in place.items())
+
+
+def _told(runs: xr.DataArray | xr.Dataset, dim: str, at) -> str:
+    """One place on an axis in words: "gravity: 10 m s⁻²".
+
+    Of values that go together it is the number, if there is but one and it tells places apart:
+    "width of the box: 20 mm".
+    """
+    values = runs[dim]
     if values.dtype.kind not in "iuf":
-        return f"{str(values.name).replace('_', ' ')}: {value}"
-    units = _units(values) if values.attrs.get("units", "1") != "1" else ""
-    return f"{values.attrs.get('long_name', values.name)}: {value:.5g} {units}".strip()
+        given = [runs[name] for name in factors_of(runs, dim)]
+        given = [each for each in given if bool(each.sel({dim: at}).notnull())]
+        only = given[0] if len(given) == 1 else values
+        if only.dtype.kind not in "iuf" or len(np.unique(only)) < only.size:
+            return f"{dim.replace('_', ' ')}: {at}"
+        values, at = only, only.sel({dim: at}).item()
+    units = values.attrs.get("units", "1")
+    if units in PREFIXED:
+        number = EngFormatter(units, sep="\N{NO-BREAK SPACE}")(at)
+    else:
+        number = f"{at:.5g} {_units(values) if units != '1' else ''}".strip()
+    return f"{_quantity(values)}: {number}"
 
 
 class Roles:
@@ -129,8 +154,8 @@ def _grid(dataset: xr.Dataset, runs: xr.DataArray) -> Figure:
     for axes, place in zip(panels, places, strict=True):
         here = runs.sel(dict(zip(roles.panels, place, strict=True)))
         _lines(axes, here, roles, here[roles.x])
-        told = [_told(runs[dim], at) for dim, at in zip(roles.panels, place, strict=True)]
-        axes.set_title("\n".join(fill(each, 88 // columns) for each in told), loc="left")
+        at = dict(zip(roles.panels, place, strict=True))
+        axes.set_title(heading(runs, at, columns), loc="left")
     for axes in panels[-columns:]:
         axes.tick_params(labelbottom=True)
         _name(axes, runs[roles.x], columns)
@@ -184,7 +209,7 @@ def _lines(axes, runs: xr.DataArray, roles: Roles, along: xr.DataArray, marks=Fa
             markersize=6.5, markerfacecolor="white" if number % 2 else None, capsize=3,
             elinewidth=1.2, linewidth=1.6,
             linestyle=LINES[number % len(LINES)] if numeric and not marks else "none",
-            label="" if line is None else _told(runs[roles.line], line),
+            label="" if line is None else _told(runs, roles.line, line),
         )  # fmt: skip
     if not numeric:
         axes.set_xticks(range(len(names)), [str(name) for name in names])
