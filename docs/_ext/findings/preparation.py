@@ -69,6 +69,11 @@ class Preparation(Findings):
         """Mean drag at twice the width over that in the paper's box."""
         return estimate(self._over((shape, way, "2"), (shape, way, "1")))
 
+    def contacts(self, shape: str, way: str, box: str = "1") -> str:
+        """Contacts of a granule with others, before the cylinder moves; mean over all beds."""
+        beds = self.dataset["packing_coordination_number"]
+        return f"{float(beds.sel(shape=shape, packing_preparation=way, box=box).mean()):.1f}"
+
     def seeds(self) -> str:
         """Beds of each kind."""
         return f"{self.dataset.sizes['seed']}"
