@@ -10,7 +10,7 @@ from rich.table import Table
 from dem.analysis.pressure import NEAR, Widths
 from dem.experiment.fit import sample_diameters
 
-from .claims import side_by_side, verdicts_on
+from .claims import claims, side_by_side, verdicts_on
 from .common import Findings, estimate, heads, span
 
 WAYS = "fraction", "pressure"
@@ -227,6 +227,11 @@ class Pressure(Findings):
         """One row per claim about shape: in the paper's box, and at equal fraction and pressure."""
         columns = {f"equal {way}, widest box": found for way, found in self.judged.items()}
         return side_by_side(ABOUT_SHAPE, columns)
+
+    def changed(self, way: str) -> dict[str, str]:
+        """Verdicts that are not those of claims.nc, by the name of the claim."""
+        found = {name: self.verdict(way, name) for name in ABOUT_SHAPE}
+        return {name: at for name, at in found.items() if at != claims.judged[name].verdict}
 
     def verdict(self, way: str, name: str) -> str:
         """Supported, contradicted, undecided or not tested."""
