@@ -256,7 +256,10 @@ def planes(name: str, value: Any) -> np.ndarray:
     """Kind: walls, as box returns them; returned as a copy that cannot be written."""
     rows = fixed(array(FINITE, None, 3, each="row")(name, value))
     if not np.allclose(np.hypot(rows[:, 0], rows[:, 1]), 1.0, rtol=1e-9):
-        raise InputError(f"{name} must have normals (nx, ny) of length 1.")
+        raise InputError(
+            f"{name} have normals (nx, ny) of lengths "
+            f"{', '.join(f'{math.hypot(*row[:2]):.6g}' for row in rows[:4])}; each must have length 1."
+        )
     return rows
 
 

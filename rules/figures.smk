@@ -3,7 +3,7 @@
     snakemake -j2 figures          those that the files in {RESULTS} suffice for; makes no file of results
 
 REQUIRED INPUTS
-    {RESULTS}/drag.nc, flow.nc, accuracy.nc, stability.nc, claims.nc, benchmark.nc: see dem/figures/__init__.py
+    {RESULTS}/drag.nc, flow.nc, onset.nc, shear.nc or the file of a study: see dem/figures/__init__.py
 OUTPUTS
     {RESULTS}/figures/{figure}.svg, {RESULTS}/figures/{figure}.png, {RESULTS}/{study}.txt
 """

@@ -250,7 +250,7 @@ def test_scalars_of_any_kind_are_taken_alike():
 
 
 def test_a_scene_does_not_follow_the_arrays_of_its_user():
-    """Sizes and walls are copies that cannot be written: masses and contact lists rely on them."""
+    """Sizes and walls are copies that cannot be written: masses and neighbour lists rely on them."""
     radius, walls = np.full(2, 1e-3), dem.box(1.0, 1.0)
     made = scene(shape=dem.Disc(radius), walls=walls)
     radius[:], walls[:] = 5.0, 5.0

@@ -71,7 +71,7 @@ def refuse(name: str, value: Any, words: str) -> NoReturn:
         + (f", such as {words[5:].partition(' ')[0]}(...)" if words.startswith("be a dem.") else "")
         + (" in a list or an array" if words == "hold real numbers" else "")
         + (", without quotes" if isinstance(value, str) and "number" in words else "")
-        + (", such as (0, -9.81)" if words.startswith("be two finite") else "")
+        + (", such as (0, -9.81)" if name == "gravity" else "")
         + "."
     )
 

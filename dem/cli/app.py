@@ -13,6 +13,7 @@ from dem.cli.flow import VERBS as moving
 from dem.cli.report import report
 from dem.cli.stability import app as stability
 from dem.cli.sweep import VERBS as sweeping
+from dem.cli.sweep import JobsOption
 from dem.cli.terminal import (
     PAPER,
     ConfigOption,
@@ -154,7 +155,8 @@ def benchmark(output: OutputOption, config: ConfigOption = PAPER):
 @app.command()
 def figure(
     name: Annotated[
-        str, typer.Argument(help="Name of a figure, such as figure13, or all; see the manual.")
+        str,
+        typer.Argument(help="Name of a figure, such as figure13, or all; a wrong name lists them."),
     ],
     data: Annotated[Path, typer.Argument(help="drag.nc, flow.nc or the file of a study.")],
     output: Annotated[
@@ -220,7 +222,7 @@ def calibrate(
         int,
         typer.Option(min=2, max=100_000, help="Seeds per modulus; the sweep uses other seeds."),
     ] = 40,
-    jobs: Annotated[int, typer.Option("-j", min=1, help="Number of processes.")] = 2,
+    jobs: JobsOption = 2,
 ):
     """Fit Young's modulus, the one calibrated number, to a mean drag."""
     from dem.studies.calibrate import MODULI
@@ -231,7 +233,3 @@ def calibrate(
     with bar("calibrating", len(MODULI) * seeds) as update:
         result = fit(sweep, shape, density, target, seeds, jobs, update)
     typer.echo(result.sentence())
-
-
-if __name__ == "__main__":
-    app()

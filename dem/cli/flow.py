@@ -16,7 +16,7 @@ SelectArgument = Annotated[
         metavar="NAME=VALUE",
     ),
 ]
-ColorOption = Annotated[str, typer.Option(help="Color by speed, force, layer or cluster.")]
+ColorOption = Annotated[str, typer.Option(help="Colour by speed, force, layer or cluster.")]
 ForcesOption = Annotated[
     bool,
     typer.Option("--forces", help="Draw contact forces as lines; wide lines are large forces."),

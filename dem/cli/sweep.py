@@ -153,6 +153,9 @@ def store(
         return
     with bar("reading the store"):
         table = listing(found, values or [])
+    if values and not table.rows:
+        typer.echo(f"No stored run has {' and '.join(values)}.")
+        return
     PlainConsole(width=None if sys.stdout.isatty() else 160).print(table)
 
 

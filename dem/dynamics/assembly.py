@@ -255,7 +255,7 @@ def contacts(scene: Scene, table: GranuleTable, kind: str) -> Contacts:
 
 
 def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = False) -> World:
-    """All arrays of the kernels, with empty contact lists; accounted: keep an energy ledger."""
+    """All arrays of the kernels, with empty neighbour lists; accounted: keep an energy ledger."""
     n, index = scene.granules, np.empty(0, np.uint32)
     has_angle = scene.shape.needs_angle
     rough = friction_parameters(scene, "granule") is not None

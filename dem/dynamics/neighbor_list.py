@@ -1,4 +1,4 @@
-"""Rebuild the contact lists, with the constants of each pair and the memory of each contact."""
+"""Rebuild the neighbour lists, with the constants of each pair and the memory of each contact."""
 
 import math
 
@@ -238,7 +238,7 @@ def same_held(held):
 
 @compiled(allocates=True)
 def rebuild_neighbor_list(world, table):
-    """The world with contact lists for the present positions.
+    """The world with neighbour lists for the present positions.
 
     table: dem.dynamics.assembly.GranuleTable.
     """

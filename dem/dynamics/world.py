@@ -86,7 +86,7 @@ class WallBoundary(NamedTuple):
 
     motion (w, 8): rows of dem.jit.columns like those of granules; the position is how far a wall has
     moved since the start. impulse and shear (w,): normal force on each wall, and tangential force
-    along (-ny, nx), summed over time (N s). reference (w,): offsets (m) at which the contact lists
+    along (-ny, nx), summed over time (N s). reference (w,): offsets (m) at which the neighbour lists
     were made; guide: what moves the walls; both None if all are at rest.
     """
 
@@ -102,7 +102,7 @@ class WallBoundary(NamedTuple):
 class CylinderBoundary(NamedTuple):
     """The cylinder: radius (m), motion (1, 8) as in dem.jit.columns.
 
-    reference (2,): position (m) at which the contact lists were made. impulse (4,): force on it
+    reference (2,): position (m) at which the neighbour lists were made. impulse (4,): force on it
     summed over time (N s): x and y of the normal forces, then of the tangential forces. twist (1,):
     torque on it summed over time (N m s). guide: what moves it; None for a constant velocity.
     """
@@ -156,7 +156,7 @@ class World(NamedTuple):
     only one); with chunks there are more rows of forces than constituents, see Chunks. angle (n,)
     in rad; frame (n, 2): its cosine and sine, None for discs. inverse_mass (n,) in 1/kg,
     inverse_inertia (n,) in 1/(kg m2), None where nothing turns. gravity (2,) in m/s2, or None.
-    reference (constituents, 2): positions (m) at which the contact lists were made. lanes: scratch.
+    reference (constituents, 2): positions (m) at which the neighbour lists were made. lanes: scratch.
     chunks: None for a bed of one. held: granules that are a boundary, or None.
     """
 

@@ -88,7 +88,7 @@ STABILITY = {
 CLAIMS = {
     "claims_verdicts": ("Which of the paper's claims hold", ("run_drag", "jam_fraction")),
     "claims_sensitivity": ("What decides the drag, and in how much of the plausible space claims hold", ("run_factor",)),
-    "claims_jamming": ("Shapes at equal packing fraction, at equal distance from jamming and at equal pressure", ("run_drag", "jam_fraction")),
+    "claims_jamming": ("Shapes at equal packing fraction, at equal distance from jamming and at equal load", ("run_drag", "jam_fraction")),
     "claims_ratio": ("Ellipses from round to twice as long as wide: drag and alignment with the flow", ("run_alignment", "jam_fraction")),
     "claims_scaling": ("Drag against the sizes of cylinder and box and against velocity", ("run_setting", "run_curve")),
 }  # fmt: skip

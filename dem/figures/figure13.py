@@ -23,7 +23,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     for place, label in enumerate(labels):
         _bar(axes, place, numbers.sel(case=label))
     ticks = [f"{label}\n" + style.describe(numbers.sel(case=label), "\n") for label in labels]
-    style.finish_bars(figure, axes, ticks, dataset)
+    style.finish_bars(axes, ticks, dataset)
     axes.set_title(f"Above each bar: mean drag{style.its_interval(dataset)}", loc="left")
     figure.suptitle("Mean drag by shape of the granules")
     style.legend(figure, axes, "outside lower center", grey="mean", ncols=3)

@@ -32,7 +32,7 @@ def plot(dataset: xr.Dataset) -> Figure:
         f"{', '.join(labels)}\n" + style.describe(numbers.sel(case=labels[0]), "\n")
         for labels in groups.values()
     ]
-    style.finish_bars(figure, axes, ticks, dataset)
+    style.finish_bars(axes, ticks, dataset)
     axes.set_title(
         f"Above each group: change with density{style.its_interval(dataset)}; "
         f"paper: at most {PAPER} %",

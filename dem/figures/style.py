@@ -148,7 +148,7 @@ def write_above(axes, middle: float, top: float, text: str) -> None:
     axes.annotate(text, (middle, top), (0, 6), textcoords="offset points", ha="center")
 
 
-def finish_bars(figure: Figure, axes, ticks: list[str], dataset: xr.Dataset) -> None:
+def finish_bars(axes, ticks: list[str], dataset: xr.Dataset) -> None:
     """Axes of a bar chart of mean drag, one tick per group of bars."""
     axes.set_xticks(range(len(ticks)), ticks)
     room = 0.6 + max(0.0, 0.5 * (FEW - len(ticks)))

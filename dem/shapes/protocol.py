@@ -50,7 +50,7 @@ class Shape(Protocol):
     """
 
     guesses: bool = False
-    """Whether a contact remembers its normal. Read by the contact lists. Wrong: the search for a
+    """Whether a contact remembers its normal. Read by the neighbour lists. Wrong: the search for a
     normal begins at every step from the line of centres, or contacts keep unused memory."""
 
     fault: str | None = None

@@ -193,7 +193,7 @@ def _wanted(word: str) -> tuple[str, str]:
     shape = path.split(".")[1:2] if path.startswith("shapes.") else ()
     known = [*entries(shape), *OWN]
     if not equal or path not in known:
-        raise InputError(f"{word!r} is no path and value{meant(path, known)}.")
+        raise InputError(f"{word!r} names no value of a run; write PATH=VALUE{meant(path, known)}.")
     return path, value
 
 

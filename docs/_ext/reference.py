@@ -50,8 +50,8 @@ def configuration() -> str:
 
 HEADS = ("key", "what it is", "unit", "default")
 CONFIGURATION = """\
-A configuration is a YAML file in SI units. These are the values that one run reads. Each of them can
-vary in a sweep, by its key. [How do I sweep my own values?](../howto/sweep.md) explains the rest of
+A configuration is a YAML file in SI units. These are the values that one run reads. Each of them but
+`record.window` and `record.observables` can vary in a sweep, by its key. [How do I sweep my own values?](../howto/sweep.md) explains the rest of
 the file: `title`, `results`, `extends`, `cases`, `sweep`, `chunk`, `failures`, `studies`.
 """
 

@@ -43,7 +43,7 @@ class Collision:
 
     properties: of the Scene. position, velocity (2, 2), m and m/s; angle (2,), rad; they do not
     spin before. exact (2, 3): what to read afterwards, or None if no closed form is known.
-    skin: of the contact lists, which hold throughout.
+    skin: of the neighbour lists, which hold throughout.
     """
 
     name: str

@@ -136,7 +136,7 @@ def advance(world, stages, tally, dt, steps, room):
 class Motion:
     """A scene in motion by an integrator at a fixed time step (s).
 
-    skin: of the contact lists, over the mean bounding radius.
+    skin: of the neighbour lists, over the mean bounding radius.
     """
 
     def __init__(

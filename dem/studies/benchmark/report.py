@@ -20,7 +20,7 @@ SCENES = """\
 contacts held as they are, by time steps a thousand times shorter; against full: median of what each
 turn gave; code: machine code of one step"""
 SIZES = """\
-discs in motion, in a box without a cylinder, while one contact list holds; memory: all arrays"""
+discs in motion, in a box without a cylinder, while one neighbour list holds; memory: all arrays"""
 RANKS = """\
 bed of discs in motion as above; this code on threads, LAMMPS on ranks of MPI"""
 DRAG = f"""\

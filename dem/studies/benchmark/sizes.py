@@ -38,7 +38,7 @@ def large_scene(sweep: Sweep, side: int):
 
 
 def bytes_a_granule(world) -> float:
-    """Memory (bytes) of all arrays of the kernels, contact lists included, over the granules."""
+    """Memory (bytes) of all arrays of the kernels, neighbour lists included, over the granules."""
     arrays, left = {}, [world]
     while left:
         for item in left.pop():
