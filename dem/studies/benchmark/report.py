@@ -106,9 +106,10 @@ def sizes(dataset: xr.Dataset) -> Table:
     """One row per size of bed and number of threads."""
     table = numbers(
         "discs", "threads", "ns a granule-step", "lowest, highest", "against\nsmallest",
-        "against\none thread", "bytes a granule",
+        "against\none thread", "separate beds\nagainst one", "bytes a granule",
     )  # fmt: skip
     middle = dataset["size_step_time"].median("repeat")
+    apart = dataset["apart_step_time"] / dataset["apart_step_time"].isel(threads=0)
     for size in dataset["size"].values:
         for threads in dataset["threads"].values:
             times = 1e9 * dataset["size_step_time"].sel(size=size, threads=threads).values
@@ -118,6 +119,7 @@ def sizes(dataset: xr.Dataset) -> Table:
                 f"{times.min():.1f}, {times.max():.1f}",
                 f"{here / float(middle[0].sel(threads=threads)):.2f}",
                 f"{here / float(middle.sel(size=size)[0]):.2f}",
+                f"{float(apart.sel(size=size, threads=threads).median()):.2f}",
                 f"{float(dataset['size_memory'].sel(size=size)):.0f}",
             )  # fmt: skip
     return table
