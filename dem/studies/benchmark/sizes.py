@@ -83,7 +83,9 @@ def compare_sizes(sweep: Sweep, repeats: int, threads=(1, 2), tiles=TILES) -> di
                 memory[place] = bytes_a_granule(run.world)
                 if repeat >= 0:
                     times[place, column, repeat] = spent / runs / scene.granules
-                    apart[place, column, repeat] = time_apart(scene, state, number, runs * STEPS, step)
+                    apart[place, column, repeat] = time_apart(
+                        scene, state, number, runs * STEPS, step
+                    )
                 if repeat >= 0 and ranked and scene.granules == RANKED:
                     spent = lammps.seconds(scene, state, step, 0, STEPS, ranks=number)
                     ranks[place, column, repeat] = spent / STEPS / RANKED
