@@ -23,6 +23,7 @@ VARIABLES = {
     "size": (("size",), "1", "number of discs of a bed of mirrored tiles, with friction and damping, without a cylinder"),
     "threads": (("threads",), "1", "number of threads"),
     "size_step_time": (("size", "threads", "repeat"), "s", "time of one step of one granule, contacts listed again as needed"),
+    "apart_step_time": (("size", "threads", "repeat"), "s", "the same of as many separate beds as threads, all at once"),
     "size_memory": (("size",), "byte", "memory of all arrays of the kernels over the number of granules"),
     "ranks_step_time": (("size", "threads", "repeat"), "s", "the same of LAMMPS, on as many ranks of MPI as threads; of one bed"),
     "drag_code": (("drag_code",), None, "program that draws the cylinder through beds of discs"),

@@ -20,9 +20,8 @@ SCENES = """\
 contacts held as they are, by time steps a thousand times shorter; against full: median of what each
 turn gave; code: machine code of one step"""
 SIZES = """\
-discs in motion, in a box without a cylinder, while one neighbour list holds; memory: all arrays"""
-RANKS = """\
-bed of discs in motion as above; this code on threads, LAMMPS on ranks of MPI"""
+discs in motion, in a box without a cylinder, while one neighbour list holds; memory: all arrays.
+Ratios: medians of what each repeat gave; separate: as many beds as threads at once, each on a thread"""
 DRAG = f"""\
 fixed time step at which the mean drag of a code leaves its level by {TOLERANCE:.0%}, over the bound on
 the critical step at rest; processor time"""
@@ -41,7 +40,7 @@ def summary(dataset: xr.Dataset) -> Group:
     parts = [Text(attrs["title"], style="bold"), Text("\n".join(lines)), ""]
     tables = (
         (codes, LEGEND), (drag, DRAG), (stages, STAGES), (scenes, SCENES), (sizes, SIZES),
-        (ranks, RANKS), (motion, MOTION),
+        (motion, MOTION),
     )  # fmt: skip
     for table, legend in tables:
         parts += [table(dataset), Text(legend, style="dim"), ""]
@@ -106,39 +105,25 @@ def sizes(dataset: xr.Dataset) -> Table:
     """One row per size of bed and number of threads."""
     table = numbers(
         "discs", "threads", "ns a granule-step", "lowest, highest", "against\nsmallest",
-        "against\none thread", "bytes a granule",
+        "against\none thread", "separate beds,\nagainst one", "LAMMPS on ranks,\nagainst one",
+        "bytes a granule",
     )  # fmt: skip
-    middle = dataset["size_step_time"].median("repeat")
+    times = dataset["size_step_time"]
+    ratios = [times / times.isel(size=0)] + [
+        dataset[f"{name}_step_time"] / dataset[f"{name}_step_time"].isel(threads=0)
+        for name in ("size", "apart", "ranks")
+    ]
     for size in dataset["size"].values:
         for threads in dataset["threads"].values:
-            times = 1e9 * dataset["size_step_time"].sel(size=size, threads=threads).values
-            here = float(middle.sel(size=size, threads=threads))
+            here = {"size": size, "threads": threads}
+            spent = 1e9 * times.sel(here).values
+            found = [float(ratio.sel(here).median()) for ratio in ratios]
             table.add_row(
-                f"{size:,}", str(threads), f"{np.median(times):.1f}",
-                f"{times.min():.1f}, {times.max():.1f}",
-                f"{here / float(middle[0].sel(threads=threads)):.2f}",
-                f"{here / float(middle.sel(size=size)[0]):.2f}",
+                f"{size:,}", str(threads), f"{np.median(spent):.1f}",
+                f"{spent.min():.1f}, {spent.max():.1f}",
+                *("" if np.isnan(ratio) else f"{ratio:.2f}" for ratio in found),
                 f"{float(dataset['size_memory'].sel(size=size)):.0f}",
             )  # fmt: skip
-    return table
-
-
-def ranks(dataset: xr.Dataset) -> Table:
-    """One row per code and number of processors, for the bed that LAMMPS ran too."""
-    table = numbers(
-        "code", "discs", "threads or ranks", "ns a granule-step", "lowest, highest", "against one"
-    )
-    ran = np.isfinite(dataset["ranks_step_time"]).all(("threads", "repeat"))
-    for size in dataset["size"].values[ran]:
-        for code, name in (("dem", "size_step_time"), ("LAMMPS", "ranks_step_time")):
-            here = 1e9 * dataset[name].sel(size=size)
-            for number in here["threads"].values:
-                times = here.sel(threads=number).values
-                table.add_row(
-                    code, f"{size:,}", str(number), f"{np.median(times):.1f}",
-                    f"{times.min():.1f}, {times.max():.1f}",
-                    f"{np.median(times) / np.median(here[0]):.2f}",
-                )  # fmt: skip
     return table
 
 

@@ -61,14 +61,6 @@ class Speed(Findings):
         forms = cost[cost["drag_code"].str.startswith(code)]
         return f"{float(forms.min() / cost[0]):.1f}"
 
-    def ranked(self) -> bool:
-        """Whether LAMMPS ran on ranks of MPI."""
-        return bool(np.isfinite(self.dataset["ranks_step_time"]).any())
-
-    def ranks(self) -> Table:
-        """One row per code and number of processors, for the bed that LAMMPS ran too."""
-        return speed_report.ranks(self.dataset)
-
     def stages(self) -> Table:
         """One row per bed and part of a step."""
         return speed_report.stages(self.dataset)
