@@ -5,12 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from test_motion import STILL, smoothly
 
 from dem import (
     Bed,
     Disc,
+    Drive,
     Ellipse,
     Friction,
+    Held,
     InputError,
     Material,
     Scene,
@@ -27,29 +30,57 @@ PITCH = 1e-3  # m
 
 
 def swarm(side=40, seed=1):
-    """More granules than a chunk holds, on a grid, that fly about and collide in a box."""
+    """More granules than a chunk holds, on a grid, that fly about and collide in a box.
+
+    The box repeats itself along x, its walls are guided and one granule above all others is held:
+    large beds with motions and without share machine code.
+    """
     rng = np.random.default_rng(seed)
     n = side * side
     assert n > CHUNK
     grid = PITCH * (np.stack(np.meshgrid(*2 * [np.arange(side)]), -1).reshape(-1, 2) + 0.5)
-    scene = Scene(Disc(rng.uniform(0.3, 0.49, n) * PITCH), Material(2500.0, 1e9, 0.3, 0.7),
-                  Friction(), box(side * PITCH, side * PITCH), thickness=PITCH)  # fmt: skip
-    return scene, State(grid, rng.normal(size=(n, 2)), angular_velocity=rng.normal(size=n))
+    scene = Scene(
+        Disc(rng.uniform(0.3, 0.49, n + 1) * PITCH), Material(2500.0, 1e9, 0.3, 0.7), Friction(),
+        box(side * PITCH, (side + 2) * PITCH)[2:], thickness=PITCH,
+        periodic=(side * PITCH, None), wall_motion=[STILL, STILL], held=[Held([n])],
+    )  # fmt: skip
+    place = np.concatenate([grid, [[0.5 * PITCH, (side + 1.5) * PITCH]]])
+    velocity, spin = rng.normal(size=(n + 1, 2)), rng.normal(size=n + 1)
+    velocity[n] = 0.0
+    return scene, State(place, velocity, angular_velocity=spin)
+
+
+def crowd():
+    """More granules than a chunk holds, some of them held, between walls that move, in a box that
+    repeats itself from side to side."""
+    made, start = swarm()
+    side = made.periodic[0]
+    ground = Held(start.position[:, 1] < PITCH, (2.0, 0.0))
+    middle = np.flatnonzero(np.hypot(*(start.position - 0.5 * side).T) < 3 * PITCH)
+    body = Held(middle, Drive((0.0, 0.5), 1e-4))
+    motions = [Drive((None, 1.0), 1e-3), smoothly(-1.0, 1e-4, axis=1)]
+    return replace(made, held=[ground, body], wall_motion=motions), start
 
 
 def test_the_number_of_threads_changes_no_bit():
-    """One, two and three threads give the same states and measurements, however a run is cut."""
-    scene, state = swarm()
+    """However a run is cut. The sums over a group have one order; the numbers of granules are those of
+    the user. Pairs across the sides have images."""
+    made, start = crowd()
     found = []
-    for threads in (1, 2, 3):
-        run = Simulation(scene, state, threads=threads)
+    for threads in (1, 2):
+        run = Simulation(made, start, threads=threads)
         for _ in range(20):
             record = run.record(1e-5, 1)
         found.append((*vars(run.state).values(), *record, run.steps))
-    assert found[0][-1] > 50 and np.abs(found[0][0] - state.position).max() > 0.1 * PITCH
+    assert found[0][-1] > 50 and np.abs(found[0][0] - start.position).max() > 0.1 * PITCH
     for other in found[1:]:
         for first, second in zip(found[0], other, strict=True):
             assert_array_equal(first, second)
+    ground, body = (group.granules for group in made.held)
+    moved = found[0][0] - start.position
+    assert_allclose(moved[ground], np.broadcast_to([4e-4, 0.0], (len(ground), 2)), atol=1e-15)
+    assert np.ptp(moved[body], axis=0).max() < 1e-15 and moved[body][0, 1] > 0.0
+    assert np.abs(found[0][-2]).max() > 0.0
 
 
 def test_a_large_bed_goes_on_from_a_checkpoint_with_the_same_bits():
@@ -63,9 +94,7 @@ def test_a_large_bed_goes_on_from_a_checkpoint_with_the_same_bits():
     assert np.abs(whole.state.position - state.position).max() > 0.1 * PITCH
     for a, b in zip(vars(whole.state).values(), vars(second.state).values(), strict=True):
         assert_array_equal(a, b)
-    other = Scene(
-        scene.shape, Material(2500.0, 2e9, 0.3, 0.7), Friction(), scene.walls, thickness=PITCH
-    )
+    other = replace(scene, material=Material(2500.0, 2e9, 0.3, 0.7))
     with pytest.raises(InputError, match="another scene"):
         Simulation(other, state).restore(whole.checkpoint())
 
@@ -77,7 +106,9 @@ def test_contacts_of_a_large_bed_name_the_granules_of_the_input():
     run.record(1e-4, 1)
     found, place = run.contacts(), run.state.position
     reach = scene.shape.radius[:, None] + scene.shape.radius
-    apart = np.linalg.norm(place[:, None] - place, axis=2)
+    away = place[:, None] - place
+    away[..., 0] -= scene.periodic[0] * np.rint(away[..., 0] / scene.periodic[0])
+    apart = np.linalg.norm(away, axis=2)
     pairs = np.argwhere(np.triu(apart < reach, 1))
     between = found.partner >= 0
     named = np.sort(np.column_stack([found.granule, found.partner])[between], axis=1)
@@ -91,7 +122,8 @@ def test_a_large_bed_keeps_momentum_and_the_order_of_its_granules():
     """Pairs of two chunks push both granules alike; results stand in the order of the input."""
     scene, state = swarm()
     width = scene.walls[:, 2].max()
-    free = replace(scene, walls=box(3.0 * width, 3.0 * width))  # walls that nothing reaches
+    walls, periodic = box(3.0 * width, 3.0 * width)[2:], (3.0 * width, None)
+    free = replace(scene, walls=walls, periodic=periodic)  # sides that nothing reaches
     state.position += width
     run = Simulation(free, state)
     assert not run.record(1e-4, 1).wall_force.any()
@@ -102,7 +134,8 @@ def test_a_large_bed_keeps_momentum_and_the_order_of_its_granules():
     order = np.random.default_rng(2).permutation(free.granules)
     shape = Disc(free.shape.radius[order])
     fields = (value[order] for value in vars(state.checked(free.granules)).values())
-    other = Simulation(replace(free, shape=shape), State(*fields))
+    held = [Held(free.is_held[order])]
+    other = Simulation(replace(free, shape=shape, held=held), State(*fields))
     other.record(1e-4, 1)
     assert_allclose(other.state.position, after.position[order], rtol=0.0, atol=1e-9 * PITCH)
 

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from test_large import PITCH, swarm
 
 import dem
 
@@ -401,41 +400,6 @@ def test_motion_in_moving_boundaries_does_not_depend_on_the_skin(small_bed):
     assert moved > 1e-5
     assert_allclose(*(run.state.position for run in runs), rtol=0.0, atol=1e-7 * moved)
     assert_allclose(*(record.wall_offset for record in records), rtol=0.0, atol=1e-7 * moved)
-
-
-def crowd():
-    """More granules than a chunk holds, some of them held, between walls that move, in a box that
-    repeats itself from side to side."""
-    made, start = swarm()
-    side = made.walls[RIGHT, 2]
-    ground = dem.Held(start.position[:, 1] < PITCH, (2.0, 0.0))
-    middle = np.flatnonzero(np.hypot(*(start.position - 0.5 * side).T) < 3 * PITCH)
-    body = dem.Held(middle, dem.Drive((0.0, 0.5), 1e-4))
-    motions = [dem.Drive((None, 1.0), 1e-3), smoothly(-1.0, 1e-4, axis=1)]
-    walls, periodic = made.walls[[BOTTOM, TOP]], (side, None)
-    return replace(
-        made, walls=walls, periodic=periodic, held=[ground, body], wall_motion=motions
-    ), start
-
-
-def test_held_granules_and_walls_change_no_bit_with_the_number_of_threads():
-    """The sums over a group have one order; the numbers of granules are those of the user. Pairs
-    across the sides have images."""
-    made, start = crowd()
-    found = []
-    for threads in (1, 2):
-        run = dem.Simulation(made, start, threads=threads)
-        for _ in range(20):
-            record = run.record(1e-5, 1)
-        found.append((*vars(run.state).values(), *record))
-    for other in found[1:]:
-        for first, second in zip(found[0], other, strict=True):
-            assert_array_equal(first, second)
-    ground, body = (group.granules for group in made.held)
-    moved = found[0][0] - start.position
-    assert_allclose(moved[ground], np.broadcast_to([4e-4, 0.0], (len(ground), 2)), atol=1e-15)
-    assert np.ptp(moved[body], axis=0).max() < 1e-15 and moved[body][0, 1] > 0.0
-    assert np.abs(found[0][-1]).max() > 0.0
 
 
 def test_frames_show_walls_where_they_were():

