@@ -9,7 +9,7 @@ VARIABLES = {
     "time_per_contact": (("scene", "code"), "s", "median time of a step over the number of touching pairs of parts"),
     "scene_granules": (("scene",), "1", "number of granules"),
     "scene_contacts": (("scene",), "1", "number of touching pairs of parts of granules at the start"),
-    "scene_pairs": (("scene",), "1", "number of pairs in our contact list at the start"),
+    "scene_pairs": (("scene",), "1", "number of pairs in our neighbour list at the start"),
     "scene_time_step": (("scene",), "s", "time step of all programs"),
     "load_average": ((), "1", "load average of the computer before anything was timed"),
     "stage": (("stage",), None, "part of a step"),
