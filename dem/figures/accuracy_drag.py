@@ -12,7 +12,7 @@ SHOWN = 0.15  # change of the mean drag at which the axis ends
 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
-    """One column per shape: change of the mean drag above, processor time of a run below."""
+    """One column per shape: change of the mean drag above; processor time and failed runs below."""
     shapes = shapes_of(dataset)
     default = float(dataset.attrs["default_fraction"])
     figure = Figure(figsize=(style.WIDTH, 6.6))
@@ -43,7 +43,7 @@ def sentence(dataset: xr.Dataset) -> str:
 
 
 def _changes(axes, dataset, shape, default) -> None:
-    """Change of the mean with its interval, the straight line with its band, failed runs."""
+    """Change of the mean with its interval, the straight line with its band."""
     found, line = change(table(dataset, shape), default), bias(dataset, shape)
     x, y, half = found["fraction"].values, 100 * found["value"].values, 100 * found["half"].values
     seen = np.abs(y) <= 100.0 * SHOWN
@@ -60,11 +60,6 @@ def _changes(axes, dataset, shape, default) -> None:
     axes.fill_between(steps, 100 * low, 100 * high, color="0.82", linewidth=0.0, zorder=1,
                       label="its 95 % interval")  # fmt: skip
     axes.axvline(default, **style.REFERENCE, label="default step")
-    failed = {step: share for step, share in failures(dataset, shape).items() if share > 0.0}
-    for number, (fraction, share) in enumerate(failed.items()):
-        place = fraction, 0.02 + 0.13 * (number % 2)  # in turns, so that neighbours can be read
-        axes.annotate(f"{100 * share:.0f} %\nfail", place, fontsize=8.0, ha="center",
-                      xycoords=("data", "axes fraction"))  # fmt: skip
     axes.set_title(f"{shape}: bias {style.percent(line.value, line.half)}", loc="left")
 
 
@@ -80,10 +75,17 @@ def _off_scale(axes, x, y) -> None:
 
 
 def _times(axes, dataset, shape, default) -> None:
-    """Median processor time of the runs that came to their end."""
+    """Median processor time of the runs that came to their end, and the share that did not.
+
+    The curve falls, so the words are above it, in turns, so that neighbours can be read.
+    """
     ran = (dataset["trial_shape"].values == shape) & np.isfinite(dataset["trial_drag"].values)
     fractions, times = dataset["trial_fraction"].values[ran], dataset["trial_time"].values[ran]
     x = np.unique(fractions)
     middle = [np.median(times[fractions == f]) for f in x]
     axes.semilogy(x, middle, marker="s", color=style.CURVE, markersize=4.5, linewidth=1.2)
     axes.axvline(default, **style.REFERENCE)
+    failed = {step: share for step, share in failures(dataset, shape).items() if share > 0.0}
+    for number, (fraction, share) in enumerate(failed.items()):
+        axes.annotate(f"{100 * share:.0f} %\nfail", (fraction, 1.0 - 0.22 * (number % 2)), fontsize=8.0,
+                      ha="center", va="top", xycoords=("data", "axes fraction"))  # fmt: skip
