@@ -58,7 +58,7 @@ def _intervals(axes, dataset) -> None:
     )
     second.set_xlabel("Processor time (s)")
     plain(second.xaxis)
-    axes.legend(loc="lower left")
+    axes.legend(loc="upper center")
     own = replicates.expected(found.scatter, PAPER)
     axes.set_title(
         f"The paper's {PAPER} runs give ± {100 * own:.0f} %, and ± {100 * replicates.TARGET:.0f} % "
