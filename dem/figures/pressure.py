@@ -45,7 +45,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     style.legend(figure, rows[0, 0], "outside lower center", ncols=len(found.shapes))
     figure.suptitle(
         "Drag against the width of the box, with the line in 1 / width of the drag or its inverse\n"
-        "(95 % intervals; open, at 0: a box without end, where there is drag in it)"
+        "(95 % intervals; open symbols: a box without end)"
     )
     return figure
 
