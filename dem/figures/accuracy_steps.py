@@ -59,8 +59,8 @@ def sentence(dataset: xr.Dataset) -> str:
     )
     name, count = _name(dataset["integrator"].values[0]), dataset.sizes["step_scene"]
     return (
-        f"{name} at the default step: in {count - sooner} of {count} scenes no integrator\n"
-        f"gets {LESS_WORDS} of its error in clearly less time than it does itself"
+        f"In {count - sooner} of {count} scenes no integrator is clearly faster than {name}\n"
+        f"at {LESS_WORDS} of the error of its default step"
     )
 
 
@@ -186,10 +186,12 @@ def _reading(here):
             return f"{words}, {_name(name)} stalls at {_share(error[np.isfinite(error)][-1])}"
     name, share = _cheapest(here)
     if share == 0.0:
-        return f"{words}; only {name} gets {LESS_WORDS} of it"
+        return f"{words}; only {name} reaches {LESS_WORDS} of it"
     if share < SOONER:
-        return f"{words}; {LESS_WORDS} of it takes {name} {share:.2f} of {_name(names[0])}'s time"
-    return f"{words}; none gets {LESS_WORDS} of it sooner"
+        return (
+            f"{words}; at {LESS_WORDS} of it {name} takes {share:.2f} of {_name(names[0])}'s time"
+        )
+    return f"{words}; no other is faster at {LESS_WORDS} of it"
 
 
 def _comparison(here, curves):
