@@ -152,6 +152,9 @@ SMOKE = ("--config", "config/smoke.yaml")
         (("sweep", "config/smok.yaml"), "the nearest is config/smoke.yaml"),
         (("compile", "--config", "confg/smoke.yaml"), "there is no folder confg"),
         (("claims", "test", "README.md", "--margin", "nan"), "margin is nan"),
+        (("claims", "test", "docs/data/shear.nc"), "runs of the experiment shear have no drag; draw them with dem figure shear docs"),
+        (("figure", "sweep", "docs/data/onset.nc", "-o", "OUT"), "runs of the experiment onset have no drag; draw them with dem figure onset docs"),
+        (("report", "docs/data/shear.nc", "-o", "OUT.html"), "runs of the experiment shear have no drag"),
         (("chunk", "zz", "-o", "OUT"), "there is no such plan; start the sweep again"),
         (("pack", "--config", "q.yaml\n", "--shape", "c1", "--seed", "1", "-o", "OUT"), r"config is 'q.yaml\n'; its name"),
         (("pack", *SMOKE, "--shape", "c1", "--seed", "1", "-o", "a\u202e.nc"), r"output is 'a\u202e.nc'; its name"),
@@ -160,7 +163,7 @@ SMOKE = ("--config", "config/smoke.yaml")
 def test_a_value_that_no_verb_can_use_is_refused(tmp_path, monkeypatch, arguments, sentence):
     """Status 2, the value is named, and nothing is written."""
     monkeypatch.chdir(ROOT)
-    words = [str(tmp_path / "out") if word == "OUT" else word for word in arguments]
+    words = [word.replace("OUT", str(tmp_path / "out.nc")) for word in arguments]
     result = CliRunner().invoke(app, words)
     assert result.exit_code == 2, (result.output, result.exception)
     assert sentence in result.stderr and not list(tmp_path.iterdir())

@@ -1,5 +1,6 @@
 """One file per figure: `plot(Dataset) -> Figure`, no physics. A new figure is a file and a line."""
 
+import json
 from importlib import import_module
 from pathlib import Path
 
@@ -221,6 +222,7 @@ def draw(name: str, data: Path, folder: Path) -> list[Path]:
         names = ", ".join([*FIGURES, *SWEPT, *SHEAR, *STUDIES])
         raise InputError(f"figure is {name!r}; there are {names} and all.")
     files, faults = [], []
+    require_drag(data)
     with open_combined(data) as dataset:
         cases = by_case(dataset)
         every = SWEPT if cases is None else FIGURES
@@ -238,6 +240,20 @@ def draw(name: str, data: Path, folder: Path) -> list[Path]:
     if not files:
         raise InputError("\n".join(faults))
     return files
+
+
+def require_drag(data: Path) -> None:
+    """Raise InputError for runs of an experiment that records no drag, with the figures they have."""
+    from dem.io.lazily import open_lazily
+
+    with open_lazily(data) as dataset:
+        about = json.loads(dataset.attrs.get("configuration", "{}"))
+        experiment = about.get("experiment", "drag")
+        if experiment == "drag" or "drag" in dataset.variables:
+            return
+        verbs = [f"dem figure {name} {data}" for name in FILES.get(experiment, ())]
+        hint = f"; draw them with {' or '.join(verbs)}" if verbs else ""
+        raise InputError(f"{data}: runs of the experiment {experiment} have no drag{hint}.")
 
 
 def _check_axes(name, sizes):

@@ -17,7 +17,7 @@ from dem.analysis.statistics import by_case, change, summarise
 from dem.analysis.statistics import densities as densities_of
 from dem.base.errors import InputError
 from dem.base.files import atomic
-from dem.figures import FIGURES, FLOW, STUDY_FIGURES, captions, drawn_from
+from dem.figures import FIGURES, FLOW, STUDY_FIGURES, captions, drawn_from, require_drag
 from dem.figures.style import percent
 from dem.io.lazily import open_lazily, require
 from dem.report import varied
@@ -40,6 +40,7 @@ def build(drag: Path, flow: Path, notes: Path, output: Path) -> None:
     other than cases or shapes has a table over its axes instead.
     """
     folder = Path(drag).parent
+    require_drag(drag)
     with open_combined(drag) as dataset:
         require(dataset, drag, {}, NEEDED, ORIGIN)
         names = {*drawn_from(drag, dataset, FIGURES), *drawn_studies(folder)}
