@@ -71,17 +71,17 @@ def axis_of(key: str, spec, place: Place) -> Axis:
         _once(names, here)
         about = Entry(key, None, "values that go together")
         return Axis(_own_name(key, here), about, names, points)
-    hint = _shared(key, place) or meant(key, [*place.paths, *READERS])
+    shared = "; all runs of a file share it, use another file"
+    hint = shared if _is_shared(key, place) else meant(key, [*place.paths, *READERS])
     raise InputError(f"{place.where}: {key} is no value that can vary{hint}.")
 
 
-def _shared(key: str, place: Place) -> str:
-    """A hint for a value that there is, but that runs of one file share."""
+def _is_shared(key: str, place: Place) -> bool:
+    """Whether there is a value of this key, but one that all runs of a file share."""
     at = place.sweep.values()
     for name in key.split("."):
         at = at.get(name) if isinstance(at, dict) else None
-    shared = at is not None and not isinstance(at, dict)
-    return "; all runs of a file share it, use another file" if shared else ""
+    return at is not None and not isinstance(at, dict)
 
 
 def _cases(spec, here: Place) -> Axis:
@@ -197,15 +197,21 @@ def changes(values, place: Place) -> dict:
 
 def changes_of_words(configuration: Configuration, words: list[str]) -> dict:
     """Values by path from words such as friction.granule=0.3; raises InputError."""
-    found = {}
+    found, place = {}, place_in(configuration, "values")
     for word in words:
         path, equal, value = word.partition("=")
         if not equal or not value:
             raise InputError(f"{word!r} is no value; write PATH=VALUE, such as box_width=0.02.")
         if path in OWN:
             raise InputError(f"{word!r} is said by an option; write --{path} {value}.")
+        if path not in place.paths:
+            hint = (
+                "set it in a configuration, and name that by --config" if _is_shared(path, place)
+                else f"there is no such value{meant(path, place.paths)}"
+            )  # fmt: skip
+            raise InputError(f"{path} is {value!r}; {hint}.")
         found[path] = value
-    return changes(found, place_in(configuration, "values"))
+    return changes(found, place)
 
 
 def is_derived(value) -> bool:
