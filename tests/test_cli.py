@@ -156,6 +156,7 @@ SMOKE = ("--config", "config/smoke.yaml")
         (("figure", "sweep", "docs/data/onset.nc", "-o", "OUT"), "runs of the experiment onset have no drag; draw them with dem figure onset docs"),
         (("report", "docs/data/shear.nc", "-o", "OUT.html"), "runs of the experiment shear have no drag"),
         (("pack", *SMOKE, "--shape", "c1", "--seed", "1", "record.window=[1,2]", "-o", "OUT"), "record.window is '[1,2]'; set it in a configuration"),
+        (("film", "docs/data/flow.nc", "case=c1", "seed=1", "-o", "OUT.mp4"), "which this copy lacks; name that file"),
         (("chunk", "zz", "-o", "OUT"), "there is no such plan; start the sweep again"),
         (("pack", "--config", "q.yaml\n", "--shape", "c1", "--seed", "1", "-o", "OUT"), r"config is 'q.yaml\n'; its name"),
         (("pack", *SMOKE, "--shape", "c1", "--seed", "1", "-o", "a\u202e.nc"), r"output is 'a\u202e.nc'; its name"),

@@ -69,6 +69,11 @@ def chunk_of(path: Path, run: str) -> Path:
             with_plan = file.is_file() and file.parent.name == "chunks"
             if with_plan and run in Store(file.parents[1]).read_plan(link.stem).runs:
                 return link
+    if not (folder / "chunks").is_dir() and not (folder.parent / "chunks").is_dir():
+        raise InputError(
+            f"{path}: its runs are in the folder chunks beside the file that the sweep wrote, which "
+            "this copy lacks; name that file, or make the sweep."
+        )
     raise InputError(
         f"{path}: its run {run[:12]} is in no file of {folder}/chunks; make the sweep again."
     )
