@@ -201,6 +201,13 @@ def test_what_breaks_a_law_is_told(monkeypatch, sentence):
     assert str(error.value).startswith(type(shape).__name__)
 
 
+@pytest.mark.parametrize("value", [3, None, dem.Disc])
+def test_only_granules_are_checked(value):
+    """What is no granules at all, a class too, is refused in the words of Scene."""
+    with pytest.raises(dem.InputError, match=r"^shape is .*; it must be granules of a shape, such"):
+        dem.check_shape(value)
+
+
 @pytest.mark.parametrize("missing", ["find_contact", "support", "circle"])
 def test_an_open_question_is_refused_when_the_shape_is_made_known(missing):
     """A class that leaves a question of the kernels open is refused, with both names."""

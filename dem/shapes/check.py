@@ -10,6 +10,7 @@ import math
 import numpy as np
 
 from dem.base.errors import InputError
+from dem.base.validate import refuse
 from dem.jit.columns import FX, FY, TAU, X, Y, rows
 from dem.jit.compilation import compiled
 from dem.jit.optional import either
@@ -141,7 +142,7 @@ def check_shape(shape) -> None:
     Raises
     ------
     InputError
-        If the granules break a law, with one sentence for each: area, inertia and bounding circle
+        If these are no granules, or they break a law, with one sentence for each: area, inertia and bounding circle
         fit the outline, a contact is the same from both sides, and forces have a potential.
 
     Notes
@@ -154,6 +155,8 @@ def check_shape(shape) -> None:
     >>> import dem
     >>> dem.check_shape(dem.Disc([1e-3, 2e-3]))  # no news is good news
     """
+    if isinstance(shape, type) or not hasattr(shape, "_asdict"):
+        refuse("shape", shape, "be granules of a shape, such as dem.Disc")
     name = type(shape).__name__
     _refuse(name, _unknown(shape))
     few = Few(_some(shape))
