@@ -115,6 +115,8 @@ def _check_target(target: Place) -> None:
         raise OSError(_cannot(target.path, f"{there} is read-only or belongs to another user"))
     if found == "a file":
         _check_kind(target)
+    if target.kind == ".nc" and target.path.suffix != target.kind:
+        raise InputError(f"{target.words}; it must end in .nc, because it will be a netCDF file.")
 
 
 def _check_kind(target: Place) -> None:
