@@ -21,7 +21,9 @@ def within(drag: xr.DataArray, start: float, stop: float) -> xr.DataArray:
     middle = drag["displacement"].values
     inside = (middle >= start) & (middle <= stop)
     if not inside.any():
-        raise InputError(f"No bin of the drag has its middle between {start:g} m and {stop:g} m.")
+        raise InputError(
+            f"the window from {start:g} m to {stop:g} m holds no middle of a bin of the drag."
+        )
     return drag.isel(displacement=inside)
 
 

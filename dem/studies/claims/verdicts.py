@@ -70,6 +70,7 @@ def share(claim: Claim, found: Evidence) -> Share | None:
 def evidence_in(path: Path, margin: float = MARGIN) -> Evidence:
     """Runs in claims.nc, or in drag.nc with the flow.nc beside it; raises InputError."""
     from dem.analysis.flow.layout import VARIABLES as FLOW
+    from dem.io.dataset import content_of
     from dem.io.lazily import open_lazily, require
     from dem.studies.claims.layout import VARIABLES
     from dem.sweep.combine import open_combined
@@ -84,12 +85,13 @@ def evidence_in(path: Path, margin: float = MARGIN) -> Evidence:
         if set(dims) != {"case", "seed"}:
             raise InputError(f"{path}: its runs are over {', '.join(dims)}; claims compare cases.")
         drag = dataset.load()
-    if not flow.is_file():
-        return from_sweep(drag, None, margin)
-    with open_lazily(flow) as moves:
-        same = _same(moves, drag)
-        if same is not None:
-            require(moves, flow, FLOW, MEASURES, ("window_start", "window_stop"))
+    same = None
+    if flow.is_file():
+        with open_lazily(flow) as moves:
+            same = _same(moves, drag)
+            if same is not None:
+                require(moves, flow, FLOW, MEASURES, ("window_start", "window_stop"))
+    with content_of(path):
         return from_sweep(drag, same, margin)
 
 
