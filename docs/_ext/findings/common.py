@@ -1,5 +1,6 @@
 """What all findings share: the released file, and how numbers and tables become Markdown."""
 
+import re
 from functools import cached_property
 from pathlib import Path
 
@@ -37,7 +38,10 @@ def heads(words: int, *columns: str) -> Table:
 
 
 def _cell(text) -> str:
-    return str(text).replace("|", r"\|").replace("+-", "±").replace(" ± nan", "").replace("\n", " ")
+    words = (
+        str(text).replace("|", r"\|").replace("+-", "±").replace(" ± nan", "").replace("\n", " ")
+    )
+    return re.sub(r"(?<!\w)-(?=\d)|(?<=\de)-(?=\d)", "\N{MINUS SIGN}", words)  # of -0.7 and 1.2e-05
 
 
 def interval(value: float, half: float, unit: str = "", digits: int = 0) -> str:
@@ -94,9 +98,15 @@ class Findings:
         attrs = self.dataset.attrs
         day = attrs["history"].split("T")[0]
         return (
-            f"*Computed by `{attrs['made_with']}` at revision `{self.revision}` on {day}; "
+            f"*Computed by `{attrs['made_with']}` at {_revisions(self.revision)} on {day}; "
             f"file `docs/data/{self.path.name}`.*"
         )
+
+
+def _revisions(names: str) -> str:
+    """One revision, or several: revisions `a` and `b`."""
+    several = "revisions" if ", " in names else "revision"
+    return f"{several} `{'` and `'.join(names.split(', '))}`"
 
 
 def clock(seconds: float) -> str:
