@@ -75,7 +75,7 @@ class Velocity(Findings):
         return self._told(self._law(friction).exponent, digits=2)
 
     def share(self) -> str:
-        """Share of the limit with friction that is absent without."""
+        """Share of the limit with friction that vanishes without."""
         return self._told(100.0 * self._share(), "%")
 
     def rest(self) -> str:
@@ -102,7 +102,7 @@ class Velocity(Findings):
         return self.rates.interval(self._law(friction).limit).low > 0.0
 
     def tangential(self, velocity: float) -> str:
-        """Share of tangential contact forces in the drag with friction."""
+        """Share of tangential forces on the cylinder in the drag with friction."""
         runs = self.dataset.sel(friction="0.3", cylinder_velocity=velocity)
         window = self.dataset.attrs["window_start"], self.dataset.attrs["window_stop"]
         part, whole = (within(runs[name], *window) for name in ("drag_tangential", "drag"))
