@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from conftest import assert_alone, assert_not_blank, places_shown
 from made import made
 from rich.console import Console
@@ -267,3 +268,13 @@ def test_the_report_works_in_a_browser(page, browser, width):
         const data = bed.getContext("2d").getImageData(0, 0, bed.width, bed.height).data;
         return new Set(new Uint32Array(data.buffer)).size"""
     assert browser.execute_script(painted) > 10
+
+
+def test_a_file_read_in_pieces_gives_the_same_mean_drag():
+    """As xarray does for results that are larger than memory."""
+    file = ROOT / "docs/data/drag.nc"
+    with xr.open_dataset(file) as whole, xr.open_dataset(file, chunks={}) as pieces:
+        assert whole["drag"].chunks is None and pieces["drag"].chunks is not None
+        xr.testing.assert_allclose(
+            pieces["drag"].mean("displacement").compute(), whole["drag"].mean("displacement")
+        )
