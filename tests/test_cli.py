@@ -156,7 +156,6 @@ SMOKE = ("--config", "config/smoke.yaml")
         (("figure", "sweep", "docs/data/onset.nc", "-o", "OUT"), "runs of the experiment onset have no drag; draw them with dem figure onset docs"),
         (("report", "docs/data/shear.nc", "-o", "OUT.html"), "runs of the experiment shear have no drag"),
         (("pack", *SMOKE, "--shape", "c1", "--seed", "1", "record.window=[1,2]", "-o", "OUT"), "record.window is '[1,2]'; set it in a configuration"),
-        (("film", "docs/data/flow.nc", "case=c1", "seed=1", "-o", "OUT.mp4"), "which this copy lacks; name that file"),
         (("pack", *SMOKE, "--shape", "c1", "--seed", "1", "-o", "OUT.txt"), "it must end in .nc"),
         (("chunk", "zz", "-o", "OUT"), "there is no such plan; start the sweep again"),
         (("pack", "--config", "q.yaml\n", "--shape", "c1", "--seed", "1", "-o", "OUT"), r"config is 'q.yaml\n'; its name"),
