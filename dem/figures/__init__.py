@@ -247,9 +247,10 @@ def require_drag(data: Path) -> None:
     from dem.io.lazily import open_lazily
 
     with open_lazily(data) as dataset:
-        about = json.loads(dataset.attrs.get("configuration", "{}"))
-        experiment = about.get("experiment", "drag")
-        if experiment == "drag" or "drag" in dataset.variables:
+        if "drag" in dataset.variables:
+            return
+        experiment = json.loads(dataset.attrs.get("configuration", "{}")).get("experiment", "drag")
+        if experiment == "drag":
             return
         verbs = [f"dem figure {name} {data}" for name in FILES.get(experiment, ())]
         hint = f"; draw them with {' or '.join(verbs)}" if verbs else ""
