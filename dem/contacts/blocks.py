@@ -313,7 +313,7 @@ def accumulate(contacts, start, stop, values, inverse_inertia, force):
     """Add the forces of a block to both constituents of each pair.
 
     force (4 constituents,): the rows of dem.jit.columns one after the other. To keep the sum of one
-    constituent in registers from pair to pair would take a branch that no processor foresees.
+    constituent in registers from pair to pair takes longer: each pair must choose which sum it adds to.
     """
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
