@@ -16,7 +16,8 @@ from dem.base.yaml_file import read
 from dem.experiment.config import Replicate, entries
 from dem.sweep import chunk as making
 from dem.sweep import store as stores
-from dem.sweep.config import load, parse
+from dem.sweep.axis import changes_of_words
+from dem.sweep.config import load, merged, parse
 from dem.sweep.work import Work
 
 FEW = {"c1": {"kind": "disc", "diameter": 1092e-6, "granules": 30}}
@@ -149,6 +150,16 @@ def test_every_value_of_the_schema_can_vary():
     assert {"box_width", "shapes.c1.granules", "numerics.time_step", "gravity"} <= set(known)
     assert not {"record.window", "results", "title"} & set(known)
     assert all(entry.about for entry in known.values())
+
+
+def test_a_value_of_the_command_line_is_the_number_that_a_file_would_give():
+    """A count stays a whole number, beside others that are not."""
+    words = ["shapes.c1.granules=40", "box_width=7e-3", "friction.granule=0"]
+    told = load(CONFIG / "smoke.yaml")
+    told = told.changed(changes_of_words(told, words), "c1").replicate("c1", 3.9e3, 1)
+    file = {"box_width": 7e-3, "friction": {"granule": 0}, "shapes": {"c1": {"granules": 40}}}
+    base = yaml.safe_load((CONFIG / "smoke.yaml").read_text())
+    assert told.id == parse(merged(base, file)).replicate("c1", 3.9e3, 1).id
 
 
 @pytest.mark.parametrize(

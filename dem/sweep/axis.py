@@ -6,6 +6,7 @@ that change together, or a design over ranges.
 """
 
 import re
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 from dem.base.errors import InputError
@@ -210,6 +211,8 @@ def changes_of_words(configuration: Configuration, words: list[str]) -> dict:
                 else f"there is no such value{meant(path, place.paths)}"
             )  # fmt: skip
             raise InputError(f"{path} is {value!r}; {hint}.")
+        with suppress(ValueError):
+            value = int(value)
         found[path] = value
     return changes(found, place)
 
