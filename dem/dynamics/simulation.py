@@ -1007,7 +1007,7 @@ class Simulation:
         lost = ~np.isfinite(self._world.bodies).all(axis=1)
         if lost.any():
             raise StateError(
-                f"the motion of granule {self._name(lost.argmax())} is not a number {when}: take a smaller "
+                f"the motion of granule {self._name(int(lost.argmax()))} is not a number {when}: take a smaller "
                 "time step."
             )
         if outcome == LOST:
@@ -1122,7 +1122,7 @@ def simulate(
     for frame in range(1, frames + 1):
         shortest = min(shortest, run.advance(interval))
         pushed = run._collect()
-        forces = {
+        forces: dict[str, Any] = {
             "cylinder_force": pushed.on_cylinder.sum(axis=0), "cylinder_torque": pushed.twist,
             "wall_force": pushed.on_walls, "wall_tangential_force": pushed.shear,
             "held_force": pushed.on_held,
