@@ -35,7 +35,7 @@ LEFT_OUT = {  # on no page, in no figure
     ),
     "pressure": (
         "transverse_force", "kinetic_energy", "drag_normal", "drag_tangential", "coordination_number",
-        "time_step",
+        "max_overlap", "time_step",
     ),
     "preparation": (
         "wall_force", "transverse_force", "kinetic_energy", "drag_normal", "drag_tangential",
@@ -43,7 +43,7 @@ LEFT_OUT = {  # on no page, in no figure
     ),
     "shear": ("shear_height", "steps"),
 }  # fmt: skip
-ROUNDED = ("bed_x", "bed_y", "bed_angle", "run_curve")  # no page shows more digits than float32 has
+ROUNDED = ("bed_x", "bed_y", "bed_angle", "run_curve", "wall_force")  # no page shows more digits than float32 has
 
 
 def release(results: Path) -> None:
