@@ -46,7 +46,7 @@ KERNELS = MOVING | {"kernel", "accuracy"}
 READERS = {"drag.nc", "figure"}
 LINE = "\nEDITED = True\n"
 
-# (file, what stands there and what is put instead, or a line that is added): what is made again
+# (file, what is there and what is put instead, or a line that is added): what is made again
 EDITS = {
     "a line of a kernel": ("dem/contacts/force_law.py", LINE, KERNELS),
     "a line of columns": ("dem/jit/columns.py", LINE, KERNELS),

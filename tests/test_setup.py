@@ -1,4 +1,4 @@
-"""The set-up: uv looks where pip would look, and pip stands in for it."""
+"""The set-up: uv looks where pip would look, and pip takes its place."""
 
 import importlib.util
 import os

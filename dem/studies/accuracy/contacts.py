@@ -106,7 +106,7 @@ class Turns(NamedTuple):
     each method and start (m, s): a method without memory is the same from every start."""
 
     order: list[tuple[int, int]]
-    stands: np.ndarray
+    counted: np.ndarray
 
     @classmethod
     def of(cls, methods, starts: int) -> "Turns":
@@ -115,11 +115,11 @@ class Turns(NamedTuple):
             for m, method in enumerate(methods)
             for s in range(starts if method.remembers else 1)
         ]
-        stands = [
+        counted = [
             [order.index((m, s if method.remembers else 0)) for s in range(starts)]
             for m, method in enumerate(methods)
         ]
-        return cls(order, np.array(stands))
+        return cls(order, np.array(counted))
 
 
 def measure_stratum(rng, plan: Plan, ratio: float, overlap: float) -> dict:
@@ -140,10 +140,10 @@ def measure_stratum(rng, plan: Plan, ratio: float, overlap: float) -> dict:
         [(methods[m], guesses[s]) for m, s in turns.order], pairs, plan.repeats
     )  # fmt: skip
     known = [against_truth(right, some, "contact_definition") for right in rights]
-    result = {name: np.array([row[name] for row in rows])[turns.stands] for name in rows[0]}
+    result = {name: np.array([row[name] for row in rows])[turns.counted] for name in rows[0]}
     result |= {name: np.array([row[name] for row in known]) for name in known[0]}
     confirmed = max(max(difference(pairs, k)) for k in range(plan.confirmed))
-    return result | {"contact_time": spent[turns.stands], "contact_truth_error": confirmed}
+    return result | {"contact_time": spent[turns.counted], "contact_truth_error": confirmed}
 
 
 def reject_times(rng, plan: Plan, ratio: float):
@@ -152,7 +152,7 @@ def reject_times(rng, plan: Plan, ratio: float):
     guesses = [starts(rng, pairs, off) for off in plan.starts]
     turns = Turns.of(methods, len(guesses))
     tried = [(methods[m], guesses[s]) for m, s in turns.order]
-    return trials.time_all(tried, pairs, plan.repeats)[turns.stands]
+    return trials.time_all(tried, pairs, plan.repeats)[turns.counted]
 
 
 def measure(plan: Plan = USUAL, progress=lambda done: None) -> dict:
