@@ -33,7 +33,8 @@ CONTACT_KINDS = "granule", "wall", "cylinder"
 class GranuleTable(NamedTuple):
     """Constants of the granules that the lists and the surveys need.
 
-    per: constituents per granule; radius, bounding (constituents,) in m: for Hertz's law, and of
+    moving (n,): 1/sqrt(mass) in kg^-0.5; turning (n,): 1/sqrt(inertia) in kg^-0.5 m^-1, None where
+    nothing turns. per: constituents per granule; radius, bounding (constituents,) in m: for Hertz's law, and of
     the circle that holds one; mass (constituents,) in kg: of the whole granule; mobility: greatest
     1/m + lever^2/I (1/kg) of a contact; bend (n,) in 1/(kg m): 2/3 normal_bend / I, which bounds
     the rotational stiffness that a normal force adds, over k delta; skin (m); period along x and y
@@ -42,6 +43,8 @@ class GranuleTable(NamedTuple):
     is.
     """
 
+    moving: np.ndarray
+    turning: np.ndarray | None
     per: int
     radius: np.ndarray
     bounding: np.ndarray
@@ -79,6 +82,8 @@ def granule_table(scene: Scene, skin: float) -> GranuleTable:
     per = len(bounding) // scene.granules
     period = scene.periodic or (None, None)
     return GranuleTable(
+        moving=np.sqrt(inverse_mass),
+        turning=np.sqrt(inverse_inertia) if can_turn(scene) else None,
         per=per,
         radius=shape.constituent_radius,
         bounding=bounding,
@@ -124,6 +129,12 @@ def friction_parameters(scene: Scene, kind: str) -> FrictionParameters | None:
     ratio *= friction.stiffness
     coefficient = float(getattr(friction, kind))
     return FrictionParameters(coefficient, 6.0 * ratio, math.sqrt(4.0 * ratio))
+
+
+def can_turn(scene: Scene) -> bool:
+    """Whether any contact turns a granule."""
+    rough = friction_parameters(scene, "granule") is not None
+    return rough or bool(np.any(scene.shape.normal_lever > 0.0))
 
 
 def motion(position, velocity, spin):
@@ -258,8 +269,6 @@ def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = 
     """All arrays of the kernels, with empty neighbour lists; accounted: keep an energy ledger."""
     n, index = scene.granules, np.empty(0, np.uint32)
     has_angle = scene.shape.needs_angle
-    rough = friction_parameters(scene, "granule") is not None
-    turning = rough or bool(np.any(scene.shape.normal_lever > 0.0))
     bodies, force = motion(state.position, state.velocity, state.angular_velocity), rows(n, 4)
     alone = table.per == 1
     inverse_mass, inverse_inertia = mobilities(scene)
@@ -269,7 +278,7 @@ def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = 
         angle=state.angle,
         frame=np.column_stack([np.cos(state.angle), np.sin(state.angle)]) if has_angle else None,
         inverse_mass=inverse_mass,
-        inverse_inertia=inverse_inertia if turning else None,
+        inverse_inertia=inverse_inertia if can_turn(scene) else None,
         force=force,
         constituents=bodies if alone else rows(n * table.per, 8),
         constituent_force=force if alone else rows(n * table.per, 4),

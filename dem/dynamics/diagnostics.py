@@ -109,24 +109,21 @@ def row_of(held, i):
 
 
 @optional
-def weight_of_member(held, inverse_mass, inverse_inertia, i, lever):
+def weight_of_member(held, table, i, lever):
     b = held.group[i]
     if b < 0:
-        return weight(inverse_mass, inverse_inertia, i, lever)
+        return weight(table, i, lever)
     return lightness(held.guide, b)
 
 
 @inlined
-def weight_of(held, inverse_mass, inverse_inertia, i, lever):
+def weight_of(held, table, i, lever):
     """As `weight`; that of its group where granule i is held."""
-    return either(
-        weight_of_member(held, inverse_mass, inverse_inertia, i, lever),
-        weight(inverse_mass, inverse_inertia, i, lever),
-    )
+    return either(weight_of_member(held, table, i, lever), weight(table, i, lever))
 
 
 @compiled
-def survey_pairs(bodies, granules, contacts, inverse_mass, table, bounds, held):
+def survey_pairs(bodies, granules, contacts, table, bounds, held):
     """bodies: Constituents; granules (n, 8): their motion; bounds: rows are added to.
 
     Returns the number of pairs that touch, and the greatest relative overlap with its constituent.
@@ -134,7 +131,6 @@ def survey_pairs(bodies, granules, contacts, inverse_mass, table, bounds, held):
     shape, motion, frame = bodies.shape, bodies.motion, bodies.frame
     contacts, table = local(contacts), local(table)
     rows, least, radius = bounds.rows, bounds.least, table.radius
-    light, turns = inverse_mass, bodies.inverse_inertia
     touching, worst = 0, (0.0, 0)
     for i in range(motion.shape[0]):
         own = outline(shape, i, frame)
@@ -156,11 +152,11 @@ def survey_pairs(bodies, granules, contacts, inverse_mass, table, bounds, held):
             damping = normal_damping(contacts.damping, p, sqrt_overlap)
             k = 1.5 * stiffness * sqrt_overlap
             pair = row_of(held, g), row_of(held, h)
-            one = weight_of(held, light, turns, g, mine[0])
-            two = weight_of(held, light, turns, h, theirs[0])
+            one = weight_of(held, table, g, mine[0])
+            two = weight_of(held, table, h, theirs[0])
             add_pair_stiffness(rows, pair, k, damping, (nx, ny), (one, two))
-            one = weight_of(held, light, turns, g, mine[1])
-            two = weight_of(held, light, turns, h, theirs[1])
+            one = weight_of(held, table, g, mine[1])
+            two = weight_of(held, table, h, theirs[1])
             spring = stiffness, sqrt_overlap, damping
             add_pair_tangent(contacts.friction, rows, pair, spring, (-ny, nx), (one, two))
             add_force_stiffness(rows, g, k, overlap, table.bend)
@@ -181,15 +177,13 @@ def add_guided_stiffness(guide, wall, friction, rows, pair, k, spring, normal, w
 
 
 @compiled
-def survey_boundary(
-    boundary, geometries, bodies, granules, inverse_mass, table, bounds, worst, held, first
-):
+def survey_boundary(boundary, geometries, bodies, granules, table, bounds, worst, held, first):
     """The same of walls or cylinder, with geometries (m, 6) from one of the functions below.
 
     first: row of Bounds of the first of these boundaries, if they are guided.
     """
     contacts, table = local(boundary.contacts), local(table)
-    rows, turns = bounds.rows, bodies.inverse_inertia
+    rows = bounds.rows
     for p in range(contacts.constituent.shape[0]):
         i = np.int64(contacts.constituent[p])
         g = i // table.per
@@ -203,8 +197,8 @@ def survey_boundary(
         damping = normal_damping(contacts.damping, p, sqrt_overlap)
         k = 1.5 * stiffness * sqrt_overlap
         row, spring = row_of(held, g), (stiffness, sqrt_overlap, damping)
-        along = weight_of(held, inverse_mass, turns, g, normal)
-        across = weight_of(held, inverse_mass, turns, g, tangential)
+        along = weight_of(held, table, g, normal)
+        across = weight_of(held, table, g, tangential)
         still = unless(boundary.guide, rows)
         add_wall_stiffness(still, row, k, damping, (nx, ny), along)
         add_wall_tangent(contacts.friction, still, row, spring, (-ny, nx), across)
@@ -285,35 +279,15 @@ def guided(boundary):
 @optional
 def survey_walls(walls, world, bodies, table, bounds, worst, first):
     found = wall_geometries(world.shape, world.constituents, world.frame, walls)
-    return survey_boundary(
-        walls,
-        found,
-        bodies,
-        world.bodies,
-        world.inverse_mass,
-        table,
-        bounds,
-        worst,
-        world.held,
-        first,
-    )
+    held = world.held
+    return survey_boundary(walls, found, bodies, world.bodies, table, bounds, worst, held, first)
 
 
 @optional
 def survey_cylinder(cylinder, world, bodies, table, bounds, worst, first):
     found = cylinder_geometries(world.shape, world.constituents, world.frame, cylinder)
-    return survey_boundary(
-        cylinder,
-        found,
-        bodies,
-        world.bodies,
-        world.inverse_mass,
-        table,
-        bounds,
-        worst,
-        world.held,
-        first,
-    )
+    held = world.held
+    return survey_boundary(cylinder, found, bodies, world.bodies, table, bounds, worst, held, first)
 
 
 @compiled(allocates=True)
@@ -331,9 +305,7 @@ def survey(world, table, least):
     count = first_cylinder + either(guided(world.cylinder), 0)
     bounds = Bounds(np.zeros((count, COLUMNS)), least)
     bodies = Constituents(world.shape, world.constituents, world.frame, world.inverse_inertia)
-    touching, worst = survey_pairs(
-        bodies, world.bodies, world.pairs, world.inverse_mass, table, bounds, world.held
-    )
+    touching, worst = survey_pairs(bodies, world.bodies, world.pairs, table, bounds, world.held)
     worst = either(
         survey_walls(world.walls, world, bodies, table, bounds, worst, first_wall), worst
     )

@@ -53,15 +53,29 @@ def tangential_damping(normal, friction):
 
 
 @optional
-def weight_of_spin(inverse_inertia, lever, i):
+def weight_of_spin(turning, lever, i):
     """Mass-weighted lever of granule i."""
-    return lever * math.sqrt(inverse_inertia[i])
+    return lever * turning[i]
 
 
 @inlined
-def weight(inverse_mass, inverse_inertia, i, lever):
-    """Mass-weighted size of translation and of rotation of granule i at a contact (kg^-0.5)."""
-    return math.sqrt(inverse_mass[i]), either(weight_of_spin(inverse_inertia, lever, i), 0.0)
+def weight(table, i, lever):
+    """Mass-weighted size of translation and of rotation of granule i at a contact (kg^-0.5).
+
+    table: dem.dynamics.assembly.GranuleTable.
+    """
+    return table.moving[i], either(weight_of_spin(table.turning, lever, i), 0.0)
+
+
+@inlined
+def length(weights):
+    """Root of the sum of squares of translation and rotation.
+
+    A lever that is nothing but rounding, as the normal one of discs, changes no digit of it.
+    """
+    if abs(weights[1]) <= 1e-9 * weights[0]:
+        return weights[0]
+    return math.hypot(weights[0], weights[1])
 
 
 @inlined
@@ -89,7 +103,7 @@ def add_pair_stiffness(rows, pair, k, c, direction, weights):
     for a body that no force moves.
     """
     one, two = weights
-    first, second = math.hypot(one[0], one[1]), math.hypot(two[0], two[1])
+    first, second = length(one), length(two)
     mine, theirs = 1.0 + second / max(first, TINY), 1.0 + first / max(second, TINY)
     add_if(k, rows, pair[0], STIFFNESS, mine, direction, one)
     add_if(k, rows, pair[1], STIFFNESS, theirs, direction, two)
