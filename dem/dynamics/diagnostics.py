@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.contacts.blocks import Constituents, imaged, remembered
+from dem.contacts.blocks import imaged, remembered
 from dem.contacts.force_law import damping_ratio, impact_overlap
 from dem.contacts.response import local_stiffness
 from dem.dynamics.forces import greater
@@ -123,13 +123,14 @@ def weight_of(held, table, i, lever):
 
 
 @compiled
-def survey_pairs(bodies, granules, contacts, table, bounds, held):
-    """bodies: Constituents; granules (n, 8): their motion; bounds: rows are added to.
+def survey_pairs(world, table, bounds):
+    """Add what all pairs do to the rows of Bounds.
 
     Returns the number of pairs that touch, and the greatest relative overlap with its constituent.
     """
-    shape, motion, frame = bodies.shape, bodies.motion, bodies.frame
-    contacts, table = local(contacts), local(table)
+    world = by_address(world)
+    shape, motion, frame = world.shape, world.constituents, world.frame
+    granules, held, contacts, table = world.bodies, world.held, local(world.pairs), local(table)
     rows, least, radius = bounds.rows, bounds.least, table.radius
     touching, worst = 0, (0.0, 0)
     for i in range(motion.shape[0]):
@@ -177,13 +178,15 @@ def add_guided_stiffness(guide, wall, friction, rows, pair, k, spring, normal, w
 
 
 @compiled
-def survey_boundary(boundary, geometries, bodies, granules, table, bounds, worst, held, first):
+def survey_boundary(boundary, geometries, world, table, bounds, worst, first):
     """The same of walls or cylinder, with geometries (m, 6) from one of the functions below.
 
-    first: row of Bounds of the first of these boundaries, if they are guided.
+    worst: the greatest relative overlap so far, with its constituent; first: row of Bounds of the
+    first of these boundaries, if they are guided.
     """
-    contacts, table = local(boundary.contacts), local(table)
-    rows = bounds.rows
+    world = by_address(world)
+    contacts, table, held = local(boundary.contacts), local(table), world.held
+    granules, motion, rows = world.bodies, world.constituents, bounds.rows
     for p in range(contacts.constituent.shape[0]):
         i = np.int64(contacts.constituent[p])
         g = i // table.per
@@ -193,7 +196,7 @@ def survey_boundary(boundary, geometries, bodies, granules, table, bounds, worst
             worst = deeper(worst, overlap, i, table.radius[i])
         sqrt_overlap = math.sqrt(max(overlap, bounds.least))
         n1 += 0.5 * min(overlap, 0.0)
-        normal, tangential = levers(granules, bodies.motion, g, i, (nx, ny), (n1, t1))
+        normal, tangential = levers(granules, motion, g, i, (nx, ny), (n1, t1))
         damping = normal_damping(contacts.damping, p, sqrt_overlap)
         k = 1.5 * stiffness * sqrt_overlap
         row, spring = row_of(held, g), (stiffness, sqrt_overlap, damping)
@@ -277,17 +280,15 @@ def guided(boundary):
 
 
 @optional
-def survey_walls(walls, world, bodies, table, bounds, worst, first):
+def survey_walls(walls, world, table, bounds, worst, first):
     found = wall_geometries(world.shape, world.constituents, world.frame, walls)
-    held = world.held
-    return survey_boundary(walls, found, bodies, world.bodies, table, bounds, worst, held, first)
+    return survey_boundary(walls, found, world, table, bounds, worst, first)
 
 
 @optional
-def survey_cylinder(cylinder, world, bodies, table, bounds, worst, first):
+def survey_cylinder(cylinder, world, table, bounds, worst, first):
     found = cylinder_geometries(world.shape, world.constituents, world.frame, cylinder)
-    held = world.held
-    return survey_boundary(cylinder, found, bodies, world.bodies, table, bounds, worst, held, first)
+    return survey_boundary(cylinder, found, world, table, bounds, worst, first)
 
 
 @compiled(allocates=True)
@@ -304,13 +305,10 @@ def survey(world, table, least):
     first_cylinder = first_wall + either(guided(world.walls), 0)
     count = first_cylinder + either(guided(world.cylinder), 0)
     bounds = Bounds(np.zeros((count, COLUMNS)), least)
-    bodies = Constituents(world.shape, world.constituents, world.frame, world.inverse_inertia)
-    touching, worst = survey_pairs(bodies, world.bodies, world.pairs, table, bounds, world.held)
+    touching, worst = survey_pairs(world, table, bounds)
+    worst = either(survey_walls(world.walls, world, table, bounds, worst, first_wall), worst)
     worst = either(
-        survey_walls(world.walls, world, bodies, table, bounds, worst, first_wall), worst
-    )
-    worst = either(
-        survey_cylinder(world.cylinder, world, bodies, table, bounds, worst, first_cylinder), worst
+        survey_cylinder(world.cylinder, world, table, bounds, worst, first_cylinder), worst
     )
     return touching, worst[0], worst[1], shortest(bounds.rows)
 
