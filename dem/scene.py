@@ -356,8 +356,12 @@ class Scene:
 
     A disc that leaves a periodic scene through its right side comes in through the left one:
 
-    >>> floor_and_lid = dem.box(20e-3, 4e-3)[2:]
-    >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]), walls=floor_and_lid, periodic=(20e-3, None))
+    >>> scene = dem.Scene(
+    ...     dem.Disc([1e-3, 1e-3]),
+    ...     friction=dem.Friction(),
+    ...     cylinder=dem.Cylinder(diameter=3e-3, position=(10e-3, 2e-3)),
+    ...     periodic=(20e-3, 20e-3),
+    ... )
     >>> state = dem.State([[19.5e-3, 2e-3], [1.49e-3, 2e-3]])
     >>> dem.Simulation(scene, state).contacts().partner
     array([1])
