@@ -308,6 +308,9 @@ def test_the_page_on_stress_shows_the_weight_above():
     assert_allclose(pressed, between, atol=0.05 * between[0])
 
 
+AT_REST = [(0.0, 0.0), (0.0, 0.0)]  # m/s: walls with the machine code of those under a pressure
+
+
 @pytest.fixture(scope="module")
 def endless():
     """A bed of discs under load that repeats itself along x, shaken, with a cylinder in it."""
@@ -316,8 +319,9 @@ def endless():
     bed = dem.pack(shape, 7e-3, 7e-3, cylinder, 1, "x")
     velocity = np.random.default_rng(2).normal(size=(50, 2))
     scene = dem.Scene(
-        shape, SOFT, dem.Friction(), bed.walls, cylinder, thickness=THICKNESS, periodic=bed.periodic
-    )
+        shape, SOFT, dem.Friction(), bed.walls, cylinder, thickness=THICKNESS,
+        periodic=bed.periodic, wall_motion=AT_REST,
+    )  # fmt: skip
     return dem.Simulation(scene, replace(bed.state, velocity=velocity))
 
 
@@ -347,7 +351,7 @@ def test_a_ring_of_discs_has_the_stress_of_its_contacts():
     scene = dem.Scene(
         dem.Disc([radius] * count), SOFT, dem.Friction(), dem.box(length, height)[2:],
         dem.Cylinder(1e-9, (0.0, 0.1 * height)),  # it meets nothing: its machine code serves
-        thickness=THICKNESS, periodic=(length, None),
+        thickness=THICKNESS, periodic=(length, None), wall_motion=AT_REST,
     )  # fmt: skip
     x = length * (np.arange(count) + 0.3) / count
     run = dem.Simulation(scene, dem.State(np.column_stack([x, np.full(count, 0.5 * height)])))
