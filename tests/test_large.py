@@ -9,6 +9,7 @@ from test_motion import STILL, smoothly
 
 from dem import (
     Bed,
+    Cylinder,
     Disc,
     Drive,
     Ellipse,
@@ -168,9 +169,10 @@ def test_tiles_of_a_bed_at_rest_are_at_rest(tiles):
     """Where mirror images meet, a granule feels what it felt from the wall."""
     sizes = np.random.default_rng(5).uniform(0.8e-3, 1.2e-3, 40)
     height = Disc.of_size(sizes).area.sum() / 0.86 / 6e-3
-    bed = pack(Disc.of_size(sizes), 6e-3, height, None, 1)
+    corner = Cylinder(1e-9, (1e-9, 1e-9))  # m: it meets nothing, and its machine code serves
+    bed = pack(Disc.of_size(sizes), 6e-3, height, corner, 1)
     shape, state, wide, high = tiled(Disc.of_size(sizes), bed, *tiles)
-    scene = Scene(shape, walls=box(wide, high))
+    scene = Scene(shape, friction=Friction(), walls=box(wide, high), gravity=(0.0, 0.0))
     world = Simulation(scene, state).world
     typical = np.abs(world.pairs.stiffness).mean() * (bed.max_overlap * 5e-4) ** 1.5
     assert bed.coordination_number > 3.0

@@ -21,14 +21,14 @@ WEDGE = [[-SLOPE, -SLOPE, 0.0], [SLOPE, -SLOPE, 0.0]]
 CYLINDER = dem.Cylinder(1e-3, (3e-3, 6e-3), (1.0, 2.0))
 SCENES = {
     "empty space": {},
-    "walls": {"walls": WEDGE},
+    "walls": {"walls": WEDGE, "friction": dem.Friction(), "gravity": (0.0, 0.0)},
     "both": {"walls": WEDGE, "cylinder": CYLINDER},
 }
 
 
 @pytest.fixture(scope="module")
 def results():
-    """Without friction, as in other tests, so that they share machine code."""
+    """Each shares its machine code with other tests."""
     return {
         name: dem.simulate(dem.Scene(dem.Disc(RADIUS), SOFT, **parts), STATE, 1e-4, frames=3)
         for name, parts in SCENES.items()

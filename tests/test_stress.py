@@ -22,6 +22,9 @@ SOFT = dem.Material(density=2500.0, young_modulus=1e6, restitution=0.1)
 SMOOTH_SIDES = dem.Friction(granule=0.5, wall=0.0)
 THICKNESS = 1e-3
 G = 9.81
+# With the machine code of discs that settle, and of beds around a cylinder, which meets nothing.
+USUAL = {"friction": dem.Friction(), "gravity": (0.0, 0.0), "thickness": THICKNESS}
+CORNER = dem.Cylinder(1e-9, (1e-9, 1e-9))
 
 
 def volume(run):
@@ -75,8 +78,8 @@ def test_a_bed_at_rest_carries_what_its_boundary_puts_on_it(small_bed, kind, fra
 def test_the_stress_of_a_bed_at_rest_is_the_pressure_on_its_walls():
     """Force over area, but for the overlaps: contact points are inside the walls."""
     shape = dem.Disc.of_size(np.linspace(0.8e-3, 1.2e-3, 60))
-    bed = dem.pack(shape, 8e-3, 7e-3, None, seed=1)
-    run = dem.Simulation(dem.Scene(shape, walls=bed.walls, thickness=THICKNESS), bed.state)
+    bed = dem.pack(shape, 8e-3, 7e-3, CORNER, seed=1)
+    run = dem.Simulation(dem.Scene(shape, walls=bed.walls, **USUAL), bed.state)
     found, contacts = run.stress().contact, run.contacts()
     left, right, bottom, top = (
         contacts.force[contacts.partner == k].sum() for k in range(-2, -6, -1)
@@ -138,9 +141,7 @@ def test_a_chain_of_discs_between_two_walls_has_the_stress_of_their_force():
     """Along the chain the force over the height of the box; across it none."""
     radius, count, height = 1e-3, 5, 4e-3
     length = 2.0 * count * radius * (1.0 - 1e-4)
-    scene = dem.Scene(
-        dem.Disc([radius] * count), SOFT, walls=dem.box(length, height), thickness=THICKNESS
-    )
+    scene = dem.Scene(dem.Disc([radius] * count), SOFT, walls=dem.box(length, height), **USUAL)
     x = length * (np.arange(count) + 0.5) / count
     run = dem.Simulation(scene, dem.State(np.column_stack([x, np.full(count, 0.5 * height)])))
     run.advance(0.1)
@@ -210,7 +211,7 @@ def test_fabric_has_trace_one_and_a_coordination_number(small_bed):
 def test_a_gas_has_the_pressure_of_its_energy_and_no_fabric():
     """Pressure times area is the kinetic energy in two dimensions; what does not touch has no fabric."""
     rng = np.random.default_rng(3)
-    scene = dem.Scene(dem.Disc(np.full(9, 0.2e-3)), SOFT, walls=dem.box(6e-3, 6e-3))
+    scene = dem.Scene(dem.Disc(np.full(9, 0.2e-3)), SOFT, walls=dem.box(6e-3, 6e-3), **USUAL)
     place = 1e-3 + 2e-3 * np.array(np.divmod(np.arange(9), 3)).T
     velocity = rng.normal(size=(9, 2))
     velocity -= velocity.mean(axis=0)
@@ -258,9 +259,8 @@ def test_frames_know_no_tangential_forces():
 def test_the_edges_of_bins_close_a_wedge():
     """A wedge without a lid has no area; a bin of it is a trapezium."""
     side = np.sqrt(0.5)
-    scene = dem.Scene(
-        dem.Disc([1e-3]), walls=[[-side, -side, 0.0], [side, -side, 0.0]], thickness=1.0
-    )
+    walls = [[-side, -side, 0.0], [side, -side, 0.0]]
+    scene = dem.Scene(dem.Disc([1e-3]), walls=walls, **USUAL | {"thickness": 1.0})
     run = dem.Simulation(scene, dem.State([[0.0, 1.4e-3]], velocity=[[0.0, -1.0]]))
     with pytest.raises(dem.InputError, match="the container of the bed is not closed"):
         run.stress()

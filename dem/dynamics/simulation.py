@@ -678,7 +678,13 @@ class Simulation:
         over its area, 4 mm times 1 mm, is the stress:
 
         >>> import dem
-        >>> scene = dem.Scene(dem.Disc([1e-3]), walls=dem.box(1.998e-3, 4e-3), thickness=1e-3)
+        >>> scene = dem.Scene(
+        ...     dem.Disc([1e-3]),
+        ...     friction=dem.Friction(),
+        ...     walls=dem.box(1.998e-3, 4e-3),
+        ...     gravity=(0.0, -9.81),
+        ...     thickness=1e-3,
+        ... )
         >>> run = dem.Simulation(scene, dem.State([[0.999e-3, 2e-3]]))
         >>> print(f"{1e-3 * run.stress().contact[0, 0]:.0f} kPa")
         776 kPa

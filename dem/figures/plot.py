@@ -85,7 +85,9 @@ def forces(result: Result) -> Figure:
     Examples
     --------
     >>> import dem
-    >>> scene = dem.Scene(dem.Disc([1e-3]), walls=[[0, -1, 0]])
+    >>> scene = dem.Scene(
+    ...     dem.Disc([1e-3]), friction=dem.Friction(), walls=[[0, -1, 0]], gravity=(0, -9.81)
+    ... )
     >>> state = dem.State([[0, 1.01e-3]], velocity=[[0, -1]])
     >>> result = dem.simulate(scene, state, duration=1e-4, frames=10)
     >>> dem.plot.forces(result).axes[0].get_ylabel()
