@@ -175,10 +175,13 @@ def test_pressed_bed_jams(friction):
     assert press.net_force <= 1e-4
 
 
+BELOW, ABOVE = 0.76, 0.86  # jamming of a small bed of discs
+
+
 @cache
 def grown(fraction, seed=1):
-    """A small bed of ellipses from `dem.grow`, in the box of the one from `dem.pack`, and the latter."""
-    small = make_small_bed("ellipse", fraction=fraction)
+    """A small bed of discs from `dem.grow`, in the box of the one from `dem.pack`, and the latter."""
+    small = make_small_bed("disc", fraction=fraction)
     bed = dem.grow(small.shape, small.bed.width, small.bed.height, small.cylinder, seed)
     return small, bed
 
@@ -186,27 +189,27 @@ def grown(fraction, seed=1):
 @pytest.mark.parametrize("seed", [1, 2])  # the second is not apart before motion at full size ends
 def test_granules_of_a_grown_bed_below_jamming_are_apart(seed):
     """It carries no load and hardly any granules touch; fewer nearly touch than in a relaxed bed."""
-    small, bed = grown(0.80, seed)
+    small, bed = grown(BELOW, seed)
     still = dem.Cylinder(small.cylinder.diameter, small.cylinder.position)
 
     def touching(of, swollen=1.0):
         scene = dem.Scene(small.shape.scaled(swollen), walls=of.walls, cylinder=still)
         return (dem.Simulation(scene, of.state).contacts().partner >= 0).sum()
 
-    assert bed.pressure < 1e-5 * make_small_bed("ellipse", fraction=0.88).bed.pressure
+    assert bed.pressure < 1e-5 * make_small_bed("disc", fraction=ABOVE).bed.pressure
     assert touching(bed) < 0.25 * len(small.diameters)
     assert touching(bed, 1.0001) < 0.75 * touching(small.bed, 1.0001)
 
 
 def test_grown_bed_above_jamming_is_at_rest_under_load():
     """Like a relaxed bed of the same granules in the same box, by the same measure of rest."""
-    small, bed = grown(0.88)
+    small, bed = grown(ABOVE)
     assert bed.net_force <= 1e-9
     assert 0.5 < bed.pressure / small.bed.pressure < 2.0
     assert bed.coordination_number > 3.5
 
 
-@pytest.mark.parametrize("fraction", [0.80, 0.88])
+@pytest.mark.parametrize("fraction", [BELOW, ABOVE])
 def test_grown_bed_follows_from_its_seed(fraction):
     """The same seed gives the same bits, inside the box; another seed gives another bed."""
     small, bed = grown(fraction)
@@ -230,16 +233,38 @@ def test_grown_bed_of_an_impossible_fraction_is_refused():
 
 
 def test_a_stage_of_growth_keeps_half_of_the_velocities():
-    """Of granules that meet nothing: they go on, and turn on, at half of the speed."""
+    """Of ellipses that meet nothing: they go on, and turn on, at half of the speed."""
     small = make_small_bed("ellipse", fraction=0.80)
     room = small.bed.width, small.bed.height, small.cylinder
     scene, factor, start = sown(small.shape, *room, seed=1, periodic="none")
     rng = np.random.default_rng(1)
     slow = 1e-9 * rng.standard_normal((len(small.diameters), 3))  # no stage ends at a neighbour
     start = dem.State(start.position, slow[:, :2], start.angle, slow[:, 2])
-    end, _ = _moved(replace(scene, shape=small.shape.scaled(0.5 * factor)), start)
+    scene = replace(scene, shape=small.shape.scaled(0.5 * factor))
+    end, _ = _moved(replace(scene, friction=dem.Friction()), start)  # machine code of drawn beds
     assert_allclose(end.velocity, 0.5 * start.velocity, rtol=1e-12)
     assert_allclose(end.angular_velocity, 0.5 * start.angular_velocity, rtol=1e-12)
+
+
+def test_ellipses_that_have_grown_stand_as_they_have_turned(monkeypatch):
+    """Far from each other, so that nothing else turns them, in stages of a known angle each."""
+    ways = []
+
+    def turned(scene, state):
+        ways.append(replace(state, angle=state.angle + 0.1))
+        return ways[-1], 0.0
+
+    def small(*room):
+        scene, _, state = sown(*room)
+        return scene, 0.5, state
+
+    monkeypatch.setattr("dem.packing.grown._moved", turned)
+    monkeypatch.setattr("dem.packing.grown.sown", small)
+    shape = dem.Ellipse.of_size(np.full(5, 1e-3), 1.375)
+    bed = dem.grow(shape, 30e-3, 30e-3, dem.Cylinder(2e-3, (4e-3, 3e-3)), 1)
+    assert len(ways) > 10 and bed.coordination_number == 0.0
+    assert_allclose(ways[-1].angle - ways[0].angle, 0.1 * (len(ways) - 1), rtol=1e-9)
+    assert_allclose(bed.angle, ways[-1].angle % (2.0 * np.pi), rtol=1e-12)
 
 
 def test_preparation_is_part_of_what_a_bed_is():
@@ -247,8 +272,9 @@ def test_preparation_is_part_of_what_a_bed_is():
     sweep = load(CONFIG / "smoke.yaml")
 
     def replicate(**changes):
+        changes = {"fraction": BELOW} | changes
         changes = {f"packing.{name}": value for name, value in changes.items()}
-        return sweep.changed(changes, "e3").replicate("e3", 3900.0, 1)
+        return sweep.changed(changes, "c1").replicate("c1", 3900.0, 1)
 
     ways = {}, {"preparation": "relaxed"}, {"preparation": "grown"}
     silent, relaxed, grown = (replicate(**way) for way in ways)

@@ -93,7 +93,7 @@ def grow(
     --------
     >>> import dem
     >>> import numpy as np
-    >>> shape = dem.Ellipse.of_size(np.linspace(0.8e-3, 1.2e-3, 60), 1.25)
+    >>> shape = dem.Disc.of_size(np.linspace(0.8e-3, 1.2e-3, 60))
     >>> cylinder = dem.Cylinder(diameter=2e-3, position=(4e-3, 3.6e-3))
     >>> room = dict(width=8e-3, height=7.6e-3, cylinder=cylinder, seed=1)
     >>> bed = dem.grow(shape, **room)
