@@ -8,6 +8,9 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
+# Tests run side by side; threads of linear algebra wait for each other by spinning, in each of them.
+os.environ["OPENBLAS_NUM_THREADS"] = "1"
+
 import hypothesis
 import numpy as np
 import pytest
