@@ -2,6 +2,7 @@
 
 import io
 import re
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 
@@ -125,6 +126,7 @@ def test_curves_go_through_the_bins(page):
         assert apart.max() < 1e-6 * wanted.max()
 
 
+@cache
 def figure_of(data):
     """The figure of a sweep, its file and its means."""
     with open_combined(data) as dataset:
