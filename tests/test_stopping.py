@@ -321,7 +321,7 @@ def test_memory_of_combining_does_not_grow_with_the_runs(tmp_path):
     names = tuple(making.layout_of(work.store.replicates(chunk)[0]))
     values, _ = read(making.make(work.store, chunk), names)
     row, peaks = {name: value[0] for name, value in values.items() if len(value) == 2}, []
-    for count in (8, 80):
+    for count in (5, 50):
         sweep = discs(f"1 to {count}", chunk=10, record=record)
         many = Work(sweep, Store(tmp_path / f"store{count}"))
         for each in many.chunks("drag"):
