@@ -63,9 +63,11 @@ def test_forces_on_walls_and_cylinder_balance_those_on_granules(kind):
 
 
 def test_the_stages_that_are_timed_make_the_forces_of_a_step():
-    """All stages of a pair, one after the other, give what a step gives without walls."""
+    """All stages of a pair, one after the other, give what a step gives where nothing meets walls or
+    cylinder."""
     scene, state = random_bed(Disc, 1)
-    scene = replace(scene, walls=None, cylinder=None)
+    walls = [[1.0, 0.0, 1.0], [-1.0, 0.0, 1.0], [0.0, 1.0, 1.0], [0.0, -1.0, 1.0]]  # m
+    scene = replace(scene, walls=walls, cylinder=Cylinder(1e-3, (0.9, 0.9)))
     world = writable(Simulation(scene, state).world)
     forces(world, 0.0, np.inf)
     expected = world.force.copy()
