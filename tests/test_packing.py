@@ -225,7 +225,7 @@ def test_grown_bed_follows_from_its_seed(fraction):
 def test_grown_bed_of_an_impossible_fraction_is_refused():
     """It ends in a PackingError that names the fraction."""
     sizes = np.random.default_rng(1).uniform(0.9e-3, 1.1e-3, 60)
-    shape = dem.Ellipse.of_size(sizes, 1.375)
+    shape = dem.Disc.of_size(sizes)
     cylinder = dem.Cylinder(2e-3, (4e-3, 3e-3))
     height = (shape.area.sum() / 1.10 + np.pi * 1e-6) / 8e-3
     with pytest.raises(dem.PackingError, match=r"packing fraction 1\.1 .* cannot be made"):
