@@ -354,7 +354,8 @@ class Scene:
     >>> print(f"{scene.inertia[0] / (scene.mass[0] * 1e-3**2):.2f}")
     0.50
 
-    A disc that leaves a periodic scene through its right side comes in through the left one:
+    Around a cylinder in a scene that repeats itself along both sides, a disc that leaves through the
+    right side comes in through the left one:
 
     >>> scene = dem.Scene(
     ...     dem.Disc([1e-3, 1e-3]),
