@@ -218,8 +218,10 @@ def chunked(old, pairs, world):
     force_row, chunks = share_out(pairs, granules, own // granules)
     force, rows = world.constituent_force, own + chunks.target.shape[0]
     if force.shape[0] < rows:
-        force = np.zeros((rows + rows // 8, 4))
-        force[:own] = world.constituent_force[:own]
+        old, force = force.reshape(-1), np.zeros((rows + rows // 8, 4))
+        new = force.reshape(-1)
+        for q in range(4 * own):  # to assign a slice would compile for ten seconds
+            new[q] = old[q]
     pairs = Contacts(
         pairs.first, pairs.constituent, pairs.partner, force_row, pairs.stiffness, pairs.modulus,
         pairs.damping, pairs.friction, pairs.tangential_force, pairs.sqrt_overlap, pairs.normal_x,
