@@ -354,13 +354,13 @@ class Scene:
     >>> print(f"{scene.inertia[0] / (scene.mass[0] * 1e-3**2):.2f}")
     0.50
 
-    Around a cylinder in a scene that repeats itself along both sides, a disc that leaves through the
-    right side comes in through the left one:
+    A scene around a cylinder that repeats itself along both sides. The first disc is at the right side
+    and touches the second, which is at the left one:
 
     >>> scene = dem.Scene(
     ...     dem.Disc([1e-3, 1e-3]),
     ...     friction=dem.Friction(),
-    ...     cylinder=dem.Cylinder(diameter=3e-3, position=(10e-3, 2e-3)),
+    ...     cylinder=dem.Cylinder(diameter=3e-3, position=(10e-3, 10e-3)),
     ...     periodic=(20e-3, 20e-3),
     ... )
     >>> state = dem.State([[19.5e-3, 2e-3], [1.49e-3, 2e-3]])

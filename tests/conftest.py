@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
-# Tests run side by side; threads of linear algebra wait for each other by spinning, in each of them.
+# Tests run side by side. Threads of OpenBLAS would spin while they wait for each other.
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import hypothesis

@@ -175,7 +175,7 @@ def test_pressed_bed_jams(friction):
     assert press.net_force <= 1e-4
 
 
-BELOW, ABOVE = 0.76, 0.86  # jamming of a small bed of discs
+BELOW, ABOVE = 0.76, 0.86  # packing fractions below and above jamming of discs
 
 
 @cache
@@ -246,25 +246,25 @@ def test_a_stage_of_growth_keeps_half_of_the_velocities():
     assert_allclose(end.angular_velocity, 0.5 * start.angular_velocity, rtol=1e-12)
 
 
-def test_ellipses_that_have_grown_stand_as_they_have_turned(monkeypatch):
-    """Far from each other, so that nothing else turns them, in stages of a known angle each."""
-    ways = []
+def test_angles_go_from_stage_to_stage_of_growth_and_into_the_bed(monkeypatch):
+    """Each stage turns ellipses that are far apart by 0.1 rad; the bed has the sum."""
+    stages = []
 
-    def turned(scene, state):
-        ways.append(replace(state, angle=state.angle + 0.1))
-        return ways[-1], 0.0
+    def turned(_, state):
+        stages.append(replace(state, angle=state.angle + 0.1))
+        return stages[-1], 0.0  # net force
 
-    def small(*room):
+    def half_grown(*room):
         scene, _, state = sown(*room)
         return scene, 0.5, state
 
     monkeypatch.setattr("dem.packing.grown._moved", turned)
-    monkeypatch.setattr("dem.packing.grown.sown", small)
+    monkeypatch.setattr("dem.packing.grown.sown", half_grown)
     shape = dem.Ellipse.of_size(np.full(5, 1e-3), 1.375)
     bed = dem.grow(shape, 30e-3, 30e-3, dem.Cylinder(2e-3, (4e-3, 3e-3)), 1)
-    assert len(ways) > 10 and bed.coordination_number == 0.0
-    assert_allclose(ways[-1].angle - ways[0].angle, 0.1 * (len(ways) - 1), rtol=1e-9)
-    assert_allclose(bed.angle, ways[-1].angle % (2.0 * np.pi), rtol=1e-12)
+    assert len(stages) > 10 and bed.coordination_number == 0.0
+    assert_allclose(stages[-1].angle - stages[0].angle, 0.1 * (len(stages) - 1), rtol=1e-9)
+    assert_allclose(bed.angle, stages[-1].angle % (2.0 * np.pi), rtol=1e-12)
 
 
 def test_preparation_is_part_of_what_a_bed_is():

@@ -33,9 +33,9 @@ CONTACT_KINDS = "granule", "wall", "cylinder"
 class GranuleTable(NamedTuple):
     """Constants of the granules that the lists and the surveys need.
 
-    moving (n,): 1/sqrt(mass) in kg^-0.5; turning (n,): 1/sqrt(inertia) in kg^-0.5 m^-1, None where
-    nothing turns. per: constituents per granule; radius, bounding (constituents,) in m: for Hertz's law, and of
-    the circle that holds one; mass (constituents,) in kg: of the whole granule; mobility: greatest
+    root_inverse_mass (n,): 1/sqrt(m) in kg^-0.5; root_inverse_inertia (n,): 1/sqrt(I) in
+    kg^-0.5 m^-1, None where nothing turns; both are zero for held granules. per: constituents per
+    granule; radius, bounding (constituents,) in m: for Hertz's law, and of the circle that holds one; mass (constituents,) in kg: of the whole granule; mobility: greatest
     1/m + lever^2/I (1/kg) of a contact; bend (n,) in 1/(kg m): 2/3 normal_bend / I, which bounds
     the rotational stiffness that a normal force adds, over k delta; skin (m); period along x and y
     (m), None where the scene does not repeat itself; alpha: dashpot constant; modulus: E* of two
@@ -43,8 +43,8 @@ class GranuleTable(NamedTuple):
     is.
     """
 
-    moving: np.ndarray
-    turning: np.ndarray | None
+    root_inverse_mass: np.ndarray
+    root_inverse_inertia: np.ndarray | None
     per: int
     radius: np.ndarray
     bounding: np.ndarray
@@ -82,8 +82,8 @@ def granule_table(scene: Scene, skin: float) -> GranuleTable:
     per = len(bounding) // scene.granules
     period = scene.periodic or (None, None)
     return GranuleTable(
-        moving=np.sqrt(inverse_mass),
-        turning=np.sqrt(inverse_inertia) if can_turn(scene) else None,
+        root_inverse_mass=np.sqrt(inverse_mass),
+        root_inverse_inertia=np.sqrt(inverse_inertia) if can_turn(scene) else None,
         per=per,
         radius=shape.constituent_radius,
         bounding=bounding,

@@ -179,9 +179,10 @@ def add_guided_stiffness(guide, wall, friction, rows, pair, k, spring, normal, w
 
 @compiled
 def survey_boundary(boundary, geometries, world, table, bounds, worst, first):
-    """The same of walls or cylinder, with geometries (m, 6) from one of the functions below.
+    """Add what all contacts with walls, or with the cylinder, do to the rows of Bounds.
 
-    worst: the greatest relative overlap so far, with its constituent; first: row of Bounds of the
+    Returns the greatest relative overlap with its constituent. geometries (m, 6): from one of the
+    functions below; worst: the greatest relative overlap so far, with its constituent; first: row of Bounds of the
     first of these boundaries, if they are guided.
     """
     world = by_address(world)

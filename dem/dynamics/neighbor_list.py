@@ -218,10 +218,11 @@ def chunked(old, pairs, world):
     force_row, chunks = share_out(pairs, granules, own // granules)
     force, rows = world.constituent_force, own + chunks.target.shape[0]
     if force.shape[0] < rows:
-        old, force = force.reshape(-1), np.zeros((rows + rows // 8, 4))
-        new = force.reshape(-1)
-        for q in range(4 * own):  # to assign a slice would compile for ten seconds
-            new[q] = old[q]
+        longer = np.zeros((rows + rows // 8, 4))
+        for i in range(own):
+            for c in range(4):  # number by number: to assign a slice takes ten seconds to compile
+                longer[i, c] = force[i, c]
+        force = longer
     pairs = Contacts(
         pairs.first, pairs.constituent, pairs.partner, force_row, pairs.stiffness, pairs.modulus,
         pairs.damping, pairs.friction, pairs.tangential_force, pairs.sqrt_overlap, pairs.normal_x,

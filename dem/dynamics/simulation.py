@@ -674,19 +674,19 @@ class Simulation:
 
         Examples
         --------
-        A disc of 1 mm radius is pressed between two walls, 1 um on either side. The force on a wall
+        A disc of 1 mm radius is pressed between floor and lid, 1 um on either side. The force on either
         over its area, 4 mm times 1 mm, is the stress:
 
         >>> import dem
         >>> scene = dem.Scene(
         ...     dem.Disc([1e-3]),
         ...     friction=dem.Friction(),
-        ...     walls=dem.box(1.998e-3, 4e-3),
+        ...     walls=dem.box(4e-3, 1.998e-3),
         ...     gravity=(0.0, -9.81),
         ...     thickness=1e-3,
         ... )
-        >>> run = dem.Simulation(scene, dem.State([[0.999e-3, 2e-3]]))
-        >>> print(f"{1e-3 * run.stress().contact[0, 0]:.0f} kPa")
+        >>> run = dem.Simulation(scene, dem.State([[2e-3, 0.999e-3]]))
+        >>> print(f"{1e-3 * run.stress().contact[1, 1]:.0f} kPa")
         776 kPa
         >>> print(f"{1e-3 * run.contacts().force[0] / (4e-3 * 1e-3):.0f} kPa")
         775 kPa

@@ -53,9 +53,9 @@ def tangential_damping(normal, friction):
 
 
 @optional
-def weight_of_spin(turning, lever, i):
+def weight_of_spin(root_inverse_inertia, lever, i):
     """Mass-weighted lever of granule i."""
-    return lever * turning[i]
+    return lever * root_inverse_inertia[i]
 
 
 @inlined
@@ -64,18 +64,19 @@ def weight(table, i, lever):
 
     table: dem.dynamics.assembly.GranuleTable.
     """
-    return table.moving[i], either(weight_of_spin(table.turning, lever, i), 0.0)
+    spin = either(weight_of_spin(table.root_inverse_inertia, lever, i), 0.0)
+    return table.root_inverse_mass[i], spin
 
 
 @inlined
-def length(weights):
-    """Root of the sum of squares of translation and rotation.
+def magnitude(size):
+    """|g| of g = (size[0] e, size[1]), with e a unit vector.
 
-    A lever that is nothing but rounding, as the normal one of discs, changes no digit of it.
+    The lever of the normal force on a disc is only rounding: below 1e-9 of the rest it changes no digit.
     """
-    if abs(weights[1]) <= 1e-9 * weights[0]:
-        return weights[0]
-    return math.hypot(weights[0], weights[1])
+    if abs(size[1]) <= 1e-9 * size[0]:
+        return size[0]
+    return math.hypot(size[0], size[1])
 
 
 @inlined
@@ -103,7 +104,7 @@ def add_pair_stiffness(rows, pair, k, c, direction, weights):
     for a body that no force moves.
     """
     one, two = weights
-    first, second = length(one), length(two)
+    first, second = magnitude(one), magnitude(two)
     mine, theirs = 1.0 + second / max(first, TINY), 1.0 + first / max(second, TINY)
     add_if(k, rows, pair[0], STIFFNESS, mine, direction, one)
     add_if(k, rows, pair[1], STIFFNESS, theirs, direction, two)
