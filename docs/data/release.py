@@ -43,7 +43,8 @@ LEFT_OUT = {  # on no page, in no figure
     ),
     "shear": ("shear_height", "steps"),
 }  # fmt: skip
-ROUNDED = ("bed_x", "bed_y", "bed_angle", "run_curve", "wall_force")  # no page shows more digits than float32 has
+# No page shows more digits of these than float32 has.
+ROUNDED = ("bed_x", "bed_y", "bed_angle", "run_curve", "wall_force")
 
 
 def release(results: Path) -> None:
