@@ -307,7 +307,8 @@ def first_of(array, value):
     """A copy with another first number; what is below zero wraps around in unsigned ones."""
     array = array.copy()
     if array.size:
-        array.reshape(-1)[:1] = np.array(value).astype(array.dtype)
+        first, other = array.reshape(-1)[:1], np.array(value).astype(array.dtype)
+        first[:] = other if other != first[0] else other + 1  # the first byte of a hash is any number
     return array
 
 
