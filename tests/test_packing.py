@@ -186,7 +186,7 @@ def grown(fraction, seed=1):
     return small, bed
 
 
-@pytest.mark.parametrize("seed", [1, 2])  # the second is not apart before motion at full size ends
+@pytest.mark.parametrize("seed", [2, 6])  # the first needs several stages at full size
 def test_granules_of_a_grown_bed_below_jamming_are_apart(seed):
     """It carries no load and hardly any granules touch; fewer nearly touch than in a relaxed bed."""
     small, bed = grown(BELOW, seed)
@@ -197,7 +197,7 @@ def test_granules_of_a_grown_bed_below_jamming_are_apart(seed):
         return (dem.Simulation(scene, of.state).contacts().partner >= 0).sum()
 
     assert bed.pressure < 1e-5 * make_small_bed("disc", fraction=ABOVE).bed.pressure
-    assert touching(bed) < 0.25 * len(small.diameters)
+    assert touching(bed) < 0.1 * len(small.diameters)
     assert touching(bed, 1.0001) < 0.75 * touching(small.bed, 1.0001)
 
 
