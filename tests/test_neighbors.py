@@ -68,7 +68,7 @@ def memory(contacts):
 @pytest.mark.parametrize(("kind", "fraction"), STIFF)
 def test_contact_memory_survives_a_new_neighbor_list(small_bed, kind, fraction):
     """Every spring is carried to the same pair, whether the new list is longer or shorter. The overlap
-    that goes with it is found anew here; whether it is carried the motion below tells."""
+    that goes with it is found again here; whether it is carried the motion below tells."""
     small = small_bed(kind, fraction=fraction)
     run = Simulation(small.scene(), small.state)
     run.advance(3e-5)
