@@ -270,7 +270,7 @@ def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = 
     n, index = scene.granules, np.empty(0, np.uint32)
     has_angle = scene.shape.needs_angle
     bodies, force = motion(state.position, state.velocity, state.angular_velocity), rows(n, 4)
-    alone = table.per == 1
+    alone, first = table.per == 1, np.zeros(0, np.int64)
     inverse_mass, inverse_inertia = mobilities(scene)
     return World(
         shape=own(scene.shape),
@@ -288,6 +288,6 @@ def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = 
         cylinder=None if scene.cylinder is None else cylinder_boundary(scene, table),
         gravity=None if scene.gravity is None else np.array(scene.gravity, float),
         lanes=make_lanes(accounted),
-        chunks=Chunks(index, index, np.zeros(0, np.int64)) if n > CHUNK else None,
+        chunks=Chunks(index, index, first, first) if n > CHUNK else None,
         held=held_groups(scene, bodies),
     )

@@ -129,7 +129,8 @@ def replaced(world, arrays: dict, period):
         if f"{path}.constituent" in arrays:
             _check_list(path, arrays, count, partners)
     per = count // len(world.bodies)
-    least = count + _check_chunks(arrays, count, CHUNK * per)
+    held = None if world.held is None else world.held.member
+    least = count + _check_chunks(arrays, count, per, held)
     lists = (*(f"{name}." for name in LISTS), "world.chunks.")
     # of a bed in chunks there are rows to spare, and where a granule is a constituent both are one array
     forces = (
@@ -176,12 +177,13 @@ def _check_list(path, arrays, count, partners):
         _damaged(f"{path}.force_row")
 
 
-def _check_chunks(arrays, count, size):
+def _check_chunks(arrays, count, per, held):
     """Check where the forces on partners go: as dem.dynamics.neighbor_list.share_out leads them.
 
-    Chunks have `size` constituents; without chunks a force goes straight to the partner. Returns
-    the number of rows of forces after those of the constituents.
+    per: constituents of a granule; held: granules that are, or None. Without chunks a force goes
+    straight to the partner. Returns the number of rows of forces after those of the constituents.
     """
+    size = CHUNK * per
     constituent, other = arrays["world.pairs.constituent"], arrays["world.pairs.partner"]
     force_row, chunked = other, "world.chunks.target" in arrays
     leaving = other // size != constituent // size
@@ -189,10 +191,18 @@ def _check_chunks(arrays, count, size):
     if chunked:
         force_row = np.where(leaving, count - 1 + np.cumsum(leaving), other)
         home = other[leaving] // size
+        lowest = np.arange(-(-count // size))
+        np.minimum.at(lowest, home, constituent[leaving] // size)
+        reached = [
+            arrays[f"{path}.constituent"] for path in LISTS[1:] if f"{path}.partner" in arrays
+        ]
+        for constituents in (*reached, *(() if held is None else (per * held,))):
+            lowest[constituents // size] = -1
         wanted = {
             "target": other[leaving],
             "incoming": np.argsort(home, kind="stable"),
-            "first": np.searchsorted(np.sort(home), np.arange(-(-count // size) + 1)),
+            "first": np.searchsorted(np.sort(home), np.arange(len(lowest) + 1)),
+            "lowest": lowest,
         }
         for name, values in wanted.items():
             if not np.array_equal(arrays[f"world.chunks.{name}"], values):

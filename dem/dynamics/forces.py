@@ -4,13 +4,12 @@ import numpy as np
 
 from dem.contacts.blocks import Constituents
 from dem.contacts.loops import cylinder_contacts, pair_contacts, wall_contacts
-from dem.dynamics.synchronise import barrier
 from dem.dynamics.world import granules_of, number_of_chunks
 from dem.jit.address import by_address
 from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
 from dem.jit.compilation import compiled, inlined
 from dem.jit.lanes import ACCOUNTS, FOUR, ONE, TWO, WORK, ZERO
-from dem.jit.optional import optional
+from dem.jit.optional import either, optional
 from dem.shapes.protocol import collect, place
 
 
@@ -30,6 +29,15 @@ def add_forces_across_chunks(chunks, force, constituents, chunk):
         for c in (ZERO, ONE, TWO):
             force[at + c] += force[left + c]
             force[left + c] = 0.0
+
+
+@inlined
+def constituents_of(world, chunk):
+    """First and last (excluded) constituent of a chunk."""
+    granules = world.bodies.shape[0]
+    per = world.constituents.shape[0] // granules
+    low, high = granules_of(world.chunks, granules, chunk)
+    return per * low, per * high
 
 
 @inlined
@@ -102,41 +110,52 @@ def weigh_held(held, motion, force, account, dt):
         impulse[b, 1] += on[b, FY] * dt
 
 
-@compiled
-def add_forces(world, dt, limit, begin, end, leads, thread):
-    """Forces on the constituents: of pairs in chunks begin to end; of walls and cylinder if this
-    thread leads.
+@optional
+def _reached_from(chunks, chunk, begin):
+    return chunks.lowest[chunk] >= begin
 
-    Returns the largest squared displacement (m2) of these constituents since the lists were made, 0
-    if none is above `limit`.
-    This check and clearing the forces load the memory of a chunk into the cache before the pairs
-    need it.
-    """
+
+@inlined
+def knows_forces(chunks, chunk, begin):
+    """Whether a thread that has done the pairs of chunks `begin` to `chunk` knows all forces on the last."""
+    return either(_reached_from(chunks, chunk, begin), False)
+
+
+@compiled
+def pair_forces(world, dt, chunk):
+    """Forces of the pairs of a chunk, on its constituents and, for others, in the rows of Chunks."""
     constituents = Constituents(world.shape, world.constituents, world.frame, world.inverse_inertia)
-    force, lanes, reference = world.constituent_force, world.lanes, world.reference
-    pairs, granules, moved = world.pairs, world.bodies.shape[0], 0.0
-    per = constituents.motion.shape[0] // granules
-    keep_account(lanes.account)
-    for chunk in range(begin, end):
-        low, high = granules_of(world.chunks, granules, chunk)
-        low, high = per * low, per * high
-        clear(force, low, high)
-        moved = greater(moved, farthest(constituents.motion, reference, low, high, limit))
-        pair_contacts(
-            constituents, pairs, force, dt, lanes, world.chunks,
-            np.int64(pairs.first[low]), np.int64(pairs.first[high]),
-        )  # fmt: skip
-    barrier(thread)
-    for chunk in range(begin, end):
-        add_forces_across_chunks(
-            world.chunks, force.reshape(-1), np.uint64(constituents.motion.shape[0]), chunk
-        )
-    barrier(thread)
-    if leads:
-        wall_contacts(world.walls, constituents, force, dt, lanes)
-        cylinder_contacts(world.cylinder, constituents, force, dt, lanes)
-        weigh_held(world.held, constituents.motion, force, lanes.account, dt)
-    return moved
+    force, pairs = world.constituent_force, world.pairs
+    low, high = constituents_of(world, chunk)
+    clear(force, low, high)
+    pair_contacts(
+        constituents, pairs, force, dt, world.lanes, world.chunks,
+        np.int64(pairs.first[low]), np.int64(pairs.first[high]),
+    )  # fmt: skip
+
+
+@compiled
+def boundary_forces(world, dt):
+    """Add the forces of walls and cylinder, and sum up those on held groups."""
+    constituents = Constituents(world.shape, world.constituents, world.frame, world.inverse_inertia)
+    force, lanes = world.constituent_force, world.lanes
+    wall_contacts(world.walls, constituents, force, dt, lanes)
+    cylinder_contacts(world.cylinder, constituents, force, dt, lanes)
+    weigh_held(world.held, constituents.motion, force, lanes.account, dt)
+
+
+@inlined
+def add_left_forces(world, chunk):
+    """Add to the constituents of a chunk the forces of pairs of other chunks."""
+    force, own = world.constituent_force.reshape(-1), np.uint64(world.constituents.shape[0])
+    add_forces_across_chunks(world.chunks, force, own, chunk)
+
+
+@compiled
+def farthest_of(world, chunk, limit):
+    """`farthest` of a chunk."""
+    low, high = constituents_of(world, chunk)
+    return farthest(world.constituents, world.reference, low, high, limit)
 
 
 @compiled
@@ -147,10 +166,14 @@ def forces(world, dt, limit):
     `limit`.
     """
     world = by_address(world)
-    granules = world.bodies.shape[0]
+    granules, moved = world.bodies.shape[0], 0.0
     place(world.shape, world.bodies, world.frame, world.constituents, 0, granules)
     chunks = number_of_chunks(world.chunks, granules)
-    begin = np.int64(0)  # of the type that advance has: else all is compiled twice
-    moved = add_forces(world, dt, limit, begin, chunks, begin == 0, None)
+    keep_account(world.lanes.account)
+    for chunk in range(chunks):
+        moved = greater(moved, farthest_of(world, chunk, limit))
+        pair_forces(world, dt, chunk)
+        add_left_forces(world, chunk)
+    boundary_forces(world, dt)
     collect(world.shape, world.constituent_force, world.frame, world.force, 0, granules)
     return moved

@@ -3,7 +3,6 @@
 import math
 
 from dem.dynamics.forces import greater
-from dem.dynamics.synchronise import barrier
 from dem.jit.columns import DVX, DVY, FX, FY, VX, VY, X, Y
 from dem.jit.compilation import compiled, inlined
 from dem.jit.optional import optional
@@ -107,12 +106,6 @@ def move_held(held, kick, dt):
     steer(held.guide, held.motion, kick, dt)
     for b in range(held.motion.shape[0]):
         advanced(held.motion, b, dt)
-
-
-@optional
-def wait_for_held(held, thread):
-    """Wait until another thread has moved the groups."""
-    barrier(thread)
 
 
 @optional

@@ -10,8 +10,16 @@ import math
 
 import numpy as np
 
-from dem.dynamics.forces import add_forces, greater
-from dem.dynamics.guide import carry, move_cylinder, move_held, move_walls, wait_for_held
+from dem.dynamics.forces import (
+    add_left_forces,
+    boundary_forces,
+    farthest_of,
+    greater,
+    keep_account,
+    knows_forces,
+    pair_forces,
+)
+from dem.dynamics.guide import carry, move_cylinder, move_held, move_walls
 from dem.dynamics.synchronise import LINE, barrier, follows, portion
 from dem.dynamics.world import granules_of, number_of_chunks
 from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
@@ -110,42 +118,59 @@ def told(thread):
     return largest
 
 
+@inlined
+def move_chunk(world, kick, dt, chunk, limit):
+    """`drift` of a chunk; returns its largest squared displacement (m2) since the lists were made, 0
+    if none is above `limit`."""
+    low, high = granules_of(world.chunks, world.bodies.shape[0], chunk)
+    drift(world, kick, dt, low, high)
+    return farthest_of(world, chunk, limit)
+
+
 @compiled
 def advance(world, dt, steps, rebuild_at, thread):
-    """Take up to `steps` steps of dt (s); stop when a constituent has moved farther than
+    """Take up to `steps` steps of dt (s), at least one; stop when a constituent has moved farther than
     `rebuild_at` (m).
 
     thread: None, or its place among those that call this together (dem.dynamics.synchronise).
     Returns the number of steps done and the largest displacement (m); that of granules counts as 0
     up to `rebuild_at`.
+
+    A chunk moves as soon as this thread knows all forces on it, while they are in the cache. The other
+    chunks wait until all threads have done their pairs.
     """
-    leads = not either(follows(thread), False)
-    granules = world.bodies.shape[0]
-    chunks = number_of_chunks(world.chunks, granules)
-    begin, end = either(portion(thread, chunks), (0, chunks))
-    kick, done, moved, limit = 0.5 * dt, 0, 0.0, rebuild_at * rebuild_at
-    while done < steps and moved <= limit:
+    leads, chunks = not either(follows(thread), False), world.chunks
+    count = number_of_chunks(chunks, world.bodies.shape[0])
+    begin, end = either(portion(thread, count), (0, count))
+    limit = rebuild_at * rebuild_at
+    kick, ahead, done, last, moved, further = 0.5 * dt, dt, 0, False, 0.0, 0.0
+    while True:
         if leads:
-            move_held(world.held, kick, dt)
-        wait_for_held(world.held, thread)
+            move_held(world.held, kick, ahead)
+        barrier(thread)
         for chunk in range(begin, end):
-            low, high = granules_of(world.chunks, granules, chunk)
-            drift(world, kick, dt, low, high)
-        moved = move_boundaries(world, kick, dt) if leads else 0.0
+            if done == 0 or not knows_forces(chunks, chunk, begin):
+                further = greater(further, move_chunk(world, kick, ahead, chunk, limit))
+        if leads:
+            further = greater(further, move_boundaries(world, kick, ahead))
+        if last:
+            return done, math.sqrt(moved)
+        tell(thread, further)
         barrier(thread)
-        moved = greater(moved, add_forces(world, dt, limit, begin, end, leads, thread))
-        tell(thread, moved)
-        barrier(thread)
-        moved = either(told(thread), moved)
-        kick = dt
+        moved = either(told(thread), further)
         done += 1
-    if done > 0:
-        if leads:
-            move_held(world.held, 0.5 * dt, 0.0)
-            move_boundaries(world, 0.5 * dt, 0.0)
-        wait_for_held(world.held, thread)
+        last = done == steps or not moved <= limit
+        kick, ahead, further = (0.5 * dt, 0.0, 0.0) if last else (dt, dt, 0.0)
+        keep_account(world.lanes.account)
         for chunk in range(begin, end):
-            low, high = granules_of(world.chunks, granules, chunk)
-            drift(world, 0.5 * dt, 0.0, low, high)
-    barrier(thread)
-    return done, math.sqrt(moved)
+            pair_forces(world, dt, chunk)
+            if knows_forces(chunks, chunk, begin):
+                add_left_forces(world, chunk)
+                further = greater(further, move_chunk(world, kick, ahead, chunk, limit))
+        barrier(thread)
+        for chunk in range(begin, end):
+            if not knows_forces(chunks, chunk, begin):
+                add_left_forces(world, chunk)
+        barrier(thread)
+        if leads:
+            boundary_forces(world, dt)

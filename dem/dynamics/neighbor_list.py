@@ -193,11 +193,12 @@ def share_out(pairs, granules, per):
     force_row = pairs.partner.copy()
     size = CHUNK * per
     target = np.empty(force_row.shape[0], np.uint32)
-    first = np.zeros(chunks + 1, np.int64)
+    first, lowest = np.zeros(chunks + 1, np.int64), np.arange(chunks)
     count = 0
     for p in range(force_row.shape[0]):
-        home = pairs.partner[p] // size
-        if home != pairs.constituent[p] // size:
+        home, other = pairs.partner[p] // size, pairs.constituent[p] // size
+        if home != other:
+            lowest[home] = min(lowest[home], other)
             force_row[p], target[count] = own + count, pairs.partner[p]
             first[home + 1] += 1
             count += 1
@@ -208,7 +209,7 @@ def share_out(pairs, granules, per):
         home = target[s] // size
         incoming[filled[home]] = s
         filled[home] += 1
-    return force_row, Chunks(target[:count].copy(), incoming, first)
+    return force_row, Chunks(target[:count].copy(), incoming, first, lowest)
 
 
 @optional
@@ -229,6 +230,28 @@ def chunked(old, pairs, world):
         pairs.normal_y, pairs.shift_x, pairs.shift_y,
     )  # fmt: skip
     return pairs, force, chunks
+
+
+@optional
+def reach_chunks(chunks, reached, per):
+    """Note in Chunks.lowest which chunks some constituents are of."""
+    note_reached(reached, chunks.lowest, CHUNK * per)
+
+
+@optional
+def note_reached(reached, lowest, size):
+    for q in range(reached.shape[0]):
+        lowest[reached[q] // size] = -1
+
+
+@optional
+def contacts_of(boundary):
+    return boundary.contacts.constituent
+
+
+@optional
+def members_of(held):
+    return held.member
 
 
 @optional
@@ -255,11 +278,15 @@ def rebuild_neighbor_list(world, table):
     pairs = list_pairs(world.pairs, rows, table)
     whole = pairs, world.constituent_force, None
     pairs, constituent_force, chunks = either(chunked(world.chunks, pairs, world), whole)
+    walls = list_walls(world.walls, rows, table)
+    cylinder = list_cylinder(world.cylinder, rows, table)
+    reach_chunks(chunks, contacts_of(walls), table.per)
+    reach_chunks(chunks, contacts_of(cylinder), table.per)
+    reach_chunks(chunks, members_of(world.held), 1)
     # one array where a granule is its own only constituent
     force = constituent_force if table.per == 1 else world.force
     return World(
         world.shape, world.bodies, world.angle, world.frame, world.inverse_mass,
         world.inverse_inertia, force, rows, constituent_force, world.reference, pairs,
-        list_walls(world.walls, rows, table), list_cylinder(world.cylinder, rows, table),
-        world.gravity, world.lanes, chunks, same_held(world.held),
+        walls, cylinder, world.gravity, world.lanes, chunks, same_held(world.held),
     )  # fmt: skip

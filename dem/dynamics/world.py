@@ -140,12 +140,14 @@ class Chunks(NamedTuple):
     rows of the constituents in World.constituent_force. No two threads then write to one place, and
     sums have the same order for any number of threads. target (h,): the constituent that each of
     these rows is for; incoming (h,): the rows sorted by the chunk of that constituent; first
-    (chunks + 1,): where in incoming each chunk begins.
+    (chunks + 1,): where in incoming each chunk begins. lowest (chunks,): of each chunk, the lowest one
+    whose pairs reach it; -1 if a wall, the cylinder or a held group does.
     """
 
     target: np.ndarray
     incoming: np.ndarray
     first: np.ndarray
+    lowest: np.ndarray
 
 
 class World(NamedTuple):

@@ -11,7 +11,11 @@ LINE = 8  # numbers to a cache line
 
 @intrinsic
 def prefetch(typing, array, index):
-    """Start to load the cache line that holds array[index] (1-D); never fails, changes nothing."""
+    """Start to load the cache line that holds array[index] (1-D) into the second-level cache; never
+    fails, changes nothing.
+
+    The first level can wait for few lines at a time, and those that the kernel works on must stay.
+    """
 
     def generate(context, builder, signature, arguments):
         data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
@@ -21,8 +25,8 @@ def prefetch(typing, array, index):
         function = builder.module.declare_intrinsic(
             "llvm.prefetch", [byte], ir.FunctionType(ir.VoidType(), [byte, flag, flag, flag])
         )
-        read, everywhere, data_cache = flag(0), flag(3), flag(1)
-        builder.call(function, [where, read, everywhere, data_cache])
+        read, second_level, data_cache = flag(0), flag(2), flag(1)
+        builder.call(function, [where, read, second_level, data_cache])
         return context.get_dummy_value()
 
     return types.none(array, index), generate
