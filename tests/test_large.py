@@ -141,6 +141,18 @@ def test_a_large_bed_keeps_momentum_and_the_order_of_its_granules():
     assert_allclose(other.state.position, after.position[order], rtol=0.0, atol=1e-9 * PITCH)
 
 
+def test_a_wall_takes_the_momentum_that_a_large_bed_loses():
+    """A chunk that touches a wall waits for its force."""
+    scene, state = swarm()
+    fall = state.velocity - [0.0, 2.0]
+    fall[-1] = 0.0
+    run, duration = Simulation(scene, replace(state, velocity=fall)), 1e-4
+    push = run.record(duration, 1).wall_force.ravel()
+    gained = (scene.mass * (run.state.velocity - fall)[:, 1])[:-1].sum()
+    assert push[0] > 0.0 == push[1]
+    assert_allclose(gained, push[0] * duration, rtol=0.02)
+
+
 def test_the_order_of_memory_is_compact():
     """Granules that follow each other in memory are near each other, however they were given."""
     scene, state = swarm(side=64)
