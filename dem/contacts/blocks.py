@@ -14,7 +14,7 @@ from dem.contacts.response import relative_velocity, respond
 from dem.jit import lanes as lane
 from dem.jit.compilation import inlined
 from dem.jit.four import add_four, subtract_four
-from dem.jit.lanes import EIGHT, FIVE, FOUR, ONE, SIX, THREE, TWO, load_outline, store_outline
+from dem.jit.lanes import EIGHT, FIVE, FOUR, ONE, SIX, THREE, TWO, load_outline, pick, rows_like, store_outline
 from dem.jit.optional import either, minus, optional, plus, rolled_without_first, times, unless
 from dem.shapes.protocol import (
     ContactGeometry,
@@ -99,11 +99,25 @@ def gather(turns, one, two, contacts, start, stop, lanes):
 
 
 @inlined
+def sizes_of(outline):
+    """The numbers of an outline after cosine and sine; where Shape.lists_sizes, they never change."""
+    return outline[2:]
+
+
+@optional
+def turning(sizes, outline):
+    """Cosine and sine of an outline of which the list has the sizes."""
+    return outline[:2]
+
+
+@inlined
 def gather_pairs(shape, frame, contacts, start, stop, values):
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
-        store_outline(outline(shape, contacts.constituent[p], frame), values, lane.OWN + k)
-        store_outline(outline(shape, contacts.partner[p], frame), values, lane.OTHER + k)
+        own = outline(shape, contacts.constituent[p], frame)
+        other = outline(shape, contacts.partner[p], frame)
+        store_outline(either(turning(contacts.sizes, own), own), values, lane.OWN + k)
+        store_outline(either(turning(contacts.sizes, other), other), values, lane.OTHER + k)
 
 
 @inlined
@@ -138,11 +152,27 @@ def spacing(motion, k):
     return motion[at + lane.X2] - motion[at + lane.X1], motion[at + lane.Y2] - motion[at + lane.Y1]
 
 
+@optional
+def size_rows(sizes, shape):
+    """The rows of Contacts.sizes: for both bodies."""
+    part = sizes_of(circle(shape, 0.0))
+    return rows_like(part, sizes, 0), rows_like(part, sizes, len(part))
+
+
+@optional
+def joined(sizes, like, values, k, p):
+    """Outlines of lane k, with the sizes of contact p."""
+    frame = turning(sizes, like)
+    own, other = load_outline(frame, values, lane.OWN + k), load_outline(frame, values, lane.OTHER + k)
+    return own + pick(sizes[0], p), other + pick(sizes[1], p)
+
+
 @inlined
-def outlines(shape, values, k):
-    """Outlines of both bodies of lane k."""
+def outlines(shape, sizes, values, k, p):
+    """Outlines of both bodies of contact p in lane k."""
     like = circle(shape, 0.0)
-    return load_outline(like, values, lane.OWN + k), load_outline(like, values, lane.OTHER + k)
+    whole = load_outline(like, values, lane.OWN + k), load_outline(like, values, lane.OTHER + k)
+    return either(joined(sizes, like, values, k, p), whole)
 
 
 @optional
@@ -224,11 +254,11 @@ def load_geometry(shape, values, k):
 
 @inlined
 def find_contacts(shape, turns, contacts, start, stop, lanes):
-    motion, values = lanes.motion, lanes.values
+    motion, values, sizes = lanes.motion, lanes.values, size_rows(contacts.sizes, shape)
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         dx, dy = spacing(motion, k)
-        own, other = outlines(shape, values, k)
+        own, other = outlines(shape, sizes, values, k, p)
         guess = remembered(contacts.normal_x, contacts.normal_y, p)
         geometry, converged = find_contact(shape, dx, dy, own, other, guess)
         store_geometry(turns, geometry, contacts, p, lanes, k)
@@ -258,12 +288,12 @@ def unconverged(converged):
 
 @optional
 def refine_contacts(normal_x, shape, turns, contacts, start, stop, lanes):
-    motion, values = lanes.motion, lanes.values
+    motion, values, sizes = lanes.motion, lanes.values, size_rows(contacts.sizes, shape)
     for p in range(start, stop):
         k = np.uint64(p - start)
         if values[lane.UNCONVERGED + k] != 0.0:
             dx, dy = spacing(motion, k)
-            own, other = outlines(shape, values, k)
+            own, other = outlines(shape, sizes, values, k, np.uint64(p))
             last = normal_x[p], contacts.normal_y[p]
             guess = refine_normal(shape, dx, dy, own, other, last)
             geometry, _ = find_contact(shape, dx, dy, own, other, guess)

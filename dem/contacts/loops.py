@@ -32,6 +32,13 @@ def fetch(numbers, p):
 
 
 @optional
+def fetch_sizes(sizes, p):
+    numbers, step = sizes.reshape(-1), sizes.shape[1]
+    for row in range(sizes.shape[0]):
+        prefetch(numbers, row * step + p)
+
+
+@optional
 def fetch_columns(chunks, contacts, start, end):
     """Ask for the rows of the list that the block after the next needs."""
     far = start + 2 * BLOCK
@@ -47,6 +54,7 @@ def fetch_columns(chunks, contacts, start, end):
         fetch(contacts.normal_y, p)
         fetch(contacts.shift_x, p)
         fetch(contacts.shift_y, p)
+        fetch_sizes(contacts.sizes, p)
 
 
 @optional

@@ -262,6 +262,7 @@ def contacts(scene: Scene, table: GranuleTable, kind: str) -> Contacts:
         normal_y=guesses,
         shift_x=None if period[0] is None else numbers,
         shift_y=None if period[1] is None else numbers,
+        sizes=np.empty((0, 0)) if kind == "granule" and scene.shape.lists_sizes else None,
     )
 
 

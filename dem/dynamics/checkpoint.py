@@ -162,7 +162,7 @@ def _check_list(path, arrays, count, partners):
         if (
             name.startswith(f"{path}.")
             and not name.endswith(".first")
-            and len(array) != len(constituent)
+            and array.shape[-1:] != constituent.shape
         ):
             _damaged(name)
     if (constituent >= count).any() or (np.diff(constituent.astype(np.int64)) < 0).any():

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from dem.contacts.blocks import imaged
+from dem.contacts.blocks import imaged, sizes_of
 from dem.dynamics.neighbors import (
     image,
     match_listed,
@@ -25,14 +25,26 @@ from dem.dynamics.world import (
 from dem.jit.address import by_address
 from dem.jit.columns import X, Y
 from dem.jit.compilation import compiled, inlined
+from dem.jit.lanes import put_column
 from dem.jit.optional import either, optional
-from dem.shapes.protocol import place
+from dem.shapes.protocol import circle, outline, place
 
 
 @optional
 def fresh(old, count):
     """Room for `count` numbers of a kind that the old list had."""
     return np.zeros(count)
+
+
+@optional
+def room_for_sizes(old, shape, count):
+    return np.empty((2 * len(sizes_of(circle(shape, 0.0))), count))
+
+
+@optional
+def put_sizes(sizes, p, own, other):
+    """What of the outlines of both constituents of pair p never changes."""
+    put_column(sizes_of(own) + sizes_of(other), sizes, 0, p)
 
 
 @optional
@@ -75,14 +87,15 @@ def aim(contacts, p, dx, dy, period):
 
 
 @inlined
-def renewed(old, first, constituent, partner, source):
-    """Contacts of a new list; stiffness and damping still to be filled."""
+def renewed(old, first, constituent, partner, source, shape):
+    """Contacts of a new list; stiffness, damping and sizes still to be filled."""
     count = constituent.shape[0]
     return Contacts(
         first, constituent, partner, partner, np.empty(count), old.modulus,
         fresh(old.damping, count), old.friction, carried(old.tangential_force, source),
         carried(old.sqrt_overlap, source), carried(old.normal_x, source),
         carried(old.normal_y, source), fresh(old.shift_x, count), fresh(old.shift_y, count),
+        room_for_sizes(old.sizes, shape, count),
     )  # fmt: skip
 
 
@@ -116,7 +129,9 @@ def mass_of_free(held, mass, i, j, reduced):
 
 
 @compiled(allocates=True)
-def list_pairs(old, rows, table):
+def list_pairs(world, table):
+    world = by_address(world)
+    old, rows, shape, frame = world.pairs, world.constituents, world.shape, world.frame
     radius, mass = table.radius, table.mass
     period = table.period
     found = near_pairs(rows, table.bounding, table.skin, table.per, period)
@@ -124,7 +139,7 @@ def list_pairs(old, rows, table):
         without_held(table.held, found[0], found[1], found[2]), found
     )
     source = match_pairs(first, partner, old.first, old.partner)
-    new = renewed(old, first, constituent, partner, source)
+    new = renewed(old, first, constituent, partner, source, shape)
     for p in range(constituent.shape[0]):
         i, j = constituent[p], partner[p]
         reduced_radius = radius[i] * radius[j] / (radius[i] + radius[j])
@@ -132,6 +147,7 @@ def list_pairs(old, rows, table):
         reduced_mass = either(mass_of_free(table.held, mass, i, j, reduced_mass), reduced_mass)
         set_constants(new, p, reduced_radius, reduced_mass, table.alpha)
         aim(new, p, rows[j, X] - rows[i, X], rows[j, Y] - rows[i, Y], period)
+        put_sizes(new.sizes, p, outline(shape, i, frame), outline(shape, j, frame))
     return new
 
 
@@ -139,7 +155,7 @@ def list_pairs(old, rows, table):
 def list_boundary(old, constituent, partner):
     """Contacts with walls or cylinder, with what each remembers."""
     source = match_listed(constituent, partner, old.constituent, old.partner)
-    return renewed(old, None, constituent, partner, source)
+    return renewed(old, None, constituent, partner, source, None)
 
 
 @optional
@@ -227,7 +243,7 @@ def chunked(old, pairs, world):
     pairs = Contacts(
         pairs.first, pairs.constituent, pairs.partner, force_row, pairs.stiffness, pairs.modulus,
         pairs.damping, pairs.friction, pairs.tangential_force, pairs.sqrt_overlap, pairs.normal_x,
-        pairs.normal_y, pairs.shift_x, pairs.shift_y,
+        pairs.normal_y, pairs.shift_x, pairs.shift_y, pairs.sizes,
     )  # fmt: skip
     return pairs, force, chunks
 
@@ -275,7 +291,7 @@ def rebuild_neighbor_list(world, table):
     reference = world.reference
     for i in range(rows.shape[0]):
         reference[i, 0], reference[i, 1] = rows[i, X], rows[i, Y]
-    pairs = list_pairs(world.pairs, rows, table)
+    pairs = list_pairs(world, table)
     whole = pairs, world.constituent_force, None
     pairs, constituent_force, chunks = either(chunked(world.chunks, pairs, world), whole)
     walls = list_walls(world.walls, rows, table)

@@ -12,7 +12,7 @@ from dem.jit.optional import either
 from dem.shapes.protocol import ContactGeometry
 
 CYLINDER, FIRST_WALL = -1, -2  # as partners
-UNREAD = "first", "normal_x", "normal_y", "shift_x", "shift_y"  # of Contacts, by a response
+UNREAD = "first", "normal_x", "normal_y", "shift_x", "shift_y", "sizes"  # of Contacts, by a response
 
 
 class Touching(NamedTuple):

@@ -34,7 +34,9 @@ class Contacts(NamedTuple):
     remembers, or None: tangential_force (m,) of the spring (N), and sqrt_overlap (m,), the last one
     (m^0.5). normal_x, normal_y (m,): last normal of two granules that are not round, or None.
     shift_x, shift_y (m,): along a periodic side, whole periods (m) that lead from the place of the
-    partner to its image beside the constituent; None where the scene does not repeat itself.
+    partner to its image beside the constituent; None where the scene does not repeat itself. sizes
+    (s, m): of the outlines of both constituents the numbers that never change, or None where an outline
+    has no others or they are read from the shape.
     """
 
     first: np.ndarray | None
@@ -51,6 +53,7 @@ class Contacts(NamedTuple):
     normal_y: np.ndarray | None
     shift_x: np.ndarray | None
     shift_y: np.ndarray | None
+    sizes: np.ndarray | None
 
 
 class Orders(NamedTuple):

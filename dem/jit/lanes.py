@@ -79,6 +79,44 @@ def _store_outline(outline, values, at):
     return store
 
 
+def rows_like(like, table, row):
+    """Rows of a table from `row` on (1-D), as many as `like` has numbers."""
+
+
+@overload(rows_like, jit_options=INLINED)
+def _rows_like(like, table, row):
+    if len(like) == 0:
+        return lambda like, table, row: ()
+    return lambda like, table, row: (table[row],) + rows_like(like[1:], table, row + 1)
+
+
+def put_column(numbers, table, row, p):
+    """Write a tuple of numbers to column p of a table, from `row` on."""
+
+
+@overload(put_column, jit_options=INLINED)
+def _put_column(numbers, table, row, p):
+    if len(numbers) == 0:
+        return lambda numbers, table, row, p: None
+
+    def put(numbers, table, row, p):
+        table[row, p] = numbers[0]
+        put_column(numbers[1:], table, row + 1, p)
+
+    return put
+
+
+def pick(rows, p):
+    """Number p of each row."""
+
+
+@overload(pick, jit_options=INLINED)
+def _pick(rows, p):
+    if len(rows) == 0:
+        return lambda rows, p: ()
+    return lambda rows, p: (rows[0][p],) + pick(rows[1:], p)
+
+
 def load_outline(like, values, at):
     """The outline that store_outline wrote; like: an outline of as many numbers."""
 

@@ -82,7 +82,7 @@ class Ellipse(_Fields):
     """
 
     __slots__ = ()
-    needs_angle = True
+    needs_angle, lists_sizes = True, True
 
     def __new__(
         cls,

@@ -43,7 +43,8 @@ class ContactGeometry(NamedTuple):
 
 class Shape(Protocol):
     """What Python asks of n granules with p constituents each, who reads it, and what a wrong
-    answer breaks. `answer` refuses a class without all members; guesses and fault have a default.
+    answer breaks. `answer` refuses a class without all members; guesses, lists_sizes and fault have
+    a default.
 
     Lengths in m. of_size(diameter, aspect_ratio) is asked only of the shapes of KINDS:
     granules with the area of discs of these diameters (n,), for configurations.
@@ -52,6 +53,10 @@ class Shape(Protocol):
     guesses: bool = False
     """Whether a contact remembers its normal. Read by the neighbour lists. Wrong: the search for a
     normal begins at every step from the line of centres, or contacts keep unused memory."""
+
+    lists_sizes: bool = False
+    """Whether an outline is cosine and sine of the angle, and numbers that never change: the list of
+    pairs then has these. Read by the neighbour lists. Wrong: outlines stay what they were at first."""
 
     fault: str | None = None
     """Why these granules cannot be used, as a sentence, or None. Read by Scene. Wrong: they run."""
@@ -264,6 +269,6 @@ def _complete(cls):
     for name in MEMBERS:
         if not hasattr(cls, name):
             raise InputError(f"{cls.__name__} has no {name}; see dem.shapes.protocol.Shape.")
-    for name in ("guesses", "fault"):
+    for name in ("guesses", "lists_sizes", "fault"):
         if not hasattr(cls, name):
             setattr(cls, name, getattr(Shape, name))
