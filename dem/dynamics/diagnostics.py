@@ -8,7 +8,7 @@ import numpy as np
 from dem.contacts.blocks import imaged, remembered
 from dem.contacts.force_law import damping_ratio, impact_overlap
 from dem.contacts.response import local_stiffness
-from dem.dynamics.forces import greater
+from dem.dynamics.forces import clear, greater
 from dem.dynamics.guide import count_guided, driven_acceleration, fastest, lightness
 from dem.dynamics.stable_step import (
     COLUMNS,
@@ -23,6 +23,7 @@ from dem.dynamics.stable_step import (
     shortest,
     weight,
 )
+from dem.dynamics.synchronise import portion
 from dem.jit.address import by_address, local
 from dem.jit.columns import FX, FY, TAU, VX, VY, W, X, Y
 from dem.jit.compilation import compiled, inlined
@@ -122,27 +123,52 @@ def weight_of(held, table, i, lever):
     return either(weight_of_member(held, table, i, lever), weight(table, i, lever))
 
 
-@compiled
-def survey_pairs(world, table, bounds):
-    """Add what all pairs do to the rows of Bounds.
+@optional
+def _all_to_leader(held, thread, granules):
+    return (0, granules) if thread.me == 0 else (granules, granules)
 
-    Returns the number of pairs that touch, and the greatest relative overlap with its constituent.
+
+@optional
+def share_of(thread, held, granules):
+    """First and last (excluded) granule that a thread surveys. Held granules have rows in common: one
+    thread then surveys all."""
+    return either(_all_to_leader(held, thread, granules), portion(thread, granules))
+
+
+@optional
+def own_or_spare(thread, own, row, rows):
+    """A row of Bounds if it is this thread's own, else its spare one."""
+    return row if own else rows.shape[0] - 1 - thread.me
+
+
+@compiled
+def survey_pairs(world, table, bounds, thread):
+    """Fill the rows of Bounds of granules with what all pairs do.
+
+    thread: None, or its place among several. It fills the rows of its own granules, each in the order
+    in which one thread alone would. Returns how many pairs touch, and the greatest relative overlap
+    with its constituent, of the pairs that begin with one of its granules.
     """
     world = by_address(world)
     shape, motion, frame = world.shape, world.constituents, world.frame
     granules, held, contacts, table = world.bodies, world.held, local(world.pairs), local(table)
     rows, least, radius = bounds.rows, bounds.least, table.radius
     touching, worst = 0, (0.0, 0)
-    for i in range(motion.shape[0]):
+    low, high = either(share_of(thread, held, granules.shape[0]), (0, granules.shape[0]))
+    clear(rows, low, high)
+    low, high = table.per * low, table.per * high
+    for i in range(high):
         own = outline(shape, i, frame)
         for p in range(contacts.first[i], contacts.first[i + 1]):
             j = np.int64(contacts.partner[p])
+            if i < low and not low <= j < high:
+                continue
             dx, dy = motion[j, X] - motion[i, X], motion[j, Y] - motion[i, Y]
             dx, dy = imaged(contacts, p, dx, dy)
             guess = remembered(contacts.normal_x, contacts.normal_y, p)
             geometry = solve_contact(shape, dx, dy, own, outline(shape, j, frame), guess)
             overlap, nx, ny, n1, t1, n2, t2, rho = geometry
-            if not overlap <= 0.0:
+            if i >= low and not overlap <= 0.0:
                 touching += 1
                 worst = deeper(worst, overlap, i, min(radius[i], radius[j]))
             stiffness = either(local_stiffness(rho, contacts.modulus), contacts.stiffness[p])
@@ -153,15 +179,20 @@ def survey_pairs(world, table, bounds):
             damping = normal_damping(contacts.damping, p, sqrt_overlap)
             k = 1.5 * stiffness * sqrt_overlap
             pair = row_of(held, g), row_of(held, h)
+            first = either(own_or_spare(thread, i >= low, pair[0], rows), pair[0])
+            second = either(own_or_spare(thread, j < high, pair[1], rows), pair[1])
             one = weight_of(held, table, g, mine[0])
             two = weight_of(held, table, h, theirs[0])
-            add_pair_stiffness(rows, pair, k, damping, (nx, ny), (one, two))
+            add_pair_stiffness(rows, (first, second), k, damping, (nx, ny), (one, two))
             one = weight_of(held, table, g, mine[1])
             two = weight_of(held, table, h, theirs[1])
             spring = stiffness, sqrt_overlap, damping
+            pair = first, second
             add_pair_tangent(contacts.friction, rows, pair, spring, (-ny, nx), (one, two))
-            add_force_stiffness(rows, g, k, overlap, table.bend)
-            add_force_stiffness(rows, h, k, overlap, table.bend)
+            first = either(own_or_spare(thread, i >= low, g, rows), g)
+            second = either(own_or_spare(thread, j < high, h, rows), h)
+            add_force_stiffness(rows, first, k, overlap, table.bend[g])
+            add_force_stiffness(rows, second, k, overlap, table.bend[h])
     return touching, worst
 
 
@@ -211,7 +242,7 @@ def survey_boundary(boundary, geometries, world, table, bounds, worst, first):
             boundary.guide, wall, contacts.friction, rows, (row, first + wall), k, spring, (nx, ny),
             (along, across),
         )  # fmt: skip
-        add_force_stiffness(rows, g, k, overlap, table.bend)
+        add_force_stiffness(rows, g, k, overlap, table.bend[g])
     return worst
 
 
@@ -292,6 +323,37 @@ def survey_cylinder(cylinder, world, table, bounds, worst, first):
     return survey_boundary(cylinder, found, world, table, bounds, worst, first)
 
 
+@inlined
+def first_rows(world):
+    """Of the rows of Bounds: the first of the walls, that of the cylinder, and how many there are."""
+    walls = world.bodies.shape[0] + either(guided(world.held), 0)
+    cylinder = walls + either(guided(world.walls), 0)
+    return walls, cylinder, cylinder + either(guided(world.cylinder), 0)
+
+
+@inlined
+def empty_bounds(world, least, spare):
+    """Bounds with a number of spare rows at the end, see own_or_spare. Those of granules are not clear:
+    who fills them touches their memory first."""
+    rows = np.empty((first_rows(world)[2] + spare, COLUMNS))
+    clear(rows, world.bodies.shape[0], rows.shape[0])
+    return Bounds(rows, least)
+
+
+@inlined
+def survey_boundaries(world, table, bounds, worst):
+    """Add what contacts with walls and cylinder do to the rows of Bounds.
+
+    Returns the greatest relative overlap with its constituent, and the bound on the critical step (s).
+    """
+    first_wall, first_cylinder, count = first_rows(world)
+    worst = either(survey_walls(world.walls, world, table, bounds, worst, first_wall), worst)
+    worst = either(
+        survey_cylinder(world.cylinder, world, table, bounds, worst, first_cylinder), worst
+    )
+    return worst, shortest(bounds.rows, count)
+
+
 @compiled(allocates=True)
 def survey(world, table, least):
     """All contacts of the bed.
@@ -302,16 +364,10 @@ def survey(world, table, least):
     the critical time step (s).
     """
     world, table = by_address(world), by_address(table)
-    first_wall = world.bodies.shape[0] + either(guided(world.held), 0)
-    first_cylinder = first_wall + either(guided(world.walls), 0)
-    count = first_cylinder + either(guided(world.cylinder), 0)
-    bounds = Bounds(np.zeros((count, COLUMNS)), least)
-    touching, worst = survey_pairs(world, table, bounds)
-    worst = either(survey_walls(world.walls, world, table, bounds, worst, first_wall), worst)
-    worst = either(
-        survey_cylinder(world.cylinder, world, table, bounds, worst, first_cylinder), worst
-    )
-    return touching, worst[0], worst[1], shortest(bounds.rows)
+    bounds = empty_bounds(world, least, 0)
+    touching, worst = survey_pairs(world, table, bounds, None)
+    worst, step = survey_boundaries(world, table, bounds, worst)
+    return touching, worst[0], worst[1], step
 
 
 @optional
@@ -369,20 +425,24 @@ def push_on(boundary):
 
 
 @compiled(allocates=True)
-def diagnose(world, table):
-    """Diagnostics of the bed and its critical time step.
-
-    Stiffness and damping of all contacts give a lower bound on the critical step. Pairs that are
-    near but do not touch count with the overlap of a collision at the greatest expected speed, and
-    any granule could collide with one of its own size.
-    """
+def begin_survey(world, table, spare):
+    """Kinetic energy (J), expected speed (m/s) and empty Bounds, with a number of spare rows."""
     world, table = by_address(world), by_address(table)
     energy, speed_bound = kinetic(world.bodies, world.inverse_mass, world.inverse_inertia)
     speed = expected_speed(world, table.skin, speed_bound)
     radius, mass = 0.5 * table.mean_radius, 0.5 * table.mean_mass
     least = max(impact_overlap(mass, radius, table.modulus, speed), 1e-8 * radius)
-    touching, overlap, deepest, step = survey(world, table, least)
-    stiffness = 4.0 * table.modulus * math.sqrt(table.radius.max() * least) * table.mobility
+    return energy, speed, empty_bounds(world, least, spare)
+
+
+@compiled(allocates=True)
+def end_survey(world, table, begun, found):
+    """Diagnostics from what begin_survey and survey_pairs have returned."""
+    world, table = by_address(world), by_address(table)
+    energy, speed, bounds = begun
+    touching, worst = found
+    (overlap, deepest), step = survey_boundaries(world, table, bounds, worst)
+    stiffness = 4.0 * table.modulus * math.sqrt(table.radius.max() * bounds.least) * table.mobility
     damping = 2.0 * damping_ratio(table.alpha) * math.sqrt(2.0 * stiffness)
     granules = world.bodies.shape[0]
     push = greatest_acceleration(world.force, world.inverse_mass, world.inverse_inertia, table)
@@ -393,3 +453,16 @@ def diagnose(world, table):
         energy, math.sqrt(speed * speed + 2.0 * table.skin * push), 2.0 * touching / granules, overlap, deepest // table.per,
         min(step, critical_step(stiffness, damping)),
     )  # fmt: skip
+
+
+@compiled(allocates=True)
+def diagnose(world, table):
+    """Diagnostics of the bed and its critical time step.
+
+    Stiffness and damping of all contacts give a lower bound on the critical step. Pairs that are
+    near but do not touch count with the overlap of a collision at the greatest expected speed, and
+    any granule could collide with one of its own size.
+    """
+    world, table = by_address(world), by_address(table)
+    begun = begin_survey(world, table, 0)
+    return end_survey(world, table, begun, survey_pairs(world, table, begun[2], None))

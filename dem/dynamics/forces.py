@@ -41,10 +41,10 @@ def constituents_of(world, chunk):
 
 
 @inlined
-def clear(force, low, high):
-    """No forces on constituents low to high."""
-    flat = force.reshape(-1)
-    for q in range(4 * low, 4 * high):
+def clear(table, low, high):
+    """Zeros in rows low to high."""
+    flat, columns = table.reshape(-1), table.shape[1]
+    for q in range(columns * low, columns * high):
         flat[q] = 0.0
 
 

@@ -138,7 +138,7 @@ def add_wall_tangent(friction, rows, i, spring, direction, one):
 @inlined
 def add_force_stiffness(rows, i, k, overlap, bend):
     """What the force at a contact of normal stiffness k (N/m) can add to the rotation."""
-    rows[i, STIFFNESS + 5] += k * max(overlap, 0.0) * bend[i]
+    rows[i, STIFFNESS + 5] += k * max(overlap, 0.0) * bend
 
 
 @inlined
@@ -163,10 +163,10 @@ def critical_step(stiffness, damping):
 
 
 @inlined
-def shortest(rows):
-    """Critical step (s) of the bed: the least of those of its granules."""
+def shortest(rows, count):
+    """Critical step (s) of the bed: the least of those of its first `count` rows."""
     least = math.inf
-    for i in range(rows.shape[0]):
+    for i in range(count):
         step = critical_step(greatest(rows, i, STIFFNESS), greatest(rows, i, DAMPING))
         least = min(least, step)
     return least

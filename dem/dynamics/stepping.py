@@ -186,6 +186,16 @@ def _step_alone(threads, world, dt, steps, list_range):
     return lambda threads, world, dt, steps, list_range: advance(world, dt, steps, list_range, None)
 
 
+def diagnose_on(threads, world, table):
+    """dem.dynamics.diagnostics.diagnose, by several threads or alone."""
+    return threads.diagnose(world, table)
+
+
+@overload(diagnose_on, jit_options=INLINED)
+def _diagnose_alone(threads, world, table):
+    return lambda threads, world, table: diagnose(world, table)
+
+
 def later(time, steps, dt):
     """Time (s) after some steps, rounded once, as the processor does it in compiled code: the time
     steps of several threads are then those of one."""
@@ -218,7 +228,7 @@ def run_steps(world, table, rules, schedule, record, threads):
         here = by_address(world)
         last = finished and n + 1 == intervals
         if not last or n < record.shape[0]:  # after the last interval only a record asks
-            diagnostics = diagnose(here, table)
+            diagnostics = diagnose_on(threads, here, table)
         if finished:
             if n < record.shape[0]:
                 measure(record, n, here, diagnostics, interval, least)

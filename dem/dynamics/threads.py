@@ -1,7 +1,8 @@
-"""The threads that run dem.dynamics.integration.advance together."""
+"""The threads that take steps and survey a bed together."""
 
 from concurrent.futures import ThreadPoolExecutor
 
+from dem.dynamics.diagnostics import Diagnostics, begin_survey, deeper, end_survey, survey_pairs
 from dem.dynamics.integration import advance
 from dem.dynamics.synchronise import make_threads
 from dem.jit.lanes import make_lanes
@@ -23,3 +24,15 @@ class Threads:
         ]
         results = [run.result() for run in runs]
         return results[0]
+
+    def diagnose(self, world, table) -> Diagnostics:
+        """As dem.dynamics.diagnostics.diagnose, with the same result for any number of threads."""
+        begun = begin_survey(world, table, len(self._places))
+        surveys = [
+            self._pool.submit(survey_pairs, world, table, begun[2], place) for place in self._places
+        ]
+        found = [survey.result() for survey in surveys]
+        worst = 0.0, 0
+        for _, (overlap, constituent) in found:
+            worst = deeper(worst, overlap, constituent, 1.0)
+        return end_survey(world, table, begun, (sum(touching for touching, _ in found), worst))
