@@ -24,6 +24,7 @@ from dem import (
     pack,
 )
 from dem.dynamics.ordering import order_of
+from dem.dynamics.threads import Threads
 from dem.dynamics.world import CHUNK
 from dem.packing.tiled import tiled
 
@@ -82,6 +83,17 @@ def test_the_number_of_threads_changes_no_bit():
     assert_allclose(moved[ground], np.broadcast_to([4e-4, 0.0], (len(ground), 2)), atol=1e-15)
     assert np.ptp(moved[body], axis=0).max() < 1e-15 and moved[body][0, 1] > 0.0
     assert np.abs(found[0][-2]).max() > 0.0
+
+
+def test_several_threads_survey_a_bed_as_one_does(small_bed):
+    """A thread knows all contacts of its granules, of both halves of a dumbbell, also those with granules
+    of other threads; in the end each thread has a single granule."""
+    small = small_bed("dumbbell")
+    run = Simulation(small.scene(), small.state)
+    alone = run.diagnose()
+    assert alone.coordination_number > 2.0
+    for threads in (2, 3, small.scene().granules):
+        assert Threads(threads).diagnose(run._world, run._table) == alone
 
 
 def test_a_large_bed_goes_on_from_a_checkpoint_with_the_same_bits():

@@ -80,10 +80,13 @@ def limits(sweep, tmp_path_factory):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_run_goes_on_from_a_checkpoint_with_the_same_bits(small_bed, tmp_path, kind):
-    """Saved to disk and loaded into another simulation, a run continues as if never interrupted."""
+    """Saved to disk and loaded into another simulation, which lists other pairs, a run continues as if
+    never interrupted."""
     small = small_bed(kind)
     whole, second = (dem.Simulation(small.scene(), small.state) for _ in range(2))
-    whole.advance(3e-5)
+    whole.advance(1e-4)
+    partners = (run.world.pairs.partner for run in (whole, second))
+    assert not np.array_equal(*partners)
     np.savez(tmp_path / "saved.npz", **whole.checkpoint())
     with np.load(tmp_path / "saved.npz") as saved:
         second.restore(saved)

@@ -14,7 +14,19 @@ from dem.contacts.response import relative_velocity, respond
 from dem.jit import lanes as lane
 from dem.jit.compilation import inlined
 from dem.jit.four import add_four, subtract_four
-from dem.jit.lanes import EIGHT, FIVE, FOUR, ONE, SIX, THREE, TWO, load_outline, pick, rows_like, store_outline
+from dem.jit.lanes import (
+    EIGHT,
+    FIVE,
+    FOUR,
+    ONE,
+    SIX,
+    THREE,
+    TWO,
+    load_outline,
+    pick,
+    rows_like,
+    store_outline,
+)
 from dem.jit.optional import either, minus, optional, plus, rolled_without_first, times, unless
 from dem.shapes.protocol import (
     ContactGeometry,
@@ -163,8 +175,8 @@ def size_rows(sizes, shape):
 def joined(sizes, like, values, k, p):
     """Outlines of lane k, with the sizes of contact p."""
     frame = turning(sizes, like)
-    own, other = load_outline(frame, values, lane.OWN + k), load_outline(frame, values, lane.OTHER + k)
-    return own + pick(sizes[0], p), other + pick(sizes[1], p)
+    own = load_outline(frame, values, lane.OWN + k) + pick(sizes[0], p)
+    return own, load_outline(frame, values, lane.OTHER + k) + pick(sizes[1], p)
 
 
 @inlined

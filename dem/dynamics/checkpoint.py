@@ -8,11 +8,14 @@ import numpy as np
 
 from dem.base.errors import InputError
 from dem.base.validate import refuse
+from dem.contacts.blocks import sizes_of
 from dem.dynamics.world import CHUNK
+from dem.shapes.protocol import outline
 
-# of a World: what the scene holds and no run changes, and what each step writes before it reads
+# of a World: what the scene holds and no run changes, what follows from it and the lists, and what
+# each step writes before it reads
 FIXED = (
-    "shape.", "inverse_mass", "inverse_inertia", "gravity", "lanes.motion", "lanes.values",
+    "shape.", "inverse_mass", "inverse_inertia", "gravity", "lanes.motion", "lanes.values", "pairs.sizes",
     "walls.guide.orders", "cylinder.guide.orders", "held.guide.orders", "held.group", "held.member",
 )  # fmt: skip
 CYLINDER_PLACE = "world.cylinder.reference"
@@ -146,7 +149,18 @@ def replaced(world, arrays: dict, period):
     for axis, each in enumerate(period):
         if each is not None:
             _check_images(arrays, axis, each)
-    return _replaced(world, arrays, "world")
+    return _sized(_replaced(world, arrays, "world"))
+
+
+def _sized(world):
+    """The World with the sizes of the pairs that it lists."""
+    pairs, shape = world.pairs, world.shape
+    if pairs.sizes is None:
+        return world
+    ends = pairs.constituent, pairs.partner
+    outlines = (outline.answers[type(shape)](shape, end, world.frame) for end in ends)
+    sizes = np.concatenate([sizes_of(each) for each in outlines])
+    return world._replace(pairs=pairs._replace(sizes=sizes))
 
 
 def _damaged(path):
@@ -162,7 +176,7 @@ def _check_list(path, arrays, count, partners):
         if (
             name.startswith(f"{path}.")
             and not name.endswith(".first")
-            and array.shape[-1:] != constituent.shape
+            and len(array) != len(constituent)
         ):
             _damaged(name)
     if (constituent >= count).any() or (np.diff(constituent.astype(np.int64)) < 0).any():

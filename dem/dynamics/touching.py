@@ -12,7 +12,8 @@ from dem.jit.optional import either
 from dem.shapes.protocol import ContactGeometry
 
 CYLINDER, FIRST_WALL = -1, -2  # as partners
-UNREAD = "first", "normal_x", "normal_y", "shift_x", "shift_y", "sizes"  # of Contacts, by a response
+# of Contacts, by a response
+UNREAD = "first", "normal_x", "normal_y", "shift_x", "shift_y", "sizes"
 
 
 class Touching(NamedTuple):
