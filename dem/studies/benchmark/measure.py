@@ -174,10 +174,15 @@ def load_average() -> float:
 
 
 def processor() -> str:
-    """Name of the processor as the system gives it."""
+    """Name of the processor as the system gives it, where it does with family and model: virtual
+    computers give one name to processors of several kinds."""
     try:
         lines = Path("/proc/cpuinfo").read_text().splitlines()
     except OSError:
         lines = []
-    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.processor() or platform.machine()
+    fields = {
+        key.strip(): value.strip() for key, _, value in (line.partition(":") for line in lines)
+    }
+    if not {"model name", "cpu family", "model"} <= fields.keys():
+        return fields.get("model name") or platform.processor() or platform.machine()
+    return f"{fields['model name']} (family {fields['cpu family']}, model {fields['model']})"
