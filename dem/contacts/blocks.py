@@ -298,9 +298,20 @@ def unconverged(converged):
     return 0.0 if converged else 1.0
 
 
+@inlined
+def any_unconverged(values, count):
+    """Whether any of the first lanes is; nearly always none is, and vector code is fast to say so."""
+    found = 0
+    for q in range(count):
+        found += values[lane.UNCONVERGED + np.uint64(q)] != 0.0
+    return found > 0
+
+
 @optional
 def refine_contacts(normal_x, shape, turns, contacts, start, stop, lanes):
     motion, values, sizes = lanes.motion, lanes.values, size_rows(contacts.sizes, shape)
+    if not any_unconverged(values, stop - start):
+        return
     for p in range(start, stop):
         k = np.uint64(p - start)
         if values[lane.UNCONVERGED + k] != 0.0:
