@@ -27,6 +27,7 @@ from dem.dynamics.ordering import order_of
 from dem.dynamics.threads import Threads
 from dem.dynamics.world import CHUNK
 from dem.packing.tiled import tiled
+from dem.shapes import KINDS
 
 PITCH = 1e-3  # m
 
@@ -85,10 +86,11 @@ def test_the_number_of_threads_changes_no_bit():
     assert np.abs(found[0][-2]).max() > 0.0
 
 
-def test_several_threads_survey_a_bed_as_one_does(small_bed):
+@pytest.mark.parametrize("kind", KINDS)
+def test_several_threads_survey_a_bed_as_one_does(small_bed, kind):
     """A thread knows all contacts of its granules, of both halves of a dumbbell, also those with granules
     of other threads; in the end each thread has a single granule."""
-    small = small_bed("dumbbell")
+    small = small_bed(kind)
     run = Simulation(small.scene(), small.state)
     alone = run.diagnose()
     assert alone.coordination_number > 2.0

@@ -14,19 +14,7 @@ from dem.contacts.response import relative_velocity, respond
 from dem.jit import lanes as lane
 from dem.jit.compilation import inlined
 from dem.jit.four import add_four, subtract_four
-from dem.jit.lanes import (
-    EIGHT,
-    FIVE,
-    FOUR,
-    ONE,
-    SIX,
-    THREE,
-    TWO,
-    load_outline,
-    pick,
-    rows_like,
-    store_outline,
-)
+from dem.jit.lanes import EIGHT, FIVE, FOUR, ONE, SIX, THREE, TWO, load_outline, store_outline
 from dem.jit.optional import either, minus, optional, plus, rolled_without_first, times, unless
 from dem.shapes.protocol import (
     ContactGeometry,
@@ -168,15 +156,15 @@ def spacing(motion, k):
 def size_rows(sizes, shape):
     """The rows of Contacts.sizes: for both bodies."""
     part = sizes_of(circle(shape, 0.0))
-    return rows_like(part, sizes, 0), rows_like(part, sizes, len(part))
+    return lane.rows_like(part, sizes, 0), lane.rows_like(part, sizes, len(part))
 
 
 @optional
 def joined(sizes, like, values, k, p):
     """Outlines of lane k, with the sizes of contact p."""
     frame = turning(sizes, like)
-    own = load_outline(frame, values, lane.OWN + k) + pick(sizes[0], p)
-    return own, load_outline(frame, values, lane.OTHER + k) + pick(sizes[1], p)
+    own = load_outline(frame, values, lane.OWN + k) + lane.pick(sizes[0], p)
+    return own, load_outline(frame, values, lane.OTHER + k) + lane.pick(sizes[1], p)
 
 
 @inlined

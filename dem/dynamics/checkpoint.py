@@ -8,9 +8,8 @@ import numpy as np
 
 from dem.base.errors import InputError
 from dem.base.validate import refuse
-from dem.contacts.blocks import sizes_of
+from dem.dynamics.neighbor_list import listed_sizes
 from dem.dynamics.world import CHUNK
-from dem.shapes.protocol import outline
 
 # of a World: what the scene holds and no run changes, what follows from it and the lists, and what
 # each step writes before it reads
@@ -154,13 +153,10 @@ def replaced(world, arrays: dict, period):
 
 def _sized(world):
     """The World with the sizes of the pairs that it lists."""
-    pairs, shape = world.pairs, world.shape
-    if pairs.sizes is None:
+    if world.pairs.sizes is None:
         return world
-    ends = pairs.constituent, pairs.partner
-    outlines = (outline.answers[type(shape)](shape, end, world.frame) for end in ends)
-    sizes = np.concatenate([sizes_of(each) for each in outlines])
-    return world._replace(pairs=pairs._replace(sizes=sizes))
+    sizes = listed_sizes(world.shape, world.frame, world.pairs)
+    return world._replace(pairs=world.pairs._replace(sizes=sizes))
 
 
 def _damaged(path):

@@ -23,7 +23,6 @@ from dem.dynamics.stable_step import (
     shortest,
     weight,
 )
-from dem.dynamics.synchronise import portion
 from dem.jit.address import by_address, local
 from dem.jit.columns import FX, FY, TAU, VX, VY, W, X, Y
 from dem.jit.compilation import compiled, inlined
@@ -123,40 +122,21 @@ def weight_of(held, table, i, lever):
     return either(weight_of_member(held, table, i, lever), weight(table, i, lever))
 
 
-@optional
-def _all_to_leader(held, thread, granules):
-    return (0, granules) if thread.me == 0 else (granules, granules)
-
-
-@optional
-def share_of(thread, held, granules):
-    """First and last (excluded) granule that a thread surveys. Held granules have rows in common: one
-    thread then surveys all."""
-    return either(_all_to_leader(held, thread, granules), portion(thread, granules))
-
-
-@optional
-def own_or_spare(thread, own, row, rows):
-    """A row of Bounds if it is this thread's own, else its spare one."""
-    return row if own else rows.shape[0] - 1 - thread.me
-
-
 @compiled
-def survey_pairs(world, table, bounds, thread):
-    """Fill the rows of Bounds of granules with what all pairs do.
+def survey_pairs(world, table, bounds, begin, end, spare):
+    """Fill the rows of Bounds of granules begin to end with what their pairs do.
 
-    thread: None, or its place among several. It fills the rows of its own granules, each in the order
-    in which one thread alone would. Returns how many pairs touch, and the greatest relative overlap
-    with its constituent, of the pairs that begin with one of its granules.
+    The share of another granule goes to row `spare`, which nobody reads: who surveys that granule adds
+    it to its row. Sums have one order, however granules are shared out. Returns how many pairs touch,
+    and the greatest relative overlap with its constituent, of the pairs that begin with these granules.
     """
     world = by_address(world)
     shape, motion, frame = world.shape, world.constituents, world.frame
     granules, held, contacts, table = world.bodies, world.held, local(world.pairs), local(table)
     rows, least, radius = bounds.rows, bounds.least, table.radius
     touching, worst = 0, (0.0, 0)
-    low, high = either(share_of(thread, held, granules.shape[0]), (0, granules.shape[0]))
-    clear(rows, low, high)
-    low, high = table.per * low, table.per * high
+    clear(rows, begin, end)
+    low, high = table.per * begin, table.per * end
     for i in range(high):
         own = outline(shape, i, frame)
         for p in range(contacts.first[i], contacts.first[i + 1]):
@@ -178,19 +158,15 @@ def survey_pairs(world, table, bounds, thread):
             theirs = levers(granules, motion, h, j, (nx, ny), (-n2 - apart, either(t2, 0.0)))
             damping = normal_damping(contacts.damping, p, sqrt_overlap)
             k = 1.5 * stiffness * sqrt_overlap
-            pair = row_of(held, g), row_of(held, h)
-            first = either(own_or_spare(thread, i >= low, pair[0], rows), pair[0])
-            second = either(own_or_spare(thread, j < high, pair[1], rows), pair[1])
+            first, second = g if i >= low else spare, h if j < high else spare
+            pair = row_of(held, first), row_of(held, second)
             one = weight_of(held, table, g, mine[0])
             two = weight_of(held, table, h, theirs[0])
-            add_pair_stiffness(rows, (first, second), k, damping, (nx, ny), (one, two))
+            add_pair_stiffness(rows, pair, k, damping, (nx, ny), (one, two))
             one = weight_of(held, table, g, mine[1])
             two = weight_of(held, table, h, theirs[1])
             spring = stiffness, sqrt_overlap, damping
-            pair = first, second
             add_pair_tangent(contacts.friction, rows, pair, spring, (-ny, nx), (one, two))
-            first = either(own_or_spare(thread, i >= low, g, rows), g)
-            second = either(own_or_spare(thread, j < high, h, rows), h)
             add_force_stiffness(rows, first, k, overlap, table.bend[g])
             add_force_stiffness(rows, second, k, overlap, table.bend[h])
     return touching, worst
@@ -333,8 +309,8 @@ def first_rows(world):
 
 @inlined
 def empty_bounds(world, least, spare):
-    """Bounds with a number of spare rows at the end, see own_or_spare. Those of granules are not clear:
-    who fills them touches their memory first."""
+    """Bounds with a number of spare rows at the end. Only the rows after those of granules are zero:
+    survey_pairs clears the others, each thread its own, which is then near its memory."""
     rows = np.empty((first_rows(world)[2] + spare, COLUMNS))
     clear(rows, world.bodies.shape[0], rows.shape[0])
     return Bounds(rows, least)
@@ -365,7 +341,7 @@ def survey(world, table, least):
     """
     world, table = by_address(world), by_address(table)
     bounds = empty_bounds(world, least, 0)
-    touching, worst = survey_pairs(world, table, bounds, None)
+    touching, worst = survey_pairs(world, table, bounds, 0, world.bodies.shape[0], 0)
     worst, step = survey_boundaries(world, table, bounds, worst)
     return touching, worst[0], worst[1], step
 
@@ -465,4 +441,5 @@ def diagnose(world, table):
     """
     world, table = by_address(world), by_address(table)
     begun = begin_survey(world, table, 0)
-    return end_survey(world, table, begun, survey_pairs(world, table, begun[2], None))
+    found = survey_pairs(world, table, begun[2], 0, world.bodies.shape[0], 0)
+    return end_survey(world, table, begun, found)

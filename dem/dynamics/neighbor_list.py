@@ -25,7 +25,6 @@ from dem.dynamics.world import (
 from dem.jit.address import by_address
 from dem.jit.columns import X, Y
 from dem.jit.compilation import compiled, inlined
-from dem.jit.lanes import put_column
 from dem.jit.optional import either, optional
 from dem.shapes.protocol import circle, outline, place
 
@@ -42,9 +41,20 @@ def room_for_sizes(old, shape, count):
 
 
 @optional
-def put_sizes(sizes, p, own, other):
-    """What of the outlines of both constituents of pair p never changes."""
-    put_column(sizes_of(own) + sizes_of(other), sizes, 0, p)
+def put_sizes(sizes, p, shape, frame, i, j):
+    """The sizes of constituents i and j of pair p."""
+    numbers = sizes_of(outline(shape, i, frame)) + sizes_of(outline(shape, j, frame))
+    for row in range(len(numbers)):
+        sizes[row, p] = numbers[row]
+
+
+@compiled(allocates=True)
+def listed_sizes(shape, frame, pairs):
+    """Contacts.sizes of these pairs."""
+    sizes = room_for_sizes(pairs.sizes, shape, pairs.constituent.shape[0])
+    for p in range(pairs.constituent.shape[0]):
+        put_sizes(sizes, p, shape, frame, pairs.constituent[p], pairs.partner[p])
+    return sizes
 
 
 @optional
@@ -130,6 +140,7 @@ def mass_of_free(held, mass, i, j, reduced):
 
 @compiled(allocates=True)
 def list_pairs(world, table):
+    """The pairs of the world for the present positions, with their constants and memory."""
     world = by_address(world)
     old, rows, shape, frame = world.pairs, world.constituents, world.shape, world.frame
     radius, mass = table.radius, table.mass
@@ -147,7 +158,7 @@ def list_pairs(world, table):
         reduced_mass = either(mass_of_free(table.held, mass, i, j, reduced_mass), reduced_mass)
         set_constants(new, p, reduced_radius, reduced_mass, table.alpha)
         aim(new, p, rows[j, X] - rows[i, X], rows[j, Y] - rows[i, Y], period)
-        put_sizes(new.sizes, p, outline(shape, i, frame), outline(shape, j, frame))
+        put_sizes(new.sizes, p, shape, frame, i, j)
     return new
 
 

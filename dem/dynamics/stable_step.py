@@ -30,7 +30,8 @@ TINY = 1e-100  # kg^-0.5: far below any weight, and its inverse times any other 
 class Bounds(NamedTuple):
     """Sums of stiffness and damping for each granule, then for each boundary that can be driven.
 
-    rows (bodies, 12): see COLUMNS; least (m): smallest overlap that a stiffness is computed for.
+    rows (bodies, 12): see COLUMNS, and spare ones at the end, see survey_pairs; least (m): smallest
+    overlap that a stiffness is computed for.
     """
 
     rows: np.ndarray

@@ -212,7 +212,7 @@ def run_steps(world, table, rules, schedule, record, threads):
     """Advance as a Schedule says; returns the world and a StepOutcome.
 
     record: an array with one row per interval, or none of it. threads: None, or those that take the
-    steps (dem.dynamics.threads.Threads; this function then runs as it is here, uncompiled). The
+    steps and survey the bed (dem.dynamics.threads.Threads; this function then runs as it is here, uncompiled). The
     step is chosen at the start of each interval and whenever the lists are rebuilt.
     """
     time, interval, intervals, until, starts = schedule

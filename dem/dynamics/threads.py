@@ -4,7 +4,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 from dem.dynamics.diagnostics import Diagnostics, begin_survey, deeper, end_survey, survey_pairs
 from dem.dynamics.integration import advance
-from dem.dynamics.synchronise import make_threads
+from dem.dynamics.synchronise import make_threads, portion
 from dem.jit.lanes import make_lanes
 
 
@@ -26,10 +26,18 @@ class Threads:
         return results[0]
 
     def diagnose(self, world, table) -> Diagnostics:
-        """As dem.dynamics.diagnostics.diagnose, with the same result for any number of threads."""
-        begun = begin_survey(world, table, len(self._places))
+        """As dem.dynamics.diagnostics.diagnose, with the same result for any number of threads.
+
+        Held granules share the row of their group, so that one thread surveys all.
+        """
+        granules = len(world.bodies)
+        shares = [portion(place, granules) for place in self._places]
+        shares = shares if world.held is None else [(0, granules)]
+        begun = begin_survey(world, table, len(shares))
+        bounds, spare = begun[2], len(begun[2].rows) - len(shares)
         surveys = [
-            self._pool.submit(survey_pairs, world, table, begun[2], place) for place in self._places
+            self._pool.submit(survey_pairs, world, table, bounds, *share, spare + k)
+            for k, share in enumerate(shares)
         ]
         found = [survey.result() for survey in surveys]
         worst = 0.0, 0

@@ -35,8 +35,8 @@ class Contacts(NamedTuple):
     (m^0.5). normal_x, normal_y (m,): last normal of two granules that are not round, or None.
     shift_x, shift_y (m,): along a periodic side, whole periods (m) that lead from the place of the
     partner to its image beside the constituent; None where the scene does not repeat itself. sizes
-    (s, m): of the outlines of both constituents the numbers that never change, or None where an outline
-    has no others or they are read from the shape.
+    (s, m): the outlines of both constituents without cosine and sine, where Shape.lists_sizes; else, and
+    for walls and cylinder, None.
     """
 
     first: np.ndarray | None

@@ -90,22 +90,6 @@ def _rows_like(like, table, row):
     return lambda like, table, row: (table[row],) + rows_like(like[1:], table, row + 1)
 
 
-def put_column(numbers, table, row, p):
-    """Write a tuple of numbers to column p of a table, from `row` on."""
-
-
-@overload(put_column, jit_options=INLINED)
-def _put_column(numbers, table, row, p):
-    if len(numbers) == 0:
-        return lambda numbers, table, row, p: None
-
-    def put(numbers, table, row, p):
-        table[row, p] = numbers[0]
-        put_column(numbers[1:], table, row + 1, p)
-
-    return put
-
-
 def pick(rows, p):
     """Number p of each row."""
 

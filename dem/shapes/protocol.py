@@ -55,8 +55,9 @@ class Shape(Protocol):
     normal begins at every step from the line of centres, or contacts keep unused memory."""
 
     lists_sizes: bool = False
-    """Whether an outline is cosine and sine of the angle, and numbers that never change: the list of
-    pairs then has these. Read by the neighbour lists. Wrong: outlines stay what they were at first."""
+    """Whether an outline is cosine and sine of the angle, and then sizes that never change. The list
+    of pairs then has the sizes of both constituents. Read by the neighbour lists. Wrong: contacts have
+    the sizes of the time when the list was made."""
 
     fault: str | None = None
     """Why these granules cannot be used, as a sentence, or None. Read by Scene. Wrong: they run."""
