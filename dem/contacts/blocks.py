@@ -15,7 +15,16 @@ from dem.jit import lanes as lane
 from dem.jit.compilation import inlined
 from dem.jit.four import add_four, subtract_four
 from dem.jit.lanes import EIGHT, FIVE, FOUR, ONE, SIX, THREE, TWO, load_outline, store_outline
-from dem.jit.optional import either, minus, optional, plus, rolled_without_first, times, unless
+from dem.jit.optional import (
+    either,
+    given,
+    minus,
+    optional,
+    plus,
+    rolled_without_first,
+    times,
+    unless,
+)
 from dem.shapes.protocol import (
     ContactGeometry,
     circle,
@@ -52,21 +61,16 @@ def copy_four(source, i, target, k):
 
 
 @optional
-def if_turning(inverse_inertia, rates):
-    return rates
-
-
-@optional
 def copy_rates(rates, rows, i, motion, k, first):
     copy_four(rows, i + FOUR, motion, FOUR * k + first)
 
 
 @optional
-def copy_changes(changes, rows, i, motion, k, first):
-    """Where nothing turns, two numbers, packed: with two of every four in use, the compiler would
-    leave the last eight contacts of a block to scalar code."""
-    at = TWO * k + first
-    motion[at], motion[at + ONE] = rows[i + FIVE], rows[i + SIX]
+def look_ahead(boundary, rows, j, motion, at):
+    """Where nothing turns, rows of granules have the velocity of the full step; those of walls and
+    cylinder have that of the half step and its change."""
+    motion[at + lane.VX2] += rows[j + FIVE]
+    motion[at + lane.VY2] += rows[j + SIX]
 
 
 @optional
@@ -82,8 +86,8 @@ def gather(turns, one, two, contacts, start, stop, lanes):
     turns: inverse_inertia of Constituents, None where nothing turns.
     """
     motion = lanes.motion
-    rates = if_turning(turns, either(contacts.damping, contacts.tangential_force))
-    changes = unless(turns, contacts.damping)
+    rates = given(turns, either(contacts.damping, contacts.tangential_force))
+    boundary = unless(contacts.first, unless(turns, contacts.damping))
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         at = FOUR * k
@@ -94,8 +98,7 @@ def gather(turns, one, two, contacts, start, stop, lanes):
         bring(contacts.shift_y, p, motion, at + lane.Y2)
         copy_rates(rates, one, i, motion, k, lane.W1)
         copy_rates(rates, two, j, motion, k, lane.W2)
-        copy_changes(changes, one, i, motion, k, lane.W1)
-        copy_changes(changes, two, j, motion, k, lane.W2)
+        look_ahead(boundary, two, j, motion, at)
 
 
 @inlined
@@ -203,16 +206,28 @@ def spin_of(turns, motion, at):
     return motion[at]
 
 
-@optional
-def with_spin(turns, motion, at):
+@inlined
+def change_of(motion, at):
+    """Changes of velocity and spin of a body."""
     return motion[at + ONE], motion[at + TWO], motion[at + THREE]
 
 
-@inlined
-def change_of(turns, motion, k, first):
-    """Changes of velocity and spin of a body; of the spin None where nothing turns."""
-    at = TWO * k + first
-    return either(with_spin(turns, motion, FOUR * k + first), (motion[at], motion[at + ONE], None))
+@optional
+def change_between(turns, motion, at, geometry):
+    """Change of the relative velocity to the full step; None where the velocity is that of full steps."""
+    one, two = change_of(motion, at + lane.W1), change_of(motion, at + lane.W2)
+    return relative_velocity(one, two, geometry)
+
+
+@optional
+def put_change(change, contacts, values, k):
+    put_for(contacts.damping, change[0], values, lane.DV_NORMAL + k)
+    put_for(contacts.friction, change[1], values, lane.DV_TANGENT + k)
+
+
+@optional
+def change_of_lane(turns, values, k):
+    return values[lane.DV_NORMAL + k], values[lane.DV_TANGENT + k]
 
 
 @inlined
@@ -225,19 +240,16 @@ def store_geometry(turns, geometry, contacts, p, lanes, k):
         (motion[at + lane.VX1], motion[at + lane.VY1], spin_of(turns, motion, at + lane.W1)),
         (motion[at + lane.VX2], motion[at + lane.VY2], spin_of(turns, motion, at + lane.W2)), geometry,
     )  # fmt: skip
-    change = relative_velocity(
-        change_of(turns, motion, k, lane.W1), change_of(turns, motion, k, lane.W2), geometry
-    )
+    change = change_between(turns, motion, at, geometry)
     values[lane.OVERLAP + k], values[lane.NX + k], values[lane.NY + k] = overlap, nx, ny
-    values[lane.N1 + k] = n1
-    put(n2, values, lane.N2 + k)
+    put(given(turns, n1), values, lane.N1 + k)
+    put(given(turns, n2), values, lane.N2 + k)
     put(t1, values, lane.T1 + k)
     put(t2, values, lane.T2 + k)
     put(radius, values, lane.RADIUS + k)
     put_for(contacts.damping, velocity[0], values, lane.V_NORMAL + k)
     put_for(contacts.friction, velocity[1], values, lane.V_TANGENT + k)
-    put_for(contacts.damping, change[0], values, lane.DV_NORMAL + k)
-    put_for(contacts.friction, change[1], values, lane.DV_TANGENT + k)
+    put_change(change, contacts, values, k)
     remember(contacts.normal_x, contacts.normal_y, p, nx, ny)
 
 
@@ -312,13 +324,13 @@ def refine_contacts(normal_x, shape, turns, contacts, start, stop, lanes):
 
 
 @rolled_without_first
-def contact_forces(friction, shape, contacts, start, stop, dt, lanes):
+def contact_forces(friction, shape, turns, contacts, start, stop, dt, lanes):
     values = lanes.values
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         geometry = load_geometry(shape, values, k)
         velocity = values[lane.V_NORMAL + k], values[lane.V_TANGENT + k]
-        change = values[lane.DV_NORMAL + k], values[lane.DV_TANGENT + k]
+        change = either(change_of_lane(turns, values, k), (None, None))
         n, t, damped, slid = respond(contacts, p, geometry, velocity, change, dt, lanes.account)
         put(damped, values, lane.DAMPED + k)
         put(slid, values, lane.SLID + k)

@@ -92,7 +92,7 @@ def pair_contacts(constituents, contacts, force, dt, lanes, chunks, begin, end):
         fetch_partners(chunks, rows, contacts, start, end)
         find_contacts(shape, turns, contacts, start, stop, lanes)
         refine_contacts(contacts.normal_x, shape, turns, contacts, start, stop, lanes)
-        contact_forces(contacts.friction, shape, contacts, start, stop, dt, lanes)
+        contact_forces(contacts.friction, shape, turns, contacts, start, stop, dt, lanes)
         add_losses(lanes.account, contacts, start, stop, lanes.values)
         fetch_constituents(chunks, constituents, flat, contacts, start, stop)
         accumulate(contacts, start, stop, lanes.values, turns, flat)
@@ -116,7 +116,7 @@ def _wall_contacts(walls, constituents, force, dt, lanes):
         gather(turns, rows, others, contacts, start, stop, lanes)
         gather_planes(shape, planes, frame, contacts, start, stop, lanes.values)
         find_wall_contacts(shape, turns, contacts, start, stop, lanes)
-        contact_forces(contacts.friction, shape, contacts, start, stop, dt, lanes)
+        contact_forces(contacts.friction, shape, turns, contacts, start, stop, dt, lanes)
         add_losses(lanes.account, contacts, start, stop, lanes.values)
         for p in range(start, stop):
             k = np.uint64(p - start)
@@ -147,7 +147,7 @@ def _cylinder_contacts(cylinder, constituents, force, dt, lanes):
         gather_circle(shape, radius, frame, contacts, start, stop, lanes.values)
         find_contacts(shape, turns, contacts, start, stop, lanes)
         refine_contacts(contacts.normal_x, shape, turns, contacts, start, stop, lanes)
-        contact_forces(contacts.friction, shape, contacts, start, stop, dt, lanes)
+        contact_forces(contacts.friction, shape, turns, contacts, start, stop, dt, lanes)
         add_losses(lanes.account, contacts, start, stop, lanes.values)
         for p in range(start, stop):
             k = np.uint64(p - start)

@@ -99,13 +99,13 @@ def respond(contacts, p, geometry, velocity, change, dt, account):
     local = local_stiffness(geometry.radius, contacts.modulus)
     stiffness = either(local, contacts.stiffness[p])
     elastic = hertz(overlap, sqrt_overlap, stiffness)
-    rate = -(velocity[0] + change[0])
+    rate = -plus(velocity[0], change[0])
     normal = either(damped_force(contacts.damping, p, elastic, sqrt_overlap, rate), elastic)
     damped_away = lost_normal(contacts.damping, account, normal - elastic, rate, dt)
     tangential, damped_too, slid = either(
         friction_force(
             contacts.friction, contacts, p, normal, (stiffness, sqrt_overlap),
-            (velocity[1] * dt, velocity[1] + change[1]), account, dt,
+            (velocity[1] * dt, plus(velocity[1], change[1])), account, dt,
         ),
         (None, None, None),
     )  # fmt: skip

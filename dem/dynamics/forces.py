@@ -4,12 +4,12 @@ import numpy as np
 
 from dem.contacts.blocks import Constituents
 from dem.contacts.loops import cylinder_contacts, pair_contacts, wall_contacts
-from dem.dynamics.world import granules_of, number_of_chunks
+from dem.dynamics.world import at_full_steps, granules_of, number_of_chunks
 from dem.jit.address import by_address
 from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
 from dem.jit.compilation import compiled, inlined
 from dem.jit.lanes import ACCOUNTS, FOUR, ONE, TWO, WORK, ZERO
-from dem.jit.optional import either, optional
+from dem.jit.optional import either, optional, plus, unless
 from dem.shapes.protocol import collect, place
 
 
@@ -81,18 +81,19 @@ def farthest(motion, reference, low, high, limit):
 
 
 @optional
-def add_work_on(account, motion, force, row, dt):
+def add_work_on(account, motion, full, force, row, dt):
     """Work (J) of a held constituent on what touches it."""
-    vx, vy = motion[row, VX] + motion[row, DVX], motion[row, VY] + motion[row, DVY]
+    vx = plus(motion[row, VX], unless(full, motion[row, DVX]))
+    vy = plus(motion[row, VY], unless(full, motion[row, DVY]))
     spin = motion[row, W] + motion[row, DW]
     account[WORK] -= (force[row, FX] * vx + force[row, FY] * vy + force[row, TAU] * spin) * dt
 
 
 @optional
-def weigh_held(held, motion, force, account, dt):
+def weigh_held(held, motion, full, force, account, dt):
     """Sum up what the contacts exert on each group, in one order whatever the number of threads.
 
-    motion, force: of the constituents.
+    motion, force: of the constituents; full: dem.dynamics.world.at_full_steps.
     """
     on, member, impulse = held.guide.force, held.member, held.impulse
     per = motion.shape[0] // held.group.shape[0]
@@ -104,7 +105,7 @@ def weigh_held(held, motion, force, account, dt):
             row = per * member[q] + c
             on[b, FX] += force[row, FX]
             on[b, FY] += force[row, FY]
-            add_work_on(account, motion, force, row, dt)
+            add_work_on(account, motion, full, force, row, dt)
     for b in range(on.shape[0]):
         impulse[b, 0] += on[b, FX] * dt
         impulse[b, 1] += on[b, FY] * dt
@@ -141,7 +142,8 @@ def boundary_forces(world, dt):
     force, lanes = world.constituent_force, world.lanes
     wall_contacts(world.walls, constituents, force, dt, lanes)
     cylinder_contacts(world.cylinder, constituents, force, dt, lanes)
-    weigh_held(world.held, constituents.motion, force, lanes.account, dt)
+    full = at_full_steps(world)
+    weigh_held(world.held, constituents.motion, full, force, lanes.account, dt)
 
 
 @inlined

@@ -5,7 +5,7 @@ import math
 from dem.dynamics.forces import greater
 from dem.jit.columns import DVX, DVY, FX, FY, VX, VY, X, Y
 from dem.jit.compilation import compiled, inlined
-from dem.jit.optional import optional
+from dem.jit.optional import given, optional, plus
 
 
 @inlined
@@ -109,8 +109,11 @@ def move_held(held, kick, dt):
 
 
 @optional
-def carry(held, bodies, low, high):
-    """Take the held among granules low to high along with their groups."""
+def carry(held, bodies, full, low, high):
+    """Take the held among granules low to high along with their groups.
+
+    full: dem.dynamics.world.at_full_steps.
+    """
     member, start, motion = held.member, held.start, held.motion
     q, end = 0, member.shape[0]
     while q < end:  # the first member of the chunk
@@ -124,8 +127,8 @@ def carry(held, bodies, low, high):
         b = held.group[i]
         bodies[i, X] = start[q, 0] + motion[b, X]
         bodies[i, Y] = start[q, 1] + motion[b, Y]
-        bodies[i, VX] = motion[b, VX]
-        bodies[i, VY] = motion[b, VY]
+        bodies[i, VX] = plus(motion[b, VX], given(full, motion[b, DVX]))
+        bodies[i, VY] = plus(motion[b, VY], given(full, motion[b, DVY]))
         bodies[i, DVX] = motion[b, DVX]
         bodies[i, DVY] = motion[b, DVY]
         q += 1

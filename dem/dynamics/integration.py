@@ -21,10 +21,10 @@ from dem.dynamics.forces import (
 )
 from dem.dynamics.guide import carry, move_cylinder, move_held, move_walls
 from dem.dynamics.synchronise import LINE, barrier, follows, portion
-from dem.dynamics.world import granules_of, number_of_chunks
+from dem.dynamics.world import at_full_steps, granules_of, number_of_chunks
 from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
 from dem.jit.compilation import compiled, inlined
-from dem.jit.optional import either, optional, plus
+from dem.jit.optional import either, given, minus, optional, plus
 from dem.shapes.common_normal import turned
 from dem.shapes.protocol import collect, place
 
@@ -71,22 +71,23 @@ def drift(world, kick, dt, low, high):
     bodies, force, half = world.bodies, world.force, 0.5 * dt
     inverse_mass, inverse_inertia = world.inverse_mass, world.inverse_inertia
     frame, angle, gravity = world.frame, world.angle, world.gravity
+    full = at_full_steps(world)
     collect(world.shape, world.constituent_force, frame, force, low, high)
     for each in range(low, high):
         i = np.uint64(each)  # unsigned: no test for an index that counts from the end
         ax = plus(force[i, FX] * inverse_mass[i], fall(gravity, 0))
         ay = plus(force[i, FY] * inverse_mass[i], fall(gravity, 1))
-        vx = bodies[i, VX] + kick * ax
-        vy = bodies[i, VY] + kick * ay
-        bodies[i, VX] = vx
-        bodies[i, VY] = vy
+        vx = minus(bodies[i, VX], given(full, bodies[i, DVX])) + kick * ax
+        vy = minus(bodies[i, VY], given(full, bodies[i, DVY])) + kick * ay
+        bodies[i, VX] = plus(vx, given(full, half * ax))
+        bodies[i, VY] = plus(vy, given(full, half * ay))
         bodies[i, X] += dt * vx
         bodies[i, Y] += dt * vy
         bodies[i, DVX] = half * ax
         bodies[i, DVY] = half * ay
         spin = spin_up(inverse_inertia, bodies, force, i, kick, half)
         turn(spin, frame, angle, i, dt)
-    carry(world.held, bodies, low, high)
+    carry(world.held, bodies, full, low, high)
     place(world.shape, bodies, frame, world.constituents, low, high)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from dem.jit.compilation import inlined
 from dem.jit.lanes import Lanes
-from dem.jit.optional import either, optional
+from dem.jit.optional import either, given, optional, unless
 
 CHUNK = 1024  # granules: what a chunk needs fits into the second-level cache
 
@@ -182,6 +182,15 @@ class World(NamedTuple):
     lanes: Lanes
     chunks: Chunks | None
     held: HeldGroups | None
+
+
+@inlined
+def at_full_steps(world):
+    """True if rows of granules have velocities of full steps and not of half steps, else None.
+
+    So it is where nothing turns and contacts have dashpots, see dem.jit.columns.
+    """
+    return unless(world.inverse_inertia, given(world.pairs.damping, True))
 
 
 @optional

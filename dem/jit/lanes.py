@@ -36,8 +36,7 @@ def _offsets(count, step, group=1):
     return [np.uint64(r // group * step + r % group) for r in range(count)]
 
 
-# motion[offset + 4 k]: position and velocity of 1 and 2; spin of both, with the changes after it.
-# Where nothing turns the changes are at motion[W1 + 2 k] and motion[W2 + 2 k], without the spin.
+# motion[offset + 4 k]: position and velocity of 1 and 2; spin of both, with the changes after it
 (X1, Y1, VX1, VY1, X2, Y2, VX2, VY2,
  W1, _, _, _, W2, _, _, _) = _offsets(16, 4 * BLOCK + LINE, group=4)  # fmt: skip
 ZERO, ONE, TWO, THREE, FOUR, FIVE, SIX, EIGHT = map(np.uint64, (0, 1, 2, 3, 4, 5, 6, 8))

@@ -101,6 +101,12 @@ def either(a, b):
 
 
 @_by_presence
+def given(a, b):
+    """b; None if a is absent."""
+    return (lambda a, b: b) if a else (lambda a, b: None)
+
+
+@_by_presence
 def unless(a, b):
     """b; None if a is present."""
     return (lambda a, b: None) if a else (lambda a, b: b)

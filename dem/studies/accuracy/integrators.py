@@ -16,9 +16,10 @@ from dem.dynamics.guide import move_cylinder
 from dem.dynamics.integration import drift
 from dem.dynamics.neighbor_list import rebuild_neighbor_list
 from dem.dynamics.simulation import MARGIN, SKIN
+from dem.dynamics.world import at_full_steps
 from dem.jit.columns import DVX, DVY, DW, VX, VY, W, X, Y
 from dem.jit.compilation import compiled, inlined
-from dem.jit.optional import either, optional
+from dem.jit.optional import either, given, optional, plus
 from dem.scene import Scene, State
 
 KICK, DRIFT, AHEAD, EVALUATE = range(4)  # columns of a table of stages
@@ -93,8 +94,11 @@ def count(tally, kick):
 
 
 @inlined
-def look_ahead(bodies, ahead):
+def look_ahead(bodies, full, ahead):
+    """full: dem.dynamics.world.at_full_steps."""
     for i in range(bodies.shape[0]):
+        bodies[i, VX] = plus(bodies[i, VX], given(full, (ahead - 1.0) * bodies[i, DVX]))
+        bodies[i, VY] = plus(bodies[i, VY], given(full, (ahead - 1.0) * bodies[i, DVY]))
         bodies[i, DVX] *= ahead
         bodies[i, DVY] *= ahead
         bodies[i, DW] *= ahead
@@ -123,7 +127,7 @@ def advance(world, stages, tally, dt, steps, room):
             kick = 0.0
             if evaluate:
                 if stages[s, AHEAD] != 1.0:
-                    look_ahead(world.bodies, stages[s, AHEAD])
+                    look_ahead(world.bodies, at_full_steps(world), stages[s, AHEAD])
                 moved = greater(farther, forces(world, tally.span[0], limit))
                 weigh(world.cylinder, tally.span[0], tally.push)
                 tally.span[0] = 0.0

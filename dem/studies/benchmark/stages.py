@@ -58,8 +58,8 @@ def find(wanted, shape, turns, contacts, start, stop, lanes):
 
 
 @optional
-def respond(wanted, shape, contacts, start, stop, dt, lanes):
-    contact_forces(contacts.friction, shape, contacts, start, stop, dt, lanes)
+def respond(wanted, shape, turns, contacts, start, stop, dt, lanes):
+    contact_forces(contacts.friction, shape, turns, contacts, start, stop, dt, lanes)
 
 
 @optional
@@ -81,7 +81,7 @@ def pairs(world, dt, times, wanted):
             gather(turns, rows, rows, contacts, start, stop, lanes)
             gather_pairs(shape, frame, contacts, start, stop, lanes.values)
             find(wanted.geometry, shape, turns, contacts, start, stop, lanes)
-            respond(wanted.forces, shape, contacts, start, stop, dt, lanes)
+            respond(wanted.forces, shape, turns, contacts, start, stop, dt, lanes)
             add_up(wanted.sums, contacts, start, stop, lanes.values, turns, flat)
 
 
