@@ -1,5 +1,6 @@
 """Time integrators on the package's own forces: orders, time reversal, energy, the study's file."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from dem.studies.accuracy import collisions, steps
 from dem.studies.accuracy.integrators import (
     EXPLICIT_EULER,
     HALF_STEP,
+    INTEGRATORS,
     PEFRL,
     SYMPLECTIC_EULER,
     VERLET,
@@ -82,6 +84,20 @@ def test_verlet_in_stages_is_the_one_of_the_package(small_bed):
     )
     pushed = ours.collect_impulses()[0].sum(axis=0)  # counts the last force in full, not by half
     assert_allclose(motion.impulse, pushed, atol=0.01 * np.abs(pushed).max())
+
+
+@pytest.mark.parametrize("method", INTEGRATORS, ids=lambda method: method.name)
+def test_integrators_move_discs_without_friction_as_in_the_limit_of_little(small_bed, method):
+    """What a dashpot sees is that of the method, also where nothing turns."""
+    small = small_bed("disc")
+    scene, state = small.scene(), small.state
+    step = 0.1 * dem.Simulation(scene, state).diagnose().critical_time_step
+    frictions = None, dem.Friction(1e-12, 1e-12, 1e-12)
+    motions = [Motion(replace(scene, friction=each), state, method, step) for each in frictions]
+    assert all(motion.advance(200) for motion in motions)
+    none, little = (motion.state for motion in motions)
+    moved = np.abs(none.position - state.position).max()
+    assert_allclose(none.position, little.position, rtol=0.0, atol=1e-9 * moved)
 
 
 @pytest.mark.parametrize("name", SCENES)

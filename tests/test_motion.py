@@ -390,6 +390,27 @@ def test_a_run_with_all_motions_goes_on_from_a_checkpoint_with_the_same_bits(sma
             dem.Simulation(replace(made, **changes), start).restore(whole.checkpoint())
 
 
+def test_a_bed_without_friction_moves_as_in_the_limit_of_little(small_bed):
+    """Discs that nothing turns have a kernel of their own. Walls, the cylinder and held granules that move
+    push them alike, and do the same work."""
+    made, start = everything(small_bed)
+    runs = [
+        dem.Simulation(replace(made, friction=each), start, time_step=4e-8, ledger=True)
+        for each in (None, SMOOTH)
+    ]
+    records = [run.record(100 * 4e-8, 5) for run in runs]
+    moved = np.abs(runs[0].state.position - start.position).max()
+    fast = np.abs(runs[0].state.velocity).max()
+    assert moved > 1e-5
+    assert_allclose(*(run.state.position for run in runs), rtol=0.0, atol=1e-9 * moved)
+    assert_allclose(*(run.state.velocity for run in runs), rtol=0.0, atol=1e-9 * fast)
+    for on in ("wall_force", "normal_force", "held_force"):
+        one, other = (getattr(record, on) for record in records)
+        assert_allclose(one, other, rtol=0.0, atol=1e-8 * np.abs(other).max())
+    one, other = (run.ledger() for run in runs)
+    assert_allclose([one.work, one.damped], [other.work, other.damped], rtol=1e-8)
+
+
 def test_motion_in_moving_boundaries_does_not_depend_on_the_skin(small_bed):
     """Lists that are made often and lists made seldom lead to the same motion."""
     runs = [
