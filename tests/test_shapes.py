@@ -146,6 +146,25 @@ def with_circle():
     return shape
 
 
+own_outline = inlined(smooth.outline)
+
+
+def sine_last(shape, constituent, frame):
+    own = own_outline(shape, constituent, frame)
+    return own[:1] + own[2:] + own[1:2]
+
+
+def with_old_sizes():
+    """The round shape, with an outline of which the list of pairs would keep the sine."""
+    shape = new(round_support)(SIZES)
+    type(shape).lists_sizes = True
+    protocol.answer(
+        type(shape), smooth.circle, smooth.support, smooth.refine_normal, smooth.find_contact,
+        outline=sine_last,
+    )  # fmt: skip
+    return shape
+
+
 def half(patch, name):
     """The round shape with half of one of its properties."""
     function = smooth.DERIVED[name]
@@ -184,6 +203,7 @@ WRONG = {
     "swapping them changes it": lambda patch: with_contact(no_second_lever),
     "normal of a contact": lambda patch: with_contact(biased_normal),
     "circle": lambda patch: with_circle(),
+    "lists_sizes is True": lambda patch: with_old_sizes(),
     "bounces would make or lose energy": lambda patch: dem.Ellipse.of_size(
         SIZES, 1.5, "geometric_potential"
     ),

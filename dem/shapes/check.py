@@ -13,6 +13,7 @@ from dem.base.errors import InputError
 from dem.base.validate import refuse
 from dem.jit.columns import FX, FY, TAU, X, Y, rows
 from dem.jit.compilation import compiled
+from dem.jit.lanes import OUTLINE, ROW, ZERO, store_outline
 from dem.jit.optional import either
 from dem.shapes.protocol import (
     MEMBERS,
@@ -91,6 +92,12 @@ def _feel_circle(shape, radius, directions, found):
         found[k, 0], found[k, 1] = h, either(q, 0.0)
 
 
+@compiled
+def _tell(shape, frame, constituent, numbers):
+    """The numbers of an outline into every ROW-th of `numbers`."""
+    store_outline(outline(shape, constituent, frame), numbers, ZERO)
+
+
 class Few:
     """A few granules as the kernels see them."""
 
@@ -128,6 +135,13 @@ class Few:
         across = np.array(centre) @ np.column_stack([-directions[:, 1], directions[:, 0]]).T
         return felt[..., 0], felt[..., 1], felt[..., 1] + across, along
 
+    def outline(self, constituent, angle):
+        """The numbers of an outline (m, or without unit) at an angle, and zeros after them."""
+        frame, _, _ = self._arrays(np.zeros((self.count, 2)), np.full(self.count, angle))
+        numbers = np.zeros(OUTLINE * int(ROW))
+        _tell(self.shape, frame, constituent, numbers)
+        return numbers[:: int(ROW)]
+
 
 def check_shape(shape) -> None:
     """Test a shape against the laws that the kernels and Python rely on.
@@ -164,6 +178,7 @@ def check_shape(shape) -> None:
     _refuse(name, _wrong_numbers(few))
     for law in (
         _compile_faults,
+        _list_faults,
         _flat_faults,
         _slope_faults,
         _outline_faults,
@@ -209,6 +224,22 @@ def _compile_faults(few):
         lines = [line.strip() for line in str(error).splitlines() if line.strip()]
         words = next((line for line in lines if not line.startswith("Failed")), "")
         return [f"its answers cannot be compiled: {words.rstrip('.')}."]
+    return []
+
+
+def _list_faults(few):
+    """What the list of pairs holds of an outline must be the same at all angles."""
+    if few.shape.lists_sizes:
+        for constituent in range(few.per * few.count):
+            told = [few.outline(constituent, angle) for angle in (0.0, 2.1)]
+            if (
+                not np.allclose(told[1][:2], [np.cos(2.1), np.sin(2.1)])
+                or (told[0][2:] != told[1][2:]).any()
+            ):
+                return [
+                    "lists_sizes is True; outline must be cosine and sine of the angle, and then numbers "
+                    "that do not change with it, because contacts would have old ones."
+                ]
     return []
 
 
