@@ -149,20 +149,28 @@ def with_circle():
 own_outline = inlined(smooth.outline)
 
 
-def sine_last(shape, constituent, frame):
+def breathing(shape, constituent, frame):
     own = own_outline(shape, constituent, frame)
-    return own[:1] + own[2:] + own[1:2]
+    return own[:4] + (own[4] + 1e-3 * own[0],)
 
 
 def with_old_sizes():
-    """The round shape, with an outline of which the list of pairs would keep the sine."""
+    """The round shape with a size that breathes, of which the list of pairs would keep an old one."""
     shape = new(round_support)(SIZES)
     type(shape).lists_sizes = True
     protocol.answer(
         type(shape), smooth.circle, smooth.support, smooth.refine_normal, smooth.find_contact,
-        outline=sine_last,
+        outline=breathing,
     )  # fmt: skip
     return shape
+
+
+def with_five_sizes():
+    """A circle with more numbers than a block has lanes for."""
+    made = NamedTuple("Five", [(name, np.ndarray) for name in "abcde"])
+    return smooth.smooth(
+        lambda nx, ny, sizes: (sizes[0] + 0.0 * nx, 0.0 * ny, sizes[0] + 0.0 * nx)
+    )(made)(*5 * [SIZES])  # fmt: skip
 
 
 def half(patch, name):
@@ -204,6 +212,7 @@ WRONG = {
     "normal of a contact": lambda patch: with_contact(biased_normal),
     "circle": lambda patch: with_circle(),
     "lists_sizes is True": lambda patch: with_old_sizes(),
+    "outline has 9 numbers and circle 9": lambda patch: with_five_sizes(),
     "bounces would make or lose energy": lambda patch: dem.Ellipse.of_size(
         SIZES, 1.5, "geometric_potential"
     ),

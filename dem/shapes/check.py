@@ -13,7 +13,7 @@ from dem.base.errors import InputError
 from dem.base.validate import refuse
 from dem.jit.columns import FX, FY, TAU, X, Y, rows
 from dem.jit.compilation import compiled
-from dem.jit.lanes import OUTLINE, ROW, ZERO, store_outline
+from dem.jit.lanes import OUTLINE
 from dem.jit.optional import either
 from dem.shapes.protocol import (
     MEMBERS,
@@ -93,9 +93,9 @@ def _feel_circle(shape, radius, directions, found):
 
 
 @compiled
-def _tell(shape, frame, constituent, numbers):
-    """The numbers of an outline into every ROW-th of `numbers`."""
-    store_outline(outline(shape, constituent, frame), numbers, ZERO)
+def _tell(shape, frame, constituent):
+    """The numbers of an outline, and those of a circle."""
+    return outline(shape, constituent, frame), circle(shape, 0.0)
 
 
 class Few:
@@ -135,12 +135,10 @@ class Few:
         across = np.array(centre) @ np.column_stack([-directions[:, 1], directions[:, 0]]).T
         return felt[..., 0], felt[..., 1], felt[..., 1] + across, along
 
-    def outline(self, constituent, angle):
-        """The numbers of an outline (m, or without unit) at an angle, and zeros after them."""
+    def tell(self, constituent, angle):
+        """The numbers of the outline of a constituent, and those of a circle."""
         frame, _, _ = self._arrays(np.zeros((self.count, 2)), np.full(self.count, angle))
-        numbers = np.zeros(OUTLINE * int(ROW))
-        _tell(self.shape, frame, constituent, numbers)
-        return numbers[:: int(ROW)]
+        return _tell(self.shape, frame, constituent)
 
 
 def check_shape(shape) -> None:
@@ -228,18 +226,19 @@ def _compile_faults(few):
 
 
 def _list_faults(few):
-    """What the list of pairs holds of an outline must be the same at all angles."""
-    if few.shape.lists_sizes:
-        for constituent in range(few.per * few.count):
-            told = [few.outline(constituent, angle) for angle in (0.0, 2.1)]
-            if (
-                not np.allclose(told[1][:2], [np.cos(2.1), np.sin(2.1)])
-                or (told[0][2:] != told[1][2:]).any()
-            ):
-                return [
-                    "lists_sizes is True; outline must be cosine and sine of the angle, and then numbers "
-                    "that do not change with it, because contacts would have old ones."
-                ]
+    """Outlines must fit into the lanes of a block, and what a list holds of them must not change."""
+    for constituent in range(few.per * few.count):
+        (own, circle), (turned, _) = (few.tell(constituent, angle) for angle in (0.0, 2.1))
+        if not len(own) == len(circle) <= OUTLINE:
+            return [
+                f"outline has {len(own)} numbers and circle {len(circle)}; both must have as many, and at "
+                f"most {OUTLINE}."
+            ]
+        if few.shape.lists_sizes and own[2:] != turned[2:]:
+            return [
+                "lists_sizes is True, and a number of outline after the second changes with the angle: "
+                "contacts would have old sizes."
+            ]
     return []
 
 
