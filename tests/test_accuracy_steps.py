@@ -96,8 +96,9 @@ def test_integrators_move_discs_without_friction_as_in_the_limit_of_little(small
     motions = [Motion(replace(scene, friction=each), state, method, step) for each in frictions]
     assert all(motion.advance(200) for motion in motions)
     none, little = (motion.state for motion in motions)
-    moved = np.abs(none.position - state.position).max()
+    moved, fast = np.abs(none.position - state.position).max(), np.abs(none.velocity).max()
     assert_allclose(none.position, little.position, rtol=0.0, atol=1e-9 * moved)
+    assert_allclose(none.velocity, little.velocity, rtol=0.0, atol=1e-9 * fast)
 
 
 @pytest.mark.parametrize("name", SCENES)

@@ -65,10 +65,12 @@ def crowd():
     return replace(made, held=[ground, body], wall_motion=motions), start
 
 
-def test_the_number_of_threads_changes_no_bit():
+@pytest.mark.parametrize("friction", [Friction(), None], ids=["friction", "no friction"])
+def test_the_number_of_threads_changes_no_bit(friction):
     """However a run is cut. The sums over a group have one order; the numbers of granules are those of
-    the user. Pairs across the sides have images."""
+    the user. Pairs across the sides have images. Without friction discs do not turn."""
     made, start = crowd()
+    made = replace(made, friction=friction)
     found = []
     for threads in (1, 2):
         run = Simulation(made, start, threads=threads)

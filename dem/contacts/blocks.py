@@ -67,8 +67,8 @@ def copy_rates(rates, rows, i, motion, k, first):
 
 @optional
 def look_ahead(boundary, rows, j, motion, at):
-    """Where nothing turns, rows of granules have the velocity of the full step; those of walls and
-    cylinder have that of the half step and its change."""
+    """Where nothing turns and contacts have dashpots, rows of granules have the velocity of the full step;
+    those of walls and cylinder have that of the half step and its change."""
     motion[at + lane.VX2] += rows[j + FIVE]
     motion[at + lane.VY2] += rows[j + SIX]
 
@@ -214,7 +214,8 @@ def change_of(motion, at):
 
 @optional
 def change_between(turns, motion, at, geometry):
-    """Change of the relative velocity to the full step; None where the velocity is that of full steps."""
+    """Change of the relative velocity to the full step; None where nothing turns: the velocity is then that
+    of the full step, or nothing asks for it."""
     one, two = change_of(motion, at + lane.W1), change_of(motion, at + lane.W2)
     return relative_velocity(one, two, geometry)
 
@@ -255,7 +256,8 @@ def store_geometry(turns, geometry, contacts, p, lanes, k):
 
 @inlined
 def load_geometry(shape, values, k):
-    """The geometry of lane k; n2 and t2 mean nothing for walls, which ask for neither."""
+    """The geometry of lane k; n2 and t2 mean nothing for walls, and no lever does where nothing turns: none
+    is then asked for."""
     return ContactGeometry(
         values[lane.OVERLAP + k], values[lane.NX + k], values[lane.NY + k],
         values[lane.N1 + k], take(tangential_lever(shape), values, lane.T1 + k),

@@ -91,7 +91,8 @@ def respond(contacts, p, geometry, velocity, change, dt, account):
     """Forces N and T (N) of contact p, and energies (J) lost in dashpots and by sliding.
 
     T is None without friction, the energies without an energy ledger. velocity, change: from
-    relative_velocity. Bodies that do not touch feel and remember nothing: their overlap counts as
+    relative_velocity, of the half step and to the full step. Where nothing turns change is (None, None):
+    the velocity is that of the full step, and no slip follows from it. Bodies that do not touch feel and remember nothing: their overlap counts as
     zero in the force law.
     """
     overlap = max(geometry.overlap, 0.0)

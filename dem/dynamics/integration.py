@@ -1,7 +1,8 @@
 """Velocity Verlet at one time step, until a number of steps is done or a list is out of date.
 
 Velocities are those of half steps inside the loop; the first and the last kick are half ones, so
-that state goes in and comes out at full steps. A dashpot sees the velocity at the full step,
+that state goes in and comes out at full steps. Where dem.dynamics.world.at_full_steps, rows of granules
+hold v + a dt/2 instead, and `drift` takes a dt/2 off again. A dashpot sees the velocity at the full step,
 v(t + dt/2) + a(t) dt/2, which keeps the method of second order with damping (a dashpot on the
 half-step velocity is of first order).
 """

@@ -87,7 +87,7 @@ class Guide(NamedTuple):
 class WallBoundary(NamedTuple):
     """Straight walls: planes (w, 3) rows (nx, ny, offset), solid where n.x > offset.
 
-    motion (w, 8): rows of dem.jit.columns like those of granules; the position is how far a wall has
+    motion (w, 8): rows of dem.jit.columns, always of half steps; the position is how far a wall has
     moved since the start. impulse and shear (w,): normal force on each wall, and tangential force
     along (-ny, nx), summed over time (N s). reference (w,): offsets (m) at which the neighbour lists
     were made; guide: what moves the walls; both None if all are at rest.
@@ -188,7 +188,8 @@ class World(NamedTuple):
 def at_full_steps(world):
     """True if rows of granules have velocities of full steps and not of half steps, else None.
 
-    So it is where nothing turns and contacts have dashpots, see dem.jit.columns.
+    So it is where nothing turns and contacts have dashpots: all kinds of contact, or none.
+    dem.contacts.blocks.gather relies on it.
     """
     return unless(world.inverse_inertia, given(world.pairs.damping, True))
 

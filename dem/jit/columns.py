@@ -2,8 +2,8 @@
 
 Motion: position of the centre (m), velocity (m/s) and angular velocity (rad/s) at half steps, and
 the change of each over the coming half step, by which a dashpot sees the velocity at full steps.
-Where dashpots are all that sees a velocity, as nothing turns, rows of granules have that of the full
-step, so that a contact needs half a row (dem.dynamics.world.at_full_steps).
+Where nothing turns and contacts have dashpots, rows of granules have the velocity of the full step: only
+dashpots see it, and a contact copies half a row (dem.dynamics.world.at_full_steps).
 Force: force (N) and torque about the centre (N m).
 """
 

@@ -94,7 +94,7 @@ def count(tally, kick):
 
 
 @inlined
-def look_ahead(bodies, full, ahead):
+def let_dashpots_see(bodies, full, ahead):
     """full: dem.dynamics.world.at_full_steps."""
     for i in range(bodies.shape[0]):
         bodies[i, VX] = plus(bodies[i, VX], given(full, (ahead - 1.0) * bodies[i, DVX]))
@@ -127,7 +127,7 @@ def advance(world, stages, tally, dt, steps, room):
             kick = 0.0
             if evaluate:
                 if stages[s, AHEAD] != 1.0:
-                    look_ahead(world.bodies, at_full_steps(world), stages[s, AHEAD])
+                    let_dashpots_see(world.bodies, at_full_steps(world), stages[s, AHEAD])
                 moved = greater(farther, forces(world, tally.span[0], limit))
                 weigh(world.cylinder, tally.span[0], tally.push)
                 tally.span[0] = 0.0
