@@ -125,25 +125,25 @@ def biased_normal(shape, dx, dy, own, other, guess):
     return protocol.ContactGeometry(c.overlap, nx, ny, c.n1, c.t1, c.n2, c.t2, None), converged
 
 
+USUAL = {
+    each.__name__: each
+    for each in (
+        smooth.outline, smooth.circle, smooth.support, smooth.refine_normal, smooth.find_contact,
+    )
+}  # fmt: skip
+
+
 @cache
-def with_contact(find_contact):
-    """The round shape with another way to find a contact."""
+def with_answer(lists_sizes=False, **answer):
+    """The round shape with another answer to one question of the kernels."""
     shape = new(round_support)(SIZES)
-    protocol.answer(
-        type(shape), smooth.outline, smooth.circle, smooth.support, smooth.refine_normal,
-        find_contact=find_contact,
-    )  # fmt: skip
+    type(shape).lists_sizes = lists_sizes
+    protocol.answer(type(shape), **USUAL | answer)
     return shape
 
 
-def with_circle():
-    """The round shape with a cylinder that is none."""
-    shape = new(round_support)(SIZES)
-    protocol.answer(
-        type(shape), smooth.outline, smooth.support, smooth.refine_normal, smooth.find_contact,
-        circle=lambda shape, radius: (1.0, 0.0, 0.0, 1.1 * radius) + (1.0,),
-    )  # fmt: skip
-    return shape
+def larger_circle(shape, radius):
+    return (1.0, 0.0, 0.0, 1.1 * radius) + (1.0,)
 
 
 own_outline = inlined(smooth.outline)
@@ -152,17 +152,6 @@ own_outline = inlined(smooth.outline)
 def breathing(shape, constituent, frame):
     own = own_outline(shape, constituent, frame)
     return own[:4] + (own[4] + 1e-3 * own[0],)
-
-
-def with_old_sizes():
-    """The round shape with a size that breathes, of which the list of pairs would keep an old one."""
-    shape = new(round_support)(SIZES)
-    type(shape).lists_sizes = True
-    protocol.answer(
-        type(shape), smooth.circle, smooth.support, smooth.refine_normal, smooth.find_contact,
-        outline=breathing,
-    )  # fmt: skip
-    return shape
 
 
 def with_five_sizes():
@@ -207,11 +196,11 @@ WRONG = {
     "cannot be compiled": lambda patch: new(not_for_kernels)(SIZES),
     "too flat": lambda patch: new(stadium)(SIZES),
     "too flat: its radius of curvature": lambda patch: dem.Superellipse(SIZES, SIZES, 1e-9 * SIZES),
-    "levers of a contact": lambda patch: with_contact(no_second_lever),
-    "swapping them changes it": lambda patch: with_contact(no_second_lever),
-    "normal of a contact": lambda patch: with_contact(biased_normal),
-    "circle": lambda patch: with_circle(),
-    "lists_sizes is True": lambda patch: with_old_sizes(),
+    "levers of a contact": lambda patch: with_answer(find_contact=no_second_lever),
+    "swapping them changes it": lambda patch: with_answer(find_contact=no_second_lever),
+    "normal of a contact": lambda patch: with_answer(find_contact=biased_normal),
+    "circle": lambda patch: with_answer(circle=larger_circle),
+    "lists_sizes is True": lambda patch: with_answer(lists_sizes=True, outline=breathing),
     "outline has 9 numbers and circle 9": lambda patch: with_five_sizes(),
     "bounces would make or lose energy": lambda patch: dem.Ellipse.of_size(
         SIZES, 1.5, "geometric_potential"
