@@ -2,6 +2,7 @@
 
 import importlib
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -10,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from conftest import posix
+from llvmlite.binding import get_host_cpu_features
 
 from dem.base.sources import PACKAGE
 from dem.jit import compilation
@@ -93,6 +95,23 @@ def test_what_is_behind_an_address_is_the_tuple_itself():
     expected = 2.0 * sum(NUMBERS)
     assert add_up_behind_an_address(outer) == 0.5 + 2.0 * expected
     assert added[0] == 0.5 + expected
+
+
+@compiled
+def roots_of(numbers):
+    for i in range(numbers.shape[0]):
+        numbers[i] = np.sqrt(numbers[i])
+
+
+@pytest.mark.skipif(
+    not get_host_cpu_features().get("avx512f"), reason="no vectors of 512 bits here"
+)
+def test_kernels_use_the_widest_vectors_of_the_processor():
+    """Also where LLVM would take half of them: results then have the same bits as elsewhere."""
+    roots_of(np.ones(3))
+    roots_of.recompile()  # code that was kept cannot be read
+    (code,) = roots_of.inspect_asm().values()
+    assert re.search(r"vsqrtpd\s.*%zmm", code)
 
 
 TINY = """

@@ -24,7 +24,7 @@ from numba.core.registry import CPUDispatcher
 
 import dem.jit.boxing  # noqa: F401 takes effect by being imported
 from dem.base.sources import cache_folder, code_hash
-from dem.jit.parts import PartCompiler, RolledCompiler
+from dem.jit.parts import KernelCompiler, PartCompiler, RolledCompiler
 
 # nnan and ninf stay off: they would remove the very tests that find a NaN.
 # reassoc stays off: a sum has one order, so a seed has one result.
@@ -225,7 +225,7 @@ class Kernel(CPUDispatcher):
         options = {"nogil": True, "_nrt": allocates, "forceinline": False, **OPTIONS, **NO_WRAPPERS}
         self.part = Part(function, **options)
         options |= {"nopython": True, "no_cpython_wrapper": False}
-        super().__init__(function, targetoptions=options)
+        super().__init__(function, targetoptions=options, pipeline_class=KernelCompiler)
 
     def compile(self, sig):
         """Without Python's search for garbage meanwhile: a sixth of the time, and it finds little."""

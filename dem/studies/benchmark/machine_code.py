@@ -8,6 +8,7 @@ from llvmlite.binding.object_file import ObjectFileRef
 from dem.dynamics.integration import advance
 from dem.dynamics.world import World
 from dem.jit.compilation import OPTIONS
+from dem.jit.parts import KernelCompiler
 
 WIDEST = {"zmm": 512, "ymm": 256}  # bits of the registers of x86
 
@@ -27,7 +28,7 @@ def machine_code(world: World) -> MachineCode:
     """
     like = world, 1.0, 1, 1.0, None  # as dem.dynamics.stepping calls it
     signature = tuple(map(numba.typeof, like))
-    fresh = numba.jit(**OPTIONS)(advance.py_func)
+    fresh = numba.jit(pipeline_class=KernelCompiler, **OPTIONS)(advance.py_func)
     fresh.compile(signature)
     code = fresh.overloads[signature].library._compiled_object
     sections = ObjectFileRef.from_data(code).sections()
