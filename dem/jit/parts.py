@@ -12,22 +12,21 @@ from numba.core.compiler import Compiler
 from numba.core.compiler_machinery import register_pass
 from numba.core.typed_passes import NativeLowering
 
-# An attribute of LLVM, which by itself takes 256 of the 512 bits that processors of Intel have.
-WIDEST = '"prefer-vector-width"="512"'
+# LLVM uses vectors of 256 bits on processors of Intel that have some of 512. This attribute of a function changes
+# that; other processors ignore it.
+WIDE_VECTORS = '"prefer-vector-width"="512"'
 
 
 class KernelLibrary(JITCodeLibrary):
     """Code that uses the widest vectors that the processor has.
 
-    inlined: whether it is always part of the code that calls it.
+    What Numba brings itself, such as np.zeros, is optimised before, without them.
     """
-
-    inlined = False
 
     def add_ir_module(self, module):
         for function in module.functions:
             # llvmlite's own `add` knows attributes of one word only
-            set.add(function.attributes, WIDEST)
+            set.add(function.attributes, WIDE_VECTORS)
         super().add_ir_module(module)
 
 
@@ -37,6 +36,8 @@ class PartLibrary(KernelLibrary):
     An inlined function is optimised before it is inlined, as by Numba: which sums and products the
     processor rounds together depends on it, and so does the last bit of a result.
     """
+
+    inlined = False
 
     def finalize(self):
         for library in dict.fromkeys(self._linking_libraries):
@@ -77,10 +78,13 @@ class LowerKernel(NativeLowering):
     library = KernelLibrary
 
     def run_pass(self, state):
-        state.library = self.library(state.targetctx.codegen(), state.func_id.func_qualname)
-        state.library.inlined = state.flags.forceinline
-        state.library.enable_object_caching()
+        state.library = self.new_library(state)
         return super().run_pass(state)
+
+    def new_library(self, state):
+        library = self.library(state.targetctx.codegen(), state.func_id.func_qualname)
+        library.enable_object_caching()
+        return library
 
 
 @register_pass(mutates_CFG=True, analysis_only=False)
@@ -90,12 +94,17 @@ class LowerPart(LowerKernel):
     _name = "lower_part"
     library = PartLibrary
 
+    def new_library(self, state):
+        library = super().new_library(state)
+        library.inlined = state.flags.forceinline
+        return library
+
     def run_pass(self, state):
         state.flags.no_compile = True
         super().run_pass(state)
-        name, (fndesc, env) = state.func_id.func_qualname, (state.cr.fndesc, state.cr.env)
-        module, library = fndesc.lookup_module(), state.library
-        key = _dynfunc.make_function(module, name, "a part", 0, env, (library,))
+        name, library = state.func_id.func_qualname, state.library
+        fndesc, env = state.cr.fndesc, state.cr.env
+        key = _dynfunc.make_function(fndesc.lookup_module(), name, "a part", 0, env, (library,))
         state.targetctx.insert_user_function(key, fndesc, [library])
         state.cr = state.cr._replace(cfunc=key)
         return True
@@ -110,7 +119,7 @@ class LowerRolled(LowerPart):
 
 
 class KernelCompiler(Compiler):
-    """Numba's compiler, with LowerKernel."""
+    """Numba's compiler, with LowerKernel in place of its own."""
 
     lower = LowerKernel
 
@@ -131,7 +140,7 @@ class PartCompiler(KernelCompiler):
     lower = LowerPart
 
 
-class RolledCompiler(KernelCompiler):
+class RolledCompiler(PartCompiler):
     """The same, up to LowerRolled."""
 
     lower = LowerRolled
