@@ -80,7 +80,7 @@ def test_an_input_passes(text):
     assert results_typed(text) == ([], [])
 
 
-@pytest.mark.parametrize("file", RELEASED, ids=lambda each: each.name)
+@pytest.mark.parametrize("file", [*RELEASED, *findings.elsewhere], ids=lambda each: each.name)
 def test_a_released_file_names_what_made_it(file):
     attrs = file.dataset.attrs
     assert attrs["made_with"] == file.command
@@ -121,6 +121,12 @@ def test_kernels_ignore_comments_and_notice_code(tmp_path):
         (package / "contacts/force_law.py").write_text(text + edit, encoding="utf-8")
         found.append(release.kernels(package))
     assert found[0] == found[1] != found[2]
+
+
+@pytest.mark.parametrize("file", findings.elsewhere, ids=lambda each: each.name)
+def test_a_benchmark_of_another_processor_is_named_after_it(file):
+    family, model = re.search(r"family(\d+)_model(\d+)", file.name).groups()
+    assert f"(family {family}, model {model})" in file.machine() != findings.speed.machine()
 
 
 def test_every_released_file_can_be_renewed():

@@ -17,7 +17,7 @@ from .preparation import preparation
 from .pressure import pressure
 from .scale import ensembles, overhead
 from .shear import shear
-from .speed import speed, timings
+from .speed import elsewhere, processors, speed, timings
 from .stability import stability
 from .velocity import velocity
 
@@ -31,7 +31,7 @@ TEMPLATES = Environment(
 FILES = (
     drag, flow, claims, accuracy, stability, velocity, shear, pressure, preparation, onset, speed,
 )  # fmt: skip
-MEASURED = ensembles, overhead  # by the scripts that measure
+MEASURED = ensembles, overhead, *elsewhere  # by scripts that measure, and on other processors
 NAMES = {
     "table": table,
     "interval": interval,
@@ -46,6 +46,7 @@ NAMES = {
     "onset": onset,
     "overhead": overhead,
     "preparation": preparation,
+    "processors": processors,
     "pressure": pressure,
     "shear": shear,
     "speed": speed,
@@ -53,7 +54,7 @@ NAMES = {
     "timings": timings,
     "velocity": velocity,
 }
-__all__ = ["DATA", "FILES", "MEASURED", "NAMES", "Findings", "fill"]
+__all__ = ["DATA", "FILES", "MEASURED", "NAMES", "Findings", "elsewhere", "fill", "speed"]
 
 
 def fill(text: str) -> str:

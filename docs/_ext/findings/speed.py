@@ -3,20 +3,28 @@
 from functools import cached_property
 
 import numpy as np
+import xarray as xr
 import yaml
 from rich.table import Table
 
 from dem.base.errors import InputError
 from dem.studies.benchmark import report as speed_report
 from dem.studies.benchmark.drag import at_equal_error
+from dem.studies.benchmark.scenes import FULL
 
 from .common import DATA, Findings, clock, heads, span
 
+SMALL, MILLION = 400, 1_000_000  # discs
+SMOOTH = "discs, no friction, no rotation"
+
 
 class Speed(Findings):
-    """Speed beside other codes, benchmark.nc."""
+    """Speed beside other codes, on one processor."""
 
-    name, command = "benchmark", "snakemake -j1 benchmark"
+    command = "snakemake -j1 benchmark"
+
+    def __init__(self, name: str):
+        self.name = name
 
     def codes(self) -> Table:
         """One row per bed and code that ran."""
@@ -41,6 +49,35 @@ class Speed(Findings):
         """How many times as fast this code is as another, by the medians."""
         rates = self.dataset["granule_steps_per_second"].sel(scene=scene).median("repeat")
         return f"{float(rates[0] / rates.sel(code=code)):.1f}"
+
+    def ratios(self) -> dict[str, xr.DataArray]:
+        """What the table of processors compares, of every turn; NaN where a code was missing."""
+        rates = self.dataset["granule_steps_per_second"]
+        over = rates.isel(code=0) / rates.sel(code="LAMMPS")
+        pairs = self.dataset["scene_granules"] / rates.isel(code=0) / self.dataset["scene_pairs"]
+        scenes, sizes, apart = (
+            self.dataset[f"{name}_step_time"] for name in ("variant", "size", "apart")
+        )
+        large = {"size": MILLION}
+        return {
+            "speed over that of LAMMPS, discs": over.sel(scene="discs"),
+            "the same, dumbbells": over.sel(scene="dumbbells"),
+            "time of a listed pair, ellipses over discs": (
+                pairs.sel(scene="ellipses") / pairs.sel(scene="discs")
+            ),
+            "time of a step, without friction and rotation over full": (
+                scenes.sel(variant=SMOOTH) / scenes.sel(variant=FULL)
+            ),
+            "time of a granule-step, a million discs over 400": (
+                (sizes.sel(large) / sizes.sel(size=SMALL)).sel(threads=1)
+            ),
+            "speed of a million discs, two threads over one": (
+                (sizes.sel(threads=1) / sizes.sel(threads=2)).sel(large)
+            ),
+            "speed of two separate beds of a million over one": (
+                (apart.sel(threads=1) / apart.sel(threads=2)).sel(large)
+            ),
+        }
 
     def strokes(self) -> Table:
         """One row per code: the largest time step at equal error, and what a millimetre costs."""
@@ -101,6 +138,26 @@ class Speed(Findings):
         return self.dataset.sizes["repeat"]
 
 
+def processors() -> Table:
+    """One column per processor on which the benchmark ran: its ratios."""
+    files = speed, *elsewhere
+    made = heads(1, "", *(each.machine() for each in files))
+    found = [each.ratios() for each in files]
+    for ratio in found[0]:
+        made.add_row(ratio, *(_with_range(each[ratio].values) for each in found))
+    made.add_row("bits of vectors", *(str(each.vectors()) for each in files))
+    made.add_row("load average before", *(each.load() for each in files))
+    made.add_row("revision", *(f"`{each.revision}`" for each in files))
+    return made
+
+
+def _with_range(values) -> str:
+    """Median, lowest and highest; nothing where the values are not known."""
+    if np.isnan(values).any():
+        return ""
+    return f"{np.median(values):.2f} ({span(values.min(), values.max())})"
+
+
 class Timings:
     """How long commands took, timings.yaml: measured by hand, with command, revision and date."""
 
@@ -135,4 +192,6 @@ class Timings:
         )
 
 
-speed, timings = Speed(), Timings()
+speed, timings = Speed("benchmark"), Timings()
+# Each an earlier benchmark.nc, renamed by its processor: one of today's revision can be made only there.
+elsewhere = [Speed("benchmark_family26_model2"), Speed("benchmark_family6_model207")]
