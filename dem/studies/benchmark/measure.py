@@ -34,7 +34,7 @@ class Plan(NamedTuple):
     beds: of the comparison of drag. tiles, threads: of large beds (dem.studies.benchmark.sizes).
     """
 
-    repeats: int = 5
+    repeats: int = 15  # medians of five can differ by a tenth where the computer is shared
     warm: int = 100
     steps: int = 5000
     compared: tuple[int, ...] = (100, 1000, 10_000)

@@ -145,6 +145,7 @@ def processors() -> Table:
     found = [each.ratios() for each in files]
     for ratio in found[0]:
         made.add_row(ratio, *(_with_range(each[ratio].values) for each in found))
+    made.add_row("turns", *(str(each.repeats()) for each in files))
     made.add_row("bits of vectors", *(str(each.vectors()) for each in files))
     made.add_row("load average before", *(each.load() for each in files))
     made.add_row("revision", *(f"`{each.revision}`" for each in files))
