@@ -4,9 +4,9 @@ from rich import box
 from rich.table import Table
 
 
-def numbers(*columns: str) -> Table:
-    """An empty table with these headings: words on the left, numbers to the right of them."""
+def numbers(*columns: str, words: int = 1) -> Table:
+    """An empty table with these headings: columns of words first, as many as `words`, then of numbers."""
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
     for number, column in enumerate(columns):
-        table.add_column(column, justify="left" if number == 0 else "right", no_wrap=True)
+        table.add_column(column, justify="left" if number < words else "right", no_wrap=True)
     return table

@@ -41,7 +41,7 @@ def contacts(dataset: xr.Dataset) -> Table:
     """One row per method and start."""
     made = numbers(
         "contact of two ellipses", "start", "ns", "overlap,\nsolver", "normal,\nsolver",
-        "overlap,\ndefinition", "normal,\ndefinition", "failures",
+        "overlap,\ndefinition", "normal,\ndefinition", "failures", words=2,
     )  # fmt: skip
     beds = in_the_beds(dataset)
     for method in beds["contact_method"].values:
@@ -64,7 +64,7 @@ def contacts(dataset: xr.Dataset) -> Table:
 
 def steps(dataset: xr.Dataset) -> Table:
     """One row per scene and integrator."""
-    made = numbers("scene", "integrator", "error at default", "time, us", "order")
+    made = numbers("scene", "integrator", "error at default", "time, µs", "order", words=2)
     default = float(dataset["step_default"])
     for scene in dataset["step_scene"].values:
         here = dataset.sel(step_scene=scene)

@@ -51,7 +51,7 @@ def codes(dataset: xr.Dataset) -> Table:
     """One row per bed and code that ran."""
     table = numbers(
         "bed", "code", "million granule-\nsteps a second", "lowest, highest", "against\nours",
-        "ns a\ncontact", "contacts", "pairs\nlisted",
+        "ns a\ncontact", "contacts", "pairs\nlisted", words=2,
     )  # fmt: skip
     for scene in dataset["scene"].values:
         here = dataset.sel(scene=scene)
@@ -72,8 +72,9 @@ def codes(dataset: xr.Dataset) -> Table:
 def stages(dataset: xr.Dataset) -> Table:
     """One row per bed and part of a step: what it takes, and over the pairs listed and granules."""
     table = numbers(
-        "bed", "part of a step", "us a step", "lowest, highest", "ns a pair", "ns a granule"
-    )
+        "bed", "part of a step", "µs a step", "lowest, highest", "ns a pair", "ns a granule",
+        words=2,
+    )  # fmt: skip
     for scene in dataset["scene"].values:
         for stage in dataset["stage"].values:
             here = dataset.sel(scene=scene, stage=stage)

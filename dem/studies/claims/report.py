@@ -86,7 +86,7 @@ def legend(found: list[Verdict]) -> str:
 
 def claims(found: list[Verdict]) -> Table:
     """One row per comparison, the verdict and the shares on the first of each claim."""
-    made = numbers("claim", "compared", "number, 95 % interval", "runs", "verdict", "space, %", "paper, %")  # fmt: skip
+    made = numbers("claim", "compared", "number, 95 % interval", "runs", "verdict", "space, %", "paper, %", words=2)  # fmt: skip
     for each in found:
         last = each.verdict, per_cent(each.space), per_cent(each.paper)
         for number, part in enumerate(each.comparisons or [None]):
@@ -170,7 +170,7 @@ def jamming(dataset: xr.Dataset) -> Table:
 
 def remains(found: list[Remaining]) -> Table:
     """What is left of the effect of shape."""
-    made = numbers("shape", "state", "V_f", "load, kN/m", "drag over the first case's, 95 %", "part of the effect that remains, 95 %", "runs")  # fmt: skip
+    made = numbers("shape", "state", "V_f", "load, kN/m", "drag over the first case's, 95 %", "part of the effect that remains, 95 %", "runs", words=2)  # fmt: skip
     for each in found:
         made.add_row(
             each.shape, each.state, f"{each.fraction:.4f}", f"{1e-3 * each.load:.3g}",
@@ -181,7 +181,9 @@ def remains(found: list[Remaining]) -> Table:
 
 def ranking(points: xr.Dataset) -> Table:
     """What decides the drag and the ratios of drags, the most influential first."""
-    made = numbers("what", "decided by", "grows over the range by, 95 %", "share of variance")
+    made = numbers(
+        "what", "decided by", "grows over the range by, 95 %", "share of variance", words=2
+    )
     for name, response in responses(points).items():
         for number, each in enumerate(influences(points, response)[:RANKED]):
             grows = f"{each.growth:.2f} ({each.low:.2f} to {each.high:.2f})"
@@ -192,7 +194,13 @@ def ranking(points: xr.Dataset) -> Table:
 def scaling(dataset: xr.Dataset) -> Table:
     """Drag at other sizes and velocities over that at the sweep's own."""
     made = numbers(
-        "shape", "what", "factor", "drag over that at 1, 95 %", "runs", "load over that at 1"
+        "shape",
+        "what",
+        "factor",
+        "drag over that at 1, 95 %",
+        "runs",
+        "load over that at 1",
+        words=2,
     )
     for setting in SETTINGS:
         for shape in dict.fromkeys(rows(dataset, "scaling")["run_case"].values.tolist()):

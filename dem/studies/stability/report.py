@@ -64,7 +64,7 @@ def edges(dataset: xr.Dataset) -> str:
 
 def catalogue(dataset: xr.Dataset) -> Table:
     """One row per case, shape and limit."""
-    made = numbers("case", "shape", "quantity", "worst", "limit", "outcome", "verdict")
+    made = numbers("case", "shape", "quantity", "worst", "limit", "outcome", "verdict", words=3)
     names = "case", "shape", "quantity", "value", "limit", "outcome", "known", "passed"
     columns = (dataset[f"check_{name}"].values for name in names)
     for case, shape, quantity, value, limit, outcome, known, passed in zip(*columns, strict=True):

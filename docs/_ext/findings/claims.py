@@ -16,7 +16,7 @@ from dem.studies.claims.influence import Influence, influences, responses
 from dem.studies.claims.remains import remaining
 from dem.studies.claims.verdicts import judge
 
-from .common import Findings, heads, interval
+from .common import Findings, interval
 
 
 class Claims(Findings):
@@ -60,7 +60,9 @@ class Claims(Findings):
     def verdicts(self) -> Table:
         """One row per claim; those that do not hold come first."""
         order = ["contradicted", "undecided", "supported"]
-        made = heads(3, "claim (section)", "verdict", "numbers", "holds in the plausible space, %")
+        made = numbers(
+            "claim (section)", "verdict", "numbers", "holds in the plausible space, %", words=3
+        )
         for each in sorted(self.judged.values(), key=lambda each: order.index(each.verdict)):
             found = "<br>".join(
                 f"{part.words}: {_on_one_line(claims_report.span(part))}; "
@@ -122,7 +124,7 @@ class Claims(Findings):
 
     def states(self) -> Table:
         """One row per shape and state: drag over that of c1."""
-        made = heads(2, "shape", "state", "V_f", "drag over that of c1")
+        made = numbers("shape", "state", "V_f", "drag over that of c1", words=2)
         for each in self.remaining[1:]:
             ratio, low, high = each.ratio
             made.add_row(
@@ -152,7 +154,9 @@ class Claims(Findings):
     def decides(self) -> Table:
         """One row per value of influence: by how much responses grow over its range."""
         points = from_study(self.dataset).points
-        made = heads(2, "response", "decided by", "grows over the range by", "share of variance")
+        made = numbers(
+            "response", "decided by", "grows over the range by", "share of variance", words=2
+        )
         for name, response in responses(points).items():
             for number, each in enumerate(influences(points, response)[: claims_report.RANKED]):
                 made.add_row(
@@ -176,7 +180,7 @@ class Claims(Findings):
 
     def scaling(self) -> Table:
         """One row per setting, shape and factor: drag over that at the paper's value."""
-        made = heads(2, "varied", "shape", "times", "drag over that at 1", "runs")
+        made = numbers("varied", "shape", "times", "drag over that at 1", "runs", words=2)
         for setting in claims_report.SETTINGS:
             for shape in ("c1", "e3"):
                 for x, drag, _ in claims_report.scaled_ratios(self.dataset, setting, shape):
@@ -206,7 +210,7 @@ def verdicts_on(runs: xr.Dataset) -> dict:
 
 def side_by_side(names: tuple[str, ...], found: dict[str, dict]) -> Table:
     """One row per claim: its verdict and numbers on the runs of claims.nc, and on others by what they are."""
-    made = heads(2 + len(found), "claim (section)", "the paper's box, claims.nc", *found)
+    made = numbers("claim (section)", "the paper's box, claims.nc", *found, words=2 + len(found))
     for name in names:
         each = claims.judged[name]
         cells = [_cell(verdicts[name]) for verdicts in (claims.judged, *found.values())]

@@ -7,7 +7,6 @@ from pathlib import Path
 import xarray as xr
 from rich.table import Table
 
-from dem.analysis.tables import numbers
 from dem.base.errors import InputError
 
 DATA = Path(__file__).parents[2] / "data"
@@ -27,14 +26,6 @@ def table(rich: Table) -> str:
     align = [":--" if column.justify == "left" else "--:" for column in rich.columns]
     lines = [heads, align, *rows]
     return "\n".join("| " + " | ".join(map(_cell, line)) + " |" for line in lines)
-
-
-def heads(words: int, *columns: str) -> Table:
-    """An empty table; the first columns hold words, the others numbers."""
-    made = numbers(*columns)
-    for column in made.columns[:words]:
-        column.justify = "left"
-    return made
 
 
 def _cell(text) -> str:

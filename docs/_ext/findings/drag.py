@@ -10,7 +10,7 @@ from dem.analysis.flow.verdict import compared
 from dem.analysis.statistics import change, summarise
 from dem.analysis.tables import numbers
 
-from .common import Findings, heads, interval, span
+from .common import Findings, interval, span
 
 PAPER = {"c1": "1295", "e0": "1405"}  # N, section 3.2
 DENSER = "2"  # case c12 is c1 at ten times the density
@@ -41,7 +41,9 @@ class Drag(Findings):
 
     def cases(self) -> Table:
         """One row per shape: mean drag, the paper's value, mean drag at ten times the density."""
-        made = heads(2, "case", "granules", "mean drag, N", "paper, N", "ten times as dense, N")
+        made = numbers(
+            "case", "granules", "mean drag, N", "paper, N", "ten times as dense, N", words=2
+        )
         labels = self.dataset["case"].values.tolist()
         for case in labels:
             denser = f"{case}{DENSER}"
@@ -119,7 +121,7 @@ class Drag(Findings):
             f"{1e3 * each.left:.0f} to {1e3 * each.right:.0f} mm"
             for each in means[means.dims[-1]].values
         ]
-        made = heads(1, "case, N", *spans)
+        made = numbers("case, N", *spans)
         for case in cases:
             made.add_row(case, *(f"{value:.0f}" for value in means.sel(case=case).values))
         return made

@@ -7,8 +7,9 @@ from rich.table import Table
 
 from dem.analysis.onset import Limits, limits
 from dem.analysis.statistics import Estimate
+from dem.analysis.tables import numbers
 
-from .common import Findings, estimate, heads
+from .common import Findings, estimate
 
 DISCS, ELLIPSES = 4.0, 6.0  # contacts per granule of isostatic beds
 
@@ -106,8 +107,8 @@ class Onset(Findings):
         """One row per aspect ratio."""
         found = self.limits
         sizes = found.granules[0], found.granules[-1]
-        made = heads(
-            1, "aspect ratio", *(f"packing fraction, {n} granules" for n in sizes),
+        made = numbers(
+            "aspect ratio", *(f"packing fraction, {n} granules" for n in sizes),
             "infinitely many", *(f"contacts per granule, {n} granules" for n in sizes),
             "infinitely many", "rattlers",
         )  # fmt: skip

@@ -7,10 +7,11 @@ import xarray as xr
 from rich.table import Table
 
 from dem.analysis.statistics import Estimate, summarise
+from dem.analysis.tables import numbers
 from dem.studies.claims.compare import Comparison
 
 from .claims import claims, side_by_side, verdicts_on
-from .common import Findings, estimate, heads
+from .common import Findings, estimate
 
 BOXES = {"1": "the paper's", "2": "twice the width"}
 WAYS = "relaxed", "grown"
@@ -84,7 +85,7 @@ class Preparation(Findings):
 
     def table(self) -> Table:
         """Drags of both ways, by box and shape."""
-        made = heads(2, "box", "shape", "relaxed, N", "grown, N", "grown over relaxed")
+        made = numbers("box", "shape", "relaxed, N", "grown, N", "grown over relaxed", words=2)
         for box, title in BOXES.items():
             for shape in self.dataset["shape"].values.tolist():
                 ways = [estimate(self._over((shape, way, box)), digits=0) for way in WAYS]

@@ -8,10 +8,11 @@ import numpy as np
 from rich.table import Table
 
 from dem.analysis.pressure import NEAR, Widths
+from dem.analysis.tables import numbers
 from dem.experiment.fit import sample_diameters
 
 from .claims import claims, side_by_side, verdicts_on
-from .common import Findings, estimate, heads, span
+from .common import Findings, estimate, span
 
 WAYS = "fraction", "pressure"
 ABOUT_SHAPE = (
@@ -91,7 +92,7 @@ class Pressure(Findings):
     def packed(self) -> Table:
         """One row per shape: packing fraction of the beds at rest under the pressure, in the widest
         box."""
-        made = heads(1, "shape", "packing fraction at rest")
+        made = numbers("shape", "packing fraction at rest")
         for shape, fraction in self._packed.items():
             made.add_row(shape, f"{fraction:.3f}")
         return made
@@ -127,7 +128,7 @@ class Pressure(Findings):
     def ratios(self, way: str) -> Table:
         """One row per shape: drag over that of the first, by box, and in one without end."""
         boxes = self.widths.series
-        made = heads(1, "shape", *(f"box {box}" for box in boxes), "without end")
+        made = numbers("shape", *(f"box {box}" for box in boxes), "without end")
         for shape in self.widths.shapes[1:]:
             cells = [estimate(self.widths.ratio((way,), shape, box)) for box in boxes]
             made.add_row(shape, *cells, estimate(self.widths.limit((way,), shape)))
@@ -137,8 +138,8 @@ class Pressure(Findings):
         """One row per shape: drag in the other boxes of the paper's width over that in the first box,
         and over that of the first shape."""
         first, others = self.widths.boxes[0], [box for box in OTHERS if box in self.widths.boxes]
-        made = heads(
-            1, "shape", *(f"{box} over box {first}" for box in others),
+        made = numbers(
+            "shape", *(f"{box} over box {first}" for box in others),
             *(f"over {self.widths.shapes[0]}, {box}" for box in (f"box {first}", *others)),
         )  # fmt: skip
         for shape in self.widths.shapes:
@@ -174,8 +175,8 @@ class Pressure(Findings):
     def drags(self, way: str) -> Table:
         """One row per shape: drag by box, without end, and the width that is wide enough."""
         boxes = self.widths.series
-        made = heads(
-            1, "shape", *(f"box {box}, N" for box in boxes), "without end, N", "wide enough, times"
+        made = numbers(
+            "shape", *(f"box {box}, N" for box in boxes), "without end, N", "wide enough, times"
         )
         for shape in self.widths.shapes:
             cells = [estimate(self.widths.drag((way,), shape, box), digits=0) for box in boxes]

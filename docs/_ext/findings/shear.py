@@ -7,8 +7,9 @@ import numpy as np
 from rich.table import Table
 
 from dem.analysis.shear import Curves, Rheology, rheology
+from dem.analysis.tables import numbers
 
-from .common import Findings, estimate, heads
+from .common import Findings, estimate
 
 ROUGH = "0.4"  # friction between granules
 
@@ -32,9 +33,9 @@ class Shear(Findings):
 
     def table(self, friction: str) -> Table:
         """One row per inertial number."""
-        made = heads(
-            0, "inertial number", "friction of the bed", "in the middle", "packing fraction",
-            "pressure over the one asked for", "rate in the middle over the one asked for",
+        made = numbers(
+            "inertial number", "friction of the bed", "in the middle", "packing fraction",
+            "pressure over the one asked for", "rate in the middle over the one asked for", words=0,
         )  # fmt: skip
         own = self._curves(friction)
         for row, number in enumerate(own.number.tolist()):

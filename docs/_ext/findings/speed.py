@@ -7,12 +7,13 @@ import xarray as xr
 import yaml
 from rich.table import Table
 
+from dem.analysis.tables import numbers
 from dem.base.errors import InputError
 from dem.studies.benchmark import report as speed_report
 from dem.studies.benchmark.drag import at_equal_error
 from dem.studies.benchmark.scenes import FULL
 
-from .common import DATA, Findings, clock, heads, span
+from .common import DATA, Findings, clock, span
 
 SMALL, MILLION = 400, 1_000_000  # discs
 SMOOTH = "discs, no friction, no rotation"
@@ -28,7 +29,9 @@ class Speed(Findings):
 
     def codes(self) -> Table:
         """One row per bed and code that ran."""
-        made = heads(2, "bed", "code", "10⁶ granule-steps/s", "lowest to highest", "ns a contact")
+        made = numbers(
+            "bed", "code", "10⁶ granule-steps/s", "lowest to highest", "ns a contact", words=2
+        )
         for scene in self.dataset["scene"].values:
             here = self.dataset.sel(scene=scene)
             for code in self.dataset["code"].values:
@@ -141,7 +144,7 @@ class Speed(Findings):
 def processors() -> Table:
     """One column per processor on which the benchmark ran: its ratios."""
     files = speed, *elsewhere
-    made = heads(1, "", *(each.machine() for each in files))
+    made = numbers("", *(each.machine() for each in files))
     found = [each.ratios() for each in files]
     for ratio in found[0]:
         made.add_row(ratio, *(_with_range(each[ratio].values) for each in found))
@@ -178,7 +181,7 @@ class Timings:
 
     def table(self) -> Table:
         """One row per entry."""
-        made = heads(2, "what", "command", "time")
+        made = numbers("what", "command", "time", words=2)
         for each in self.content["timed"].values():
             made.add_row(each["what"], f"`{each['command']}`", clock(each["seconds"]))
         return made

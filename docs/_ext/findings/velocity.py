@@ -6,9 +6,10 @@ import numpy as np
 from rich.table import Table
 
 from dem.analysis.statistics import within
+from dem.analysis.tables import numbers
 from dem.analysis.velocity import Law, Rates, inertial_number, rates
 
-from .common import Findings, estimate, heads
+from .common import Findings, estimate
 
 PAPER = 2.0  # m/s
 
@@ -128,8 +129,8 @@ class Velocity(Findings):
 
     def laws(self) -> Table:
         """One row per friction: the law."""
-        made = heads(
-            1, "friction", "limit, N", "exponent", f"above the limit at {PAPER:g} m/s, %",
+        made = numbers(
+            "friction", "limit, N", "exponent", f"above the limit at {PAPER:g} m/s, %",
             "10 % above it at, m/s",
         )  # fmt: skip
         for friction in ("0.0", "0.3"):
@@ -142,9 +143,9 @@ class Velocity(Findings):
 
     def table(self) -> Table:
         """One row per velocity: mean drags and their ratio, beds paired."""
-        made = heads(
-            0, "velocity, m/s", "inertial number", "drag without friction, N", "with friction, N",
-            "with over without",
+        made = numbers(
+            "velocity, m/s", "inertial number", "drag without friction, N", "with friction, N",
+            "with over without", words=0,
         )  # fmt: skip
         for v in self.rates.velocity.tolist():
             smooth, rough = (self._means(friction, v) for friction in ("0.0", "0.3"))
