@@ -35,6 +35,17 @@ def fixed(array: np.ndarray) -> np.ndarray:
     return array
 
 
+class Kept:
+    """Arrays that cannot be written cannot be written after pickling or copying either."""
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        for value in state.values():
+            for each in value if isinstance(value, tuple) else (value,):
+                if isinstance(each, np.ndarray):
+                    each.flags.writeable = False
+        vars(self).update(state)
+
+
 def rows(*shape: int | None) -> Any:
     """Kind: rows of finite numbers; returned as a copy that cannot be written."""
     take = array(FINITE, *shape, each="row")
@@ -43,7 +54,7 @@ def rows(*shape: int | None) -> Any:
 
 @checked("path ", time=rows(None), velocity=rows(None, 2), spin=or_none(rows(None)))
 @dataclass(frozen=True, eq=False)
-class Path:
+class Path(Kept):
     """Velocity of a boundary that is given over time, whatever it meets.
 
     The velocity is linear in time between the rows, and constant before the first and after the last.
@@ -206,7 +217,7 @@ def chosen(name: str, value: Any) -> np.ndarray:
 
 @checked("held ", granules=chosen, motion=sliding)
 @dataclass(frozen=True, eq=False)
-class Held:
+class Held(Kept):
     """Granules that move together as a boundary: a rough wall, or a body of any form.
 
     Parameters

@@ -10,6 +10,7 @@ from numpy.testing import assert_array_equal
 from test_large import swarm
 
 import dem
+from dem.dynamics.stepping import longest_step
 
 PLACES = [[2e-3, 2e-3], [5e-3, 2e-3]]
 DISCS = dem.Disc([1e-3, 1e-3])
@@ -283,6 +284,56 @@ def test_a_run_whose_steps_shrink_ends():
         run.record(1e-9, 1000)
 
 
+def spoil_damping(world):
+    world.pairs.damping[:] *= 1e6
+
+
+def spoil_stiffness(world):
+    world.pairs.stiffness[:] *= 1e15
+
+
+def spoil_speed(world):
+    world.bodies[0, 2] = 1e9
+
+
+@pytest.mark.parametrize("spoil", [spoil_damping, spoil_stiffness, spoil_speed])
+def test_a_run_whose_step_collapses_ends_within_a_minute(spoil):
+    """Whatever the cause: what remains of it would take hours or weeks."""
+    grid = 1.999e-3 * np.stack(np.meshgrid(np.arange(20), np.arange(20)), -1).reshape(-1, 2)
+    made = scene(shape=dem.Disc(np.full(400, 1e-3)), walls=None, cylinder=None)
+    run = dem.Simulation(made, dem.State(grid))
+    run.advance(1e-6)
+    spoil(run._world)
+    with pytest.raises(dem.StateError, match=r"the time step has shrunk too far [^\n]*fast\.$"):
+        run.advance(1e-2)
+    with pytest.raises(dem.InputError, match=r"duration is 0.01 s. The time step is [^\n]*\.$"):
+        run.check_duration(1e-2)
+
+
+EXTREMES = {
+    "restitution": {"material": dem.Material(restitution=1e-3)},
+    "soft": {"material": dem.Material(young_modulus=1e3)},
+    "stiff springs": {"friction": dem.Friction(stiffness=1e3)},
+    "soft walls": {"boundary": dem.Material(young_modulus=1e12)},
+    "a light wall": {"wall_motion": [None, None, None, dem.Drive((None, -1e-3), 1e-12)]},
+    "without friction": {"friction": None},
+}
+
+
+@pytest.mark.parametrize("kind", dem.shapes.KINDS)
+@pytest.mark.parametrize("extreme", EXTREMES)
+def test_short_steps_that_a_bed_needs_are_no_collapse(small_bed, kind, extreme):
+    """Where all granules overlap as far as they may, with extreme values, the step is far above the limit."""
+    small = small_bed(kind)
+    made = small.scene(**EXTREMES[extreme])
+    squeezed = dem.State(0.5 * small.state.position + 1e-3, angle=small.state.angle)
+    for state in (small.state, squeezed):
+        run = dem.Simulation(made, state, max_overlap=1.5)
+        diagnostics = run._take(0.0, 0).diagnostics
+        step = longest_step(run._rules, diagnostics)
+        assert 0.0 < run._rules.collapsed < (0.1 if diagnostics.max_overlap < 1.5 else 0.5) * step
+
+
 def test_no_more_threads_start_than_the_bed_has_pieces():
     """A small bed is one piece: it runs in the thread that calls."""
     assert simulation(threads=max(64, 4 * os.cpu_count()))._threads is None
@@ -301,6 +352,7 @@ TAMPERED = {
     "not a number": lambda a: first_of(a, np.nan if a.dtype.kind == "f" else -1),
     "infinite": lambda a: first_of(a, np.inf if a.dtype.kind == "f" else 2**31),
 }
+CONSTANTS = ("stiffness", "damping")  # of contacts, which follow from the scene
 
 
 def first_of(array, value):
@@ -335,6 +387,10 @@ def test_a_tampered_checkpoint_is_refused(small_bed, bed):
                 run.restore(good | {name: value})
                 pytest.fail(f"{name}, {fault}: it was taken")
             assert "saved" in str(error.value) and str(error.value).endswith(".")
+    for name in good:
+        if name.endswith(CONSTANTS) and good[name].size:
+            with pytest.raises(dem.InputError, match=f"{name} of saved is not as it must be"):
+                run.restore(good | {name: 1e6 * good[name]})
     for name, array in run.checkpoint().items():
         assert_array_equal(array, good[name])
     run.restore(good)

@@ -1,17 +1,29 @@
 """Runs, chunks and files that are stopped in the middle, and gone on with."""
 
+import copy
+import hashlib
+import math
 import os
+import pickle
+import re
+import signal
 import socket
+import threading
 import time
+from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import CONFIG
+from conftest import CONFIG, KINDS, posix
+from numpy.testing import assert_allclose, assert_array_equal
 from typer.testing import CliRunner
 
+import dem
 from dem.base.errors import InputError
 from dem.base.files import atomic
 from dem.cli.app import app
+from dem.dynamics import simulation
 from dem.experiment import drag
 from dem.experiment.bed import make_bed
 from dem.experiment.config import Replicate
@@ -357,3 +369,229 @@ def test_a_file_is_written_whole_or_not_at_all(tmp_path):
         part.write_text("half")
         raise RuntimeError("NetCDF: HDF error")
     assert file.read_text() == "before" and [file] == list(tmp_path.iterdir())
+
+
+# A simulation that is interrupted between or inside its intervals
+
+
+def crowd(friction=True):
+    """2,304 discs in three chunks, in motion between walls that a path and a force move, with a held
+    group; and a cylinder on a path."""
+    side, pitch = 48, 2.02e-3
+    grid = np.stack(np.meshgrid(np.arange(side), np.arange(side)), -1).reshape(-1, 2)
+    state = dem.State(pitch * (grid + 0.5), np.random.default_rng(1).normal(size=(side**2, 2)))
+    time = np.linspace(0.0, 1e-3, 5)
+    path = dem.Path(time, np.column_stack([0.1 * np.sin(1e4 * time), np.ones(5)]))
+    wall = dem.Drive((None, -1.0), 1e-3)
+    scene = dem.Scene(
+        dem.Disc(np.full(side**2, 1e-3)), dem.Material(restitution=0.7),
+        friction=dem.Friction() if friction else None, walls=dem.box(side * pitch, side * pitch),
+        cylinder=dem.Cylinder(1e-3, (-0.1, 0.0), path), wall_motion=[None, None, None, wall],
+        held=[dem.Held(grid[:, 1] == 0, (0.1, 0.0))], gravity=(0.0, -1.0),
+    )  # fmt: skip
+    return scene, state
+
+
+def bits(run, record):
+    """All that a simulation holds and has measured."""
+    return {**run.checkpoint(), **record._asdict()}
+
+
+@pytest.mark.parametrize("bed", [*KINDS, "a crowd", "a crowd of two threads", "smooth"])
+def test_bits_do_not_depend_on_how_often_the_kernel_returns(small_bed, monkeypatch, bed):
+    """After every step, after every seventh, or never: also with motions, threads and a ledger."""
+    monkeypatch.setattr(simulation, "BRIEF", 0.0)
+    monkeypatch.setattr(simulation, "LONG", math.inf)
+    if "crowd" in bed:
+        scene, state, threads, duration = *crowd(), 1 + (bed != "a crowd"), 1e-5
+    elif bed == "smooth":
+        scene, state, threads, duration = *crowd(friction=False), 1, 1e-5
+    else:
+        small = small_bed(bed)
+        scene, state, threads, duration = small.scene(), small.state, 1, 3e-5
+    found = []
+    for budget in (2**60, 1, 7):
+        run = dem.Simulation(scene, state, threads=threads)
+        run._budget = budget
+        found.append(bits(run, run.record(duration / 3, 3)))
+        assert run._calls[0] < 10 if budget == 2**60 else run._calls[0] > run.steps / (2 * budget)
+    for other in found[1:]:
+        for name, values in found[0].items():
+            assert_array_equal(other[name], values, name)
+
+
+class Alarm:
+    """An exception, or what else a handler does, after some time (s)."""
+
+    def __init__(self, after, handler=signal.default_int_handler):
+        self._after, self._handler = after, handler
+
+    def __enter__(self):
+        self._before = signal.signal(signal.SIGALRM, self._handler)
+        signal.setitimer(signal.ITIMER_REAL, self._after)
+
+    def __exit__(self, *_):
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, self._before)
+
+
+ENDLESS = {
+    "advance": lambda run: run.advance(10.0),
+    "record": lambda run: run.record(1e-9, 10_000_000),
+    "one interval": lambda run: run.record(10.0, 1),
+}
+
+
+@posix
+@pytest.mark.parametrize("call", ENDLESS)
+@pytest.mark.parametrize("threads", [1, 2])
+def test_an_interrupt_is_answered_and_leaves_what_was_simulated(call, threads):
+    """Time and state agree to the last step, nothing moves on, and the run can go on."""
+    scene, state = crowd()
+    n = scene.granules
+    place = np.column_stack([3e-3 * np.arange(n), np.zeros(n)])
+    path = dem.Path([0.0, 1.0], [[0.0, 1.0], [0.0, 1.0]])
+    scene = replace(
+        scene, walls=scene.walls * [1.0, 1.0, 0.0] + [0.0, 0.0, 1e3],
+        held=[dem.Held([0], (1e-3, 0.0))], cylinder=dem.Cylinder(1e-3, (0.0, 1.0), path),
+    )  # fmt: skip
+    run = dem.Simulation(scene, dem.State(place), threads=threads, time_step=1e-9)
+    run.advance(1e-7)
+    began = time.monotonic()
+    with Alarm(0.5), pytest.raises(KeyboardInterrupt):
+        ENDLESS[call](run)
+    assert time.monotonic() - began < 5.0  # s, on a busy computer
+    at, steps, state = run.time, run.steps, run.state
+    time.sleep(0.3)
+    assert (run.time, run.steps) == (at, steps) and steps > 1000
+    assert at == pytest.approx(1e-9 * steps, rel=1e-12)
+    for name, values in vars(state).items():
+        assert_array_equal(getattr(run.state, name), values)
+    assert_allclose(state.velocity[1:, 1], -at, rtol=1e-9)  # at a full step
+    assert_allclose(state.position[1:, 1], -0.5 * at**2, rtol=1e-6)
+    assert_allclose(state.position[0, 0], 1e-3 * at, rtol=1e-9)
+    assert run.world.cylinder.motion[0, 1] == pytest.approx(1.0 + at, rel=1e-12)
+    run.advance(1e-7)
+    assert run.time == pytest.approx(at + 1e-7, rel=1e-12) and run.steps == steps + 100
+
+
+@posix
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_bed_that_was_interrupted_keeps_its_contacts(threads):
+    """However often and wherever: contacts, springs and energies stay, and the bed goes on."""
+    scene, state = crowd()
+    calm = dem.Simulation(scene, state)
+    run = dem.Simulation(scene, state, threads=threads)
+    moments = np.random.default_rng(1).uniform(1e-3, 0.2, 20)
+    for moment in moments:
+        with Alarm(moment), suppress(KeyboardInterrupt):
+            while run.time < 1e-4:
+                run.advance(1e-4 - run.time)
+        calm.advance(run.time - calm.time)
+        assert len(run.contacts().granule) == pytest.approx(len(calm.contacts().granule), rel=0.05)
+        seen, wanted = run.diagnose(), calm.diagnose()
+        assert seen.max_overlap == pytest.approx(wanted.max_overlap, rel=0.05)
+        assert seen.kinetic_energy == pytest.approx(wanted.kinetic_energy, rel=1e-3)
+        assert_allclose(run.state.position, calm.state.position, atol=1e-7)
+
+
+@posix
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_look_from_a_signal_handler_changes_no_bit(threads):
+    """Also a look between two steps, at what an interrupt would leave."""
+    scene, state = crowd()
+    calm, run = (dem.Simulation(scene, state, threads=threads) for _ in range(2))
+    for each in (calm, run):
+        each._budget = 3
+    seen = []
+
+    def look(*_):
+        seen.append((run.time, len(run.contacts().granule), run.checkpoint()["time"]))
+        signal.setitimer(signal.ITIMER_REAL, 0.02)
+
+    wanted = calm.record(2e-5, 5)
+    with Alarm(0.02, look):
+        found = run.record(2e-5, 5)
+    assert len(seen) > 1 and all(0.0 <= at == saved <= 1e-4 for at, _, saved in seen)
+    for name, values in bits(calm, wanted).items():
+        assert_array_equal(bits(run, found)[name], values, name)
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_simulation_is_advanced_by_one_thread_at_a_time(threads):
+    """Another thread is refused in one sentence, and does no harm."""
+    scene, state = crowd()
+    run = dem.Simulation(scene, state, threads=threads)
+    run.advance(1e-9)
+    said = []
+
+    def meddle():
+        while not said:
+            try:
+                run.advance(1e-9)
+            except dem.StateError as error:
+                said.append(str(error))
+
+    thread = threading.Thread(target=meddle)
+    with suppress(dem.StateError):
+        thread.start()
+        while thread.is_alive():
+            run.advance(1e-6)
+    said.append("")
+    thread.join()
+    assert np.isfinite(run.state.position).all()
+    assert not said[0] or re.fullmatch(r"the simulation [^\n]*\.", said[0])
+
+
+@posix
+def test_a_simulation_goes_on_in_a_forked_process():
+    """With two threads, which stay behind: the child has its own, and the same bits."""
+    scene, state = crowd()
+    run = dem.Simulation(scene, state, threads=2)
+    run.advance(1e-6)
+    read, write = os.pipe()
+    child = os.fork()
+    if not child:
+        with suppress(BaseException):
+            signal.alarm(60)
+            run.advance(1e-6)
+            os.write(write, hashlib.sha256(run.state.position.tobytes()).digest())
+        os._exit(0)
+    os.close(write)
+    run.advance(1e-6)
+    with os.fdopen(read, "rb") as told:
+        assert told.read() == hashlib.sha256(run.state.position.tobytes()).digest()
+    assert os.waitpid(child, 0)[1] == 0
+
+
+@pytest.mark.parametrize("make", [copy.copy, copy.deepcopy, lambda each: pickle.loads(pickle.dumps(each))])  # fmt: skip
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_copy_of_a_simulation_goes_on_with_the_same_bits(make, threads):
+    """By copy or pickle, and alone: what one does the other does not see."""
+    scene, state = crowd()
+    run = dem.Simulation(scene, state, threads=threads)
+    run.record(1e-5, 1)
+    other = make(run)
+    before = other.state.position
+    wanted = bits(run, run.record(1e-5, 2))
+    assert_array_equal(other.state.position, before)
+    for name, values in bits(other, other.record(1e-5, 2)).items():
+        assert_array_equal(values, wanted[name], name)
+
+
+@pytest.mark.parametrize("make", [copy.deepcopy, lambda each: pickle.loads(pickle.dumps(each))])
+def test_what_cannot_be_written_cannot_be_written_in_a_copy(make):
+    """Sizes, walls, paths and groups of a scene: a simulation relies on them."""
+    scene = make(crowd()[0])
+    kept = scene.shape.radius, scene.walls, scene.cylinder.velocity.time, scene.held[0].granules
+    assert [each.flags.writeable for each in kept] == 4 * [False]
+
+
+def test_an_experiment_is_interrupted_within_seconds(monkeypatch):
+    """dem.run_experiment too, in the midst of a run: nothing is swallowed."""
+    replicate = smoke().replicate("c1", 3.9e3, 1)
+    bed = make_bed(replicate)
+    drag.run(replicate, bed)
+    with Alarm(0.05), pytest.raises(KeyboardInterrupt):
+        while True:
+            drag.run(replicate, bed)

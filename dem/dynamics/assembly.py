@@ -10,6 +10,7 @@ from dem.contacts.force_law import (
     effective_modulus,
     effective_shear_modulus,
 )
+from dem.dynamics.stable_step import critical_step
 from dem.dynamics.world import (
     CHUNK,
     Chunks,
@@ -292,3 +293,37 @@ def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = 
         chunks=Chunks(index, index, first, first) if n > CHUNK else None,
         held=held_groups(scene, bodies),
     )
+
+
+NEIGHBOURS = 6  # of a granule, all as deep as can be and in the worst direction
+CAUTION = 0.03  # sides that are nearly flat are stiffer than the radii say
+
+
+def least_step(scene, table, max_overlap: float, fraction: float) -> float:
+    """A time step (s) that no state of a scene can ask for by its contacts: a shorter one has collapsed.
+
+    It is CAUTION times the critical step if all contacts were as deep as `max_overlap` (over the smaller
+    radius) allows, times the `fraction` of it that a run takes. No run with sound speeds takes such
+    steps: granules much faster than sound in them end in an OverlapError when they collide.
+    """
+    moduli = [effective_modulus(*partners(scene, boundary)) for boundary in (False, True)]
+    rough = [friction_parameters(scene, kind) for kind in CONTACT_KINDS]
+    ratio = max((each.stiffness_ratio for each in rough if each), default=0.0)
+    damped = max((each.damping_ratio for each in rough if each), default=0.0)
+    inverse_mass, inverse_inertia = mobilities(scene)
+    radius = table.radius.reshape(-1, table.per).max(axis=1)
+    mobility = inverse_mass + scene.shape.bounding_radius**2 * inverse_inertia
+    drives = [
+        each for each in (
+            *(scene.wall_motion or ()), *(group.motion for group in scene.held),
+            scene.cylinder and scene.cylinder.velocity,
+        ) if isinstance(each, Drive)
+    ]  # fmt: skip
+    many = 2.0 * NEIGHBOURS
+    if drives:  # all granules may lie on one body
+        mobility = mobility + max(1.0 / each.mass for each in drives)
+        many = 2.0 * max(NEIGHBOURS, scene.granules)
+    k = 2.0 * max(moduli) * math.sqrt(max_overlap) * radius
+    stiffness = k * ((1.0 + ratio) * mobility + max_overlap * radius * table.bend)
+    damping = table.alpha * (1.0 + damped) * np.sqrt(k * mobility * mobility * scene.mass)
+    return CAUTION * fraction * min(map(critical_step, many * stiffness, many * damping))

@@ -108,12 +108,11 @@ def clock(saved: dict) -> tuple[float, int]:
     return float(time), int(steps)
 
 
-def replaced(world, arrays: dict, period):
+def replaced(world, arrays: dict, table):
     """The World with these arrays; raises InputError, with nothing changed, where they do not fit.
 
-    period: of the dem.dynamics.assembly.GranuleTable.
     An array of the same shape is overwritten in place: a bed of discs has one for bodies
-    and constituents.
+    and constituents. table: dem.dynamics.assembly.GranuleTable.
     """
     for path, own in moving(world).items():
         other = arrays.get(path)
@@ -145,7 +144,10 @@ def replaced(world, arrays: dict, period):
             fits = shape[1:] == own.shape[1:] and shape[0] >= least
         if not fits:
             _damaged(path)
-    for axis, each in enumerate(period):
+    for boundary, path in zip((None, world.walls, world.cylinder), LISTS, strict=True):
+        if f"{path}.constituent" in arrays:
+            _check_constants(path, arrays, world, boundary, table)
+    for axis, each in enumerate(table.period):
         if each is not None:
             _check_images(arrays, axis, each)
     return _sized(_replaced(world, arrays, "world"))
@@ -185,6 +187,35 @@ def _check_list(path, arrays, count, partners):
             _damaged(f"{path}.first")
     elif not np.array_equal(arrays[f"{path}.force_row"], other):
         _damaged(f"{path}.force_row")
+
+
+def _check_constants(path, arrays, world, boundary, table):
+    """Stiffness and damping of each contact follow from the sizes and masses of both partners.
+
+    They are as dem.dynamics.neighbor_list.set_constants makes them. boundary: None for pairs.
+    """
+    contacts = world.pairs if boundary is None else boundary.contacts
+    i, j = arrays[f"{path}.constituent"], arrays[f"{path}.partner"]
+    radius, mass = table.radius[i], table.mass[i]
+    if boundary is None:
+        radius, mass = _reduced(radius, table.radius[j]), _reduced(mass, table.mass[j])
+        if table.held is not None:
+            for held, free in ((table.held[i], j), (table.held[j], i)):
+                mass = np.where(held, table.mass[free], mass)
+    elif boundary is world.cylinder:
+        radius = _reduced(radius, boundary.radius)
+    stiffness = contacts.modulus * np.sqrt(radius)
+    for name, wanted in (
+        ("stiffness", stiffness),
+        ("damping", table.alpha * np.sqrt(mass * stiffness)),
+    ):
+        found = arrays.get(f"{path}.{name}")
+        if found is not None and not np.allclose(found, wanted, 1e-9, 0.0):
+            _damaged(f"{path}.{name}")
+
+
+def _reduced(one, other):
+    return one * other / (one + other)
 
 
 def _check_chunks(arrays, count, per, held):

@@ -129,12 +129,17 @@ def move_chunk(world, kick, dt, chunk, limit):
     return farthest_of(world, chunk, limit)
 
 
-@compiled
-def advance(world, dt, steps, rebuild_at, thread):
-    """Take up to `steps` steps of dt (s), at least one; stop when a constituent has moved farther than
-    `rebuild_at` (m).
+RESUMES, PAUSES = 1, 2  # how a call of `advance` begins and ends; their sum does both
 
-    thread: None, or its place among those that call this together (dem.dynamics.synchronise).
+
+@compiled
+def advance(world, dt, steps, rebuild_at, how, thread):
+    """Take up to `steps` steps of dt (s); stop when a constituent has moved farther than `rebuild_at` (m).
+
+    how: 0, RESUMES, PAUSES or both. A call that pauses leaves out the half kick after its last step, unless
+    the lists are out of date; the next one resumes with a whole kick, and gives the bits of a single call.
+    No steps at all are the half kick that a pause left out. thread: None, or its place among those that
+    call this together (dem.dynamics.synchronise).
     Returns the number of steps done and the largest displacement (m); that of granules counts as 0
     up to `rebuild_at`.
 
@@ -145,7 +150,9 @@ def advance(world, dt, steps, rebuild_at, thread):
     count = number_of_chunks(chunks, world.bodies.shape[0])
     begin, end = either(portion(thread, count), (0, count))
     limit = rebuild_at * rebuild_at
-    kick, ahead, done, last, moved, further = 0.5 * dt, dt, 0, False, 0.0, 0.0
+    done, last, pauses, moved, further = 0, steps == 0, False, 0.0, 0.0
+    kick = dt if how & RESUMES and not last else 0.5 * dt
+    ahead = 0.0 if last else dt
     while True:
         if leads:
             move_held(world.held, kick, ahead)
@@ -162,13 +169,15 @@ def advance(world, dt, steps, rebuild_at, thread):
         moved = either(told(thread), further)
         done += 1
         last = done == steps or not moved <= limit
+        pauses = last and how & PAUSES > 0 and moved <= limit
         kick, ahead, further = (0.5 * dt, 0.0, 0.0) if last else (dt, dt, 0.0)
         keep_account(world.lanes.account)
         for chunk in range(begin, end):
             pair_forces(world, dt, chunk)
             if knows_forces(chunks, chunk, begin):
                 add_left_forces(world, chunk)
-                further = greater(further, move_chunk(world, kick, ahead, chunk, limit))
+                if not pauses:
+                    further = greater(further, move_chunk(world, kick, ahead, chunk, limit))
         barrier(thread)
         for chunk in range(begin, end):
             if not knows_forces(chunks, chunk, begin):
@@ -176,3 +185,5 @@ def advance(world, dt, steps, rebuild_at, thread):
         barrier(thread)
         if leads:
             boundary_forces(world, dt)
+        if pauses:
+            return done, math.sqrt(moved)

@@ -1,7 +1,10 @@
 """Run a scene: `simulate` returns arrays, and `Simulation` is the object behind it."""
 
+import itertools
 import math
 import os
+import time
+from collections import deque
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -27,18 +30,31 @@ from dem.base.validate import (
     vector,
     whole,
 )
-from dem.dynamics.assembly import assemble, granule_table
-from dem.dynamics.checkpoint import clock, fingerprint, moving, read, read_only, replaced
+from dem.dynamics.assembly import assemble, granule_table, least_step
+from dem.dynamics.checkpoint import (
+    clock,
+    fingerprint,
+    moving,
+    read,
+    read_only,
+    replaced,
+    writable,
+)
 from dem.dynamics.diagnostics import Diagnostics
 from dem.dynamics.energy import Bookkeeper, Ledger
 from dem.dynamics.ordering import order_of, ordered
 from dem.dynamics.stepping import (
     AXIS,
+    COLLAPSED,
+    FINE,
     LOST,
     MOST_STEPS,
+    MOST_WORK,
+    NOTHING_DONE,
     ON_CYLINDER,
     ON_WALLS,
     OUTSIDE,
+    PAUSED,
     TOO_DEEP,
     TOO_LONG,
     TORQUE,
@@ -67,6 +83,8 @@ MOST_THREADS = max(64, 4 * (os.cpu_count() or 1))
 PIECES = whole(1, 10_000_000)  # beyond that their arrays fill any memory
 MOST_KEPT = 2**30  # bytes of the frames of a result
 DURATION = positive("s")
+BRIEF, LONG = 0.1, 0.3  # s: between these the kernel returns, so that Python can answer Ctrl-C
+AT_FIRST = 20_000  # constituents times steps until it returns for the first time
 STABLE = "lie above 0 and up to 1, or with allow_unstable above 0"
 FRACTION = number(STABLE, LEAST)
 
@@ -397,6 +415,10 @@ class Simulation:
     proven lower bound for small motions of the bed as it is. It is recomputed at every call of
     `advance` and whenever the neighbour list is rebuilt. `Material` and `Friction` give the forces.
 
+    Ctrl-C is answered within about a second, and within some seconds while the kernel is compiled. `time`
+    and everything else then say what has been simulated until then, and you can go on from there. A
+    simulation can be pickled and copied, and used in a forked process.
+
     Examples
     --------
     Two discs collide head-on, and the ratio of their speeds after and before is the coefficient
@@ -447,8 +469,6 @@ class Simulation:
         self.time_step = time_step
         self.step_fraction = step_fraction
         self.max_overlap = max_overlap
-        self.time = 0.0
-        self.steps = 0
         self._until = 0.0
         state = state.checked(scene.granules)
         self._order = order_of(scene, state)
@@ -456,7 +476,11 @@ class Simulation:
             scene, state = ordered(scene, state, self._order)
         self._table = granule_table(scene, skin)
         self._rules = self._make_rules(allow_unstable)
-        self._world = assemble(scene, state, self._table, ledger)
+        self._calls = np.zeros(1, np.int64)
+        world = assemble(scene, state, self._table, ledger)
+        self._now = [(world, NOTHING_DONE)]
+        self._advancing = False
+        self._budget = max(AT_FIRST // len(world.constituents), 1)
         self._check_inside()
         self._take(0.0, 0, starts=True)
         self._bookkeeper = Bookkeeper(self._world) if ledger else None
@@ -471,9 +495,69 @@ class Simulation:
             max_overlap=float(self.max_overlap),
             rebuild_at=MARGIN * reach,
             list_range=reach,
-        )
+            collapsed=0.0 if self.time_step else least_step(
+                self.scene, self._table, float(self.max_overlap), self.step_fraction
+            ),
+        )  # fmt: skip
 
-    # What can be read between calls
+    # What can be read between calls. An interrupt may come between any two instructions of Python, so that
+    # all that an advance changes is in one place, `_now`, which changes at once.
+
+    def _latest(self) -> tuple[World, StepOutcome]:
+        """The arrays and how far they are; raises StateError where a call has not come to its end."""
+        if self._threads is not None:
+            self._threads.finish()
+        world, report = self._now[0]
+        if self._calls[0] != report.calls:
+            raise StateError(
+                "the simulation is in the midst of a step: another thread advances it, this process was "
+                "forked from it there, or an error cut it off there; wait, or make it again."
+            )
+        return world, report
+
+    def _ended(self) -> tuple[World, StepOutcome]:
+        """The latest arrays with velocities of full steps, also after an interrupt inside an interval.
+
+        It works on a copy, and may itself be interrupted. Whoever looks from within a signal handler
+        does not change a run that goes on after it.
+        """
+        world, report = self._latest()
+        if report.outcome != PAUSED:
+            return world, report
+        schedule = Schedule(0.0, 0, self._until, False, 0, np.zeros(1, np.int64))
+        ended: list[tuple[World, StepOutcome]] = []
+        while not ended:
+            self._call(ended, (writable(world), report), schedule, self._rows(0))
+        found = ended[0][0], report._replace(outcome=FINE)
+        if not self._advancing:
+            self._now[:] = [found]
+        return found
+
+    @property
+    def _world(self) -> World:
+        """The arrays of the kernels; they can be written."""
+        return self._ended()[0]
+
+    @property
+    def time(self) -> float:
+        """Time since the start (s)."""
+        return self._latest()[1].time
+
+    @property
+    def steps(self) -> int:
+        """Number of time steps taken, without unit."""
+        return int(self._latest()[1].steps)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """For pickle and copy: everything but the threads, and no two arrays that share memory."""
+        world, report = self._ended()
+        threads = None if self._threads is None else self._threads.count
+        kept = {"_now": [(writable(world), report)], "_threads": threads, "_advancing": False}
+        return vars(self) | kept | {"_calls": self._calls.copy()}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        threads = state["_threads"]
+        vars(self).update(state, _threads=None if threads is None else Threads(threads))
 
     @property
     def world(self) -> World:
@@ -534,7 +618,8 @@ class Simulation:
 
     def _collect(self) -> Impulses:
         """All impulses since the last call."""
-        cylinder, walls, held = self._world.cylinder, self._world.walls, self._world.held
+        world = self._world
+        cylinder, walls, held = world.cylinder, world.walls, world.held
         none = np.zeros(0)
         sums = (
             np.zeros(4) if cylinder is None else cylinder.impulse,
@@ -544,8 +629,7 @@ class Simulation:
             np.zeros((0, 2)) if held is None else held.impulse,
         )
         on_cylinder, on_walls, twist, shear, on_held = (each.copy() for each in sums)
-        for each in sums:
-            each[...] = 0.0
+        deque(map(np.ndarray.fill, sums, itertools.repeat(0.0)), 0)  # no interrupt cuts it in two
         return Impulses(on_cylinder.reshape(2, 2), on_walls, float(twist[0]), shear, on_held)
 
     def diagnose(self) -> Diagnostics:
@@ -609,6 +693,8 @@ class Simulation:
         step = longest_step(self._rules, self.diagnose())
         if not duration <= MOST_STEPS * step:
             raise InputError(self._endless("duration", duration, step))
+        if step < self._rules.collapsed and self.scene.granules * duration > MOST_WORK * step:
+            raise InputError(f"duration is {duration:g} s. {self._collapse(step)}")
         self._until = self.time + duration
 
     def contacts(self) -> Touching:
@@ -770,8 +856,9 @@ class Simulation:
         >>> run.time
         0.0
         """
-        saved = {name: array.copy() for name, array in moving(self._world).items()}
-        saved |= {"time": np.array(self.time), "steps": np.array(self.steps, np.int64)}
+        world, report = self._ended()
+        saved = {name: array.copy() for name, array in moving(world).items()}
+        saved |= {"time": np.array(report.time), "steps": np.array(report.steps, np.int64)}
         return saved | {"scene": self._fingerprint()}
 
     def restore(self, saved: Mapping[str, np.ndarray]) -> None:
@@ -799,10 +886,11 @@ class Simulation:
         if saved.get("scene", np.empty(0)).tobytes() != self._fingerprint().tobytes():
             raise InputError("saved is no checkpoint of this simulation; it is of another scene.")
         time, steps = clock(saved)
-        world = replaced(self._world, saved, self._table.period)
+        world, report = self._ended()
+        world = replaced(writable(world), saved, self._table)
         alone = self._table.per == 1  # a granule is its own only constituent: one array for both
-        self._world = world._replace(force=world.constituent_force) if alone else world
-        self.time, self.steps = time, steps
+        world = world._replace(force=world.constituent_force) if alone else world
+        self._now[:] = [(world, report._replace(time=time, steps=steps))]
 
     def _fingerprint(self) -> np.ndarray:
         """Hash that differs between scenes, options and orders of granules in memory."""
@@ -885,6 +973,13 @@ class Simulation:
         OverlapError
             If an overlap exceeds `max_overlap`.
 
+        Notes
+        -----
+        A time step has collapsed if it is below three hundredths of what the deepest contacts that
+        `max_overlap` allows could ask for. A run then goes on only if what remains takes less than
+        4e8 steps times granules, a million steps for 400 granules; otherwise it is a StateError. With a
+        fixed `time_step` the limit is 1e11 steps, as for all runs.
+
         Examples
         --------
         Without contact or gravity a disc moves straight on:
@@ -903,7 +998,8 @@ class Simulation:
     def record(self, interval: float, count: int) -> Record:
         """Advance over equal intervals and measure forces, energy and contacts in each.
 
-        Impulses from before do not count, and none are left for `collect_impulses`.
+        Impulses from before do not count, and none are left for `collect_impulses`. An interrupt
+        loses the record, and leaves the impulses since the last whole interval.
 
         Parameters
         ----------
@@ -973,22 +1069,72 @@ class Simulation:
         rows: np.ndarray | None = None,
         starts: bool = False,
     ) -> StepOutcome:
-        """Call the kernel, the only one that a simulation needs."""
-        run = run_steps if self._threads is None else run_steps.py_func
-        schedule = Schedule(self.time, float(interval), count, self._until, starts)
+        """Call the kernel, the only one that a simulation needs, until it has done all intervals.
+
+        It returns every so often, also inside an interval, so that Python can answer an interrupt. Bits
+        do not depend on how often.
+        """
         rows = self._rows(0) if rows is None else rows
-        self._world, report = run(
-            self._world, self._table, self._rules, schedule, rows, self._threads
-        )
-        return report
+        now = self._ended()
+        if self._threads is not None and count:
+            self._threads.compile(now[0])
+        try:
+            self._advancing = True
+            self._now[:] = [now]
+            while True:
+                began = time.perf_counter()
+                schedule = Schedule(
+                    float(interval), count, self._until, starts, self._budget, self._calls
+                )
+                self._call(self._now, now, schedule, rows)
+                before, now = now, self._now[0]
+                if now is before:
+                    continue
+                if now[1].calls != self._calls[0] or now[1].calls != before[1].calls + 1:
+                    raise StateError(
+                        "the simulation was advanced by another thread or a signal handler while it "
+                        "advanced; let one of them wait for the other."
+                    )
+                if now[1].outcome != PAUSED:
+                    return now[1]
+                starts, took = False, time.perf_counter() - began
+                if took < BRIEF:
+                    self._budget *= 2
+                elif took > LONG:
+                    self._budget = max(self._budget // 2, 1)
+        finally:
+            self._advancing = False
+
+    def _call(
+        self,
+        found: list[tuple[World, StepOutcome]],
+        now: tuple[World, StepOutcome],
+        schedule: Schedule,
+        rows: np.ndarray,
+    ) -> None:
+        """Call the kernel once and put what it returns into `found`, unless the call is cancelled.
+
+        An interrupt comes before the kernel starts or after `found` has it, never between.
+        """
+        (world, before), threads = now, self._threads
+        given = world, self._table, self._rules, schedule, before, rows, threads
+        if schedule.starts and threads is not None:  # in the thread that an interrupt stops
+            found[:] = [run_steps.py_func(*given)]
+        elif threads is None:  # one instruction of Python, and boxing has none (dem.jit.boxing)
+            found[:] = map(run_steps, *zip(given, strict=True))
+        else:
+
+            def work():
+                found[:] = [run_steps.py_func(*given)]
+
+            threads.lead(work)
 
     def _run_steps(
         self, name: str, interval: float, count: int, rows: np.ndarray | None = None
     ) -> float:
+        steps = self.steps
         report = self._take(interval, count, rows)
-        self.time = report.time
-        self.steps += report.steps
-        if report.outcome == TOO_LONG and report.steps == 0:
+        if report.outcome == TOO_LONG and report.steps == steps:
             raise InputError(self._endless(name, interval * count, report.value))
         if report.outcome:
             self._fail(report.outcome, report.value, report.granule)
@@ -998,6 +1144,13 @@ class Simulation:
         return (
             f"{name} is {duration:g} s, more than {MOST_STEPS:.0e} time steps of {step:.3g} s: "
             "granules are too small, stiff, light or fast for it."
+        )
+
+    def _collapse(self, step: float) -> str:
+        return (
+            f"The time step is {step:.3g} s, less than the contacts of this scene can ask for at any overlap "
+            f"({self._rules.collapsed:.3g} s), and what remains would take more than "
+            f"{MOST_WORK / self.scene.granules:.0e} steps: granules are too fast."
         )
 
     # Guards: between two neighbour lists nothing moves by more than half the skin. A check at each
@@ -1030,6 +1183,8 @@ class Simulation:
                 f"the time step has shrunk to {value:.3g} s {when}, and what remains would take more "
                 f"than {MOST_STEPS:.0e}: granules are too fast for a run of this duration."
             )
+        if outcome == COLLAPSED:
+            raise StateError(f"the time step has shrunk too far {when}. {self._collapse(value)}")
         if outcome == OUTSIDE:
             assert self._world.walls is not None
             planes = self._world.walls.planes
@@ -1083,7 +1238,7 @@ def simulate(
         Time step (s); None, which is recommended, chooses it from the stiffness of the contacts.
     frames : int
         Number of equal intervals after each of which the state is kept (without unit). All frames
-        together must fit into a gibibyte. Ctrl-C is answered at the end of an interval.
+        together must fit into a gibibyte.
     step_fraction : float
         As in Simulation (without unit).
     max_overlap : float

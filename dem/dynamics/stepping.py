@@ -4,19 +4,22 @@ import math
 from fractions import Fraction
 from typing import NamedTuple
 
+import numpy as np
 from numba.extending import overload
 
 from dem.dynamics.diagnostics import Diagnostics, diagnose
 from dem.dynamics.forces import forces, greater
-from dem.dynamics.integration import advance
+from dem.dynamics.integration import PAUSES, RESUMES, advance
 from dem.dynamics.neighbor_list import rebuild_neighbor_list
 from dem.jit.address import by_address
 from dem.jit.columns import X, Y
 from dem.jit.compilation import INLINED, compiled, inlined
 from dem.jit.optional import either, optional
 
-FINE, LOST, TOO_DEEP, OUTSIDE, TOO_LONG = range(5)
+FINE, LOST, TOO_DEEP, OUTSIDE, TOO_LONG, COLLAPSED, PAUSED = range(7)
 MOST_STEPS = 1e11  # an hour or more for two granules, weeks for a bed of hundreds
+MOST_WORK = 4e8  # steps times granules, once the step has collapsed: less than a minute
+SURVEY = 20  # steps that take as long as a survey, roughly
 
 
 class StepControl(NamedTuple):
@@ -25,7 +28,8 @@ class StepControl(NamedTuple):
     time_step (s): fixed, or 0 for `fraction` of the critical one, less if a granule would move
     farther than `largest_motion` (m) in it. max_overlap: over the smaller radius. rebuild_at (m):
     displacement of a constituent that triggers a rebuild of the lists; list_range (m): displacement
-    that stops the run, because a contact may have been missed.
+    that stops the run, because a contact may have been missed. collapsed (s): a step below has
+    collapsed (dem.dynamics.assembly.least_step); 0 where the step is fixed.
     """
 
     time_step: float
@@ -34,26 +38,36 @@ class StepControl(NamedTuple):
     max_overlap: float
     rebuild_at: float
     list_range: float
+    collapsed: float
 
 
 class Schedule(NamedTuple):
-    """`intervals` intervals of `interval` (s) from `time` (s) on.
+    """`intervals` intervals of `interval` (s).
 
     until (s): end of the whole run, used only to refuse more than MOST_STEPS steps. starts: whether
-    lists and forces are still to be made.
+    lists and forces are still to be made. budget: steps after which the call returns, if need be
+    inside an interval, so that Python can answer an interrupt; 0 only ends a pause there. calls (1,): how
+    many calls have begun.
     """
 
-    time: float
     interval: float
     intervals: int
     until: float
     starts: bool
+    budget: int
+    calls: np.ndarray
 
 
 class StepOutcome(NamedTuple):
-    """How a run went: FINE or why it stopped, with the value and the granule that say so (moved
-    distance, overlap or time step); time (s); steps and intervals done; shortest time step (s); the
-    last Diagnostics that were made."""
+    """How a run went: FINE, PAUSED or why it stopped, with the value and the granule that say so (moved
+    distance, overlap or time step); time (s) and steps since the start of the simulation; intervals
+    done; shortest time step (s); the last Diagnostics that were made; calls begun with this one.
+
+    What a paused call goes on from: the time step dt (s) was chosen at the time `chosen` (s) for the
+    `left` steps to the `end` (s) of the interval, of which `taken` are taken; finished: whether the
+    last interval is, and not measured yet; least (s): shortest step of the interval; until (s): end of
+    the whole run.
+    """
 
     outcome: int
     value: float
@@ -63,6 +77,21 @@ class StepOutcome(NamedTuple):
     intervals: int
     shortest: float
     diagnostics: Diagnostics
+    calls: int
+    chosen: float
+    dt: float
+    left: int
+    taken: int
+    end: float
+    finished: bool
+    least: float
+    until: float
+
+
+NOTHING_DONE = StepOutcome(
+    FINE, 0.0, -1, 0.0, 0, 0, math.inf, Diagnostics(0.0, 0.0, 0.0, 0.0, 0, 0.0), 0,
+    0.0, 0.0, 0, 0, 0.0, False, math.inf, 0.0,
+)  # fmt: skip
 
 
 @inlined
@@ -176,14 +205,16 @@ def measure(record, n, world, diagnostics, interval, shortest):
     measure_held(world.held, row, interval)
 
 
-def step_on(threads, world, dt, steps, list_range):
+def step_on(threads, world, dt, steps, rebuild_at, how):
     """dem.dynamics.integration.advance, by several threads or alone."""
-    return threads.advance(world, dt, steps, list_range)
+    return threads.advance(world, dt, steps, rebuild_at, how)
 
 
 @overload(step_on, jit_options=INLINED)
-def _step_alone(threads, world, dt, steps, list_range):
-    return lambda threads, world, dt, steps, list_range: advance(world, dt, steps, list_range, None)
+def _step_alone(threads, world, dt, steps, rebuild_at, how):
+    return lambda threads, world, dt, steps, rebuild_at, how: advance(
+        world, dt, steps, rebuild_at, how, None
+    )
 
 
 def diagnose_on(threads, world, table):
@@ -208,50 +239,80 @@ def _later(time, steps, dt):
 
 
 @compiled(allocates=True)
-def run_steps(world, table, rules, schedule, record, threads):
+def run_steps(world, table, rules, schedule, before, record, threads):
     """Advance as a Schedule says; returns the world and a StepOutcome.
 
-    record: an array with one row per interval, or none of it. threads: None, or those that take the
+    before: the StepOutcome of the call before; one that paused goes on where that one was. record: an
+    array with one row per interval, or none of it. threads: None, or those that take the
     steps and survey the bed (dem.dynamics.threads.Threads; this function then runs as it is here, uncompiled). The
-    step is chosen at the start of each interval and whenever the lists are rebuilt.
+    step is chosen at the start of each interval and whenever the lists are rebuilt. Bits do not depend on
+    where a call pauses.
     """
-    time, interval, intervals, until, starts = schedule
+    interval, intervals, until, starts, budget, calls = schedule
+    calls[0] += 1
     outcome, value, granule = FINE, 0.0, -1
-    steps, done, n, shortest, least = 0, 0, 0, math.inf, math.inf
-    end, finished = time + interval, False
-    until = max(until, time + intervals * interval)
+    time, steps, diagnostics = before.time, before.steps, before.diagnostics
+    n, shortest, least, finished = 0, math.inf, math.inf, False
+    chosen, dt, left, taken, end = time, 0.0, 0, 0, time + interval
+    if before.outcome == PAUSED:
+        n, shortest, least, finished = (
+            before.intervals, before.shortest, before.least, before.finished
+        )  # fmt: skip
+        chosen, dt, left, taken = before.chosen, before.dt, before.left, before.taken
+        end, until = before.end, before.until
+    else:
+        until = max(until, time + intervals * interval)
     table = by_address(table)
     if starts:
         world = rebuild_neighbor_list(world, table)
         forces(world, 0.0, math.inf)
     while True:
         here = by_address(world)
-        last = finished and n + 1 == intervals
-        if not last or n < record.shape[0]:  # after the last interval only a record asks
-            diagnostics = diagnose_on(threads, here, table)
-        if finished:
-            if n < record.shape[0]:
-                measure(record, n, here, diagnostics, interval, least)
-            shortest = min(shortest, least)
-            n, end, least = n + 1, time + interval, math.inf
-        if n == intervals:
+        if taken == left:
+            if budget <= 0:
+                outcome = PAUSED
+                break
+            last = finished and n + 1 == intervals
+            if not last or n < record.shape[0]:  # after the last interval only a record asks
+                diagnostics = diagnose_on(threads, here, table)
+                budget -= SURVEY
+            if finished:
+                if n < record.shape[0]:
+                    measure(record, n, here, diagnostics, interval, least)
+                shortest = min(shortest, least)
+                n, end, least = n + 1, time + interval, math.inf
+            if n == intervals:
+                break
+            if not diagnostics.max_overlap <= rules.max_overlap:
+                outcome, value, granule = TOO_DEEP, diagnostics.max_overlap, diagnostics.deepest
+                break
+            longest = longest_step(rules, diagnostics)
+            if not until - time <= MOST_STEPS * longest:
+                outcome, value = TOO_LONG, longest
+                break
+            work = (until - time) * here.bodies.shape[0]
+            if longest < rules.collapsed and work > MOST_WORK * longest:
+                outcome, value = COLLAPSED, longest
+                break
+            left = max(1, math.ceil((end - time) / longest * (1.0 - 1e-9)))
+            dt = (end - time) / left
+            least = min(least, dt)
+            chosen, taken, finished = time, 0, False
+            budget = max(budget, 1)
+        some = min(left - taken, budget)
+        how = (RESUMES if taken > 0 else 0) + (PAUSES if some < left - taken else 0)
+        done, moved = step_on(threads, here, dt, some, rules.rebuild_at, how)
+        if some == 0:  # the pause is over
+            left = taken
             break
-        if not diagnostics.max_overlap <= rules.max_overlap:
-            outcome, value, granule = TOO_DEEP, diagnostics.max_overlap, diagnostics.deepest
-            break
-        longest = longest_step(rules, diagnostics)
-        if not until - time <= MOST_STEPS * longest:
-            outcome, value = TOO_LONG, longest
-            break
-        left = max(1, math.ceil((end - time) / longest * (1.0 - 1e-9)))
-        dt = (end - time) / left
-        least = min(least, dt)
-        done, moved = step_on(threads, here, dt, left, rules.rebuild_at)
         steps += done
-        finished = done == left
-        time = end if finished else later(time, done, dt)
+        taken += done
+        budget -= done
+        finished = taken == left
+        time = end if finished else later(chosen, taken, dt)
         if not moved <= rules.rebuild_at:
             granule = outside(here.walls, here.bodies)
+            left = taken
             if not (moved <= rules.list_range or nearing(here) <= 2.0 * rules.list_range):
                 outcome, value = LOST, moved
                 break
@@ -259,6 +320,11 @@ def run_steps(world, table, rules, schedule, record, threads):
                 outcome = OUTSIDE
                 break
             world = rebuild_neighbor_list(world, table)  # by value: what it replaces must live on
+            budget -= SURVEY
+        elif not finished:
+            outcome = PAUSED
+            break
     return world, StepOutcome(
-        outcome, value, granule, time, steps, n, shortest, diagnostics
+        outcome, value, granule, time, steps, n, shortest, diagnostics, calls[0],
+        chosen, dt, left, taken, end, finished, least, until,
     )  # fmt: skip

@@ -1,6 +1,13 @@
-"""The threads that take steps and survey a bed together."""
+"""The threads that take steps and survey a bed together.
 
-from concurrent.futures import ThreadPoolExecutor
+Python raises KeyboardInterrupt, and what else a signal asks for, in the main thread only. What must not be
+cut off in its midst therefore runs in a thread of its own, the leader.
+"""
+
+import os
+import threading
+from collections.abc import Callable
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor, wait
 
 from dem.dynamics.diagnostics import Diagnostics, begin_survey, deeper, end_survey, survey_pairs
 from dem.dynamics.integration import advance
@@ -9,17 +16,66 @@ from dem.jit.lanes import make_lanes
 
 
 class Threads:
-    """A number of threads, each with its own place and scratch lanes."""
+    """A number of threads, each with its own place and scratch lanes, and one that leads them."""
 
     def __init__(self, threads: int):
-        self._places = make_threads(threads)
-        self._lanes = [make_lanes() for _ in range(threads)]
-        self._pool = ThreadPoolExecutor(threads)
+        self.count = threads
+        self._compiled = False
+        self._start()
 
-    def advance(self, world, dt, steps, rebuild_at):
+    def _start(self) -> None:
+        self._places = make_threads(self.count)
+        self._lanes = [make_lanes() for _ in range(self.count)]
+        self._pool, self._leader = ThreadPoolExecutor(self.count), ThreadPoolExecutor(1)
+        self._led: Future[None] | None = None
+        all_here = threading.Barrier(self.count)  # each waits for the others, so that all begin now
+        try:
+            wait([self._pool.submit(all_here.wait) for _ in range(self.count)])
+        except BaseException:  # too many for the system, or an interrupt
+            all_here.abort()
+            raise
+        self._process = os.getpid()  # last: a start that was cut off is made again
+
+    def _restart(self) -> None:
+        """Threads stay behind in the process that this one was forked from."""
+        if self._process != os.getpid():
+            self._start()
+
+    def lead(self, work: Callable[[], None]) -> bool:
+        """Do some work in the leader; whether it was done: an interrupt may have cancelled it."""
+        self._restart()
+        self._led = led = (
+            Future()
+        )  # known before it is handed over, so that `finish` always finds it
+        try:
+            self._leader.submit(_do, led, work)
+            led.result()
+        except CancelledError:
+            return False
+        finally:
+            self.finish()
+        return True
+
+    def finish(self) -> None:
+        """Return when the leader is at rest; what it has not begun it never does."""
+        self._restart()
+        led = self._led
+        if led is not None and not led.cancel():
+            wait([led])
+
+    def compile(self, world) -> None:
+        """Compile `advance` in the thread that calls, which an interrupt can stop."""
+        if not self._compiled:
+            steps = world, 0.0, 0, 0.0, 0, self._places[0]
+            advance.compile(tuple(map(advance.typeof_pyval, steps)))
+            self._compiled = True
+
+    def advance(self, world, dt, steps, rebuild_at, how):
         """As dem.dynamics.integration.advance, with the same result for any number of threads."""
         runs = [
-            self._pool.submit(advance, world._replace(lanes=lanes), dt, steps, rebuild_at, thread)
+            self._pool.submit(
+                advance, world._replace(lanes=lanes), dt, steps, rebuild_at, how, thread
+            )
             for thread, lanes in zip(self._places, self._lanes, strict=True)
         ]
         results = [run.result() for run in runs]
@@ -44,3 +100,14 @@ class Threads:
         for _, (overlap, constituent) in found:
             worst = deeper(worst, overlap, constituent, 1.0)
         return end_survey(world, table, begun, (sum(touching for touching, _ in found), worst))
+
+
+def _do(led: Future[None], work: Callable[[], None]) -> None:
+    """As an executor does it, for a Future that is there before."""
+    if led.set_running_or_notify_cancel():
+        try:
+            work()
+        except BaseException as error:
+            led.set_exception(error)
+        else:
+            led.set_result(None)
