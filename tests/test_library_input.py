@@ -289,11 +289,11 @@ def spoil_damping(world):
 
 
 def spoil_stiffness(world):
-    world.pairs.stiffness[:] *= 1e15
+    world.pairs.stiffness[:] *= 1e12
 
 
 def spoil_speed(world):
-    world.bodies[0, 2] = 1e9
+    world.bodies[0, 2] = 1e8
 
 
 @pytest.mark.parametrize("spoil", [spoil_damping, spoil_stiffness, spoil_speed])
@@ -305,9 +305,7 @@ def test_a_run_whose_step_collapses_ends_within_a_minute(spoil):
     run.advance(1e-6)
     spoil(run._world)
     with pytest.raises(dem.StateError, match=r"the time step has shrunk too far [^\n]*fast\.$"):
-        run.advance(1e-2)
-    with pytest.raises(dem.InputError, match=r"duration is 0.01 s. The time step is [^\n]*\.$"):
-        run.check_duration(1e-2)
+        run.advance(1e-3)
 
 
 EXTREMES = {
@@ -327,11 +325,10 @@ def test_short_steps_that_a_bed_needs_are_no_collapse(small_bed, kind, extreme):
     small = small_bed(kind)
     made = small.scene(**EXTREMES[extreme])
     squeezed = dem.State(0.5 * small.state.position + 1e-3, angle=small.state.angle)
-    for state in (small.state, squeezed):
-        run = dem.Simulation(made, state, max_overlap=1.5)
-        diagnostics = run._take(0.0, 0).diagnostics
-        step = longest_step(run._rules, diagnostics)
-        assert 0.0 < run._rules.collapsed < (0.1 if diagnostics.max_overlap < 1.5 else 0.5) * step
+    run, deep = (dem.Simulation(made, each, max_overlap=1.5) for each in (small.state, squeezed))
+    diagnostics = deep._take(0.0, 0).diagnostics
+    assert diagnostics.max_overlap > 1.5
+    assert 0.0 < 5.0 * run._rules.collapsed < longest_step(deep._rules, diagnostics)
 
 
 def test_no_more_threads_start_than_the_bed_has_pieces():

@@ -31,7 +31,7 @@ from dem.base.validate import (
     vector,
     whole,
 )
-from dem.dynamics.assembly import assemble, granule_table, least_step
+from dem.dynamics.assembly import CAUTION, assemble, granule_table, least_step
 from dem.dynamics.checkpoint import (
     clock,
     fingerprint,
@@ -483,7 +483,7 @@ class Simulation:
         self._free = [None]  # whoever advances holds what is in it
         self._budget = max(AT_FIRST // len(world.constituents), 1)
         self._check_inside()
-        self._take(0.0, 0, starts=True)
+        self._allow(longest_step(self._rules, self._take(0.0, 0, starts=True).diagnostics))
         self._bookkeeper = Bookkeeper(self._world) if ledger else None
 
     def _make_rules(self, allow_unstable: bool) -> StepControl:
@@ -500,6 +500,11 @@ class Simulation:
                 self.scene, self._table, float(self.max_overlap), self.step_fraction
             ),
         )  # fmt: skip
+
+    def _allow(self, step: float) -> None:
+        """A time step (s) that was asked for, and what is not much shorter, is no collapse."""
+        least = min(self._rules.collapsed, CAUTION * step)
+        self._rules = self._rules._replace(collapsed=float(least))
 
     # What can be read between calls. An interrupt may come between any two instructions of Python, so that
     # all that an advance changes is in one place, `_now`, which changes at once.
@@ -694,8 +699,6 @@ class Simulation:
         step = longest_step(self._rules, self.diagnose())
         if not duration <= MOST_STEPS * step:
             raise InputError(self._endless("duration", duration, step))
-        if step < self._rules.collapsed and self.scene.granules * duration > MOST_WORK * step:
-            raise InputError(f"duration is {duration:g} s. {self._collapse(step)}")
         self._until = self.time + duration
 
     def contacts(self) -> Touching:
@@ -902,7 +905,8 @@ class Simulation:
             for b in boundaries
         ]
         guided = [b.guide.orders for b in (*boundaries, world.held) if b is not None and b.guide]
-        held = [world.shape, self._table, self._rules, world.pairs.friction, world.pairs.modulus]
+        rules = self._rules._replace(collapsed=0.0)  # it depends on the start
+        held = [world.shape, self._table, rules, world.pairs.friction, world.pairs.modulus]
         arrays = [world.inverse_mass, world.inverse_inertia, world.gravity, order]
         groups = None if world.held is None else world.held.group
         radius = None if world.cylinder is None else world.cylinder.radius
@@ -949,6 +953,7 @@ class Simulation:
         if cylinder.guide is not None:
             raise InputError("velocity cannot be set: the cylinder follows a Path or a Drive.")
         cylinder.motion[0, [VX, VY]] = velocity
+        self._allow(self._rules.largest_motion / max(math.hypot(*velocity), LEAST))
 
     @checked(duration=not_negative("s"))
     def advance(self, duration: float) -> float:
@@ -976,8 +981,8 @@ class Simulation:
 
         Notes
         -----
-        A time step has collapsed if it is below three hundredths of what the deepest contacts that
-        `max_overlap` allows could ask for. A run then goes on only if what remains takes less than
+        A time step has collapsed if it is below three hundredths of the first one, and of what the deepest
+        contacts that `max_overlap` allows could ask for. A run then goes on only if what remains takes less than
         4e8 steps times granules, a million steps for 400 granules; otherwise it is a StateError. With a
         fixed `time_step` the limit is 1e11 steps, as for all runs.
 
@@ -1151,8 +1156,8 @@ class Simulation:
 
     def _collapse(self, step: float) -> str:
         return (
-            f"The time step is {step:.3g} s, less than the contacts of this scene can ask for at any overlap "
-            f"({self._rules.collapsed:.3g} s), and what remains would take more than "
+            f"The time step is {step:.3g} s, less than the contacts of this scene and its speeds at the start can "
+            f"ask for ({self._rules.collapsed:.3g} s), and what remains would take more than "
             f"{MOST_WORK / self.scene.granules:.0e} steps: granules are too fast."
         )
 
