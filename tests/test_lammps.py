@@ -28,19 +28,24 @@ CONFIG = Path(__file__).parent.parent / "config/smoke.yaml"
 ELASTIC = dem.Material(restitution=1.0)
 
 
-def apart(small, steps, speed=1.0, **changes):
-    """Greatest distance between the codes over the mean radius, and that moved, after some steps."""
+def rms(values):
+    """Root mean square."""
+    return np.sqrt((values**2).mean())
+
+
+def apart(small, steps, speed=1.0, of=np.max, same=False, **changes):
+    """Distance between the codes and that moved, each of all granules, over the mean radius."""
     scene = small.scene(**changes)
     velocity = speed * np.random.default_rng(1).normal(size=small.bed.position.shape)
     state = dem.State(small.bed.position, velocity, small.bed.angle)
     step = 0.3 * dem.Simulation(scene, state).diagnose().critical_time_step
     ours = dem.Simulation(scene, state, time_step=step)
     ours.advance(steps * step)
-    with lammps.Run(scene, state, step) as theirs:
+    with lammps.Run(scene, state, step, same=same) as theirs:
         theirs.advance(steps)
         here, there = ours.state.position, theirs.position
     size = scene.shape.bounding_radius.mean()
-    return np.abs(here - there).max() / size, np.abs(here - state.position).max() / size
+    return of(np.abs(here - there)) / size, of(np.abs(here - state.position)) / size
 
 
 @pytest.mark.parametrize(("kind", "rounding"), [("disc", 1e-12), ("dumbbell", 1e-9)])
@@ -51,11 +56,35 @@ def test_without_friction_and_damping_motion_agrees_to_rounding(small_bed, kind,
     assert distance < rounding
 
 
+# The mean over a bed: where one contact slides and in the other code sticks, one granule goes another
+# way, and processors pack other beds. The greatest distance was 0.05 to 0.9 of what it is compared with.
+@pytest.mark.parametrize("seed", [1, 11])
 @pytest.mark.parametrize("kind", ["disc", "dumbbell"])
-def test_with_friction_motion_differs_a_little(small_bed, kind):
-    """LAMMPS has another arm of the tangential force, and another spring when a contact unloads."""
-    distance, moved = apart(small_bed(kind), 100)
-    assert distance < 0.2 * moved
+def test_with_friction_motion_differs_a_little(small_bed, kind, seed):
+    """LAMMPS has another arm of the tangential force, and another spring when a contact unloads.
+
+    Of eight beds of each kind: 0.08 to 0.17; a LAMMPS without friction is apart by 0.7 and more.
+    """
+    distance, moved = apart(small_bed(kind, seed), 100, of=rms)
+    assert distance < 0.4 * moved
+
+
+@pytest.mark.parametrize("seed", [1, 11])
+@pytest.mark.parametrize("kind", ["disc", "dumbbell"])
+def test_with_our_law_lammps_follows_our_motion(small_bed, kind, seed):
+    """Friction and damping: only the arm of the tangential force differs then.
+
+    Of eight beds of each kind: 0.016 to 0.033; a LAMMPS without damping is apart by 0.19 and more.
+    """
+    distance, moved = apart(small_bed(kind, seed), 100, of=rms, same=True)
+    assert distance < 0.1 * moved
+
+
+def test_softer_tangential_springs_are_handed_on(small_bed):
+    """friction.stiffness of a hundredth: LAMMPS with Mindlin's own springs is as far off as granules move."""
+    soft = dem.Friction(stiffness=0.01)
+    distance, moved = apart(small_bed("disc"), 100, of=rms, same=True, friction=soft)
+    assert distance < 0.1 * moved
 
 
 def test_a_collision_returns_the_coefficient_of_restitution():
@@ -90,20 +119,6 @@ def test_the_largest_step_is_where_the_drag_leaves_its_level():
     beds = np.random.default_rng(1).normal(size=(1, 50))
     found = largest_step(steps, 100.0 - 50.0 * np.maximum(0.0, steps - 1.1)[:, None] + beds)
     assert found.value == pytest.approx(1.12, abs=0.01)
-
-
-def test_with_our_law_lammps_follows_our_motion(small_bed):
-    """Friction and damping: only the arm of the tangential force differs then."""
-    small = small_bed("disc")
-    scene, step = small.scene(), 1e-8
-    ours = dem.Simulation(scene, small.state, time_step=step)
-    ours.advance(500 * step)
-    apart = {}
-    for same in (False, True):
-        with lammps.Run(scene, small.state, step, same=same) as theirs:
-            theirs.advance(500)
-            apart[same] = np.abs(theirs.position - ours.state.position).max()
-    assert apart[True] < 0.5 * apart[False]
 
 
 def test_what_lammps_has_no_equivalent_for_is_refused(small_bed):

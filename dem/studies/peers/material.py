@@ -52,7 +52,8 @@ def hertz(scene: Scene, kind: str) -> Hertz:
     our ratio.
     """
     materials = partners(scene, boundary=kind != "granule")
-    shear = effective_shear_modulus(*materials)
+    spring = scene.friction.stiffness if scene.friction else 1.0
+    shear = spring * effective_shear_modulus(*materials)
     normal = 4.0 / 3.0 * effective_modulus(*materials)
     share = 0.5 if kind == "granule" else 1.0
     radius, mass = share * scene.shape.constituent_radius.mean(), share * scene.mass.mean()
