@@ -138,6 +138,18 @@ def test_a_loop_of_a_kernel_becomes_code_of_the_widest_vectors():
     assert re.search(r"vsqrtpd\s.*%zmm", compiled_afresh(roots_of, np.ones(3)).get_asm_str())
 
 
+@compiled
+def add_all(inner):
+    return inner.added.sum()
+
+
+def test_a_class_outside_the_package_is_said_to_compile_each_time(capsys):
+    """The next process finds nothing compiled of it, and the message says so."""
+    compilation._say_compiling.cache_clear()
+    assert add_all(Inner((), np.ones(2))) == 2.0
+    assert capsys.readouterr().err.splitlines() == [compilation.STRANGE.format("Inner")]
+
+
 TINY = """
 from dem.jit.compilation import compiled
 

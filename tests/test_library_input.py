@@ -11,6 +11,7 @@ from test_large import swarm
 
 import dem
 from dem.dynamics.stepping import longest_step
+from dem import shapes
 
 PLACES = [[2e-3, 2e-3], [5e-3, 2e-3]]
 DISCS = dem.Disc([1e-3, 1e-3])
@@ -215,6 +216,33 @@ def test_a_refused_argument_comes_with_its_remedy(monkeypatch, remedy):
     with pytest.raises(dem.InputError) as error:
         MISTAKES[remedy]()
     assert remedy in str(error.value), str(error.value)
+
+
+def of_class(monkeypatch, where):
+    """A run whose granules are of another class, which must be refused before any bed is packed."""
+    monkeypatch.chdir(CONFIG.parent)
+    monkeypatch.setitem(shapes.KINDS, "disc", shapes.Kind(where, 1.0))
+    with pytest.raises(dem.InputError) as error:
+        dem.run_experiment(SMOKE)
+    return str(error.value)
+
+
+def test_an_experiment_with_a_class_outside_the_package_is_refused_at_once(monkeypatch):
+    """It packed and ran for half a minute, and all was lost."""
+    said = of_class(monkeypatch, "__main__.Pebble")
+    assert "shapes.c1: kind is disc, whose class is in __main__, outside this package" in said
+    assert "put its file into dem/shapes" in said and said.endswith(".")
+
+
+def test_what_granules_refuse_is_said_with_the_shape(monkeypatch):
+    """A size that a class does not take, as of_size gives it: the sentence names shape and kind."""
+
+    def of_size(diameter, aspect_ratio):
+        raise dem.InputError("bulge is 1.0; it must lie in 0 to 0.12.")
+
+    monkeypatch.setattr(dem.Superellipse, "of_size", of_size)
+    said = of_class(monkeypatch, "dem.shapes.superellipse.Superellipse")
+    assert said == "shapes.c1 (disc): bulge is 1.0; it must lie in 0 to 0.12."
 
 
 KINDS = {

@@ -66,6 +66,11 @@ def _file(module: str) -> Path | None:
     return next((path for path in choices if path.is_file()), None)
 
 
+def is_ours(module: str) -> bool:
+    """Whether a module is one of this package, so that all code that it depends on is known."""
+    return _file(module) is not None
+
+
 def cache_folder() -> Path:
     """Folder of the caches: $NUMBA_CACHE_DIR or the user's cache folder."""
     return Path(os.environ.get("NUMBA_CACHE_DIR") or user_cache_path("dem", appauthor=False))

@@ -15,7 +15,6 @@ from dem.packing.pressed import START, compact
 from dem.packing.random import Bed, pack
 from dem.periodic import Periods, periods_of
 from dem.scene import Cylinder
-from dem.shapes import KINDS
 
 PREPARATIONS = {"relaxed": pack, "grown": grow}  # by packing.preparation
 
@@ -59,7 +58,7 @@ def make_bed(replicate: Replicate) -> Bed:
     or where it leaves no room for the stroke.
     """
     sizes, own = diameters(replicate), replicate.configuration
-    shape = KINDS[replicate.shape.kind].shape.of_size(sizes, replicate.shape.ratio)
+    shape = replicate.granules(sizes)
     height = height_of_box(own, sizes)
     at = cylinder(replicate, height)
     if own.packing.pressure is not None:

@@ -28,7 +28,7 @@ from dem.base.schema import (
     number,
     sentences,
 )
-from dem.base.sources import code_hash
+from dem.base.sources import code_hash, is_ours
 from dem.experiment.fit import check_room
 from dem.experiment.observables import OBSERVABLES
 from dem.shapes import KINDS
@@ -200,6 +200,12 @@ class ShapeSection(Section):
 
     @model_validator(mode="after")
     def _check(self):
+        if not is_ours(KINDS[self.kind].module):
+            raise ValueError(
+                f"kind is {self.kind}, whose class is in {KINDS[self.kind].module}, outside this package; "
+                "runs are known by their code, so put its file into dem/shapes, or use dem.Scene and "
+                "dem.pack"
+            )
         natural = KINDS[self.kind].aspect_ratio
         if natural is None and self.aspect_ratio is None:
             raise ValueError(f"aspect_ratio is missing; kind {self.kind} needs one")
@@ -412,6 +418,13 @@ class Replicate:
     @property
     def shape(self) -> ShapeSection:
         return self.configuration.shapes[self.label]
+
+    def granules(self, diameters: np.ndarray, *options):
+        """Granules with the area of discs of these diameters (m); raises InputError with the shape."""
+        try:
+            return KINDS[self.shape.kind].shape.of_size(diameters, self.shape.ratio, *options)
+        except InputError as error:
+            raise InputError(f"shapes.{self.label} ({self.shape.kind}): {error}") from None
 
     def values(self) -> dict:
         """All values as plain groups, in the form that `of_values` takes."""

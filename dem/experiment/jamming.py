@@ -15,7 +15,6 @@ from dem.experiment.bed import PREPARATIONS, cylinder, diameters
 from dem.experiment.config import Configuration, Replicate
 from dem.experiment.fit import height_of_box
 from dem.packing.pressed import START, Press
-from dem.shapes import KINDS
 
 VARIABLES = {
     "jam_fraction": ((), "1", "packing fraction at which the bed jams"),
@@ -45,7 +44,7 @@ def compress(replicate: Replicate) -> Path:
     """Grow the granules of a run until the bed is well above jamming; NaN where no bed is found."""
     sizes, own = diameters(replicate), replicate.configuration
     height, friction = height_of_box(own, sizes), own.packing.friction
-    shape = KINDS[replicate.shape.kind].shape.of_size(sizes, replicate.shape.ratio)
+    shape = replicate.granules(sizes)
     room = shape, own.box_width, height, cylinder(replicate, height)
     fractions, loads = [], []
     try:

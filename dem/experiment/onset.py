@@ -16,7 +16,6 @@ from dem.experiment.bed import cylinder, diameters
 from dem.experiment.config import Configuration, Replicate
 from dem.experiment.fit import height_of_box
 from dem.packing.pressed import Press
-from dem.shapes import KINDS
 
 VARIABLES = {
     "onset_fraction": ((), "1", "packing fraction at the onset of jamming"),
@@ -52,7 +51,7 @@ def find(replicate: Replicate) -> Onset:
     """The onset of jamming of the bed of a run; raises PackingError where none is found."""
     sizes, own = diameters(replicate), replicate.configuration
     height = height_of_box(own, sizes)
-    shape = KINDS[replicate.shape.kind].shape.of_size(sizes, replicate.shape.ratio)
+    shape = replicate.granules(sizes)
     room = shape, own.box_width, height, cylinder(replicate, height)
     press = Press(*room, replicate.seed, periodic=own.periodic)
     unit = replicate.shape.diameter

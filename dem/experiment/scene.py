@@ -8,14 +8,13 @@ from dem.experiment.config import Replicate
 from dem.motion import Drive
 from dem.packing.random import Bed
 from dem.scene import Friction, Material, Scene
-from dem.shapes import KINDS
 
 
 def granules(replicate: Replicate):
     """Shape of all granules of this seed, contacts as the configuration asks."""
     kind, wanted = replicate.shape.kind, replicate.configuration.ellipse
     options = (wanted.contact, wanted.curvature) if kind == "ellipse" else ()
-    return KINDS[kind].shape.of_size(diameters(replicate), replicate.shape.ratio, *options)
+    return replicate.granules(diameters(replicate), *options)
 
 
 def make_scene(replicate: Replicate, bed: Bed) -> Scene:

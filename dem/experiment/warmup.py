@@ -10,7 +10,6 @@ from dem.experiment.observables import module_of
 from dem.experiment.scene import make_scene
 from dem.packing.pressed import compact
 from dem.scene import Cylinder
-from dem.shapes import KINDS
 
 
 def compile_kernels(replicate: Replicate) -> None:
@@ -30,7 +29,7 @@ def compile_kernels(replicate: Replicate) -> None:
         height = 4.0 * (drawn.diameter + few.diameter) / min(drawn.start, 1.0 - drawn.start)
     else:
         height = own.box_width
-    shape = KINDS[few.kind].shape.of_size(diameters(replicate), few.ratio)
+    shape = replicate.granules(diameters(replicate))
     cylinder = None
     if drawn:  # in a box that is much too high for three granules
         at = 0.5 * own.box_width, drawn.start * height

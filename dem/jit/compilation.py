@@ -23,7 +23,7 @@ from numba.core.event import Listener, register
 from numba.core.registry import CPUDispatcher
 
 import dem.jit.boxing  # noqa: F401 takes effect by being imported
-from dem.base.sources import cache_folder, code_hash
+from dem.base.sources import cache_folder, code_hash, is_ours
 from dem.jit.parts import KernelCompiler, PartCompiler, RolledCompiler
 
 # nnan and ninf stay off: they would remove the very tests that find a NaN.
@@ -34,11 +34,6 @@ INLINED = {"forceinline": True, "pipeline_class": PartCompiler, **NO_WRAPPERS, *
 ROLLED = INLINED | {"pipeline_class": RolledCompiler}
 
 
-def is_ours(module: str) -> bool:
-    """Whether a module is one of this package, so that all code that it depends on is known."""
-    return module.partition(".")[0] == __name__.partition(".")[0]
-
-
 def classes_in(kind):
     """Classes of the named tuples in a type of Numba."""
     if isinstance(kind, types.BaseNamedTuple):
@@ -47,15 +42,21 @@ def classes_in(kind):
         yield from classes_in(each)
 
 
+def strangers(kinds) -> list[str]:
+    """Names of the classes of other packages in some types: what their code depends on is unknown."""
+    found = {each for kind in kinds for each in classes_in(kind)}
+    return sorted(each.__qualname__ for each in found if not is_ours(each.__module__))
+
+
 def with_classes(key) -> str | None:
     """A key of Numba's cache as text, with the code of the classes that choose what is compiled.
 
     A shape answers the kernels from a module that they do not import. None for a class of another
     package: its dependencies are unknown, and its kernels are compiled in each process.
     """
-    found = {each for kind in key[0] for each in classes_in(kind)}
-    if not all(is_ours(each.__module__) for each in found):
+    if strangers(key[0]):
         return None
+    found = {each for kind in key[0] for each in classes_in(kind)}
     classes = sorted(
         f"{each.__module__}.{each.__qualname__} {code_hash(each.__module__)}" for each in found
     )
@@ -246,14 +247,13 @@ class Kernel(CPUDispatcher):
 
 
 class _Compiling(Listener):
-    """Says once that a process compiles, because a library call then takes long."""
+    """Says that a process compiles, because a library call then takes long; each sentence once."""
 
     def on_start(self, event):
-        if (
-            isinstance(event.data["dispatcher"], Kernel)
-            and multiprocessing.parent_process() is None
-        ):
-            _say_compiling()
+        kernel = event.data["dispatcher"]
+        if isinstance(kernel, Kernel) and multiprocessing.parent_process() is None:
+            names = " and ".join(strangers(event.data["args"]))
+            _say_compiling(STRANGE.format(names) if names else COMPILING)
 
     def on_end(self, event):
         """Nothing: the next call shows it."""
@@ -263,12 +263,13 @@ register("numba:compile", _Compiling())
 
 
 @functools.cache
-def _say_compiling():
+def _say_compiling(sentence: str) -> None:
     clear = "\r\x1b[2K" if sys.stderr.isatty() else ""  # a progress bar may be there
-    print(f"{clear}{COMPILING}", file=sys.stderr, flush=True)
+    print(f"{clear}{sentence}", file=sys.stderr, flush=True)
 
 
 COMPILING = "Compiling for this kind of scene, up to a minute; the next process finds it compiled."
+STRANGE = "Compiling for {}, up to a minute; every process compiles again for a class outside this package."
 
 
 def compiled(function=None, *, allocates=False):
