@@ -188,7 +188,8 @@ WRONG = {
     "not closed": lambda patch: like_round(patch, polygons=open_polygons),
     "not convex": lambda patch: new(dented)(SIZES),
     "centre of mass": lambda patch: new(oval(shift=0.1))(SIZES),
-    "m2; its outline has": lambda patch: new(oval(curvature=1.05))(SIZES),
+    "the radius of curvature of granule": lambda patch: new(oval(curvature=1.05))(SIZES),
+    "is the third number that the support function returns": lambda patch: new(oval(curvature=0.9))(SIZES),
     "differ": lambda patch: like_round(
         patch, polygons=lambda s, points=64: smooth.polygons(s, points)[..., ::-1] * [1, -1]
     ),
@@ -217,6 +218,47 @@ def test_what_breaks_a_law_is_told(monkeypatch, sentence):
         dem.check_shape(shape)
     assert sentence in str(error.value) and str(error.value).endswith(".")
     assert str(error.value).startswith(type(shape).__name__)
+
+
+def lumps():
+    """A class of shapes with sizes (radius, lump, shift) in m; each granule has its own."""
+
+    def support(nx, ny, sizes):
+        r, e, c = sizes
+        cosine, sine = nx * (4.0 * nx * nx - 3.0), ny * (3.0 - 4.0 * ny * ny)
+        return r + e * cosine + c * nx, -3.0 * e * sine - c * ny, r - 8.0 * e * cosine
+
+    fields = [(name, np.ndarray) for name in ("radius", "lump", "shift")]
+    return smooth.smooth(support)(NamedTuple("Lumps", fields))
+
+
+LUMPS = cache(lumps)
+MANY = np.full(9, 1e-3)
+
+
+def one(value, of=MANY):
+    """Sizes (m) of which only the sixth is not zero."""
+    return np.where(np.arange(len(of)) == 5, value * of, 0.0)
+
+
+def test_a_granule_that_is_not_convex_is_found_among_many():
+    """check_shape and Scene name it, whichever it is."""
+    shape = LUMPS()(MANY, one(0.2), 0.0 * MANY)
+    for look in (dem.check_shape, dem.Scene):
+        with pytest.raises(
+            dem.InputError, match="granule 5 is not convex: its radius of curvature"
+        ):
+            look(shape)
+
+
+def test_a_granule_off_its_centre_is_found_among_many_and_the_remedy_helps():
+    """The sentence says what to subtract from the support function; the shape is then accepted."""
+    shape = LUMPS()(MANY, 0.05 * MANY, one(0.1))
+    with pytest.raises(dem.InputError, match=r"the centre of mass is .* subtract c_x nx") as error:
+        dem.check_shape(shape)
+    x, y = map(float, re.search(r"c = \((\S+), (\S+)\) m", str(error.value)).groups())
+    assert abs(y) < 1e-9
+    dem.check_shape(shape._replace(shift=shape.shift - one(1.0) / 1e-3 * x))
 
 
 @pytest.mark.parametrize("value", [3, None, dem.Disc])

@@ -15,6 +15,7 @@ from dem.jit.columns import FX, FY, TAU, X, Y, rows
 from dem.jit.compilation import compiled
 from dem.jit.lanes import OUTLINE
 from dem.jit.optional import either
+from dem.shapes import smooth
 from dem.shapes.protocol import (
     MEMBERS,
     SHAPE_QUESTIONS,
@@ -27,7 +28,9 @@ from dem.shapes.protocol import (
     support,
 )
 
-GRANULES = 3  # at most, that are tested: all follow one rule
+GRANULES = 3  # that are tested together, and at least, if there are as many
+ALIKE = 6  # digits in which outlines over their sizes agree, of granules that are tested once
+CORNERS = 65  # of these outlines
 PAIRS = 40  # random contacts
 DEPTH = 1e-3  # overlap over size: what simulations have, well above rounding
 STEP = 1e-6  # of finite differences, over size: errors are of STEP^2 / DEPTH^2 and 1e-16 / STEP
@@ -37,6 +40,7 @@ NEAR = 1e-3  # relative error of what is compared with a polygon of POINTS corne
 POINTS = 1025
 DIRECTIONS = 4096  # at which the outline is felt
 FINE = 2**18  # at which it is felt for jumps of the lever: one of 0.03 sizes is beyond BEND
+STEEP = 100.0  # over size: change of the lever with the angle beyond which it may be a jump
 LOOSE = 1.2  # bounding circle over the outline's own
 BEND = 1e3  # over size: at overlaps of a thousandth it turns a granule as the longest lever does
 
@@ -149,7 +153,7 @@ def check_shape(shape) -> None:
     Parameters
     ----------
     shape : Disc, Dumbbell, Ellipse, Superellipse or a class of your own
-        Granules with their sizes (m). The first three are tested.
+        Granules with their sizes (m). All are tested, and those that differ by size alone once.
 
     Raises
     ------
@@ -171,20 +175,26 @@ def check_shape(shape) -> None:
         refuse("shape", shape, "be granules of a shape, such as dem.Disc")
     name = type(shape).__name__
     _refuse(name, _unknown(shape))
-    few = Few(_some(shape))
+    _refuse(name, _derivative_faults(shape))
     _refuse(name, [shape.fault] if shape.fault else [])
-    _refuse(name, _wrong_numbers(few))
-    for law in (
-        _compile_faults,
-        _list_faults,
-        _flat_faults,
-        _slope_faults,
-        _outline_faults,
-        _boundary_faults,
-        _bound_faults,
-        _contact_faults,
-    ):
-        _refuse(name, law(few))  # what breaks one law breaks the later ones too, in worse words
+    _refuse(name, _wrong_numbers(Few(_some(shape, _first(shape)))))
+    groups = _groups(shape)
+    for numbers in groups:
+        few = Few(_some(shape, numbers))
+        those = f", granules {', '.join(map(str, numbers))}" if len(groups) > 1 else ""
+        for law in (
+            _wrong_numbers,
+            _compile_faults,
+            _list_faults,
+            _flat_faults,
+            _slope_faults,
+            _outline_faults,
+            _boundary_faults,
+            _bound_faults,
+            _contact_faults,
+        ):
+            # what breaks one law breaks the later ones too, in worse words
+            _refuse(name + those, law(few))
 
 
 def _refuse(name, sentences):
@@ -205,12 +215,65 @@ def _unknown(shape):
             if not hasattr(shape, each)]  # fmt: skip
 
 
-def _some(shape):
-    """The first granules, at least two, with arrays of their own."""
-    sizes = {k: v for k, v in shape._asdict().items() if isinstance(v, np.ndarray)}
-    n = len(next(iter(sizes.values())))
-    index = np.arange(max(2, min(n, GRANULES))) % n
-    return shape._replace(**{k: np.array(v, float)[index] for k, v in sizes.items()})
+def _arrays(shape):
+    """Sizes with an entry a granule."""
+    return {k: v for k, v in shape._asdict().items() if isinstance(v, np.ndarray)}
+
+
+def _some(shape, numbers):
+    """Some granules, at least two, with arrays of their own."""
+    index = np.resize(numbers, max(2, len(numbers)))
+    return shape._replace(**{k: np.array(v, float)[index] for k, v in _arrays(shape).items()})
+
+
+def _first(shape):
+    """Numbers of the first granules."""
+    return np.arange(min(len(next(iter(_arrays(shape).values()))), GRANULES))
+
+
+def _groups(shape):
+    """Numbers of the granules that are tested, GRANULES at a time: the first, and all that have no
+    like among those before them, by their outlines and numbers over their sizes."""
+    first, size = _first(shape), shape.bounding_radius
+    with np.errstate(all="ignore"):  # what is no number is told later
+        rings = np.asarray(shape.polygons(CORNERS))
+        if len(rings) != len(size):  # which is told later
+            return [first]
+        rings = rings.reshape(len(size), -1) / size[:, None]
+        areas = np.column_stack([shape.area, shape.gyration_squared]) / size[:, None] ** 2
+        bounds = np.column_stack([shape.normal_lever, shape.normal_bend]) / size[:, None]
+        about = np.round(np.hstack([rings, areas, bounds]), ALIKE)
+    other = np.unique(about, axis=0, return_index=True)[1]
+    numbers = np.concatenate([first, np.setdiff1d(other, first)])
+    return np.split(numbers, range(GRANULES, len(numbers), GRANULES))
+
+
+def _derivative_faults(shape):
+    """Of a support function: q and the radius of curvature follow from h, for all granules."""
+    if not smooth.is_smooth(type(shape)):
+        return []
+    angle, h, q, rho = smooth.sampled(shape)
+    size = np.hypot(h, q).max(axis=-1, keepdims=True)
+    for values, told in ((h, q), (q, rho - h)):
+        after, following = (np.roll(each, -1, axis=-1) for each in (values, told))
+        slope = (after - values) / (angle[1] - angle[0])
+        # between the values at the ends, or beyond by as much as these differ
+        off = np.abs(slope - 0.5 * (told + following)) - 1.5 * np.abs(following - told)
+        off -= NEAR * size
+        wrong = (off > 0.0) & (np.abs(slope).max(axis=-1, keepdims=True) < STEEP * size)
+        if wrong.any():
+            g, at = np.unravel_index(np.argmax(np.where(wrong, off / size, 0.0)), off.shape)
+            where = f"of granule {g}, where the normal is at {np.degrees(angle[at]):.0f} degrees"
+            if values is h:
+                return [
+                    f"q of support is not dh/d(angle): {where}, q is {q[g, at]:.4g} m and dh/d(angle) "
+                    f"{slope[g, at]:.4g} m; torques would be wrong."
+                ]
+            return [
+                f"the radius of curvature {where}, is {rho[g, at]:.4g} m; it must be h + dq/d(angle), "
+                f"{h[g, at] + slope[g, at]:.4g} m. It is the third number that the support function returns."
+            ]
+    return []
 
 
 def _compile_faults(few):
@@ -291,7 +354,7 @@ def _outline_faults(few):
         if np.hypot(*centroid) > NEAR * size:
             said.append(
                 f"the centre of mass is {np.hypot(*centroid) / size:.2g} bounding radii from the "
-                "centre; it must be the centre."
+                f"centre; it must be the centre{_recentred(shape, g, centroid)}."
             )
         elif not np.isclose(moment / area, spread, rtol=NEAR):
             said.append(f"gyration_squared is {spread:g} m2; its outline has {moment / area:g} m2.")
@@ -302,6 +365,17 @@ def _outline_faults(few):
                 f"hold it and be at most {LOOSE:g} times as large."
             )
     return said
+
+
+def _recentred(shape, g, centroid):
+    """How to mend a support function whose centre is off."""
+    if not smooth.is_smooth(type(shape)):
+        return ""
+    x, y = centroid
+    return (
+        f": subtract c_x nx + c_y ny from h and c_y nx - c_x ny from its derivative, with c = ({x:.6g}, "
+        f"{y:.6g}) m for a granule of bounding radius {shape.bounding_radius[g]:.4g} m"
+    )
 
 
 def _convex(ring, size):

@@ -27,6 +27,7 @@ TOLERANCE = 1e-4  # rad: the last turn of the normal may be as large as this; er
 DIRECTIONS = 64  # of the search for a normal, when the last one is no good guess
 BISECTIONS = 60  # of the search between two of them
 ANGLES = 2048  # at which integrals are summed: exact to rounding for smooth outlines
+LEAST = 1e-6  # over size: a radius of curvature that is less negative is zero, but for rounding
 ROOM = 1.0 + 1e-4  # of the bounding circle, for the outline between two of these angles
 
 
@@ -67,6 +68,11 @@ _SUPPORT = {}
 def _choose_support(shape, nx, ny, sizes):
     function = _SUPPORT.get(shape.instance_class)
     return function and (lambda shape, nx, ny, sizes: function(nx, ny, sizes))
+
+
+def is_smooth(cls):
+    """Whether a class is a shape by its support function."""
+    return cls in _SUPPORT
 
 
 # An outline: cosine and sine of the angle, share of the shape in it (1, or 0 for a circle), radius
@@ -249,10 +255,24 @@ def polygons(shape, points=64):
     return np.stack([h * c - q * s, h * s + q * c], axis=-1)[:, None]
 
 
+def fault(shape):
+    """Which granule is not convex, as a sentence, or None."""
+    angle, h, q, rho = sampled(shape)
+    inwards = rho < -LEAST * np.hypot(h, q).max(axis=-1, keepdims=True)
+    if not inwards.any():
+        return None
+    g = int(np.argmax(inwards.any(axis=-1)))
+    at = int(np.argmin(rho[g]))
+    return (
+        f"granule {g} is not convex: its radius of curvature is {rho[g, at]:.3g} m where the normal is at "
+        f"{np.degrees(angle[at]):.0f} degrees; it must be positive everywhere."
+    )
+
+
 DERIVED = {
     "area": area, "gyration_squared": gyration_squared, "bounding_radius": bounding_radius,
     "constituent_radius": constituent_radius, "constituent_bounding_radius": bounding_radius,
-    "normal_lever": normal_lever, "normal_bend": normal_bend,
+    "normal_lever": normal_lever, "normal_bend": normal_bend, "fault": fault,
 }  # fmt: skip
 
 
