@@ -148,7 +148,8 @@ class Few:
 def check_shape(shape) -> None:
     """Test a shape against the laws that the kernels and Python rely on.
 
-    For authors of new shapes. It compiles a few functions for the class, which takes seconds.
+    For authors of new shapes. It compiles a few functions for the class, which takes seconds, and takes
+    up to half a second for each granule of another form.
 
     Parameters
     ----------
