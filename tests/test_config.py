@@ -158,6 +158,11 @@ def test_a_sentence_says_what_is_true(key, value, told):
 MISTAKES = [
     ("friction.granule", [0.1, 0.3], "is [0.1, 0.3]; it must be a number", "write `friction.granule: [0.1, 0.3]` under `sweep:`"),
     ("packing.fraction", 84, "is 84; it must be less than 1", "write 0.84 for 84 %"),
+    ("packing.fraction", "84", "is '84'; it must be less than 1", "write 0.84 for 84 %"),
+    ("packing.fraction", "84e0", "is '84e0'; it must be less than 1", "write 0.84 for 84 %"),
+    ("packing.fraction", "\u0668\u0664", "it must be less than 1", "write 0.84 for 84 %"),
+    ("packing.fraction", "1e999 mm", "it must be a number", ""),
+    ("cylinder.start", "50", "is '50'; it must be less than 1", "write 0.5 for 50 %"),
     ("packing.fraction", "84 %", "is '84 %'; it must be a number", "write 0.84"),
     ("packing.fraction", "0,84", "is '0,84'; it must be a number", "write 0.84"),
     ("packing.fraction", {"derive": "equal_load"}, "packing.fraction: it must be a number", "belongs under `sweep:`"),
@@ -169,6 +174,26 @@ MISTAKES = [
     ("gravity", "9,81 m/s^2", "it must be a number", "write 9.81, in m s-2"),
     ("friction", 0.3, "is 0.3; it must be a group of keys", "its keys are granule, wall, cylinder, stiffness"),
     ("cylinder.diamter", 3e-3, "cylinder.diamter is not a known key", "the nearest is diameter"),
+    ("cylinder.speed", 2.0, "cylinder.speed is not a known key", "the nearest is velocity"),
+    ("sweep.cylinder/speed", [1.0], "cylinder.speed is no value that can vary", "the nearest is cylinder.velocity"),
+    ("sweep.cylinder/radius", [1e-3], "cylinder.radius is no value that can vary", "the nearest is cylinder.diameter, which is twice the radius"),
+    ("sweep.velocty", [1.0], "velocty is no value that can vary", "the nearest is cylinder.velocity"),
+    ("sweep.friction/mu", [0.1], "friction.mu is no value that can vary", "the nearest are friction.granule, friction.wall"),
+    ("sweep", {"shape": "disc"}, "names 'disc', which is not one of shapes", "there are c1, d1, c2, e1, e2, e3, e0"),
+    ("sweep.case", ["zz"], "names 'zz', which is not one of cases", "there are c1,"),
+    ("sweep.density", {"times": [1, 2]}, "density is {'times': [1, 2]}; it must be a list of values", ""),
+    ("sweep.p", {"a": {"density": {"times": 2}}}, "sweep.p.a.density has {'times': 2}; it must be a number", ""),
+    ("sweep.p", {"a": {"seed": {"times": 2}}}, "sweep.p.a.seed has {'times': 2}; a seed is a whole number", ""),
+    ("sweep.p", {"a": {"shape": {"times": 2}}}, "sweep.p.a.shape has {'times': 2}; it must be numbers or texts", ""),
+    ("sweep.p", {"a": {"shear.pressure": {"times": 2}}}, "sweep.p.a.shear.pressure is None, which has no multiples", ""),
+    ("sweep.numerics/allow_unstable", {"times": [2]}, "sweep.numerics.allow_unstable is False, which has no multiples", ""),
+    ("sweep", {"shape": "c1"} | {f"p{n}": {"a": {"gravity": n}} for n in range(70)}, "sweep has 72 dimensions; it must have at most 24", "belongs under values"),
+    ("sweep", {"blocks": {"a": {None: [1]}}}, "sweep.blocks.a: None is no value that can vary", ""),
+    ("sweep", {"blocks": {"a": {None: {"a": {"gravity": 1}}}}}, "sweep.blocks.a has the name None; it must be a label", ""),
+    ("extends", "a\u202eb", r"extends is 'a\u202eb'; it must be the name of a file", ""),
+    ("results", "results/" + "a" * 300, "it must have at most 200 characters", ""),
+    ("extends", "a\0b", r"extends is 'a\x00b'; it must be the name of a file", ""),
+    ("extends", "a" * 5000, "; it must be the name of a file", "file name too long"),
     ("granule", 0.1, "granule is not a known key", "the nearest is friction.granule"),
     ("seeds", 5, "seeds is not a known key", "write `seed: 1 to 5` under `sweep:`"),
     ("box_height", 0.02, "box_height is not a known key", "the height follows from packing.fraction"),
@@ -220,6 +245,15 @@ def test_a_missing_value_is_described(key):
     del (data[groups[0]] if groups else data)[last]
     with pytest.raises(InputError, match=rf"my\.yaml: {key} is missing; it is the "):
         parse(data, "my.yaml")
+
+
+def test_a_long_chain_of_files_is_refused(tmp_path):
+    """A file that extends a file that extends a file, and so on: a sentence with the last of them."""
+    for n in range(1500):
+        text = f"extends: {n + 1}.yaml\nresults: results/x\n"
+        (tmp_path / f"{n}.yaml").write_text(text)
+    with pytest.raises(InputError, match=r"20\.yaml: extends is '21.yaml'; 20 files extend each"):
+        load(tmp_path / "0.yaml")
 
 
 TENS = "[" + ", ".join(["x"] * 10) + "]"

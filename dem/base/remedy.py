@@ -3,6 +3,7 @@
 Every function returns words such as "; write 0.02, in m", or "" where nothing can be guessed.
 """
 
+import math
 import re
 from contextlib import suppress
 from difflib import get_close_matches
@@ -32,9 +33,10 @@ def of_value(value, units: str | None) -> str:
     if not found:
         return ""
     try:
-        return f"; write {float(found[1]) * factor:.10g}{where}"
+        value = float(found[1]) * factor
     except (TypeError, ValueError):  # an unknown unit, or points that make no number
         return f"; write the number alone{where}"
+    return f"; write {value:.10g}{where}" if math.isfinite(value) else ""
 
 
 def _factor(unit: str, units: str) -> float | None:
@@ -60,12 +62,25 @@ def of_missing_file(path: Path) -> str:
     return f"; the nearest is {there[close[0]]}" if close else ""
 
 
-def of_other_file(path: Path) -> str:
-    """What to do with a file that is a result instead of a configuration, or the reverse."""
+def of_no_result(path: Path) -> str:
+    """What to do with a file that cannot be read as a file of results."""
     path = Path(path)
     if path.suffix in (".yaml", ".yml"):
         return f"; it is a configuration: make its results with dem sweep {path}, and name those"
-    with suppress(OSError), path.open("rb") as file:
-        if file.read(4).startswith(RESULT):
-            return f"; it is a file of results: see it with dem info {path}, and name a YAML file"
+    if _is_result(path):
+        return "; it is cut off or damaged: make it again, or copy it again"
     return ""
+
+
+def of_no_configuration(path: Path) -> str:
+    """What to do with a file that is no YAML file by its name."""
+    if _is_result(path):
+        return f"; it is a file of results: see it with dem info {path}, and name a YAML file"
+    return ""
+
+
+def _is_result(path: Path) -> bool:
+    """Whether a file begins like netCDF."""
+    with suppress(OSError), Path(path).open("rb") as file:
+        return file.read(4).startswith(RESULT)
+    return False

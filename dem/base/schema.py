@@ -41,12 +41,17 @@ def label(value: str) -> str:
     return value
 
 
+LONGEST_FOLDER = 200  # characters: systems take 255 for a name, some 260 for a whole path
+
+
 def _folder(value: str) -> str:
     if not re.fullmatch(r"results(/[A-Za-z0-9][A-Za-z0-9._-]*)*", value):
         raise ValueError(
             "it must be results or a folder below it, such as results/mine, named by letters from A to Z, "
             "digits, ., _ and -"
         )
+    if len(value) > LONGEST_FOLDER:
+        raise ValueError(f"it must have at most {LONGEST_FOLDER} characters")
     return value
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import yaml
 
 from dem.base.errors import InputError
-from dem.base.remedy import of_missing_file, of_other_file
+from dem.base.remedy import of_missing_file, of_no_configuration
 
 LARGEST = 2_000_000  # bytes of a file
 DEEPEST = 20  # groups and lists within each other
@@ -50,7 +50,7 @@ def _text(path: Path) -> str:
         raise InputError(f"{path}: cannot read it ({why.lower()}){hint}.") from None
     if not stat.S_ISREG(status.st_mode):
         raise InputError(f"{path}: it is not a regular file; name a YAML file.")
-    if hint := of_other_file(path) if path.suffix not in (".yaml", ".yml") else "":
+    if hint := of_no_configuration(path) if path.suffix not in (".yaml", ".yml") else "":
         raise InputError(f"{path}: it is not a YAML file{hint}.")
     if not whole:
         size = f"{status.st_size:,}"

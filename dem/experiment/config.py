@@ -591,5 +591,5 @@ def section_of(annotation) -> type[BaseModel] | None:
 
 def nearest(word: str, words: Iterable[str]) -> str:
     """A hint at the word that was probably meant: "; the nearest is ...", or ""."""
-    close = get_close_matches(str(word), list(words), 1, 0.5)
+    close = get_close_matches(str(word), list(words), 1, 0.6)
     return f"; the nearest is {close[0]}" if close else ""

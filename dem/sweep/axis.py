@@ -16,7 +16,7 @@ from dem.experiment.config import Configuration, Entry, entries
 from dem.experiment.observables import OBSERVABLES, module_of
 from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE
 from dem.sweep import derive, design
-from dem.sweep.remedy import meant
+from dem.sweep.remedy import choice, meant
 
 OWN = ("shape", "density", "seed")  # of a run, beside the values of its configuration
 POINT = "point of the design"  # long name of an axis that is a design
@@ -80,7 +80,7 @@ def axis_of(key: str, spec, place: Place) -> Axis:
 def _is_shared(key: str, place: Place) -> bool:
     """Whether there is a value of this key, but one that all runs of a file share."""
     at = place.sweep.values()
-    for name in key.split("."):
+    for name in str(key).split("."):
         at = at.get(name) if isinstance(at, dict) else None
     return at is not None and not isinstance(at, dict)
 
@@ -104,7 +104,7 @@ def _labels(spec, known: dict, here: Place) -> list[str]:
     for each in labels:
         if each not in known:
             table = f"{here.where.rpartition('.')[2]}s"
-            here.refuse(f"names {each!r}, which is not one of {table}{meant(each, known)}")
+            here.refuse(f"names {each!r}, which is not one of {table}{choice(each, known)}")
     return labels
 
 
@@ -182,7 +182,7 @@ def changes(values, place: Place) -> dict:
             hint = meant(path, [*place.paths, *OWN])
             raise InputError(f"{place.where}: {path} is no value that can vary{hint}.")
         here = place.at(path)
-        if isinstance(value, dict) and set(value) == {"times"}:
+        if isinstance(value, dict) and set(value) == {"times"} and path in place.paths:
             value = _values(path, {"times": [value["times"]]}, here)[0]
         if isinstance(value, dict) and path in place.paths:
             if "derive" not in value:
@@ -228,8 +228,8 @@ def _values(path: str, spec, here: Place) -> list:
         return _listed(spec, here)
     base = here.sweep.values()
     for name in path.split("."):
-        base = base[name]
-    if isinstance(base, str) or base is None:
+        base = base.get(name) if isinstance(base, dict) else None
+    if isinstance(base, str | bool) or base is None:
         here.refuse(f"is {base!r}, which has no multiples")
     return [_number(factor, here) * base for factor in _listed(spec["times"], here)]
 
@@ -254,7 +254,7 @@ def _number(value, here: Place, units: str = "1"):
 def check_label(name, where: str) -> None:
     """Raise InputError for a name that no dimension or folder can have."""
     try:
-        label(str(name))
+        label(name if isinstance(name, str) else "")
     except ValueError as error:
         raise InputError(f"{where} has the name {name!r}; {error}.") from None
 
@@ -263,7 +263,8 @@ def _listed(spec, here: Place) -> list:
     """A list that is not empty; one value is a list of one."""
     found = spec if isinstance(spec, list) else [spec]
     if not found or isinstance(spec, dict):
-        factors = ", or factors: {times: [0.5, 2]}" if spec else ""
+        path = here.where.rpartition(".")[2]
+        factors = ", or factors: {times: [0.5, 2]}" if spec and path not in READERS else ""
         here.refuse(f"is {spec!r}; it must be a list of values{factors}")
     return found
 

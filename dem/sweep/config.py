@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 from dem.base.errors import InputError
 from dem.base.files import atomic
 from dem.base.schema import Folder, Label, Number, Positive, Section, Whole
+from dem.base.validate import shown
 from dem.base.yaml_file import read
 from dem.experiment.config import Configuration
 from dem.experiment.config import parse as parse_values
@@ -20,6 +21,7 @@ from dem.sweep.remedy import meant, remedies
 
 STUDIES = ("accuracy", "claims", "stability")
 FOLDERS = ("store", "chunks", "flow", "figures", "logs", "benchmarks", *STUDIES)  # of results
+LONGEST_CHAIN = 20  # files that extend one another
 REPLACED = ("sweep", "studies")  # whole, by a file that extends another
 
 
@@ -149,18 +151,34 @@ def extended(data, source: str, above: tuple = ()):
     if not isinstance(data, dict) or "extends" not in data:
         return data
     name, own = data["extends"], {key: data[key] for key in data if key != "extends"}
-    if not isinstance(name, str):
-        raise InputError(f"{source}: extends is {name!r}; it must be the name of a file.")
+    if not isinstance(name, str) or not name.isprintable():
+        raise InputError(f"{source}: extends is {shown(name)}; it must be the name of a file.")
+    if len(above) >= LONGEST_CHAIN:
+        raise InputError(
+            f"{source}: extends is {shown(name)}; {LONGEST_CHAIN} files extend each other already, write "
+            "fewer."
+        )
     choices = Path(name), Path(source).parent / name
-    path = next((each for each in choices if each.is_file()), choices[0])
-    if path.resolve() in above:
+    try:
+        path = next((each for each in choices if each.is_file()), choices[0])
+        real = path.resolve()
+    except (
+        OSError,
+        ValueError,
+        RuntimeError,
+    ) as error:  # too long, links in a ring
+        why = (getattr(error, "strerror", None) or str(error)).lower()
+        raise InputError(
+            f"{source}: extends is {shown(name)}; it must be the name of a file ({why})."
+        ) from None
+    if real in above:
         raise InputError(f"{source}: extends is {name!r}, which extends this file.")
     if "results" not in own:
         raise InputError(
             f"{source}: results is missing{meant('results', own)}; a file that extends another needs a "
             "folder of its own."
         )
-    base = extended(read(path), str(path), (*above, path.resolve()))
+    base = extended(read(path), str(path), (*above, real))
     return merged(base, own)
 
 

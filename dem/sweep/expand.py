@@ -15,6 +15,7 @@ from dem.experiment.fit import check_rooms
 from dem.sweep.axis import OWN, Axis, axis_of, changes, is_derived, name_of, place_in
 
 WORDS = ("needs", "values")  # of a block, beside what varies
+MOST_AXES = 24  # dimensions of a sweep; a variable of netCDF-4 has at most 32 with its own
 SAME = ("cylinder.stroke", "record.bins", "record.snapshots", "experiment")
 
 # gives a value: what is asked for (a group with `derive`), values of the run so far
@@ -132,6 +133,11 @@ def expand(sweep, name: str, block: dict, derived: Derived | None) -> Block:
     if len(set(names)) < len(names):
         twice = next(name for name in names if names.count(name) > 1)
         raise InputError(f"{where} has two dimensions named {twice}; rename one.")
+    if len(axes) > MOST_AXES:
+        raise InputError(
+            f"{where} has {len(axes)} dimensions; it must have at most {MOST_AXES}: what has one value "
+            "belongs under values, and values that go together under one name."
+        )
     given |= set(fixed)
     if "shape" not in given and len(sweep.shapes) > 1:
         raise InputError(f"{where} must vary shape or case; there are {', '.join(sweep.shapes)}.")

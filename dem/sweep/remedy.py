@@ -4,20 +4,26 @@ The schema says what is wrong (dem.base.schema). Here the sentence gets its reme
 of the schema and from a table of what users write by mistake.
 """
 
+import math
 import re
 from collections.abc import Iterable
 from contextlib import contextmanager
+from difflib import get_close_matches
 from types import SimpleNamespace
 from typing import get_args, get_origin
 
+import numpy as np
 from pydantic import BaseModel, ValidationError
 
 from dem.base.errors import InputError
 from dem.base.remedy import of_value
-from dem.base.schema import sentences
+from dem.base.schema import number, sentences
 from dem.experiment.config import entries, nearest, section_of
 
-SHOWN = 4  # names that a hint lists
+SHOWN = 4  # names that a hint lists of those that are near
+LISTED = 20  # and of all
+PRINTED = 6  # digits of a number as a dry run prints it
+SYNONYMS = {"speed": "velocity", "count": "granules", "number": "granules", "radius": "diameter"}
 # keys that people look for, and what to write instead
 ELSEWHERE = {
     "seeds": "; write `seed: 1 to 5` under `sweep:`",
@@ -30,9 +36,18 @@ ELSEWHERE = {
 }
 
 
+def choice(word: object, words: Iterable[str]) -> str:
+    """A hint at the names that were probably meant, or at those that there are."""
+    known = list(map(str, words))
+    more = ", ..." if len(known) > LISTED else ""
+    listed = f"; there are {', '.join(known[:LISTED])}{more}" if known else ""
+    return meant(word, known) or listed
+
+
 def meant(word: object, words: Iterable[str]) -> str:
     """A hint at the names that were probably meant: "; the nearest is ...", or ""."""
     text, known = str(word), list(map(str, words))
+    text = re.sub("[A-Za-z]+", lambda part: SYNONYMS.get(part[0].lower(), part[0]), text)
 
     def plain(name: str) -> str:
         return name.lower().replace("_", ".")
@@ -42,10 +57,38 @@ def meant(word: object, words: Iterable[str]) -> str:
         [name for name in known if plain(name) in (plain(text), one)]
         or [name for name in known if name.startswith(f"{text}.")]
         or [name for name in known if len(text) > 1 and name.endswith(text)]
+        or _in_its_group(text, known)
     )[:SHOWN]
     if len(found) > 1:
         return f"; the nearest are {', '.join(found)}"
-    return f"; the nearest is {found[0]}" if found else nearest(text, known)
+    hint = f"; the nearest is {found[0]}" if found else nearest(text, known)
+    if not hint and "." not in text:  # near the last part of a path
+        last = {name.rpartition(".")[2]: name for name in reversed(known)}
+        close = get_close_matches(text, last, 1, 0.7)
+        hint = f"; the nearest is {last[close[0]]}" if close else ""
+    twice = "radius" in str(word) and "radius" not in hint and hint.endswith("diameter")
+    return f"{hint}, which is twice the radius" if twice else hint
+
+
+def _in_its_group(text: str, known: list[str]) -> list[str]:
+    """The names in the group of a path: the one whose last part is near, or all."""
+    group, _, last = text.rpartition(".")
+    inside = {name[len(group) + 1 :]: name for name in known if name.startswith(f"{group}.")}
+    return [inside[each] for each in get_close_matches(last, inside, 1, 0.5)] or list(
+        inside.values()
+    )
+
+
+def is_written(value: float, text: str) -> bool:
+    """Whether a number is what a text says, with the digits of the text and at least PRINTED."""
+    try:
+        wanted = float(text)
+    except ValueError:
+        return False
+    if isinstance(value, int | np.integer) or not np.isfinite(wanted):
+        return wanted == value
+    digits = len(re.sub(r"[eE].*|\D", "", text).lstrip("0"))
+    return wanted == value or wanted == float(f"{value:.{max(digits, PRINTED)}g}")
 
 
 @contextmanager
@@ -93,11 +136,12 @@ def _remedy(fault, model: type[BaseModel], more) -> str:
     if isinstance(value, dict) and units:
         return "; a group with derive or times belongs under `sweep:`"
     if kind == "tuple_type":
-        return f"; write [{value}]" if isinstance(value, str) else f": {about}"
+        text = isinstance(value, str) and value.isprintable()
+        return f"; write [{value}]" if text else f": {about}"
     if kind == "int_type":
         return _of_whole(value)
-    if kind == "less_than" and fault["ctx"]["lt"] == 1 < value <= 100:
-        return f"; write {value / 100:.10g} for {value:g} %"
+    if kind == "less_than" and fault["ctx"]["lt"] == 1 < (share := _number(value)) <= 100:
+        return f"; write {share / 100:.10g} for {share:g} %"
     path = ".".join(map(str, fault["loc"]))
     if isinstance(value, list) and units and kind in ("value_error", "int_type"):
         return f"; to vary it, write `{path}: {value}` under `sweep:`"
@@ -113,6 +157,14 @@ def _of_key(key: str, section: type[BaseModel] | None, more) -> str:
     if hint := meant(key, known) if more or key not in ELSEWHERE else "":
         return hint
     return ELSEWHERE.get(key) or meant(key, paths)
+
+
+def _number(value) -> float:
+    """What a schema takes for a number as one, text too; NaN for anything else."""
+    try:
+        return float(number(value))
+    except ValueError:
+        return math.nan
 
 
 def _of_whole(value) -> str:
