@@ -1,7 +1,9 @@
 """The command line's promises: exit status, one sentence, nothing written."""
 
+import importlib.metadata
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -25,6 +27,7 @@ from dem.figures import film
 from dem.io import progress
 from dem.io.progress import Stage
 from dem.studies.calibrate import MODULI, fit
+from dem.sweep.remedy import is_written
 
 ROOT = Path(__file__).parent.parent
 RUN = (
@@ -147,8 +150,15 @@ SMOKE = ("--config", "config/smoke.yaml")
         (("simulate", *SMOKE, "--shape", "c1", "--density", "3900", "--seed", "1", "gravity=1,2,3", "-o", "OUT"), "as a list, [1, 2, 3], under `sweep:`"),
         (("combine", *SMOKE, "--block", "drg", "-o", "OUT"), "the nearest is drag"),
         (("figure", "13", "config/smoke.yaml", "-o", "OUT"), "the nearest is figure13"),
+        (("pack", *SMOKE, "--shape", "c1", "--seed", "1", "cylinder.speed=1", "-o", "OUT"), "the nearest is cylinder.velocity"),
+        (("store", "point=0"), "'point=0' names no value of a run; write PATH=VALUE, such as shape=c1"),
+        (("film", "docs/data/drag.nc", "-o", "OUT.avi"), "it must be the path of a file that ends in .mp4 or .gif"),
+        (("figure", "figure07", "docs/data/flow.nc", "-o", "OUT"), "docs/data/flow.nc: it holds no drag; name docs/data/drag.nc instead."),
+        (("figure", "figure09", "docs/data/drag.nc", "-o", "OUT"), "figure09 is drawn from flow.nc; name docs/data/flow.nc instead."),
+        (("figure", "benchmark", "docs/data/drag.nc", "-o", "OUT"), "benchmark is drawn from benchmark.nc; name"),
+        (("picture", "docs/data/drag.nc", "point=0", "-o", "OUT.png"), "its runs have no value named point; its runs differ in case"),
         (("info", "config/smoke.yaml"), "make its results with dem sweep config/smoke.yaml"),
-        (("film", "config/smoke.yaml", "-o", "OUT"), "make its results with dem sweep config/smoke.yaml"),
+        (("film", "config/smoke.yaml", "-o", "OUT.gif"), "make its results with dem sweep config/smoke.yaml"),
         (("sweep", "config/smok.yaml"), "the nearest is config/smoke.yaml"),
         (("compile", "--config", "confg/smoke.yaml"), "there is no folder confg"),
         (("claims", "test", "README.md", "--margin", "nan"), "margin is nan"),
@@ -169,7 +179,50 @@ def test_a_value_that_no_verb_can_use_is_refused(tmp_path, monkeypatch, argument
     result = CliRunner().invoke(app, words)
     assert result.exit_code == 2, (result.output, result.exception)
     assert sentence in result.stderr and not list(tmp_path.iterdir())
-    assert len(result.stderr.splitlines()) == 1
+    lines = [line for line in result.stderr.splitlines() if not re.match(r"\d{4}-\d\d-\d\d ", line)]
+    assert len(lines) == 1  # after what a slow computer says of its progress
+
+
+def test_a_file_that_is_cut_off_is_said_to_be(tmp_path):
+    """The command that was just typed is no remedy."""
+    cut = tmp_path / "drag.nc"
+    cut.write_bytes((ROOT / "docs/data/shear.nc").read_bytes()[:2000])
+    result = CliRunner().invoke(app, ["info", str(cut)])
+    assert result.exit_code == 2
+    assert "is cut off or damaged: make it again, or copy it again." in result.stderr
+    assert "dem info" not in result.stderr
+
+
+def test_a_report_without_figures_names_the_command_that_draws_them(tmp_path, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    data, page = tmp_path / "drag.nc", tmp_path / "page.html"
+    shutil.copy("docs/data/drag.nc", data)
+    result = CliRunner().invoke(app, ["report", str(data), "-o", str(page)])
+    assert result.exit_code == 2 and not page.exists()
+    assert result.stderr.endswith(f"draw them first: dem figure all {data}.\n")
+
+
+@pytest.mark.parametrize(
+    ("value", "text", "same"),
+    [
+        (1.5581123456, "1.55811", True), (1.5581123456, "1.558112", True),
+        (1.5581123456, "1.558113", False), (2.3, "2", False), (0.3, "0.30", True), (0.3, "3e-1", True),
+        (5e6, "5e6", True), (1_000_001, "1e6", False), (400, "400", True), (0.3, "much", False),
+        (7.66e10, "7.66e+10", True), (-0.5, "0.5", False),
+    ],
+)  # fmt: skip
+def test_a_run_is_found_by_a_value_as_it_was_printed(value, text, same):
+    """A dry run prints six digits; fewer, or others, are another value."""
+    assert is_written(value, text) == same
+
+
+def test_the_version_is_said():
+    """It is that of the package, and it has the revision of a checkout."""
+    result = CliRunner().invoke(app, ["--version"])
+    assert result.exit_code == 0
+    assert result.stdout.startswith(
+        f"granular-drag {importlib.metadata.version('granular-drag')}, "
+    )
 
 
 @pytest.mark.parametrize("displacement", [np.nan, np.inf, -1.0, -1e-9, 1e9, 6.1e-3])

@@ -17,7 +17,7 @@ from dem.experiment.config import Replicate, of_values
 from dem.experiment.motion import Motion
 from dem.io.dataset import LABELS, content_of
 from dem.io.lazily import open_lazily
-from dem.sweep.remedy import meant
+from dem.sweep.remedy import choice, is_written, meant
 from dem.sweep.store import Store
 
 if TYPE_CHECKING:
@@ -147,7 +147,9 @@ def _named(path, columns: list[Column], name: str) -> Column:
     if (plain := name.replace(".", "_")) in known:
         return known[plain]
     varied = [column.name for column in columns if len(set(_words(column.values))) > 1]
-    hint = meant(plain, known) or (f"; its runs differ in {', '.join(varied)}" if varied else "")
+    hint = meant(plain, known) or (
+        f"; its runs differ in {', '.join(varied)}" if varied else choice(plain, known)
+    )
     raise InputError(f"{path}: its runs have no value named {name}{hint}.")
 
 
@@ -160,6 +162,7 @@ def _matches(path, column: Column, word: str, value: str, left) -> np.ndarray:
         except ValueError:
             wanted = np.nan
         found = np.isclose(values, wanted, rtol=1e-6, atol=0.0)
+        found |= np.array([is_written(each, value) for each in values])
     else:
         found = np.array([word == value for word in _words(values)])
     if (found & left).any():

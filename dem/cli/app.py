@@ -31,6 +31,29 @@ app = Verbs(
     pretty_exceptions_enable=False,
 )
 
+
+def _say_version(wanted: bool):
+    if wanted:
+        from importlib.metadata import version
+
+        from dem.base.provenance import git_revision
+
+        typer.echo(f"granular-drag {version('granular-drag')}, revision {git_revision()}")
+        raise typer.Exit
+
+
+@app.callback()
+def main(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_say_version, is_eager=True, help="Say which version this is."
+        ),
+    ] = False,
+):
+    """Options without a verb."""
+
+
 app.add_typer(accuracy, name="accuracy")
 app.add_typer(stability, name="stability")
 app.add_typer(claims, name="claims")

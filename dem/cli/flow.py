@@ -67,8 +67,10 @@ def film(
     """
     start_lean()
     from dem.analysis.one_run import read_motion
+    from dem.base.target import file_of
     from dem.figures.film import film as make
 
+    file_of(".mp4", ".gif")("output", str(output))
     with bar("reading the run"):
         motion = read_motion(run, select or [])
     with bar("film", 1.0) as update:

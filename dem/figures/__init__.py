@@ -251,10 +251,23 @@ def require_drag(data: Path) -> None:
             return
         experiment = json.loads(dataset.attrs.get("configuration", "{}")).get("experiment", "drag")
         if experiment == "drag":
-            return
+            raise InputError(f"{data}: it holds no drag; {_name_instead(data, 'drag')}.")
         verbs = [f"dem figure {name} {data}" for name in FILES.get(experiment, ())]
         hint = f"; draw them with {' or '.join(verbs)}" if verbs else ""
         raise InputError(f"{data}: runs of the experiment {experiment} have no drag{hint}.")
+
+
+def _name_instead(data: Path, file: str) -> str:
+    """Which file to name in place of another; the one beside it, if it is there."""
+    beside = Path(data).with_name(f"{file}.nc")
+    return f"name {beside if beside.is_file() else beside.name} instead"
+
+
+def _check_file(name: str, data: Path, variables) -> None:
+    """Raise InputError for a file of results of which a figure is not drawn."""
+    file = FILE_OF[name]
+    if Path(data).stem != file and not set(STUDIES.get(name, ("", ()))[1]) <= set(variables):
+        raise InputError(f"{data}: {name} is drawn from {file}.nc; {_name_instead(data, file)}.")
 
 
 def _check_axes(name, sizes):
@@ -299,6 +312,7 @@ def _draw_study(name, data, folder):
         layout = import_module(f"{package}.layout").VARIABLES
     with open_lazily(data) as dataset:
         whole = dataset
+        _check_file(name, data, dataset.variables)
         if name in FLOW:
             require(dataset, data, {}, ("run_id",))
             whole = by_case(dataset)

@@ -52,7 +52,7 @@ def build(drag: Path, flow: Path, notes: Path, output: Path) -> None:
             names |= {*drawn_from(flow, moves, FLOW)}
             parts |= of_flow(flow, by_case(moves))
     page = _page().render(
-        figures=figures(folder / "figures", names),
+        figures=figures(folder / "figures", names, drag),
         made=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         open=Markup(section(notes, OPEN)),
         studies=[(name, text) for name in STUDY_FIGURES if (text := study(folder, name))],
@@ -131,7 +131,7 @@ def drawn_studies(folder: Path) -> set[str]:
     return {name for each, drawn in STUDY_FIGURES.items() if study(folder, each) for name in drawn}
 
 
-def figures(folder: Path, names: set[str]) -> list[dict]:
+def figures(folder: Path, names: set[str], data: Path) -> list[dict]:
     """Those of the figures that are there, in the order of dem.figures, as embedded pictures."""
     found = []
     for name, words in captions().items():
@@ -140,7 +140,7 @@ def figures(folder: Path, names: set[str]) -> list[dict]:
             data = base64.b64encode(_smaller(file)).decode()
             found.append({"name": name, "caption": words, "data": data})
     if not found:
-        raise InputError(f"{folder}: there are no figures; draw them first.")
+        raise InputError(f"{folder}: there are no figures; draw them first: dem figure all {data}.")
     return found
 
 

@@ -1,7 +1,6 @@
 """What a sweep will cost, and what the store holds, in words and tables."""
 
 import json
-from contextlib import suppress
 from itertools import islice
 
 import numpy as np
@@ -13,7 +12,7 @@ from dem.io.dataset import read
 from dem.io.progress import span
 from dem.sweep import chunk as making
 from dem.sweep.axis import OWN
-from dem.sweep.remedy import meant
+from dem.sweep.remedy import is_written, meant
 from dem.sweep.store import Store
 from dem.sweep.work import Work
 
@@ -193,18 +192,17 @@ def _wanted(word: str) -> tuple[str, str]:
     shape = path.split(".")[1:2] if path.startswith("shapes.") else ()
     known = [*entries(shape), *OWN]
     if not equal or path not in known:
-        raise InputError(f"{word!r} names no value of a run; write PATH=VALUE{meant(path, known)}.")
+        hint = meant(path, known) or ", such as shape=c1 or friction.granule=0.3"
+        raise InputError(f"{word!r} names no value of a run; write PATH=VALUE{hint}.")
     return path, value
 
 
 def _matches(replicate: Replicate, path: str, value: str) -> bool:
     """Whether a run has this value."""
     at = _at(replicate, path)
-    if isinstance(at, str) or at is None:
-        return value == str(at)
-    with suppress(ValueError):
-        return float(value) == float(at)
-    return value == str(at)
+    if isinstance(at, str | bool) or at is None:
+        return value.lower() == str(at).lower()
+    return is_written(at, value)
 
 
 def differing(runs: list[Replicate]) -> str:
