@@ -166,7 +166,7 @@ def test_a_value_of_the_command_line_is_the_number_that_a_file_would_give():
     ("sweep", "words"),
     [
         ({"friction.granul": [0.1]}, "friction.granul is no value that can vary; the nearest is friction.granule"),
-        ({"shape": ["c9"]}, "names 'c9', which is not one of shapes; the nearest is c1"),
+        ({"shape": ["c9"]}, "names 'c9', which is not one of shapes; there are c1, d1, e0, e3"),
         ({"case": ["c11"]}, "names 'c11', which is not one of cases; the nearest is c1"),
         ({"shape": "c1", "friction.granule": []}, "must be a list of values"),
         ({"shape": "c1", "friction.granule": [-0.1]}, "friction.granule is -0.1; it must be zero or positive"),
