@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from reference import contact_force
 from scipy.integrate import solve_ivp
+from twin import Law
 
 from dem import (
     CommonNormal,
@@ -144,11 +144,11 @@ def errors(restitution, depth, friction):
         [[1e-3, 1e-3]], [1.0], -depth, material=Material(restitution=restitution),
         friction=friction,
     )  # fmt: skip
-    mass = 0.5 * scene.mass[0]
+    law, mass = Law(scene, "granule"), 0.5 * scene.mass[0]
 
     def motion(t, y):
-        args = scene, False, 0.0, 0.5e-3, mass, max(y[0], 0.0), np.array([1.0, 0.0])
-        return y[1], -contact_force(*args, np.array([-y[1], 0.0]), 0.0)[0] / mass
+        new, rate = (0.0, 0.0), (-y[1], 0.0)
+        return y[1], -law.push(new, y[0], 0.5e-3, mass, 0.0, rate, 0.0)[0] / mass
 
     duration, steps = 6e-5, 2 ** np.arange(6, 11)
     exact = solve_ivp(motion, (0.0, duration), (depth, 1.0), "DOP853", rtol=1e-12, atol=1e-16)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from reference import bed_forces
+from twin import forces_of
 
 from dem import Cylinder, Disc, Dumbbell, Friction, Material, Scene, Simulation, State, box
 from dem.dynamics.checkpoint import writable
@@ -41,7 +41,7 @@ def test_forces_of_a_random_bed(kind, dt, steps):
         world = writable(Simulation(scene, state).world)
         for _ in range(steps):  # all granules stay where they are
             forces(world, dt, np.inf)
-        force, torque = bed_forces(scene, state, steps * dt)
+        force, torque = forces_of(scene, state, steps * dt)
         found = world.force
         assert_allclose(found[:, :2], force, rtol=1e-10, atol=1e-10 * np.abs(force).max())
         assert_allclose(found[:, 2], torque, rtol=1e-10, atol=1e-10 * np.abs(torque).max())

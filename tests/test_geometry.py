@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from conftest import section_of
 from numpy.testing import assert_allclose
-from reference import bed_forces, outline, parting, potential
+from reference import outline, parting, potential
+from twin import forces_of
 
 from dem import (
     CommonNormal,
@@ -259,7 +260,7 @@ def test_dumbbells_are_two_rigidly_joined_discs():
     far = {"walls": box(10.0, 10.0) + [0.0, 0.0, 5.0], "cylinder": Cylinder(1.0, (3.0, 3.0))}
     scene = Scene(Dumbbell(radius), friction=Friction(0.4, 0.0, 0.0), **far)
     force = Simulation(scene, state).world.force
-    expected, torque = bed_forces(scene, state, 0.0)
+    expected, torque = forces_of(scene, state, 0.0)
     assert (np.hypot(*expected.T) > 0.0).sum() > n // 2
     assert_allclose(force[:, :2], expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
     assert_allclose(force[:, 2], torque, rtol=1e-9, atol=1e-9 * np.abs(torque).max())

@@ -9,7 +9,8 @@ import pytest
 import xarray as xr
 from conftest import CONFIG, STIFF, assert_not_blank, make_small_bed
 from numpy.testing import assert_allclose
-from reference import bed_forces, parting
+from reference import parting
+from twin import forces_of
 
 import dem
 from dem.contacts.force_law import effective_modulus
@@ -50,7 +51,7 @@ def test_bed_is_at_rest(kind):
     soft = dem.Material(density=1.0, young_modulus=1.0, poisson_ratio=0.0, restitution=1.0)
     still = dem.Cylinder(small.cylinder.diameter, small.cylinder.position)
     scene = small.scene(material=soft, friction=dem.Friction(0.0, 0.0, 0.0), cylinder=still)
-    force, torque = bed_forces(scene, small.state.checked(scene.granules), 0.0)
+    force, torque = forces_of(scene, small.state.checked(scene.granules), 0.0)
     radius = small.shape.constituent_radius.mean()
     unit = 0.5 * radius**2  # E* R^2
     assert np.hypot(*force.T).max() < 1.5e-9 * unit

@@ -1,0 +1,145 @@
+"""Whole runs of every kind of scene, against the model in plain numpy (twin.py)."""
+
+import numpy as np
+import pytest
+import twin
+
+import dem
+
+STEPS, FRAMES, TIME_STEP = 200, 4, 1e-6  # s; a collision takes some 50 steps
+SOFT = {"density": 2.5e3, "young_modulus": 1e8, "poisson_ratio": 0.3}
+WIDTH, HEIGHT = 6e-3, 5e-3  # m
+
+
+def path(*velocities, spin=None):
+    """A path that turns at four times of the run."""
+    time = TIME_STEP * np.array([30.0, 80.0, 81.0, 150.0])
+    return dem.Path(time, np.array(velocities), spin)
+
+
+TO_AND_FRO = ((0.0, 1.0), (1.0, -1.0), (2.0, 1.0), (0.0, -1.0))  # m/s
+LID = dem.Drive(force=(None, -0.2), mass=5e-6, velocity=(0.3, 0.0))
+DAMPED = dem.Drive(force=(0.1, -0.3), mass=2e-5, damping=0.05, velocity=(1.0, 2.0))
+FREE = dem.Drive(force=(0.1, -0.3), mass=2e-5, velocity=(1.0, 2.0))
+WALLS = dem.box(WIDTH, HEIGHT)
+
+
+def granules(make, columns=5, rows=4):
+    """Granules on a grid from which they are displaced: most touch, few deeply."""
+    rng, n = np.random.default_rng(7), columns * rows
+    sizes = rng.uniform(0.45e-3, 0.65e-3, n)
+    grid = np.stack(np.meshgrid(np.arange(columns), np.arange(rows)), axis=-1).reshape(n, 2)
+    position = (grid + 0.5 + rng.uniform(-0.06, 0.06, (n, 2))) * [WIDTH / 5, HEIGHT / 4]
+    state = dem.State(
+        position, rng.normal(size=(n, 2)), rng.uniform(0.0, 7.0, n), rng.normal(scale=1e3, size=n)
+    )
+    return make(sizes), state
+
+
+def scene_of(name):
+    """Scenes that together have everything, in as few kernels as can be."""
+    rough = dem.Friction(0.3, 0.5, 0.2, stiffness=0.7)
+    damped, elastic = dem.Material(restitution=0.6, **SOFT), dem.Material(restitution=1.0, **SOFT)
+    cylinder = dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), (1.0, 2.0), spin=500.0)
+
+    def ellipses(**options):
+        return lambda r: dem.Ellipse(1.1 * r, r / 1.2, **options)
+
+    if name == "discs":
+        shape, state = granules(dem.Disc)
+        return dem.Scene(
+            shape, damped, rough, WALLS,
+            dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), DAMPED, spin=500.0),
+            gravity=(3e3, -1e4), thickness=1e-3, boundary=dem.Material(2e3, 2e8, 0.2, 0.9),
+            wall_motion=[None, (-1.0, 2.0), path(*TO_AND_FRO), LID],
+            held=[dem.Held([0, 1], (0.5, 1.0)), dem.Held([9, 13, 14], DAMPED)],
+        ), state  # fmt: skip
+    if name == "smooth discs":
+        shape, state = granules(dem.Disc)
+        state.angular_velocity[:] = 0.0
+        return dem.Scene(
+            shape, damped, walls=WALLS[2:], cylinder=dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), FREE),
+            periodic=(WIDTH, None), wall_motion=[path(*TO_AND_FRO), LID],
+            held=[dem.Held([3, 4], path(*TO_AND_FRO))],
+        ), state  # fmt: skip
+    if name == "dumbbells":
+        shape, state = granules(lambda r: dem.Dumbbell(0.55 * r))
+        turning = path(*TO_AND_FRO, spin=[0.0, 900.0, -500.0, 0.0])
+        return dem.Scene(
+            shape, damped, rough, cylinder=dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), turning),
+            periodic=(WIDTH, HEIGHT), held=[dem.Held([3, 4], path(*TO_AND_FRO))],
+        ), state  # fmt: skip
+    if name == "ellipses":
+        shape, state = granules(ellipses())
+        return dem.Scene(shape, damped, rough, WALLS, cylinder, (0.0, -1e4)), state
+    if name == "ellipses of local radius":
+        precise = dem.CommonNormal(1e-6)
+        shape, state = granules(ellipses(contact=precise, hertz_radius="local"))
+        return dem.Scene(shape, elastic, rough, WALLS, cylinder), state
+    if name == "ellipses by the chord":
+        shape, state = granules(ellipses(contact="geometric_potential"))
+        return dem.Scene(shape, damped, None, WALLS, cylinder), state
+    shape, state = granules(lambda r: dem.Superellipse(0.9 * r, 0.8 * r, 0.3 * r, 3.0))
+    return dem.Scene(
+        shape, damped, rough, WALLS[:2], dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), FREE),
+        periodic=(None, HEIGHT),
+    ), state  # fmt: skip
+
+
+SCENES = (
+    "discs", "smooth discs", "dumbbells", "ellipses", "ellipses of local radius",
+    "ellipses by the chord", "superellipses",
+)  # fmt: skip
+
+
+# Over the mean bounding radius. Damping of a drive is taken at the mean velocity of a kick, and a new
+# neighbour list divides one: that of the scene with damping never gets old, those of others do ten times.
+SKINS = {"discs": 4.0}
+
+
+def assert_same(result, expected, close=1e-9):
+    """All arrays of a run are those of the twin, to `close` of what they change by."""
+    length = 1e-3  # m, of the lever of a torque
+    force = max(
+        np.nanmax(np.abs(each), initial=0.0) for name, each in expected.items() if "force" in name
+    )
+    for name, values in expected.items():
+        found = getattr(result, name)
+        if found is None:
+            assert not values.size or not np.nan_to_num(values).any(), name
+            continue
+        assert found.shape == values.shape, name
+        scale = np.nanmax(np.abs(values - values[0]), initial=0.0)
+        scale = expected["velocity"].max() / length if name == "angular_velocity" else scale
+        scale = force if "force" in name else force * length if "torque" in name else scale
+        np.testing.assert_allclose(found, values, rtol=0.0, atol=close * scale, err_msg=name)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_run_is_that_of_the_model(name):
+    """Positions, angles, velocities, spins and the forces on all boundaries, after 200 steps."""
+    scene, state = scene_of(name)
+    expected = twin.simulate(scene, state, TIME_STEP, STEPS, FRAMES)
+    result = dem.simulate(
+        scene, state, STEPS * TIME_STEP, TIME_STEP, FRAMES, skin=SKINS.get(name, 0.3),
+        allow_unstable=True,
+    )  # fmt: skip
+    assert_same(result, expected)
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_large_bed_is_that_of_the_model(threads):
+    """Beds of more than 1,024 granules are shared out to threads, and reordered."""
+    shape, state = granules(dem.Disc, 40, 28)
+    steps, width, height = 20, 8 * WIDTH, 7 * HEIGHT
+    scene = dem.Scene(
+        shape, dem.Material(restitution=0.6, **SOFT), dem.Friction(0.3, 0.5, 0.2),
+        dem.box(width, height)[2:], dem.Cylinder(1e-3, (24e-3, 17.5e-3), FREE, spin=500.0),
+        gravity=(0.0, -1e4), periodic=(width, None),
+        held=[dem.Held([700, 701, 740], path(*TO_AND_FRO)), dem.Held([5, 6], FREE)],
+    )  # fmt: skip
+    expected = twin.simulate(scene, state, TIME_STEP, steps)
+    result = dem.simulate(
+        scene, state, steps * TIME_STEP, TIME_STEP, skin=0.3, threads=threads, allow_unstable=True
+    )
+    assert_same(result, expected)

@@ -1,0 +1,520 @@
+"""The model in plain numpy: what `dem.simulate` computes with a fixed time step, without its kernels.
+
+Written from docs/explanation and from the docstrings of `dem.Scene`, `dem.Path`, `dem.Drive` and
+`dem.Held`; it knows no neighbour list, no blocks and no threads. Of `dem` it uses public names, to read
+a scene. SI units, angles anticlockwise; n leads from body 1 to body 2 and t = (-ny, nx).
+
+Every contact is one of two *constituents*, convex outlines about a centre: both discs of a dumbbell, or
+the granule itself. All outlines are given by their support function.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+import dem
+
+DIRECTIONS = 2.0 * np.pi * np.arange(64) / 64  # rad, at which a search begins
+NEWTON = 12  # steps, from there to rounding
+
+
+def unit(angle):
+    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+
+def dot(a, b):
+    return a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1]
+
+
+def cross(a, b):
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+
+
+def turned(vector):
+    """Vectors after a turn by a right angle: of n, this is t; times a spin, the velocity at an arm."""
+    return np.stack([-vector[..., 1], vector[..., 0]], axis=-1)
+
+
+# Outlines
+
+
+class Outline(NamedTuple):
+    """Convex outlines at an angle (rad): ellipses a, b (m), or rounded superellipses where c is a length (m)."""
+
+    angle: np.ndarray
+    a: np.ndarray
+    b: np.ndarray
+    c: np.ndarray | None = None
+    exponent: float = 2.0
+
+    def of(self, index):
+        """Those with these numbers."""
+        c = None if self.c is None else self.c[index]
+        return Outline(self.angle[index], self.a[index], self.b[index], c, self.exponent)
+
+
+def support(outline, normal):
+    """h (m): how far the tangent line with this outward normal is from the centre; h' = dh/d(angle) (m),
+    which is the place of the point that touches it, along t; radius of curvature h + h'' (m)."""
+    axis = unit(outline.angle)
+    x, y = dot(axis, normal), cross(axis, normal)
+    if outline.c is None:
+        h = np.sqrt((outline.a * x) ** 2 + (outline.b * y) ** 2)
+        return h, (outline.b**2 - outline.a**2) * x * y / h, (outline.a * outline.b) ** 2 / h**3
+    q = outline.exponent / (outline.exponent - 1.0)  # h = S^(1/q), S = u^(q/2) + v^(q/2)
+    s = ds = dds = 0.0
+    for size, turn, sign in ((outline.a, x, -1.0), (outline.b, y, 1.0)):
+        u = (size * turn) ** 2 + outline.c**2
+        du, ddu = sign * 2.0 * size**2 * x * y, sign * 2.0 * size**2 * (x**2 - y**2)
+        s += u ** (0.5 * q)
+        ds += 0.5 * q * u ** (0.5 * q - 1.0) * du
+        dds += 0.5 * q * u ** (0.5 * q - 1.0) * (ddu + (0.5 * q - 1.0) * du**2 / u)
+    h = s ** (1.0 / q)
+    rate = ds / (q * s)  # h'/h
+    return h, h * rate, h + h * (rate**2 + (dds * s - ds**2) / (q * s**2))
+
+
+class Touch(NamedTuple):
+    """Contacts: overlap (m), negative or -inf for a gap; n; contact point (m) from the centre of 1;
+    radii of curvature (m) there."""
+
+    overlap: np.ndarray
+    normal: np.ndarray
+    point: np.ndarray
+    curvature: tuple
+
+
+def common_normal(d, one, two):
+    """Contacts along the direction of the largest gap s(n) = n.d - h1(n) - h2(-n); d (m) leads from 1 to 2."""
+
+    def gap(angle, d, one, two):
+        n = unit(angle)
+        (h1, q1, rho1), (h2, q2, rho2) = support(one, n), support(two, -n)
+        s = dot(n, d) - h1 - h2
+        return s, dot(turned(n), d) - q1 - q2, -s - rho1 - rho2, (h1, q1, rho1, rho2)
+
+    each = np.arange(len(d))[:, None]
+    angle = DIRECTIONS[gap(DIRECTIONS, d[:, None], one.of(each), two.of(each))[0].argmax(axis=1)]
+    for _ in range(NEWTON):
+        _, slope, bend, _ = gap(angle, d, one, two)
+        angle = angle + np.clip(-slope / np.minimum(bend, -1e-300), -0.1, 0.1)
+    s, _, _, (h1, q1, rho1, rho2) = gap(angle, d, one, two)
+    n = unit(angle)
+    return Touch(-s, n, (h1 + 0.5 * s)[:, None] * n + q1[:, None] * turned(n), (rho1, rho2))
+
+
+def chord(d, one, two):
+    """Contacts of ellipses as in the paper: the chord between those points of each that are deepest in the
+    other; d (m) leads from 1 to 2."""
+
+    def deepest(d, mine, other):
+        """Least G = (x/a)^2 + (y/b)^2 - 1 of the other on my outline; the point from my centre; rho there."""
+
+        def place(u, d, mine, other):
+            axis, frame = unit(mine.angle), unit(other.angle)
+            along, up = mine.a * np.cos(u), mine.b * np.sin(u)
+            x = along[..., None] * axis + up[..., None] * turned(axis)
+            dx = -(mine.a * np.sin(u))[..., None] * axis
+            dx = dx + (mine.b * np.cos(u))[..., None] * turned(axis)
+
+            def seen(w):  # in coordinates in which the other is a unit circle
+                return np.stack([dot(frame, w) / other.a, cross(frame, w) / other.b], axis=-1)
+
+            return x, seen(x - d), seen(dx), seen(x)
+
+        each = np.arange(len(d))[:, None]
+        _, r, _, _ = place(DIRECTIONS, d[:, None], mine.of(each), other.of(each))
+        u = DIRECTIONS[dot(r, r).argmin(axis=1)]
+        for _ in range(NEWTON):
+            _, r, t, p = place(u, d, mine, other)
+            bend = np.maximum(dot(t, t) - dot(r, p), 0.1 * dot(t, t))
+            u = u - np.clip(dot(r, t) / bend, -0.1, 0.1)
+        x, r, _, _ = place(u, d, mine, other)
+        speed = (mine.a * np.sin(u)) ** 2 + (mine.b * np.cos(u)) ** 2
+        return dot(r, r) - 1.0, x, speed**1.5 / (mine.a * mine.b)
+
+    inside, x1, rho1 = deepest(d, one, two)
+    _, x2, rho2 = deepest(-d, two, one)
+    e = x1 - d - x2  # from the point of 2 inside 1 to that of 1 inside 2
+    length = np.maximum(np.hypot(e[:, 0], e[:, 1]), 1e-300)
+    overlap = np.where(inside < 0.0, length, -np.inf)
+    return Touch(overlap, e / length[:, None], x1 - 0.5 * e, (rho1, rho2))
+
+
+class Granules:
+    """What the granules of a scene are: constituents (p,) with their owner, offset from its centre (m, along
+    its axis) and radius R (m) in Hertz's law; mass (kg), inertia (kg m2) and reach (m) of each granule."""
+
+    def __init__(self, scene):
+        shape, self.search, self.local = scene.shape, common_normal, False
+        self.owner, self.exponent = np.arange(scene.granules), 2.0
+        self.offset, self.c = np.zeros(scene.granules), None
+        if isinstance(shape, dem.Disc):
+            self.a = self.b = self.radius = shape.radius
+            area, gyration_squared, self.reach = np.pi * self.a**2, 0.5 * self.a**2, self.a
+        elif isinstance(shape, dem.Dumbbell):
+            self.owner = np.repeat(self.owner, 2)
+            self.a = self.b = self.radius = shape.radius[self.owner]
+            self.offset = self.a * np.tile([1.0, -1.0], scene.granules)
+            area, gyration_squared = 2.0 * np.pi * shape.radius**2, 1.5 * shape.radius**2
+            self.reach = self.a
+        elif isinstance(shape, dem.Ellipse):
+            self.a, self.b = shape.semi_major, shape.semi_minor
+            self.radius, self.local = np.sqrt(self.a * self.b), shape.local_curvature
+            if isinstance(shape.contact, dem.GeometricPotential):
+                self.search = chord
+            area, gyration_squared = np.pi * self.a * self.b, (self.a**2 + self.b**2) / 4.0
+            self.reach = self.a
+        else:
+            self.a, self.b, self.c, self.exponent = shape
+            angle = np.linspace(0.0, 2.0 * np.pi, 2048, endpoint=False)
+            sizes = self.a[:, None], self.b[:, None], self.c[:, None]
+            h, q, rho = support(Outline(np.zeros((1, 1)), *sizes, self.exponent), unit(angle))
+            area = np.pi * (h * rho).mean(axis=1)
+            gyration_squared = 0.5 * np.pi * ((h**2 + q**2) * h * rho).mean(axis=1) / area
+            self.radius, self.reach = np.sqrt(area / np.pi), 1.01 * np.hypot(h, q).max(axis=1)
+        self.mass = scene.material.density * area * scene.thickness
+        self.inertia = self.mass * gyration_squared
+
+    def outline(self, angle):
+        """Outlines of all constituents, for the angles of the granules."""
+        return Outline(angle[self.owner], self.a, self.b, self.c, self.exponent)
+
+
+# Forces
+
+
+def dashpot_constant(restitution):
+    """alpha: bisection of e(alpha) of a contact that ends where its force is zero."""
+
+    def bounce(alpha):
+        zeta = alpha / np.sqrt(5.0)
+        if zeta < 1.0:
+            psi = np.arcsin(zeta)
+            return np.exp(-(np.pi - 2.0 * psi) * np.tan(psi))
+        u = np.arccosh(zeta)
+        return np.exp(-2.0 * u / np.tanh(u)) if u > 0.0 else np.exp(-2.0)
+
+    low, high = 0.0, 1e4
+    for _ in range(200 if restitution < 1.0 else 0):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if bounce(middle) > restitution else (low, middle)
+    return low
+
+
+class Law:
+    """The force law of one kind of contact: granule, wall or cylinder."""
+
+    def __init__(self, scene, kind):
+        meets = [scene.material]
+        if kind == "granule" or scene.boundary is not None:  # else the partner is rigid
+            meets.append(scene.material if kind == "granule" else scene.boundary)
+        self.young = 1.0 / sum((1.0 - m.poisson_ratio**2) / m.young_modulus for m in meets)
+        self.shear = 1.0 / sum(
+            2.0 * (2.0 - m.poisson_ratio) * (1.0 + m.poisson_ratio) / m.young_modulus for m in meets
+        )
+        self.alpha = dashpot_constant(scene.material.restitution)
+        if scene.friction is None:
+            self.friction, self.shear = 0.0, 0.0
+        else:
+            self.friction = getattr(scene.friction, kind)
+            self.shear *= scene.friction.stiffness
+
+    def push(self, memory, overlap, radius, mass, slip, rate, dt):
+        """N and T (N) on body 2, and the memory afterwards: the spring (N) and the overlap (m).
+
+        radius, mass: R* (m) and m* (kg); slip: v_t (m/s) in the middle of the step of dt (s); rate:
+        v_n and v_t (m/s) at its end. Contacts that do not touch remember nothing.
+        """
+        spring, last = memory
+        overlap = np.maximum(overlap, 0.0)
+        k = 4.0 / 3.0 * self.young * np.sqrt(radius)
+        c = self.alpha * np.sqrt(mass * k)
+        normal = np.maximum(k * overlap**1.5 - c * overlap**0.25 * rate[0], 0.0)
+        kept = np.minimum(np.sqrt(overlap / np.where(last > 0.0, last, np.inf)), 1.0)
+        kept = np.where(last > 0.0, kept, 1.0)
+        before = 8.0 * self.shear * kept * np.sqrt(radius * last)
+        after = 8.0 * self.shear * np.sqrt(radius * overlap)
+        limit = self.friction * normal
+        spring = np.clip(kept * spring - 0.5 * (before + after) * slip * dt, -limit, limit)
+        dashpot = 2.0 * c * np.sqrt(self.shear / self.young) * overlap**0.25 * rate[1]
+        return normal, np.clip(spring - dashpot, -limit, limit), (spring, overlap)
+
+
+# Motion
+
+
+class Bodies:
+    """Bodies that move: velocity (m/s) and spin (rad/s) are those of half steps, and their changes lead to
+    the end of the step."""
+
+    def __init__(self, position, velocity, angle, spin):
+        self.position, self.velocity = np.array(position, float), np.array(velocity, float)
+        self.angle, self.spin = np.array(angle, float), np.array(spin, float)
+        self.change, self.spin_change = np.zeros_like(self.velocity), np.zeros_like(self.spin)
+
+    def drift(self, dt):
+        self.position += dt * self.velocity
+        self.angle += dt * self.spin
+
+    def velocity_at(self, index, arm):
+        """Velocities (m/s) at arms (m) from the centres: in the middle of the step, and at its end."""
+        across = turned(arm)
+        middle = self.velocity[index] + self.spin[index][:, None] * across
+        return middle, middle + self.change[index] + self.spin_change[index][:, None] * across
+
+
+class Boundaries(Bodies):
+    """Walls, the cylinder or held groups: bodies with a motion each, and the force (N) of contacts on them."""
+
+    def __init__(self, position, motions, spin=0.0):
+        self.motions = [(0.0, 0.0) if each is None else each for each in motions]
+        count = len(self.motions)
+        super().__init__(position, np.zeros((count, 2)), np.zeros(count), np.full(count, spin))
+        self.force = np.zeros((count, 2))
+        for b, each in enumerate(self.motions):
+            if not isinstance(each, dem.Path):
+                self.velocity[b] = each.velocity if isinstance(each, dem.Drive) else each
+        self.follow(0.0, 0.0)
+
+    def follow(self, time, dt):
+        """Those on a path: velocity of the middle of a step of dt (s), and the change to its end."""
+        for b, path in enumerate(self.motions):
+            if isinstance(path, dem.Path):
+                rows = [path.velocity[:, 0], path.velocity[:, 1]]
+                rows += [] if path.spin is None else [path.spin]
+                now, end = (np.array([np.interp(t, path.time, row) for row in rows])
+                            for t in (time + 0.5 * dt, time + dt))  # fmt: skip
+                self.velocity[b], self.change[b] = now[:2], (end - now)[:2]
+                if path.spin is not None:
+                    self.spin[b], self.spin_change[b] = now[2], end[2] - now[2]
+
+    def kick(self, time, kick, dt):
+        """Velocities for the next step of dt (s), after forces have acted for `kick` (s)."""
+        self.follow(time, dt)
+        for b, drive in enumerate(self.motions):
+            for axis, push in enumerate(drive.force if isinstance(drive, dem.Drive) else ()):
+                if push is None:
+                    continue
+                before, pushed = self.velocity[b, axis], push + self.force[b, axis]
+                drag = 0.5 * kick * drive.damping  # at the mean velocity of the kick
+                after = (before * (drive.mass - drag) + kick * pushed) / (drive.mass + drag)
+                self.velocity[b, axis] = after
+                pushed -= drive.damping * 0.5 * (before + after)
+                self.change[b, axis] = 0.5 * dt * pushed / drive.mass
+
+
+class Contacts:
+    """All contacts of one kind that there could be: constituents `one`, and `two`: constituents or boundaries."""
+
+    def __init__(self, scene, kind, one, two, mass):
+        self.law, self.one, self.two, self.mass = Law(scene, kind), one, two, mass
+        self.memory = np.zeros(len(one)), np.zeros(len(one))
+
+
+class Twin:
+    """A scene in motion."""
+
+    def __init__(self, scene, state):
+        self.scene, self.granules = scene, Granules(scene)
+        n, owner, mass = scene.granules, self.granules.owner, self.granules.mass
+        self.bodies = Bodies(
+            state.position, state.velocity, state.angle, state.angular_velocity
+        )  # fmt: skip
+        self.time, self.force, self.torque = 0.0, np.zeros((n, 2)), np.zeros(n)
+        self.group = np.full(n, -1)
+        for b, each in enumerate(scene.held):
+            self.group[each.granules] = b
+        self.held = Boundaries(np.zeros((len(scene.held), 2)), [h.motion for h in scene.held])
+        self.start = self.bodies.position.copy()
+        self.carry()
+
+        free = self.group < 0
+        one, two = np.triu_indices(len(owner), 1)
+        real = (owner[one] != owner[two]) & (free[owner[one]] | free[owner[two]])
+        one, two = one[real], two[real]
+        lightness = np.where(free, 1.0 / mass, 0.0)[owner]  # a held granule is infinitely heavy
+        self.pairs = Contacts(scene, "granule", one, two, 1.0 / (lightness[one] + lightness[two]))
+
+        self.planes = np.zeros((0, 3)) if scene.walls is None else np.array(scene.walls)
+        count = len(self.planes)
+        self.walls = Boundaries(np.zeros((count, 2)), scene.wall_motion or [None] * count)
+        one, two = np.divmod(np.arange(len(owner) * count), max(count, 1))
+        self.at_walls = Contacts(scene, "wall", one, two, mass[owner[one]])
+
+        self.cylinder, self.at_cylinder = None, None
+        if scene.cylinder is not None:
+            self.cylinder = Boundaries(
+                [scene.cylinder.position], [scene.cylinder.velocity], scene.cylinder.spin
+            )
+            one = np.arange(len(owner))
+            self.at_cylinder = Contacts(scene, "cylinder", one, 0 * one, mass[owner])
+        self.sums = self.no_sums()
+        self.find_forces(0.0)
+
+    def no_sums(self):
+        """Forces (N) and torques (N m) on boundaries, summed over time: nothing yet."""
+        walls, zero = np.zeros(len(self.planes)), np.zeros(2)
+        return {"cylinder_force": zero, "cylinder_torque": 0.0, "wall_force": walls,
+                "wall_tangential_force": walls, "held_force": np.zeros((len(self.scene.held), 2))}  # fmt: skip
+
+    def nearest(self, d):
+        """Vectors d (m) to the nearest image beside periodic sides."""
+        period = [np.inf if each is None else each for each in self.scene.periodic or (None, None)]
+        return d - np.where(np.isfinite(period), period, 0.0) * np.rint(d / period)
+
+    def carry(self):
+        """Held granules keep their places in their groups."""
+        for i in np.flatnonzero(self.group >= 0):
+            b = self.group[i]
+            self.bodies.position[i] = self.start[i] + self.held.position[b]
+            self.bodies.velocity[i] = self.held.velocity[b]
+            self.bodies.change[i] = self.held.change[b]
+
+    def find_forces(self, dt):
+        """Forces and torques on all granules at the end of a step of dt (s)."""
+        self.force[:], self.torque[:] = 0.0, 0.0
+        granules, owner = self.granules, self.granules.owner
+        offset = granules.offset[:, None] * unit(self.bodies.angle)[owner]
+        centre, outline = self.bodies.position[owner] + offset, granules.outline(self.bodies.angle)
+
+        def pair(one, two):
+            d = self.nearest(centre[two] - centre[one])
+            touch = granules.search(d, outline.of(one), outline.of(two))
+            away = d + offset[one] - offset[two]  # of the centre of granule 2 from that of 1
+            return touch, away, (granules.radius[one], granules.radius[two])
+
+        def near_pairs(one, two):
+            d = self.nearest(centre[two] - centre[one])
+            return dot(d, d) < (granules.reach[one] + granules.reach[two]) ** 2
+
+        self.act(self.pairs, self.bodies, near_pairs, pair, dt)
+
+        def wall(one, two):
+            n = self.planes[two, :2]
+            h, q, rho = support(outline.of(one), n)
+            overlap = h + dot(n, centre[one]) - self.planes[two, 2]
+            point = (h - 0.5 * overlap)[:, None] * n + q[:, None] * turned(n)
+            touch = Touch(overlap, n, point, (rho, np.full_like(rho, np.inf)))
+            return touch, 0.0 * n, (granules.radius[one], np.full_like(rho, np.inf))
+
+        def near_walls(one, two):
+            normal, offset = self.planes[two, :2], self.planes[two, 2]
+            return dot(normal, centre[one]) + granules.reach[one] > offset
+
+        wall_of, force, _ = self.act(self.at_walls, self.walls, near_walls, wall, dt)
+        self.walls.force[:] = 0.0
+        np.add.at(self.walls.force, wall_of, force)
+        n = self.planes[:, :2]
+        sums = {
+            "wall_force": dot(n, self.walls.force),
+            "wall_tangential_force": dot(turned(n), self.walls.force),
+        }
+
+        if self.cylinder is not None:
+            radius = 0.5 * self.scene.cylinder.diameter
+
+            def near_circle(one, two):
+                d = self.nearest(self.cylinder.position - centre[one])
+                return dot(d, d) < (granules.reach[one] + radius) ** 2
+
+            def circle(one, two):
+                d = self.nearest(self.cylinder.position - centre[one])
+                size = np.full(len(one), radius)
+                touch = granules.search(d, outline.of(one), Outline(0.0 * size, size, size))
+                return touch, d + offset[one], (granules.radius[one], size)
+
+            _, force, arm = self.act(self.at_cylinder, self.cylinder, near_circle, circle, dt)
+            self.cylinder.force = force.sum(axis=0)[None]
+            sums["cylinder_force"] = self.cylinder.force[0]
+            sums["cylinder_torque"] = cross(arm, force).sum()
+
+        self.held.force[:] = 0.0
+        member = self.group >= 0
+        np.add.at(self.held.force, self.group[member], self.force[member])
+        sums["held_force"] = self.held.force.copy()
+        for name, each in sums.items():
+            self.sums[name] = self.sums[name] + dt * each
+
+    def act(self, contacts, partners, near, geometry, dt):
+        """Forces of all contacts of a kind on the granules; returns for those that may touch the partner, the
+        force (N) on it and its arm (m)."""
+        owner = self.granules.owner
+        may = np.flatnonzero(near(contacts.one, contacts.two))
+        one, two = contacts.one[may], contacts.two[may]
+        touch, away, radii = geometry(one, two)
+        n, t = touch.normal, turned(touch.normal)
+        radii = touch.curvature if self.granules.local else radii
+        g = owner[one]
+        h = owner[two] if partners is self.bodies else two
+        offset = self.granules.offset[one][:, None] * unit(self.bodies.angle[g])
+        arm = offset + touch.point  # from the centre of granule 1
+        other = arm - away  # from that of body 2
+        mine, theirs = self.bodies.velocity_at(g, arm), partners.velocity_at(h, other)
+        middle, end = theirs[0] - mine[0], theirs[1] - mine[1]
+        memory = [each[may] for each in contacts.memory]
+        normal, tangential, memory = contacts.law.push(
+            memory, touch.overlap, 1.0 / (1.0 / radii[0] + 1.0 / radii[1]), contacts.mass[may],
+            dot(middle, t), (dot(end, n), dot(end, t)), dt,
+        )  # fmt: skip
+        contacts.memory = np.zeros((2, len(contacts.one)))
+        contacts.memory[:, may] = memory
+        force = normal[:, None] * n + tangential[:, None] * t
+        np.add.at(self.force, g, -force)
+        np.add.at(self.torque, g, -cross(arm, force))
+        if partners is self.bodies:
+            np.add.at(self.force, h, force)
+            np.add.at(self.torque, h, cross(other, force))
+        return two, force, other
+
+    def kick_and_drift(self, kick, dt):
+        """Let the forces act for `kick` (s), then move for dt (s); velocities are then those of half a step."""
+        bodies, free, granules = self.bodies, self.group < 0, self.granules
+        fall = self.scene.gravity or (0.0, 0.0)
+        acceleration = (self.force / granules.mass[:, None] + fall) * free[:, None]
+        spin_up = self.torque / granules.inertia * free
+        bodies.velocity += kick * acceleration
+        bodies.spin += kick * spin_up
+        bodies.change, bodies.spin_change = 0.5 * dt * acceleration, 0.5 * dt * spin_up
+        bodies.drift(dt)
+        for each in (self.walls, self.held, self.cylinder):
+            if each is not None:
+                each.kick(self.time, kick, dt)
+                each.drift(dt)
+        self.planes[:, 2] += dt * dot(self.planes[:, :2], self.walls.velocity)
+        self.carry()
+        self.time += dt
+
+    def advance(self, steps, dt):
+        """Velocity Verlet: the first and the last kick are half ones."""
+        self.kick_and_drift(0.5 * dt, dt)
+        for step in range(steps):
+            self.find_forces(dt)
+            self.kick_and_drift(*((dt, dt) if step + 1 < steps else (0.5 * dt, 0.0)))
+
+
+def forces_of(scene, state, dt):
+    """Forces (n, 2) and torques (n,) on granules that stay where they are, after a slip of dt (s)."""
+    twin = Twin(scene, state)
+    twin.find_forces(dt)
+    return twin.force, twin.torque
+
+
+def simulate(scene, state, dt, steps, frames=1):
+    """The arrays of a `dem.Result` by name: after `steps` steps of dt (s), in equal intervals."""
+    twin, kept = Twin(scene, state), []
+
+    def keep(forces):
+        bodies = twin.bodies
+        now = {"time": twin.time, "position": bodies.position, "velocity": bodies.velocity,
+               "angle": bodies.angle, "angular_velocity": bodies.spin, "wall_offset": twin.planes[:, 2]}  # fmt: skip
+        if twin.cylinder is not None:
+            now["cylinder_position"] = twin.cylinder.position[0]
+        kept.append({name: np.array(each) for name, each in (now | forces).items()})
+
+    keep({name: np.nan * each for name, each in twin.no_sums().items()})
+    for _ in range(frames):
+        twin.sums = twin.no_sums()
+        twin.advance(steps // frames, dt)
+        keep({name: each / (steps // frames * dt) for name, each in twin.sums.items()})
+    return {name: np.array([frame[name] for frame in kept]) for name in kept[0]}
