@@ -39,8 +39,21 @@ KINDS = sorted(shapes.KINDS, key=len, reverse=True)  # "superellipse" before "el
 LONGEST = ["claims", "superellipse", "test_workflow", "disc", "ellipse", "dumbbell", "test_report"]
 
 
+# What `pytest -m quick` runs, in this order: parts of the names of tests. They take a minute in all on two
+# processors, and notice four of five faults of tests/mutants.py; that file and
+# durations (--durations=0) say what to add.
+QUICK = (
+    "test_twin.py", "test_statistics.py", "test_mutants.py",
+)  # fmt: skip
+
+
+def place_in_quick(item):
+    """Where a test is among the quick ones, None if it is none of them."""
+    return next((place for place, part in enumerate(QUICK) if part in item.nodeid), None)
+
+
 @pytest.hookimpl(tryfirst=True)  # before pytest-xdist reads the groups
-def pytest_collection_modifyitems(items):
+def pytest_collection_modifyitems(config, items):
     """Tests of one kind of granule on one processor: its kernels are then compiled but once."""
     groups = {}
     for item in items:
@@ -49,7 +62,11 @@ def pytest_collection_modifyitems(items):
         group = "test_large" if "in chunks" in parameters else group  # beds of many granules
         groups[item] = "claims" if "claimed" in item.fixturenames else group
         item.add_marker(pytest.mark.xdist_group(groups[item]))
-    if "PYTEST_XDIST_WORKER" in os.environ:
+        if place_in_quick(item) is not None:
+            item.add_marker(pytest.mark.quick)
+    if config.option.markexpr == "quick":
+        items.sort(key=lambda item: len(QUICK) if (at := place_in_quick(item)) is None else at)
+    elif "PYTEST_XDIST_WORKER" in os.environ:
         order = {group: place for place, group in enumerate(LONGEST)}
         items.sort(key=lambda item: order.get(groups[item], len(order)))
 

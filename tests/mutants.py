@@ -1,61 +1,222 @@
-"""Does the suite notice a broken kernel?  python tests/mutants.py  (some minutes; not part of pytest)
+"""Does the quick part of the suite notice a broken program?  python tests/mutants.py [NUMBER ...]
 
-Each mutant is one fault put into a copy of the project; the tests named beside it must fail on it.
+Each mutant is one fault, put into a copy of the project: in `file` of dem/, `right` becomes `wrong`. The
+quick part (pytest -m quick) must fail on it. A kernel that is changed is compiled again, half a minute a
+kind of scene; so the runner first asks the test that is most likely to fail, one of the quick part,
+and the whole of it only if that passes. All 60 take about an hour of a processor. Results are kept in
+a file of JSON lines, and those that are there are not made again:
+
+    python tests/mutants.py --kept mutants.jsonl           # all, one after another
+    python tests/mutants.py --kept mutants.jsonl 3 7       # numbers 3 and 7, counted from 0
 """
 
+import argparse
+import collections
+import json
 import os
 import shutil
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 from typing import NamedTuple
 
 PROJECT = Path(__file__).parent.parent
+COPIED = (
+    "dem",
+    "tests",
+    "config",
+    "rules",
+    "docs",
+    "profiles",
+    "pyproject.toml",
+    "Snakefile",
+    "README.md",
+)
+LONGEST = 600.0  # s of the processor, for one mutant
+TWIN = "tests/test_twin.py::test_a_run_is_that_of_the_model[{}]"
+LARGE = "tests/test_twin.py::test_a_large_bed_is_that_of_the_model[{}]"
 
 
 class Mutant(NamedTuple):
-    """A fault: in `file`, `right` becomes `wrong`; `tests` are asked."""
+    """A fault of a kind: in `file` of dem/, `right` becomes `wrong`; `asks`: the test to ask first."""
 
-    fault: str
     file: str
+    kind: str
     right: str
     wrong: str
-    tests: str
+    asks: str
 
+
+BOX, DISCS, SMOOTH = (TWIN.format(each) for each in ("box of discs", "discs", "smooth discs"))
+DUMBBELLS, ELLIPSES = TWIN.format("dumbbells"), TWIN.format("ellipses")
+LOCAL, CHORD = TWIN.format("ellipses of local radius"), TWIN.format("ellipses by the chord")
+SUPER, ONE_THREAD, TWO_THREADS = TWIN.format("superellipses"), LARGE.format(1), LARGE.format(2)
+RUN = "tests/test_twin.py::test_a_run_of_a_configuration_is_that_of_the_model"
+BED, SWEEP, STORE = "tests/test_packing.py", "tests/test_sweep.py", "tests/test_stopping.py"
 
 MUTANTS = (
-    Mutant("sign of damping turned", "dem/contacts/force_law.py", "elastic + damping", "elastic - damping",
-           "tests/test_collision.py"),
-    Mutant("memory not carried to a new list", "dem/dynamics/neighbor_list.py",
-           "new[p] = old[source[p]]", "new[p] = 0.0", "tests/test_neighbors.py"),
-    Mutant("list never made again", "dem/dynamics/stepping.py",
-           "world = rebuild_neighbor_list(world, table)  # by value", "world = world", "tests/test_simulate.py"),
-    Mutant("torque of walls and cylinder reversed", "dem/contacts/blocks.py",
-           "gx, gy, -torque, 0.0)", "gx, gy, torque, 0.0)",
-           "tests/test_force_reference.py"),
+    # the force law, and what a contact does with it
+    Mutant("contacts/force_law.py", "sign", "elastic + damping", "elastic - damping", BOX),
+    Mutant("contacts/force_law.py", "limit", "max(force, -limit), limit)", "max(force, 0.0), limit)", BOX),
+    Mutant("contacts/force_law.py", "missing factor", "+ kept * last_sqrt_overlap)", "+ last_sqrt_overlap)", BOX),
+    Mutant("contacts/force_law.py", "limit", "TINY), 1.0\n", "TINY), 2.0\n", BOX),
+    Mutant("contacts/force_law.py", "constant", "zeta = alpha / math.sqrt(5.0)", "zeta = alpha / math.sqrt(6.0)", BOX),
+    Mutant("contacts/response.py", "time", "rate = -plus(velocity[0], change[0])", "rate = -velocity[0]", BOX),
+    Mutant("contacts/response.py", "sign", "minus(gx * nx + gy * ny, times(t2", "plus(gx * nx + gy * ny, times(t2", ELLIPSES),
+    Mutant("contacts/response.py", "order", "    force = capped(force, limit)\n", "", BOX),
+    Mutant("contacts/blocks.py", "sign", "gx, gy, -torque, 0.0)", "gx, gy, torque, 0.0)", BOX),
+    Mutant("contacts/blocks.py", "index", "+= rows[j + FIVE]", "+= rows[j + SIX]", SMOOTH),
+    Mutant("contacts/blocks.py", "sign", "motion[at] += shift[p]", "motion[at] -= shift[p]", SMOOTH),
+    Mutant("contacts/loops.py", "not summed", "impulse[wall] += normal * dt", "impulse[wall] = normal * dt", BOX),
+    Mutant("contacts/loops.py", "missing term", "guide.force[boundary, FX] += shares[0] + shares[2]", "guide.force[boundary, FX] += shares[0]", DISCS),
+    # motion
+    Mutant("dynamics/forces.py", "index", "impulse[b, 1] += on[b, FY] * dt", "impulse[b, 1] += on[b, FX] * dt", SMOOTH),
+    Mutant("dynamics/forces.py", "not cleared", "force[left + c] = 0.0", "force[left + c] *= 1.0", ONE_THREAD),
+    Mutant("dynamics/integration.py", "constant", "further = 0.5 * dt, dt, 0,", "further = dt, dt, 0,", BOX),
+    Mutant("dynamics/integration.py", "factor", "bodies[i, DVX] = half * ax", "bodies[i, DVX] = dt * ax", BOX),
+    Mutant("dynamics/integration.py", "sign", "reorient(frame, i, angle[i], dt * spin)", "reorient(frame, i, angle[i], -dt * spin)", ELLIPSES),
+    Mutant("dynamics/integration.py", "dropped wait", "        barrier(thread)\n        if leads:\n            boundary_forces", "        if leads:\n            boundary_forces", TWO_THREADS),
+    Mutant("dynamics/guide.py", "time", "clock + 0.5 * dt)", "clock + dt)", SMOOTH),
+    Mutant("dynamics/guide.py", "sign", "motion[b, DVX + c] = end - now", "motion[b, DVX + c] = now - end", SMOOTH),
+    Mutant("dynamics/neighbor_list.py", "memory lost", "new[p] = old[source[p]]", "new[p] = 0.0", BOX),
+    Mutant("dynamics/neighbor_list.py", "missing term", "lowest[home] = min(lowest[home], other)", "lowest[home] = home", TWO_THREADS),
+    Mutant("dynamics/neighbors.py", "missing term", "reach = radius[i] + radius[j] + skin", "reach = radius[i] + radius[j]", BOX),
+    Mutant("dynamics/neighbors.py", "comparison", "old_partner[q] < partner[p]:\n                q", "old_partner[q] <= partner[p]:\n                q", BOX),
+    Mutant("dynamics/stepping.py", "missing call", "world = rebuild_neighbor_list(world, table)  # by value", "world = world  # by value", BOX),
+    Mutant("dynamics/stepping.py", "not cleared", "        impulse[k] = 0.0", "        impulse[k] *= 1.0", "tests/test_simulate.py"),
+    Mutant("dynamics/stable_step.py", "constant", "return 2.0 / max(damping", "return 4.0 / max(damping", "tests/test_simulate.py"),
+    Mutant("dynamics/diagnostics.py", "constant", "energy += 0.5 * squared", "energy += squared", "tests/test_energy.py"),
+    Mutant("dynamics/energy.py", "constant", "return 0.4 * stiffness", "return 0.5 * stiffness", "tests/test_energy.py"),
+    Mutant("dynamics/stress.py", "sign", "moving -= _outer", "moving += _outer", "tests/test_stress.py"),
+    Mutant("dynamics/simulation.py", "order", "back = np.argsort(self._order)", "back = self._order", ONE_THREAD),
+    Mutant("dynamics/checkpoint.py", "not kept", '"gravity", "lanes.motion"', '"pairs.tangential_force", "lanes.motion"', STORE),
+    # shapes
+    Mutant("shapes/dumbbell.py", "sign", "- oy * (constituent_force", "+ oy * (constituent_force", DUMBBELLS),
+    Mutant("shapes/ellipse.py", "constant", "return rho1 * rho2 / (rho1 + rho2)", "return 0.5 * rho1 * rho2 / (rho1 + rho2)", LOCAL),
+    Mutant("shapes/common_normal.py", "sign", "t2 = -(q2 +", "t2 = (q2 +", ELLIPSES),
+    Mutant("shapes/common_normal.py", "comparison", "if gap > best:", "if gap < best:", "tests/test_geometry.py"),
+    Mutant("shapes/geometric_potential.py", "comparison", "if g1 >= 0.0:", "if g1 >= -0.1:", CHORD),
+    Mutant("shapes/smooth.py", "constant", "return 0.25 * _integral", "return 0.5 * _integral", SUPER),
+    Mutant("shapes/superellipse.py", "sign", "root + (1.0 - q) * root", "root - (1.0 - q) * root", SUPER),
+    # beds
+    Mutant("packing/minimise.py", "constant", "forces(world, 1.0, math.inf)  # nothing", "forces(world, 2.0, math.inf)  # nothing", BED),
+    Mutant("packing/random.py", "missing term", "(r + radius[near]) ** 2", "radius[near] ** 2", BED),
+    Mutant("packing/grown.py", "missing factor", "KEPT * end.velocity", "end.velocity", BED),
+    # runs
+    Mutant("experiment/fit.py", "sign", "(granules / fraction + cylinder)", "(granules / fraction - cylinder)", "tests/test_config.py"),
+    Mutant("experiment/drag.py", "order", "min(every - done % every, BINS_A_CALL)", "BINS_A_CALL", RUN),
+    Mutant("experiment/observables/drag.py", "sign", '"drag": -total[:, 1]', '"drag": total[:, 1]', RUN),
+    Mutant("experiment/jamming.py", "constant", "load[start:] ** (2.0 / 3.0)", "load[start:] ** (3.0 / 2.0)", "tests/test_claims.py::test_line_finds_where_pressure_begins"),
+    Mutant("experiment/onset.py", "constant", "HOLDING = 3", "HOLDING = 2", "tests/test_onset.py"),
+    Mutant("experiment/config.py", "missing term", "{packing.fraction} {packing.friction} {self.seed}", "{packing.fraction} {self.seed}", SWEEP),
+    # sweeps, their store, files and numbers
+    Mutant("sweep/store.py", "comparison", "if some and len(some) + len(bed) > size:", "if some and len(some) + len(bed) >= size:", SWEEP),
+    Mutant("sweep/store.py", "index", 'data["parts"] = {name: before[name] for name in before if name in set(parts)}', 'data["parts"] = {}', SWEEP),
+    Mutant("sweep/chunk.py", "missing call", "    store.keep(replicate.id, found)\n", "", STORE),
+    Mutant("sweep/chunk.py", "comparison", 'return values["run_id"].tolist() == [', 'return values["run_id"].tolist() != [', STORE),
+    Mutant("io/checksums.py", "comparison", "if stored != _checksum(file, size):", "if stored == mark:", "tests/test_damage.py"),
+    Mutant("io/results_folder.py", "condition", "if owner else late:", "if owner else not late:", STORE),
+    Mutant("analysis/statistics.py", "constant", "0.5 + 0.5 * LEVEL)\n    return runs", "LEVEL)\n    return runs", "tests/test_statistics.py"),
+    Mutant("analysis/onset.py", "sign", "return y @ share - slope * middle", "return y @ share + slope * middle", "tests/test_onset.py"),
+    # how kernels are compiled
+    Mutant("jit/compilation.py", "missing term", "{code_hash(each.__module__)}\" for", "\" for", "tests/test_compilation.py"),
+    Mutant("jit/optional.py", "sign", "return lambda a, b: -b", "return lambda a, b: b", ELLIPSES),
+    Mutant("jit/lanes.py", "index", "(table[row],) + rows_like(like[1:], table, row + 1)", "(table[row],) + rows_like(like[1:], table, row)", ELLIPSES),
 )  # fmt: skip
 
 
-def survives(mutant: Mutant) -> bool:
-    """Whether all tests pass in spite of the fault; prints the first that does not."""
+def made(mutant: Mutant, folder: Path) -> Path:
+    """A copy of the project with the fault."""
+    copy = folder / "project"
+    for name in COPIED:
+        source = PROJECT / name
+        if source.is_dir():
+            shutil.copytree(
+                source, copy / name, ignore=shutil.ignore_patterns("__pycache__", "_build")
+            )
+        else:
+            shutil.copy(source, copy / name)
+    broken = copy / "dem" / mutant.file
+    text = broken.read_text(encoding="utf-8")
+    assert text.count(mutant.right) == 1, f"{mutant.file} has no single {mutant.right!r}"
+    broken.write_text(text.replace(mutant.right, mutant.wrong), encoding="utf-8")
+    return copy
+
+
+def asked(copy: Path, *words: str) -> str | None:
+    """The first test that fails in a copy of the project, as pytest names it; None if none does."""
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-x",
+        "-n0",
+        "-p",
+        "no:cacheprovider",
+        "-m",
+        "quick",
+        *words,
+    ]
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(copy / ".numba"), "PYTHONPATH": str(copy)}
+    ran = subprocess.Popen(
+        command, cwd=copy, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        text=True, start_new_session=True, preexec_fn=_limited,
+    )  # fmt: skip
+    said, _ = ran.communicate()
+    failed = [line for line in said.splitlines() if line.startswith(("FAILED", "ERROR"))]
+    if failed:
+        return failed[0].partition(" - ")[0]
+    return None if ran.returncode == 0 else f"ended with {ran.returncode}: {said[-200:]!r}"
+
+
+def _limited():
+    """A mutant that never ends, or fills the memory, is stopped, and so noticed."""
+    import resource
+
+    resource.setrlimit(resource.RLIMIT_CPU, (int(LONGEST), int(LONGEST) + 5))
+
+
+def notices(mutant: Mutant, whole: bool) -> str | None:
+    """The first quick test that fails on a mutant, None if it survives; whole: ask all if one passes."""
     with tempfile.TemporaryDirectory() as folder:
-        copy = Path(folder) / "project"
-        shutil.copytree(
-            PROJECT, copy,
-            ignore=shutil.ignore_patterns(".git", ".venv", "results", ".snakemake", "__pycache__"),
-        )  # fmt: skip
-        broken = copy / mutant.file
-        text = broken.read_text()
-        assert text.count(mutant.right) == 1, f"{mutant.file} has no single {mutant.right!r}"
-        broken.write_text(text.replace(mutant.right, mutant.wrong))
-        command = [sys.executable, "-m", "pytest", "-x", "-q", "-n0", "--no-header", mutant.tests]
-        environment = os.environ | {"NUMBA_CACHE_DIR": str(copy / ".numba")}
-        ran = subprocess.run(command, cwd=copy, env=environment, capture_output=True, text=True)
-    said = [line for line in ran.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))]
-    print(f"{mutant.fault}: {said[0] if said else 'NOT NOTICED ' + ran.stderr[-500:]}", flush=True)
-    return ran.returncode != 1  # pytest: some tests failed
+        copy = made(mutant, Path(folder))
+        return asked(copy, mutant.asks) or (asked(copy) if whole else None)
+
+
+def main():
+    words = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    words.add_argument("numbers", nargs="*", type=int, help="of the mutants; all if there is none")
+    words.add_argument("--kept", type=Path, help="file of results, which are not made again")
+    words.add_argument(
+        "--first", action="store_true", help="ask only the test that each mutant names"
+    )
+    given = words.parse_args()
+    done = {}
+    if given.kept and given.kept.exists():
+        done = {each["mutant"]: each for each in map(json.loads, given.kept.open())}
+    for number in given.numbers or range(len(MUTANTS)):
+        mutant = MUTANTS[number]
+        if str(number) in done:
+            continue
+        began = time.monotonic()
+        found = notices(mutant, not given.first)
+        done[str(number)] = one = {
+            "mutant": str(number), "file": mutant.file, "kind": mutant.kind, "killed": found,
+            "seconds": round(time.monotonic() - began, 1),
+        }  # fmt: skip
+        if given.kept:
+            with given.kept.open("a") as file:
+                file.write(json.dumps(one) + "\n")
+        print(
+            f"{number:2} {mutant.file}, {mutant.kind}: {found or 'SURVIVED'} ({one['seconds']:.0f} s)",
+            flush=True,
+        )
+    count = collections.Counter(each["killed"] is not None for each in done.values())
+    print(f"{len(done)} mutants, {count[True]} killed, {count[False]} survived")
+    return int(count[False] > 0)
 
 
 if __name__ == "__main__":
-    sys.exit(any([survives(mutant) for mutant in MUTANTS]))
+    sys.exit(main())

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import twin
+from conftest import CONFIG
 
 import dem
 
@@ -45,6 +46,9 @@ def scene_of(name):
     def ellipses(**options):
         return lambda r: dem.Ellipse(1.1 * r, r / 1.2, **options)
 
+    if name == "box of discs":
+        shape, state = granules(dem.Disc)
+        return dem.Scene(shape, damped, rough, WALLS), state
     if name == "discs":
         shape, state = granules(dem.Disc)
         return dem.Scene(
@@ -87,7 +91,7 @@ def scene_of(name):
 
 
 SCENES = (
-    "discs", "smooth discs", "dumbbells", "ellipses", "ellipses of local radius",
+    "box of discs", "discs", "smooth discs", "dumbbells", "ellipses", "ellipses of local radius",
     "ellipses by the chord", "superellipses",
 )  # fmt: skip
 
@@ -143,3 +147,45 @@ def test_a_large_bed_is_that_of_the_model(threads):
         scene, state, steps * TIME_STEP, TIME_STEP, skin=0.3, threads=threads, allow_unstable=True
     )
     assert_same(result, expected)
+
+
+def test_a_run_of_a_configuration_is_that_of_the_model():
+    """The values of a file become the scene that they say, and its forces the columns of drag.nc."""
+    material = {"young_modulus": 5e9, "poisson_ratio": 0.3, "restitution": 0.6, "thickness": 1.3e-3}
+    friction = {"granule": 0.3, "wall": 0.5, "cylinder": 0.2}
+    dt, bins, every, each = 5e-8, 40, 10, 5  # s; steps a bin
+    values = {
+        "extends": str(CONFIG / "smoke.yaml"), "shape": "c1", "density": 2e3, "seed": 4,
+        "material": material, "friction": friction, "numerics": {"time_step": dt},
+        "cylinder": {"stroke": 2.0 * bins * each * dt},
+        "record": {"bins": bins, "snapshots": 5, "window": [0.0, 1e-5]},
+    }  # fmt: skip
+    run = dem.run_experiment(values)
+
+    radius, height = 0.5 * run.granule_diameter.values, float(run.box_height)
+    cylinder = dem.Cylinder(1.5e-3, (4e-3, 0.25 * height), (0.0, 2.0))
+    thickness = material.pop("thickness")
+    scene = dem.Scene(
+        dem.Disc(radius), dem.Material(2e3, **material), dem.Friction(**friction),
+        dem.box(8e-3, height), cylinder, thickness=thickness,
+    )  # fmt: skip
+    first = run.isel(snapshot=0)
+    position = np.column_stack([first.granule_x, first.granule_y])
+    expected = twin.simulate(
+        scene, dem.State(position, angle=first.granule_angle), dt, bins * each, bins
+    )
+    assert 0.25 * np.pi * ((2 * radius) ** 2).sum() / (8e-3 * height - np.pi * 0.75e-3**2) == (
+        pytest.approx(0.84, rel=1e-9)
+    )
+    force = np.nanmax(np.abs(expected["wall_force"]))
+    for name, values in {
+        "drag": -expected["cylinder_force"][1:, 1],
+        "transverse_force": expected["cylinder_force"][1:, 0],
+        "wall_force": expected["wall_force"][1:].T,
+    }.items():
+        np.testing.assert_allclose(run[name], values, rtol=0.0, atol=1e-9 * force, err_msg=name)
+    assert np.abs(expected["cylinder_force"][1:, 1]).max() > 1e-3 * force
+    for axis, name in enumerate(("granule_x", "granule_y")):
+        seen = expected["position"][::every, :, axis]
+        np.testing.assert_allclose(run[name] - seen[0], seen - seen[0], rtol=0.0, atol=1e-15)
+    np.testing.assert_allclose(run.cylinder_y, expected["cylinder_position"][::every, 1])
