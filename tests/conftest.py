@@ -39,17 +39,48 @@ KINDS = sorted(shapes.KINDS, key=len, reverse=True)  # "superellipse" before "el
 LONGEST = ["claims", "superellipse", "test_workflow", "disc", "ellipse", "dumbbell", "test_report"]
 
 
-# What `pytest -m quick` runs, in this order: parts of the names of tests. They take a minute in all on two
-# processors, and notice four of five faults of tests/mutants.py; that file and
-# durations (--durations=0) say what to add.
-QUICK = (
-    "test_twin.py", "test_statistics.py", "test_mutants.py",
+# What `pytest -m quick` runs, in this order: of these files, tests whose names hold one of these parts
+# and none of SLOW. They take a minute in all on two processors, and notice four of five faults of
+# mutants.py. That file and --durations=0 say what to add or to leave out.
+QUICK = {
+    "test_twin.py": ("",),
+    "test_statistics.py": ("",),
+    "test_energy.py": ("",),
+    "test_stress.py": ("",),
+    "test_packing.py": ("test_bed_is", "test_packing_fraction", "test_a_stage"),
+    "test_geometry.py": ("",),
+    "test_simulate.py": ("critical_time_step", "wrong_input", "change_of_momentum"),
+    "test_sweep.py": ("",),
+    "test_config.py": ("",),
+    "test_stopping.py": (
+        "goes_on",
+        "until_the_result",
+        "a_chunk",
+        "stale",
+        "killed",
+        "store_is_made",
+    ),
+    "test_onset.py": ("",),
+    "test_claims.py": ("test_line_finds",),
+    "test_damage.py": ("flipped_bit", "of_any_size"),
+    "test_compilation.py": ("copies_share_kernels",),
+}
+SLOW = (
+    "superellipse-", "[superellipse]", "two_sweeps_at_once", "any_corruption", "records_the_stress",
+    "page_on_stress", "jam_with", "residual_falls", "the_figure", "[e3]", "bits_of_single_runs",
 )  # fmt: skip
 
 
-def place_in_quick(item):
-    """Where a test is among the quick ones, None if it is none of them."""
-    return next((place for place, part in enumerate(QUICK) if part in item.nodeid), None)
+def is_quick(item):
+    """Whether a test is one of the quick ones."""
+    parts = QUICK.get(item.path.name, ())
+    return any(part in item.name for part in parts) and not any(part in item.name for part in SLOW)
+
+
+def pytest_ignore_collect(collection_path, config):
+    """Files without quick tests are not even read for them."""
+    other = collection_path.suffix == ".py" and collection_path.name not in QUICK
+    return True if other and config.option.markexpr == "quick" else None
 
 
 @pytest.hookimpl(tryfirst=True)  # before pytest-xdist reads the groups
@@ -62,10 +93,10 @@ def pytest_collection_modifyitems(config, items):
         group = "test_large" if "in chunks" in parameters else group  # beds of many granules
         groups[item] = "claims" if "claimed" in item.fixturenames else group
         item.add_marker(pytest.mark.xdist_group(groups[item]))
-        if place_in_quick(item) is not None:
+        if is_quick(item):
             item.add_marker(pytest.mark.quick)
     if config.option.markexpr == "quick":
-        items.sort(key=lambda item: len(QUICK) if (at := place_in_quick(item)) is None else at)
+        items.sort(key=lambda item: list(QUICK).index(item.path.name))
     elif "PYTEST_XDIST_WORKER" in os.environ:
         order = {group: place for place, group in enumerate(LONGEST)}
         items.sort(key=lambda item: order.get(groups[item], len(order)))

@@ -177,6 +177,9 @@ def test_a_run_of_a_configuration_is_that_of_the_model():
     assert 0.25 * np.pi * ((2 * radius) ** 2).sum() / (8e-3 * height - np.pi * 0.75e-3**2) == (
         pytest.approx(0.84, rel=1e-9)
     )
+    speed, spin = expected["velocity"][1:], expected["angular_velocity"][1:]
+    energy = 0.5 * (scene.mass * (speed**2).sum(axis=-1) + scene.inertia * spin**2).sum(axis=-1)
+    np.testing.assert_allclose(run.kinetic_energy, energy, rtol=1e-9)
     force = np.nanmax(np.abs(expected["wall_force"]))
     for name, values in {
         "drag": -expected["cylinder_force"][1:, 1],
