@@ -67,7 +67,7 @@ QUICK = {
 }
 SLOW = (
     "superellipse-", "[superellipse]", "two_sweeps_at_once", "any_corruption", "records_the_stress",
-    "page_on_stress", "jam_with", "residual_falls", "the_figure", "[e3]", "bits_of_single_runs",
+    "page_on_stress", "jam_with", "close_one[ellipse", "residual_falls", "the_figure", "[e3]", "bits_of_single_runs",
 )  # fmt: skip
 
 

@@ -22,6 +22,8 @@ import time
 from pathlib import Path
 from typing import NamedTuple
 
+from dem.base.sources import cache_folder
+
 PROJECT = Path(__file__).parent.parent
 COPIED = (
     "dem",
@@ -142,6 +144,9 @@ def made(mutant: Mutant, folder: Path) -> Path:
     text = broken.read_text(encoding="utf-8")
     assert text.count(mutant.right) == 1, f"{mutant.file} has no single {mutant.right!r}"
     broken.write_text(text.replace(mutant.right, mutant.wrong), encoding="utf-8")
+    kept = cache_folder()  # kernels that the fault does not concern need not be compiled again
+    if kept.is_dir():
+        shutil.copytree(kept, copy / ".numba", ignore=shutil.ignore_patterns("*.lock"))
     return copy
 
 
