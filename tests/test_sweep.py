@@ -306,6 +306,19 @@ def test_beds_do_not_depend_on_what_comes_after_them():
     assert len(set(beds)) == 2
 
 
+def test_what_a_bed_reads_makes_another_bed():
+    """Each of these values and the seed: no run is drawn through the bed of another."""
+    sweep = {"shape": "c1"}
+    changed = {
+        "packing.fraction": 0.79, "packing.friction": 0.2, "packing.size_spread": 0.1,
+        "packing.preparation": "grown", "box_width": 7e-3, "cylinder.start": 0.3,
+        "cylinder.diameter": 1.4e-3, "shapes.c1.granules": 31, "shapes.c1.diameter": 1.1e-3, "seed": 2,
+    }  # fmt: skip
+    found = [small(sweep)] + [small(sweep | {path: [value]}) for path, value in changed.items()]
+    beds = {each.block("drag").runs[0].replicate.bed_id for each in found}
+    assert len(beds) == len(changed) + 1
+
+
 # What is there is not made again
 
 
