@@ -319,6 +319,14 @@ def test_what_a_bed_reads_makes_another_bed():
     assert len(beds) == len(changed) + 1
 
 
+def test_chunks_are_filled_and_runs_of_one_bed_stay_together(tmp_path):
+    """Two beds of two runs are one chunk of four, and two chunks of at most three."""
+    block = small({"shape": "c1", "seed": [1, 2], "friction.granule": [0.1, 0.2]}).block("drag")
+    for size, runs in ((5, [4]), (4, [4]), (3, [2, 2]), (1, [1, 1, 1, 1])):
+        chunks, _ = stores.plan(stores.Store(tmp_path), block.unique(), size, "results")
+        assert [len(chunk.runs) for chunk in chunks] == runs
+
+
 # What is there is not made again
 
 
