@@ -1,6 +1,9 @@
 """What a sweep promises: any value varies, a run is known by what it reads, nothing is made twice."""
 
 import multiprocessing
+import os
+import re
+import shutil
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
@@ -8,16 +11,19 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
-from conftest import CONFIG
+from conftest import CONFIG, posix
+from typer.testing import CliRunner
 
 import dem
 from dem.base.errors import InputError, RunError
 from dem.base.yaml_file import read
+from dem.cli.app import app
 from dem.experiment.config import Replicate, entries
+from dem.io.results_folder import hold
 from dem.sweep import chunk as making
 from dem.sweep import store as stores
 from dem.sweep.axis import changes_of_words
-from dem.sweep.config import load, merged, parse
+from dem.sweep.config import load, merged, parse, save
 from dem.sweep.work import Work
 
 FEW = {"c1": {"kind": "disc", "diameter": 1092e-6, "granules": 30}}
@@ -433,6 +439,286 @@ def test_prune_removes_what_no_sweep_needs(tmp_path, monkeypatch):
     }  # fmt: skip
     assert len(gone) == 3 and size > 0
     assert combined(left, tmp_path)["drag"].shape == (1, 1, 1, 8)
+
+
+# The store, when something is wrong with it
+
+
+def listed(folder):
+    """All that lies below a folder, with the bytes of files."""
+    return {path: path.read_bytes() if path.is_file() else None for path in Path(folder).rglob("*")}
+
+
+def deep(depth=100_000):
+    return "[" * depth + "]" * depth
+
+
+RECORDS = {
+    "empty": lambda text: "",
+    "cut": lambda text: text[: len(text) // 2],
+    "a list": lambda text: "[]",
+    "nothing": lambda text: "{}",
+    "parts in a list": lambda text: '{"results": "results/small", "parts": []}',
+    "no results": lambda text: '{"parts": {"drag": []}}',
+    "a number as results": lambda text: '{"results": 5, "parts": {"drag": []}}',
+    "an empty name as results": lambda text: '{"results": "", "parts": {"drag": []}}',
+    "a null byte": lambda text: '{"results": "results/a\\u0000b", "parts": {"drag": []}}',
+    "a text as part": lambda text: '{"results": "results/small", "parts": {"drag": "abc"}}',
+    "numbers as chunks": lambda text: '{"results": "results/small", "parts": {"drag": [1, [2]]}}',
+    "nested": lambda text: deep(),
+    "nested in it": lambda text: '{"results": "results/small", "parts": {"a": ' + deep(900) + "}}",
+    "bytes": lambda text: "\udcff\udcfe",
+    "changed": lambda text: text.replace('"drag": ["', '"drag": ["0123456789abcdef", "'),
+    "a chunk less": lambda text: re.sub(r'"drag": \["\w+", ', '"drag": [', text),
+}
+
+
+@pytest.fixture
+def pruned(tmp_path, monkeypatch):
+    """A sweep of two chunks as if they were made, its only record, and a chunk that no sweep needs."""
+    monkeypatch.chdir(tmp_path)
+    work = Work(small({"shape": "c1", "seed": [1, 2]}, chunk=1))
+    Path(work.sweep.results).mkdir(parents=True)
+    chunks = work.chunks("drag")
+    work.settle()
+    for chunk in chunks:
+        work.store.file_of(chunk.id).parent.mkdir(exist_ok=True)
+        work.store.file_of(chunk.id).write_bytes(b"\x89HDF\r\n\x1a\n runs")
+    for run in (run.replicate for run in work.sweep.block("drag").runs):
+        for file in (work.store.file_of_bed(run), work.store.run_of(run.id)):
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_bytes(b"a bed, or a run")
+    work.store.file_of("f" * 16).write_bytes(b"needed by nobody")
+    (record,) = (work.store.folder / "sweeps").iterdir()
+    return work, record
+
+
+def prune():
+    return CliRunner().invoke(app, ["store", "--prune"])
+
+
+def refused(words, before):
+    """That pruning says so, in sentences, and that nothing is removed."""
+    found = prune()
+    assert found.exit_code == 2 and words in found.stderr, (found.output, found.exception)
+    assert "nothing was removed" in found.stderr and listed("results") == before
+
+
+@pytest.mark.parametrize("damage", RECORDS)
+def test_prune_removes_nothing_while_the_record_of_a_sweep_cannot_be_read(pruned, damage):
+    """What the sweep needs is unknown then. When the sweep starts again, the record is whole again."""
+    work, record = pruned
+    text = record.read_text()
+    record.write_text(RECORDS[damage](text), errors="surrogateescape")
+    assert record.read_bytes() != text.encode()
+    refused(f"{record}: it is no record of a sweep", listed("results"))
+    again = Work(work.sweep)
+    assert len(again.chunks("drag")) == 2
+    again.settle()
+    found = prune()
+    assert found.exit_code == 0 and "1 files removed" in found.stdout, found.output
+    assert all(path.is_file() for path in work.files("drag"))
+
+
+@posix
+@pytest.mark.parametrize("kind", ["pipe", "folder"])
+@pytest.mark.parametrize("what", ["record", "plan"])
+def test_what_is_no_file_in_the_store_is_one_sentence(pruned, what, kind):
+    """Neither pruning nor the next sweep waits for a pipe; both say what to remove."""
+    work, record = pruned
+    place = record if what == "record" else work.store.plan_of(work.chunks("drag")[0].id)
+    place.unlink()
+    os.mkfifo(place) if kind == "pipe" else place.mkdir()
+    refused(str(place), listed("results"))
+    with pytest.raises(InputError, match=rf"{place}: it is a .*must be a file"):
+        again = Work(work.sweep)
+        again.chunks("drag")
+        again.settle()
+    assert CliRunner().invoke(app, ["store"]).exit_code == 0
+
+
+def test_prune_removes_nothing_of_a_sweep_whose_folder_is_away(pruned):
+    """Its disk may be away for a moment. Who deleted it for good deletes its record as well."""
+    work, record = pruned
+    results = Path(work.sweep.results)
+    results.rename("away")
+    refused(f"delete {record}", before := listed("results"))
+    results.symlink_to("disk that is away")
+    refused(str(results), before | {results: None})
+    other = Work(small({"shape": "c1", "seed": [3]}, results="results/other"))
+    other.chunks("drag")
+    other.settle()
+    Path("results/other").mkdir()
+    results.unlink()
+    record.unlink()
+    assert prune().exit_code == 0
+    assert not any(path.exists() for path in work.files("drag"))
+
+
+@pytest.mark.parametrize("away", ["deleted", "empty", "a link to nothing", "a file"])
+def test_prune_removes_nothing_where_no_sweep_is_recorded(pruned, away):
+    """A store without its records is damaged; who wants none of it deletes the folder."""
+    _, record = pruned
+    shutil.rmtree(record.parent)
+    if away == "empty":
+        record.parent.mkdir()
+    elif away == "a file":
+        record.parent.touch()
+    elif away == "a link to nothing":
+        record.parent.symlink_to("nowhere")
+    refused("delete the folder results/store", listed("results"))
+
+
+@pytest.mark.parametrize("damage", ["", "{}", "[]", "{", '{"runs": 5, "kernels": "a"}'])
+def test_prune_removes_nothing_while_a_plan_that_is_needed_cannot_be_read(pruned, damage):
+    """Which finished runs and beds are its own is unknown then."""
+    work, _ = pruned
+    plan = work.store.plan_of(work.chunks("drag")[0].id)
+    plan.write_text(damage)
+    refused(str(plan), listed("results"))
+    plan.unlink()
+    refused(str(plan), listed("results"))
+    again = Work(work.sweep)
+    again.chunks("drag")
+    again.settle()
+    assert prune().exit_code == 0
+
+
+def test_prune_removes_only_what_the_store_writes(pruned):
+    """A note that somebody put there is theirs."""
+    work, _ = pruned
+    notes = [work.store.folder / name for name in ("chunks/notes.txt", "plans/mine.nc", "beds/a/b")]
+    for note in notes:
+        note.parent.mkdir(parents=True, exist_ok=True)
+        note.write_text("mine")
+    assert prune().exit_code == 0 and all(note.is_file() for note in notes)
+
+
+def test_a_command_about_the_store_says_where_there_is_none(tmp_path, monkeypatch):
+    """And makes none."""
+    monkeypatch.chdir(tmp_path)
+    for words in ([], ["--prune"], ["shape=c1"]):
+        found = CliRunner().invoke(app, ["store", *words])
+        assert found.exit_code == 2 and "there is no store" in found.stderr, found.output
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_plan_that_was_changed_is_written_again(pruned):
+    """By the next start of its sweep, which then makes the runs that it says."""
+    work, _ = pruned
+    chunk = work.chunks("drag")[0].id
+    work.store.file_of(chunk).unlink()
+    path = work.store.plan_of(chunk)
+    before = path.read_text()
+    path.write_text(re.sub(r'"fraction": 0\.\d+', '"fraction": 0.77', before))
+    assert path.read_text() != before
+    refused(str(path), listed("results"))
+    with pytest.raises(InputError, match="start the sweep again"):
+        work.store.replicates(chunk)
+    again = Work(work.sweep)
+    again.chunks("drag")
+    again.settle()
+    assert path.read_text() == before and len(work.store.replicates(chunk)) == 1
+
+
+@pytest.mark.parametrize("through", ["", "a link", "dots", "hole"])
+def test_a_chunk_is_not_replaced_by_a_link_to_itself(pruned, through):
+    """Nor is any other file of the store; the runs would be gone."""
+    work, _ = pruned
+    one, two = work.files("drag")
+    Path("link").symlink_to("results/store/chunks")
+    place = {
+        "": one, "a link": Path("link") / one.name, "dots": Path("results/../results/store/chunks") / one.name,
+        "hole": one.with_name("new.nc"),
+    }[through]  # fmt: skip
+    before = listed("results")
+    for words in (["chunk", one.stem], ["chunk", two.stem]):
+        found = CliRunner().invoke(app, [*words, "-o", str(place)])
+        assert found.exit_code == 2 and "the store is there" in found.stderr, found.output
+    assert listed("results") == before
+    with pytest.raises(InputError, match="the store is there"):
+        stores.link_to(one, place)
+    assert listed("results") == before
+
+
+@posix
+@pytest.mark.parametrize("kind", ["folder", "link", "pipe"])
+@pytest.mark.parametrize("place", ["results/small", "results/store", "chunk", "bed"])
+def test_a_lock_that_is_no_file_is_one_sentence(pruned, place, kind):
+    """That says what is there and what to do."""
+    work, _ = pruned
+    chunk = work.chunks("drag")[0].id
+    run = work.store.replicates(chunk)[0]
+    work.store.file_of(chunk).unlink()
+    work.store.file_of_bed(run).unlink()
+    work.store.run_of(run.id).unlink()
+    lock = {
+        "chunk": work.store.file_of(chunk).with_name(f".{chunk}.lock"),
+        "bed": work.store.file_of_bed(run).with_name(".lock"),
+    }.get(place, Path(place) / ".lock")
+    if lock.exists():
+        lock.unlink()
+    if kind == "pipe":
+        os.mkfifo(lock)
+    elif kind == "folder":
+        lock.mkdir()
+    else:
+        lock.symlink_to("config")
+    with pytest.raises(InputError, match=rf"{lock}: it is a .*must be a file"):
+        if place == "results/small":
+            hold(Path(place))
+        Work(work.sweep).settle()
+        with work.store.locked():
+            making.make(work.store, chunk)
+
+
+@posix
+@pytest.mark.parametrize("what", ["chunk", "bed", "run"])
+def test_a_pipe_in_the_store_is_refused_before_any_run(pruned, what, monkeypatch):
+    """Not after, when what was made cannot be written."""
+    work, _ = pruned
+    chunk = work.chunks("drag")[0].id
+    run = work.store.replicates(chunk)[0]
+    places = {
+        "chunk": work.store.file_of(chunk), "bed": work.store.file_of_bed(run),
+        "run": work.store.run_of(run.id),
+    }  # fmt: skip
+    for name, place in places.items():
+        place.unlink()
+        if name == what:
+            os.mkfifo(place)
+    monkeypatch.setattr(making, "make_bed", lambda replicate: pytest.fail("a bed is packed"))
+    with pytest.raises(InputError, match=rf"{places[what]}: it is a .*must be a file"):
+        making.make(work.store, chunk)
+
+
+@posix
+def test_a_sweep_does_not_wait_for_a_pipe_as_config_yaml(pruned):
+    work, _ = pruned
+    os.mkfifo(place := Path(work.sweep.results) / "config.yaml")
+    with pytest.raises(InputError, match=r"config\.yaml: it is a .*must be a file"):
+        save(work.sweep, place)
+
+
+def test_a_sweep_says_where_a_new_store_begins(tmp_path, monkeypatch):
+    """And where there is one already, beside its file; in a folder with a store it says nothing."""
+    home, away = tmp_path / "home", tmp_path / "away"
+    home.mkdir(), away.mkdir()
+    file = home / "small.yaml"
+    file.write_text(yaml.safe_dump(small({"shape": "c1"}).dump()))
+    command = ["sweep", str(file), "--dry-run"]
+    monkeypatch.chdir(home)
+    found = CliRunner().invoke(app, command)
+    assert f"{home}/results/store: this store of runs is new" in found.stderr, found.output
+    assert not (home / "results").exists()
+    (home / "results/store").mkdir(parents=True)
+    found = CliRunner().invoke(app, command)
+    assert found.exit_code == 0 and "store" not in found.stderr
+    monkeypatch.chdir(away)
+    found = CliRunner().invoke(app, command)
+    assert f"{away}/results/store: this store of runs is new" in found.stderr
+    assert f"to use the runs of {home}/results/store, start in {home}" in found.stderr
+    assert not list(away.iterdir())
 
 
 # The library

@@ -179,6 +179,14 @@ def _of_disk(error: Exception, path: Path) -> bool:
     return type(error) is RuntimeError and str(error).startswith("NetCDF")
 
 
+def check_file(path: Path) -> None:
+    """Raise InputError where something else is in the place of a file: a folder, or a pipe, for which
+    a reader would wait for ever."""
+    found = _kind_of(Place("the file", Path(path)))
+    if found not in ("", "a file"):
+        raise InputError(f"{path}: it is {found}, and must be a file; remove it.")
+
+
 def is_full(folder: Path) -> bool:
     """Whether nothing more can be written to a folder, because of its disk or of a quota."""
     probe = Path(folder) / f".probe.{os.getpid()}"

@@ -12,8 +12,8 @@ from pathlib import Path
 
 from filelock import FileLock, Timeout
 
-from dem.base.errors import RunError
-from dem.base.files import is_full
+from dem.base.errors import InputError, RunError
+from dem.base.files import check_file, is_full
 from dem.io.progress import span
 
 DAY = 86400.0  # s
@@ -40,12 +40,20 @@ def prepare(folder: Path) -> tuple[FileLock, list[str]]:
     return held, said
 
 
+def lock_of(path: Path, timeout: float = -1) -> FileLock:
+    """A lock that is a file; raises InputError where something else is there."""
+    check_file(path)
+    if Path(path).is_symlink():  # the lock follows none
+        raise InputError(f"{path}: it is a link, and must be a file; remove it.")
+    return FileLock(path, timeout=timeout)
+
+
 def hold(folder: Path) -> FileLock:
     """Hold a folder for this process; raises RunError where another does."""
     folder = Path(folder)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        lock = FileLock(folder / ".lock", timeout=0)
+        lock = lock_of(folder / ".lock", timeout=0)
         lock.acquire()
     except Timeout:
         raise RunError(

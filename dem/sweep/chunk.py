@@ -9,14 +9,15 @@ import time
 from pathlib import Path
 
 import numpy as np
-from filelock import FileLock
 
 from dem.base import provenance
 from dem.base.errors import InputError, RunError
+from dem.base.files import check_file
 from dem.experiment import drag, resume
 from dem.experiment.bed import make_bed, periods
 from dem.experiment.config import Replicate
 from dem.io.dataset import AXES, FAILURES, LABELS, OF_STORE, WHOLE, global_attributes, read, write
+from dem.io.results_folder import lock_of
 from dem.packing.random import Bed
 from dem.sweep.store import Store
 
@@ -28,8 +29,9 @@ def make(store: Store, chunk: str, again: bool = False, progress=lambda share: N
     runs again. progress is called with the share that is done.
     """
     path, replicates = store.file_of(chunk), store.replicates(chunk)
+    check_file(path)  # not when its runs are made
     path.parent.mkdir(parents=True, exist_ok=True)
-    with FileLock(path.with_name(f".{chunk}.lock")) as lock:
+    with lock_of(path.with_name(f".{chunk}.lock")) as lock:
         if again:
             path.unlink(missing_ok=True)
             store.forget(replicate.id for replicate in replicates)

@@ -201,6 +201,6 @@ def save(sweep: Sweep, path: Path) -> None:
     """Write the resolved configuration; `load` then gives the same sweep."""
     text = yaml.safe_dump(sweep.dump(), sort_keys=False).encode()
     path = Path(path)
-    if not path.exists() or path.read_bytes() != text:
+    if not path.is_file() or path.read_bytes() != text:  # a pipe has no end
         with atomic(path) as part:
             part.write_bytes(text)

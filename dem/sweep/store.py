@@ -10,6 +10,7 @@ sweeps/{sweep}.json     which chunks the last plan of every sweep needs
 import hashlib
 import json
 import os
+import re
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -19,15 +20,22 @@ import numpy as np
 from filelock import FileLock, Timeout
 
 from dem.base.errors import InputError, RunError
-from dem.base.files import atomic
+from dem.base.files import atomic, check_file
 from dem.base.sources import code_hash
 from dem.experiment.config import Replicate, of_values
 from dem.io.checksums import is_sealed, seal
+from dem.io.results_folder import lock_of
 from dem.shapes import KINDS
 
 FOLDER = Path("results/store")
+NOTHING = "So nothing was removed."
 KERNELS = "dem.dynamics.simulation", "dem.packing.pressed"  # modules that call all kernels of runs
-DAMAGED = OSError, ValueError, KeyError, TypeError, IndexError  # what a plan that is none raises
+NAMES = {  # of the files in each folder; others are not the store's
+    "plans": r"[0-9a-f]{16}\.json",
+    "chunks": r"[0-9a-f]{16}\.nc",
+    "runs": r"[0-9a-f]{32}(\.checkpoint)?\.npz",
+    "beds": r"[0-9a-f]{32}\.npz",
+}
 
 
 class Chunk(NamedTuple):
@@ -59,7 +67,7 @@ class Store:
     def locked(self) -> FileLock:
         """Holds the plans, for a moment."""
         self.folder.mkdir(parents=True, exist_ok=True)
-        return FileLock(self.folder / ".lock")
+        return lock_of(self.folder / ".lock")
 
     # Plans
 
@@ -67,14 +75,28 @@ class Store:
         """All plans, by chunk."""
         found = {}
         for path in sorted((self.folder / "plans").glob("*.json")):
-            with suppress(*DAMAGED):  # it is planned again
+            with suppress(InputError):  # it is planned again
                 found[path.stem] = self.read_plan(path.stem)
         return found
 
     def read_plan(self, chunk: str) -> Chunk:
-        """A plan without the values of its runs."""
-        data = json.loads(self.plan_of(chunk).read_text(encoding="utf-8"))
-        return Chunk(chunk, tuple(data["runs"]), data["kernels"])
+        """A plan without the values of its runs; raises InputError where there is none."""
+        return self._read_plan(chunk)[0]
+
+    def _read_plan(self, chunk: str) -> tuple[Chunk, dict]:
+        """A plan, and all that its file holds."""
+        path = self.plan_of(chunk)
+        if not path.exists():
+            raise InputError(f"{path}: there is no such plan; start the sweep again.")
+        check_file(path)
+        try:
+            data = _read(path)
+            runs, kernels = _texts(data["runs"]), data["kernels"]
+            if not runs or not isinstance(kernels, str):
+                raise ValueError("it names no runs")
+            return Chunk(chunk, tuple(runs), kernels), data
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            raise _no_plan(path, error) from None
 
     def replicates(self, chunk: str) -> list[Replicate]:
         """The runs of a chunk; raises InputError where there is no such plan, or where the code is
@@ -88,22 +110,14 @@ class Store:
 
     def as_planned(self, chunk: str) -> list[Replicate]:
         """The runs of a chunk, planned for any code."""
-        path = self.plan_of(chunk)
+        _, data = self._read_plan(chunk)
         try:
-            data = json.loads(path.read_text(encoding="utf-8"))
             return [of_values(data["values"][at] | own) for at, own in data["of"]]
-        except OSError:
-            raise InputError(f"{path}: there is no such plan; start the sweep again.") from None
         except (ValueError, KeyError, TypeError, IndexError) as error:
-            raise InputError(
-                f"{path}: it is no plan of a chunk ({error}); delete it and start the sweep again."
-            ) from None
+            raise _no_plan(self.plan_of(chunk), error) from None
 
     def write_plan(self, chunk: Chunk, replicates: list[Replicate]) -> None:
         """Keep which runs a chunk holds, with their values."""
-        with suppress(*DAMAGED):
-            if self.read_plan(chunk.id) == chunk:
-                return
         values, places, of = [], {}, []
         for replicate in replicates:
             place = places.setdefault(id(replicate.configuration), len(values))
@@ -112,8 +126,7 @@ class Store:
             own = {"shape": replicate.label, "density": replicate.density, "seed": replicate.seed}
             of.append([place, own])
         data = {"runs": chunk.runs, "kernels": chunk.kernels, "of": of, "values": values}
-        with atomic(self.plan_of(chunk.id)) as part:
-            part.write_text(json.dumps(data), encoding="utf-8")
+        _write(self.plan_of(chunk.id), data)
 
     # Sweeps
 
@@ -125,31 +138,62 @@ class Store:
         self, results: str, part: str, chunks: Iterable[str], parts: Iterable[str]
     ) -> None:
         """Record which chunks a part of a sweep needs; forget parts that no longer exist."""
-        path, data = self._sweep(results), {"results": str(results), "parts": {}}
-        with suppress(*DAMAGED):
-            before = json.loads(path.read_text(encoding="utf-8"))["parts"]
-            data["parts"] = {name: before[name] for name in before if name in set(parts)}
-        data["parts"][part] = sorted(chunks)
-        with atomic(path) as whole:
-            whole.write_text(json.dumps(data), encoding="utf-8")
+        path, before = self._sweep(results), {}
+        with suppress(InputError):  # of none, or one that is damaged
+            _, before = _read_record(path)
+        kept = {name: before[name] for name in before if name in set(parts)}
+        kept[part] = sorted(chunks)
+        _write(path, {"results": str(results), "parts": kept})
+
+    def _records(self) -> list[Path]:
+        return sorted((self.folder / "sweeps").glob("*.json"))
 
     def needed(self) -> dict[str, set[str]]:
-        """Folder of results and chunks of every sweep whose results are still there."""
+        """Folder of results and chunks of every sweep whose record and results are there."""
         found = {}
-        for path in (self.folder / "sweeps").glob("*.json"):
-            with suppress(*DAMAGED):
-                data = json.loads(path.read_text(encoding="utf-8"))
-                if Path(data["results"]).is_dir():
-                    found[data["results"]] = set().union(*data["parts"].values())
+        for path in self._records():
+            with suppress(InputError):
+                results, parts = _read_record(path)
+                if _is_there(results):
+                    found[results] = set().union(*parts.values())
+        return found
+
+    def _surely_needed(self) -> dict[str, Chunk]:
+        """The chunks that sweeps need; raises InputError unless it is known of all sweeps."""
+        found, faults = {}, []
+        for path in self._records():
+            try:
+                results, parts = _read_record(path)
+                if not _is_there(results):
+                    faults.append(
+                        f"{results}: this folder of a sweep is not there; connect its disk, or, if you "
+                        f"deleted the folder for good, delete {path} too."
+                    )
+                    continue
+            except InputError as error:
+                faults.append(str(error))
+                continue
+            for chunk in sorted(set().union(*parts.values())):
+                try:
+                    found[chunk] = self.read_plan(chunk)
+                except InputError as error:
+                    faults.append(str(error))
+        if not self._records() and next(self._files(), None):
+            faults.append(
+                f"{self.folder / 'sweeps'}: no sweep is recorded here; start the sweeps again whose runs "
+                f"you want to keep, or delete the folder {self.folder} if you want none of them."
+            )
+        if faults:
+            raise InputError("\n".join([*dict.fromkeys(faults), NOTHING]))
         return found
 
     def registered(self, results: str) -> dict[str, Chunk]:
         """The chunks of a sweep's last plan."""
         found = {}
-        with suppress(*DAMAGED):
-            data = json.loads(self._sweep(results).read_text(encoding="utf-8"))
-            for chunk in set().union(*data["parts"].values()):
-                with suppress(*DAMAGED):
+        with suppress(InputError):
+            _, parts = _read_record(self._sweep(results))
+            for chunk in set().union(*parts.values()):
+                with suppress(InputError):
                     found[chunk] = self.read_plan(chunk)
         return found
 
@@ -178,7 +222,7 @@ class Store:
         path = self.file_of_bed(replicate)
         if (found := _load(path)) is None:
             path.parent.mkdir(parents=True, exist_ok=True)
-            with FileLock(path.parent / ".lock"):
+            with lock_of(path.parent / ".lock"):
                 if (found := _load(path)) is None:
                     found = make(replicate)._asdict()
                     del found["periodic"]  # the configuration says it
@@ -202,14 +246,16 @@ class Store:
     # What there is too much
 
     def prune(self) -> tuple[list[Path], int]:
-        """Remove what no sweep needs; returns the files and their bytes."""
+        """Remove what no sweep needs; returns the files and their bytes.
+
+        Raises InputError, and removes nothing, where it cannot be known what a sweep needs.
+        """
         with self.locked():
-            chunks = set().union(*self.needed().values())
-            plans = self.planned()
-            runs = {run for chunk in chunks if chunk in plans for run in plans[chunk].runs}
+            chunks = self._surely_needed()
+            runs = {run for chunk in chunks.values() for run in chunk.runs}
             beds = set()
-            for chunk in chunks & set(plans):
-                with suppress(InputError):
+            for chunk in chunks:
+                with suppress(InputError):  # of another schema, which needs other beds
                     beds |= {replicate.bed_id for replicate in self.as_planned(chunk)}
             gone, size = [], 0
             for path in self._files():
@@ -223,10 +269,71 @@ class Store:
             return gone, size
 
     def _files(self) -> Iterator[Path]:
-        for name in ("plans", "chunks", "runs", "beds"):
-            for path in sorted((self.folder / name).rglob("*")):
-                if path.is_file() and not path.name.startswith("."):
+        for folder, name in NAMES.items():
+            for path in sorted((self.folder / folder).rglob("*")):
+                if path.is_file() and re.fullmatch(name, path.name):
                     yield path
+
+
+def _no_plan(path: Path, error: Exception) -> InputError:
+    return InputError(
+        f"{path}: it is no plan of a chunk ({error}); delete it and start the sweep again."
+    )
+
+
+def _texts(value) -> list[str]:
+    """A list of texts; raises ValueError for anything else."""
+    if not isinstance(value, list) or not all(isinstance(each, str) for each in value):
+        raise ValueError("it has something else than a list of texts")
+    return value
+
+
+def _read_record(path: Path) -> tuple[str, dict[str, list[str]]]:
+    """The folder of results of a sweep, and the chunks that each part of it needs; raises InputError."""
+    check_file(path)
+    try:
+        data = _read(path)
+        results, parts = data["results"], data["parts"]
+        if not isinstance(results, str) or not results.isprintable() or not results:
+            raise ValueError("it names no folder of results")
+        if not isinstance(parts, dict):
+            raise ValueError("it has no parts")
+        return results, {name: _texts(parts[name]) for name in parts}
+    except (OSError, ValueError, KeyError) as error:
+        why = f"it has no {error.args[0]}" if isinstance(error, KeyError) else error
+        raise InputError(
+            f"{path}: it is no record of a sweep ({why}); start your sweeps again, which mends it, or "
+            "delete it if its sweep is none of them."
+        ) from None
+
+
+def _sum(data: dict) -> str:
+    return hashlib.sha256(json.dumps(data).encode()).hexdigest()
+
+
+def _write(path: Path, data: dict) -> None:
+    """Write values by name with their checksum, so that a change is noticed."""
+    with atomic(path) as part:
+        part.write_text(json.dumps(data | {"sha256": _sum(data)}), encoding="utf-8")
+
+
+def _read(path: Path) -> dict:
+    """What `_write` wrote, or an earlier version without a checksum; raises ValueError, OSError."""
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+        if not isinstance(data, dict):
+            raise ValueError("it holds no values by name")
+        if data.pop("sha256", None) not in (None, _sum(data)):
+            raise ValueError("it was changed")
+        return data
+    except RecursionError:
+        raise ValueError("its values are nested too deep") from None
+
+
+def _is_there(results: str) -> bool:
+    with suppress(OSError):  # a record may hold any text
+        return Path(results).is_dir()
+    return False
 
 
 def _held(results: str) -> bool:
@@ -248,6 +355,7 @@ def _save(path: Path, values: dict) -> None:
 
 
 def _load(path: Path) -> dict | None:
+    check_file(path)
     try:
         if path.is_file() and is_sealed(path):
             with np.load(path) as file:
@@ -257,8 +365,18 @@ def _load(path: Path) -> dict | None:
     return None
 
 
+def check_place(place: Path, folder: Path = FOLDER) -> None:
+    """Raise InputError for a place in a store: what is put there would replace its runs."""
+    above = Path(place).parent.resolve()
+    if folder.is_dir() and any(
+        each.is_dir() and each.samefile(folder) for each in (above, *above.parents)
+    ):
+        raise InputError(f"output is {str(place)!r}; the store is there, name another file.")
+
+
 def link_to(target: Path, place: Path) -> None:
     """A link to a file of the store, relative, so that both can be moved together."""
+    check_place(place, target.parents[1])
     place.parent.mkdir(parents=True, exist_ok=True)
     try:
         place.unlink(missing_ok=True)
@@ -352,7 +470,7 @@ def settle(
     with store.locked():
         mine = {run for chunk in chunks if chunk.id in new for run in chunk.runs}
         for chunk in store.under_way(results) - {chunk.id for chunk in chunks}:
-            with suppress(*DAMAGED):
+            with suppress(InputError):
                 if mine & set(store.read_plan(chunk).runs):
                     raise RunError(
                         f"{results}: another sweep has just planned some of these runs; run the same "
