@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 from conftest import CONFIG, assert_not_blank, posix
 from rich.console import Console
-from test_stopping import combined, discs, planned
+from test_stopping import Killed, combined, discs, killed_at, planned
 from typer.testing import CliRunner
 
 from dem.analysis.flow.collect import measure_chunk, write_flow
 from dem.analysis.statistics import change, summarise
-from dem.base.errors import OverlapError, PackingError, RunError
+from dem.base.errors import InputError, OverlapError, PackingError, RunError
 from dem.cli.app import app
 from dem.experiment import drag
 from dem.experiment.bed import make_bed
@@ -33,6 +33,7 @@ from dem.sweep import work as working
 from dem.sweep.combine import open_combined
 from dem.sweep.config import save
 from dem.sweep.estimate import retried
+from dem.sweep.estimate import summary as estimated
 
 
 @pytest.fixture
@@ -157,6 +158,19 @@ def test_a_run_that_failed_is_tried_again_when_it_is_asked_for(tmp_path, monkeyp
     assert not set(rough.block("drag").places) & set(sweep.block("drag").places)
 
 
+def test_a_dry_run_counts_failed_runs_of_a_chunk_under_way(tmp_path, two_fail):
+    """Apart from those that are there."""
+    work, chunk = planned(discs([1, 2]), tmp_path)
+    with pytest.raises(Killed):
+        making.make(work.store, chunk, progress=killed_at(0.75))
+    assert "4 runs, of which 2 are there and 1 failed" in estimated(work, 1)
+    made = making.make(work.store, chunk)
+    assert "4 runs, of which 2 are there and 2 failed" in estimated(work, 1)
+    made.write_bytes(made.read_bytes()[:-1])
+    with pytest.raises(InputError, match="delete it and run again"):
+        estimated(work, 1)
+
+
 def test_the_command_ends_with_1_where_runs_failed_and_tries_them_again(tmp_path, monkeypatch):
     """One sentence; with --retry the failed runs are made, and the same command ends well."""
     monkeypatch.chdir(tmp_path)
@@ -171,6 +185,11 @@ def test_the_command_ends_with_1_where_runs_failed_and_tries_them_again(tmp_path
     assert "c1 at 3900 kg/m3: none of its 2 runs" in line
     monkeypatch.setattr(making, "make_bed", make_bed)
     assert CliRunner().invoke(app, arguments).exit_code == 1
+    told = CliRunner().invoke(app, [*arguments, "--dry-run"]).stdout
+    assert "4 runs, of which 0 are there and 4 failed (dem sweep --retry makes these" in told
+    assert "About" not in told
+    told = CliRunner().invoke(app, [*arguments, "--dry-run", "--retry"]).stdout
+    assert "4 failed (these are made again)" in told and "About" in told
     result = CliRunner().invoke(app, [*arguments, "--retry"])
     assert result.exit_code == 0 and "4 failed runs are tried again" in result.stdout, result.output
     assert (tmp_path / "results/few/drag.nc").is_file()

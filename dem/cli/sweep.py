@@ -30,12 +30,14 @@ def sweep(
     start_lean()
     from dem.sweep.config import load, save
     from dem.sweep.estimate import retried, summary
-    from dem.sweep.work import Work
+    from dem.sweep.work import Work, of_new_store
 
     work = Work(load(file))
+    if sentence := of_new_store(work.store, file):
+        typer.echo(sentence, err=True)
     if dry_run:
         with bar("estimating"):
-            found = summary(work, jobs)
+            found = summary(work, jobs, retry)
         typer.echo(found)
         return
     from dem.analysis.flow.collect import make_flow
@@ -96,8 +98,9 @@ def chunk(
     """Make the runs of one chunk in the store, and link the output to it."""
     start_lean()
     from dem.sweep.chunk import make
-    from dem.sweep.store import Store, link_to
+    from dem.sweep.store import Store, check_place, link_to
 
+    check_place(output)
     with bar(f"chunk {name}", 1.0) as update:
         made = make(Store(), name, bool(os.environ.get(AGAIN)), update)
     link_to(made, output)
@@ -118,8 +121,10 @@ def combine(
     Example: dem combine --config config/smoke.yaml -o drag.nc
     """
     from dem.sweep.config import load
+    from dem.sweep.store import check_place
     from dem.sweep.work import Work
 
+    check_place(output)
     work = Work(load(config))
     with bar("combining", 1.0) as update:
         work.combine(block or next(iter(work.sweep.blocks)), observable, output, update)
@@ -141,11 +146,16 @@ def store(
 
     Example: dem store shape=c1 friction.granule=0.3
     """
+    from dem.base.errors import InputError
     from dem.base.plain import PlainConsole
     from dem.sweep.estimate import listing
     from dem.sweep.store import Store
 
     found = Store()
+    if not found.folder.is_dir():
+        raise InputError(
+            f"{found.folder}: there is no store here; go to the folder where the sweeps were started."
+        )
     if prune:
         with bar("pruning the store"):
             gone, size = found.prune()

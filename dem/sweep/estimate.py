@@ -20,23 +20,28 @@ GUESS = 1e-7  # s a granule and step, where no run was made yet: of a usual proc
 LISTED = 40  # runs, or chunks, that are shown
 
 
-def summary(work: Work, jobs: int) -> str:
-    """Runs and beds of a sweep, how many there are already, and an estimate for the others."""
+def summary(work: Work, jobs: int, retry: bool = False) -> str:
+    """Runs and beds of a sweep, how many there are already, and an estimate for the others.
+
+    retry: whether runs that failed are made again.
+    """
     lines, seconds, size, first = [], 0.0, 0, None
     speeds = speeds_of(work.store)
     for name in work.sweep.blocks:
         block = work.block(name)
         runs = list(block.unique())
-        there = made(work, name)
-        left = [run for run in runs if run.id not in there]
+        there, failed = made(work, name)
+        left = [run for run in runs if run.id not in (there if retry else there | failed)]
         beds = {run.bed_id for run in left if not work.store.file_of_bed(run).is_file()}
         seconds += sum(seconds_of(run, speeds) for run in left)
         size += sum(bytes_of(run) for run in left)
         axes = ", ".join(f"{axis.name} {len(axis.points)}" for axis in block.axes)
         first = first or (left or runs)[0]
+        again = "these are made again" if retry else "dem sweep --retry makes these again"
         lines.append(
             f"{work.folder_of(name)}: {len(block.runs)} places ({axes}), {len(runs)} runs, of which "
-            f"{len(runs) - len(left)} are there; {len(beds)} beds to pack."
+            f"{len(there)} are there{f' and {len(failed)} failed ({again})' if failed else ''}; "
+            f"{len(beds)} beds to pack."
         )
         lines += [f"  {run.words()}{_values(block, run)}" for run in islice(left, LISTED)]
         if len(left) > LISTED:
@@ -62,16 +67,23 @@ def _values(block, replicate: Replicate) -> str:
     return ", " + ", ".join(words) if words else ""
 
 
-def made(work: Work, block: str) -> set[str]:
-    """Identities of the runs of a block that are in the store."""
-    plans = work.store.planned()
+def made(work: Work, block: str) -> tuple[set[str], set[str]]:
+    """Identities of the runs of a block that are in the store, and of those that failed."""
     wanted = set(work.block(block).places)
-    found = set()
-    for chunk in plans.values():
-        if wanted & set(chunk.runs):
-            whole = work.store.file_of(chunk.id).is_file()
-            found |= {run for run in chunk.runs if whole or work.store.run_of(run).is_file()}
-    return found & wanted
+    found = {False: set(), True: set()}  # by whether they failed
+    for chunk in work.store.planned().values():
+        if not wanted & set(chunk.runs):
+            continue
+        if (path := work.store.file_of(chunk.id)).is_file():
+            values, _ = read(path, ("run_id", "failure"))
+            flags = zip(values["run_id"].tolist(), values["failure"], strict=True)
+        else:
+            kept = ((run, work.store.kept(run)) for run in chunk.runs)
+            flags = ((run, row["failure"]) for run, row in kept if row is not None)
+        for run, flag in flags:
+            if run in wanted:
+                found[bool(flag)].add(run)
+    return found[False], found[True] - found[False]
 
 
 def _effort(replicate: Replicate) -> float:

@@ -134,6 +134,20 @@ class Work:
                     self.combine(name, observable, output)
 
 
+def of_new_store(store: Store, file: Path) -> str | None:
+    """A sentence where a sweep begins a store, with the store that is near its file; else None.
+
+    The store is below the folder where a sweep is started, so that another folder has none of its runs.
+    """
+    if store.folder.is_dir():
+        return None
+    said = f"{store.folder.absolute()}: this store of runs is new, and has none yet"
+    for near in Path(file).resolve().parents:
+        if (near / FOLDER).is_dir():
+            return f"{said}; to use the runs of {near / FOLDER}, start in {near}."
+    return f"{said}; sweeps that are started in this folder share it."
+
+
 def make_chunks(store: Store, chunks: Iterable[Chunk], jobs: int, progress) -> None:
     """Make chunks in some processes; the first of each kind of kernels compiles alone."""
     from dem.sweep import chunk as making  # not for those who only ask what there is
