@@ -18,7 +18,7 @@ from dem.experiment.config import Replicate, of_values
 from dem.figures import SHEAR
 from dem.figures.shear import plot
 from dem.figures.style import save
-from dem.sweep.config import load
+from dem.sweep.config import load, parse
 
 ROOT = Path(__file__).parent.parent
 PRESSURE = 1e5  # Pa
@@ -168,6 +168,7 @@ def swept(friction, fraction=0.8, noise=0.02, seeds=3, strain=4, seed=0):
         {
             "friction": [str(k) for k in range(len(friction))], AXIS: NUMBERS,
             "seed": np.arange(seeds), "diameter": 1e-3, "density": 2500.0,
+            "shear_strain": 0.1 * np.arange(1, samples + 1),
         },
         {"configuration": json.dumps({"shear": asked})},
     )  # fmt: skip
@@ -187,6 +188,41 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
         curves = rheology(swept([[0.3, 0.4]], seeds=2, strain=3, seed=seed)).curves[()]
         held += [low < 0.8 < high for _, low, high in curves.fraction]
     assert 0.91 <= np.mean(held) <= 0.99
+
+
+@pytest.mark.parametrize("name", ["shear_pressure", "density"])
+def test_numbers_are_of_the_pressure_and_density_that_the_runs_have(name):
+    """A place at four times the usual value asks for another rate, and not for one between both."""
+    runs = swept([[0.1, 0.2], [0.3, 0.5]], noise=1e-9)
+    usual = PRESSURE if name == "shear_pressure" else 2500.0
+    faster = 2.0 if name == "shear_pressure" else 0.5
+    found = rheology(runs.assign_coords({name: ("friction", [usual, 4.0 * usual])})).curves
+    np.testing.assert_allclose(found[("0",)].rate[:, 0], 0.9)
+    np.testing.assert_allclose(found[("1",)].rate[:, 0], 0.9 / faster)
+    share = 0.25 if name == "shear_pressure" else 1.0
+    np.testing.assert_allclose(found[("1",)].pressure[:, 0], share)
+
+
+def test_runs_of_another_strain_are_no_runs_of_one_file():
+    """Their samples would be at the strains of the first; a block has its own, under its own name."""
+    file = {"extends": "config/shear.yaml", "results": "results/strains"}
+    with pytest.raises(InputError, match=r"varies shear\.strain, which runs of one block share"):
+        parse(
+            file | {"sweep": {"values": {"density": 2.5e3}, "shear.strain": [4, 8]}},
+            str(ROOT / "x"),
+        )
+    sweep = {"values": {"density": 2.5e3, "shear.strain": 8.0}}
+    labels = parse(file | {"sweep": sweep}, str(ROOT / "x")).block("drag").labels()
+    assert labels["shear_strain_swept"][2] == 8.0
+
+
+def test_points_that_differ_in_inertial_number_alone_are_its_axis():
+    runs = swept([[0.1, 0.2]])
+    points = runs.rename({AXIS: "point"}).assign_coords(point=[0, 1])
+    points = points.assign_coords({AXIS: ("point", NUMBERS)})
+    np.testing.assert_array_equal(
+        rheology(points).curves[()].friction, rheology(runs).curves[()].friction
+    )
 
 
 def test_blocks_that_remember_the_ones_before_are_noticed():

@@ -6,6 +6,7 @@ import re
 import shutil
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from conftest import CONFIG, posix
 from typer.testing import CliRunner
 
 import dem
+from dem.analysis.flow.collect import _describe
 from dem.base.errors import InputError, RunError
 from dem.base.yaml_file import read
 from dem.cli.app import app
@@ -23,6 +25,7 @@ from dem.io.results_folder import hold
 from dem.sweep import chunk as making
 from dem.sweep import store as stores
 from dem.sweep.axis import changes_of_words
+from dem.sweep.combine import about
 from dem.sweep.config import load, merged, parse, save
 from dem.sweep.work import Work
 
@@ -101,6 +104,36 @@ def test_values_that_go_together_are_one_dimension():
     assert dims == ("box",) and values.tolist() == [6e-3, 9e-3]
     _, dims, values = block.labels()["granules"]
     assert dims == ("shape", "box") and values.tolist() == [[30, 45], [60, 60]]
+
+
+@pytest.mark.parametrize(
+    ("sweep", "told"),
+    [
+        ({"cylinder.velocity": [0.6, 6.0]}, None),
+        ({"pull": {"slow": {"cylinder.velocity": 0.6}, "fast": {"cylinder.velocity": 6.0}}}, None),
+        ({"values": {"cylinder.velocity": 0.6}}, 0.6),
+        ({"friction.wall": [0.1, 0.3]}, 2.0),
+    ],
+)
+def test_what_varies_is_no_attribute(sweep, told):
+    """And what all runs share is told as they have it, also where the file has another value."""
+    found = small({"shape": "c1"} | sweep)
+    block = found.block("drag")
+    assert about(found, block, {}).get("cylinder_velocity") == told
+    if told != 2.0 and "pull" not in sweep:
+        named = {**{axis.name: axis.coordinate for axis in block.axes}, **block.labels()}
+        assert "cylinder_velocity" in named
+
+
+def test_what_varies_is_no_attribute_of_flow():
+    """The diameter of the cylinder is that of no bed, where there are two."""
+    said = {}
+    file = SimpleNamespace(
+        title="", setncatts=said.update, variables={"snapshot_displacement": np.array([0.0, 1e-3])}
+    )
+    sweep = {"shape": "c1", "cylinder.diameter": [1e-3, 2e-3], "values": {"box_width": 7e-3}}
+    _describe(file, small(sweep).block("drag"))
+    assert "cylinder_diameter" not in said and said["box_width"] == 7e-3
 
 
 def test_a_name_that_a_variable_has_gets_a_suffix():
@@ -195,6 +228,7 @@ def test_a_value_of_the_command_line_is_the_number_that_a_file_would_give():
         ({"shape": "c1", "box": {1: {}, "1": {}}}, "has '1' twice"),
         ({"shape": "c1", "friction.granule": [0, -0.0]}, "twice; list each once"),
         ({"shape": "c1", "gravity": [0], "friction.wall": [1], "friction_wall": {"a": {"box_width": 0.01}}}, "two dimensions named friction_wall"),
+        ({"shape": "c1", "friction_wall": {"a": {"friction.wall": 0.1}}}, "has the dimension friction_wall and the value friction.wall, which have one name in files; rename the dimension"),
         ({"blocks": {"chunks": {"shape": "c1"}}}, "a folder of results"),
         ({"blocks": {"a": {"shape": "c1"}, "b": {"needs": "a", "shape": "c1", "s": {"x": {"packing.fraction": {"derive": "equal_load", "friction": 0.3}}}}}}, "leave friction out"),
         ({"blocks": {"a": {"shape": "c1", "needs": "b"}}}, "it must be a block before it"),

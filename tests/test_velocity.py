@@ -1,5 +1,6 @@
 """Drag against velocity: the law finds what made the drag, and its intervals hold it."""
 
+import io
 import json
 from pathlib import Path
 
@@ -7,13 +8,15 @@ import numpy as np
 import pytest
 import xarray as xr
 from conftest import assert_not_blank
+from rich.console import Console
 
 from dem.analysis.velocity import AXIS, LEAST, inertial_number, rates
 from dem.base.errors import InputError
-from dem.figures import SWEPT
+from dem.figures import SWEPT, draw, possible
 from dem.figures.style import save
 from dem.figures.velocity import plot
-from dem.sweep.config import load
+from dem.report.info import OF_A_RUN, summary
+from dem.sweep.config import load, parse
 
 ROOT = Path(__file__).parent.parent
 VELOCITY = np.array([0.03, 0.1, 0.5, 1.0, 2.0, 4.0, 8.0])
@@ -126,6 +129,73 @@ def test_the_inertial_number_is_a_ratio_of_two_times():
     assert heavy == pytest.approx(2.0 * light)
     both = swept(drag).drop_vars("density").assign_coords(density=("friction", [4e3, 1.6e4]))
     assert inertial_number(both) is None
+
+
+def test_the_inertial_number_is_of_the_diameter_that_the_runs_have():
+    """Named points may change the cylinder: twice the diameter is half the rate of shear. The file's
+    own diameter is that of no run."""
+    runs = swept([made_up(1000.0, 40.0, 1.0)] * 2)
+    usual = inertial_number(runs)
+    wide = runs.assign_coords(cylinder_diameter=("friction", [6e-3, 6e-3]))
+    assert inertial_number(wide) == pytest.approx(0.5 * usual)
+    assert inertial_number(wide.assign_coords(cylinder_diameter=6e-3)) == pytest.approx(0.5 * usual)
+    both = runs.assign_coords(cylinder_diameter=("friction", [3e-3, 6e-3]))
+    assert inertial_number(both) is None
+
+
+def over_points(runs, **more):
+    """The same runs as points of a design, which may differ in more values."""
+    points = runs.rename({AXIS: "point"}).assign_coords(point=range(runs.sizes[AXIS]))
+    return points.assign_coords({AXIS: ("point", runs[AXIS].values), **more})
+
+
+def test_points_that_differ_in_velocity_alone_are_its_axis(tmp_path):
+    """A design over velocity is a sweep of it; of points that differ in more, no law is drawn."""
+    runs = swept([made_up(1000.0, 40.0, 1.0)])
+    runs = runs.assign_coords(shape=["c1"]).assign(displacement_bounds=("bound", [0.0, 3e-3]))
+    points = over_points(runs)
+    assert rates(points).laws[()].limit[0] == rates(runs).laws[()].limit[0]
+    points.to_netcdf(tmp_path / "drag.nc")
+    assert [file.suffix for file in draw("velocity", tmp_path / "drag.nc", tmp_path)] == [
+        ".svg",
+        ".png",
+    ]
+    over_points(runs, gravity=("point", VELOCITY)).to_netcdf(tmp_path / "more.nc")
+    with pytest.raises(
+        InputError, match="cylinder_velocity varies over point together with gravity;"
+    ):
+        draw("velocity", tmp_path / "more.nc", tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("more", "drawn"), [({}, True), ({"gravity": {"low": 0, "high": 9}}, False)]
+)
+def test_the_workflow_draws_velocity_of_points_too(more, drawn):
+    over = {"cylinder.velocity": {"low": 0.1, "high": 10.0, "scale": "log"}, **more}
+    point = {"design": "sobol", "points": 8, "over": over}
+    values = {"extends": "config/velocity.yaml", "results": "results/points"}
+    sweep = parse(
+        values | {"sweep": {"shape": "c1", "point": point, "seed": "1 to 3"}}, str(ROOT / "x")
+    )
+    assert ("velocity" in possible(sweep.block("drag"))) == drawn
+
+
+def test_info_tells_the_velocities_of_the_runs(tmp_path):
+    """Not that of the file, where velocity varies."""
+    console = Console(width=200, file=io.StringIO())
+    with xr.open_dataset(ROOT / "docs/data/velocity.nc") as released:
+        left_out = {name: released["run_time"] for name in OF_A_RUN if name not in released}
+        released.assign(left_out).to_netcdf(tmp_path / "drag.nc")
+    console.print(summary(tmp_path / "drag.nc"))
+    assert "cylinder at 0.125 to 32 m/s" in console.file.getvalue()
+
+
+@pytest.mark.parametrize(("velocity", "marked"), [(2.0, True), (3.0, False)])
+def test_the_velocity_of_the_file_is_marked_where_runs_have_it(velocity, marked):
+    runs = swept([made_up(1000.0, 40.0, 1.0)])
+    cylinder = {"diameter": 3e-3, "velocity": velocity}
+    figure = plot(runs.assign_attrs(configuration=json.dumps({"cylinder": cylinder})))
+    assert (f"grey line: {velocity:g} m/s" in figure.get_suptitle()) == marked
 
 
 def test_the_figure_shows_each_friction_and_the_inertial_number(tmp_path):

@@ -21,7 +21,7 @@ from dem.analysis.statistics import LEVEL, Estimate, over_seeds, summarise
 from dem.base.errors import InputError
 
 LEAST = {"box": 3, "shape": 2, "seed": 2}  # values that a line and its interval take
-AROUND = ("periodic", "cylinder_start")  # what boxes of one series have in common
+OF_WIDTH = ("box", "box_width", "granules")  # all else boxes of one series have in common
 NEAR = 0.05  # of the drag: a box that is nearer to the limit is wide enough
 DRAWS = 20_000
 
@@ -74,9 +74,11 @@ class Widths:
         width = dataset["box_width"].values
         self.width = width / width[0]
         self.along = np.ones(len(width), bool)
-        for name in AROUND:
-            if name in dataset and dataset[name].dims == ("box",):
-                self.along &= dataset[name].values == dataset[name].values[0]
+        for name, values in dataset.coords.items():  # what varies with the box, over all else
+            if "box" in values.dims and name not in OF_WIDTH:
+                first = values.isel(box=0)
+                same = (values == first) | (values.isnull() & first.isnull())
+                self.along &= same.all([dim for dim in values.dims if dim != "box"]).values
         if len(set(width[self.along])) < LEAST["box"]:
             raise InputError(f"fewer than {LEAST['box']} of its boxes differ in width alone.")
         self.series = [box for box, along in zip(self.boxes, self.along, strict=True) if along]

@@ -1,6 +1,7 @@
 """Friction and packing fraction of a sheared bed against its inertial number, of any sweep over it.
 
-A `dataset` has the layout of shear.nc with the dimension shear_inertial_number. What a run measures
+A `dataset` has the layout of shear.nc, with shear_inertial_number as a dimension or over points
+that differ in nothing else. What a run measures
 along its strain is averaged over blocks of one strain. The blocks of all runs of a place count as
 independent, which the correlation of neighbours checks.
 
@@ -8,7 +9,6 @@ The friction of the bed is the ratio of the mean forces on the lid along it and 
 flow both stresses are the same at all heights, and forces on the lid are means over all time steps.
 """
 
-import json
 from itertools import product
 from typing import NamedTuple
 
@@ -16,6 +16,7 @@ import numpy as np
 import xarray as xr
 
 from dem.analysis.statistics import LEVEL, over_seeds
+from dem.analysis.values import along, value_of
 from dem.base.errors import InputError
 
 AXIS = "shear_inertial_number"
@@ -52,16 +53,16 @@ class Rheology(NamedTuple):
 
 def axes_of(dataset: xr.Dataset) -> list[str]:
     """Axes with more than one value, beside inertial number and seed."""
-    sizes = dataset["run_id"].sizes
+    sizes = along(dataset, AXIS)["run_id"].sizes
     return [str(dim) for dim in sizes if dim not in (AXIS, "seed") and sizes[dim] > 1]
 
 
 def rheology(dataset: xr.Dataset) -> Rheology:
     """Curves of all places. Raises InputError where there are too few inertial numbers or blocks."""
-    own = json.loads(dataset.attrs["configuration"])["shear"]
+    dataset = along(dataset, AXIS)
     if dataset["run_id"].sizes.get(AXIS, 1) < LEAST[AXIS]:
         raise InputError("its runs do not differ in shear.inertial_number.")
-    whole = int(own["strain"])
+    whole = int(value_of(dataset, "shear.strain"))
     blocks = whole * dataset["run_id"].sizes.get("seed", 1)
     if blocks < FEWEST:
         raise InputError(
@@ -76,8 +77,14 @@ def rheology(dataset: xr.Dataset) -> Rheology:
             "shear_rate", "shear_fraction",
         )
     }  # fmt: skip
-    pressure, rate = own["pressure"], _asked(dataset)
-    number = dataset[AXIS].values[:, None, None] * rows["shear_rate"] / rate
+    asked = value_of(dataset, "shear.pressure")
+    area = 0.25 * np.pi * dataset["diameter"] ** 2
+    rate = dataset[AXIS] / np.sqrt(dataset["density"] * area / asked)  # of shear, 1/s
+    pressure, rate, number = (
+        _by_place(each.broadcast_like(dataset["run_id"]), others)[..., None]
+        for each in (asked, rate, dataset[AXIS])
+    )
+    number = number * rows["shear_rate"] / rate
     measured = {
         "number": number / np.sqrt(rows["normal_stress"].mean((-2, -1), keepdims=True) / pressure),
         "friction": rows["lid_shear_stress"] / rows["lid_normal_stress"],
@@ -99,20 +106,15 @@ def rheology(dataset: xr.Dataset) -> Rheology:
 
 def _blocks(values: xr.DataArray, others: list[str], whole: int, samples: int) -> np.ndarray:
     """Means (places, i, seeds, blocks) over blocks of one strain."""
-    values = over_seeds(values)
-    kept = {*others, AXIS, "seed", "shear_strain"}
-    values = values.squeeze([dim for dim in values.dims if dim not in kept])
-    values = values.transpose(*others, AXIS, "seed", "shear_strain").values[..., :samples]
-    *_, numbers, seeds, _ = values.shape
-    return values.reshape(-1, numbers, seeds, whole, samples // whole).mean(-1)
+    values = _by_place(values, others, "shear_strain")[..., :samples]
+    return values.reshape(*values.shape[:-1], whole, samples // whole).mean(-1)
 
 
-def _asked(dataset: xr.Dataset) -> np.ndarray:
-    """Rates of shear (i, 1, 1) in 1/s that the inertial numbers ask for."""
-    own = json.loads(dataset.attrs["configuration"])["shear"]
-    area = 0.25 * np.pi * float(dataset["diameter"].mean()) ** 2
-    unit = np.sqrt(float(dataset["density"].mean()) * area / own["pressure"])
-    return dataset[AXIS].values[:, None, None] / unit
+def _by_place(values: xr.DataArray, others: list[str], *last: str) -> np.ndarray:
+    """Values (places, i, seeds) of runs, and along another dimension."""
+    values, kept = over_seeds(values), (*others, AXIS, "seed", *last)
+    values = values.squeeze([dim for dim in values.dims if dim not in kept]).transpose(*kept)
+    return values.values.reshape(-1, *values.shape[len(others) :])
 
 
 def _interval(values: np.ndarray) -> np.ndarray:

@@ -1,6 +1,7 @@
 """Drag against the velocity of the cylinder and its quasi-static limit, of any sweep over velocity.
 
-A `dataset` has the layout of drag.nc with the dimension cylinder_velocity. The law is
+A `dataset` has the layout of drag.nc, with cylinder_velocity as a dimension or over points that
+differ in nothing else. The law is
 
     F(v) = F_0 (1 + c v^n),
 
@@ -9,7 +10,6 @@ velocities, so the runs of a bed belong together: intervals come from beds that 
 all their runs, and the same beds for everything that is compared.
 """
 
-import json
 from itertools import product
 from typing import NamedTuple
 
@@ -17,6 +17,7 @@ import numpy as np
 import xarray as xr
 
 from dem.analysis.statistics import Estimate, bootstrapped, over_seeds, summarise
+from dem.analysis.values import along, value_of
 from dem.base.errors import InputError
 
 AXIS = "cylinder_velocity"
@@ -64,7 +65,7 @@ class Rates(NamedTuple):
 
 def axes_of(dataset: xr.Dataset) -> list[str]:
     """Axes with more than one value, beside velocity and seed."""
-    sizes = dataset["run_id"].sizes
+    sizes = along(dataset, AXIS)["run_id"].sizes
     return [str(dim) for dim in sizes if dim not in LEAST and sizes[dim] > 1]
 
 
@@ -73,6 +74,7 @@ def rates(dataset: xr.Dataset) -> Rates:
 
     Raises InputError where there are too few velocities or beds.
     """
+    dataset = along(dataset, AXIS)
     runs = over_seeds(summarise(dataset)["run_mean"])
     if AXIS not in runs.dims:
         raise InputError("its runs do not differ in cylinder.velocity.")
@@ -118,9 +120,7 @@ def inertial_number(dataset: xr.Dataset) -> float | None:
     is the time in which this pressure brings a granule back into place over the time in which the
     shear moves it out of it.
     """
-    if "cylinder_diameter" in dataset["run_id"].dims:
-        return None
-    cylinder = json.loads(dataset.attrs["configuration"])["cylinder"]["diameter"]
+    cylinder = value_of(dataset, "cylinder.diameter")
     seeds = [dim for dim in ("seed",) if dim in dataset["packing_pressure"].dims]
     pressure = dataset["packing_pressure"].mean(seeds)
     number = dataset["diameter"] / cylinder * np.sqrt(dataset["density"] / pressure)

@@ -124,8 +124,12 @@ def captions() -> dict[str, str]:
 def possible(block, figures=FIGURES) -> list[str]:
     """Names of the figures of FIGURES or FLOW that the runs of a block suffice for."""
     own = block.runs[0].replicate.configuration
+    sizes = _sizes(
+        dict(zip(block.dims, block.shape, strict=True)),
+        {name: dims for name, (_, dims, _) in block.labels().items()},
+    )
     if own.experiment == "shear" and figures is FIGURES:
-        return _enough(dict(zip(block.dims, block.shape, strict=True)), SHEAR)
+        return _enough(sizes, SHEAR)
     if own.experiment == "onset" and figures is FIGURES:
         varied = [(run.replicate.shape.granules, run.replicate.seed) for run in block.runs]
         enough = all(len(set(values)) >= ONSET_LEAST for values in zip(*varied, strict=True))
@@ -137,15 +141,32 @@ def possible(block, figures=FIGURES) -> list[str]:
         return []
     runs = [run.replicate for run in block.runs]
     cases = list(dict.fromkeys((run.label, run.density) for run in runs))
-    found = _suffices(dict(zip(block.dims, block.shape, strict=True)), cases, figures)
+    found = _suffices(block.dims, sizes, cases, figures)
     if figures is FLOW and "snapshots" not in held:  # the measures alone
         return [name for name in found if name == "irregularity" and "flow" in held]
     return found
 
 
-def _suffices(sizes: dict[str, int], cases: list, figures: dict) -> list[str]:
+def _sizes(axes: dict[str, int], labels: dict[str, tuple]) -> dict[str, int]:
+    """Sizes of axes, and of each value in which alone the points of an axis differ; labels: names
+    of values beside the axes, and the dimensions of each."""
+    found = dict(axes)
+    for axis, size in axes.items():
+        own = [name for name, dims in labels.items() if axis in dims and name != axis]
+        if len(own) == 1:
+            found[own[0]] = size
+    return found
+
+
+def _sizes_in(dataset) -> dict[str, int]:
+    """The same of a file."""
+    labels = {str(name): values.dims for name, values in dataset.coords.items()}
+    return _sizes(dict(dataset["run_id"].sizes), labels)
+
+
+def _suffices(dims, sizes: dict[str, int], cases: list, figures: dict) -> list[str]:
     """Names of the figures that runs over some axes, of some sizes, suffice for."""
-    if set(sizes) not in ({"case", "seed"}, {"shape", "seed"}):
+    if set(dims) not in ({"case", "seed"}, {"shape", "seed"}):
         return _enough(sizes, SWEPT) if figures is FIGURES else []
     return [name for name, (_, suffices) in figures.items() if suffices(cases)]
 
@@ -179,7 +200,7 @@ def drawable(folder: Path) -> list[str]:
             if file in ("drag", "flow"):
                 found += drawn_from(data, dataset, FIGURES if file == "drag" else FLOW)
             elif file == "shear":
-                found += _enough(dict(dataset["run_id"].sizes), SHEAR)
+                found += _enough(_sizes_in(dataset), SHEAR)
             else:
                 held = set(dataset.variables)
                 found += [name for name, (_, needs) in figures.items() if held.issuperset(needs)]
@@ -194,12 +215,11 @@ def drawn_from(data: Path, dataset, figures: dict) -> list[str]:
     require(dataset, data, {}, ("run_id",))
     found = by_case(dataset)
     if found is None:
-        return _suffices(dict(dataset["run_id"].sizes), [], figures)
+        return _suffices(dataset["run_id"].dims, _sizes_in(dataset), [], figures)
     require(found, data, {}, ("shape", "density"))
     shapes, densities = (found[key].values.tolist() for key in ("shape", "density"))
-    names = _suffices(
-        dict(found["run_id"].sizes), list(zip(shapes, densities, strict=True)), figures
-    )
+    cases = list(zip(shapes, densities, strict=True))
+    names = _suffices(found["run_id"].dims, {}, cases, figures)
     held = set(found.variables)
     return [name for name in names if figures is FIGURES or held.issuperset(STUDIES[name][1])]
 
@@ -231,7 +251,7 @@ def draw(name: str, data: Path, folder: Path) -> list[Path]:
                 _refuse(each, data, dataset)
             try:
                 whole = dataset if each in SWEPT else cases
-                _check_axes(each, dataset["run_id"].sizes)
+                _check_axes(each, dataset)
                 figure = import_module(f"dem.figures.{each}").plot(whole)
             except InputError as error:
                 faults.append(f"{data}: {each} cannot be drawn: {error}")
@@ -270,9 +290,12 @@ def _check_file(name: str, data: Path, variables) -> None:
         raise InputError(f"{data}: {name} is drawn from {file}.nc; {_name_instead(data, file)}.")
 
 
-def _check_axes(name, sizes):
+def _check_axes(name, dataset):
     """Raise InputError if the runs have too few values of an axis that a figure of SWEPT needs."""
+    from dem.analysis.values import along
+
     for dim, least in SWEPT.get(name, ("", {}))[1].items():
+        sizes = along(dataset, dim)["run_id"].sizes
         if sizes.get(dim, 0) < least:
             raise InputError(
                 f"the runs have {sizes.get(dim, 0)} values of {dim}; it takes {least} or more."

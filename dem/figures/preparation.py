@@ -7,6 +7,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from dem.analysis.statistics import summarise
+from dem.analysis.values import along
 from dem.figures import style
 from dem.figures.sweep import heading
 from dem.studies.claims.compare import Comparison
@@ -19,6 +20,7 @@ APART = 0.3  # between the ways, where shapes are 1 apart
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
     """Means above, ratios of the same seeds below, by shape; one column per place on the other axes."""
+    dataset = along(dataset, AXIS)
     runs = summarise(dataset)["run_mean"].transpose(..., AXIS, "shape", "seed")
     others = [str(dim) for dim in runs.dims[:-3] if runs.sizes[dim] > 1]
     places = [

@@ -1,10 +1,12 @@
 """Drag against the velocity of the cylinder: means, the law through them, its quasi-static limit."""
 
+import json
+
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.analysis.velocity import AXIS, axes_of, inertial_number, rates
+from dem.analysis.velocity import axes_of, inertial_number, rates
 from dem.figures import style
 
 MARKERS = "osD^vPX"
@@ -37,15 +39,17 @@ def plot(dataset: xr.Dataset) -> Figure:
     below.set_xscale("log")
     below.set_xticks(found.velocity, [f"{v:.3g}" for v in found.velocity])
     below.set_xticks([], minor=True)
-    for axes in (above, below):
-        axes.axvline(dataset.attrs[AXIS], **style.RAW | {"linewidth": 1.0})
+    usual = json.loads(dataset.attrs["configuration"])["cylinder"].get("velocity")
+    marked = usual in found.velocity  # else no run has it
+    for axes in (above, below) if marked else ():
+        axes.axvline(usual, **style.RAW | {"linewidth": 1.0})
     if (slow := inertial_number(dataset)) is not None:
         scale = (lambda v: slow * v, lambda i: i / slow)
         above.secondary_xaxis("top", functions=scale).set_xlabel("Inertial number")
     style.legend(figure, above, "outside lower center", ncols=2)
     figure.suptitle(
         f"Drag against velocity: means of {found.beds} beds, and the law fitted to them\n"
-        f"(95 % intervals; dotted: limits; grey line: {dataset.attrs[AXIS]:g} m/s)"
+        f"(95 % intervals; dotted: limits{f'; grey line: {usual:g} m/s' if marked else ''})"
     )
     return figure
 

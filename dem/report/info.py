@@ -20,6 +20,7 @@ from dem.analysis.statistics import (
     within,
 )
 from dem.analysis.tables import numbers
+from dem.analysis.values import value_of
 from dem.base.errors import InputError
 from dem.base.schema import seed_words
 from dem.experiment.config import Replicate
@@ -75,7 +76,7 @@ def summary(path: Path) -> Group:
         if "drag" not in dataset:
             return _means(path, dataset)
     with open_combined(path) as dataset:
-        require(dataset, path, {}, OF_A_RUN, (*ORIGIN, "cylinder_velocity"))
+        require(dataset, path, {}, OF_A_RUN, (*ORIGIN, "configuration"))
         return _sweep(dataset)
 
 
@@ -146,11 +147,17 @@ def _sweep(dataset: xr.Dataset) -> Group:
     window = f"{_millimetres(*(attrs[name] for name in WINDOW))} of displacement"
     lines = _provenance(
         attrs, seeds=_seeds(dataset),
-        window=f"{window}, cylinder at {attrs['cylinder_velocity']:g} m/s",
+        window=f"{window}, cylinder at {_range(value_of(dataset, 'cylinder.velocity'))} m/s",
     )  # fmt: skip
     if "failure" in dataset and (missing := _missing(dataset["failure"])):
         lines.add_row("missing", missing)
     return _told(attrs, lines, table, more, LEGEND)
+
+
+def _range(values: xr.DataArray) -> str:
+    """A number, or the least and the greatest of those that vary."""
+    ends = dict.fromkeys((float(values.min()), float(values.max())))
+    return " to ".join(f"{end:g}" for end in ends)
 
 
 def _seeds(dataset: xr.Dataset) -> str:

@@ -166,7 +166,7 @@ def _own_name(key: str, here: Place) -> str:
 def name_of(path: str) -> str:
     """The name of a value in files of results, with a suffix if what runs record has that name."""
     name = path.replace(".", "_")
-    taken = {"run", "bound", "snapshot", "granule", *OBSERVABLES}
+    taken = {"run", "bound", "snapshot", "granule", "shear_strain", *OBSERVABLES}
     for table in (AXES, LABELS, OF_RUN, OF_STORE, *(module_of(n).VARIABLES for n in OBSERVABLES)):
         taken |= set(table)
     return f"{name}_swept" if name in taken else name

@@ -6,6 +6,7 @@ there are. What has a value for every granule stays in the chunks.
 """
 
 import json
+import operator
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -85,7 +86,8 @@ def combine(
         if sweep.failures:
             for place, flag, _ in failed:
                 file.variables["failure"][place] = flag
-        file.setncatts(about(sweep, {name: "; ".join(kept) for name, kept in provenance.items()}))
+        found = {name: "; ".join(kept) for name, kept in provenance.items()}
+        file.setncatts(about(sweep, block, found))
         more(file)
 
 
@@ -231,7 +233,7 @@ def _check(sweep: Sweep, block: Block, failed) -> None:
                 f"{group}: none of its {count} runs could be made ({failed[0][2]}); take it out of "
                 "the configuration, or change its values."
             )
-    if len(failed) > sweep.failures * len(runs) + 1e-9:  # 0.29 * 100 is a little less than 29
+    if len(failed) > sweep.failures * block.whole + 1e-9:  # 0.29 * 100 is a little less than 29
         first = next(run for run in runs if run.place == failed[0][0]).replicate
         raise RunError(
             f"{len(failed)} of {len(runs)} runs could not be made; failures allows "
@@ -240,17 +242,30 @@ def _check(sweep: Sweep, block: Block, failed) -> None:
         )
 
 
-def about(sweep: Sweep, provenance: dict, source: str = "dem chunk, dem combine") -> dict:
-    """Attributes of the file. The averaging window and the cylinder's velocity are among them, so
-    that figures need nothing else."""
+def about(
+    sweep: Sweep, block: Block, provenance: dict, source: str = "dem chunk, dem combine"
+) -> dict:
+    """Attributes of the file. The averaging window is among them, so that figures need nothing
+    else, and the cylinder's velocity where all runs have the same."""
     drawn = {}
     if sweep.record and sweep.cylinder:
         drawn["window_start"], drawn["window_stop"] = sweep.record.window
-        drawn["cylinder_velocity"] = sweep.cylinder.velocity
+        drawn |= shared(block, cylinder_velocity="cylinder.velocity")
     configuration = json.dumps(sweep.dump())
     return global_attributes(
         sweep.title, source, configuration=configuration, **provenance, **drawn
     )
+
+
+def shared(block: Block, **paths: str) -> dict:
+    """Attributes by name, from values by path: those that are the same in all runs of a block. What
+    varies is a coordinate."""
+    found = {}
+    for name, path in paths.items():
+        values = {operator.attrgetter(path)(run.replicate.configuration) for run in block.runs}
+        if len(values) == 1:
+            found[name] = values.pop()
+    return found
 
 
 @contextmanager

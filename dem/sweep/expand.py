@@ -1,6 +1,6 @@
 """A block of a sweep: its axes, and all runs on their grid."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import cached_property
 from itertools import product
 from math import prod
@@ -16,7 +16,9 @@ from dem.sweep.axis import OWN, Axis, axis_of, changes, is_derived, name_of, pla
 
 WORDS = ("needs", "values")  # of a block, beside what varies
 MOST_AXES = 24  # dimensions of a sweep; a variable of netCDF-4 has at most 32 with its own
-SAME = ("cylinder.stroke", "record.bins", "record.snapshots", "experiment")
+SAME = (
+    "cylinder.stroke", "record.bins", "record.snapshots", "shear.strain", "shear.samples", "experiment",
+)  # fmt: skip
 
 # gives a value: what is asked for (a group with `derive`), values of the run so far
 Derived = Callable[[dict, Replicate], Any]
@@ -30,10 +32,14 @@ class Run(NamedTuple):
 
 
 class Block:
-    """All runs of a block: axes, and runs in their order."""
+    """All runs of a block: axes, and runs in their order; fixed: paths of values that all its runs
+    share, and that may be others than those of the file; whole: runs of the block that this is a part of."""
 
-    def __init__(self, name: str, axes: list[Axis], runs: list[Run]):
-        self.name, self.axes, self.runs = name, axes, runs
+    def __init__(
+        self, name: str, axes: list[Axis], runs: list[Run], fixed: Iterable[str] = (), whole: int = 0
+    ):  # fmt: skip
+        self.name, self.axes, self.runs, self.fixed = name, axes, runs, tuple(fixed)
+        self.whole = whole or len(runs)
 
     @property
     def dims(self) -> tuple[str, ...]:
@@ -61,6 +67,39 @@ class Block:
                 seen.add(run.replicate.id)
                 yield run.replicate
 
+    def part(self, shapes: Iterable[str]) -> "Block":
+        """The runs of some shapes at the density of the first run, of a block over cases, or shapes,
+        and seeds."""
+        base = next((at for at, dim in enumerate(self.dims) if dim in ("case", "shape")), None)
+        if base is None:
+            raise InputError(
+                f"the block {self.name} varies neither case nor shape; leave shape out."
+            )
+        first = self.runs[0].replicate.density
+        kept = {
+            run.place[base]: None for run in self.runs
+            if run.replicate.label in shapes and run.replicate.density == first
+        }  # fmt: skip
+        if not kept:
+            known = dict.fromkeys(
+                run.replicate.label for run in self.runs if run.replicate.density == first
+            )
+            raise InputError(
+                f"shape is {', '.join(shapes)}; the runs at {first:g} kg/m3 have {', '.join(known)}."
+            )
+        order = {at: number for number, at in enumerate(kept)}
+        axis = self.axes[base]
+        points, coordinate = (
+            [given[at] for at in kept] for given in (axis.points, axis.coordinate)
+        )
+        axes = list(self.axes)
+        axes[base] = axis._replace(points=points, coordinate=coordinate)
+        runs = [
+            Run((*run.place[:base], order[at], *run.place[base + 1 :]), run.replicate)
+            for run in self.runs if (at := run.place[base]) in kept
+        ]  # fmt: skip
+        return Block(self.name, axes, runs, self.fixed, self.whole)
+
     def labels(self) -> dict[str, tuple[Entry, tuple[str, ...], np.ndarray]]:
         """Labels of the runs beside the axes: units and words, dimensions, values."""
         base = [axis.name for axis in self.axes if axis.name in ("case", "shape")]
@@ -79,7 +118,8 @@ class Block:
                 forced = base if name != "seed" else []
                 found[name] = (None, *self._along(list(map(get, self._replicates)), forced))
         known = {entry.path: entry for entry in self._entries.values()}
-        for path in dict.fromkeys(p for axis in self.axes for point in axis.points for p in point):
+        varied = (path for axis in self.axes for point in axis.points for path in point)
+        for path in dict.fromkeys((*varied, *self.fixed)):
             name = name_of(path)
             if path in known and name not in self.dims and not path.startswith("shapes."):
                 values = self._along([self._value(r, path) for r in self._replicates], [])
@@ -139,6 +179,12 @@ def expand(sweep, name: str, block: dict, derived: Derived | None) -> Block:
             "belongs under values, and values that go together under one name."
         )
     given |= set(fixed)
+    for axis in axes:  # a file has one variable of a name
+        if twin := next((p for p in given - {axis.entry.path} if name_of(p) == axis.name), None):
+            raise InputError(
+                f"{where} has the dimension {axis.name} and the value {twin}, which have one name in "
+                "files; rename the dimension."
+            )
     if "shape" not in given and len(sweep.shapes) > 1:
         raise InputError(f"{where} must vary shape or case; there are {', '.join(sweep.shapes)}.")
     for path in SAME:
@@ -155,7 +201,7 @@ def expand(sweep, name: str, block: dict, derived: Derived | None) -> Block:
         raise InputError(f"{where} varies {min(twice)} in two ways; name it once.")
     if (count := prod(len(axis.points) for axis in axes)) > MOST:
         raise InputError(f"{where} has {count:,} runs; it must have at most {MOST:,}.")
-    return Block(name, axes, _runs(sweep, where, fixed, axes, derived))
+    return Block(name, axes, _runs(sweep, where, fixed, axes, derived), fixed)
 
 
 def _runs(sweep, where, fixed, axes, derived) -> list[Run]:

@@ -4,7 +4,7 @@ If the runs do not record the measures, they are computed from the snapshots, ch
 """
 
 import json
-from collections.abc import Iterator
+from collections.abc import Container, Iterable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +20,9 @@ from dem.experiment.observables.flow import VARIABLES as MEASURED
 from dem.experiment.observables.flow import lag_of, measured
 from dem.io.dataset import attributes, content_of, global_attributes, read, write
 from dem.periodic import wrapped
-from dem.sweep.combine import combine
+from dem.sweep.combine import combine, shared
+from dem.sweep.expand import Block
+from dem.sweep.store import Chunk
 from dem.sweep.work import Work
 
 MOVED = "snapshot_displacement"
@@ -52,19 +54,19 @@ def _runs(chunk: Path, values: dict, attrs: dict) -> Iterator[tuple[Replicate, d
         yield replicate, None if values["failure"][row] else own
 
 
-def sources(work: Work, block: str) -> list[Path]:
-    """The files that hold the measures of a block: its chunks, or what was measured of them beside
+def sources(work: Work, block: str, runs: Container[str]) -> list[Path]:
+    """The files that hold the measures of some runs of a block: its chunks, or what was measured of them beside
     its results; raises InputError where the runs have neither measures nor snapshots, or where they
     are not measured yet."""
     recorded = _recorded(work, block)
     if "flow" in recorded:
-        return work.files(block)
+        return [work.store.file_of(each.id) for each in chunks_with(work, block, runs)]
     if "snapshots" not in recorded:
         raise InputError(
             f"{work.sweep.title}: its runs record neither snapshots nor flow, so how beds move is not "
             "known; add snapshots to record.observables and run again."
         )
-    found = [_measured(work, each.id) for each in work.chunks(block)]
+    found = [_measured(work, each.id) for each in chunks_with(work, block, runs)]
     for path in found:
         if not path.is_file():
             raise InputError(
@@ -72,6 +74,11 @@ def sources(work: Work, block: str) -> list[Path]:
                 "first: dem flow."
             )
     return found
+
+
+def chunks_with(work: Work, block: str, runs: Container[str]) -> list[Chunk]:
+    """The chunks of a block that hold some runs, by their identities."""
+    return [each for each in work.chunks(block) if any(run in runs for run in each.runs)]
 
 
 def _measured(work: Work, chunk: str) -> Path:
@@ -94,17 +101,22 @@ def make_flow(work: Work, block: str, progress=lambda share: None) -> None:
     write_flow(work, block, Path(work.folder_of(block)) / "flow.nc")
 
 
-def write_flow(work: Work, block: str, output: Path, progress=lambda share: None) -> None:
-    """Write flow.nc of a block from its sources."""
+def write_flow(
+    work: Work, block: str, output: Path, progress=lambda share: None, shapes: Iterable[str] = ()
+) -> None:
+    """Write flow.nc of a block from its sources; shapes: of these alone, at the first density, which
+    is what a figure of their beds needs."""
     found = work.block(block)
+    if shapes:
+        found = found.part(shapes)
 
     def more(file):
-        _describe(file, found.runs[0].replicate)
+        _describe(file, found)
         base = set(found.dims) - {"seed"}
         if "snapshots" in _recorded(work, block) and base in ({"case"}, {"shape"}):
-            _keep_beds(file, work, block, base.pop())
+            _keep_beds(file, work, found, base.pop())
 
-    combine(sources(work, block), work.sweep, found, "flow", output, progress, more)
+    combine(sources(work, block, found.places), work.sweep, found, "flow", output, progress, more)
 
 
 def _recorded(work: Work, block: str) -> tuple[str, ...]:
@@ -112,22 +124,26 @@ def _recorded(work: Work, block: str) -> tuple[str, ...]:
     return own.record.observables if own.experiment == "drag" else ()
 
 
-def _describe(file, replicate: Replicate) -> None:
+def _describe(file, block: Block) -> None:
     """What readers need to draw beds and to name the lag."""
-    own, moved = replicate.configuration, file.variables["snapshot_displacement"][...]
+    moved = file.variables["snapshot_displacement"][...]
     file.setncatts({
-        "title": f"{file.title}: how the beds move", "box_width": own.box_width,
+        "title": f"{file.title}: how the beds move", "layers": LAYERS,
         "lag": lag_of(moved) * float(moved[1] - moved[0]),
-        "cylinder_diameter": own.cylinder.diameter, "layers": LAYERS,
     })  # fmt: skip
-    if own.periodic != "none":
-        file.periodic = own.periodic
+    own = shared(
+        block, box_width="box_width", cylinder_diameter="cylinder.diameter", periodic="periodic"
+    )
+    if own.get("periodic") == "none":
+        del own["periodic"]
+    file.setncatts(own)
 
 
-def _keep_beds(file, work: Work, block: str, base: str) -> None:
+def _keep_beds(file, work: Work, found: Block, base: str) -> None:
     """Add the snapshots of the run of the lowest seed of each case that did not fail."""
-    chunks = {run: work.store.file_of(each.id) for each in work.chunks(block) for run in each.runs}
-    found = work.block(block)
+    chunks = {
+        run: work.store.file_of(each.id) for each in work.chunks(found.name) for run in each.runs
+    }
     runs = sorted(found.runs, key=lambda run: run.replicate.seed)
     granules = max(run.replicate.shape.granules for run in runs)
     file.createDimension("granule", granules)

@@ -1,0 +1,48 @@
+"""What the runs of a combined file had of a value of the configuration.
+
+A value that varies is a coordinate: of an axis of its own, or over the points of another axis. The
+configuration in the attributes is that of the file, and tells nothing of a value that varies.
+"""
+
+import json
+
+import xarray as xr
+
+from dem.base.errors import InputError
+from dem.sweep.axis import name_of
+
+
+def value_of(dataset: xr.Dataset, path: str) -> xr.DataArray:
+    """A number of the runs, such as cylinder.diameter, over the axes along which it varies; raises
+    InputError where the file does not tell it."""
+    if (name := name_of(path)) in dataset.variables:
+        found = dataset[name]
+    else:
+        found = json.loads(dataset.attrs["configuration"])
+        for key in path.split("."):
+            found = found.get(key) if isinstance(found, dict) else None
+        found = xr.DataArray(float("nan") if found is None else found)
+    if found.dtype.kind not in "iuf" or not bool(found.notnull().any()):
+        raise InputError(f"it does not tell {path} of its runs, a number.")
+    return found
+
+
+def along(dataset: xr.Dataset, name: str) -> xr.Dataset:
+    """The dataset with the axis of a value, also where it varies over named points or a design.
+
+    Raises InputError where the points differ in more than this value. A dataset without the value
+    stays as it is.
+    """
+    if name not in dataset.variables or name in dataset["run_id"].dims or not dataset[name].ndim:
+        return dataset
+    (dim,) = dataset[name].dims
+    others = [
+        str(other) for other, values in dataset.coords.items()
+        if dim in values.dims and other not in (dim, name)
+    ]  # fmt: skip
+    if others:
+        raise InputError(
+            f"its {name} varies over {dim} together with {', '.join(others)}; it must vary alone, "
+            "so draw sweep, or vary the others as axes of their own."
+        )
+    return dataset.swap_dims({dim: name})
