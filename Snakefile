@@ -29,6 +29,7 @@ from dem.figures import FLOW, possible
 from dem.io.progress import WorkflowProgress
 from dem.io.results_folder import on_failure, prepare
 from dem.sweep import config as schema
+from dem.sweep.units import unusual
 from dem.sweep.work import Work
 
 
@@ -211,6 +212,7 @@ onstart:
             schema.save(work.sweep, f"{work.sweep.results}/config.yaml")
             work.settle()
         STARTED = True
+        said += unusual(MAIN)
     except (InputError, RunError, OSError) as error:
         print(error, file=sys.stderr)
         sys.exit(1)

@@ -5,6 +5,7 @@ import os
 import re
 import shutil
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import chdir
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -27,6 +28,7 @@ from dem.sweep import store as stores
 from dem.sweep.axis import changes_of_words
 from dem.sweep.combine import about
 from dem.sweep.config import load, merged, parse, save
+from dem.sweep.units import unusual
 from dem.sweep.work import Work
 
 FEW = {"c1": {"kind": "disc", "diameter": 1092e-6, "granules": 30}}
@@ -134,6 +136,40 @@ def test_what_varies_is_no_attribute_of_flow():
     sweep = {"shape": "c1", "cylinder.diameter": [1e-3, 2e-3], "values": {"box_width": 7e-3}}
     _describe(file, small(sweep).block("drag"))
     assert "cylinder_diameter" not in said and said["box_width"] == 7e-3
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"cylinder.velocity": [2.0, 500.0]}, "cylinder.velocity is 500 m/s, 0.12 of the velocity of sound"),
+        ({"cylinder.velocity": [32.0]}, ""),
+        ({"material.young_modulus": [1e3]}, "cylinder.velocity is 2 m/s, 3.9 of"),
+        ({"box": {"pressed": {"packing.fraction": None, "packing.pressure": 30.0}}}, "packing.pressure is 30 Pa, an inertial number of 25"),
+        ({"box": {"pressed": {"packing.fraction": None, "packing.pressure": 30e6}}}, ""),
+    ],
+)  # fmt: skip
+def test_a_velocity_in_another_unit_is_noticed(values, words):
+    """One sentence, of the fastest run, however many there are."""
+    found = unusual(Work(small({"shape": ["c1"], "seed": "1 to 3"} | values)))
+    assert len(found) == bool(words) and all(words in sentence for sentence in found)
+
+
+@pytest.mark.parametrize("file", sorted(CONFIG.glob("*.yaml")), ids=lambda path: path.stem)
+def test_no_file_that_comes_with_the_code_is_warned_of(file):
+    if "sweep" in read(file):
+        assert unusual(Work(load(file))) == []
+
+
+def test_a_dry_run_warns_once_of_a_velocity_in_another_unit(tmp_path):
+    own = tmp_path / "own.yaml"
+    sweep = {"shape": "c1", "cylinder.velocity": [500.0, 8000.0]}
+    own.write_text(
+        yaml.safe_dump(SMALL | {"shapes": FEW, "sweep": sweep, "results": "results/units"})
+    )
+    with chdir(tmp_path):
+        ran = CliRunner().invoke(app, ["sweep", str(own), "--dry-run"])
+        assert ran.exit_code == 0 and not Path("results").exists()
+    assert ran.output.count("Warning:") == 1 and "cylinder.velocity is 8000 m/s" in ran.output
 
 
 def test_a_name_that_a_variable_has_gets_a_suffix():

@@ -30,10 +30,13 @@ def sweep(
     start_lean()
     from dem.sweep.config import load, save
     from dem.sweep.estimate import retried, summary
+    from dem.sweep.units import unusual
     from dem.sweep.work import Work, of_new_store
 
     work = Work(load(file))
     if sentence := of_new_store(work.store, file):
+        typer.echo(sentence, err=True)
+    for sentence in unusual(work):
         typer.echo(sentence, err=True)
     if dry_run:
         with bar("estimating"):
