@@ -8,7 +8,7 @@ OUTPUTS
     {RESULTS}/figures/{figure}.svg, {RESULTS}/figures/{figure}.png, {RESULTS}/{study}.txt
 """
 
-from dem.figures import FILE_OF, STUDY_FIGURES, drawable
+from dem.figures import BEDS_OF, FILE_OF, STUDY_FIGURES, drawable
 
 
 def pictures(names, folder=RESULTS):
@@ -26,11 +26,20 @@ def pictures_of_results(wildcards):
         refuse(error)
 
 
+def data_of(wildcards):
+    """The file that a figure is drawn from; of beds, that of their shapes, which is there first."""
+    folder, figure = wildcards.folder, wildcards.figure
+    beds = f"{folder}/flow/{BEDS_OF.get(figure)}.nc"
+    if figure in BEDS_OF and not (ONLY_FIGURES and not Path(beds).is_file()):
+        return beds
+    return f"{folder}/{FILE_OF[figure]}.nc"
+
+
 rule figure:
     message:
         "Draw {wildcards.figure}"
     input:
-        data=lambda w: f"{w.folder}/{FILE_OF[w.figure]}.nc",
+        data=data_of,
     output:
         "{folder}/figures/{figure}.svg",
         "{folder}/figures/{figure}.png",
@@ -41,7 +50,7 @@ rule figure:
     log:
         "{folder}/logs/figures/{figure}.log",
     shell:
-        "dem figure {wildcards.figure} {input.data} 2> {log}"
+        "dem figure {wildcards.figure} {input.data} -o {wildcards.folder}/figures 2> {log}"
 
 
 rule table:

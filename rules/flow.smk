@@ -3,9 +3,12 @@
 REQUIRED INPUTS
     {folder}/chunks/{chunk}.nc, for all runs
 OUTPUTS
-    {folder}/flow/{chunk}.nc, measures of the runs of a chunk from their snapshots; {folder}/flow.nc
+    {folder}/flow/{chunk}.nc, measures of the runs of a chunk from their snapshots; {folder}/flow.nc;
+    {folder}/flow/{beds}.nc, the same for the shapes of a figure alone, which need not wait for others
 """
 
+
+from dem.figures import BEDS
 
 rule measure_flow:
     message:
@@ -24,13 +27,26 @@ rule measure_flow:
         "dem flow {input} -o {output} 2> {log}"
 
 
-def measured(wildcards):
-    """What holds the measures of all runs of a block."""
+def chunks_of_beds(wildcards):
+    """The chunks of all runs of a block, or of those that show some beds."""
+    links = chunks_of(wildcards)
+    if not hasattr(wildcards, "beds"):
+        return links
+    from dem.analysis.flow.collect import chunks_with
+
     work, block = place_of(wildcards.folder)
+    runs = work.block(block).part(BEDS[wildcards.beds]).places
+    wanted = {chunk.id for chunk in chunks_with(work, block, runs)}
+    return [link for link in links if Path(link).stem in wanted]
+
+
+def measured(wildcards):
+    """What holds the measures of these runs."""
+    work, block = place_of(wildcards.folder)
+    links, folder = chunks_of_beds(wildcards), work.sweep.results
     if "flow" in work.observables(block):
-        return chunks_of(wildcards)
-    folder = work.sweep.results
-    return [link.replace(f"{folder}/chunks/", f"{folder}/flow/") for link in chunks_of(wildcards)]
+        return links
+    return [link.replace(f"{folder}/chunks/", f"{folder}/flow/") for link in links]
 
 
 rule flow:
@@ -52,3 +68,25 @@ rule flow:
         "{folder}/benchmarks/flow.tsv"
     shell:
         "dem flow --config {params.config} --block {params.block:q} -o {output} 2> {log}"
+
+
+rule beds:
+    message:
+        "Combine how the beds of some shapes move into {output}"
+    input:
+        measured=measured,
+        chunks=chunks_of_beds,
+    output:
+        "{folder}/flow/{beds}.nc",
+    params:
+        code=code_of("analysis.flow.collect"),
+        sweep=lambda w: values_of_block(w.folder),
+        block=lambda w: place_of(w.folder)[1],
+        shapes=lambda w: [word for shape in BEDS[w.beds] for word in ("--shape", shape)],
+        config=lambda w: f"{place_of(w.folder)[0].sweep.results}/config.yaml",
+    wildcard_constraints:
+        beds="|".join(BEDS),
+    log:
+        "{folder}/logs/flow/{beds}.log",
+    shell:
+        "dem flow --config {params.config} --block {params.block:q} {params.shapes} -o {output} 2> {log}"

@@ -32,6 +32,10 @@ def flow(
     block: Annotated[
         str | None, typer.Option(help="Block of the sweep; the first if absent.")
     ] = None,
+    shape: Annotated[
+        list[str] | None,
+        typer.Option(help="Combine this shape alone, at the first density; may be repeated."),
+    ] = None,
 ):
     """Measure how irregularly beds move, for one file of runs or combined for a whole sweep.
 
@@ -49,7 +53,7 @@ def flow(
 
     sweep = load(config)
     with bar("combining", 1.0) as update:
-        write_flow(Work(sweep), block or next(iter(sweep.blocks)), output, update)
+        write_flow(Work(sweep), block or next(iter(sweep.blocks)), output, update, shape or ())
 
 
 def film(

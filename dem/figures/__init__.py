@@ -36,12 +36,16 @@ FIGURES = {
     "figure14": ("Mean drag by density of the granules", _two_densities),
 }
 
+# shapes whose beds the figures of FLOW show, by what they are together: a part of flow.nc suffices
+BEDS = {"round": ("c1", "d1", "c2"), "ellipses": ("e1", "e2", "e3")}
+BEDS_OF = {"figure09": "round", "figure10": "round", "figure11": "ellipses", "figure12": "ellipses"}
+
 # the same, drawn from flow.nc
 FLOW = {
-    "figure09": ("Beds of discs, dumbbells and small discs, the granules ahead of the cylinder shaded", _one_of("c1", "d1", "c2")),
-    "figure10": ("Beds of discs, dumbbells and small discs in layers", _one_of("c1", "d1", "c2")),
-    "figure11": ("Beds of ellipses, the granules ahead of the cylinder shaded", _one_of("e1", "e2", "e3")),
-    "figure12": ("Beds of ellipses in layers", _one_of("e1", "e2", "e3")),
+    "figure09": ("Beds of discs, dumbbells and small discs, the granules ahead of the cylinder shaded", _one_of(*BEDS["round"])),
+    "figure10": ("Beds of discs, dumbbells and small discs in layers", _one_of(*BEDS["round"])),
+    "figure11": ("Beds of ellipses, the granules ahead of the cylinder shaded", _one_of(*BEDS["ellipses"])),
+    "figure12": ("Beds of ellipses in layers", _one_of(*BEDS["ellipses"])),
     "irregularity": ("How irregular the flow is, by shape: four measures against displacement", _some_shape),
 }  # fmt: skip
 
