@@ -1,7 +1,9 @@
 """The page of results: it opens anywhere, without a network, and can be read."""
 
 import io
+import json
 import re
+import shutil
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -16,7 +18,7 @@ from rich.console import Console
 from dem.analysis.statistics import summarise
 from dem.base.errors import InputError
 from dem.figures import draw, drawable
-from dem.report.build import build, section
+from dem.report.build import build, of_paper, section
 from dem.report.info import summary
 from dem.sweep.combine import open_combined
 
@@ -70,8 +72,44 @@ def test_nothing_is_fetched_and_all_is_there(page):
     pictures = re.findall(r"<img [^>]*>", body)
     assert len(pictures) >= 4 and all(re.search(r'alt="[^"]{10,}"', tag) for tag in pictures)
     assert "a table of &lt;b&gt;stability&lt;/b&gt;" in body
+    assert "What the paper leaves open" not in body
+
+
+def paper_as(**changes):
+    """The released runs of the paper, whose file has other values."""
+    with xr.open_dataset(ROOT / "docs/data/drag.nc") as data:
+        own = json.loads(data.attrs["configuration"])
+        return data.assign_attrs(configuration=json.dumps(own | changes))
+
+
+@pytest.mark.parametrize(
+    ("changes", "its"),
+    [
+        ({}, True),
+        ({"title": "mine", "results": "results/mine", "sweep": {"shape": ["c1"], "seed": 1}}, True),
+        ({"friction": {"granule": 0.1, "wall": 0.3, "cylinder": 0.3}}, False),
+        ({"sweep": {"case": "all", "friction.granule": [0.3]}}, False),
+        ({"sweep": {"case": "all", "values": {"friction.granule": 0.1}}}, False),
+        ({"shapes": {"c1": {"kind": "disc", "diameter": 1e-3, "granules": 400}}}, False),
+    ],
+)
+def test_the_values_of_the_paper_are_told_of_its_own_runs_alone(changes, its):
+    assert of_paper(paper_as(**changes), ROOT / "config/paper.yaml") == its
+
+
+def test_the_report_of_the_paper_tells_what_it_leaves_open(tmp_path):
+    """A section of the documentation, shown as it is; a file of notes without it is refused."""
+    shutil.copy(ROOT / "docs/data/drag.nc", tmp_path / "drag.nc")
+    draw("figure13", tmp_path / "drag.nc", tmp_path / "figures")
+    others = tmp_path / "flow.nc", tmp_path / "report.html", ROOT / "config/paper.yaml"
+    build(tmp_path / "drag.nc", others[0], NOTES, *others[1:])
     told = section(NOTES, "## What the paper leaves open")
-    assert "{{" not in told and "<table>" in told and told in body
+    assert "{{" not in told and "<table>" in told and told in others[1].read_text()
+    others[1].unlink()
+    (tmp_path / "open.md").write_text("# nothing\n")
+    with pytest.raises(InputError, match="What the paper leaves open"):
+        build(tmp_path / "drag.nc", others[0], tmp_path / "open.md", *others[1:])
+    assert not others[1].exists()
 
 
 def test_the_table_of_the_report_holds_the_means(page):
@@ -231,19 +269,6 @@ def test_shapes_and_seeds_are_cases(tmp_path):
     for name in drawable(folder):
         assert_not_blank(folder / f"figures/{name}.png")
     build(folder / "drag.nc", folder / "flow.nc", NOTES, folder / "report.html")
-
-
-def test_notes_without_the_section_are_refused(page, tmp_path):
-    """The section is named."""
-    (tmp_path / "open.md").write_text("# nothing\n")
-    with pytest.raises(InputError, match="What the paper leaves open"):
-        build(
-            page.parent / "drag.nc",
-            page.parent / "flow.nc",
-            tmp_path / "open.md",
-            tmp_path / "r.html",
-        )
-    assert not (tmp_path / "r.html").exists()
 
 
 @pytest.mark.parametrize("width", [1280, 400])

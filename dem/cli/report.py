@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from dem.cli.terminal import Writes, bar
+from dem.cli.terminal import PAPER, Writes, bar
 
 NOTES = Path("docs/explanation/open.md")
 
@@ -18,7 +18,9 @@ def report(
     flow: Annotated[
         Path | None, typer.Option(help="flow.nc; the one next to drag.nc if absent.")
     ] = None,
-    notes: Annotated[Path, typer.Option(help="Markdown with the assumptions.")] = NOTES,
+    notes: Annotated[
+        Path, typer.Option(help="Markdown with the assumptions, for runs with the paper's values.")
+    ] = NOTES,
 ):
     """Write all results as one HTML page, which opens without a network.
 
@@ -27,4 +29,4 @@ def report(
     from dem.report.build import build
 
     with bar("writing the report"):
-        build(data, flow or data.parent / "flow.nc", notes, output)
+        build(data, flow or data.parent / "flow.nc", notes, output, PAPER)

@@ -1,6 +1,7 @@
 """results/report.html from the files of results and the page of assumptions."""
 
 import base64
+import json
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -17,27 +18,33 @@ from dem.analysis.statistics import by_case, change, summarise
 from dem.analysis.statistics import densities as densities_of
 from dem.base.errors import InputError
 from dem.base.files import atomic
+from dem.experiment.config import parse
 from dem.figures import FIGURES, FLOW, STUDY_FIGURES, captions, drawn_from, require_drag
 from dem.figures.style import percent
 from dem.io.lazily import open_lazily, require
 from dem.report import varied
 from dem.report.info import drag_table
 from dem.report.interactive import beds, chart
+from dem.sweep.axis import OWN
 from dem.sweep.combine import open_combined
+from dem.sweep.config import load
 
 # What the report needs of drag.nc, beside what all readers need.
 NEEDED = (
     "max_overlap", "time_step", "run_time", "steps", "aspect_ratio", "diameter", "granules",
 )  # fmt: skip
-ORIGIN = ("title", "versions", "git_revision", "references")
+ORIGIN = ("title", "versions", "git_revision", "references", "configuration")
 OPEN = "## What the paper leaves open"  # section of docs/explanation/open.md, shown as it is
 
 
-def build(drag: Path, flow: Path, notes: Path, output: Path) -> None:
+def build(
+    drag: Path, flow: Path, notes: Path, output: Path, paper: Path = Path("config/paper.yaml")
+) -> None:
     """Write the report of a folder of results, atomically; raises InputError for other files.
 
     It shows the figures and studies beside drag.nc, and flow.nc if it is there. A sweep of values
-    other than cases or shapes has a table over its axes instead.
+    other than cases or shapes has a table over its axes instead. notes: what the paper leaves open,
+    for runs with the values of the file `paper`.
     """
     folder = Path(drag).parent
     require_drag(drag)
@@ -46,6 +53,7 @@ def build(drag: Path, flow: Path, notes: Path, output: Path) -> None:
         names = {*drawn_from(drag, dataset, FIGURES), *drawn_studies(folder)}
         parts = {"title": dataset.attrs["title"], "runs": runs(dataset)}
         parts |= of_drag(dataset)
+        told = section(notes, OPEN) if of_paper(dataset, paper) else ""
     parts |= {"irregularity": None, "beds": ""}
     if Path(flow).is_file():
         with open_lazily(flow) as moves:
@@ -54,13 +62,29 @@ def build(drag: Path, flow: Path, notes: Path, output: Path) -> None:
     page = _page().render(
         figures=figures(folder / "figures", names, drag),
         made=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        open=Markup(section(notes, OPEN)),
+        open=Markup(told),
         studies=[(name, text) for name in STUDY_FIGURES if (text := study(folder, name))],
         provenance="provenance.html" if (folder / "provenance.html").is_file() else "",
         **parts,
     )
     with atomic(output) as part:
         part.write_text(page, encoding="utf-8")
+
+
+def of_paper(dataset: xr.Dataset, paper: Path) -> bool:
+    """Whether all runs have the values that the notes on the paper tell: nothing but case, shape,
+    density and seed varies, and all else but what is recorded, and how, is as in the paper's file."""
+    own = json.loads(dataset.attrs["configuration"])
+    if not Path(paper).is_file() or not set(own.get("sweep", {"": None})) <= {"case", *OWN}:
+        return False
+    theirs = load(paper).values()
+    try:
+        own = parse({key: own[key] for key in theirs if key in own}).values()
+    except InputError:  # of another time
+        return False
+    shapes = own.pop("shapes").items() <= theirs.pop("shapes").items()
+    told = theirs.keys() - {"record", "numerics"}
+    return shapes and all(own[key] == theirs[key] for key in told)
 
 
 def of_drag(dataset: xr.Dataset) -> dict:
@@ -83,7 +107,7 @@ def of_flow(path: Path, moves: xr.Dataset | None) -> dict:
     if moves is None:
         return {}
     require(moves, path, VARIABLES, ("non_affine",), ATTRIBUTES)
-    found = {"irregularity": sentences(moves)}
+    found = {"irregularity": sentences(moves) or None}
     return found | ({"beds": htmlsafe_json_dumps(beds(moves))} if "bed_x" in moves else {})
 
 
