@@ -18,6 +18,7 @@ from rich.console import Console
 from dem.analysis.statistics import summarise
 from dem.base.errors import InputError
 from dem.figures import draw, drawable
+from dem.figures.sweep import _is_logarithmic
 from dem.report.build import build, of_paper, section
 from dem.report.info import summary
 from dem.sweep.combine import open_combined
@@ -205,6 +206,38 @@ def test_axes_of_a_sweep_have_names_and_units(swept):
     if name not in ("point", "many"):
         assert [text.get_text() for text in figure.legends[0].get_texts()] == [
             "shape: c1", "shape: d1"]  # fmt: skip
+
+
+def test_an_axis_is_logarithmic_where_the_design_is(swept):
+    """Also over less than a decade and a half; what is uniform has a linear axis."""
+    name, folder = swept
+    figure, _, _ = figure_of(folder / "drag.nc")
+    scales = {axes.get_xlabel().partition(" (")[0]: axes.get_xscale() for axes in figure.axes}
+    assert {label for label, scale in scales.items() if scale == "log"} == (
+        {"Young's modulus"} if name == "design" else set()
+    )
+
+
+@pytest.mark.parametrize(
+    ("values", "logarithmic"),
+    [
+        ([0.5, 1.0, 2.0], True), ([1.0, 2.0, 5.0, 10.0], True), ([0.6, 1.2, 2.4, 6.0], True),
+        ([0.1, 0.3, 0.5], False), ([0.82, 0.84, 0.86], False), ([0.0, 0.1, 1.0], False),
+        ([1.0, 10.0], False), ([1.0, 2.0, 3.0, 4.0], False), ([1.0, 100.0], True),
+    ],
+)  # fmt: skip
+def test_a_list_at_equal_ratios_has_a_logarithmic_axis(values, logarithmic):
+    assert _is_logarithmic(np.array(values)) == logarithmic
+
+
+def test_intervals_are_drawn_whole(swept):
+    """Also those of two runs, which can be many times the mean, and end below zero."""
+    figure, _, found = figure_of(swept[1] / "drag.nc")
+    means, half = found["mean"].values, found["half_interval"].fillna(0.0).values
+    if swept[0] != "many":  # others are averaged
+        for axes in figure.axes:
+            low, high = axes.get_ylim()
+            assert low <= (means - half).min() and (means + half).max() <= high
 
 
 def test_info_prints_the_mean_of_any_sweep(swept):

@@ -81,12 +81,18 @@ def _compare(axes, dataset, curve, label) -> None:
 def _finish(figure, dataset, curves) -> None:
     """Common axes, title and legend.
 
-    With two or three runs an interval can be many times the mean; it is cut at twice the curves.
+    With two or three runs an interval can be many times the mean; it is cut at twice the curves, and
+    the title says so.
     """
     axes = figure.axes[-1]
     drawn = np.array([[*raw, *smooth] for raw, smooth, _ in curves.values()])
     widest = max(np.nanmax(smooth + np.nan_to_num(half)) for _, smooth, half in curves.values())
-    axes.set_ylim(min(0.0, drawn.min()), 1.05 * min(max(widest, drawn.max()), 2.0 * drawn.max()))
+    top = 2.0 * np.nanmax(drawn)
+    lowest = min(np.nanmin(smooth - np.nan_to_num(half)) for _, smooth, half in curves.values())
+    cut = widest > top
+    low = min(0.0, np.nanmin(drawn) if cut else lowest)
+    axes.set_ylim(low, 1.05 * min(max(widest, np.nanmax(drawn)), top))
     axes.set_xlim(0.0, style.millimetres(edges_of_bins(dataset)[-1]))
-    figure.suptitle("Drag of the cylinder against its displacement")
+    more = f"\n(intervals are cut at {low:.0f} N and {1.05 * top:.0f} N)" if cut else ""
+    figure.suptitle(f"Drag of the cylinder against its displacement{more}")
     style.legend(figure, axes, "outside lower center", ncols=2)

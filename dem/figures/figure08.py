@@ -100,7 +100,7 @@ def _finish(figure, dataset, numbers, found) -> None:
     curves.set_xlabel("Displacement of the cylinder (mm)")
     curves.set_ylabel(f"Drag (N), running mean over {1e3 * style.SMOOTHING:g} mm")
     curves.set_xlim(0.0, style.millimetres(edges_of_bins(dataset)[-1]))
-    curves.set_ylim(bottom=0.0)
+    style.from_zero(curves)
     figure.suptitle("Drag by the disc code and by the ellipse code at aspect ratio 1")
     for axes, place in ((curves, "outside lower left"), (means, "outside lower right")):
         style.legend(figure, axes, place, grey="95 %")

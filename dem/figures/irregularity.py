@@ -36,7 +36,7 @@ def plot(dataset: xr.Dataset) -> Figure:
                                   linewidth=0.0)  # fmt: skip
         axes.set_ylabel(LABELS[name])
         axes.set_title(_reading(dataset, name), loc="left")
-        axes.set_ylim(bottom=0.0)
+        style.from_zero(axes)
     for axes in grid[2:]:
         axes.set_xlabel("Displacement of the cylinder (mm)")
     lag = style.millimetres(dataset.attrs["lag"])

@@ -28,7 +28,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     below.set_ylabel("Packing fraction")
     below.set_xlabel("Inertial number")
     below.set_xscale("log")
-    above.set_ylim(bottom=0.0)
+    style.from_zero(above)
     style.legend(figure, above, "outside lower center", ncols=2)
     figure.suptitle(
         f"Simple shear: means of {found.blocks} blocks of one strain each, with 95 % intervals"

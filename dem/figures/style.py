@@ -154,7 +154,8 @@ def finish_bars(axes, ticks: list[str], dataset: xr.Dataset) -> None:
     room = 0.6 + max(0.0, 0.5 * (FEW - len(ticks)))
     axes.set_xlim(-room, len(ticks) - 1 + room)
     axes.tick_params(axis="x", length=0)
-    axes.set_ylim(0.0, 1.1 * axes.dataLim.ymax)
+    axes.set_ylim(top=1.1 * axes.dataLim.ymax)
+    from_zero(axes)
     axes.set_ylabel(f"Mean drag from {window_text(dataset)} (N)")
 
 
@@ -193,9 +194,18 @@ def save(figure: Figure, stem: Path) -> list[Path]:
     return files
 
 
-def logarithmic(axes) -> None:
-    """Scale y by its logarithm, with plain numbers at 1, 2 and 5 of each decade."""
-    axes.set_yscale("log")
-    axes.yaxis.set_major_formatter("{x:.4g}")
-    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axes.yaxis.set_minor_locator(NullLocator())
+def logarithmic(axes, along: str = "y", subs: tuple[float, ...] = (1.0, 2.0, 5.0)) -> None:
+    """Scale x or y by its logarithm, with plain numbers at 1, 2 and 5 of each decade."""
+    axes.set(**{f"{along}scale": "log"})
+    scaled = axes.yaxis if along == "y" else axes.xaxis
+    scaled.set_major_formatter("{x:.4g}")
+    scaled.set_major_locator(LogLocator(subs=subs))
+    scaled.set_minor_locator(NullLocator())
+
+
+def from_zero(*panels) -> None:
+    """Begin y of panels that share it at zero, or where the lowest interval ends."""
+    ends = [axes.dataLim.intervaly for axes in panels]
+    low, high = np.nanmin(ends), np.nanmax(ends)
+    for axes in panels:
+        axes.set_ylim(bottom=0.0 if low >= 0.0 else low - 0.05 * (high - low))
