@@ -535,6 +535,8 @@ RECORDS = {
     "a null byte": lambda text: '{"results": "results/a\\u0000b", "parts": {"drag": []}}',
     "a text as part": lambda text: '{"results": "results/small", "parts": {"drag": "abc"}}',
     "numbers as chunks": lambda text: '{"results": "results/small", "parts": {"drag": [1, [2]]}}',
+    "no parts": lambda text: '{"results": "results/small", "parts": {}}',
+    "no chunks": lambda text: '{"results": "results/small", "parts": {"drag": []}}',
     "nested": lambda text: deep(),
     "nested in it": lambda text: '{"results": "results/small", "parts": {"a": ' + deep(900) + "}}",
     "bytes": lambda text: "\udcff\udcfe",
@@ -636,7 +638,27 @@ def test_prune_removes_nothing_where_no_sweep_is_recorded(pruned, away):
         record.parent.touch()
     elif away == "a link to nothing":
         record.parent.symlink_to("nowhere")
-    refused("delete the folder results/store", listed("results"))
+    broken = away in ("a file", "a link to nothing")
+    found, before = prune(), listed("results")
+    words = "it is no folder" if broken else "delete the folder results/store"
+    assert found.exit_code == 2 and words in found.stderr, found.output
+    assert listed("results") == before
+
+
+@pytest.mark.parametrize("folder", ["", "chunks", "plans", "runs", "beds", "sweeps"])
+@pytest.mark.parametrize("kind", ["a link to nothing", "a file"])
+def test_a_folder_of_the_store_that_is_away_is_one_sentence(pruned, folder, kind):
+    """All its runs would be made again, and Python would say that the file exists."""
+    work, _ = pruned
+    Path("small.yaml").write_text(yaml.safe_dump(work.sweep.dump()))
+    place = work.store.folder / folder
+    shutil.rmtree(place) if place.exists() else None
+    place.touch() if kind == "a file" else place.symlink_to("nowhere")
+    before = listed("results")
+    for words in (["store", "--prune"], ["store"], ["sweep", "small.yaml", "-n"], ["sweep", "small.yaml"]):  # fmt: skip
+        found = CliRunner().invoke(app, words)
+        assert found.exit_code == 2 and f"{place}: it is no folder" in found.stderr, found.output
+        assert listed("results") == before
 
 
 @pytest.mark.parametrize("damage", ["", "{}", "[]", "{", '{"runs": 5, "kernels": "a"}'])

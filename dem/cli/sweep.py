@@ -155,7 +155,7 @@ def store(
     from dem.sweep.store import Store
 
     found = Store()
-    if not found.folder.is_dir():
+    if not found.is_there():
         raise InputError(
             f"{found.folder}: there is no store here; go to the folder where the sweeps were started."
         )

@@ -64,8 +64,20 @@ class Store:
         """The file of a run that is in no chunk yet."""
         return self.folder / "runs" / run[:2] / f"{run}{end}"
 
+    def is_there(self) -> bool:
+        """Whether there is a store; raises InputError where its folders are something else, such as
+        links to a disk that is away, because all runs would be made again."""
+        for folder in (self.folder, *(self.folder / name for name in (*NAMES, "sweeps"))):
+            if os.path.lexists(folder) and not folder.is_dir():
+                raise InputError(
+                    f"{folder}: it is no folder; if it is a link, connect the disk that it leads to, else "
+                    "remove it."
+                )
+        return self.folder.is_dir()
+
     def locked(self) -> FileLock:
         """Holds the plans, for a moment."""
+        self.is_there()
         self.folder.mkdir(parents=True, exist_ok=True)
         return lock_of(self.folder / ".lock")
 
@@ -92,8 +104,8 @@ class Store:
         try:
             data = _read(path)
             runs, kernels = _texts(data["runs"]), data["kernels"]
-            if not runs or not isinstance(kernels, str):
-                raise ValueError("it names no runs")
+            if not isinstance(kernels, str):
+                raise ValueError("it names no kernels")
             return Chunk(chunk, tuple(runs), kernels), data
         except (OSError, ValueError, KeyError, TypeError) as error:
             raise _no_plan(path, error) from None
@@ -277,14 +289,20 @@ class Store:
 
 def _no_plan(path: Path, error: Exception) -> InputError:
     return InputError(
-        f"{path}: it is no plan of a chunk ({error}); delete it and start the sweep again."
+        f"{path}: it is no plan of a chunk ({_why(error)}); delete it and start the sweep again."
     )
 
 
+def _why(error: Exception) -> str:
+    if isinstance(error, KeyError):
+        return f"it has no {error.args[0]}"
+    return getattr(error, "strerror", None) or str(error)
+
+
 def _texts(value) -> list[str]:
-    """A list of texts; raises ValueError for anything else."""
-    if not isinstance(value, list) or not all(isinstance(each, str) for each in value):
-        raise ValueError("it has something else than a list of texts")
+    """A list of some texts; raises ValueError for anything else."""
+    if not isinstance(value, list) or not value or not all(isinstance(v, str) for v in value):
+        raise ValueError("it lacks a list of names")
     return value
 
 
@@ -296,13 +314,12 @@ def _read_record(path: Path) -> tuple[str, dict[str, list[str]]]:
         results, parts = data["results"], data["parts"]
         if not isinstance(results, str) or not results.isprintable() or not results:
             raise ValueError("it names no folder of results")
-        if not isinstance(parts, dict):
+        if not isinstance(parts, dict) or not parts:
             raise ValueError("it has no parts")
         return results, {name: _texts(parts[name]) for name in parts}
     except (OSError, ValueError, KeyError) as error:
-        why = f"it has no {error.args[0]}" if isinstance(error, KeyError) else error
         raise InputError(
-            f"{path}: it is no record of a sweep ({why}); start your sweeps again, which mends it, or "
+            f"{path}: it is no record of a sweep ({_why(error)}); start your sweeps again, which mends it, or "
             "delete it if its sweep is none of them."
         ) from None
 

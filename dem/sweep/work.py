@@ -139,7 +139,7 @@ def of_new_store(store: Store, file: Path) -> str | None:
 
     The store is below the folder where a sweep is started, so that another folder has none of its runs.
     """
-    if store.folder.is_dir():
+    if store.is_there():
         return None
     said = f"{store.folder.absolute()}: this store of runs is new, and has none yet"
     for near in Path(file).resolve().parents:
