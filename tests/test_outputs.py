@@ -83,15 +83,21 @@ def bad_places(folder, source, kind):
         "pipe": folder / "pipe",
         "below a file": source / "out.nc",
         "link to itself": folder / "loop",
+        "link to another file": folder / "mine.nc",
+        "link to nothing": folder / "nothing.nc",
         "name that is too long": folder / ("n" * 250 + ".nc"),
     }
     (folder / "link").symlink_to(source)
     (folder / "name").hardlink_to(source)
     (folder / "full").symlink_to(DEVICE)
     (folder / "loop").symlink_to(folder / "loop")
+    (folder / "results.nc").write_bytes(KINDS[".nc"])
+    (folder / "mine.nc").symlink_to("results.nc")
+    (folder / "nothing.nc").symlink_to("nowhere.nc")
     os.mkfifo(folder / "pipe")
     if kind == FOLDER:
-        del found["name that is too long"]
+        for fault in ("name that is too long", "link to nothing"):  # a folder may be a link
+            del found[fault]
         return found
     (folder / "sub").mkdir()
     (folder / "note").write_text("a note")
@@ -185,23 +191,32 @@ def test_a_command_overwrites_its_own_kind_of_file_only(tmp_path, kind):
 
 def test_outputs_of_one_command_differ(tmp_path):
     """Two outputs may not be one file, nor one lie below the other."""
-    one, link = tmp_path / "one", tmp_path / "link"
-    link.symlink_to(one)
-    for other in (one, tmp_path / "x" / ".." / "one", link, one / "below"):
+    one = tmp_path / "one"
+    (tmp_path / "link").symlink_to(tmp_path)
+    for other in (one, tmp_path / "x" / ".." / "one", tmp_path / "link/one", one / "below"):
         for pair in ((one, other), (other, one)):
             with pytest.raises(InputError, match="checkpoint"):
                 check_paths([Place("output", pair[0]), Place("checkpoint", pair[1])])
 
 
-def test_a_link_is_followed(tmp_path):
-    """What a link leads to is written, also where it leads to nothing yet; the link stays."""
-    aim, link = tmp_path / "deep" / "aim.txt", tmp_path / "link"
+@pytest.mark.parametrize("aim", ["aim.txt", "nothing.txt"])
+def test_no_link_is_written_through_or_replaced(tmp_path, aim):
+    """It is somebody's, and so is what it leads to; a folder may be a link, to another disk."""
+    link, folder = tmp_path / "link.txt", tmp_path / "folder"
+    (tmp_path / "aim.txt").write_text("mine")
     link.symlink_to(aim)
-    for text in ("one", "two"):
-        with atomic(link) as part:
-            part.write_text(text)
-        assert link.is_symlink() and aim.read_text() == text
-    assert sorted(each.name for each in tmp_path.rglob("*")) == ["aim.txt", "deep", "link"]
+    before = content(tmp_path)
+    with pytest.raises(InputError, match="is a link to"):
+        check_paths([Place("output", link)])
+    with pytest.raises(InputError, match="is a link to"), atomic(link) as part:
+        part.write_text("ours")
+    assert content(tmp_path) == before
+    (tmp_path / "disk").mkdir()
+    folder.symlink_to("disk")
+    check_paths([Place("output", folder / "out.txt")])
+    with atomic(folder / "out.txt") as part:
+        part.write_text("ours")
+    assert folder.is_symlink() and (tmp_path / "disk/out.txt").read_text() == "ours"
 
 
 @posix

@@ -347,16 +347,29 @@ def test_memory_of_combining_does_not_grow_with_the_runs(tmp_path):
 
 
 def test_what_killed_processes_left_is_cleared_away(tmp_path):
-    """Half-written files of processes that are no more go, those of living ones stay, and those of other computers for a day."""
+    """Half-written files of processes that are no more go, those of living ones stay, and those of
+    other computers for a day. What anybody else left is not touched, however old it is."""
+    with atomic(tmp_path / "a.nc") as part:
+        mine = tmp_path / part.name
+        part.touch()
+    end, dead = f".{os.getpid()}.", f".{2**22 + 1}."
+    gone = tmp_path / mine.name.replace(end, dead)
     host = socket.gethostname()
-    gone = tmp_path / f".a.nc.{host}.{2**22 + 1}.part"
-    mine, other = tmp_path / f".b.nc.{host}.{os.getpid()}.part", tmp_path / f".c.nc.{host}x.77.part"
-    old = tmp_path / f".d.nc.{host}x.78.part"
-    for file in (gone, mine, other, old):
+    other, old = (tmp_path / mine.name.replace(host, name) for name in ("one", f"x{host}.org"))
+    left = ["notes.part", ".notes.part", ".thesis.doc.part", ".a.nc.host.77.part", ".dem.part",
+            ".77.dem.part", "sub/.film.mp4.part", f"a.nc.host{dead}dem.part"]  # fmt: skip
+    aim, link, folder = tmp_path / "aim", tmp_path / f".l.host{dead}dem.part", tmp_path / f".f.host{dead}dem.part"  # fmt: skip
+    (tmp_path / "sub").mkdir()
+    folder.mkdir()
+    link.symlink_to(aim)
+    left = [aim, *(tmp_path / name for name in left)]
+    for file in (gone, mine, other, old, *left):
         file.touch()
-    os.utime(old, (time.time() - 2e5,) * 2)
+    for file in (gone, old, *left):
+        os.utime(file, (time.time() - 2e5,) * 2)
     assert clear_parts(tmp_path) == 2
     assert [file.exists() for file in (gone, mine, other, old)] == [False, True, True, False]
+    assert all(file.exists() for file in (*left, link, folder))
 
 
 def test_a_file_is_written_whole_or_not_at_all(tmp_path):

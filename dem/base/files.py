@@ -5,6 +5,7 @@ import os
 import re
 import socket
 import stat
+import tempfile
 from collections.abc import Iterable
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -100,6 +101,8 @@ def _check_target(target: Place) -> None:
     found, wanted = _kind_of(target), "a folder" if target.kind == FOLDER else "a file"
     if found not in ("", wanted):
         raise InputError(f"{target.words}; it is {found}, and must be {wanted}.")
+    if target.kind != FOLDER and target.path.is_symlink():
+        raise InputError(f"{target.words}; {_about_link(target.path)}")
     path = Path(os.path.realpath(target.path))
     if target.kind != FOLDER:
         try:
@@ -136,16 +139,23 @@ def _check_kind(target: Place) -> None:
         )
 
 
+def _about_link(path: Path) -> str:
+    return f"it is a link to {Path(path).readlink()}, and must be a file: remove the link or name another file."
+
+
 @contextmanager
 def atomic(path: Path):
     """A path to write to beside `path`; it takes the place of `path` only when all went well.
 
-    Of a link the file that it leads to is written, and the link stays. Raises InputError for a
-    folder or a device, OSError, with what to do, where the file cannot be written.
+    The folder may be a link. Raises InputError for a folder, a device or a link, because what a
+    link leads to, and the link itself, are somebody's; OSError, with what to do, where the file cannot
+    be written.
     """
     found = _kind_of(Place("the file to write", Path(path)))
     if found not in ("", "a file"):
         raise InputError(f"{path}: it is {found}, and must be a file.")
+    if Path(path).is_symlink():
+        raise InputError(f"{path}: {_about_link(path)}")
     path = Path(os.path.realpath(path))
     part = _part_of(path)
     try:
@@ -161,8 +171,12 @@ def atomic(path: Path):
             part.unlink(missing_ok=True)
 
 
+# Only half-written files of ours have such names, so that what killed processes left can be removed.
+PART = re.compile(r"\.(.+\..+)\.(\d+)\.dem\.part")  # file and host, process
+
+
 def _part_of(path: Path) -> Path:
-    return path.with_name(f".{path.name}.{socket.gethostname()}.{os.getpid()}.part")
+    return path.with_name(f".{path.name}.{socket.gethostname()}.{os.getpid()}.dem.part")
 
 
 def _cannot(path: Path, why: str) -> str:
@@ -189,15 +203,12 @@ def check_file(path: Path) -> None:
 
 def is_full(folder: Path) -> bool:
     """Whether nothing more can be written to a folder, because of its disk or of a quota."""
-    probe = Path(folder) / f".probe.{os.getpid()}"
     try:
-        probe.write_bytes(bytes(FULL))
+        with tempfile.TemporaryFile(dir=folder) as probe:
+            probe.write(bytes(FULL))
         return False
     except OSError as error:
         return error.errno in (errno.ENOSPC, errno.EDQUOT)
-    finally:
-        with suppress(OSError):
-            probe.unlink(missing_ok=True)
 
 
 def _why(path: Path, error: Exception) -> str:

@@ -4,7 +4,6 @@ No file may have a date in the future, because Snakemake would make all that fol
 """
 
 import os
-import re
 import socket
 import time
 from contextlib import suppress
@@ -13,7 +12,7 @@ from pathlib import Path
 from filelock import FileLock, Timeout
 
 from dem.base.errors import InputError, RunError
-from dem.base.files import check_file, is_full
+from dem.base.files import PART, check_file, is_full
 from dem.io.progress import span
 
 DAY = 86400.0  # s
@@ -83,11 +82,13 @@ def clear_parts(folder: Path) -> int:
     from psutil import pid_exists  # os.kill(process, 0) is Ctrl-C on Windows
 
     gone, here = 0, socket.gethostname()
-    for part in Path(folder).rglob(".*.part"):
-        owner = re.fullmatch(rf"\..*\.{re.escape(here)}\.(\d+)\.part", part.name)
+    for part in Path(folder).rglob(".*.dem.part"):
+        owner = PART.fullmatch(part.name)
         with suppress(OSError):
+            if owner is None or not part.is_file() or part.is_symlink():
+                continue  # not ours
             late = time.time() - part.stat().st_mtime > DAY
-            if not pid_exists(int(owner[1])) if owner else late:
+            if not pid_exists(int(owner[2])) if owner[1].endswith(f".{here}") else late:
                 part.unlink()
                 gone += 1
     return gone
