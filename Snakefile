@@ -12,12 +12,15 @@
 
 import json
 import logging
+import re
 import shlex
 import sys
+from base64 import urlsafe_b64encode
 from functools import cache
 from itertools import chain
 
 from snakemake.cli import get_argument_parser
+from snakemake.common.configfile import load_configfile
 
 import dem
 from dem.base.errors import InputError, RunError
@@ -25,7 +28,7 @@ from dem.base.sources import code_hash
 from dem.base.yaml_file import read
 from dem.experiment.config import EXPERIMENTS
 from dem.experiment.observables import OBSERVABLES
-from dem.figures import FLOW, possible
+from dem.figures import FILE_OF, FLOW, STUDY_FIGURES, possible
 from dem.io.progress import WorkflowProgress
 from dem.io.results_folder import on_failure, prepare
 from dem.sweep import config as schema
@@ -54,11 +57,39 @@ if not workflow.overwrite_configfiles:
     configfile: "config/paper.yaml"
 
 
+def written(work):
+    """Places, beside the combined files, at which a job would write through a link or replace it."""
+    found = []
+    for folder in map(Path, {work.sweep.results, *work.folders}):
+        named = [f"{name}.{kind}" for name in STUDY_FIGURES for kind in ("nc", "txt")]
+        named += [f"figures/{name}.{kind}" for name in FILE_OF for kind in ("svg", "png")]
+        found += [folder / name for name in (*named, "report.html", "provenance.html")]
+        for name in ("logs", "benchmarks", "flow", "accuracy", "stability"):
+            found += (folder / name).rglob("*")
+    return [path for path in found if path.is_symlink() and not path.is_dir()]
+
+
+# What other values than those of one file go into (--config, a module) has no file.
 try:
-    MAIN = Work(schema.parse(config, ", ".join(CONFIG_FILES)))
+    found = schema.parse(config, ", ".join(CONFIG_FILES))
+    OF_FILE = len(CONFIG_FILES) == 1 and load_configfile(CONFIG_FILES[0]) == config
+    MAIN = Work(found, file=schema.file_of(found, CONFIG_FILES[0]) if OF_FILE else "")
+    MAIN.check(written(MAIN))
 except InputError as error:
     refuse(error)
 SWEEP, STORE = MAIN.sweep, MAIN.store
+
+# Snakemake puts the file of `update` back when a job fails, but notes the job as finished, and would do nothing
+# the next time. A job therefore leaves a mark where it began and did not end, also where it was killed with all
+# else. It becomes Snakemake's own mark of what is incomplete.
+UNFINISHED = ".snakemake/unfinished"
+for mark in Path(UNFINISHED).rglob("*") if "--target-jobs" not in sys.argv else ():
+    if mark.is_file():
+        name = urlsafe_b64encode(str(mark.relative_to(UNFINISHED)).encode()).decode()
+        *folders, name = re.findall(".{1,254}", name)
+        noted = Path(".snakemake/incomplete", *(f"@{each}" for each in folders), name)
+        noted.parent.mkdir(parents=True, exist_ok=True)
+        noted.write_text('{"external_jobid": null}')
 
 # The command line, because Snakemake gives its targets only after reading this file. It is not read
 # if another program, or a job that Snakemake sent, runs this file.
@@ -84,7 +115,8 @@ def study(name):
     if name not in SWEEP.studies:
         refuse(f"studies.{name} is missing in {', '.join(CONFIG_FILES)}; add it as in config/paper.yaml.")
     try:
-        found = Work(schema.load(SWEEP.studies[name]), STORE)
+        found = Work.of(SWEEP.studies[name], STORE)
+        found.check(written(found))
     except InputError as error:
         refuse(error)
     return WORKS.setdefault(found.sweep.results, found)
@@ -159,6 +191,10 @@ def quoted(text):
 shell.prefix(
     "set -euo pipefail; trap '' INT; "
     f"export PYTHONPATH={quoted(Path(dem.__file__).parent.parent)}${{{{PYTHONPATH:+:$PYTHONPATH}}}}; "
+    # begin and end mark what a job is to make, where it is there
+    + f'begin() {{{{ for each; do if [ -e "$each" ]; then mkdir -p "{UNFINISHED}/${{{{each%/*}}}}"; '
+    f'touch "{UNFINISHED}/$each"; fi; done; }}}}; '
+    f'end() {{{{ for each; do rm -f "{UNFINISHED}/$each"; done; }}}}; '
     + f'dem() {{{{ {quoted(sys.executable)} -P -m dem "$@"; }}}}; '
     # --forceall and -R chunk make runs again that are there
     + ("export DEM_AGAIN=1; " if ARGUMENTS.forceall or "chunk" in (ARGUMENTS.forcerun or ()) else "")
@@ -209,7 +245,8 @@ onstart:
     try:
         HELD, said = prepare(RESULTS)
         for work in WORKS.values():
-            schema.save(work.sweep, f"{work.sweep.results}/config.yaml")
+            said += work.check()
+            schema.save(work.sweep, f"{work.sweep.results}/config.yaml", work.file)
             work.settle()
         STARTED = True
         said += unusual(MAIN)

@@ -40,7 +40,7 @@ rule accuracy_contacts:
     message:
         "Contacts of ellipses: error against time, alone on the computer"
     output:
-        RESULTS + "/accuracy/contacts.nc",
+        update(RESULTS + "/accuracy/contacts.nc"),
     params:
         code=code_of("studies.accuracy.contacts", "studies.accuracy.bounces"),
         size=lambda w: study("accuracy").sweep.size,
@@ -49,14 +49,14 @@ rule accuracy_contacts:
     log:
         RESULTS + "/logs/accuracy/contacts.log",
     shell:
-        "dem accuracy contacts --config {params.config} -o {output} 2> {log}"
+        "begin {output:q}; dem accuracy contacts --config {params.config} -o {output} 2> {log}; end {output:q}"
 
 
 rule accuracy_steps:
     message:
         "Time steps and integrators: error against time, alone on the computer"
     output:
-        RESULTS + "/accuracy/steps.nc",
+        update(RESULTS + "/accuracy/steps.nc"),
     params:
         code=code_of("studies.accuracy.steps"),
         sweep=lambda w: values_of(study("accuracy").sweep, "record", "sweep", *SHOWN),
@@ -65,7 +65,7 @@ rule accuracy_steps:
     log:
         RESULTS + "/logs/accuracy/steps.log",
     shell:
-        "dem accuracy steps --config {params.config} -o {output} 2> {log}"
+        "begin {output:q}; dem accuracy steps --config {params.config} -o {output} 2> {log}; end {output:q}"
 
 
 rule accuracy_table:
@@ -76,7 +76,7 @@ rule accuracy_table:
         steps=RESULTS + "/accuracy/steps.nc",
         chunks=accuracy_chunks,
     output:
-        RESULTS + "/accuracy.nc",
+        update(RESULTS + "/accuracy.nc"),
     params:
         code=code_of("studies.accuracy.table"),
         sweep=lambda w: values_of(study("accuracy").sweep, *UNREAD),
@@ -84,5 +84,5 @@ rule accuracy_table:
     log:
         RESULTS + "/logs/accuracy/table.log",
     shell:
-        "dem accuracy table --config {params.config} --contacts {input.contacts} --steps {input.steps}"
-        " -o {output} 2> {log}"
+        "begin {output:q}; dem accuracy table --config {params.config} --contacts {input.contacts} --steps {input.steps}"
+        " -o {output} 2> {log}; end {output:q}"

@@ -28,7 +28,7 @@ rule measure:
     message:
         "Time this code and others, alone on the computer"
     output:
-        RESULTS + "/benchmark.nc",
+        update(RESULTS + "/benchmark.nc"),
     params:
         code=code_of("studies.benchmark.measure", shapes=SWEEP.shapes),
         sweep=values_of(SWEEP, "record", "sweep", *SHOWN),
@@ -36,4 +36,4 @@ rule measure:
     log:
         RESULTS + "/logs/benchmark.log",
     shell:
-        "dem benchmark --config {CONFIG} -o {output} 2> {log}"
+        "begin {output:q}; dem benchmark --config {CONFIG} -o {output} 2> {log}; end {output:q}"

@@ -30,7 +30,7 @@ rule claims_table:
         chunks=lambda w: study_chunks("claims"),
         derived=lambda w: study_chunks("claims", derived=True),
     output:
-        RESULTS + "/claims.nc",
+        update(RESULTS + "/claims.nc"),
     params:
         code=code_of("studies.claims.table"),
         sweep=lambda w: values_of(study("claims").sweep, *UNREAD),
@@ -38,4 +38,4 @@ rule claims_table:
     log:
         RESULTS + "/logs/claims/table.log",
     shell:
-        "dem claims table --config {params.config} -o {output} 2> {log}"
+        "begin {output:q}; dem claims table --config {params.config} -o {output} 2> {log}; end {output:q}"

@@ -32,7 +32,7 @@ checkpoint combine:
     input:
         chunks=chunks_of,
     output:
-        "{folder}/{observable}.nc",
+        update("{folder}/{observable}.nc"),
     params:
         code=code_of("sweep.combine"),
         sweep=lambda w: values_of_block(w.folder),
@@ -45,5 +45,5 @@ checkpoint combine:
     benchmark:
         "{folder}/benchmarks/combine/{observable}.tsv"
     shell:
-        "dem combine --config {params.config} --block {params.block:q}"
-        " --observable {wildcards.observable} -o {output:q} 2> {log:q}"
+        "begin {output:q}; dem combine --config {params.config} --block {params.block:q}"
+        " --observable {wildcards.observable} -o {output:q} 2> {log:q}; end {output:q}"

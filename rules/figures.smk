@@ -41,8 +41,8 @@ rule figure:
     input:
         data=data_of,
     output:
-        "{folder}/figures/{figure}.svg",
-        "{folder}/figures/{figure}.png",
+        update("{folder}/figures/{figure}.svg"),
+        update("{folder}/figures/{figure}.png"),
     params:
         code=lambda w: code_of(f"figures.{w.figure}"),
     wildcard_constraints:
@@ -50,7 +50,7 @@ rule figure:
     log:
         "{folder}/logs/figures/{figure}.log",
     shell:
-        "dem figure {wildcards.figure} {input.data} -o {wildcards.folder}/figures 2> {log}"
+        "begin {output:q}; dem figure {wildcards.figure} {input.data} -o {wildcards.folder}/figures 2> {log}; end {output:q}"
 
 
 rule table:
@@ -59,7 +59,7 @@ rule table:
     input:
         data=RESULTS + "/{study}.nc",
     output:
-        RESULTS + "/{study}.txt",
+        update(RESULTS + "/{study}.txt"),
     params:
         code=lambda w: code_of("report.info", f"studies.{w.study}.report"),
     wildcard_constraints:
@@ -67,7 +67,7 @@ rule table:
     log:
         RESULTS + "/logs/{study}/table.log",
     shell:
-        "dem info {input.data} -o {output} 2> {log}"
+        "begin {output:q}; dem info {input.data} -o {output} 2> {log}; end {output:q}"
 
 
 rule figures:

@@ -16,7 +16,7 @@ rule measure_flow:
     input:
         "{folder}/chunks/{chunk}.nc",
     output:
-        "{folder}/flow/{chunk}.nc",
+        update("{folder}/flow/{chunk}.nc"),
     params:
         code=code_of("analysis.flow.collect", shapes=SWEEP.shapes),
     # before drag.nc is combined and drawn, because more is made of it
@@ -24,7 +24,7 @@ rule measure_flow:
     log:
         "{folder}/logs/flow/{chunk}.log",
     shell:
-        "dem flow {input} -o {output} 2> {log}"
+        "begin {output:q}; dem flow {input} -o {output} 2> {log}; end {output:q}"
 
 
 def chunks_of_beds(wildcards):
@@ -56,7 +56,7 @@ rule flow:
         measured=measured,
         chunks=chunks_of,  # the beds that are drawn
     output:
-        "{folder}/flow.nc",
+        update("{folder}/flow.nc"),
     params:
         code=code_of("analysis.flow.collect"),
         sweep=lambda w: values_of_block(w.folder),
@@ -67,7 +67,7 @@ rule flow:
     benchmark:
         "{folder}/benchmarks/flow.tsv"
     shell:
-        "dem flow --config {params.config} --block {params.block:q} -o {output} 2> {log}"
+        "begin {output:q}; dem flow --config {params.config} --block {params.block:q} -o {output} 2> {log}; end {output:q}"
 
 
 rule beds:
@@ -77,7 +77,7 @@ rule beds:
         measured=measured,
         chunks=chunks_of_beds,
     output:
-        "{folder}/flow/{beds}.nc",
+        update("{folder}/flow/{beds}.nc"),
     params:
         code=code_of("analysis.flow.collect"),
         sweep=lambda w: values_of_block(w.folder),
@@ -89,4 +89,4 @@ rule beds:
     log:
         "{folder}/logs/flow/{beds}.log",
     shell:
-        "dem flow --config {params.config} --block {params.block:q} {params.shapes} -o {output} 2> {log}"
+        "begin {output:q}; dem flow --config {params.config} --block {params.block:q} {params.shapes} -o {output} 2> {log}; end {output:q}"

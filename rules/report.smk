@@ -46,11 +46,11 @@ rule report_page:
         notes="docs/explanation/open.md",
         page=sorted(map(str, Path("dem/report/page").iterdir())),
     output:
-        RESULTS + "/report.html",
+        update(RESULTS + "/report.html"),
     params:
         code=code_of("report.build"),
         studies=lambda w: studies_there(),
     log:
         RESULTS + "/logs/report.log",
     shell:
-        "dem report {RESULTS}/drag.nc --notes {input.notes} -o {output} 2> {log}"
+        "begin {output:q}; dem report {RESULTS}/drag.nc --notes {input.notes} -o {output} 2> {log}; end {output:q}"

@@ -46,7 +46,7 @@ rule stability_part:
     input:
         catalogue=CATALOGUE,
     output:
-        RESULTS + "/stability/{part}/{shape}.nc",
+        update(RESULTS + "/stability/{part}/{shape}.nc"),
     params:
         code=lambda w: SWEEP.code_of("dem.studies.stability.study", shapes=[w.shape]),
         sweep=lambda w: values_of(study("stability").sweep, "record", "sweep", *SHOWN),
@@ -57,8 +57,8 @@ rule stability_part:
     benchmark:
         RESULTS + "/benchmarks/stability/{part}/{shape}.tsv"
     shell:
-        "dem stability {wildcards.part} --config {params.config} --catalogue {input.catalogue}"
-        " --shape {wildcards.shape} -o {output} 2> {log}"
+        "begin {output:q}; dem stability {wildcards.part} --config {params.config} --catalogue {input.catalogue}"
+        " --shape {wildcards.shape} -o {output} 2> {log}; end {output:q}"
 
 
 rule stability_table:
@@ -68,7 +68,7 @@ rule stability_table:
         parts=stability_parts,
         chunks=lambda w: study_chunks("stability"),
     output:
-        RESULTS + "/stability.nc",
+        update(RESULTS + "/stability.nc"),
     params:
         code=code_of("studies.stability.table"),
         sweep=lambda w: values_of(study("stability").sweep, *UNREAD),
@@ -76,4 +76,4 @@ rule stability_table:
     log:
         RESULTS + "/logs/stability/table.log",
     shell:
-        "dem stability table --config {params.config} -o {output} {input.parts} 2> {log}"
+        "begin {output:q}; dem stability table --config {params.config} -o {output} {input.parts} 2> {log}; end {output:q}"

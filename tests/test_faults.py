@@ -7,13 +7,15 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import netCDF4
 import numpy as np
 import pytest
 from conftest import CONFIG, assert_not_blank, posix
 from rich.console import Console
-from test_stopping import Killed, combined, discs, killed_at, planned
+from test_outputs import content
+from test_stopping import Killed, combined, discs, killed_at, planned, smoke
 from typer.testing import CliRunner
 
 from dem.analysis.flow.collect import measure_chunk, write_flow
@@ -31,9 +33,10 @@ from dem.report.info import summary
 from dem.sweep import chunk as making
 from dem.sweep import work as working
 from dem.sweep.combine import open_combined
-from dem.sweep.config import save
+from dem.sweep.config import load, save
 from dem.sweep.estimate import retried
 from dem.sweep.estimate import summary as estimated
+from dem.sweep.work import Work
 
 
 @pytest.fixture
@@ -193,6 +196,112 @@ def test_the_command_ends_with_1_where_runs_failed_and_tries_them_again(tmp_path
     result = CliRunner().invoke(app, [*arguments, "--retry"])
     assert result.exit_code == 0 and "4 failed runs are tried again" in result.stdout, result.output
     assert (tmp_path / "results/few/drag.nc").is_file()
+
+
+@pytest.fixture
+def one_sweep(tmp_path, monkeypatch):
+    """A folder with the results of one.yaml: three runs of one case, and drag.nc alone."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(working, "make_chunks", in_this_process)
+    write_sweep("one.yaml", [1, 2, 3])
+    assert swept("one.yaml")[0] == 0
+    return Path("results/few")
+
+
+def write_sweep(name, seeds, **changes):
+    changed = {"title": "one", "record": SHORT, "sweep": {"case": ["c1"], "seed": seeds}} | changes
+    save(smoke(results="results/few", **changed), name)
+
+
+SHORT = {"bins": 4, "snapshots": 2, "window": [0.4e-3, 1e-3], "observables": ["drag"]}
+
+
+def swept(*arguments):
+    result = CliRunner().invoke(app, ["sweep", *arguments, "-j", "1"])
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+    return result.exit_code, result.output
+
+
+def test_two_files_do_not_replace_each_others_results(one_sweep):
+    """The second is refused in one sentence, and nothing is written. The same file, changed, goes on and
+    says how many runs are gone; so does the resolved configuration of the folder."""
+    write_sweep("two.yaml", [1])
+    before = content("results")
+    for words in (["two.yaml"], ["two.yaml", "-n"]):
+        status, told = swept(*words)
+        assert status == 2 and told.count("\n") == 1, told
+        assert "results is 'results/few', which has the results of one.yaml" in told
+        assert content("results") == before
+    write_sweep("one.yaml", [3, 4])
+    status, told = swept("one.yaml")
+    assert status == 0 and "drag.nc: 2 of the 3 runs that it held are no longer" in told, told
+    status, told = swept(str(one_sweep / "config.yaml"))
+    assert status == 0 and "no longer" not in told, told
+    with netCDF4.Dataset(one_sweep / "drag.nc") as file:
+        assert file.sweep_file == "one.yaml" and file["seed"][:].tolist() == [3, 4]
+    assert swept("two.yaml")[0] == 2
+
+
+def test_a_sweep_is_known_where_its_file_or_its_folder_was_moved(one_sweep, tmp_path, monkeypatch):
+    """By its title where the file is gone or there is none. What does not say its sweep is anybody's."""
+    place = tmp_path.with_name(f"{tmp_path.name}_moved")
+    tmp_path.rename(place)
+    tmp_path.mkdir()  # pytest's own
+    monkeypatch.chdir(place)
+    write_sweep("other.yaml", [1], title="other")
+    Path("sub").mkdir()
+    Path("link.yaml").symlink_to("one.yaml")
+    for name, allowed in (("one.yaml", True), (place / "one.yaml", True), ("link.yaml", True),
+                          ("other.yaml", False)):  # fmt: skip
+        assert checked(Work.of(name)) == allowed, name
+    assert checked(Work(load("one.yaml"), file=""))
+    assert not checked(Work(load("other.yaml"), file=""))
+    Path("one.yaml").rename("sub/renamed.yaml")
+    assert checked(Work.of("sub/renamed.yaml")) and not checked(Work.of("other.yaml"))
+    with netCDF4.Dataset(one_sweep / "drag.nc", "a") as file:
+        file.delncattr("sweep_file")
+    assert checked(Work.of("other.yaml"))
+
+
+def checked(work):
+    try:
+        work.check()
+    except InputError:
+        return False
+    return True
+
+
+@posix
+@pytest.mark.parametrize("name", ["drag.nc", "flow.nc", "config.yaml", "flow/0123456789abcdef.nc"])
+@pytest.mark.parametrize("aim", ["mine", "nothing"])
+def test_no_sweep_writes_through_a_link_or_replaces_it(one_sweep, name, aim):
+    """One sentence before anything is written; a folder of results may be a link."""
+    one_sweep.rename("disk")
+    one_sweep.symlink_to("../disk")
+    assert swept("one.yaml")[0] == 0 and one_sweep.is_symlink()
+    Path("mine").write_bytes((one_sweep / "drag.nc").read_bytes())
+    (one_sweep / name).parent.mkdir(exist_ok=True)
+    (one_sweep / name).unlink(missing_ok=True)
+    (one_sweep / name).symlink_to(Path(aim).absolute())
+    before = content(".")
+    status, told = swept("one.yaml")
+    assert status == 2 and f"{name}'; it is a link to" in told and told.count("\n") == 1, told
+    assert content(".") == before
+
+
+def test_a_damaged_chunk_leaves_the_good_result(one_sweep, monkeypatch):
+    """It is there, and so it is not made; the sentence says what to do."""
+    monkeypatch.setattr(working, "make_chunks", lambda *_: None)
+    (chunk,) = Path("results/store/chunks").glob("*.nc")
+    chunk.write_bytes(chunk.read_bytes()[:20000])
+    good = (one_sweep / "drag.nc").read_bytes()
+    status, told = swept("one.yaml")
+    assert (
+        status == 2
+        and f"{chunk}: its content is not what was written" in told
+        and "delete it" in told
+    )
+    assert (one_sweep / "drag.nc").read_bytes() == good
 
 
 def failing(replicate):

@@ -289,6 +289,81 @@ def test_a_killed_run_is_taken_up_again(finished):
         np.testing.assert_array_equal(one["drag"][run.place], alone["drag"].values)
 
 
+@pytest.fixture(scope="module")
+def own(finished, tmp_path_factory):
+    """A copy with a small sweep of runs that are there, in results/own."""
+    folder = tmp_path_factory.mktemp("own") / "copy"
+    shutil.copytree(finished, folder, symlinks=True)
+    text = "extends: config/smoke.yaml\ntitle: one\nresults: results/own\nsweep: {case: [c1, c12], seed: [1, 2]}\n"
+    (folder / OWN).write_text(text)
+    run = snakemake(folder, "results/own/drag.nc", "-j2", configfile=OWN)
+    assert run.returncode == 0, run.stderr
+    return folder
+
+
+OWN = "config/own.yaml"
+
+
+def test_a_job_that_fails_leaves_what_was_good(own):
+    """A damaged chunk is named, drag.nc stays, and the next start tries again until it is mended."""
+    result, target = own / "results/own/drag.nc", "results/own/drag.nc"
+    good, (chunk, *_) = result.read_bytes(), (own / "results/own/chunks").glob("*.nc")
+    kept = chunk.read_bytes()
+    file = own / OWN
+    text = file.read_text()
+    chunk.resolve().write_bytes(kept[:20000])
+    file.write_text(text.replace("title: one", "title: changed"))
+    for _ in range(2):
+        run = snakemake(own, target, "-j2", configfile=OWN)
+        assert run.returncode == 1 and "its content is not what was written" in run.stderr
+        assert result.read_bytes() == good
+    chunk.resolve().write_bytes(kept)
+    assert planned(own, target, configfile=OWN) == {"combine": 1}
+    assert snakemake(own, target, "-j2", configfile=OWN).returncode == 0
+    with netCDF4.Dataset(result) as one:
+        assert (one.title, one.sweep_file) == ("changed", OWN)
+    assert planned(own, target, configfile=OWN) == {}
+    file.write_text(text)
+
+
+def test_another_sweep_of_a_folder_is_refused(own):
+    """Also in a dry run, and where values of the command line make it one; nothing is written."""
+    (own / "config/other.yaml").write_text(
+        (own / OWN).read_text().replace("seed: [1, 2]", "seed: 1")
+    )
+    before = {path: path.stat().st_mtime_ns for path in (own / "results").rglob("*")}
+    for words, file in (
+        (["-n"], "config/other.yaml"), (["-j1"], "config/other.yaml"),
+        (["-j1", "--config", "title=two"], OWN),
+    ):  # fmt: skip
+        run = snakemake(own, "results/own/drag.nc", *words, configfile=file)
+        assert run.returncode == 2 and "has the results of config/own.yaml" in run.stderr, words
+    assert before == {path: path.stat().st_mtime_ns for path in (own / "results").rglob("*")}
+    (own / OWN).write_text((own / OWN).read_text().replace("seed: [1, 2]", "seed: [2, 3]"))
+    run = snakemake(own, "results/own/drag.nc", "-n", configfile=OWN)
+    assert run.returncode == 0
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["drag.nc", "flow.nc", "config.yaml", "claims.nc", "claims.txt", "report.html", "figures/figure13.svg",
+     "logs/combine/drag.log", "benchmarks/combine/drag.tsv"],
+)  # fmt: skip
+def test_the_workflow_writes_through_no_link(own, name):
+    """Nor does it replace one: a sentence, status 2."""
+    place, mine = own / "results/own" / name, own / "mine"
+    mine.write_bytes((own / "results/smoke/drag.nc").read_bytes())
+    place.parent.mkdir(parents=True, exist_ok=True)
+    kept = place.rename(own / "kept") if place.exists() else None
+    place.symlink_to(mine)
+    run = snakemake(own, "-j1", "results/own/drag.nc", configfile=OWN)
+    assert run.returncode == 2 and "it is a link to" in run.stderr, run.stderr
+    assert place.is_symlink() and mine.read_bytes() == (own / "results/smoke/drag.nc").read_bytes()
+    place.unlink()
+    if kept:
+        kept.rename(place)
+
+
 def test_a_wrong_configuration_writes_nothing(copy):
     """Bad input: one sentence with key and value, exit status 2, no results."""
     text = (copy / SMOKE).read_text().replace("results/smoke", "results/wrong")

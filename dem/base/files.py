@@ -97,12 +97,21 @@ def _kind_of(place: Place) -> str:
     return "a folder" if stat.S_ISDIR(status.st_mode) else "a device, pipe or socket"
 
 
-def _check_target(target: Place) -> None:
+def check_own(target: Place) -> str:
+    """Raise InputError where a target is something else than a command would write there, a link
+    included; returns what it is, as _kind_of. Nothing need be written."""
     found, wanted = _kind_of(target), "a folder" if target.kind == FOLDER else "a file"
     if found not in ("", wanted):
         raise InputError(f"{target.words}; it is {found}, and must be {wanted}.")
     if target.kind != FOLDER and target.path.is_symlink():
         raise InputError(f"{target.words}; {_about_link(target.path)}")
+    if found == "a file":
+        _check_kind(target)
+    return found
+
+
+def _check_target(target: Place) -> None:
+    found = check_own(target)
     path = Path(os.path.realpath(target.path))
     if target.kind != FOLDER:
         try:
@@ -116,8 +125,6 @@ def _check_target(target: Place) -> None:
         raise InputError(f"{target.words}; {there} is a file, and must be a folder.")
     if not os.access(there, os.W_OK | os.X_OK):
         raise OSError(_cannot(target.path, f"{there} is read-only or belongs to another user"))
-    if found == "a file":
-        _check_kind(target)
     if target.kind == ".nc" and target.path.suffix != target.kind:
         raise InputError(f"{target.words}; it must end in .nc, because it will be a netCDF file.")
 

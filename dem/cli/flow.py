@@ -48,12 +48,11 @@ def flow(
         with bar("measuring the flow", 1.0) as update:
             measure_chunk(chunk, output, update)
         return
-    from dem.sweep.config import load
     from dem.sweep.work import Work
 
-    sweep = load(config)
+    work = Work.of(config)
     with bar("combining", 1.0) as update:
-        write_flow(Work(sweep), block or next(iter(sweep.blocks)), output, update, shape or ())
+        write_flow(work, block or next(iter(work.sweep.blocks)), output, update, shape or ())
 
 
 def film(

@@ -28,12 +28,13 @@ def sweep(
     Example: dem sweep config/smoke.yaml -j 2
     """
     start_lean()
-    from dem.sweep.config import load, save
+    from dem.sweep.config import CONFIG, save
     from dem.sweep.estimate import retried, summary
     from dem.sweep.units import unusual
     from dem.sweep.work import Work, of_new_store
 
-    work = Work(load(file))
+    work = Work.of(file)
+    gone = work.check()
     if sentence := of_new_store(work.store, file):
         typer.echo(sentence, err=True)
     for sentence in unusual(work):
@@ -41,7 +42,7 @@ def sweep(
     if dry_run:
         with bar("estimating"):
             found = summary(work, jobs, retry)
-        typer.echo(found)
+        typer.echo("\n".join((found, *gone)))
         return
     from dem.analysis.flow.collect import make_flow
     from dem.io.results_folder import prepare
@@ -50,7 +51,7 @@ def sweep(
     for sentence in said:
         typer.echo(sentence, err=True)
     try:
-        save(work.sweep, Path(work.sweep.results) / "config.yaml")
+        save(work.sweep, Path(work.sweep.results) / CONFIG, work.file)
         if retry:
             typer.echo(f"{retried(work)} failed runs are tried again.")
         order, seen = list(work.sweep.blocks), Counter()
@@ -65,6 +66,8 @@ def sweep(
         with bar("measuring flow", float(len(order))) as update:
             for number, block in enumerate(order):
                 make_flow(work, block, lambda share, n=number: update(n + share))
+        for sentence in (*gone, *work.said):
+            typer.echo(sentence, err=True)
     finally:
         held.release()
 
@@ -123,14 +126,15 @@ def combine(
 
     Example: dem combine --config config/smoke.yaml -o drag.nc
     """
-    from dem.sweep.config import load
     from dem.sweep.store import check_place
     from dem.sweep.work import Work
 
     check_place(output)
-    work = Work(load(config))
+    work = Work.of(config)
     with bar("combining", 1.0) as update:
         work.combine(block or next(iter(work.sweep.blocks)), observable, output, update)
+    for sentence in work.said:
+        typer.echo(sentence, err=True)
 
 
 def store(

@@ -31,6 +31,7 @@ from dem.io.dataset import (
 )
 from dem.io.lazily import open_lazily, require
 from dem.sweep.config import Sweep
+from dem.sweep.earlier import OWNER
 from dem.sweep.expand import Block
 
 PROVENANCE = ("versions", "git_revision", "source_hash")
@@ -40,7 +41,7 @@ HELD = 8_000_000  # bytes of a variable that are in memory until they are writte
 
 def combine(
     paths: list[Path], sweep: Sweep, block: Block, observable: str, output: Path,
-    progress=lambda done: None, more=lambda file: None,
+    progress=lambda done: None, more=lambda file: None, of: str | None = None,
 ) -> None:  # fmt: skip
     """Write what an observable gave for all runs of a block.
 
@@ -48,7 +49,7 @@ def combine(
     them are left out. The attributes tell the provenance of the runs, all of it where they differ.
     The file is written atomically and without loss. Where the sweep allows failures, those are gaps
     (NaN) and `failure` tells why. more: adds to the file, a netCDF4.Dataset, what else it shall
-    hold. Raises InputError for a file that is damaged and for a run that
+    hold. of: the file of the sweep. Raises InputError for a file that is damaged and for a run that
     no file holds; RunError where too many runs failed, or all of a case or shape.
     """
     layout, names = layout_of(block, observable)
@@ -88,6 +89,8 @@ def combine(
                 file.variables["failure"][place] = flag
         found = {name: "; ".join(kept) for name, kept in provenance.items()}
         file.setncatts(about(sweep, block, found))
+        if of is not None:
+            file.setncattr_string(OWNER, of)
         more(file)
 
 

@@ -1,6 +1,7 @@
 """A whole configuration file: the values of a run, and what is varied."""
 
 import json
+import os
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -21,6 +22,7 @@ from dem.sweep.remedy import meant, remedies
 
 STUDIES = ("accuracy", "claims", "stability")
 FOLDERS = ("store", "chunks", "flow", "figures", "logs", "benchmarks", *STUDIES)  # of results
+CONFIG = "config.yaml"  # of results, as resolved
 LONGEST_CHAIN = 20  # files that extend one another
 REPLACED = ("sweep", "studies")  # whole, by a file that extends another
 
@@ -197,9 +199,29 @@ def load(path: Path) -> Sweep:
     return parse(read(path), str(path))
 
 
-def save(sweep: Sweep, path: Path) -> None:
-    """Write the resolved configuration; `load` then gives the same sweep."""
-    text = yaml.safe_dump(sweep.dump(), sort_keys=False).encode()
+FROM = "# resolved from "
+
+
+def file_of(sweep: Sweep, path: Path) -> str:
+    """The file that a sweep is known by, as it is seen from the working folder, which may be moved.
+
+    Of the resolved configuration in the sweep's own folder it is the one that this was made from.
+    """
+    path = Path(path).resolve()
+    if path == (Path(sweep.results) / CONFIG).resolve():
+        with path.open(encoding="utf-8") as file:
+            first = file.readline().rstrip("\n")
+        return first.removeprefix(FROM) if first.startswith(FROM) else ""
+    try:
+        return Path(os.path.relpath(path, Path.cwd().resolve())).as_posix()
+    except ValueError:  # another drive of Windows
+        return path.as_posix()
+
+
+def save(sweep: Sweep, path: Path, file: str = "") -> None:
+    """Write the resolved configuration; `load` then gives the same sweep. file: that of the sweep."""
+    head = f"{FROM}{file}\n" if file.isprintable() and file else ""
+    text = (head + yaml.safe_dump(sweep.dump(), sort_keys=False)).encode()
     path = Path(path)
     if not path.is_file() or path.read_bytes() != text:  # a pipe has no end
         with atomic(path) as part:

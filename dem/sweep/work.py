@@ -7,20 +7,32 @@ from functools import cached_property
 from pathlib import Path
 
 from dem.base.errors import InputError
+from dem.base.files import Place, check_own
 from dem.experiment.config import Replicate
 from dem.io.results_folder import clear_parts, redate
-from dem.sweep.config import Sweep, load
+from dem.sweep.config import CONFIG, Sweep, file_of, load
+from dem.sweep.earlier import read_earlier, refuse_other, replaced
 from dem.sweep.expand import Block
 from dem.sweep.store import FOLDER, Chunk, Store, kernels_of, link_to, plan, settle
 
 
 class Work:
-    """A sweep and the store that holds its runs. Nothing is written before `settle`."""
+    """A sweep and the store that holds its runs. Nothing is written before `settle`.
 
-    def __init__(self, sweep: Sweep, store: Store | None = None):
-        self.sweep, self.store = sweep, store or Store(FOLDER)
+    file: what the sweep is known by, empty where none has it, None where nobody will ask.
+    """
+
+    def __init__(self, sweep: Sweep, store: Store | None = None, file: str | None = None):
+        self.sweep, self.store, self.file = sweep, store or Store(FOLDER), file
         self._plans: dict[str, tuple[list[Chunk], dict]] = {}
         self._blocks: dict[str, Block] = {}
+        self.said: list[str] = []  # sentences to show in the end
+
+    @classmethod
+    def of(cls, path: Path, store: Store | None = None) -> "Work":
+        """The sweep of a file."""
+        sweep = load(path)
+        return cls(sweep, store, file_of(sweep, path))
 
     @cached_property
     def folders(self) -> dict[str, str]:
@@ -100,6 +112,30 @@ class Work:
         """The chunks of a block in the store."""
         return [self.store.file_of(chunk.id) for chunk in self.chunks(block)]
 
+    def combined(self) -> Iterator[tuple[str, Path]]:
+        """The combined files that the sweep may write, each with its block."""
+        for folder, name in self.folders.items():
+            for observable in dict.fromkeys((*self.observables(name), "flow")):
+                yield name, Path(folder) / f"{observable}.nc"
+
+    def _first(self, block: str) -> Path:
+        """The combined file whose runs are compared; they are known early but for what is derived."""
+        return Path(self.folder_of(block)) / f"{self.observables(block)[0]}.nc"
+
+    def check(self, more: Iterable[Path] = ()) -> list[str]:
+        """Raise InputError where a file that the sweep writes, or one of `more`, is a link or of another
+        kind, or where the folder holds another sweep. Returns a sentence where runs will be gone."""
+        results, said = Path(self.sweep.results), []
+        for path in (results / CONFIG, *(results / "flow").glob("*.nc"), *more):
+            check_own(Place("the file to write", path))
+        for name, path in self.combined():
+            check_own(Place("the file to write", path))
+            found = read_earlier(path)
+            refuse_other(path, found, self.sweep, self.file)
+            if path == self._first(name) and not self.sweep.needed(name):
+                said += replaced(path, found, self.block(name).places)
+        return said
+
     def settle(self) -> None:
         """Write the plans that were asked for so far, and clear the store of half-written files."""
         clear_parts(self.store.folder)
@@ -118,7 +154,10 @@ class Work:
             )
         from dem.sweep.combine import combine
 
-        combine(self.files(block), self.sweep, self.block(block), observable, output, progress)
+        found, before, own = self.block(block), read_earlier(output), self.file
+        combine(self.files(block), self.sweep, found, observable, output, progress, of=own)
+        if output == self._first(block) and self.sweep.needed(block):
+            self.said += replaced(output, before, found.places)
 
     def make(self, jobs: int, progress=lambda name, share: None) -> None:
         """Make all that is not there yet, in some processes, but flow.nc (dem.analysis.flow); raises

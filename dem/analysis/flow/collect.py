@@ -116,7 +116,8 @@ def write_flow(
         if "snapshots" in _recorded(work, block) and base in ({"case"}, {"shape"}):
             _keep_beds(file, work, found, base.pop())
 
-    combine(sources(work, block, found.places), work.sweep, found, "flow", output, progress, more)
+    wanted = sources(work, block, found.places)
+    combine(wanted, work.sweep, found, "flow", output, progress, more, work.file)
 
 
 def _recorded(work: Work, block: str) -> tuple[str, ...]:
