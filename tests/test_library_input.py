@@ -10,8 +10,8 @@ from numpy.testing import assert_array_equal
 from test_large import swarm
 
 import dem
-from dem.dynamics.stepping import longest_step
 from dem import shapes
+from dem.dynamics.stepping import longest_step
 
 PLACES = [[2e-3, 2e-3], [5e-3, 2e-3]]
 DISCS = dem.Disc([1e-3, 1e-3])
