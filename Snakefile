@@ -24,6 +24,7 @@ from snakemake.common.configfile import load_configfile
 
 import dem
 from dem.base.errors import InputError, RunError
+from dem.base.say import say
 from dem.base.sources import code_hash
 from dem.base.yaml_file import read
 from dem.experiment.config import EXPERIMENTS
@@ -32,12 +33,13 @@ from dem.figures import FILE_OF, FLOW, STUDY_FIGURES, possible
 from dem.io.progress import WorkflowProgress
 from dem.io.results_folder import on_failure, prepare
 from dem.sweep import config as schema
+from dem.sweep.estimate import advice, kept, outcome
 from dem.sweep.units import unusual
 from dem.sweep.work import Work
 
 
 def refuse(sentence):
-    print(sentence, file=sys.stderr)
+    say(sentence)
     sys.exit(2)
 
 
@@ -251,12 +253,25 @@ onstart:
         STARTED = True
         said += unusual(MAIN)
     except (InputError, RunError, OSError) as error:
-        print(error, file=sys.stderr)
+        say(error)
         sys.exit(1)
-    print(*said, sep="\n", end="\n" if said else "", file=sys.stderr)
+    for sentence in (*said, *advice(SWEEP)):
+        say(sentence)
     logging.raiseExceptions = False  # that Snakemake's log cannot grow on a full disk is said once
     logging.getLogger("snakemake.logging").addHandler(WorkflowProgress())
 
 
+# Only of the sweep itself: of what else is made, such as studies, Snakemake names the files.
+WHOLE = OWN and TARGETS <= {"all"}
+
+
+onsuccess:
+    if WHOLE:
+        given = ["--configfile", *CONFIG_FILES] if workflow.overwrite_configfiles else []
+        say(outcome(MAIN, draws=shlex.join(["snakemake", "-j2", "report", *given])))
+
+
 onerror:
-    print(on_failure(RESULTS), file=sys.stderr)
+    say(on_failure(RESULTS))
+    if WHOLE:
+        say(f"{RESULTS}: {kept(MAIN, shlex.join(['snakemake', *sys.argv[1:]]))}")

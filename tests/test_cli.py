@@ -1,6 +1,7 @@
 """The command line's promises: exit status, one sentence, nothing written."""
 
 import importlib.metadata
+import json
 import os
 import re
 import shutil
@@ -8,6 +9,7 @@ import signal
 import subprocess
 import sys
 import tomllib
+import warnings
 from contextlib import suppress
 from functools import partial
 from importlib import import_module
@@ -17,11 +19,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import typer
+from conftest import posix
 from typer.main import get_command
 from typer.testing import CliRunner
 
 from dem.base.errors import InputError, RunError
 from dem.cli.app import app
+from dem.cli.streams import spelled
 from dem.cli.terminal import bar, reported
 from dem.figures import film
 from dem.io import progress
@@ -109,8 +113,8 @@ def test_a_failed_run_says_what_where_and_when(tmp_path):
     output = tmp_path / "run.nc"
     run = dem(*RUN, "--config", config, "-o", output)
     assert run.returncode == 1, run.stderr
-    for word in ("OverlapError", "granule", "step", "time", "0.08"):
-        assert word in run.stderr
+    assert re.search("^granule .* overlaps by .* step .* time .* 0.08", run.stderr, re.M)
+    assert "Error" not in run.stderr
     assert not output.exists() and not list(tmp_path.glob(".*"))
 
 
@@ -286,21 +290,97 @@ def test_compiling_is_no_part_of_the_time_left():
     assert stage.words() == "30% done, 1 min 6 s left"
 
 
-def test_the_time_left_of_a_sweep_is_that_of_runs_after_compiling(tmp_path, monkeypatch):
-    """The smoke test has three kinds of kernels, so three chunks that compile."""
-    typical = []
+def faked(monkeypatch, folder, make):
+    """Let a sweep of the smoke test in a folder make its runs by a function of Work, and no flow."""
+    monkeypatch.chdir(folder)
+    monkeypatch.setattr("dem.sweep.work.Work.make", make)
+    monkeypatch.setattr("dem.analysis.flow.collect.make_flow", lambda *values: None)
+    return CliRunner().invoke(app, ["sweep", str(ROOT / "config/smoke.yaml")])
+
+
+def test_a_sweep_says_that_it_compiles_only_while_it_does(tmp_path, monkeypatch):
+    """The time left is that of runs that do not compile."""
+    told = []
 
     def make(work, jobs, progress):
         for done in range(1, 6):
-            progress("drag", done / 5)
+            progress("drag", done / 5, done < 4)
 
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("dem.sweep.work.Work.make", make)
-    monkeypatch.setattr("dem.analysis.flow.collect.make_flow", lambda *values: None)
-    monkeypatch.setattr(Stage, "update", lambda stage, done, counts, label: typical.append(counts))
-    result = CliRunner().invoke(app, ["sweep", str(ROOT / "config/smoke.yaml")])
+    monkeypatch.setattr(Stage, "update", lambda stage, *values: told.append(values[1:]))
+    result = faked(monkeypatch, tmp_path, make)
     assert result.exit_code == 0, (result.output, result.exception)
-    assert typical == [False, False, False, True, True]
+    assert told == [
+        *3 * [(False, "making runs, the first ones compile")], *2 * [(True, "making runs")],
+    ]  # fmt: skip
+
+
+def kept(work, count):
+    """Keep some runs of a work, as if they were made."""
+    for run in list(work.block("drag").places)[:count]:
+        work.store.keep(run, {"failure": 0})
+
+
+def test_a_sweep_ends_with_the_file_of_its_runs_and_what_to_do_next(tmp_path, monkeypatch):
+    """A sweep with nothing to make says so; what was asked for is on stdout, and nothing was."""
+
+    def make(work, jobs, progress):
+        work.chunks("drag")
+        work.settle()
+        kept(work, 10)
+
+    after = r"dem info results/smoke/drag.nc or dem figure all results/smoke/drag.nc\n"
+    for words in (
+        r"results/smoke/drag.nc holds 10 runs, 10 of them new\. ",
+        r"Nothing was to be made: results/smoke/drag.nc holds all 10 runs\. ",
+    ):
+        result = faked(monkeypatch, tmp_path, make)
+        assert result.exit_code == 0 and result.stdout == ""
+        assert re.fullmatch(f"{words}Next: {after}", result.stderr), result.stderr
+
+
+@pytest.mark.skipif(os.name != "posix", reason="Windows ends a process at once")
+def test_a_sweep_that_is_stopped_says_what_is_kept_and_how_it_goes_on(tmp_path, monkeypatch):
+    def make(work, jobs, progress):
+        work.chunks("drag")
+        work.settle()
+        kept(work, 7)
+        signal.raise_signal(signal.SIGINT)
+
+    result = faked(monkeypatch, tmp_path, make)
+    file = ROOT / "config/smoke.yaml"
+    assert result.exit_code == 130 and result.stdout == ""
+    assert result.stderr == (
+        f"Interrupted; 7 of 10 runs are kept; to go on, type: dem sweep {file} -j 2\n"
+    )
+
+
+def test_a_design_that_is_uneven_is_said_in_one_sentence(tmp_path, monkeypatch):
+    """By the dry run, where the number of points can still be changed."""
+    monkeypatch.chdir(tmp_path)
+    over = "{friction.granule: {low: 0.1, high: 0.5}}"
+    for points, words in ((12, "sweep.point.points is 12; .* take 8 or 16"), (16, None)):
+        Path("few.yaml").write_text(
+            f"extends: {ROOT}/config/smoke.yaml\nresults: results/few\nsweep:\n  shape: c1\n  seed: 1\n"
+            f"  point: {{design: sobol, points: {points}, over: {over}}}\n"
+        )
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            result = CliRunner().invoke(app, ["sweep", "-n", "few.yaml"])
+        assert result.exit_code == 0, (result.output, result.exception)
+        assert bool(re.search(words or "power of two", result.stdout)) == (points == 12)
+
+
+@pytest.mark.parametrize(
+    ("error", "sentence"),
+    [
+        (RunError("the bed cannot be made."), "the bed cannot be made."),
+        (FileNotFoundError(2, "No such file or directory", "bed.nc"), "bed.nc: no such file or directory."),
+    ],
+)  # fmt: skip
+def test_a_failure_is_a_sentence_without_the_name_of_its_class(capsys, error, sentence):
+    with pytest.raises(typer.Exit) as end, reported():
+        raise error
+    assert end.value.exit_code == 1 and capsys.readouterr().err == f"{sentence}\n"
 
 
 @pytest.mark.parametrize(
@@ -368,6 +448,137 @@ def test_a_stop_that_the_compiler_swallows_is_still_one_sentence(capsys):
         raise RuntimeError("no compiled object yet")
     assert end.value.exit_code == 128 + signal.SIGTERM
     assert capsys.readouterr().err == "Interrupted; no half-written file is left.\n"
+
+
+# Runs commands one after another, each in a fork and at streams as a shell would give them.
+AT_STREAMS = """
+import json, os, sys, traceback
+from dem.cli.app import app
+import dem.report.info, dem.sweep.work, dem.sweep.estimate, dem.figures
+
+def give(number, kind):
+    name = {1: "stdout", 2: "stderr"}[number]
+    encoding, errors = "utf-8", "strict"
+    if kind == "closed":
+        os.close(number)
+        setattr(sys, name, None)
+        return
+    if kind == "full":
+        os.dup2(os.open("/dev/full", os.O_WRONLY), number)
+    elif kind == "left":
+        ends = os.pipe()
+        os.close(ends[0])
+        os.dup2(ends[1], number)
+    else:
+        os.dup2(os.open(name, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), number)
+        encoding = "ascii" if kind == "ascii" else encoding
+    setattr(sys, name, open(number, "w", encoding=encoding, errors=errors, closefd=False))
+
+for words, out, err in json.load(sys.stdin):
+    child = os.fork()
+    if child == 0:
+        give(2, err)
+        give(1, out)
+        code = 1
+        try:
+            app(words, prog_name="dem")
+        except SystemExit as end:
+            code = end.code or 0
+        except BaseException:
+            open("traceback", "a").write(f"{words} {out} {err}: {traceback.format_exc()}")
+        try:
+            sys.stdout and sys.stdout.flush()
+            sys.stderr and sys.stderr.flush()
+        except OSError:
+            code = 120
+        os._exit(code)
+    code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    said = [open(n, errors="replace").read() if os.path.exists(n) else "" for n in ("stdout", "stderr")]
+    print(json.dumps([code, *said]), flush=True)
+    for name in ("stdout", "stderr"):
+        if os.path.exists(name):
+            os.unlink(name)
+"""
+STREAMS = [
+    ("usual", "usual"), ("closed", "usual"), ("usual", "closed"), ("closed", "closed"),
+    ("full", "usual"), ("usual", "full"), ("full", "full"), ("left", "usual"), ("left", "left"),
+    ("ascii", "ascii"),
+]  # fmt: skip
+
+
+def ended(folder, commands):
+    """Exit status, stdout and stderr of commands at each of STREAMS, by command."""
+    asked = [(words, *each) for words in commands for each in STREAMS]
+    run = subprocess.run(
+        [sys.executable, "-c", AT_STREAMS], cwd=folder, input=json.dumps(asked), text=True,
+        capture_output=True, env=os.environ | {"PYTHONPATH": str(ROOT), "COLUMNS": "160"},
+    )  # fmt: skip
+    wrong = folder / "traceback"
+    assert not wrong.exists(), wrong.read_text()
+    assert run.returncode == 0, run.stderr
+    found = map(json.loads, run.stdout.splitlines())
+    return [(words, (out, err), *next(found)) for words, out, err in asked]
+
+
+def check_streams(folder, commands, expected, shows):
+    """A stream changes neither the exit status nor what the other one says; results that stdout
+    cannot take end with 1 and a sentence, but who has left a pipe has seen enough."""
+    for words, (out, err), code, said, told in ended(folder, commands):
+        lost = shows and out in ("closed", "full")
+        assert code == (1 if lost else expected), (words, out, err, code, told)
+        if lost and err == "usual":
+            assert re.fullmatch(r"standard output cannot be written \(.*\); .*\n", told), told
+        if out == "ascii":
+            assert said.isascii() and told.isascii()
+        assert shows == bool(said) or out not in ("usual", "ascii"), (words, out, err)
+
+
+@posix
+@pytest.mark.parametrize("option", ["--help", "--no-such-option"])
+def test_no_verb_minds_streams_that_are_closed_full_or_ascii(tmp_path, option):
+    """Of every verb: whether it explains itself or refuses its words."""
+    if not Path("/dev/full").exists():
+        pytest.skip("there is no /dev/full")
+    helps = option == "--help"
+    check_streams(tmp_path, [[*verb, option] for verb in VERBS], 0 if helps else 2, helps)
+
+
+@posix
+def test_streams_lose_no_file_and_change_no_status(tmp_path):
+    """Bad input ends with 2, work with 0 and its file, although nobody hears of it."""
+    if not Path("/dev/full").exists():
+        pytest.skip("there is no /dev/full")
+    drag, smoke, out = ROOT / "docs/data/drag.nc", ROOT / "config/smoke.yaml", tmp_path / "out"
+    shown = [["info", drag], ["sweep", smoke, "-n"], ["claims", "test", drag], ["store"]]
+    check_streams(tmp_path, [list(map(str, words)) for words in shown], 0, True)
+    check_streams(tmp_path, [["info", "none.nc"], ["sweep", "none.yaml"]], 2, False)
+    for words, made in (
+        (["info", drag, "-o", out / "info.txt"], "info.txt"),
+        (["figure", "figure13", drag, "-o", out], "figure13.svg"),
+        (
+            ["pack", "--config", smoke, "--shape", "c1", "--seed", "1", "-o", out / "bed.nc"],
+            "bed.nc",
+        ),
+    ):
+        check_streams(tmp_path, [list(map(str, words))], 0, False)
+        first = (out / made).read_bytes()
+        for each in out.iterdir():
+            each.unlink()
+        assert first
+
+
+@posix
+@pytest.mark.parametrize("closed", [">&-", "2>&-", "<&- >&- 2>&-"])
+def test_a_file_is_not_opened_in_place_of_a_closed_stream(tmp_path, closed):
+    """As a shell closes them: a file with the number of a stream would hold what is printed."""
+    words = f"{sys.executable} -m dem info docs/data/drag.nc -o {tmp_path / 'info.txt'} {closed}"
+    assert subprocess.run(["bash", "-c", words], cwd=ROOT).returncode == 0
+    assert (tmp_path / "info.txt").read_text().startswith("Slow drag")
+
+
+def test_words_are_spelled_in_ascii_without_another_meaning():
+    assert spelled("± 3 kg/m³, 10⁻³ µm") == "+- 3 kg/m^3, 10^-3 um"
+    assert spelled("naïve 粒") == "naive \\u7c92"
 
 
 def drags(seeds, scatter, exponent=0.96):

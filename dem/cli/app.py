@@ -21,6 +21,7 @@ from dem.cli.terminal import (
     Verbs,
     Writes,
     bar,
+    show,
     start_lean,
 )
 
@@ -255,4 +256,4 @@ def calibrate(
     sweep = load(config)
     with bar("calibrating", len(MODULI) * seeds) as update:
         result = fit(sweep, shape, density, target, seeds, jobs, update)
-    typer.echo(result.sentence())
+    show(result.sentence())

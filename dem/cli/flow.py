@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from dem.base.files import FOLDER
+from dem.base.say import say
 from dem.cli.terminal import PAPER, ConfigOption, OutputOption, Writes, bar, start_lean
 
 RunArgument = Annotated[Path, typer.Argument(metavar="RUN", help="drag.nc, or a file of runs.")]
@@ -79,10 +80,7 @@ def film(
     with bar("film", 1.0) as update:
         written = make(motion, output, color, forces, update)
     if written != output:
-        typer.echo(
-            f"No encoder for {output.suffix}: wrote {written} (pip install imageio-ffmpeg).",
-            err=True,
-        )
+        say(f"No encoder for {output.suffix}: wrote {written} (pip install imageio-ffmpeg).")
 
 
 def picture(
@@ -128,7 +126,7 @@ def export(
         motion = read_motion(run, select or [])
     with bar("export", 1.0) as update:
         written = make(motion, output, update)
-    typer.echo(written)
+    say(str(written))
 
 
 VERBS = (flow, film, picture, export)

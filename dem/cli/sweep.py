@@ -1,14 +1,15 @@
 """Command line, a sweep and its store: `dem sweep`, `compile`, `chunk`, `combine`, `store`."""
 
 import os
+import shlex
 import sys
-from collections import Counter
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from dem.cli.terminal import PAPER, ConfigOption, OutputOption, bar, start_lean
+from dem.base.say import say
+from dem.cli.terminal import PAPER, ConfigOption, OutputOption, Stopped, bar, show, start_lean
 
 FileArgument = Annotated[Path, typer.Argument(help="Configuration file of a sweep (YAML).")]
 JobsOption = Annotated[int, typer.Option("-j", "--jobs", min=1, help="Number of processes.")]
@@ -29,45 +30,49 @@ def sweep(
     """
     start_lean()
     from dem.sweep.config import CONFIG, save
-    from dem.sweep.estimate import retried, summary
+    from dem.sweep.estimate import advice, counted, kept, outcome, retried, summary
     from dem.sweep.units import unusual
     from dem.sweep.work import Work, of_new_store
 
     work = Work.of(file)
     gone = work.check()
     if sentence := of_new_store(work.store, file):
-        typer.echo(sentence, err=True)
+        say(sentence)
     for sentence in unusual(work):
-        typer.echo(sentence, err=True)
+        say(sentence)
     if dry_run:
         with bar("estimating"):
             found = summary(work, jobs, retry)
-        typer.echo("\n".join((found, *gone)))
+        show("\n".join((found, *gone)))
         return
     from dem.analysis.flow.collect import make_flow
     from dem.io.results_folder import prepare
 
     held, said = prepare(Path(work.sweep.results))
-    for sentence in said:
-        typer.echo(sentence, err=True)
+    for sentence in (*said, *advice(work.sweep)):
+        say(sentence)
     try:
         save(work.sweep, Path(work.sweep.results) / CONFIG, work.file)
         if retry:
-            typer.echo(f"{retried(work)} failed runs are tried again.")
-        order, seen = list(work.sweep.blocks), Counter()
-        with bar("making runs, the first ones compile", float(len(order))) as update:
+            say(f"{retried(work)} failed runs are tried again.")
+        there, _ = counted(work)
+        order = list(work.sweep.blocks)
+        with bar("making runs", float(len(order))) as update:
 
-            def made(block, share):
-                seen[block] += 1  # chunks: the first of each kind also compile
-                typical = seen[block] > len({chunk.kernels for chunk in work.chunks(block)})
-                update(order.index(block) + share, typical, "making runs" if typical else None)
+            def made(block, share, compiles):
+                words = "making runs, the first ones compile" if compiles else "making runs"
+                update(order.index(block) + share, not compiles, words)
 
             work.make(jobs, made)
         with bar("measuring flow", float(len(order))) as update:
             for number, block in enumerate(order):
                 make_flow(work, block, lambda share, n=number: update(n + share))
         for sentence in (*gone, *work.said):
-            typer.echo(sentence, err=True)
+            say(sentence)
+        say(outcome(work, counted(work)[0] - there))
+    except Stopped as stop:
+        stop.kept = kept(work, shlex.join(["dem", "sweep", str(file), "-j", str(jobs)]))
+        raise
     finally:
         held.release()
 
@@ -166,12 +171,12 @@ def store(
     if prune:
         with bar("pruning the store"):
             gone, size = found.prune()
-        typer.echo(f"{len(gone)} files removed, {1e-6 * size:.1f} MB.")
+        say(f"{len(gone)} files removed, {1e-6 * size:.1f} MB.")
         return
     with bar("reading the store"):
         table = listing(found, values or [])
     if values and not table.rows:
-        typer.echo(f"No stored run has {' and '.join(values)}.")
+        say(f"No stored run has {' and '.join(values)}.")
         return
     PlainConsole(width=None if sys.stdout.isatty() else 160).print(table)
 

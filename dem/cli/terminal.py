@@ -14,6 +14,8 @@ import typer
 
 from dem.base.errors import InputError, RunError
 from dem.base.files import Place, check_paths
+from dem.base.say import say
+from dem.cli.streams import open_streams, what_was_lost
 from dem.io.progress import PATIENCE, Stage
 
 
@@ -35,6 +37,16 @@ PAPER = Path("config/paper.yaml")
 
 class Verbs(typer.Typer):
     """Commands that check what they read and write before they work, and end in one sentence."""
+
+    def __call__(self, *arguments, **options):
+        output = open_streams()
+        try:
+            return super().__call__(*arguments, **options)
+        except SystemExit as end:
+            if not end.code and (sentence := what_was_lost(output)):
+                say(sentence)
+                sys.exit(1)
+            raise
 
     def command(self, *arguments, **options):
         add = super().command(*arguments, **options)
@@ -72,7 +84,17 @@ STOPS = signal.SIGINT, signal.SIGTERM
 
 
 class Stopped(BaseException):
-    """A signal, its argument, asks the process to end."""
+    """A signal, its argument, asks the process to end; `kept` is what is said of the work so far."""
+
+    kept = "no half-written file is left."
+
+
+def sentence_of(error: Exception) -> str:
+    """What an error says: ours are sentences, those of the system name a file and a reason."""
+    if isinstance(error, OSError) and error.errno is not None:
+        where = f"{error.filename}: " if error.filename else ""
+        return f"{where}{(error.strerror or str(error)).lower()}."
+    return str(error)
 
 
 def _stop(number, frame):
@@ -85,7 +107,14 @@ def _tell(sentence: str) -> None:
     """Show a sentence; control characters from a file or a path have no effect."""
     from dem.base.plain import plain
 
-    typer.echo(plain(sentence), err=True)
+    say(plain(sentence))
+
+
+def show(text: str) -> None:
+    """Show a result on standard output."""
+    from dem.base.plain import plain
+
+    print(plain(text))
 
 
 @contextmanager
@@ -106,13 +135,13 @@ def reported():
         _tell(str(error))
         raise typer.Exit(2) from None
     except (RunError, OSError) as error:
-        _tell(f"{type(error).__name__}: {error}")
+        _tell(sentence_of(error))
         raise typer.Exit(1) from None
-    except (Stopped, Exception):
+    except (Stopped, Exception) as error:
         # LLVM calls back while it compiles, and swallows what is raised there: it fails later.
         if not asked:
             raise
-        typer.echo("Interrupted; no half-written file is left.", err=True)
+        say(f"Interrupted; {getattr(error, 'kept', Stopped.kept)}")
         raise typer.Exit(128 + asked[0]) from None
     finally:
         for each, handler in before.items():
@@ -151,14 +180,14 @@ def bar(label: str, total: float | None = None):
 def _log(stage: Stage, over: threading.Event) -> None:
     """Write the lines of a stage until it is over."""
 
-    def say(words):
-        typer.echo(f"{datetime.now():%Y-%m-%d %H:%M:%S} {words}", err=True)
+    def log(words):
+        say(f"{datetime.now():%Y-%m-%d %H:%M:%S} {words}")
 
     while not over.wait(TICK):
         if words := stage.line():
-            say(words)
+            log(words)
     if stage.lasts and stage.finished:
-        say(f"{stage.label}: {stage.end()}")
+        log(f"{stage.label}: {stage.end()}")
 
 
 def _draw(stage: Stage, over: threading.Event) -> None:

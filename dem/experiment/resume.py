@@ -3,7 +3,6 @@
 import hashlib
 import os
 import re
-import sys
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -14,6 +13,7 @@ import numpy as np
 from dem.base import provenance
 from dem.base.errors import InputError
 from dem.base.files import atomic
+from dem.base.say import say
 from dem.dynamics.simulation import Record, Simulation
 from dem.experiment.config import Replicate
 from dem.io.checksums import is_sealed, seal
@@ -117,7 +117,7 @@ def clear_way(path: Path, replicate: Replicate, bed: Bed | None = None, own: boo
     if not own:
         raise InputError(f"{path}: it is {fault}; delete it or name another file as checkpoint.")
     forget(path)
-    _say(f"{path}: it was {fault}, and is deleted; the run begins again.")
+    say(f"{path}: it was {fault}, and is deleted; the run begins again.")
 
 
 def forget(path: Path) -> None:
@@ -145,7 +145,7 @@ def read_checkpoint(path: Path, replicate: Replicate, bed: Bed) -> Saved | None:
             going = Going([record], states, looks, float(file["spent"]))
             return Saved(going, beginning(file, SIMULATION))
     except Exception:  # see _fault
-        _say(f"{path}: this checkpoint is damaged; the run begins again.")
+        say(f"{path}: this checkpoint is damaged; the run begins again.")
         return None
 
 
@@ -157,7 +157,3 @@ def stacked(looks: list[dict[str, float]]) -> dict[str, np.ndarray]:
 def beginning(file: Mapping[str, np.ndarray], head: str) -> dict[str, np.ndarray]:
     """Arrays of a file whose names begin with `head`, by the rest of their names."""
     return {k.removeprefix(head): file[k] for k in file if k.startswith(head)}
-
-
-def _say(sentence: str) -> None:
-    print(sentence, file=sys.stderr)

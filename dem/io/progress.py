@@ -1,8 +1,9 @@
 """What long work says while it lasts: how much is done, and how long it takes."""
 
 import logging
-import sys
 import time
+
+from dem.base.say import say
 
 EVERY = 30.0  # s between two lines
 PATIENCE = 2.0  # s; shorter work is silent
@@ -118,4 +119,4 @@ class WorkflowProgress(logging.Handler):
     def emit(self, record: logging.LogRecord) -> None:
         done, total = getattr(record, "done", None), getattr(record, "total", None)
         if done is not None and total and (words := self.time_left.words(done / total)):
-            print(words, file=sys.stderr, flush=True)
+            say(words)

@@ -12,7 +12,6 @@ import gc
 import hashlib
 import multiprocessing
 import pickle
-import sys
 from pathlib import Path
 
 import numba
@@ -23,6 +22,7 @@ from numba.core.event import Listener, register
 from numba.core.registry import CPUDispatcher
 
 import dem.jit.boxing  # noqa: F401 takes effect by being imported
+from dem.base.say import say
 from dem.base.sources import cache_folder, code_hash, is_ours
 from dem.jit.parts import KernelCompiler, PartCompiler, RolledCompiler
 
@@ -190,7 +190,7 @@ def _content(path) -> bytes | None:
 @functools.cache
 def _say(sentence: str) -> None:
     """Say something about the folder of machine code, once."""
-    print(f"{cache_folder() / 'kernels'}: {sentence}", file=sys.stderr)
+    say(f"{cache_folder() / 'kernels'}: {sentence}")
 
 
 def spare_blas():
@@ -250,10 +250,9 @@ class _Compiling(Listener):
     """Says that a process compiles, because a library call then takes long; each sentence once."""
 
     def on_start(self, event):
-        kernel = event.data["dispatcher"]
-        if isinstance(kernel, Kernel) and multiprocessing.parent_process() is None:
+        if isinstance(event.data["dispatcher"], Kernel):
             names = " and ".join(strangers(event.data["args"]))
-            _say_compiling(STRANGE.format(names) if names else COMPILING)
+            _tell(STRANGE.format(names) if names else COMPILING)
 
     def on_end(self, event):
         """Nothing: the next call shows it."""
@@ -262,12 +261,19 @@ class _Compiling(Listener):
 register("numba:compile", _Compiling())
 
 
+def when_compiling(tell) -> None:
+    """Call a function whenever this process compiles a kernel, with a sentence, instead of saying it."""
+    global _tell
+    _tell = tell
+
+
 @functools.cache
 def _say_compiling(sentence: str) -> None:
-    clear = "\r\x1b[2K" if sys.stderr.isatty() else ""  # a progress bar may be there
-    print(f"{clear}{sentence}", file=sys.stderr, flush=True)
+    if multiprocessing.parent_process() is None:
+        say(sentence)
 
 
+_tell = _say_compiling
 COMPILING = "Compiling for this kind of scene, up to a minute; the next process finds it compiled."
 STRANGE = "Compiling for {}, up to a minute; every process compiles again for a class outside this package."
 

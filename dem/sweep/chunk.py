@@ -67,7 +67,7 @@ def _row(store: Store, replicate: Replicate, progress) -> dict:
         name = type(error).__name__
         found = {
             "failure": FAILURES.index(name if name in FAILURES else "other"),
-            "failure_reason": f"{name}: {error}"[:500],
+            "failure_reason": str(error)[:500],
         }
     found["spent"] = time.process_time() - started
     store.keep(replicate.id, found)

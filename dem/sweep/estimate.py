@@ -1,7 +1,10 @@
 """What a sweep will cost, and what the store holds, in words and tables."""
 
 import json
+import shlex
+from collections.abc import Collection
 from itertools import islice
+from pathlib import Path
 
 import numpy as np
 from rich.table import Table
@@ -11,7 +14,9 @@ from dem.experiment.config import Replicate, entries, of_values
 from dem.io.dataset import read
 from dem.io.progress import span
 from dem.sweep import chunk as making
+from dem.sweep import design
 from dem.sweep.axis import OWN
+from dem.sweep.config import Sweep
 from dem.sweep.remedy import is_written, meant
 from dem.sweep.store import Store
 from dem.sweep.work import Work
@@ -46,6 +51,7 @@ def summary(work: Work, jobs: int, retry: bool = False) -> str:
         lines += [f"  {run.words()}{_values(block, run)}" for run in islice(left, LISTED)]
         if len(left) > LISTED:
             lines.append(f"  and {len(left) - LISTED} more.")
+    lines += advice(work.sweep)
     if not seconds:
         return "\n".join(lines)
     how = "as runs like these took" if speeds else "a guess: no run was made here yet"
@@ -69,8 +75,11 @@ def _values(block, replicate: Replicate) -> str:
 
 def made(work: Work, block: str) -> tuple[set[str], set[str]]:
     """Identities of the runs of a block that are in the store, and of those that failed."""
-    wanted = set(work.block(block).places)
-    found = {False: set(), True: set()}  # by whether they failed
+    return _made(work, set(work.block(block).places))
+
+
+def _made(work: Work, wanted: Collection[str]) -> tuple[set[str], set[str]]:
+    wanted, found = set(wanted), {False: set(), True: set()}  # by whether they failed
     for chunk in work.store.planned().values():
         if not wanted & set(chunk.runs):
             continue
@@ -84,6 +93,58 @@ def made(work: Work, block: str) -> tuple[set[str], set[str]]:
             if run in wanted:
                 found[bool(flag)].add(run)
     return found[False], found[True] - found[False]
+
+
+def counted(work: Work) -> tuple[int, int]:
+    """How many runs of a sweep are in the store, and how many it has."""
+    wanted = {run for block in work.sweep.blocks for run in work.block(block).places}
+    return len(set().union(*_made(work, wanted))), len(wanted)
+
+
+def kept(work: Work, command: str) -> str:
+    """What a sweep has that is stopped, and how it goes on."""
+    there, total = counted(work)
+    return f"{there} of {total} runs are kept; to go on, type: {command}"
+
+
+def outcome(work: Work, new: int | None = None, draws: str = "dem figure all {}") -> str:
+    """Which file holds the runs of a sweep that is done, and what to do with it.
+
+    new: how many of them were just made, None where that is unknown; draws: the command that draws
+    a file of drag.
+    """
+    first, *others = (
+        f"{folder}/{observable}.nc"
+        for folder, block in work.folders.items()
+        for observable in work.observables(block)
+    )
+    failed = 0
+    if work.sweep.failures:
+        combined = (f"{folder}/{work.observables(b)[0]}.nc" for folder, b in work.folders.items())
+        failed = sum(int((read(Path(c), ("failure",))[0]["failure"] != 0).sum()) for c in combined)
+    more = f" and {len(others)} more files in {work.sweep.results}" if others else ""
+    many, (_, total) = bool(others), counted(work)
+    holds = f"{first}{more} {'hold' if many else 'holds'}"
+    if new == 0:
+        said = f"Nothing was to be made: {holds} all {total} runs"
+    else:
+        said = f"{holds} {total} runs{'' if new is None else f', {new} of them new'}"
+    said += f"; {failed} of them failed." if failed else "."
+    word = shlex.quote(first)
+    after = [f"dem info {word}", *([draws.format(word)] if first.endswith("/drag.nc") else [])]
+    return f"{said} Next: {' or '.join(after)}"
+
+
+def advice(sweep: Sweep) -> list[str]:
+    """What is allowed in a sweep, and seldom meant."""
+    return [
+        sentence
+        for name, block in sweep.blocks.items()
+        for key, spec in block.items()
+        for sentence in design.uneven(
+            spec, f"sweep.{key}" if block is sweep.sweep else f"sweep.blocks.{name}.{key}"
+        )
+    ]
 
 
 def _effort(replicate: Replicate) -> float:

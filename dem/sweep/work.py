@@ -1,12 +1,14 @@
 """A sweep at work: which files its blocks need, which of them are there, and how all are made."""
 
 import multiprocessing
+import signal
 from collections.abc import Iterable, Iterator
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
 from functools import cached_property
 from pathlib import Path
 
-from dem.base.errors import InputError
+from dem.base.errors import InputError, RunError
 from dem.base.files import Place, check_own
 from dem.experiment.config import Replicate
 from dem.io.results_folder import clear_parts, redate
@@ -14,6 +16,8 @@ from dem.sweep.config import CONFIG, Sweep, file_of, load
 from dem.sweep.earlier import read_earlier, refuse_other, replaced
 from dem.sweep.expand import Block
 from dem.sweep.store import FOLDER, Chunk, Store, kernels_of, link_to, plan, settle
+
+LOOK = 0.5  # s between two looks at processes that may compile
 
 
 class Work:
@@ -159,13 +163,13 @@ class Work:
         if output == self._first(block) and self.sweep.needed(block):
             self.said += replaced(output, before, found.places)
 
-    def make(self, jobs: int, progress=lambda name, share: None) -> None:
+    def make(self, jobs: int, progress=lambda name, share, compiles: None) -> None:
         """Make all that is not there yet, in some processes, but flow.nc (dem.analysis.flow); raises
-        RunError."""
+        RunError. progress is called as by `make_chunks`, with the name of the block first."""
         for name in self.sweep.blocks:  # a block comes after those that it needs
             files = self.chunks(name)
             self.settle()
-            make_chunks(self.store, files, jobs, lambda s, n=name: progress(n, s))
+            make_chunks(self.store, files, jobs, lambda *s, n=name: progress(n, *s))
             link(self.store, files, self.sweep.results)
             for observable in self.observables(name):
                 if observable != "flow":
@@ -188,28 +192,52 @@ def of_new_store(store: Store, file: Path) -> str | None:
 
 
 def make_chunks(store: Store, chunks: Iterable[Chunk], jobs: int, progress) -> None:
-    """Make chunks in some processes; the first of each kind of kernels compiles alone."""
+    """Make chunks in some processes; the first of each kind of kernels compiles alone.
+
+    progress is called with the share that is done and whether processes compile beside it: when one
+    begins to, and after each chunk. Raises RunError where a process is killed.
+    """
     from dem.sweep import chunk as making  # not for those who only ask what there is
 
     chunks = [chunk for chunk in chunks if not store.file_of(chunk.id).is_file()]
     first = list({chunk.kernels: chunk for chunk in reversed(chunks)}.values())
     rest = [chunk for chunk in chunks if chunk not in first]
-    done = 0
+    done, told = 0, False
     others = set(multiprocessing.active_children())
-    for some in (first, rest):
+    for some in filter(None, (first, rest)):
         context = multiprocessing.get_context("spawn")
-        with ProcessPoolExecutor(min(jobs, max(len(some), 1)), mp_context=context) as pool:
-            pending = [pool.submit(making.make, store, chunk.id) for chunk in some]
+        compiles = context.Event()
+        with ProcessPoolExecutor(
+            min(jobs, len(some)), context, initializer=_begin, initargs=(compiles,)
+        ) as pool:
+            pending = {pool.submit(making.make, store, chunk.id) for chunk in some}
             try:
-                for future in as_completed(pending):
-                    future.result()
-                    done += 1
-                    progress(done / len(chunks))
-            except BaseException:
+                while pending:
+                    ready, pending = wait(pending, LOOK, return_when=FIRST_COMPLETED)
+                    for future in ready:
+                        future.result()
+                        done += 1
+                    if ready or compiles.is_set() != told:
+                        told = compiles.is_set()
+                        progress(done / len(chunks), told)
+            except BaseException as error:
                 pool.shutdown(wait=False, cancel_futures=True)  # not all the others first
                 for process in set(multiprocessing.active_children()) - others:
                     process.terminate()  # what is finished is on disk
+                if isinstance(error, BrokenProcessPool):
+                    raise RunError(
+                        "a process of the sweep was killed, perhaps because memory was short; take "
+                        "fewer jobs and run the same command again: finished runs are kept."
+                    ) from None
                 raise
+
+
+def _begin(compiles) -> None:
+    """Prepare a process that makes chunks: Ctrl-C is for the first process, which ends the others."""
+    from dem.jit.compilation import when_compiling
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    when_compiling(lambda sentence: compiles.set())
 
 
 def link(store: Store, chunks: Iterable[Chunk], results: str) -> None:

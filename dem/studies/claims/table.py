@@ -13,7 +13,7 @@ from dem.base.errors import InputError
 from dem.experiment import drag, jamming
 from dem.experiment.config import Replicate
 from dem.experiment.observables.alignment import VARIABLES as ALONG
-from dem.io.dataset import content_of, global_attributes, read, write
+from dem.io.dataset import FAILURES, content_of, global_attributes, read, write
 from dem.studies.claims.layout import VARIABLES
 from dem.sweep.combine import PROVENANCE
 from dem.sweep.design import Choice, Range, parse
@@ -106,9 +106,8 @@ def measured(replicate: Replicate, values: dict) -> dict:
     seen = (moved >= low) & (moved <= high)
     force = values["drag"][inside]
     thickness = own.material.thickness or replicate.shape.diameter
-    error = str(values["failure_reason"]).partition(":")[0]
     return {
-        "status": error if values["failure"] else "ran",
+        "status": FAILURES[int(values["failure"])] if values["failure"] else "ran",
         "drag": force.mean(),
         "scatter": force.std() / force.mean() if force.mean() > 0.0 else np.nan,
         "tangential": values["drag_tangential"][inside].mean(),
