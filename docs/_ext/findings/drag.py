@@ -140,6 +140,11 @@ class Drag(Findings):
         """Greatest overlap of some cases, over the smaller radius."""
         return f"{float(self.dataset['max_overlap'].sel(case=list(cases)).max()):.2f}"
 
+    def window(self) -> str:
+        """Displacements that means are taken over."""
+        start, stop = (1e3 * self.dataset.attrs[f"window_{end}"] for end in ("start", "stop"))
+        return f"{start:g} and {stop:g} mm"
+
     def run_time(self) -> str:
         """Median processor time of a run."""
         return f"{float(np.nanmedian(self.dataset['run_time'])):.1f} s"
@@ -157,6 +162,40 @@ class Flow(Findings):
             found = compared(self.dataset, name)
             made.add_row(words, interval(found.ratio, found.half, digits=2))
         return made
+
+    @cached_property
+    def _ahead(self) -> np.ndarray:
+        """Overlaps of discs over the smaller radius, ahead of the cylinder, at the snapshots of the window.
+
+        Of one bed of c1: contacts in the path of the cylinder, up to one diameter before its surface.
+        """
+        own, reach = self.dataset.sel(case="c1"), float(self.dataset.attrs["cylinder_diameter"])
+        diameter = own["bed_diameter"].dropna("granule").values
+        one, two = np.triu_indices(len(diameter), 1)
+        small = 0.5 * np.minimum(diameter[one], diameter[two])
+        found = []
+        for each in np.flatnonzero(self._in_window):
+            x, y = (
+                own[name].values[each, : len(diameter)].astype(float) for name in ("bed_x", "bed_y")
+            )
+            apart = np.hypot(x[one] - x[two], y[one] - y[two])
+            overlap = (0.5 * (diameter[one] + diameter[two]) - apart) / small
+            aside = 0.5 * (x[one] + x[two]) - 0.5 * self.dataset.attrs["box_width"]
+            above = 0.5 * (y[one] + y[two]) - float(own["bed_cylinder_y"][each])
+            near = (np.abs(aside) < 0.5 * reach) & (above > 0.0) & (above < 1.5 * reach)
+            found.append(overlap[(overlap > 0.0) & near])
+        return np.concatenate(found)
+
+    @property
+    def _in_window(self) -> np.ndarray:
+        """Which snapshots are of the averaging window."""
+        at, attrs = self.dataset["snapshot_displacement"].values, self.dataset.attrs
+        rounding = 1e-9  # m
+        return (at >= attrs["window_start"] - rounding) & (at <= attrs["window_stop"] + rounding)
+
+    def overlap_ahead(self) -> str:
+        """Mean overlap of discs ahead of the cylinder, over the smaller radius."""
+        return f"{float(self._ahead.mean()):.2f}"
 
     def more_irregular(self) -> bool:
         """Whether any measure of e3 is above that of c1, interval included."""
