@@ -21,6 +21,7 @@ from dem import (
     box,
     simulate,
 )
+from dem.contacts.force_law import damping_from_restitution, restitution_from_damping
 
 SLIPPERY = Friction(0.5, 0.5, 0.5)
 HEAVY = {"thickness": 1.0}  # m: contacts last long enough for the time steps of these tests
@@ -193,6 +194,41 @@ def test_restitution_holds_at_the_default_time_step(restitution):
     )
     after = simulate(scene, state, 5e-3).state
     assert_allclose(-approach(after.velocity), restitution, rtol=0.04)
+
+
+@pytest.mark.parametrize("restitution", [0.9, 0.5, 0.1])
+def test_a_collision_off_the_centre_returns_less_than_restitution(restitution):
+    """Its damping ratio is sqrt(m*/m_c) times that of a central one; m_c is the mass at the contact.
+
+    Two dumbbells side by side, the upper disc of one against the lower disc of the other: m*/m_c = 5/3.
+    """
+    a = 0.5e-3
+    state = State([[0.0, 0.0], [2.0 * a, 2.0 * a]], [[0.5, 0.0], [-0.5, 0.0]], [0.5 * np.pi] * 2)
+    scene = Scene(Dumbbell([a, a]), Material(restitution=restitution), **HEAVY)
+    after = simulate(scene, state, 1e-4, step_fraction=0.01).state
+    speed = after.velocity[:, 0] - a * after.angular_velocity * [1.0, -1.0]
+    alpha = damping_from_restitution(restitution) * np.sqrt(5.0 / 3.0)
+    assert_allclose(speed[1] - speed[0], restitution_from_damping(alpha), rtol=5e-3)
+
+
+@pytest.mark.parametrize("partner", ["disc", "wall"])
+def test_elastic_collisions_at_the_default_step_err_by_a_third_of_a_per_cent(partner):
+    """The root mean square over many collisions, and the worst of them, as docs/scope.md says."""
+    rng, n, radius = np.random.default_rng(1), 200, 0.5e-3
+    gap, speed = rng.uniform(0.0, 1e-4, n), 10.0 ** rng.uniform(-1.0, 0.5, n)
+    material = Material(restitution=1.0)
+    if partner == "disc":
+        thin = {"material": material, "thickness": 1e-3}
+        scene, state = head_on(np.full((n, 2), radius), 2.0 * speed, gap, **thin)
+    else:
+        x, y = -radius - gap, 4.0 * radius * np.arange(n)
+        scene = Scene(Disc(np.full(n, radius)), material, walls=[[1.0, 0.0, 0.0]])
+        state = State(np.column_stack([x, y]), np.column_stack([speed, np.zeros(n)]))
+    after = simulate(scene, state, 6e-3).state
+    assert (after.velocity[:, 0] * state.velocity[:, 0] < 0.0).all()
+    gain = (after.velocity[:, 0] / state.velocity[:, 0]) ** 2 - 1.0
+    assert 0.002 < np.sqrt((gain**2).mean()) < 0.005
+    assert np.abs(gain).max() < 0.015
 
 
 def floor(**properties):

@@ -7,6 +7,7 @@ on which: `{{ holds("Ellipses drag less than discs", drag.falls("c1", "e1")) }}`
 
 from jinja2 import Environment, StrictUndefined
 
+from . import contact, dumbbells
 from .accuracy import accuracy
 from .calibration import calibration
 from .claims import claims
@@ -40,7 +41,9 @@ NAMES = {
     "beds": beds,
     "calibration": calibration,
     "claims": claims,
+    "contact": contact,
     "drag": drag,
+    "dumbbells": dumbbells,
     "ensembles": ensembles,
     "flow": flow,
     "onset": onset,

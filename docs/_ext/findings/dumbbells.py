@@ -1,0 +1,42 @@
+"""The drag of dumbbells over that of discs, in all released files: one number for each question."""
+
+from rich.table import Table
+
+from dem.analysis.statistics import Estimate
+from dem.analysis.tables import numbers
+
+from .claims import claims, verdicts_on
+from .common import estimate
+from .drag import drag
+from .preparation import WAYS, preparation
+from .pressure import pressure
+
+PAPER, OPEN = "the paper's", "the paper's width, periodic sides"
+
+
+def ratios() -> Table:
+    """One row per answer: the page and its file, which beds are compared, how many, and d1 over c1."""
+    made = numbers("page", "file", "box", "beds made", "compared at", "beds a shape", "d1 over c1", words=5)  # fmt: skip
+    for page, file, beds, judged in (
+        ("drag", drag, "relaxed", verdicts_on(drag.dataset)),
+        ("claims", claims, "relaxed", claims.judged),
+        *(("preparation", preparation, way, preparation.judged["1", way]) for way in WAYS),
+    ):
+        found = judged["dumbbells_above_discs"].comparisons[0]
+        ratio = estimate(Estimate(found.estimate, *found.interval()))
+        made.add_row(_link(page), _name(file), PAPER, beds, "0.84", str(found.runs), ratio)
+    for way, beds, at in (
+        ("fraction", "relaxed", "0.84"),
+        ("pressure", "pressed", pressure.asked()),
+    ):
+        ratio = pressure.ratio(way, "d1", pressure.widths.boxes[0])
+        made.add_row(_link("pressure"), _name(pressure), OPEN, beds, at, pressure.seeds(), ratio)
+    return made
+
+
+def _link(page: str) -> str:
+    return f"[{page}]({page}.md)"
+
+
+def _name(file) -> str:
+    return f"`{file.name}.nc`"
