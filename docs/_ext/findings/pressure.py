@@ -131,7 +131,7 @@ class Pressure(Findings):
         made = numbers("shape", *(f"box {box}" for box in boxes), "without end")
         for shape in self.widths.shapes[1:]:
             cells = [estimate(self.widths.ratio((way,), shape, box)) for box in boxes]
-            made.add_row(shape, *cells, estimate(self.widths.limit((way,), shape)))
+            made.add_row(shape, *cells, _or_none(self.widths.limit((way,), shape)))
         return made
 
     def others(self, way: str) -> Table:
@@ -181,7 +181,7 @@ class Pressure(Findings):
         for shape in self.widths.shapes:
             cells = [estimate(self.widths.drag((way,), shape, box), digits=0) for box in boxes]
             made.add_row(
-                shape, *cells, estimate(self.widths.drag_limit((way,), shape), digits=0),
+                shape, *cells, _or_none(self.widths.drag_limit((way,), shape), digits=0),
                 f"{wide:.0f}" if np.isfinite(wide := self.widths.enough((way,), shape)) else "-",
             )  # fmt: skip
         return made
@@ -237,6 +237,11 @@ class Pressure(Findings):
     def verdict(self, way: str, name: str) -> str:
         """Supported, contradicted, undecided or not tested."""
         return self.judged[way][name].verdict
+
+
+def _or_none(found, digits: int = 2) -> str:
+    """An estimate; "none" where it is zero, and its interval too."""
+    return estimate(found, digits=digits) if found.high > 0.0 else "none"
 
 
 pressure = Pressure()

@@ -97,10 +97,9 @@ class Speed(Findings):
         return float(found["low"].sel(drag_code=code)) > float(found["high"][0])
 
     def dearer(self, code: str) -> str:
-        """Processor time of a stroke in the cheapest form of a code over that in this one."""
+        """Processor time of a stroke in a code over that in this one."""
         cost = at_equal_error(self.dataset)["cost"]
-        forms = cost[cost["drag_code"].str.startswith(code)]
-        return f"{float(forms.min() / cost[0]):.1f}"
+        return f"{float(cost.sel(drag_code=code) / cost[0]):.1f}"
 
     def stages(self) -> Table:
         """One row per bed and part of a step."""
