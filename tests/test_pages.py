@@ -2,8 +2,12 @@
 
 import importlib.util
 import json
+import os
 import re
+import shutil
+import subprocess
 import sys
+import textwrap
 from pathlib import Path
 
 import pytest
@@ -143,6 +147,81 @@ def test_timings_name_what_made_them():
         re.fullmatch(r"[0-9a-f]{7,}", str(about["revision"])) and about["date"] and about["machine"]
     )
     assert all({"what", "command", "seconds"} == set(each) for each in about["timed"].values())
+
+
+LINK = re.compile(r"\]\(([^)#\s]*)[^)\s]*\)")
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.relative_to(DOCS).as_posix())
+def test_the_links_of_a_page_lead_somewhere_in_a_checkout(page):
+    """What the build makes is linked by a role ({doc}`...`) or shown by a directive."""
+    text = re.sub(r"\{\{.*?\}\}", "", page.read_text(encoding="utf-8"))
+    folder = ROOT if page.name == "readme.md" else page.parent  # the README's template
+    links = [each for each in LINK.findall(text) if each and "://" not in each]
+    assert [each for each in links if not (folder / each).exists()] == []
+
+
+def test_the_page_of_results_says_what_each_page_is_about():
+    text = (DOCS / "results/index.md").read_text(encoding="utf-8")
+    pages = sorted(path.name for path in (DOCS / "results").glob("*.md") if path.stem != "index")
+    assert [each for each in pages if not re.search(rf"\]\({each}\) \w.*\.", text)] == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.relative_to(DOCS).as_posix())
+def test_no_table_gives_an_interval_of_nothing(page):
+    """An interval from zero to zero is said in words."""
+    text = findings.fill(page.read_text(encoding="utf-8")).replace("\N{NO-BREAK SPACE}", " ")
+    assert not re.findall(r"\b0(?:\.0+)? \(0(?:\.0+)? to 0(?:\.0+)?\)", text)
+
+
+FILE = re.compile(r"^```(python|yaml)\n# (\S+\.(?:py|yaml))\n(.*?)^```", re.S | re.M)
+FRAGMENT = re.compile(r"^```yaml\n# (below|in place of) sweep\n(.*?)^```", re.S | re.M)
+HOWTO = sorted((DOCS / "howto").glob("*.md"))
+
+
+@pytest.fixture(scope="module")
+def extended(tmp_path_factory):
+    """A copy of package and configurations with the experiment and the observable of their page."""
+    folder = tmp_path_factory.mktemp("extended")
+    for name in ("dem", "config"):
+        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+    text = (DOCS / "howto/experiment.md").read_text(encoding="utf-8")
+    for kind, name, block in FILE.findall(text):
+        if kind == "python":
+            (folder / name).write_text(block, encoding="utf-8")
+    config = folder / "dem/experiment/config.py"
+    lines = re.search(r"^```python\n(EXPERIMENTS = .*?^)```", text, re.S | re.M)[1]
+    old = r"^EXPERIMENTS = .*?^}[^\n]*\n"
+    new = re.sub(
+        old, lambda _: lines, config.read_text(encoding="utf-8"), count=1, flags=re.S | re.M
+    )
+    config.write_text(new, encoding="utf-8")
+    return folder
+
+
+def dry_run(folder, name, text):
+    """A dry run of a sweep file; its error, or none."""
+    (folder / name).write_text(text, encoding="utf-8")
+    ran = subprocess.run(
+        [sys.executable, "-P", "-m", "dem", "sweep", name, "--dry-run"],
+        cwd=folder, env=os.environ | {"PYTHONPATH": str(folder)}, text=True, capture_output=True,
+    )  # fmt: skip
+    return ran.stderr if ran.returncode else ""
+
+
+@pytest.mark.parametrize("page", HOWTO, ids=lambda path: path.stem)
+def test_the_sweeps_of_a_page_can_be_run(extended, page):
+    """Whole files, named in their first line, and fragments, with where they belong."""
+    text = page.read_text(encoding="utf-8")
+    sweeps = {name: block for kind, name, block in FILE.findall(text) if kind == "yaml"}
+    for n, (where, block) in enumerate(FRAGMENT.findall(text)):
+        below = block if where == "in place of" else "sweep:\n" + textwrap.indent(block, "  ")
+        if "shape:" not in below:
+            below += "  shape: [c1]\n"
+        sweeps[f"fragment{n}.yaml"] = f"extends: config/paper.yaml\nresults: results/f{n}\n{below}"
+    assert len(sweeps) == text.count("```yaml\n")  # no piece that is neither
+    said = {name: dry_run(extended, name, each) for name, each in sweeps.items()}
+    assert [words for words in said.values() if words] == []
 
 
 def test_the_readme_is_its_template_filled_in():
