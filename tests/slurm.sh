@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # A SLURM of one machine, from nothing to a finished sweep and back: installs it (Debian, as root),
-# starts it in a mount namespace of its own, runs the smoke sweep through profiles/slurm, stops it, and
-# compares the result bit by bit with that of a local run.
+# starts it in a mount namespace of its own, and runs the smoke sweep through profiles/slurm. Kills a job,
+# then Snakemake, goes on, and compares the result bit by bit with that of a local run.
 #
 #     bash tests/slurm.sh [folder for logs]
 set -euo pipefail
@@ -71,15 +71,51 @@ sinfo -h -o %T | grep -q idle || { echo "The node does not come up; see $LOGS/sl
 # the same sweep twice: through SLURM, with seeds that nobody has made yet, and all again here
 FIRST=$((1000 * RANDOM))
 for place in slurm local; do
-    sed -e "s#results/smoke#results/${place}_smoke#" -e "s/^  seed: .*/  seed: $FIRST to $((FIRST + 11))\n\nchunk: 6/" \
+    sed -e "s#results/smoke#results/${place}_smoke#" -e "s/^  seed: .*/  seed: $FIRST to $((FIRST + 11))\n\nchunk: 6\nfailures: 0.1/" \
         config/smoke.yaml >"$HOME_OF/$place.yaml"
     rm -rf "results/${place}_smoke"
 done
-PYTHONPATH=$PWD python -m snakemake results/slurm_smoke/drag.nc --workflow-profile profiles/slurm \
-    --configfile "$HOME_OF/slurm.yaml" --slurm-status-command squeue --slurm-logdir "$LOGS/jobs" \
-    --slurm-init-seconds-before-status-checks 2 --seconds-between-status-checks 2 --latency-wait 20 \
-    --slurm-keep-successful-logs 2>&1 | tee "$LOGS/snakemake.log"
-PYTHONPATH=$PWD python -m snakemake results/local_smoke/drag.nc -j2 -R chunk --configfile "$HOME_OF/local.yaml" -q all
+export PYTHONPATH=$PWD
+through_slurm() {
+    exec python -m snakemake results/slurm_smoke/drag.nc --workflow-profile profiles/slurm \
+        --configfile "$HOME_OF/slurm.yaml" --slurm-status-command squeue --slurm-logdir "$LOGS/jobs" \
+        --slurm-init-seconds-before-status-checks 2 --seconds-between-status-checks 2 --latency-wait 20 \
+        --slurm-keep-successful-logs
+}
+# Chunk jobs that run, by their number in SLURM; another one than the first argument.
+running() { squeue -h -r -t RUNNING -o "%A %k" | awk -v other="${1:-}" '/rule_chunk/ && $1 != other {print $1; exit}'; }
+until_running() {
+    local found
+    for _ in $(seq 600); do
+        found=$(running "${1:-}")
+        [ -n "$found" ] && { echo "$found"; return; }
+        kill -0 "$WORKFLOW" 2>/dev/null || break
+        sleep 0.2
+    done
+    echo "No job of a chunk runs; see $LOGS/snakemake.log" >&2
+    return 1
+}
+
+# a job is killed, and sent again; while another runs, Snakemake itself is killed. Some seeds make no bed.
+(through_slurm) >"$LOGS/snakemake.log" 2>&1 &
+WORKFLOW=$!
+JOB=$(until_running)
+scancel --signal=KILL --full "$JOB"
+for _ in $(seq 120); do
+    grep -q "Trying to restart job" "$LOGS/snakemake.log" && break
+    sleep 1
+done
+grep "Trying to restart job" "$LOGS/snakemake.log" || { echo "The killed job is not sent again" >&2; exit 1; }
+OTHER=$(until_running "$JOB")
+kill -KILL "$WORKFLOW"
+wait "$WORKFLOW" || true
+echo "Killed job $JOB, and Snakemake while job $OTHER ran; jobs that go on:"
+squeue -r
+[ ! -e results/slurm_smoke/drag.nc ]
+
+# the same command goes on
+(through_slurm) 2>&1 | tee "$LOGS/again.log"
+python -m snakemake results/local_smoke/drag.nc -j2 -R chunk --configfile "$HOME_OF/local.yaml" -q all
 python - <<'PY'
 import sys
 
@@ -88,7 +124,7 @@ import xarray as xr
 
 one, two = (xr.open_dataset(f"results/{place}_smoke/drag.nc") for place in ("slurm", "local"))
 different = [name for name in two.variables if name not in ("run_time", "spent")
-             and not np.array_equal(one[name].values, two[name].values)]
+             and not one[name].identical(two[name])]
 print(f"{two.drag.sizes['case'] * two.drag.sizes['seed']} runs;",
       f"different: {', '.join(different)}" if different else "SLURM and local: same bits")
 sys.exit(bool(different))
