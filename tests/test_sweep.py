@@ -403,6 +403,16 @@ def test_chunks_are_filled_and_runs_of_one_bed_stay_together(tmp_path):
         assert [len(chunk.runs) for chunk in chunks] == runs
 
 
+def test_a_sweep_needs_the_chunks_of_all_its_blocks(tmp_path):
+    """A plan of one block forgets no other, but for those that the sweep has no more."""
+    store, results = stores.Store(tmp_path / "store"), str(tmp_path)
+    store.register(results, "a", ["1"], ["a", "b"])
+    store.register(results, "b", ["2", "3"], ["a", "b"])
+    assert store.needed() == {results: {"1", "2", "3"}}
+    store.register(results, "b", ["2"], ["b"])
+    assert store.needed() == {results: {"2"}}
+
+
 # What is there is not made again
 
 
