@@ -24,29 +24,40 @@ from dem.dynamics.diagnostics import kinetic
 kinetic(np.ones((2, 8)), np.ones(2), None)
 print(*(sum(count.values()) for count in (kinetic.stats.cache_hits, kinetic.stats.cache_misses)))
 """
+ASK_OF_A_SHAPE = """
+import numpy as np
+from dem import Disc
+from dem.shapes.check import _feel_circle as feel
+feel(Disc([1.0]), 1.0, np.ones((1, 2)), np.ones((1, 2)))
+print(*(sum(count.values()) for count in (feel.stats.cache_hits, feel.stats.cache_misses)))
+"""
 
 
-def asked(folder, cache):
+def asked(folder, cache, words):
     """Hits and misses of one kernel in a process that uses the sources in a folder."""
     environment = os.environ | {"NUMBA_CACHE_DIR": str(cache), "PYTHONPATH": str(folder)}
     ran = subprocess.run(
-        [sys.executable, "-c", ASK], cwd=folder, env=environment, capture_output=True, text=True
+        [sys.executable, "-c", words], cwd=folder, env=environment, capture_output=True, text=True
     )
     assert ran.returncode == 0, ran.stderr
     return tuple(map(int, ran.stdout.split()))
 
 
-def test_copies_share_kernels_and_edits_do_not(tmp_path):
-    """Another copy of the same sources compiles nothing, nor does a comment; a line of code does."""
+@pytest.mark.parametrize(
+    ("words", "edited"), [(ASK, "jit/columns.py"), (ASK_OF_A_SHAPE, "shapes/disc.py")]
+)
+def test_copies_share_kernels_and_edits_do_not(tmp_path, words, edited):
+    """Another copy of the same sources compiles nothing, nor does a comment; a line of code does, also
+    one of a shape, which no kernel imports."""
     ignore = shutil.ignore_patterns("__pycache__")
     for name in ("first", "second"):
         shutil.copytree(PACKAGE, tmp_path / name / "dem", ignore=ignore)
-    assert asked(tmp_path / "first", tmp_path / "cache") == (0, 1)
-    assert asked(tmp_path / "second", tmp_path / "cache") == (1, 0)
+    assert asked(tmp_path / "first", tmp_path / "cache", words) == (0, 1)
+    assert asked(tmp_path / "second", tmp_path / "cache", words) == (1, 0)
     for line, expected in (("# edited", (1, 0)), ("EDITED = True", (0, 1))):
-        with (tmp_path / "second/dem/jit/columns.py").open("a") as file:
+        with (tmp_path / "second/dem" / edited).open("a") as file:
             file.write(f"{line}\n")
-        assert asked(tmp_path / "second", tmp_path / "cache") == expected
+        assert asked(tmp_path / "second", tmp_path / "cache", words) == expected
 
 
 class Inner(NamedTuple):

@@ -131,6 +131,22 @@ def test_impossible_fraction_is_refused(kind, fraction):
         make_small_bed(kind, fraction=fraction)
 
 
+@pytest.mark.parametrize("periodic", ["none", "x", "xy"])
+def test_bed_is_sown_apart(periodic):
+    """No two bounding circles overlap at the start, nor one and the image of another, or the cylinder."""
+    width, height = 8e-3, 9e-3
+    cylinder = dem.Cylinder(1.5e-3, (1e-3, 2e-3))
+    shape = dem.Ellipse.of_size(np.linspace(0.8e-3, 1.2e-3, 60), 1.5)
+    _, factor, state = sown(shape, width, height, cylinder, 3, periodic)
+    radius = np.append(factor * shape.bounding_radius, 0.75e-3)
+    place = np.vstack([state.position, cylinder.position])
+    one, two = np.triu_indices(61, 1)
+    away = place[two] - place[one]
+    period = [width if "x" in periodic else np.inf, height if "y" in periodic else np.inf]
+    away -= np.where(np.isfinite(period), period, 0.0) * np.rint(away / period)
+    assert factor < 1.0 and (np.hypot(*away.T) >= radius[one] + radius[two]).all()
+
+
 def test_box_too_small_to_scatter_is_refused():
     """A granule that has no room beside the cylinder finds no place, which is an error with a name."""
     shape = dem.Ellipse(np.full(1, 6e-3), np.full(1, 1e-3))
