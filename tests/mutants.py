@@ -103,7 +103,7 @@ MUTANTS = (
     Mutant("shapes/smooth.py", "constant", "return 0.25 * _integral", "return 0.5 * _integral", SUPER),
     Mutant("shapes/superellipse.py", "sign", "root + (1.0 - q) * root", "root - (1.0 - q) * root", SUPER),
     # beds
-    Mutant("packing/minimise.py", "constant", "forces(world, 1.0, math.inf)  # nothing", "forces(world, 2.0, math.inf)  # nothing", "tests/test_stress.py"),
+    Mutant("packing/minimise.py", "constant", "forces(world, 1.0, math.inf)  # nothing", "forces(world, 2.0, math.inf)  # nothing", BED),
     Mutant("packing/random.py", "missing term", "(r + radius[near]) ** 2", "radius[near] ** 2", BED),
     Mutant("packing/grown.py", "missing factor", "KEPT * end.velocity", "end.velocity", BED),
     # runs

@@ -10,7 +10,7 @@ import xarray as xr
 from conftest import CONFIG, STIFF, assert_not_blank, make_small_bed
 from numpy.testing import assert_allclose
 from reference import parting
-from twin import forces_of
+from twin import Twin
 
 import dem
 from dem.contacts.force_law import effective_modulus
@@ -46,17 +46,22 @@ def test_packing_fraction_is_exact(kind, fraction):
 
 @pytest.mark.parametrize("kind", ["disc", "dumbbell"])
 def test_bed_is_at_rest(kind):
-    """No granule feels a net force or torque, by a sum over all pairs, walls and the cylinder."""
+    """No granule feels a net force or torque, by a sum over all pairs, walls and the cylinder; and the
+    pressure is the force on the walls over their length and E*."""
     small = make_small_bed(kind)
     soft = dem.Material(density=1.0, young_modulus=1.0, poisson_ratio=0.0, restitution=1.0)
     still = dem.Cylinder(small.cylinder.diameter, small.cylinder.position)
     scene = small.scene(material=soft, friction=dem.Friction(0.0, 0.0, 0.0), cylinder=still)
-    force, torque = forces_of(scene, small.state.checked(scene.granules), 0.0)
+    model = Twin(scene, small.state)
+    force, torque = model.force, model.torque
     radius = small.shape.constituent_radius.mean()
     unit = 0.5 * radius**2  # E* R^2
     assert np.hypot(*force.T).max() < 1.5e-9 * unit
     assert np.abs(torque).max() < 3e-9 * unit * radius
     assert small.bed.pressure > 1e-7 * radius  # there are forces to balance
+    length, modulus = 2.0 * (small.bed.width + small.bed.height), 0.5  # Pa
+    pressure = np.hypot(*model.walls.force.T).sum() / (length * modulus)
+    assert_allclose(small.bed.pressure, pressure, rtol=1e-6)
 
 
 def test_no_centre_outside_or_in_the_cylinder(small):
