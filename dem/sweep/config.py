@@ -207,13 +207,13 @@ def file_of(sweep: Sweep, path: Path) -> str:
 
     Of the resolved configuration in the sweep's own folder it is the one that this was made from.
     """
-    path = Path(path).resolve()
-    if path == (Path(sweep.results) / CONFIG).resolve():
+    path, own = (Path(os.path.realpath(each)) for each in (path, Path(sweep.results) / CONFIG))
+    if path == own:
         with path.open(encoding="utf-8") as file:
             first = file.readline().rstrip("\n")
         return first.removeprefix(FROM) if first.startswith(FROM) else ""
     try:
-        return Path(os.path.relpath(path, Path.cwd().resolve())).as_posix()
+        return Path(os.path.relpath(path, os.path.realpath(Path.cwd()))).as_posix()
     except ValueError:  # another drive of Windows
         return path.as_posix()
 
