@@ -12,6 +12,7 @@
 
 import json
 import logging
+import os
 import re
 import shlex
 import sys
@@ -267,11 +268,12 @@ WHOLE = OWN and TARGETS <= {"all"}
 
 onsuccess:
     if WHOLE:
-        given = ["--configfile", *CONFIG_FILES] if workflow.overwrite_configfiles else []
+        given = ["--configfile", *map(os.path.relpath, CONFIG_FILES)] if workflow.overwrite_configfiles else []
         say(outcome(MAIN, draws=shlex.join(["snakemake", "-j2", "report", *given])))
 
 
 onerror:
-    say(on_failure(RESULTS))
+    said = "Finished files are kept; run the same command to continue."
     if WHOLE:
-        say(f"{RESULTS}: {kept(MAIN, shlex.join(['snakemake', *sys.argv[1:]]))}")
+        said = kept(MAIN, shlex.join(["snakemake", *sys.argv[1:]]))
+    say(on_failure(RESULTS, said))

@@ -454,31 +454,37 @@ def test_a_stop_that_the_compiler_swallows_is_still_one_sentence(capsys):
 AT_STREAMS = """
 import json, os, sys, traceback
 from dem.cli.app import app
-import dem.report.info, dem.sweep.work, dem.sweep.estimate, dem.figures
+# what forks would import again and again
+import rich.table, typer.rich_utils, matplotlib.figure, xarray
+import dem.dynamics.simulation, dem.experiment.bed, dem.figures.figure13, dem.figures.style
+import dem.report.info, dem.studies.claims.report, dem.sweep.estimate
 
-def give(number, kind):
-    name = {1: "stdout", 2: "stderr"}[number]
-    encoding, errors = "utf-8", "strict"
+def source(name, kind):
     if kind == "closed":
-        os.close(number)
-        setattr(sys, name, None)
-        return
+        return None
     if kind == "full":
-        os.dup2(os.open("/dev/full", os.O_WRONLY), number)
-    elif kind == "left":
-        ends = os.pipe()
-        os.close(ends[0])
-        os.dup2(ends[1], number)
-    else:
-        os.dup2(os.open(name, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), number)
-        encoding = "ascii" if kind == "ascii" else encoding
-    setattr(sys, name, open(number, "w", encoding=encoding, errors=errors, closefd=False))
+        return os.open("/dev/full", os.O_WRONLY)
+    if kind == "left":
+        mine, theirs = os.pipe()
+        os.close(mine)
+        return theirs
+    return os.open(name, os.O_WRONLY | os.O_CREAT)
+
+def give(name, number, kind, there):
+    os.close(number)
+    setattr(sys, name, None)
+    if there is not None:
+        os.dup2(there, number)
+        os.close(there)
+        encoding = "ascii" if kind == "ascii" else "utf-8"
+        setattr(sys, name, open(number, "w", encoding=encoding, closefd=False))
 
 for words, out, err in json.load(sys.stdin):
     child = os.fork()
     if child == 0:
-        give(2, err)
-        give(1, out)
+        sources = source("stdout", out), source("stderr", err)
+        give("stdout", 1, out, sources[0])
+        give("stderr", 2, err, sources[1])
         code = 1
         try:
             app(words, prog_name="dem")

@@ -67,11 +67,11 @@ def hold(folder: Path) -> FileLock:
     return lock
 
 
-def on_failure(folder: Path) -> str:
-    """What to do after a workflow has stopped early."""
+def on_failure(folder: Path, kept: str) -> str:
+    """What to do after a workflow has stopped early; kept: what it has so far."""
     # Here, because jobs cannot write their logs to a full disk.
     full = "the disk is full; make room. " if is_full(folder) else ""
-    return f"{folder}: {full}Finished files are kept; run the same command to continue."
+    return f"{folder}: {full}{kept}"
 
 
 def clear_parts(folder: Path) -> int:
