@@ -105,7 +105,7 @@ def good_files() -> Path:
     data |= {"cases": {"c1": data["cases"]["c1"]}, "record": data["record"] | {"snapshots": 3}}
     (folder / "q.yaml").write_text(yaml.safe_dump(data))
     for name in (
-        "README.md", "docs/explanation/open.md", "pyproject.toml", "config/catalogue.yaml",
+        "README.md", "docs/explanation/open.md", "pyproject.toml", "studies/stability/catalogue.yaml",
         "config/smoke.yaml",
     ):  # fmt: skip
         shutil.copy(ROOT / name, folder)

@@ -30,7 +30,7 @@ from dem.cli.terminal import bar, reported
 from dem.figures import film
 from dem.io import progress
 from dem.io.progress import Stage
-from dem.studies.calibrate import MODULI, fit
+from studies.calibration.calibrate import MODULI, fit
 from dem.sweep.remedy import is_written
 
 ROOT = Path(__file__).parent.parent
@@ -166,9 +166,9 @@ SMOKE = ("--config", "config/smoke.yaml")
         (("sweep", "config/smok.yaml"), "the nearest is config/smoke.yaml"),
         (("compile", "--config", "confg/smoke.yaml"), "there is no folder confg"),
         (("claims", "test", "README.md", "--margin", "nan"), "margin is nan"),
-        (("claims", "test", "docs/data/shear.nc"), "runs of the experiment shear have no drag; draw them with dem figure shear docs"),
-        (("figure", "sweep", "docs/data/onset.nc", "-o", "OUT"), "runs of the experiment onset have no drag; draw them with dem figure onset docs"),
-        (("report", "docs/data/shear.nc", "-o", "OUT.html"), "runs of the experiment shear have no drag"),
+        (("claims", "test", "studies/shear/shear.nc"), "runs of the experiment shear have no drag; draw them with dem figure shear docs"),
+        (("figure", "sweep", "studies/onset/onset.nc", "-o", "OUT"), "runs of the experiment onset have no drag; draw them with dem figure onset docs"),
+        (("report", "studies/shear/shear.nc", "-o", "OUT.html"), "runs of the experiment shear have no drag"),
         (("pack", *SMOKE, "--shape", "c1", "--seed", "1", "record.window=[1,2]", "-o", "OUT"), "record.window is '[1,2]'; set it in a configuration"),
         (("pack", *SMOKE, "--shape", "c1", "--seed", "1", "-o", "OUT.txt"), "it must end in .nc"),
         (("chunk", "zz", "-o", "OUT"), "there is no such plan; start the sweep again"),
@@ -190,7 +190,7 @@ def test_a_value_that_no_verb_can_use_is_refused(tmp_path, monkeypatch, argument
 def test_a_file_that_is_cut_off_is_said_to_be(tmp_path):
     """The command that was just typed is no remedy."""
     cut = tmp_path / "drag.nc"
-    cut.write_bytes((ROOT / "docs/data/shear.nc").read_bytes()[:2000])
+    cut.write_bytes((ROOT / "studies/shear/shear.nc").read_bytes()[:2000])
     result = CliRunner().invoke(app, ["info", str(cut)])
     assert result.exit_code == 2
     assert "is cut off or damaged: make it again, or copy it again." in result.stderr
@@ -457,7 +457,7 @@ from dem.cli.app import app
 # what forks would import again and again
 import rich.table, typer.rich_utils, matplotlib.figure, xarray
 import dem.dynamics.simulation, dem.experiment.bed, dem.figures.figure13, dem.figures.style
-import dem.report.info, dem.studies.claims.report, dem.sweep.estimate
+import dem.report.info, studies.claims.report, dem.sweep.estimate
 
 def source(name, kind):
     if kind == "closed":

@@ -10,7 +10,7 @@ from twin import forces_of
 from dem import Cylinder, Disc, Dumbbell, Friction, Material, Scene, Simulation, State, box
 from dem.dynamics.checkpoint import writable
 from dem.dynamics.forces import forces
-from dem.studies.benchmark import stages
+from studies.benchmark import stages
 
 
 def random_bed(kind, seed):

@@ -23,7 +23,7 @@ from dem.sweep.config import load
 from dem.sweep.config import parse as parse_sweep
 
 ROOT = Path(__file__).parent.parent
-SWEEP = load(ROOT / "config/ellipses.yaml")
+SWEEP = load(ROOT / "studies/onset/sweep.yaml")
 
 
 def bed(ratio=1.0, granules=40, seed=1, **changes):

@@ -16,7 +16,7 @@ import dem
 from dem.contacts.force_law import effective_modulus
 from dem.experiment.bed import make_bed
 from dem.figures import possible
-from dem.figures.preparation import plot
+from studies.preparation.figures.preparation import plot
 from dem.figures.style import save
 from dem.packing.grown import _moved
 from dem.packing.pressed import Press, compact

@@ -10,7 +10,7 @@ import xarray as xr
 from conftest import assert_not_blank
 
 from dem.analysis.one_run import motion_of
-from dem.analysis.pressure import LEAST, Widths
+from studies.pressure.widths import LEAST, Widths
 from dem.base.errors import InputError, PackingError
 from dem.dynamics.simulation import Simulation
 from dem.dynamics.touching import FIRST_WALL
@@ -22,7 +22,7 @@ from dem.experiment.scene import make_scene
 from dem.figures import SWEPT
 from dem.figures.film import Scene
 from dem.figures.frames import of_motion
-from dem.figures.pressure import plot
+from studies.pressure.figures.pressure import plot
 from dem.figures.style import save, styled
 from dem.sweep.config import load
 

@@ -32,11 +32,11 @@ RESULTS = {
     "drag.nc": ("dem.sweep.combine",),
     "flow.nc": ("dem.analysis.flow.collect", DISC),
     "figure": ("dem.figures.figure13",),
-    "claims": ("dem.studies.claims.table",),
-    "claims.txt": ("dem.report.info", "dem.studies.claims.report"),
+    "claims": ("studies.claims.table",),
+    "claims.txt": ("dem.report.info", "studies.claims.report"),
     "page": ("dem.report.build",),
     "kernel": ("dem.contacts.loops",),
-    "accuracy": ("dem.studies.accuracy.contacts", "dem.studies.accuracy.bounces"),
+    "accuracy": ("studies.accuracy.contacts", "studies.accuracy.bounces"),
 }
 BEDS = {"jamming", "bed"}
 RUNS = {"disc run", "ellipse run", "superellipse run", "ledger run"}
@@ -66,7 +66,7 @@ EDITS = {
     "a line of statistics": (
         "dem/analysis/statistics.py", LINE, {"figure", "page", "claims.txt"},
     ),
-    "a line of a study": ("dem/studies/claims/table.py", LINE, {"claims"}),
+    "a line of a study": ("studies/claims/table.py", LINE, {"claims"}),
     "a line of style": ("dem/figures/style.py", LINE, {"figure", "page"}),
     "a line of a figure": ("dem/figures/figure13.py", LINE, {"figure"}),
     "a line of the report": ("dem/report/interactive.py", LINE, {"page"}),
@@ -147,7 +147,7 @@ def test_a_figure_depends_on_its_own_file_and_not_on_another():
 
 
 @pytest.mark.parametrize(
-    "name", ["dem.figures.irregularity", "dem.studies.claims.verdicts", "dem.experiment.drag"]
+    "name", ["dem.figures.irregularity", "studies.claims.verdicts", "dem.experiment.drag"]
 )
 def test_all_that_python_loads_is_found(name):
     """What importing a module loads of the package is in its closure."""

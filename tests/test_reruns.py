@@ -65,7 +65,7 @@ HARMLESS = {
 EDITS = {
     "the style of figures": ("dem/figures/style.py", LINE, {"figure"}),
     "one figure": ("dem/figures/figure13.py", LINE, {"figure"}),
-    "sentences of the claims": ("dem/studies/claims/sentences.py", LINE, {"table", "figure"}),
+    "sentences of the claims": ("studies/claims/sentences.py", LINE, {"table", "figure"}),
     "a kernel": ("dem/contacts/loops.py", LINE, RUNS | RESULTS | SCRIPTS | TABLES),
 }
 
@@ -114,7 +114,7 @@ VALUES = {
     "one more seed": ((SMOKE, "seed: [1, 2]", "seed: [1, 2, 3]"), SWEEP | {"chunk"}, 3),
     "window": ((SMOKE, "window: [0.4e-3,", "window: [0.5e-3,"), SHOWN - {"stability_table"}, 0),
     "another study's sweep": (
-        ("config/smoke/accuracy.yaml", "seed: 1001 to 1003", "seed: 1001 to 1004"),
+        ("studies/accuracy/smoke.yaml", "seed: 1001 to 1003", "seed: 1001 to 1004"),
         {"chunk", "accuracy_table", "table", "figure"}, None,
     ),
 }  # fmt: skip

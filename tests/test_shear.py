@@ -205,7 +205,7 @@ def test_numbers_are_of_the_pressure_and_density_that_the_runs_have(name):
 
 def test_runs_of_another_strain_are_no_runs_of_one_file():
     """Their samples would be at the strains of the first; a block has its own, under its own name."""
-    file = {"extends": "config/shear.yaml", "results": "results/strains"}
+    file = {"extends": "studies/shear/sweep.yaml", "results": "results/strains"}
     with pytest.raises(InputError, match=r"varies shear\.strain, which runs of one block share"):
         parse(
             file | {"sweep": {"values": {"density": 2.5e3}, "shear.strain": [4, 8]}},
@@ -254,7 +254,7 @@ def test_the_figure_shows_each_friction(tmp_path):
 def test_every_bed_is_sheared_in_all_ways():
     """With friction in all contacts and with none, at the same inertial numbers."""
     beds = {}
-    for run in load(ROOT / "config/shear.yaml").block("drag").runs:
+    for run in load(ROOT / "studies/shear/sweep.yaml").block("drag").runs:
         own = run.replicate.configuration
         ways = beds.setdefault(run.replicate.bed_key(), set())
         ways.add((own.shear.inertial_number, *own.friction.model_dump().values()))

@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import dem
 from dem.shapes import KINDS
-from dem.studies.stability import linear
+from studies.stability import linear
 
 NAN = float("nan")
 

@@ -173,7 +173,7 @@ def test_points_that_differ_in_velocity_alone_are_its_axis(tmp_path):
 def test_the_workflow_draws_velocity_of_points_too(more, drawn):
     over = {"cylinder.velocity": {"low": 0.1, "high": 10.0, "scale": "log"}, **more}
     point = {"design": "sobol", "points": 8, "over": over}
-    values = {"extends": "config/velocity.yaml", "results": "results/points"}
+    values = {"extends": "studies/velocity/sweep.yaml", "results": "results/points"}
     sweep = parse(
         values | {"sweep": {"shape": "c1", "point": point, "seed": "1 to 3"}}, str(ROOT / "x")
     )
@@ -183,7 +183,7 @@ def test_the_workflow_draws_velocity_of_points_too(more, drawn):
 def test_info_tells_the_velocities_of_the_runs(tmp_path):
     """Not that of the file, where velocity varies."""
     console = Console(width=200, file=io.StringIO())
-    with xr.open_dataset(ROOT / "docs/data/velocity.nc") as released:
+    with xr.open_dataset(ROOT / "studies/velocity/velocity.nc") as released:
         left_out = {name: released["run_time"] for name in OF_A_RUN if name not in released}
         released.assign(left_out).to_netcdf(tmp_path / "drag.nc")
     console.print(summary(tmp_path / "drag.nc"))
@@ -210,7 +210,7 @@ def test_the_figure_shows_each_friction_and_the_inertial_number(tmp_path):
 
 def test_every_bed_is_drawn_in_all_ways():
     """So that beds are their own control; without friction no contact has any."""
-    block = load(ROOT / "config/velocity.yaml").block("drag")
+    block = load(ROOT / "studies/velocity/sweep.yaml").block("drag")
     beds = {}
     for run in block.runs:
         own = run.replicate.configuration

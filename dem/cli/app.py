@@ -7,11 +7,11 @@ from typing import Annotated
 import typer
 
 from dem.base.files import ANY, FOLDER, Place, check_paths
-from dem.cli.accuracy import app as accuracy
-from dem.cli.claims import app as claims
+from studies.accuracy.verbs import app as accuracy
+from studies.claims.verbs import app as claims
 from dem.cli.flow import VERBS as moving
 from dem.cli.report import report
-from dem.cli.stability import app as stability
+from studies.stability.verbs import app as stability
 from dem.cli.sweep import VERBS as sweeping
 from dem.cli.sweep import JobsOption
 from dem.cli.terminal import (
@@ -167,7 +167,7 @@ def simulate(
 @app.command()
 def benchmark(output: OutputOption, config: ConfigOption = PAPER):
     """Time the kernels, alone and against other codes, on beds of the configuration."""
-    from dem.studies.benchmark.measure import measure, write_benchmark
+    from studies.benchmark.measure import measure, write_benchmark
     from dem.sweep.config import load
 
     sweep = load(config)
@@ -249,8 +249,8 @@ def calibrate(
     jobs: JobsOption = 2,
 ):
     """Fit Young's modulus, the one calibrated number, to a mean drag."""
-    from dem.studies.calibrate import MODULI
-    from dem.studies.calibrate import calibrate as fit
+    from studies.calibration.calibrate import MODULI
+    from studies.calibration.calibrate import calibrate as fit
     from dem.sweep.config import load
 
     sweep = load(config)

@@ -59,7 +59,7 @@ SWEPT = {
     ),
     "pressure": (
         "Drag of shapes against the width of the box, at equal pressure and at equal packing fraction",
-        {"box": 3, "shape": 2, "seed": 2},  # LEAST of dem.analysis.pressure
+        {"box": 3, "shape": 2, "seed": 2},  # LEAST of studies.pressure.widths
     ),
     "preparation": (
         "Drag of shapes in beds that were made in several ways",
@@ -335,7 +335,7 @@ def _draw_study(name, data, folder):
     if name in ONSET:  # its variables lie over the axes of any sweep
         layout = {}
     else:
-        package = "dem.analysis.flow" if name in FLOW else f"dem.studies.{FILE_OF[name]}"
+        package = "dem.analysis.flow" if name in FLOW else f"studies.{FILE_OF[name]}"
         layout = import_module(f"{package}.layout").VARIABLES
     with open_lazily(data) as dataset:
         whole = dataset

@@ -2,8 +2,8 @@
 
 Every file is sealed with a checksum (dem.io.checksums) and read only if it holds.
 
-CF-1.11, SI units. Studies keep tables of the same form beside them (dem.studies.benchmark.layout,
-dem.studies.accuracy.layout).
+CF-1.11, SI units. Studies keep tables of the same form beside them (studies.benchmark.layout,
+studies.accuracy.layout).
 """
 
 import warnings

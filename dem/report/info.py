@@ -48,14 +48,14 @@ MEANS = 5  # quantities of a file without drag that are shown
 # report needs of variables and of attributes.
 STUDIES = {
     "granule_steps_per_second": (
-        "dem.studies.benchmark", (), ("history", "processor", "versions", "codes")),
+        "studies.benchmark", (), ("history", "processor", "versions", "codes")),
     "trial_drag": (
-        "dem.studies.accuracy", ("contact_method", "integrator", "replicate_drag"),
+        "studies.accuracy", ("contact_method", "integrator", "replicate_drag"),
         (*WINDOW, "default_fraction"),
     ),
-    "run_part": ("dem.studies.claims", ("run_drag", "jam_fraction", "run_factor"), WINDOW),
+    "run_part": ("studies.claims", ("run_drag", "jam_fraction", "run_factor"), WINDOW),
     "check_value": (
-        "dem.studies.stability", ("map_residual", "paper_residual"), ("default_fraction",)),
+        "studies.stability", ("map_residual", "paper_residual"), ("default_fraction",)),
 }  # fmt: skip
 
 

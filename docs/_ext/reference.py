@@ -87,7 +87,7 @@ def files() -> str:
         parts += [f"## Experiment `{name}`\n", _first_line(module), _variables(module.VARIABLES)]
     parts += ["## `flow.nc`\n", LAG, _variables({"run_id": dataset.OF_STORE["run_id"]} | FLOW)]
     for name in STUDY_FIGURES:
-        layout = import_module(f"dem.studies.{name}.layout")
+        layout = import_module(f"studies.{name}.layout")
         parts += [f"## `{name}.nc`\n", _variables(layout.VARIABLES)]
     return "\n".join(parts)
 

@@ -11,7 +11,7 @@ from . import contact, dumbbells
 from .accuracy import accuracy
 from .calibration import calibration
 from .claims import claims
-from .common import DATA, Findings, holds, interval, table
+from studies.common.findings import DATA, Findings, holds, interval, table
 from .drag import beds, drag, flow
 from .onset import onset
 from .preparation import preparation

@@ -10,7 +10,7 @@ from dem.analysis.flow.verdict import compared
 from dem.analysis.statistics import change, summarise
 from dem.analysis.tables import numbers
 
-from .common import Findings, interval, span
+from studies.common.findings import Findings, interval, span
 
 PAPER = {"c1": "1295", "e0": "1405"}  # N, section 3.2
 DENSER = "2"  # case c12 is c1 at ten times the density

@@ -6,7 +6,7 @@ from dem.analysis.statistics import Estimate
 from dem.analysis.tables import numbers
 
 from .claims import claims, verdicts_on
-from .common import estimate
+from studies.common.findings import estimate
 from .drag import drag
 from .preparation import WAYS, preparation
 from .pressure import pressure

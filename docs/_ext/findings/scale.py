@@ -2,7 +2,7 @@
 
 from rich.table import Table
 
-from .common import Findings
+from studies.common.findings import Findings
 
 BYTES = ((1e9, "GB", 1), (1e6, "MB", 0), (1.0, "B", 0))
 SECONDS = ((3600.0, "h", 1), (60.0, "min", 0), (1.0, "s", 0))

@@ -1,0 +1,115 @@
+"""accuracy.nc: what the time step and replicates do to drag, from the runs of a sweep, beside the
+studies of contacts and of time steps.
+
+The block `replicates` is of many beds of one shape, all others vary numerics.step_fraction.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from dem.base.errors import InputError
+from dem.experiment import drag
+from dem.experiment.config import Replicate
+from dem.io.dataset import global_attributes, write
+from studies.accuracy import layout_contacts, layout_steps
+from studies.accuracy.bias import LARGEST
+from studies.accuracy.layout import VARIABLES
+from dem.sweep.config import Sweep
+from dem.sweep.table import origin, parts, rows, wanted_of
+from dem.sweep.work import Work
+
+REPLICATES = "replicates"
+
+
+def runs_of(sweep: Sweep) -> tuple[dict[str, Replicate], dict[str, Replicate]]:
+    """Runs by identity: those that vary the time step, and the replicates. Raises InputError where
+    the study cannot be made of them."""
+    if REPLICATES not in sweep.blocks or len(sweep.blocks) < 2:
+        raise InputError(
+            f"sweep.blocks must be {REPLICATES}, and others that vary numerics.step_fraction; see "
+            "studies/accuracy/sweep.yaml."
+        )
+    blocks = {name: sweep.block(name) for name in sweep.blocks}
+    many = wanted_of([blocks.pop(REPLICATES)])
+    if len(labels := {replicate.label for replicate in many.values()}) > 1 or len(many) < 2:
+        raise InputError(
+            f"sweep.blocks.{REPLICATES} is {len(many)} runs of {', '.join(sorted(labels))}; it must be "
+            "two or more of one shape."
+        )
+    trials, default = wanted_of(blocks.values()), sweep.numerics.step_fraction
+    for label in dict.fromkeys(replicate.label for replicate in trials.values()):
+        steps = {_step(each) for each in trials.values() if each.label == label}
+        if default not in steps or sum(step <= LARGEST for step in steps) < 2:
+            raise InputError(
+                f"sweep.blocks run {label} at numerics.step_fraction {sorted(steps)}; it must be that of "
+                f"the file, {default:g}, and another up to {LARGEST:g}."
+            )
+    if sweep.numerics.time_step is not None:
+        raise InputError(
+            f"numerics.time_step is {sweep.numerics.time_step:g} s; it must be left out, because the "
+            "study varies it."
+        )
+    return trials, many
+
+
+def _step(replicate: Replicate) -> float:
+    return replicate.configuration.numerics.step_fraction
+
+
+def trials(paths: list[Path], wanted: dict[str, Replicate]) -> dict:
+    """Variables over `trial`; a run that failed is NaN and says why: where runs break is part of the
+    question."""
+    found = {}
+    names = "drag", "time_step", "run_time", "failure", "failure_reason"
+    for ids, values in rows(paths, names, wanted):
+        for run, force, step, time, _, reason in zip(ids, *values.values(), strict=True):
+            own = wanted[run]
+            found[run] = (
+                own.label, own.seed, _step(own), force[own.configuration.in_window].mean(),
+                np.median(step), time, str(reason).partition(":")[0].strip() or "ran",
+            )  # fmt: skip
+    labels = list(dict.fromkeys(replicate.label for replicate in wanted.values()))
+    ordered = sorted(found.values(), key=lambda row: (labels.index(row[0]), *row[1:3]))
+    columns = "shape", "seed", "fraction", "drag", "time_step", "time", "status"
+    return {
+        f"trial_{name}": np.array(column)
+        for name, column in zip(columns, zip(*ordered, strict=True), strict=True)
+    }
+
+
+def replicates(paths: list[Path], wanted: dict[str, Replicate]) -> dict:
+    """Variables over `replicate`: drag along the stroke."""
+    found = {}
+    for ids, values in rows(paths, ("drag", "run_time"), wanted):
+        found |= zip(ids, zip(*values.values(), strict=True), strict=True)
+    ordered = sorted(wanted.values(), key=lambda replicate: replicate.seed)
+    return {
+        "replicate": np.array([each.seed for each in ordered]),
+        "replicate_displacement": drag.axes(ordered[0].configuration)["displacement"],
+        "replicate_drag": np.array([found[each.id][0] for each in ordered]),
+        "replicate_time": np.array([found[each.id][1] for each in ordered]),
+    }
+
+
+def write_study(path: Path, work: Work, contacts: Path, steps: Path) -> None:
+    """Write accuracy.nc from the chunks of a sweep and the files of both scripts."""
+    sweep = work.sweep
+    vary, many = runs_of(sweep)
+    chunks = {name: work.files(name) for name in sweep.blocks}
+    every = [file for files in chunks.values() for file in files]
+    values = (
+        parts([contacts], layout_contacts.VARIABLES)
+        | parts([steps], layout_steps.VARIABLES)
+        | trials([f for name in chunks if name != REPLICATES for f in chunks[name]], vary)
+        | replicates(chunks[REPLICATES], many)
+    )
+    attrs = global_attributes(
+        f"{sweep.title}: error against run time",
+        "dem accuracy table",
+        **origin([contacts, steps, *every]),
+        default_fraction=sweep.numerics.step_fraction,
+        window_start=sweep.record.window[0],
+        window_stop=sweep.record.window[1],
+    )
+    write(path, values, attrs, VARIABLES)

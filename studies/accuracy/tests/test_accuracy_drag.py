@@ -1,0 +1,219 @@
+"""Bias of the time step and worth of replicates, from made-up runs whose answer is known."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+import yaml
+
+import dem
+from studies.accuracy import bias as biases
+from studies.accuracy import layout_contacts, layout_steps, replicates, table
+from studies.accuracy.bias import bias, change, failures
+from dem.sweep import chunk
+from dem.sweep.config import load, parse
+from dem.sweep.store import Store
+from dem.sweep.table import rows, write_part
+from dem.sweep.work import Work
+
+CONFIG = Path(__file__).parent.parent / "config"
+MEAN, SCATTER = 1000.0, 0.1
+
+
+def trials(slope, fractions=(0.25, 0.5, 1.0, 2.0), beds=200, seed=1):
+    """Runs of many beds, each with a level of its own, few at the smallest step; at 2 all fail."""
+    rng = np.random.default_rng(seed)
+    level = MEAN * (1.0 + SCATTER * rng.normal(size=beds))
+    level[: beds // 4] *= 1.3  # the beds that alone run at the smallest step are not like the rest
+    level /= level.mean() / MEAN
+    columns = []
+    for fraction in fractions:
+        noise = 0.5 * SCATTER * MEAN * rng.normal(size=beds)
+        drag = level + slope * MEAN * fraction + noise
+        drag = drag if fraction <= 1.0 else np.full(beds, np.nan)
+        drag = drag[: beds // 4] if fraction == min(fractions) else drag
+        columns += [(fraction, number, value) for number, value in enumerate(drag)]
+    fraction, number, drag = map(np.array, zip(*columns, strict=True))
+    variables = {
+        "shape": np.full(len(drag), "c1"),
+        "fraction": fraction,
+        "seed": number,
+        "drag": drag,
+    }
+    return xr.Dataset(
+        {f"trial_{name}": ("trial", value) for name, value in variables.items()},
+        attrs={"default_fraction": 0.5, "window_start": 1e-3, "window_stop": 5e-3},
+    )
+
+
+@pytest.mark.parametrize("slope", [0.0, -0.08, 0.2])
+def test_a_bias_that_is_there_is_found(slope):
+    """The interval of the bias holds the truth, and is narrow enough to tell 2 %."""
+    found = bias(trials(slope), "c1")
+    truth = 0.5 * slope / (1.0 + 0.5 * slope)  # over the mean at the default
+    assert abs(found.value - truth) < found.half < 0.02
+    assert set(found.fractions) == {0.25, 0.5, 1.0}
+
+
+def test_the_interval_of_the_bias_holds_the_truth_as_often_as_it_says():
+    """Of many studies without a bias, about 95 % of the intervals hold zero."""
+    studies = [bias(trials(0.0, beds=20, seed=seed), "c1") for seed in range(200)]
+    share = np.mean([abs(b.value) < b.half for b in studies])
+    assert 0.9 < share < 0.99
+
+
+def test_runs_that_fail_are_counted_and_leave_the_means_alone():
+    """A step at which all runs fail shows as such."""
+    dataset = trials(0.0)
+    assert failures(dataset, "c1") == {0.25: 0.0, 0.5: 0.0, 1.0: 0.0, 2.0: 1.0}
+    found = change(biases.table(dataset, "c1"), 0.5)
+    assert np.isnan(found["value"].sel(fraction=2.0))
+    assert abs(float(found["value"].sel(fraction=0.25))) < 3 * float(
+        found["half"].sel(fraction=0.25)
+    )
+
+
+def series(length, runs=400, bins=1000, width=1e-5, seed=1):
+    """Runs whose drag forgets itself exponentially over `length` (m)."""
+    rng = np.random.default_rng(seed)
+    keep = np.exp(-width / length)
+    drag = np.empty((runs, bins))
+    drag[:, 0] = rng.normal(size=runs)
+    for k in range(1, bins):
+        drag[:, k] = keep * drag[:, k - 1] + np.sqrt(1.0 - keep**2) * rng.normal(size=runs)
+    place = (np.arange(bins) + 0.5) * width
+    return xr.Dataset(
+        {
+            "replicate_drag": (
+                ("replicate", "replicate_displacement"),
+                MEAN * (1.0 + SCATTER * drag),
+            ),
+            "replicate_time": ("replicate", np.ones(runs)),
+        },
+        {"replicate_displacement": place},
+        attrs={"window_start": 1e-3, "window_stop": 5e-3},
+    )
+
+
+def test_the_correlation_length_of_a_known_process():
+    """An exponential memory of length l has an integral of 2 l."""
+    assert replicates.correlation_length(series(0.2e-3)) == pytest.approx(0.4e-3, rel=0.1)
+
+
+def test_longer_windows_scatter_as_independent_pieces_do():
+    """Far beyond the memory, four times the window halves the scatter."""
+    lengths, scatter = replicates.windows(series(0.05e-3))
+    short = np.interp(2e-3, lengths, scatter)
+    assert short / np.interp(8e-3, lengths, scatter) == pytest.approx(2.0, rel=0.15)
+
+
+def test_needed_replicates_reach_the_target_interval():
+    """With as many runs as are said to be needed, random groups reach the interval asked for."""
+    dataset = series(0.2e-3)
+    found = replicates.replicates(dataset)
+    half, covered = replicates.subsets(dataset, found.needed)
+    assert np.median(half) == pytest.approx(replicates.TARGET, rel=0.15)
+    assert covered > 0.93
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    """A sweep of both kinds of blocks, one step of them far beyond the critical one, and its runs."""
+    data = yaml.safe_load((CONFIG / "smoke/accuracy.yaml").read_text())
+    seeds = "1001 to 1002"
+    data["sweep"]["blocks"] = {
+        "steps": {"shape": "c1", "numerics.step_fraction": [0.5, 1.0, 8.0], "seed": seeds},
+        "fine": {"shape": "c1", "numerics.step_fraction": 0.25, "seed": 1001},
+        "replicates": data["sweep"]["blocks"]["replicates"] | {"seed": seeds},
+    }
+    work = Work(parse(data), Store(tmp_path_factory.mktemp("store")))
+    chunks = {name: work.chunks(name) for name in work.sweep.blocks}
+    work.settle()
+    for each in chunks.values():
+        for one in each:
+            chunk.make(work.store, one.id)
+    return work
+
+
+def test_trials_hold_what_the_sweep_asks_for(runs):
+    """Each bed at its steps, in order; the drag hardly depends on them; what breaks is named."""
+    wanted, _ = table.runs_of(runs.sweep)
+    found = table.trials(runs.files("steps") + runs.files("fine"), wanted)
+    places = zip(found["trial_seed"], found["trial_fraction"], strict=True)
+    assert list(places) == [
+        *((1001, f) for f in (0.25, 0.5, 1, 8)),
+        *((1002, f) for f in (0.5, 1, 8)),
+    ]
+    broken = found["trial_fraction"] == 8.0
+    assert set(found["trial_status"][~broken]) == {"ran"}
+    assert set(found["trial_status"][broken]) <= {"OverlapError", "StateError"}
+    assert (np.isnan(found["trial_drag"]) == broken).all()
+    first = (found["trial_seed"] == 1001) & ~broken
+    assert np.ptp(found["trial_drag"][first]) < 0.01 * found["trial_drag"][first].mean()
+
+
+def test_replicates_must_all_have_run(runs):
+    """Rows in the order of the seeds; a failed or a missing run is named."""
+    beyond, wanted = table.runs_of(runs.sweep)
+    found = table.replicates(runs.files("replicates"), wanted)
+    assert found["replicate"].tolist() == [1001, 1002]
+    assert found["replicate_drag"].shape == (2, found["replicate_displacement"].size) == (2, 120)
+    assert (found["replicate_time"] > 0.0).all()
+    with pytest.raises(dem.RunError, match="c1 at 3900 kg/m3, seed 1001 could not be made"):
+        list(rows(runs.files("steps"), ("drag",), beyond))
+    with pytest.raises(dem.InputError, match="seed 1001 is in none of the 1 files"):
+        table.replicates(runs.files("fine"), wanted)
+
+
+def test_scripts_and_runs_make_one_file(runs, tmp_path):
+    """What scripts wrote is in accuracy.nc as it was; another file in their place is refused."""
+    few = {
+        "bounce_overlap": (0.05, layout_contacts),
+        "peer": (np.array(["dem", "LAMMPS"]), layout_steps),
+    }
+    files = [tmp_path / f"{name}.nc" for name in few]
+    for file, (name, (value, layout)) in zip(files, few.items(), strict=True):
+        write_part(
+            file, runs.sweep, ("studies.accuracy.steps",), {name: value}, layout.VARIABLES
+        )
+    whole = tmp_path / "accuracy.nc"
+    table.write_study(whole, runs, *files)
+    with xr.open_dataset(whole) as dataset:
+        assert dataset["peer"].values.tolist() == ["dem", "LAMMPS"]
+        assert float(dataset["bounce_overlap"]) == 0.05
+        assert dataset.sizes["trial"] == 7 and dataset.attrs["default_fraction"] == 0.5
+        assert dataset.attrs["source_hash"].count(";") >= 1
+    with pytest.raises(dem.InputError, match="no part of this study"):
+        table.write_study(whole, runs, *reversed(files))
+
+
+def test_the_bins_are_as_wide_as_the_papers():
+    """So that a window means the same."""
+    paper, study = load(CONFIG / "paper.yaml"), load(CONFIG / "accuracy.yaml")
+    width = paper.cylinder.stroke / paper.record.bins
+    for run in table.runs_of(study):
+        own = next(iter(run.values())).configuration
+        assert own.cylinder.stroke / own.record.bins == width
+
+
+@pytest.mark.parametrize(
+    ("blocks", "more", "sentence"),
+    [
+        ({}, {}, "sweep.blocks must be replicates"),
+        ({"steps": [0.1, 1.0]}, {}, r"run c1 at numerics.step_fraction \[0.1, 1.0\]"),
+        ({"steps": [0.5, 2.0]}, {}, "another up to 1.2"),
+        ({"steps": [0.5, 1.0]}, {"shape": ["c1", "d1"]}, "one shape"),
+        ({"steps": [0.5, 1.0]}, {"time_step": 1e-9}, "numerics.time_step is 1e-09 s"),
+    ],
+)
+def test_a_study_that_cannot_be_made_is_refused(blocks, more, sentence):
+    """Before anything runs, with the key in the sentence."""
+    data = yaml.safe_load((CONFIG / "smoke/accuracy.yaml").read_text())
+    many = {"shape": more.get("shape", "c1"), "seed": [1, 2]}
+    data["sweep"]["blocks"] = {"replicates": many} | {
+        name: {"shape": "c1", "numerics.step_fraction": steps} for name, steps in blocks.items()
+    }
+    data["numerics"]["time_step"] = more.get("time_step")
+    with pytest.raises(dem.InputError, match=sentence):
+        table.runs_of(parse(data))

@@ -1,0 +1,125 @@
+"""What a user pays: time for a stroke of the cylinder at equal error of the mean drag.
+
+Chaos parts two runs of one bed, whatever their time steps, so the error of the drag shows only in the
+mean over beds. That mean is level over small steps. Beyond some step contacts are unstable, and it
+falls. A level and a straight line that leaves it give the largest step at which a code keeps the
+drag within TOLERANCE of its own level: the models of friction and damping differ, and so do levels.
+"""
+
+import time
+from functools import partial
+
+import numpy as np
+import xarray as xr
+
+from dem.analysis.statistics import Estimate, bootstrapped
+from dem.base.errors import RunError
+from dem.dynamics.simulation import STEP_FRACTION, Simulation
+from studies.benchmark.scenes import Case, packed
+from studies.common.peers import lammps
+from dem.sweep.config import Sweep
+
+TOLERANCE = 0.01  # of the mean drag
+KINKS = 200  # steps that are tried as the end of the level
+DRAWS = 2000  # of the beds
+SEED = 1
+
+
+def our_drag(case: Case, time_step: float, window) -> tuple[float, float]:
+    """Mean drag (N) between two displacements (m) of the cylinder, and processor time (s) up to there."""
+    start, stop = (x / case.scene.cylinder.velocity[1] for x in window)
+    run = Simulation(case.scene, case.state, time_step, allow_unstable=True)
+    began = time.process_time()
+    run.advance(start)
+    record = run.record(stop - start, 1)
+    drag = -float(record.normal_force[0, 1] + record.tangential_force[0, 1])
+    return drag, time.process_time() - began
+
+
+def lammps_drag(case: Case, time_step: float, window, same: bool = False) -> tuple[float, float]:
+    """The same; see studies.common.peers.lammps.Run."""
+    start, stop = (round(x / case.scene.cylinder.velocity[1] / time_step) for x in window)
+    with lammps.Run(case.scene, case.state, time_step, True, same) as run:
+        began = time.process_time()
+        run.advance(start)
+        drag = -float(run.mean_force(stop - start)[1])
+        return drag, time.process_time() - began
+
+
+# By code, and the time steps over the bound on the critical one, at rest: about where its drag falls
+WAYS = {
+    "dem": (our_drag, (0.6, 1.0, 1.2, 1.4, 1.6)),
+    "LAMMPS": (lammps_drag, (0.5, 0.65, 0.75, 0.85, 0.95)),
+    "LAMMPS, our law": (partial(lammps_drag, same=True), (1.0, 1.5, 1.8, 2.1, 2.4)),
+}
+
+
+def compare_drag(sweep: Sweep, beds: int, ways=WAYS) -> dict:
+    """Drag and processor time of strokes of the codes, in turns; NaN where a run fails or a code is
+    missing."""
+    fractions = np.array([steps for _, steps in ways.values()])
+    drag, spent = np.full((2, *fractions.shape, beds), np.nan)
+    bounds, window = np.empty(beds), sweep.record.window
+    disc = next(label for label, shape in sweep.shapes.items() if shape.kind == "disc")
+    for bed in range(beds):
+        case = packed(sweep, disc, sweep.first_seed + bed)
+        bounds[bed] = case.time_step / STEP_FRACTION
+        for code, (name, (way, steps)) in enumerate(ways.items()):
+            for level, fraction in enumerate(steps):
+                if name.startswith("LAMMPS") and lammps.available() is not None:
+                    continue
+                try:
+                    found = way(case, fraction * bounds[bed], window)
+                except RunError:
+                    continue
+                drag[code, level, bed], spent[code, level, bed] = found
+    return {
+        "drag_code": np.array(list(ways)),
+        "drag_fraction": fractions,
+        "drag_bound": bounds,
+        "drag_stroke": window[1],
+        "drag_speed": sweep.cylinder.velocity,
+        "drag_mean": drag,
+        "drag_time": spent,
+    }
+
+
+def largest_step(fractions, drag, tolerance: float = TOLERANCE) -> Estimate:
+    """Largest time step that keeps the mean over the beds (level, bed) within a tolerance, over the
+    bound; fractions (level,). Beds are drawn again for the interval; one with a failed run is left out."""
+    drag = drag[:, np.isfinite(drag).all(axis=0)]
+    beds = drag.shape[1]
+    drawn = np.random.default_rng(SEED).integers(beds, size=(DRAWS, beds))
+    means = np.vstack([drag.mean(axis=1), drag[:, drawn].mean(axis=2).T])
+    kinks = np.linspace(fractions[1], fractions[-2], KINKS)
+    beyond = np.maximum(0.0, fractions - kinks[:, None])
+    x, y = (each - each.mean(axis=1, keepdims=True) for each in (beyond, means))
+    products, squares = y @ x.T, np.sum(x * x, axis=1)
+    best = np.argmax(products**2 / squares, axis=1)
+    slope = products[np.arange(len(y)), best] / squares[best]
+    level = means.mean(axis=1) - slope * beyond.mean(axis=1)[best]
+    return bootstrapped(kinks[best] + tolerance * level / np.abs(slope), beds)
+
+
+def at_equal_error(dataset: xr.Dataset) -> xr.Dataset:
+    """By code that ran: `largest` step with its interval `low`, `high`, over the bound; `time_step`
+    (s); `rate`, steps a second; `cost`, processor time of a stroke (s/m)."""
+    ran = dataset.isel(
+        drag_code=np.isfinite(dataset["drag_mean"]).any(("drag_level", "drag_bed")).values
+    )
+    rows = []
+    for code in ran["drag_code"].values:
+        one = ran.sel(drag_code=code)
+        fractions = one["drag_fraction"].values
+        found = largest_step(fractions, one["drag_mean"].values)
+        time_step = found.value * float(one["drag_bound"].mean())
+        steps = one["drag_stroke"] / one["drag_speed"] / (one["drag_fraction"] * one["drag_bound"])
+        rates = (steps / one["drag_time"]).median("drag_bed").values
+        rate = np.interp(found.value, fractions, rates)
+        rows.append((*found, time_step, rate, 1.0 / (time_step * rate * float(one["drag_speed"]))))
+    names = "largest", "low", "high", "time_step", "rate", "cost"
+    columns = dict(zip(names, np.transpose(rows), strict=True))
+    return xr.Dataset(
+        {name: ("drag_code", column) for name, column in columns.items()},
+        {"drag_code": ran["drag_code"].values},
+    )

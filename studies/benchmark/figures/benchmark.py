@@ -1,0 +1,101 @@
+"""Speed on one core: beside other codes on the same beds, and of scenes that lack this or that.
+
+Bars are medians, dots the single repeats.
+"""
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from dem.figures import style
+from studies.benchmark.ratio import times_faster
+
+OURS = "dem"
+# By code: fill, edge, hatch
+BARS = {
+    OURS: ("#2f6db5", "#17457d", ""),
+    "LAMMPS": ("#f5c49a", "#b34700", "///"),
+    "LIGGGHTS": ("#d5eedd", "#0f5a30", "..."),
+    "YADE": ("#f3d9e5", "#8a2f5b", "xx"),
+}
+CUT = 2.5  # a bar so much longer than the next is cut
+OTHER = ("#d9d2ea", "#5b4a8a", "++")
+
+
+@style.styled
+def plot(dataset: xr.Dataset) -> Figure:
+    """Granule-steps per second by bed and code above, time of a granule-step by scene below."""
+    figure = Figure(figsize=(style.WIDTH, 8.2))
+    above, below = figure.subfigures(2, 1, height_ratios=(1.0, 1.15))  # margins of their own
+    _codes(above.subplots(), 1e-6 * dataset["granule_steps_per_second"])
+    _scenes(below.subplots(), 1e9 * dataset["variant_step_time"])
+    figure.suptitle(sentence(dataset))
+    return figure
+
+
+def sentence(dataset: xr.Dataset) -> str:
+    """The reading of the figure: how fast against the fastest other code, by bed."""
+    others = times_faster(dataset).drop_sel(code=OURS).median("repeat", skipna=False)
+    shares = others.min("code", skipna=True)
+    found = [f"{float(s):.1f} times for {s['scene'].item()}" for s in shares if np.isfinite(s)]
+    if found:
+        return f"Speed against the fastest other code: {', '.join(found)}"
+    ours = dataset["granule_steps_per_second"].sel(code=OURS).median("repeat")
+    return f"{1e-6 * float(ours.max()):.0f} million granule-steps a second"
+
+
+def _codes(axes, rates) -> None:
+    """One group of bars per bed, one bar per code that ran on it."""
+    ticks = []
+    for place, scene in enumerate(rates["scene"].values):
+        here = rates.sel(scene=scene).dropna("code", how="all")
+        width = 0.8 / max(3, here.sizes["code"])
+        for number, code in enumerate(here["code"].values):
+            middle = place + width * (number - 0.5 * (here.sizes["code"] - 1))
+            values = here.sel(code=code).values
+            fill, edge, hatch = BARS.get(code, OTHER)
+            axes.bar(
+                middle, np.median(values), width, color=fill, edgecolor=edge, hatch=hatch,
+                label=code, linewidth=1.2,
+            )  # fmt: skip
+            style.show_runs(axes, middle, values, 0.5 * width)
+            style.write_above(axes, middle, values.max(), f"{np.median(values):.1f}")
+        ticks.append(scene)
+    axes.set_xticks(range(len(ticks)), ticks)
+    axes.tick_params(axis="x", length=0)
+    axes.set_ylim(0.0, 1.12 * axes.dataLim.ymax)
+    axes.set_ylabel("Million granule-steps\na second")
+    axes.set_title("Same bed, material and time step, one core", loc="left")
+    handles, names = axes.get_legend_handles_labels()
+    unique = {n: h for n, h in zip(names, handles, strict=True) if n != "single runs"}
+    dots = handles[names.index("single runs")]
+    axes.legend([*unique.values(), dots], [*unique, "single repeats"], loc="upper right")
+
+
+def _scenes(axes, times) -> None:
+    """One bar per scene, the full ones on top; one far longer than all others is cut."""
+    medians = times.median("repeat")
+    most, next_most = np.sort(times.max("repeat"))[[-1, -2]]
+    limit = 1.15 * (most if most < CUT * next_most else 1.2 * next_most)
+    for place, variant in enumerate(times["variant"].values):
+        values, median = times.sel(variant=variant).values, float(medians[place])
+        axes.barh(
+            place, median, 0.66, color=BARS[OURS][0] if place == 0 else "#a9c8ea",
+            edgecolor=BARS[OURS][1], linewidth=1.2,
+        )  # fmt: skip
+        inside = median < limit
+        if inside:
+            axes.plot(values, place + np.linspace(-0.2, 0.2, len(values)), **style.RUN)
+        axes.annotate(
+            f"{median:.1f}" if inside else f"{median:.0f}, beyond the axis",
+            (values.max() if inside else limit, place), (7 if inside else -7, 0),
+            textcoords="offset points", va="center", ha="left" if inside else "right",
+        )  # fmt: skip
+    axes.set_yticks(range(times.sizes["variant"]), times["variant"].values)
+    axes.tick_params(axis="y", length=0)
+    axes.invert_yaxis()
+    axes.grid(axis="y", visible=False)
+    axes.grid(axis="x", visible=True)
+    axes.set_xlim(0.0, limit)
+    axes.set_xlabel("Time of one step of one granule (ns)")
+    axes.set_title("This code, with more and with less in the scene", loc="left")

@@ -1,0 +1,99 @@
+"""Small and large beds: the time of one step of one granule, on one thread and on several."""
+
+import time
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+
+from dem.dynamics.simulation import STEP_FRACTION, Simulation
+from dem.experiment.fit import height_of_box, sample_diameters
+from dem.packing.random import pack
+from dem.packing.tiled import tiled
+from dem.scene import Friction, Material, Scene, box
+from dem.shapes.disc import Disc
+from studies.common.peers import lammps
+from dem.sweep.config import Sweep
+
+TILES = (1, 4, 16, 50)  # along each side of a bed: of 400 granules, to a million
+RANKED = 102_400  # discs of the bed that LAMMPS runs too
+STEPS = 100  # of each run, all from the same start: fewer than a list holds
+SPEED = 0.5  # m/s, of the granules at the start, a quarter of the cylinder's
+SEED = 1
+
+
+def large_scene(sweep: Sweep, side: int):
+    """Scene and State of side x side mirrored tiles of the sweep's discs, all granules in motion.
+
+    Frictional, damped, in a box without a cylinder.
+    """
+    section = next(s for s in sweep.shapes.values() if s.kind == "disc")
+    sizes = sample_diameters(section, sweep.packing.size_spread, SEED)
+    room = sweep.cylinder.diameter**2 * np.pi / 4.0 / sweep.box_width
+    bed = pack(Disc.of_size(sizes), sweep.box_width, height_of_box(sweep, sizes) - room, None, SEED)
+    shape, state, width, height = tiled(Disc.of_size(sizes), bed, side, side)
+    material = Material(**sweep.material.model_dump(exclude={"thickness"}))
+    scene = Scene(shape, material, Friction(), box(width, height), thickness=section.diameter)
+    random = np.random.default_rng(SEED)
+    return scene, replace(state, velocity=SPEED * random.normal(size=state.position.shape))
+
+
+def bytes_a_granule(world) -> float:
+    """Memory (bytes) of all arrays of the kernels, neighbour lists included, over the granules."""
+    arrays, left = {}, [world]
+    while left:
+        for item in left.pop():
+            if isinstance(item, np.ndarray):
+                arrays[item.__array_interface__["data"][0]] = item.nbytes
+            elif isinstance(item, tuple):
+                left.append(item)
+    return sum(arrays.values()) / len(world.bodies)
+
+
+def time_apart(scene: Scene, state, number: int, steps: int, step: float) -> float:
+    """Time (s) of one step of one granule while `number` copies of a bed run, each on one thread.
+
+    What processors give that share caches, memory and at times one core: no bed waits for another.
+    """
+    runs = [Simulation(scene, state) for _ in range(number)]
+    with ThreadPoolExecutor(number) as pool:
+        started = time.perf_counter()
+        list(pool.map(lambda run: run.advance(steps * step), runs))
+        spent = time.perf_counter() - started
+    return spent / sum(run.steps * scene.granules for run in runs)
+
+
+def compare_sizes(sweep: Sweep, repeats: int, threads=(1, 2), tiles=TILES) -> dict:
+    """Variables: seconds per granule and step by size and threads or beds, and memory per granule."""
+    ranked = lammps.available() is None and lammps.mpiexec() is not None
+    beds = [large_scene(sweep, side) for side in tiles]
+    times, apart, ranks = np.full((3, len(beds), len(threads), repeats), np.nan)
+    memory = np.empty(len(beds))
+    for repeat in range(-1, repeats):  # the first compiles and does not count
+        for place, (scene, state) in enumerate(beds):
+            runs = max(1, 50_000 // scene.granules)
+            for column, number in enumerate(threads):
+                spent = 0.0
+                for _ in range(runs):
+                    run = Simulation(scene, state, threads=number)
+                    step = STEP_FRACTION * run.diagnose().critical_time_step
+                    started = time.perf_counter()
+                    run.advance(STEPS * step)
+                    spent += (time.perf_counter() - started) / run.steps
+                memory[place] = bytes_a_granule(run.world)
+                if repeat >= 0:
+                    times[place, column, repeat] = spent / runs / scene.granules
+                    apart[place, column, repeat] = time_apart(
+                        scene, state, number, runs * STEPS, step
+                    )
+                if repeat >= 0 and ranked and scene.granules == RANKED:
+                    spent = lammps.seconds(scene, state, step, 0, STEPS, ranks=number)
+                    ranks[place, column, repeat] = spent / STEPS / RANKED
+    return {
+        "size": np.array([scene.granules for scene, _ in beds]),
+        "threads": np.array(threads),
+        "size_step_time": times,
+        "apart_step_time": apart,
+        "ranks_step_time": ranks,
+        "size_memory": memory,
+    }

@@ -1,0 +1,155 @@
+"""Where a step goes: the stages of the kernel, timed by leaving out the later ones.
+
+A bed is held as it is, by a time step that moves nothing, and each part of a step runs many times.
+"""
+
+import math
+import time
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from dem.contacts.blocks import (
+    Constituents,
+    accumulate,
+    contact_forces,
+    find_contacts,
+    gather,
+    gather_pairs,
+    refine_contacts,
+)
+from dem.contacts.loops import cylinder_contacts, wall_contacts
+from dem.dynamics.assembly import assemble, granule_table
+from dem.dynamics.forces import clear, farthest
+from dem.dynamics.integration import advance, drift
+from dem.dynamics.neighbor_list import rebuild_neighbor_list
+from dem.dynamics.simulation import SKIN
+from dem.jit.address import by_address, local
+from dem.jit.compilation import compiled
+from dem.jit.lanes import BLOCK
+from dem.jit.optional import optional
+from studies.benchmark.scenes import Case
+
+STILL = 1e-3  # of the time step: nothing moves to speak of, and no list is rebuilt
+WARM = 100  # steps
+
+
+class Wanted(NamedTuple):
+    """Stages of a pair that run after its two bodies were copied: True, or None for not."""
+
+    geometry: bool | None = None
+    forces: bool | None = None
+    sums: bool | None = None
+
+
+UPTO = {
+    "copy both bodies": Wanted(),
+    "overlap, normal, velocities": Wanted(True),
+    "force law": Wanted(True, True),
+    "add to both granules": Wanted(True, True, True),
+}
+
+
+@optional
+def find(wanted, shape, turns, contacts, start, stop, lanes):
+    find_contacts(shape, turns, contacts, start, stop, lanes)
+    refine_contacts(contacts.normal_x, shape, turns, contacts, start, stop, lanes)
+
+
+@optional
+def respond(wanted, shape, turns, contacts, start, stop, dt, lanes):
+    contact_forces(contacts.friction, shape, turns, contacts, start, stop, dt, lanes)
+
+
+@optional
+def add_up(wanted, contacts, start, stop, values, turns, force):
+    accumulate(contacts, start, stop, values, turns, force)
+
+
+@compiled
+def pairs(world, dt, times, wanted):
+    """The loop of dem.contacts.loops.pair_contacts with the stages that are wanted, for a bed of
+    one chunk without an energy ledger."""
+    world = by_address(world)
+    shape, frame, contacts, lanes = world.shape, world.frame, local(world.pairs), world.lanes
+    rows, flat = world.constituents.reshape(-1), world.constituent_force.reshape(-1)
+    turns, count = world.inverse_inertia, contacts.constituent.shape[0]
+    for _ in range(times):
+        for start in range(0, count, BLOCK):
+            stop = min(start + BLOCK, count)
+            gather(turns, rows, rows, contacts, start, stop, lanes)
+            gather_pairs(shape, frame, contacts, start, stop, lanes.values)
+            find(wanted.geometry, shape, turns, contacts, start, stop, lanes)
+            respond(wanted.forces, shape, turns, contacts, start, stop, dt, lanes)
+            add_up(wanted.sums, contacts, start, stop, lanes.values, turns, flat)
+
+
+@compiled
+def boundaries(world, dt, times):
+    world = by_address(world)
+    bodies = Constituents(world.shape, world.constituents, world.frame, world.inverse_inertia)
+    for _ in range(times):
+        wall_contacts(world.walls, bodies, world.constituent_force, dt, world.lanes)
+        cylinder_contacts(world.cylinder, bodies, world.constituent_force, dt, world.lanes)
+
+
+@compiled
+def looks(world, limit, times):
+    world = by_address(world)
+    rows, reference, force = world.constituents, world.reference, world.constituent_force
+    moved = 0.0
+    for _ in range(times):
+        clear(force, 0, rows.shape[0])
+        moved += farthest(rows, reference, 0, rows.shape[0], limit)
+    return moved
+
+
+@compiled
+def moves(world, times):
+    world = by_address(world)
+    for _ in range(times):
+        drift(world, 0.0, 0.0, 0, world.bodies.shape[0])
+
+
+@compiled
+def roots(numbers, times):
+    for _ in range(times):
+        for k in range(numbers.shape[0]):
+            numbers[k] = math.sqrt(numbers[k])
+
+
+@compiled
+def divisions(numbers, times):
+    for _ in range(times):
+        for k in range(numbers.shape[0]):
+            numbers[k] = 1.0 / numbers[k]
+
+
+def slow_operations(times: int) -> tuple[float, float]:
+    """Time (s) of a square root and of a division, with load and store, a BLOCK side by side."""
+    numbers = np.linspace(1.0, 2.0, BLOCK)
+    found = (timed(partial(call, numbers.copy(), times)) for call in (roots, divisions))
+    return tuple(spent / times / BLOCK for spent in found)
+
+
+def timed(call) -> float:
+    started = time.perf_counter()
+    call()
+    return time.perf_counter() - started
+
+
+def stage_times(case: Case, times: int) -> dict[str, float]:
+    """Time (s) of one step by stage, and of the whole step; the mean of a number of `times`."""
+    table, dt = granule_table(case.scene, SKIN), STILL * case.time_step
+    world = assemble(case.scene, case.state.checked(case.scene.granules), table)
+    world = rebuild_neighbor_list(world, table)
+    advance(world, dt, WARM, math.inf, None)
+    calls = {name: partial(pairs, world, dt, times, wanted) for name, wanted in UPTO.items()}
+    calls["walls and cylinder"] = partial(boundaries, world, dt, times)
+    calls["clear forces, look for the farthest"] = partial(looks, world, math.inf, times)
+    calls["move"] = partial(moves, world, times)
+    calls["whole step"] = partial(advance, world, dt, times, math.inf, None)
+    spent = {name: timed(call) / times for name, call in calls.items()}
+    upto = [spent[name] for name in UPTO]
+    return spent | dict(zip(UPTO, np.diff(upto, prepend=0.0), strict=True))

@@ -1,0 +1,154 @@
+"""LAMMPS and this code move the same granules alike; the benchmark measures what it says."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import dem
+from studies.benchmark.drag import compare_drag, largest_step
+from studies.benchmark.measure import (
+    Plan,
+    compare_codes,
+    compare_motion,
+    compare_scenes,
+    compare_stages,
+    load_average,
+    write_benchmark,
+)
+from studies.benchmark.scenes import FULL, make_case
+from studies.benchmark.sizes import compare_sizes
+from studies.common.peers import lammps
+from dem.sweep.config import load
+
+pytestmark = pytest.mark.skipif(lammps.available() is not None, reason=str(lammps.available()))
+CONFIG = Path(__file__).parent.parent / "config/smoke.yaml"
+ELASTIC = dem.Material(restitution=1.0)
+
+
+def rms(values):
+    """Root mean square."""
+    return np.sqrt((values**2).mean())
+
+
+def apart(small, steps, speed=1.0, of=np.max, same=False, **changes):
+    """Distance between the codes and that moved, each of all granules, over the mean radius."""
+    scene = small.scene(**changes)
+    velocity = speed * np.random.default_rng(1).normal(size=small.bed.position.shape)
+    state = dem.State(small.bed.position, velocity, small.bed.angle)
+    step = 0.3 * dem.Simulation(scene, state).diagnose().critical_time_step
+    ours = dem.Simulation(scene, state, time_step=step)
+    ours.advance(steps * step)
+    with lammps.Run(scene, state, step, same=same) as theirs:
+        theirs.advance(steps)
+        here, there = ours.state.position, theirs.position
+    size = scene.shape.bounding_radius.mean()
+    return of(np.abs(here - there)) / size, of(np.abs(here - state.position)) / size
+
+
+@pytest.mark.parametrize(("kind", "rounding"), [("disc", 1e-12), ("dumbbell", 1e-9)])
+def test_without_friction_and_damping_motion_agrees_to_rounding(small_bed, kind, rounding):
+    """Same equations, same method: discs differ by rounding, dumbbells by that of their angles."""
+    distance, moved = apart(small_bed(kind), 100, friction=None, material=ELASTIC)
+    assert moved > 1e-3
+    assert distance < rounding
+
+
+# The mean over a bed: where one contact slides and in the other code sticks, one granule goes another
+# way, and processors pack other beds. The greatest distance was 0.05 to 0.9 of what it is compared with.
+@pytest.mark.parametrize("seed", [1, 11])
+@pytest.mark.parametrize("kind", ["disc", "dumbbell"])
+def test_with_friction_motion_differs_a_little(small_bed, kind, seed):
+    """LAMMPS has another arm of the tangential force, and another spring when a contact unloads.
+
+    Of eight beds of each kind: 0.08 to 0.17; a LAMMPS without friction is apart by 0.7 and more.
+    """
+    distance, moved = apart(small_bed(kind, seed), 100, of=rms)
+    assert distance < 0.4 * moved
+
+
+@pytest.mark.parametrize("seed", [1, 11])
+@pytest.mark.parametrize("kind", ["disc", "dumbbell"])
+def test_with_our_law_lammps_follows_our_motion(small_bed, kind, seed):
+    """Friction and damping: only the arm of the tangential force differs then.
+
+    Of eight beds of each kind: 0.016 to 0.033; a LAMMPS without damping is apart by 0.19 and more.
+    """
+    distance, moved = apart(small_bed(kind, seed), 100, of=rms, same=True)
+    assert distance < 0.1 * moved
+
+
+def test_softer_tangential_springs_are_handed_on(small_bed):
+    """friction.stiffness of a hundredth: LAMMPS with Mindlin's own springs is as far off as granules move."""
+    soft = dem.Friction(stiffness=0.01)
+    distance, moved = apart(small_bed("disc"), 100, of=rms, same=True, friction=soft)
+    assert distance < 0.1 * moved
+
+
+def test_a_collision_returns_the_coefficient_of_restitution():
+    """The dashpot that LAMMPS gets is the one for which discs part at e times the speed they met."""
+    size = 1e-3
+    scene = dem.Scene(dem.Disc(np.full(2, size)), dem.Material(restitution=0.5), thickness=size)
+    state = dem.State([[0.0, 0.0], [2.001 * size, 0.0]], [[0.5, 0.0], [-0.5, 0.0]])
+    with lammps.Run(scene, state, 1e-9) as run:
+        run.advance(20_000)
+        assert run.velocity[:, 0] == pytest.approx([-0.25, 0.25], rel=1e-3)
+
+
+def test_the_force_on_the_cylinder_is_the_same(small_bed):
+    """Without friction and damping, before chaos: mean over the same steps."""
+    small = small_bed("disc")
+    scene, step = small.scene(friction=None, material=ELASTIC), 5e-8
+    record = dem.Simulation(scene, small.state, time_step=step).record(200 * step, 1)
+    with lammps.Run(scene, small.state, step, force=True) as run:
+        assert run.mean_force(200, every=1) == pytest.approx(record.normal_force[0], rel=1e-2)
+
+
+@pytest.mark.skipif(lammps.mpiexec() is None, reason="there is no mpiexec beside Python")
+def test_two_ranks_share_a_bed(small_bed):
+    """A run whose ranks do not know of each other is refused; this one is not."""
+    small = small_bed("disc")
+    assert lammps.seconds(small.scene(), small.state, 1e-9, 1, 10, ranks=2) > 0.0
+
+
+def test_the_largest_step_is_where_the_drag_leaves_its_level():
+    """Level at 100 N up to a step of 1.1, then 50 N less for 1 more: 1 % is reached at 1.12."""
+    steps = np.array([0.6, 1.0, 1.2, 1.4, 1.6])
+    beds = np.random.default_rng(1).normal(size=(1, 50))
+    found = largest_step(steps, 100.0 - 50.0 * np.maximum(0.0, steps - 1.1)[:, None] + beds)
+    assert found.value == pytest.approx(1.12, abs=0.01)
+
+
+def test_what_lammps_has_no_equivalent_for_is_refused(small_bed):
+    """Ellipses have no Hertzian contact there."""
+    small = small_bed("ellipse")
+    with pytest.raises(dem.InputError, match="ellipse"):
+        lammps.Run(small.scene(), small.state, 1e-9)
+
+
+def test_the_benchmark_fills_its_file(small_bed, tmp_path):
+    """Every code and scene has its numbers; dem info shows them; a missing code is named."""
+    small, plan = small_bed("disc"), Plan(repeats=2, warm=2, steps=20, compared=(10,))
+    cases = {"disc": make_case(small.scene(), small.state)}
+    values = compare_codes(cases, plan)
+    rates = dict(zip(values["code"], values["granule_steps_per_second"][0], strict=True))
+    status = dict(zip(values["code"], values["code_status"], strict=True))
+    assert (rates["dem"] > 0.0).all() and (rates["LAMMPS"] > 0.0).all()
+    for code, found in rates.items():
+        assert np.isfinite(found).all() == (status[code] == "run")
+    values |= compare_stages(cases, plan) | {"load_average": load_average()}
+    values |= compare_scenes({FULL: cases["disc"]}, plan) | compare_motion(cases, plan)
+    values |= compare_drag(load(CONFIG), 2)
+    values |= compare_sizes(load(CONFIG), 1, threads=(1,), tiles=(1,))
+    assert values["variant_code_size"][0] > 1000
+    assert values["trajectory_difference"][0, 0] < 1e-12
+    path = tmp_path / "benchmark.nc"
+    write_benchmark(path, load(CONFIG), values)
+    run = subprocess.run(
+        [sys.executable, "-m", "dem", "info", str(path)], text=True, capture_output=True
+    )
+    assert run.returncode == 0, run.stderr
+    for word in ("LAMMPS", FULL, "force law", "a millimetre"):
+        assert word in run.stdout

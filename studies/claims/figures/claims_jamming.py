@@ -1,0 +1,81 @@
+"""Shapes at equal packing fraction, as far from jamming, and under the same load."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from dem.base.errors import InputError
+from dem.figures import style
+from dem.analysis.compare import Comparison
+from studies.claims.evidence import reference
+from studies.claims.remains import EQUAL, remaining
+
+STATES = {
+    EQUAL: ("equal packing fraction", "#17457d", ""),
+    "equal distance": ("equal distance from jamming", "#d5eedd", "..."),
+    "equal distance, friction": ("equal distance, jamming with friction", "#f5c49a", "///"),
+    "equal load": ("equal load before the run", "0.88", "xx"),
+}
+GRIPS = (("o", "#17457d"), ("s", "#f5c49a"))
+
+
+@style.styled
+def plot(dataset: xr.Dataset) -> Figure:
+    """Left: where shapes jam; right: drag over the reference's at each state."""
+    case, _, fraction = reference(dataset)
+    found = [each for each in remaining(dataset) if each.shape != case]
+    if not found:
+        raise InputError("there are no runs of the part matched.")
+    shapes = list(dict.fromkeys(each.shape for each in found))
+    figure = Figure(figsize=(style.WIDTH + 2.0, 5.6))
+    left, right = figure.subplots(1, 2, width_ratios=[1.0, 1.9])
+    _jamming(left, dataset, [str(dataset["reference_shape"].values), *shapes], fraction)
+    _drags(right, found, shapes, case)
+    figure.suptitle(title(found, case), fontsize=12.5)
+    return figure
+
+
+def title(found, case) -> str:
+    """What becomes of the drag of e1, or of the last shape, in words."""
+    shape = "e1" if any(each.shape == "e1" for each in found) else found[-1].shape
+    told = [
+        f"{each.ratio[0]:.2f} at {STATES[each.state][0]}"
+        for each in found
+        if each.shape == shape and each.state in (EQUAL, "equal distance")
+    ]
+    return f"Drag of {shape} over that of {case}: " + ", ".join(told)
+
+
+def _jamming(axes, dataset, shapes, fraction):
+    for friction, (marker, color) in zip(np.unique(dataset["jam_friction"]), GRIPS, strict=False):
+        for place, shape in enumerate(shapes):
+            here = (dataset["jam_shape"].values == shape) & (
+                dataset["jam_friction"].values == friction
+            )
+            each = Comparison("", dataset["jam_fraction"].values[here], None, 0.0, 1.0)
+            low, high = each.interval()
+            axes.errorbar(place, each.estimate, [[each.estimate - low], [high - each.estimate]],
+                          marker=marker, color="0.15", markerfacecolor=color, markersize=7, capsize=4,
+                          linestyle="none", label=f"friction {friction:g}" if place == 0 else None)  # fmt: skip
+    axes.axhline(fraction, **style.REFERENCE, label=f"packing fraction of the runs, {fraction:g}")
+    axes.set_xticks(range(len(shapes)), shapes)
+    axes.set_ylabel("Packing fraction at which beds jam")
+    axes.legend(loc="lower center", bbox_to_anchor=(0.45, 1.0))
+
+
+def _drags(axes, found, shapes, case):
+    states = [state for state in STATES if any(each.state == state for each in found)]
+    width = 0.8 / len(states)
+    for each in sorted(found, key=lambda each: states.index(each.state)):
+        number, place = states.index(each.state), shapes.index(each.shape)
+        name, color, hatch = STATES[each.state]
+        value, low, high = each.ratio
+        x = place + (number - 0.5 * (len(states) - 1)) * width
+        axes.bar(x, value, width, color=color, hatch=hatch, edgecolor="0.15", linewidth=0.8,
+                 label=name if place == 0 else None)  # fmt: skip
+        axes.errorbar(x, value, [[value - low], [high - value]], **style.INTERVAL | {"capsize": 3})
+    axes.axhline(1.0, color="0.3", linewidth=1.0)
+    axes.set_xticks(range(len(shapes)), shapes)
+    axes.tick_params(axis="x", length=0)
+    axes.set_ylabel(f"Mean drag over that of {case}\nat equal packing fraction (95 % interval)")
+    axes.legend(loc="lower center", bbox_to_anchor=(0.45, 1.0), ncols=2)

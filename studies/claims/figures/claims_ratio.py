@@ -1,0 +1,71 @@
+"""Ellipses from round to twice as long as wide: their drag, and whether they turn with the flow."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from dem.base.errors import InputError
+from dem.figures import style
+from dem.analysis.compare import Comparison
+from studies.claims.evidence import rows, table, with_case
+
+SETTINGS = {
+    "equal fraction": ("equal packing fraction", "o", "-", "#17457d"),
+    "equal distance": ("equal distance from jamming", "s", (0, (5, 1.5)), "#b34700"),
+}
+LINES = {"e1": ("-", "#6fae8a"), "e2": ((0, (5, 1.5)), "#2f7d4f"), "e3": ((0, (1, 1)), "#0f5a30")}
+KINDS = {"alignment": ("with the motion of the granules", 2.4), "streaming": ("with the flow past the cylinder", 1.1)}  # fmt: skip
+
+
+@style.styled
+def plot(dataset: xr.Dataset) -> Figure:
+    """Left: mean drag by aspect ratio; right: alignment gained near the cylinder by displacement."""
+    if not rows(dataset, "ratios").sizes["run"]:
+        raise InputError("there are no runs of the part ratios.")
+    figure = Figure(figsize=(style.WIDTH + 2.0, 5.0))
+    left, right = figure.subplots(1, 2)
+    for setting, (name, marker, line, color) in SETTINGS.items():
+        runs = table(rows(dataset, "ratios", setting), "run_x")
+        x = sorted(runs["case"].values.tolist())
+        mean, half = np.array([_mean(runs["drag"].sel(case=each).values) for each in x]).T
+        left.errorbar(x, mean, half, marker=marker, linestyle=line, color=color, capsize=4, markersize=6, label=name)  # fmt: skip
+    left.set_xlabel("Aspect ratio of the ellipses")
+    left.set_ylabel("Mean drag (N), 95 % interval")
+    left.set_ylim(0.0, 1.3 * left.get_ylim()[1])
+    left.legend(loc="upper left")
+    _alignment(right, dataset)
+    figure.suptitle(
+        "Drag of ellipses by aspect ratio, and whether they turn with the flow", fontsize=12.5
+    )
+    return figure
+
+
+def _mean(values):
+    """Mean over runs and half its interval; NaN for fewer than two."""
+    each = Comparison("", values, None, 0.0, 1.0)
+    low, high = each.interval() if each.runs > 1 else (np.nan, np.nan)
+    return (each.estimate if each.runs else np.nan), 0.5 * (high - low)
+
+
+def _alignment(axes, dataset):
+    part, moved = rows(dataset, "replicates"), style.millimetres(dataset["moment"].values)[1:]
+    for shape, (line, color) in LINES.items():
+        some = with_case(part, shape)
+        for name, (words, width) in KINDS.items() if some.sizes["run"] else ():
+            gained = (some[f"run_{name}"] - some[f"run_{name}_start"]).values[:, 1:]
+            mean, half = np.array([_mean(column) for column in gained.T]).T
+            axes.plot(
+                moved, mean, linestyle=line, color=color, linewidth=width, label=f"{shape}, {words}"
+            )
+            if width > 2.0:
+                axes.fill_between(
+                    moved, mean - half, mean + half, color=color, alpha=0.2, linewidth=0
+                )
+    axes.axhline(0.0, **style.REFERENCE)
+    axes.set_xlabel("Displacement of the cylinder (mm)")
+    axes.set_ylabel(
+        "Alignment gained since the start near the cylinder\n(mean of cos 2(angle \N{MINUS SIGN} direction))"
+    )
+    axes.legend(loc="upper left", fontsize=9.5)
+    low, high = axes.get_ylim()
+    axes.set_ylim(low, high + 0.75 * (high - low))

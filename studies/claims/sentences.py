@@ -1,0 +1,317 @@
+"""The paper's sentences, one function each: from runs to what decides whether the sentence holds.
+
+A function takes Evidence and returns numbers with intervals (dem.analysis.compare), none where the
+runs do not suffice. Its docstring says how the sentence is read: a plain comparative means any
+difference; "significantly", "remarkable", "much" and "strongly" mean one beyond `margin`, and "little"
+and "insignificant" one within it. A new claim is a function here; tables and figures find it.
+
+We do not test sentences that only describe appearance: "no dramatic differences in qualitative
+particle flow behavior", "little qualitative difference in flow patterns" (3.3).
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from dem.analysis.statistics import densities, find
+from dem.analysis.compare import Comparison, Growth, Prediction
+from studies.claims.evidence import Evidence, curves
+from studies.claims.influence import plane
+
+INFINITE = float("inf")
+PAPERS_RUNS = 5
+DRAWS = 4000
+SLOW = 5.0  # times the paper's velocity: up to here a claim about slow drag is tested
+
+
+class Claim(NamedTuple):
+    """A sentence: name, place in the paper, quotation, what it takes to be tested."""
+
+    name: str
+    place: str
+    quote: str
+    compare: Callable[[Evidence], list]
+
+    @property
+    def reading(self) -> str:
+        """How the sentence is read, in one line."""
+        return " ".join(self.compare.__doc__.split())
+
+    @property
+    def title(self) -> str:
+        """The name in words."""
+        return self.name.replace("_", " ")
+
+
+CLAIMS: list[Claim] = []
+
+
+def claim(place: str, quote: str):
+    """Decorator: the function decides this sentence of the paper."""
+
+    def add(compare):
+        CLAIMS.append(Claim(compare.__name__, place, quote, compare))
+        return compare
+
+    return add
+
+
+def case_of(found: Evidence, shape: str) -> str | None:
+    """Case of a shape at the density of the first case."""
+    return find(found.runs, shape) if found.runs["case"].size else None
+
+
+def values(runs, measure: str, case) -> np.ndarray | None:
+    """Values (seed,) of a case, NaN where a run failed; None if there are none."""
+    if measure not in runs or case is None or case not in runs["case"].values:
+        return None
+    found = runs[measure].sel(case=case).values
+    return found if np.isfinite(found).any() else None
+
+
+def ratio(runs, measure, one, other, low=0.0, high=INFINITE, **how) -> list[Comparison]:
+    """Ratio of a measure between the cases `one` and `other`, if there are both."""
+    a, b = values(runs, measure, one), values(runs, measure, other)
+    if a is None or b is None:
+        return []
+    return [Comparison(f"{measure.replace('_', ' ')}, {one} over {other}", a, b, low, high, **how)]
+
+
+def shapes(found: Evidence, measure, one: str, other: str, low=0.0, high=INFINITE, **how):
+    """The same of two shapes at the density of the first case."""
+    cases = case_of(found, one), case_of(found, other)
+    return ratio(found.runs, measure, *cases, low, high, **how)
+
+
+def all_of(*parts: list) -> list:
+    """All parts of a claim; none if one of them cannot be tested."""
+    return [each for part in parts for each in part] if all(parts) else []
+
+
+@claim(
+    "abstract", "the drag in dumbbell-shaped granules is higher than that in cylindrical granules"
+)
+def dumbbells_above_discs(found):
+    """Mean drag of d1 over that of c1 is above 1."""
+    return shapes(found, "drag", "d1", "c1", low=1.0)
+
+
+@claim(
+    "3.3",
+    "dumbbell-shaped particles exhibit less drag than cylindrical particles of equal effective diameter",
+)
+def dumbbells_below_discs(found):
+    """Mean drag of d1 over that of c1 is below 1: the opposite of the sentence before."""
+    return shapes(found, "drag", "d1", "c1", high=1.0)
+
+
+@claim(
+    "3.3",
+    "dumbbell-shaped particles show significantly higher drag than cylindrical particles if the diameter of the two sub-particles in the dumbbell is equal to the cylinder diameter",
+)
+def dumbbells_above_small_discs(found):
+    """Mean drag of d1 over that of c2, discs of the size of its halves, is above 1 by more than the margin."""
+    return shapes(found, "drag", "d1", "c2", low=1.0 + found.margin)
+
+
+@claim(
+    "3.3", "there is a remarkable drop in drag force when the granules are made slightly elliptical"
+)
+def slight_ellipses_drop(found):
+    """Mean drag of e1 over that of c1 is below 1 by more than the margin."""
+    return shapes(found, "drag", "e1", "c1", high=1.0 - found.margin)
+
+
+@claim(
+    "3.3",
+    "Further increases in aspect ratio for cases e2 and e3 result in further drops in the calculated drag force",
+)
+def longer_ellipses_drop(found):
+    """Mean drag of e2 over that of e1, and of e3 over that of e2, are both below 1."""
+    return all_of(
+        shapes(found, "drag", "e2", "e1", high=1.0), shapes(found, "drag", "e3", "e2", high=1.0)
+    )
+
+
+@claim("abstract", "the drag in elliptical granules decreases as the aspect ratio increases")
+def drag_falls_with_aspect_ratio(found):
+    """A line of the logarithm of the drag through all runs from round to 1.375 falls."""
+    if not found.ratios["case"].size:
+        return []
+    ratios = found.ratios["case"].values
+    drag = found.ratios["drag"].sel(case=ratios[ratios <= 1.375]).values
+    x = np.repeat(ratios[ratios <= 1.375], drag.shape[1])
+    good = np.isfinite(drag.ravel()) & (drag.ravel() > 0.0)
+    if len(set(x[good])) < 2 or good.sum() < 4:
+        return []
+    slope, error, free = plane(x[good, None], np.log(drag.ravel()[good]))
+    return [
+        Growth("drag, each 0.1 of aspect ratio", 0.1 * slope[0], 0.1 * error[0], free, 0.0, 1.0)
+    ]
+
+
+@claim(
+    "3.2",
+    "The differences in these drag force values are within the standard deviation of the drag force itself",
+)
+def codes_agree(found):
+    """Mean drag of e0 over that of c1, on the same beds, is 1 to within the margin."""
+    low, high = 1.0 - found.margin, 1.0 + found.margin
+    return shapes(found, "drag", "e0", "c1", low, high, paired=True)
+
+
+@claim(
+    "3.2",
+    "The average drag forces and standard deviations for the elliptical and cylindrical codes are 1405 N and 17%, and 1295 N and 18%",
+)
+def means_and_scatter_as_reported(found):
+    """What five runs give: the ratio of the means, and the standard deviation along the mean curve
+    of five runs over its mean (3.1: all results are such averages); the report lies in their range."""
+    cases = case_of(found, "e0"), case_of(found, "c1")
+    if found.single or None in cases or "curve" not in found.runs:
+        return []
+    drawn = [fives(found.runs, case) for case in cases]
+    if any(each is None for each in drawn):
+        return []
+    (e_mean, e_scatter), (c_mean, c_scatter) = drawn
+    count, (e0, c1) = PAPERS_RUNS, cases
+    return [
+        Prediction(f"five runs: drag, {e0} over {c1}", e_mean / c_mean, count, 1.0845, 1.0855),
+        Prediction(f"five runs: scatter of {e0}", e_scatter, count, 0.165, 0.175),
+        Prediction(f"five runs: scatter of {c1}", c_scatter, count, 0.175, 0.185),
+    ]
+
+
+def fives(runs, case):
+    """Mean (N) and scatter along the mean curve of five runs of a case, drawn many times; None with
+    too few runs to draw from."""
+    some = curves(runs, case)
+    if len(some) < 2 * PAPERS_RUNS:
+        return None
+    rng = np.random.default_rng(sum(map(ord, str(case))))
+    chosen = np.array([rng.choice(len(some), PAPERS_RUNS, replace=False) for _ in range(DRAWS)])
+    weight = np.zeros((DRAWS, len(some)))
+    np.put_along_axis(weight, chosen, 1.0 / PAPERS_RUNS, axis=1)
+    curve = weight @ some
+    return curve.mean(axis=1), curve.std(axis=1) / curve.mean(axis=1)
+
+
+@claim(
+    "3.4",
+    "Although the density has increased by a factor of 10, the maximum change in drag force is 21.8%",
+)
+def density_changes_little(found):
+    """For every shape, on the same beds, ten times the density changes the mean drag by less than 21.8 %."""
+    return _densities(found, 0.218)
+
+
+@claim(
+    "3.4",
+    "momentum effects are relatively insignificant relative to frictional and compaction forces",
+)
+def momentum_is_insignificant(found):
+    """The same, to within the margin."""
+    return _densities(found, found.margin)
+
+
+def _densities(found, within):
+    if not found.runs["case"].size:
+        return []
+    pairs = [(cases[-1], cases[0]) for cases in densities(found.runs).values()]
+    low, high = 1.0 - within, 1.0 + within
+    parts = [ratio(found.runs, "drag", *pair, low, high, paired=True) for pair in pairs]
+    return all_of(*parts) if parts else []
+
+
+@claim("3.4", "there is little effect of velocity on drag behavior")
+def velocity_hardly_matters(found):
+    """On the same beds, the mean drag of c1 at all other velocities, up to five times the paper's, is
+    that at the paper's to within the margin."""
+    speeds = [x for x in found.velocity["case"].values.tolist() if x <= SLOW and x != 1.0]
+    low, high = 1.0 - found.margin, 1.0 + found.margin
+    parts = [ratio(found.velocity, "drag", x, 1.0, low, high, paired=True) for x in speeds]
+    named = all_of(*parts) if parts else []
+    return [each._replace(words=f"drag, {x:g} times the velocity over 1")
+            for x, each in zip(speeds, named, strict=False)]  # fmt: skip
+
+
+@claim("3.4", "the compaction forces and friction contribute significantly to the drag force")
+def compaction_and_friction_matter(found):
+    """Over the design, from the lowest to the highest packing fraction, and friction between granules,
+    the drag of c1 grows by more than the margin."""
+    points = found.points
+    drag = values(points, "drag", find(points, "c1")) if points["case"].size else None
+    if drag is None:
+        return []
+    names = points["factor"].values.tolist()
+    place = points["at"].sel(case=find(points, "c1")).values
+    good = np.isfinite(drag) & (drag > 0.0)
+    if good.sum() < len(names) + 4:
+        return []
+    unit = (place - np.nanmin(place, axis=0)) / np.ptp(place[good], axis=0)
+    slope, error, free = plane(unit[good], np.log(drag[good]))
+    return [
+        Growth(f"drag of c1, over the range of {path}", slope[n], error[n], free, 1.0 + found.margin, INFINITE)
+        for path in ("packing.fraction", "friction.granule") if path in names
+        for n in [names.index(path)]
+    ]  # fmt: skip
+
+
+@claim(
+    "abstract",
+    "The flow pattern in elliptical granules is also shown to be much more irregular compared with that of cylindrical and dumbbell-shaped granules",
+)
+def ellipses_flow_irregularly(found):
+    """Non-affine motion (D2min over the squared diameter) in e3, the longest, is above that in c1 and
+    in d1 by more than the margin."""
+    low = 1.0 + found.margin
+    return all_of(*(shapes(found, "non_affine", "e3", other, low) for other in ("c1", "d1")))
+
+
+@claim(
+    "4",
+    "the flow pattern in elliptical granules with an aspect ratio of 1.375 is much more irregular than those of lower aspect ratios",
+)
+def long_ellipses_flow_irregularly(found):
+    """Non-affine motion in e3 is above that in e1 and in e2 by more than the margin."""
+    low = 1.0 + found.margin
+    return all_of(*(shapes(found, "non_affine", "e3", other, low) for other in ("e1", "e2")))
+
+
+@claim(
+    "3.3",
+    "shows a significantly large mixing zone, with more randomness imparted to the granular bed",
+)
+def long_ellipses_mix(found):
+    """Mixing of layers (share of neighbours of different layers, less that at the start) in e3 is
+    above that in c1, e1 and e2, the cases it is compared with, by more than the margin."""
+    low = 1.0 + found.margin
+    return all_of(*(shapes(found, "mixing", "e3", other, low) for other in ("c1", "e1", "e2")))
+
+
+@claim(
+    "3.3",
+    "This drop in drag force could result from the ability of elongated particles to align with the particle flow direction during drag",
+)
+def ellipses_align(found):
+    """A necessary condition: near the cylinder the long axes of e1, e2 and e3 lie along the motion of
+    the granules (mean of cos 2(angle - direction)) more than they would with their angles at the start."""
+    parts = []
+    for case in (case_of(found, shape) for shape in ("e1", "e2", "e3")):
+        now, before = (values(found.runs, name, case) for name in ("alignment", "alignment_start"))
+        known = now is not None and before is not None
+        words = f"alignment gained, {case}"
+        parts.append([Comparison(words, now - before, None, 0.0, INFINITE)] if known else [])
+    return all_of(*parts)
+
+
+@claim("4", "the granule shape strongly influences the drag force")
+def shape_matters(found):
+    """Mean drags of d1, e1 and e3 over that of c1 differ from 1, in any sense, by more than the margin;
+    at equal packing fraction, not at equal distance from jamming."""
+    low, high = 1.0 - found.margin, 1.0 + found.margin
+    parts = [
+        shapes(found, "drag", one, "c1", low, high, outside=True) for one in ("d1", "e1", "e3")
+    ]
+    return all_of(*parts)

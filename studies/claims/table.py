@@ -1,0 +1,226 @@
+"""claims.nc: one row per run of the sweep, and one per bed that was grown until it jams.
+
+In: the chunks of all blocks of the sweep, read one after another. Out: what claims are about, by
+the names of layout.py. The first word of a block's name is the part of the study.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from dem.analysis.flow.layout import MEASURES
+from dem.base.errors import InputError
+from dem.experiment import drag, jamming
+from dem.experiment.config import Replicate
+from dem.experiment.observables.alignment import VARIABLES as ALONG
+from dem.io.dataset import FAILURES, content_of, global_attributes, read, write
+from studies.claims.layout import VARIABLES
+from dem.sweep.combine import PROVENANCE
+from dem.sweep.design import Choice, Range, parse
+from dem.sweep.expand import Block, Run
+from dem.sweep.work import Work
+
+PARTS = ("replicates", "sensitivity", "jamming")  # without which there is no study
+PLACES = 500  # of the drag along the displacement, at most
+OF_ALL = ("run_id", "spent", "failure", "failure_reason")
+OF_RUNS = (
+    "drag", "drag_tangential", "coordination_number", "max_overlap", "packing_pressure",
+    "packing_net_force", "run_time", *MEASURES, *ALONG,
+)  # fmt: skip
+OF_BEDS = ("jam_fraction", "jam_slope", "jam_load")
+
+
+def make(work: Work, output: Path, progress=lambda share: None) -> None:
+    """Write claims.nc; raises InputError for a sweep that is none of this study, and for runs that
+    are not made yet."""
+    sweep = work.sweep
+    for part in PARTS:
+        if part not in sweep.blocks:
+            raise InputError(f"sweep.blocks has no {part}; see studies/claims/sweep.yaml.")
+    factors = factors_of(sweep)
+    rows, beds, provenance = [], [], {name: {} for name in PROVENANCE}
+    for done, name in enumerate(sweep.blocks):
+        files, block = work.files(name), work.block(name)
+        if block.runs[0].replicate.configuration.experiment == "jamming":
+            found = gather(block, files, OF_BEDS, kept, provenance)
+            beds += [labels_of_bed(block, r) | found[r.replicate.id] for r in block.runs]
+        else:
+            found = gather(block, files, OF_RUNS, measured, provenance)
+            rows += [labels(block, r, factors) | found[r.replicate.id] for r in block.runs]
+        progress((done + 1) / len(sweep.blocks))
+    low, high = sweep.record.window
+    attrs = global_attributes(
+        f"{sweep.title}: which claims hold",
+        "dem claims table",
+        **{name: "; ".join(each) for name, each in provenance.items()},
+        default_fraction=sweep.numerics.step_fraction,
+        window_start=low,
+        window_stop=high,
+    )
+    values = columns("run", rows) | columns("jam", beds) | shared(sweep, list(factors))
+    write(output, values, attrs, VARIABLES)
+
+
+def columns(dim: str, rows: list[dict]) -> dict:
+    """Rows as variables over a dimension."""
+    return {f"{dim}_{name}": np.array([row[name] for row in rows]) for name in rows[0]}
+
+
+def shared(sweep, factors: list[str]) -> dict:
+    """Axes, and to what runs are compared."""
+    first, axes = next(iter(sweep.cases.values())), drag.axes(sweep)
+    return {
+        "factor": np.array(factors),
+        "place": coarse(axes["displacement"]),
+        "moment": axes["snapshot_displacement"],
+        "jam_at": jamming.axes(sweep)["jam_at"],
+        "reference_shape": np.array(first.shape),
+        "reference_density": first.density,
+        "reference_packing": sweep.packing.fraction or np.nan,  # none under a pressure
+    }
+
+
+def gather(block: Block, files: list[Path], names, reduced, provenance: dict) -> dict[str, dict]:
+    """What all runs of a block gave, by their identity: reduced(replicate, values, by name)."""
+    replicates, found = {run.replicate.id: run.replicate for run in block.runs}, {}
+    for path in files:
+        values, attrs = read(path, (*OF_ALL, *names))
+        with content_of(path):
+            for name in PROVENANCE:
+                provenance[name][attrs[name]] = None
+            for row, run in enumerate(values["run_id"].tolist()):
+                if run in replicates:
+                    one = {name: array[row] for name, array in values.items()}
+                    found[run] = reduced(replicates[run], one)
+    return found
+
+
+# Runs
+
+
+def measured(replicate: Replicate, values: dict) -> dict:
+    """The numbers of one run, by name; NaN and the name of the error where it failed."""
+    own = replicate.configuration
+    inside, (low, high) = own.in_window, own.record.window
+    moved = np.linspace(0.0, own.cylinder.stroke, own.record.snapshots)
+    seen = (moved >= low) & (moved <= high)
+    force = values["drag"][inside]
+    thickness = own.material.thickness or replicate.shape.diameter
+    return {
+        "status": FAILURES[int(values["failure"])] if values["failure"] else "ran",
+        "drag": force.mean(),
+        "scatter": force.std() / force.mean() if force.mean() > 0.0 else np.nan,
+        "tangential": values["drag_tangential"][inside].mean(),
+        "load": float(values["packing_pressure"]) * thickness,
+        "net_force": values["packing_net_force"],
+        "coordination": values["coordination_number"][inside].mean(),
+        "overlap": values["max_overlap"][inside].max(),
+        "time": values["run_time"],
+        "spent": values["spent"],
+        **{name: finite_mean(values[name][seen]) for name in MEASURES},
+        "curve": coarse(values["drag"]),
+        **{name: values[name] for name in ALONG},
+    }
+
+
+def finite_mean(values: np.ndarray) -> float:
+    """Mean of what is a number; NaN where nothing is."""
+    good = values[np.isfinite(values)]
+    return float(good.mean()) if len(good) else np.nan
+
+
+def coarse(values: np.ndarray) -> np.ndarray:
+    """Means of neighbouring bins, PLACES of them if there are as many."""
+    size = max(1, len(values) // PLACES)
+    return values[: len(values) // size * size].reshape(-1, size).mean(axis=1)
+
+
+def labels(block: Block, run: Run, factors: dict[str, Range | Choice]) -> dict:
+    """What a run is."""
+    part, at, own = block.name.partition("_")[0], coordinates(block, run), run.replicate
+    packing = own.configuration.packing.fraction or np.nan
+    alone = "ellipse" if part == "ratios" else own.label
+    return {
+        "part": part,
+        "case": at.get("case", alone),
+        "shape": own.label,
+        "setting": at.get("setting", ""),
+        "x": {"matched": packing, "ratios": own.shape.ratio}.get(part, factor_of(block, at)),
+        "point": at.get("point", -1),
+        "seed": own.seed,
+        "density": own.density,
+        "packing": packing,
+        "ratio": float(own.shape.ratio),
+        "factor": place_of(block, run, factors),
+    }
+
+
+def coordinates(block: Block, run: Run) -> dict:
+    """Where a run is on the axes of its block, by their names."""
+    return {
+        axis.name: axis.coordinate[place] for axis, place in zip(block.axes, run.place, strict=True)
+    }
+
+
+def factor_of(block: Block, at: dict) -> float:
+    """The factor on a value of the file that a point is called by; NaN where there is none."""
+    try:
+        return float(at.get("factor", np.nan))
+    except ValueError:
+        raise InputError(
+            f"sweep.blocks.{block.name}.factor has the point {at['factor']!r}; call it by its factor "
+            "on the file's own value, such as 1.5."
+        ) from None
+
+
+# The design
+
+
+def factors_of(sweep) -> dict[str, Range | Choice]:
+    """What the design varies, by path; raises InputError where there is no design."""
+    where = "sweep.blocks.sensitivity.point"
+    point = sweep.blocks["sensitivity"].get("point")
+    if not isinstance(point, dict) or "design" not in point:
+        raise InputError(f"{where} is {point!r}; it must be a design, see studies/claims/sweep.yaml.")
+    return parse(point, where).over
+
+
+def place_of(block: Block, run: Run, factors: dict[str, Range | Choice]) -> np.ndarray:
+    """Where in the design a run is (factors,): of a choice its number; NaN for other blocks."""
+    names = list(block.dims)
+    if "point" not in names:
+        return np.full(len(factors), np.nan)
+    at = names.index("point")
+    values = block.axes[at].points[run.place[at]]
+    return np.array([number_of(factor, values[path]) for path, factor in factors.items()])
+
+
+def number_of(factor: Range | Choice, value) -> float:
+    """A value as a number: of a choice, which one it is."""
+    return float(factor.different.index(value)) if isinstance(factor, Choice) else float(value)
+
+
+# Beds that jam
+
+
+def kept(replicate: Replicate, values: dict) -> dict:
+    """Of a bed the variables of the layout."""
+    return {name.removeprefix("jam_"): values[name] for name in OF_BEDS}
+
+
+def labels_of_bed(block: Block, run: Run) -> dict:
+    """What a bed is: a shape, ellipses of an aspect ratio, or a shape in another box."""
+    at, own = coordinates(block, run), run.replicate
+    words = own.label
+    if "factor" in at:
+        setting = block.name.partition("_")[2]
+        words = f"{own.label} {setting} {factor_of(block, at):g}"
+    elif any(name.endswith("_aspect_ratio") for name in at):
+        words = f"{own.shape.ratio:g}:1"
+    return {
+        "shape": words,
+        "ratio": float(own.shape.ratio),
+        "diameter": own.shape.diameter,
+        "seed": own.seed,
+        "friction": own.configuration.packing.friction,
+    }

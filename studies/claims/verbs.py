@@ -1,0 +1,50 @@
+"""Command line of the study of claims: `dem claims table` and `dem claims test`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from dem.base.errors import InputError
+from dem.cli.terminal import ConfigOption, OutputOption, Verbs, bar, start_lean
+
+CLAIMS = Path("studies/claims/sweep.yaml")
+
+app = Verbs(help="Study of which of the paper's claims hold.", no_args_is_help=True)
+
+
+@app.command()
+def table(output: OutputOption, config: ConfigOption = CLAIMS):
+    """Write the numbers that the claims are about, for all runs of the study, into one file."""
+    start_lean()
+    from studies.claims.table import make
+    from dem.sweep.config import load
+    from dem.sweep.work import Work
+
+    with bar("claims", 1.0) as update:
+        make(Work(load(config)), output, update)
+
+
+@app.command()
+def test(
+    data: Annotated[Path, typer.Argument(help="claims.nc, or drag.nc of any sweep.")],
+    name: Annotated[str | None, typer.Option("--claim", help="Show one claim in detail.")] = None,
+    margin: Annotated[
+        float, typer.Option(help="Relative difference that counts as significant, 0 to 1.")
+    ] = 0.18,
+):
+    """Print which claims these runs support, contradict or leave undecided.
+
+    Example: dem claims test results/drag.nc
+    """
+    if not 0.0 <= margin <= 1.0:
+        raise InputError(f"margin is {margin}; it must be between 0 and 1.")
+    from dem.base.plain import PlainConsole
+    from dem.figures import require_drag
+
+    require_drag(data)
+    with bar(f"testing claims on {data}"):
+        from studies.claims.report import verdicts  # this may take longer than the file
+
+        found = verdicts(data, name, margin)
+    PlainConsole(width=160).print(found)

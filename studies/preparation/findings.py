@@ -1,0 +1,105 @@
+"""What beds remember of how they were made."""
+
+from functools import cached_property
+
+import numpy as np
+import xarray as xr
+from rich.table import Table
+
+from dem.analysis.statistics import Estimate, summarise
+from dem.analysis.tables import numbers
+from dem.analysis.compare import Comparison
+
+from studies.claims.findings import claims, side_by_side, verdicts_on
+from studies.common.findings import Findings, estimate
+
+BOXES = {"1": "the paper's", "2": "twice the width"}
+WAYS = "relaxed", "grown"
+ABOUT_SHAPE = (
+    "dumbbells_above_discs", "dumbbells_below_discs", "dumbbells_above_small_discs", "slight_ellipses_drop",
+    "longer_ellipses_drop", "shape_matters",
+)  # fmt: skip
+
+
+class Preparation(Findings):
+    """Drag in beds that were relaxed and in beds that grew in motion, preparation.nc."""
+
+    name, command = "preparation", "snakemake -j2 --configfile studies/preparation/sweep.yaml"
+    source = "preparation/drag.nc"
+
+    @cached_property
+    def drags(self) -> xr.DataArray:
+        """Mean drag (N) of each run within the window."""
+        return summarise(self.dataset)["run_mean"]
+
+    @cached_property
+    def judged(self) -> dict:
+        """Verdicts by box and way."""
+        return {
+            (box, way): verdicts_on(self.dataset.sel(packing_preparation=way, box=box))
+            for box in BOXES
+            for way in WAYS
+        }
+
+    def _drags(self, shape: str, way: str, box: str) -> np.ndarray:
+        return self.drags.sel(shape=shape, packing_preparation=way, box=box).values
+
+    def _over(self, one: tuple, other: tuple | None = None) -> Estimate:
+        """Mean drag of a shape in beds made in a way in a box, or its ratio to another on the same seeds."""
+        over = None if other is None else self._drags(*other)
+        found = Comparison("", self._drags(*one), over, 0.0, np.inf, paired=True)
+        return Estimate(found.estimate, *found.interval())
+
+    def _grown(self, shape: str, box: str) -> Estimate:
+        return self._over((shape, "grown", box), (shape, "relaxed", box))
+
+    def grown(self, shape: str, box: str = "1") -> str:
+        """Mean drag of grown beds over that of relaxed ones."""
+        return estimate(self._grown(shape, box))
+
+    def falls(self, shape: str, box: str = "1") -> bool:
+        """Whether grown beds drag less than relaxed ones, interval included."""
+        return self._grown(shape, box).high < 1.0
+
+    def within(self, share: float, shape: str, box: str = "1") -> bool:
+        """Whether both drag the same to within a share, interval included."""
+        _, low, high = self._grown(shape, box)
+        return 1.0 - share < low and high < 1.0 + share
+
+    def shrinks(self, shape: str, way: str) -> str:
+        """Mean drag at twice the width over that in the paper's box."""
+        return estimate(self._over((shape, way, "2"), (shape, way, "1")))
+
+    def contacts(self, shape: str, way: str, box: str = "1") -> str:
+        """Contacts of a granule with others, before the cylinder moves; mean over all beds."""
+        beds = self.dataset["packing_coordination_number"]
+        return f"{float(beds.sel(shape=shape, packing_preparation=way, box=box).mean()):.1f}"
+
+    def seeds(self) -> str:
+        """Beds of each kind."""
+        return f"{self.dataset.sizes['seed']}"
+
+    def time(self) -> str:
+        """Processor time of all runs, without their beds."""
+        return f"{float(self.dataset['run_time'].sum()) / 60.0:.0f} min"
+
+    def table(self) -> Table:
+        """Drags of both ways, by box and shape."""
+        made = numbers("box", "shape", "relaxed, N", "grown, N", "grown over relaxed", words=2)
+        for box, title in BOXES.items():
+            for shape in self.dataset["shape"].values.tolist():
+                ways = [estimate(self._over((shape, way, box)), digits=0) for way in WAYS]
+                made.add_row(title, shape, *ways, self.grown(shape, box))
+        return made
+
+    def verdicts(self) -> Table:
+        """One row per claim about shape, in the paper's box: in relaxed and in grown beds."""
+        return side_by_side(ABOUT_SHAPE, {way: self.judged["1", way] for way in WAYS})
+
+    def others(self, way: str, box: str = "1") -> dict[str, str]:
+        """Verdicts that are not those of claims.nc, by the name of the claim."""
+        found = {name: self.judged[box, way][name].verdict for name in ABOUT_SHAPE}
+        return {name: at for name, at in found.items() if at != claims.judged[name].verdict}
+
+
+preparation = Preparation()

@@ -1,0 +1,72 @@
+"""Drag over that of the first shape against the width of the box, at equal pressure and fraction."""
+
+from itertools import product
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from studies.pressure.widths import Widths
+from dem.figures import style
+from dem.figures.sweep import heading
+
+MARKERS = "osD^vPX"
+COLORS = style.CASES
+APART = 0.012  # between shapes, along 1 / width
+
+
+@style.styled
+def plot(dataset: xr.Dataset) -> Figure:
+    """Drags above and ratios below against 1 / width, one column per place on the other axes."""
+    found = Widths(dataset)
+    figure = Figure(figsize=(style.WIDTH, 7.4))
+    rows = figure.subplots(2, len(found.places), sharex=True, squeeze=False)
+    values = product(*(dataset[dim].values for dim in found.others))
+    for (above, below), place, at in zip(rows.T, found.places, values, strict=True):
+        named = dict(zip(found.others, at, strict=True))
+        above.set_title(heading(dataset, named, len(found.places)) or "all runs")
+        for number, shape in enumerate(found.shapes):
+            look = {"color": COLORS[number % len(COLORS)], "marker": MARKERS[number % len(MARKERS)]}
+            shift = APART * (number - 0.5 * (len(found.shapes) - 1))
+            drags = [found.drag(place, shape, box) for box in found.series]
+            look["label"] = shape
+            line, base = found.line(place, shape), found.line(place, found.shapes[0])
+            _points(above, found, shift, drags, found.drag_limit(place, shape), line.drag, look)
+            if number:
+                ratios = [found.ratio(place, shape, box) for box in found.series]
+                over = _over(line, base)
+                _points(below, found, shift, ratios, found.limit(place, shape), over, look)
+        below.axhline(1.0, **style.REFERENCE)
+        below.set_xlabel("Width of the first box over the width")
+        for axes in (above, below):
+            style.logarithmic(axes)
+    rows[0, 0].set_ylabel(f"Mean drag from\n{style.window_text(dataset)} (N)")
+    rows[1, 0].set_ylabel(f"Drag over that of {found.shapes[0]}")
+    style.legend(figure, rows[0, 0], "outside lower center", ncols=len(found.shapes))
+    figure.suptitle(
+        "Drag against the width of the box, with the line in 1 / width of the drag or its inverse\n"
+        "(95 % intervals; open symbols: a box without end)"
+    )
+    return figure
+
+
+def _over(line, base):
+    """Ratio of two lines by width."""
+    return lambda width: line.drag(width) / base.drag(width)
+
+
+def _points(axes, found, shift, values, limit, curve, look):
+    """Means in the boxes that differ in width alone, the limit, and the line through them."""
+    x = 1.0 / found.width[found.along]
+    middle, low, high = np.array(values).T
+    options = {"linestyle": "none", "capsize": 3, "markersize": 6, "elinewidth": 1.4}
+    axes.errorbar(x + shift, middle, [middle - low, high - middle], **options, **look)
+    if limit.low > 0.0 and limit.high < np.inf:
+        axes.errorbar(
+            [shift], [limit.value], [[limit.value - limit.low], [limit.high - limit.value]],
+            markerfacecolor="white", **options, **look | {"label": None},
+        )  # fmt: skip
+    along = np.geomspace(0.5 * x.min(), x.max(), 50)
+    y = np.array([curve(1.0 / each)[0] for each in along])
+    shown = y > 0.5 * low.min()  # a line that falls to zero would take all of a logarithmic scale
+    axes.plot(along[shown] + shift, y[shown], color=look["color"], linewidth=1.2)

@@ -1,0 +1,56 @@
+"""Where the energy ledger stops adding up: time step by restitution, by stiffness and shape."""
+
+from textwrap import fill
+
+import numpy as np
+import xarray as xr
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+
+from dem.figures import style
+from studies.stability.report import BROKEN, OFF, edges
+
+RANGE = (1e-7, 1.0)
+
+
+@style.styled
+def plot(dataset: xr.Dataset) -> Figure:
+    """One row per shape, one column per stiffness; the default step and the bound are marked."""
+    shapes, stiffness = dataset["map_shape"].values, dataset["map_stiffness"].values
+    figure = Figure(figsize=(style.WIDTH, 1.4 + 1.9 * len(shapes)))
+    grid = figure.subplots(len(shapes), len(stiffness), sharex=True, sharey=True, squeeze=False)
+    for row, shape in zip(grid, shapes, strict=True):
+        for axes, factor in zip(row, stiffness, strict=True):
+            here = dataset.sel(map_shape=shape, map_stiffness=factor)
+            image = _panel(axes, here, float(dataset.attrs["default_fraction"]))
+            axes.set_title(f"{shape}, E \N{MULTIPLICATION SIGN} {factor:g}", loc="left")
+    for axes in grid[-1]:
+        axes.set_xlabel("Step over the bound")
+    for axes in grid[:, 0]:
+        axes.set_ylabel("Restitution")
+    bar = figure.colorbar(image, ax=grid, label="Worst residual of the energy ledger", shrink=0.8)
+    bar.ax.axhline(OFF, color="white", linewidth=1.5)
+    figure.suptitle(
+        fill(edges(dataset), 66)
+        + "\n(cross: broken; dot: energy off; solid line: default; dotted: bound)",
+        fontsize=11.5,
+    )
+    return figure
+
+
+def _panel(axes, here, default):
+    """Residuals as a heat map; crosses where runs broke or failed."""
+    fractions, restitutions = here["map_fraction"].values, here["map_restitution"].values
+    values = here["map_residual"].transpose("map_restitution", "map_fraction").values
+    shown = np.where(np.isfinite(values), np.clip(values, *RANGE), RANGE[1])
+    image = axes.imshow(shown, norm=LogNorm(*RANGE), cmap="cividis_r", aspect="auto")
+    for row, column in np.argwhere(~(values <= OFF)):
+        mark = "." if values[row, column] <= BROKEN else "x"
+        axes.plot(column, row, mark, color="white", markersize=5, markeredgewidth=1.3)
+    places = np.arange(len(fractions))
+    for at, line in ((default, "-"), (1.0, ":")):
+        axes.axvline(np.interp(at, fractions, places), color="black", linestyle=line, linewidth=1.6)
+    axes.set_xticks(places[::2], [f"{f:g}" for f in fractions[::2]])
+    axes.set_yticks(range(len(restitutions)), [f"{e:g}" for e in restitutions])
+    axes.grid(visible=False)
+    return image

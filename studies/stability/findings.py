@@ -1,0 +1,79 @@
+"""Stiff and extreme cases."""
+
+from rich.table import Table
+
+from dem.analysis.tables import numbers
+from studies.stability import report as stability_report
+
+from studies.common.findings import Findings
+
+
+class Stability(Findings):
+    """Stiff and extreme cases against limits, stability.nc."""
+
+    name, command = "stability", "snakemake -j2 stability"
+
+    def total(self) -> int:
+        """How many checks there are."""
+        return self.dataset.sizes["check"]
+
+    def passed(self) -> int:
+        """How many of them hold their limit."""
+        return int(self.dataset["check_passed"].sum())
+
+    def failed(self) -> int:
+        """How many fail that are no known limit."""
+        return int(
+            ((self.dataset["check_passed"] == 0) & (self.dataset["check_known"] == "")).sum()
+        )
+
+    def known(self) -> str:
+        """One list item per case that exceeds a limit as is known."""
+        one = self.dataset
+        rows = zip(one["check_case"].values, one["check_known"].values, one["check_passed"].values,
+                   strict=True)  # fmt: skip
+        found = {str(case): str(words) for case, words, passed in rows if words and not passed}
+        return "\n".join(f"* **{case}**: {words}." for case, words in found.items())
+
+    def catalogue(self) -> Table:
+        """One row per case, shape and limit."""
+        return stability_report.catalogue(self.dataset)
+
+    def limits(self) -> Table:
+        """One row per shape: the bound beside the limit of linearised beds."""
+        made = numbers("small bed of", "bound, ns", "limit, ns", "limit over bound")
+        for shape in self.dataset["limit_shape"].values:
+            one = self.dataset.sel(limit_shape=shape)
+            bound, limit = 1e9 * float(one["limit_bound"]), 1e9 * float(one["limit_limit"])
+            made.add_row(str(shape), f"{bound:.0f}", f"{limit:.0f}", f"{limit / bound:.2f}")
+        return made
+
+    def bound_holds(self) -> bool:
+        """Whether the bound is below the limit for every shape."""
+        return bool((self.dataset["limit_bound"] < self.dataset["limit_limit"]).all())
+
+    def default(self) -> str:
+        """The default step over the bound."""
+        return f"{float(self.dataset.attrs['default_fraction']):g}"
+
+    def _edge(self, level: float) -> float:
+        return stability_report.edge(self.dataset, level)
+
+    def off(self) -> str:
+        """The least step over the bound at which energy is off by 1 % anywhere on the map."""
+        return f"{self._edge(stability_report.OFF):g}"
+
+    def broken(self) -> str:
+        """The least step over the bound at which a run breaks anywhere on the map."""
+        return f"{self._edge(stability_report.BROKEN):g}"
+
+    def safe(self) -> bool:
+        """Whether energy adds up on the whole map at the default step."""
+        return self._edge(stability_report.OFF) > float(self.dataset.attrs["default_fraction"])
+
+    def residual(self) -> str:
+        """The worst residual of the energy ledger of the paper's cases."""
+        return f"{float(self.dataset['paper_residual'].max()):.0e}"
+
+
+stability = Stability()
