@@ -1,5 +1,7 @@
 """Errors with a name: what went wrong, where and when, in one sentence."""
 
+NO_BITS = "names errors"
+
 
 class InputError(ValueError):
     """A value that the user gave cannot be used; nothing was written.

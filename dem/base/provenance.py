@@ -6,15 +6,23 @@ import subprocess
 from functools import cache
 from pathlib import Path
 
+NO_BITS = "reports versions"
+
 PACKAGE = Path(__file__).parent.parent
 
 
 @cache
 def versions() -> str:
     """Python and the packages that touch the numbers, as one line."""
-    names = ("numpy", "numba", "llvmlite", "netCDF4")
-    packages = ", ".join(f"{name} {importlib.metadata.version(name)}" for name in names)
-    return f"Python {platform.python_version()}, {packages}"
+    netcdf = importlib.metadata.version("netCDF4")
+    return f"Python {platform.python_version()}, {compilers()}, netCDF4 {netcdf}"
+
+
+@cache
+def compilers() -> str:
+    """Versions of what decides bits beside the code of this package, as one line."""
+    names = ("numpy", "numba", "llvmlite")
+    return ", ".join(f"{name} {importlib.metadata.version(name)}" for name in names)
 
 
 @cache

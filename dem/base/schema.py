@@ -15,6 +15,8 @@ from pydantic import (
     ValidationError,
 )
 
+NO_BITS = "checks values, which are part of what a run is known by"
+
 # the bounds keep products of values, and of their squares, finite and above zero
 MOST_NUMBER, LEAST_POSITIVE = 1e15, 1e-15
 

@@ -1,74 +1,189 @@
 """What a result depends on: the syntax trees of the modules that make it, found from their imports.
 
 The closure of a module is itself and all that it imports, directly or not, inside functions too.
-Its hash leaves out what cannot change a result: comments, docstrings, annotations of types, line
-numbers, and the sentences of raised errors. It is the same on every supported version of Python.
+Its hash leaves out what cannot change a result: comments, docstrings, annotations and imports for types,
+names of local variables, line numbers, and the sentences of raised errors. It is the same on every
+supported version of Python.
+
+What a run is known by is narrower: its bits. A module that only reads, checks, writes or reports says
+so by a constant at its top, `NO_BITS`, with the reason; it is neither counted nor followed for bits.
+
+A module of a user's own is named by the folder where it is found and its name there, such as
+/home/me/sweeps:stones. Of its imports those from that folder and from the packages of ROOTS count. The
+folder is in no hash: a copy elsewhere is the same code.
 """
 
 import ast
 import hashlib
 import json
 import os
+import sys
+from collections.abc import Iterator
 from contextlib import suppress
 from functools import cache
+from importlib.util import find_spec, resolve_name
 from pathlib import Path
+from types import MappingProxyType
 from typing import NamedTuple
 
 from platformdirs import user_cache_path
 
 from dem.base.files import atomic
 
-PACKAGE = Path(__file__).parent.parent
-ROOT = PACKAGE.parent
+NO_BITS = "finds out what a run depends on"
+
+ROOT = Path(__file__).parent.parent.parent
+ROOTS = {"dem": ROOT / "dem"}  # packages whose code counts, by name; studies add themselves
+INSTALLED = {"site-packages", "dist-packages"}  # folders of what was installed
+UNREADABLE = OSError, SyntaxError, ValueError  # what reading sources raises
 
 # Fields of syntax nodes that hold no code, or differ between versions of Python.
 _NO_CODE = {"annotation", "returns", "type_comment", "type_params", "kind", "ctx"}
 
 
 @cache
-def closure(*modules: str) -> tuple[str, ...]:
-    """Sorted names of the modules of this package that the given ones depend on, and their own.
+def closure(*modules: str, bits: bool = False) -> tuple[str, ...]:
+    """Sorted names of the modules that the given ones depend on, and their own.
+
+    bits: without what can change no bit of a run.
 
     Imports are read from the source; nothing is imported. The packages that contain a module count,
-    because Python runs their __init__.py first. Raises ValueError for a module that the package
-    does not have, OSError and SyntaxError for one that cannot be read.
+    because Python runs their __init__.py first. Raises ValueError for a module that they do
+    not have, OSError and SyntaxError for one that cannot be read.
     """
     for module in modules:
         if _file(module) is None:
-            raise ValueError(f"module is {module!r}; it must be one of {PACKAGE.name}")
+            raise ValueError(f"module is {module!r}; it must be one of {', '.join(ROOTS)}")
     found, left = set(), list(modules)
     while left:
         name = left.pop()
-        if name not in found:
+        if name not in found and not (bits and _read(_file(name)).no_bits and is_ours(name)):
             found.add(name)
-            left += [each for each in _read(_file(name)).imports if _file(each)]
-            left += [name.rpartition(".")[0]] if "." in name else []
-    return tuple(sorted(found))
+            left += _needed(name)
+    return tuple(sorted(found, key=plain))
+
+
+def _needed(module: str) -> Iterator[str]:
+    """The modules that a module imports, and the package that contains it, as far as they count."""
+    folder = module.rpartition(":")[0]
+    for name in (*_names(module), plain(module).rpartition(".")[0]):
+        if _file(name):
+            yield name
+        elif folder and name in _published():
+            yield _published()[name]
+        elif folder and _is_beside(module, name):
+            yield f"{folder}:{name}"
+
+
+def _names(module: str) -> Iterator[str]:
+    """What a module imports, in full."""
+    own, path = plain(module), _file(module)
+    package = own if path.name == "__init__.py" else own.rpartition(".")[0]
+    for name in _read(path).imports:
+        if not name.startswith("."):
+            yield name
+        elif is_ours(module):
+            raise ValueError(f"{path}: write imports in full, not relative")
+        else:
+            with suppress(ImportError):  # Python refuses it too
+                yield resolve_name(name, package)
+
+
+def _is_beside(module: str, name: str) -> bool:
+    """Whether a module of a user finds a name in its folder; among what is installed, in its package."""
+    folder, _, own = module.rpartition(":")
+    first = name.partition(".")[0]
+    near = first == own.partition(".")[0] or not INSTALLED & set(Path(folder).parts)
+    own_name = first not in sys.stdlib_module_names and first not in ROOTS
+    return near and own_name and _file(f"{folder}:{name}") is not None
 
 
 @cache
-def code_hash(*modules: str) -> str:
+def _published() -> dict[str, str]:
+    """Modules of the public names of the library."""
+    found = {}
+    for node in ast.parse((ROOTS["dem"] / "__init__.pyi").read_bytes()).body:
+        for each in node.names if isinstance(node, ast.ImportFrom) else ():
+            inner = f"dem.{node.module}.{each.name}"
+            found[f"dem.{each.name}"] = inner if _file(inner) else f"dem.{node.module}"
+    return found
+
+
+def plain(module: str) -> str:
+    """Name of a module without its folder."""
+    return module.rpartition(":")[2]
+
+
+def address(module: str, file) -> str | None:
+    """How `closure` names a module that Python knows by this name and file; None where it has none."""
+    if is_ours(module):
+        return module
+    if not file or module == "__main__":
+        return None
+    path = Path(file)
+    stem = path.parent if path.name == "__init__.py" else path.with_suffix("")
+    parts = module.split(".")
+    if list(stem.parts[-len(parts) :]) != parts:
+        return None
+    found = f"{stem.parents[len(parts) - 1].resolve()}:{module}"
+    return found if _file(found) else None
+
+
+def own_files(module: str) -> dict[str, Path]:
+    """Files of those modules of a user that a module depends on, by their names."""
+    found = closure(module, bits=True)
+    return {plain(each): _file(each) for each in found if not is_ours(each)}
+
+
+def is_current(module: str) -> bool:
+    """Whether the files of a user's module are as they were when their code was read."""
+    return all(_digest(path.read_bytes()) == _SEEN[path] for path in own_files(module).values())
+
+
+def from_elsewhere(module: str) -> dict[str, str]:
+    """Where the imports of a user's module lead that are neither in its folder, nor installed, nor of
+    ROOTS, by their names: edits there are noticed by nobody."""
+    found = {}
+    for own in (each for each in closure(module, bits=True) if not is_ours(each)):
+        for name in dict.fromkeys(each.partition(".")[0] for each in _names(own)):
+            if name in sys.stdlib_module_names or name in ROOTS or _is_beside(own, name):
+                continue
+            there = sys.modules.get(name)
+            with suppress(ImportError, ValueError):
+                spec = getattr(there, "__spec__", None) if there else find_spec(name)
+                origin = getattr(spec, "origin", None)
+                if origin and not INSTALLED & set(Path(origin).parts):
+                    found[name] = origin
+    return found
+
+
+@cache
+def code_hash(*modules: str, bits: bool = False) -> str:
     """SHA-256 of the code of the closure of modules, as hexadecimal digits; raises as closure."""
-    digest = hashlib.sha256()
-    for name in closure(*modules):
-        digest.update(f"{name} {_read(_file(name)).code}\n".encode())
-    return digest.hexdigest()
+    text = "".join(f"{name} {code}\n" for name, code in codes(*modules, bits=bits).items())
+    return _digest(text.encode())
+
+
+def codes(*modules: str, bits: bool = False) -> dict[str, str]:
+    """SHA-256 of the code of each module of a closure, by name."""
+    return {plain(name): _read(_file(name)).code for name in closure(*modules, bits=bits)}
 
 
 @cache
 def _file(module: str) -> Path | None:
-    """Source of a module, or None if this package has no such module."""
-    name, *rest = module.split(".")
-    if name != PACKAGE.name:
+    """Source of a module, or None if neither a package of ROOTS nor the folder that it names has it."""
+    folder, _, own = module.rpartition(":")
+    name, *rest = own.split(".")
+    if not name or not (folder or name in ROOTS):
         return None
-    stem = PACKAGE.joinpath(*rest)
-    choices = stem / "__init__.py", stem.with_suffix(".py")
+    stem = (Path(folder) / name if folder else ROOTS[name]).joinpath(*rest)
+    choices = stem / "__init__.py", stem.with_name(f"{stem.name}.py")
     return next((path for path in choices if path.is_file()), None)
 
 
 def is_ours(module: str) -> bool:
-    """Whether a module is one of this package, so that all code that it depends on is known."""
-    return _file(module) is not None
+    """Whether a module is of a package of ROOTS."""
+    return ":" not in module and _file(module) is not None
 
 
 def cache_folder() -> Path:
@@ -77,13 +192,24 @@ def cache_folder() -> Path:
 
 
 class Source(NamedTuple):
-    """Names that a file imports, as written, and the SHA-256 of its code.
+    """Names that a file imports, as written, the SHA-256 of its code, whether it says NO_BITS, and the
+    classes at its top.
 
     Some names are not modules but members of one.
     """
 
     imports: tuple[str, ...]
     code: str
+    no_bits: bool
+    classes: dict[str, list[str]]  # by name: their functions
+
+
+def classes_of(module: str) -> dict[str, list[str]]:
+    """The classes at the top of a module by name, each with the names of its functions."""
+    return _read(_file(module)).classes
+
+
+_SEEN: dict[Path, str] = {}  # digests of the files that were read
 
 
 @cache
@@ -93,12 +219,13 @@ def _read(path: Path) -> Source:
     The key is the content of the file and of this module. A digest reveals damage.
     """
     content = path.read_bytes()
+    _SEEN[path] = _digest(content)
     kept = cache_folder() / "sources" / f"{_digest(content + Path(__file__).read_bytes())}.json"
     with suppress(OSError, ValueError):  # absent, or damaged
         seal, _, text = kept.read_text().partition("\n")
         if seal == _digest(text.encode()):
-            imports, code = json.loads(text)
-            return Source(tuple(imports), code)
+            imports, *others = json.loads(text)
+            return Source(tuple(imports), *others)
     source = _parse(content, path)
     text = json.dumps(source)
     with suppress(OSError), atomic(kept) as part:  # nothing is lost where it cannot be kept
@@ -112,39 +239,105 @@ def _digest(content: bytes) -> str:
 
 def _parse(content: bytes, path: Path) -> Source:
     tree = ast.parse(content, str(path))
-    return Source(_imported(tree, path), _digest(_code(tree).encode()))
+    tree.body = [each for each in tree.body if not _is_for_types(each)]
+    classes = {
+        each.name: [own.name for own in each.body if isinstance(own, ast.FunctionDef)]
+        for each in tree.body
+        if isinstance(each, ast.ClassDef)
+    }
+    code = _digest(_code(tree).encode())
+    return Source(_imported(tree), code, b"\nNO_BITS = " in content, classes)
 
 
-def _imported(tree: ast.Module, path: Path) -> tuple[str, ...]:
-    names = []
+def _is_for_types(node) -> bool:
+    """Whether a statement is `if TYPE_CHECKING:`, which never runs."""
+    return (
+        isinstance(node, ast.If)
+        and isinstance(node.test, ast.Name)
+        and node.test.id == "TYPE_CHECKING"
+    )
+
+
+def _imported(tree: ast.Module) -> tuple[str, ...]:
+    names, packages = [], {}
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             names += [each.name for each in node.names]
+            whole = {each.name.partition(".")[0] for each in node.names if not each.asname}
+            packages |= {name: name for name in whole}
+            packages |= {each.asname: each.name for each in node.names if each.asname}
         elif isinstance(node, ast.ImportFrom):
-            if node.level:
-                raise ValueError(f"{path}, line {node.lineno}: write imports in full, not relative")
-            names += [node.module, *(f"{node.module}.{each.name}" for each in node.names)]
+            module = "." * node.level + (node.module or "")
+            dot = "" if module.endswith(".") else "."
+            names += [module, *(f"{module}{dot}{each.name}" for each in node.names)]
+    for node in ast.walk(tree):  # dem.Disc after `import dem`
+        if isinstance(node, ast.Attribute) and (name := _dotted(node, packages)):
+            names.append(name)
     return tuple(dict.fromkeys(names))
 
 
-def _code(node) -> str:
+def _dotted(node, packages: dict[str, str]) -> str | None:
+    """A member of an imported package in full, None for a member of anything else."""
+    if isinstance(node, ast.Name):
+        return packages.get(node.id)
+    if isinstance(node, ast.Attribute) and (inner := _dotted(node.value, packages)):
+        return f"{inner}.{node.attr}"
+    return None
+
+
+def _code(node, names: dict = MappingProxyType({})) -> str:
     """A syntax tree as text, without fields that are not code.
 
-    Written here and not by ast.dump, whose text differs between versions of Python.
+    names: what local variables are called instead. Written here and not by ast.dump, whose text differs
+    between versions of Python.
     """
     if isinstance(node, list):
-        return f"[{','.join(map(_code, node))}]"
+        return f"[{','.join(_code(each, names) for each in node)}]"
     if not isinstance(node, ast.AST):
         return ascii(node)  # which characters repr shows differs between versions
+    if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda | COMPREHENSIONS):
+        names = _inside(node, names)
+    elif isinstance(node, ast.ClassDef):
+        names = {}  # what a class sets are attributes
     fields = [(name, getattr(node, name, None)) for name in node._fields if name not in _NO_CODE]
     if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call):
         fields = [("exc", node.exc.func)]  # which error, not what it says
+    if isinstance(node, ast.Name):
+        fields = [("id", names.get(node.id, node.id))]
+    if isinstance(node, ast.Nonlocal):
+        fields = [("names", [names.get(each, each) for each in node.names])]
     inner = ",".join(
-        f"{name}={_code(_parts(node, name, value))}"
+        f"{name}={_code(_parts(node, name, value), names)}"
         for name, value in fields
         if value is not None and value != []
     )
     return f"{type(node).__name__}({inner})"
+
+
+COMPREHENSIONS = ast.ListComp | ast.SetComp | ast.DictComp | ast.GeneratorExp
+SCOPES = ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda | ast.ClassDef | COMPREHENSIONS
+
+
+def _inside(node, names: dict) -> dict:
+    """What the variables of a function are called in its text: numbers, in the order in which they are
+    set. Arguments keep their names, because callers may say them."""
+    kept = {each.arg for each in ast.walk(getattr(node, "args", node)) if isinstance(each, ast.arg)}
+    bound, left = [], list(ast.iter_child_nodes(node))
+    while left:
+        each = left.pop(0)
+        if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store):
+            bound.append(each.id)
+        if isinstance(each, ast.Global | ast.Nonlocal):
+            kept.update(each.names)
+        if isinstance(each, ast.FunctionDef | ast.ClassDef):  # its name stays what it is
+            kept.add(each.name)
+        left[:0] = [] if isinstance(each, SCOPES) else ast.iter_child_nodes(each)
+    if isinstance(node, COMPREHENSIONS):  # := binds outside
+        kept.update(each.target.id for each in ast.walk(node) if isinstance(each, ast.NamedExpr))
+    found = {name: called for name, called in names.items() if name not in kept}
+    first = 1 + max(names.values(), default=-1)
+    own = [name for name in dict.fromkeys(bound) if name not in kept]
+    return found | {name: first + number for number, name in enumerate(own)}
 
 
 def _parts(node, name: str, value):

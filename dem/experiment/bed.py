@@ -19,6 +19,15 @@ from dem.scene import Cylinder
 PREPARATIONS = {"relaxed": pack, "grown": grow}  # by packing.preparation
 
 
+def shaped(replicate: Replicate, diameters: np.ndarray, *options):
+    """Granules with the area of discs of these diameters (m); raises InputError with the shape."""
+    shape = replicate.shape
+    try:
+        return replicate.kind.shape.of_size(diameters, shape.ratio, *options)
+    except InputError as error:
+        raise InputError(f"shapes.{replicate.label} ({shape.kind}): {error}") from None
+
+
 def diameters(replicate: Replicate) -> np.ndarray:
     """Volume diameters (n,) in m of the granules of this seed."""
     spread = replicate.configuration.packing.size_spread
@@ -58,7 +67,7 @@ def make_bed(replicate: Replicate) -> Bed:
     or where it leaves no room for the stroke.
     """
     sizes, own = diameters(replicate), replicate.configuration
-    shape = replicate.granules(sizes)
+    shape = shaped(replicate, sizes)
     height = height_of_box(own, sizes)
     at = cylinder(replicate, height)
     if own.packing.pressure is not None:

@@ -9,14 +9,18 @@ import json
 import math
 from collections.abc import Iterable
 from difflib import get_close_matches
-from functools import cache, cached_property
+from functools import cached_property
 from importlib import import_module
+from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin
 
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, Field, ValidationError, model_validator
+from pydantic_core import PydanticKnownError
 
+from dem.base.constants import described
 from dem.base.errors import InputError
+from dem.base.provenance import compilers
 from dem.base.schema import (
     SEEDS,
     Label,
@@ -28,24 +32,45 @@ from dem.base.schema import (
     number,
     sentences,
 )
-from dem.base.sources import code_hash, is_ours
+from dem.base.sources import code_hash
 from dem.experiment.fit import check_room
 from dem.experiment.observables import OBSERVABLES
-from dem.shapes import KINDS
+from dem.shapes import KINDS, Kind, kind_of
+from dem.shapes.outside import is_outside, resolved
 
-EXPERIMENTS = ("drag", "jamming", "onset", "shear")  # modules of this room
-# sections that only some experiments read, and those that can do without one
+NO_BITS = "reads values, which are part of what a run is known by"
+
+LAYOUT = 1  # of the files of runs: raise it where a variable comes, goes or has another meaning
+KINDS_OF_EXPERIMENT = described(Path(__file__).parent / "kinds", "SECTIONS")
+EXPERIMENTS = tuple(KINDS_OF_EXPERIMENT)
+# sections that only some experiments read, by these
 SECTIONS = {
-    "cylinder": ("drag", "jamming", "onset"), "record": ("drag", "jamming", "onset"),
-    "shear": ("shear",),
-}  # fmt: skip
-SPARED = {"cylinder": ("jamming", "onset")}
-OF_BEDS = "jamming", "onset"  # experiments that read nothing but what makes the bed
+    name: tuple(kind for kind, own in KINDS_OF_EXPERIMENT.items() if name in own["SECTIONS"])
+    for name in ("cylinder", "record", "shear")
+}
 
 
-def value(units: str | None, about: str, **limits):
-    """Description of a value: its units (None: text) and what it is. Not part of a run's code."""
-    return Field(description=about, json_schema_extra={"units": units}, **limits)
+NEEDED = object()
+
+
+def value(units: str | None, about: str, before=NEEDED, **limits):
+    """Description of a value: its units (None: text) and what it is.
+
+    before: of a key that is younger than the first runs, the value at which all is as it was. Runs with
+    it are known by the same name as runs from before. It stays what it is when a default changes.
+    """
+    extra = {"units": units} | ({} if before is NEEDED else {"before": before})
+    return Field(description=about, json_schema_extra=extra, **limits)
+
+
+def known_by(section: BaseModel, without: Iterable[str] = ()) -> dict:
+    """Values of a section that a run is known by: all but those that are as before there was the key."""
+    found = {}
+    for name, field in type(section).model_fields.items():
+        value = getattr(section, name)
+        if name not in without and value != (field.json_schema_extra or {}).get("before", NEEDED):
+            found[name] = known_by(value) if isinstance(value, BaseModel) else value
+    return found
 
 
 class CylinderSection(Section):
@@ -69,11 +94,13 @@ class PackingSection(Section):
     ] = 0.0
     pressure: Annotated[
         Positive | None,
-        value("Pa", "pressure on the top wall, which holds it; none: packing.fraction is given"),
+        value(
+            "Pa", "pressure on the top wall, which holds it; none: packing.fraction is given", None
+        ),
     ] = None
     preparation: Annotated[
         Literal["relaxed", "grown"],
-        value(None, "how granules grow: energy minimised, or in motion"),
+        value(None, "how granules grow: energy minimised, or in motion", "relaxed"),
     ] = "relaxed"
 
     @model_validator(mode="after")
@@ -190,8 +217,20 @@ class NumericsSection(Section):
         return self
 
 
+def _kind(name):
+    """A kind of the package, or the class of a file, which is looked up where a file is read."""
+    if name in tuple(KINDS) or is_outside(name):
+        return name
+    *others, last = map(repr, KINDS)
+    raise PydanticKnownError("literal_error", {"expected": f"{', '.join(others)} or {last}"})
+
+
 class ShapeSection(Section):
-    kind: Annotated[Literal[tuple(KINDS)], value(None, "kind of granule")]
+    kind: Annotated[
+        str,
+        BeforeValidator(_kind),
+        value(None, "kind of granule, or file and class of your own, such as stones.Stone"),
+    ]
     diameter: Annotated[Positive, value("m", "mean volume diameter of the granules")]
     granules: Annotated[Whole, value("1", "number of granules", ge=1, le=10_000_000)]
     aspect_ratio: Annotated[Number | None, value("1", "length over width of a granule", ge=1)] = (
@@ -200,13 +239,7 @@ class ShapeSection(Section):
 
     @model_validator(mode="after")
     def _check(self):
-        if not is_ours(KINDS[self.kind].module):
-            raise ValueError(
-                f"kind is {self.kind}, whose class is in {KINDS[self.kind].module}, outside this package; "
-                "runs are known by their code, so put its file into dem/shapes, or use dem.Scene and "
-                "dem.pack"
-            )
-        natural = KINDS[self.kind].aspect_ratio
+        natural = KINDS[self.kind].aspect_ratio if self.kind in KINDS else None
         if natural is None and self.aspect_ratio is None:
             raise ValueError(f"aspect_ratio is missing; kind {self.kind} needs one")
         if natural and self.aspect_ratio not in (None, natural):
@@ -233,10 +266,11 @@ class Configuration(Section):
         ),
     ]
     periodic: Annotated[
-        Literal["none", "x", "y", "xy"], value(None, "sides along which the box repeats itself")
+        Literal["none", "x", "y", "xy"],
+        value(None, "sides along which the box repeats itself", "none"),
     ] = "none"
     cylinder: Annotated[
-        CylinderSection | None, value(None, "the cylinder; null: there is none")
+        CylinderSection | None, value(None, "the cylinder; null: there is none", None)
     ] = None
     packing: PackingSection
     material: MaterialSection
@@ -244,37 +278,34 @@ class Configuration(Section):
     gravity: Annotated[NotNegative, value("m s-2", "gravity, downwards")] = 0.0
     ellipse: EllipseSection = EllipseSection()
     shapes: Annotated[dict[Label, ShapeSection], Field(min_length=1)]
-    record: RecordSection | None = None
-    shear: ShearSection | None = None
+    beside: Annotated[
+        str | None, value(None, "folder of the files of shapes of your own; that of this file")
+    ] = None
+    record: Annotated[RecordSection | None, value(None, "what is recorded", None)] = None
+    shear: Annotated[ShearSection | None, value(None, "how the bed is sheared", None)] = None
     numerics: NumericsSection = NumericsSection()
 
     @model_validator(mode="after")
     def _check_sections(self):
-        for name, experiments in SECTIONS.items():
-            given, wanted = getattr(self, name) is not None, self.experiment in experiments
-            if wanted and not given and self.experiment not in SPARED.get(name, ()):
+        kind = KINDS_OF_EXPERIMENT[self.experiment]
+        for name in SECTIONS:
+            given, needed = getattr(self, name) is not None, kind["SECTIONS"].get(name)
+            if needed and not given:
                 raise ValueError(f"{name} is missing; the experiment {self.experiment} needs it")
-            if given and not wanted:
+            if given and needed is None:
                 raise ValueError(
                     f"{name} is no section of the experiment {self.experiment}; leave it out"
                 )
-        if self.experiment == "shear":
-            self._check_shear()
+        for pattern, (wanted, why) in kind.get("ASKS", {}).items():
+            for label in self.shapes if "*" in pattern else ("",):
+                path = pattern.replace("*", label)
+                if (value := self.at(path)) != wanted:
+                    shown = value if isinstance(value, str) else f"{value:g}"
+                    must = "takes none" if wanted is None else f"needs {wanted}"
+                    raise ValueError(
+                        f"{path} is {shown}; the experiment {self.experiment} {must}, because {why}"
+                    )
         return self
-
-    def _check_shear(self):
-        if self.periodic != "x":
-            raise ValueError(
-                f"periodic is {self.periodic}; it must be x, because the bed is sheared along x"
-            )
-        if self.gravity > 0.0:
-            raise ValueError(
-                f"gravity is {self.gravity:g}; it must be 0, because the pressure must be the same "
-                "at all heights"
-            )
-        for label, shape in self.shapes.items():
-            if shape.kind != "disc":
-                raise ValueError(f"shapes.{label}.kind is {shape.kind}; only a disc is sheared")
 
     @model_validator(mode="after")
     def _check_pressure(self):
@@ -285,18 +316,10 @@ class Configuration(Section):
                     f"{asked} and periodic {self.periodic}; a pressure needs a top wall, let periodic "
                     "be none or x"
                 )
-            if self.experiment != "drag":
-                raise ValueError(
-                    f"{asked}; the experiment {self.experiment} needs packing.fraction"
-                )
         return self
 
     @model_validator(mode="after")
     def _check_window(self):
-        if self.experiment == "onset" and self.packing.friction:
-            raise ValueError(
-                f"packing.friction is {self.packing.friction:g}; it must be 0 for the experiment onset"
-            )
         if self.record is None or self.cylinder is None:
             return self
         if self.record.window[1] > self.cylinder.stroke:
@@ -322,24 +345,31 @@ class Configuration(Section):
         """What is recorded, as record.observables names it."""
         return self.record.observables if self.record else ()
 
+    @property
+    def recorded(self) -> tuple[str, ...]:
+        """What runs record: observables, or what an experiment of its own gives."""
+        named = KINDS_OF_EXPERIMENT[self.experiment].get("OBSERVED")
+        return self.observables if named else (self.experiment,)
+
     def values(self) -> dict:
         """The values of a run as plain groups, without the other keys of a file."""
-        return json.loads(self.model_dump_json(include=set(Configuration.model_fields)))
+        found = json.loads(self.model_dump_json(include=set(Configuration.model_fields)))
+        return found if self.beside else {key: found[key] for key in found if key != "beside"}
+
+    def kind_of(self, shape: str) -> Kind:
+        """The kind of granules of a shape; raises InputError where its file cannot be used."""
+        try:
+            return kind_of(self.shapes[shape].kind, self.beside)
+        except InputError as error:
+            raise InputError(f"shapes.{shape}.{error}") from None
 
     @cached_property
     def _read_by_all(self) -> str:
         """Values that every run reads, for any shape, as text."""
-        unread = dict.fromkeys(("shapes", "ellipse", "experiment"), True)
-        if self.periodic == "none":  # runs between walls are the same as before there was this key
-            unread["periodic"] = True
-        unread |= {name: True for name in SECTIONS if getattr(self, name) is None}
-        usual = {"pressure": None, "preparation": "relaxed"}  # likewise
-        packing = {name for name, value in usual.items() if getattr(self.packing, name) == value}
-        exclude = {"record": {"window"}} | unread
-        if packing:
-            exclude["packing"] = packing
-        included = set(Configuration.model_fields)
-        return json.dumps(self.model_dump(include=included, exclude=exclude), sort_keys=True)
+        own = set(type(self).model_fields) - set(Configuration.model_fields)
+        found = known_by(self, {"shapes", "beside", "ellipse", "experiment", *own})
+        found.get("record", {}).pop("window", None)
+        return json.dumps(found, sort_keys=True)
 
     @cached_property
     def _granules(self) -> dict[str, str]:
@@ -367,19 +397,24 @@ class Configuration(Section):
             raise InputError(f"{error}.") from None
         return Replicate(self, shape, density, seed)
 
+    def at(self, path: str):
+        """The value at a path; None where there is none."""
+        found = self
+        for name in path.split("."):
+            found = found.get(name) if isinstance(found, dict) else getattr(found, name, None)
+        return found
+
     @property
     def module(self):
         """The module of the experiment.
 
         Loaded on use, so that reading results does not depend on the code that made them.
         """
-        return import_module(f"dem.experiment.{self.experiment}")
+        return import_module(f"dem.experiment.kinds.{self.experiment}")
 
     def code_of(self, *modules: str, shapes: Iterable[str]) -> str:
         """SHA-256 of the code that modules and some shapes depend on."""
-        return code_hash(
-            *modules, *sorted({KINDS[self.shapes[shape].kind].module for shape in shapes})
-        )
+        return code_hash(*modules, *sorted({self.kind_of(shape).module for shape in shapes}))
 
     def changed(self, changes: dict[str, Any], shape: str) -> "Configuration":
         """These values with some changed by path, and one shape only; raises InputError.
@@ -400,7 +435,8 @@ class Configuration(Section):
                     )
             if last in at:
                 at[last] = new
-        return parse(data, f"{shape} with {words_of(changes)}" if changes else shape)
+        source = f"{shape} with {words_of(changes)}" if changes else shape
+        return parse(resolved(data, source), source)
 
 
 def words_of(changes: dict) -> str:
@@ -419,18 +455,43 @@ class Replicate:
     def shape(self) -> ShapeSection:
         return self.configuration.shapes[self.label]
 
-    def granules(self, diameters: np.ndarray, *options):
-        """Granules with the area of discs of these diameters (m); raises InputError with the shape."""
-        try:
-            return KINDS[self.shape.kind].shape.of_size(diameters, self.shape.ratio, *options)
-        except InputError as error:
-            raise InputError(f"shapes.{self.label} ({self.shape.kind}): {error}") from None
+    @property
+    def kind(self) -> Kind:
+        """The kind of its granules; raises InputError where its file cannot be used."""
+        return self.configuration.kind_of(self.label)
 
-    def values(self) -> dict:
-        """All values as plain groups, in the form that `of_values` takes."""
+    def values(self, beside: bool = True) -> dict:
+        """All values as plain groups, in the form that `of_values` takes; beside: with the folder of
+        shapes of a user's own, which is no part of what the run is."""
         own = self.configuration.values()
+        if not beside:
+            own.pop("beside", None)
         own["shapes"] = {self.label: own["shapes"][self.label]}
         return own | {"shape": self.label, "density": self.density, "seed": self.seed}
+
+    def with_shapes(self, folder: Path | str | None) -> "Replicate":
+        """The same run, where the files of shapes of a user's own are in a folder."""
+        if folder is None:
+            return self
+        own = self.configuration.model_copy(update={"beside": str(Path(folder).resolve())})
+        return Replicate(own, self.label, self.density, self.seed)
+
+    def labels(self) -> dict:
+        """What tells this run from others."""
+        return {
+            "shape": np.array(self.label),
+            "kind": np.array(self.shape.kind),
+            "aspect_ratio": float(self.shape.ratio),
+            "density": self.density,
+            "diameter": self.shape.diameter,
+            "granules": np.int64(self.shape.granules),
+            "seed": np.int64(self.seed),
+        }
+
+    def at(self, path: str):
+        """The value at a path, or the shape, density or seed."""
+        own = {"shape": self.label, "density": self.density, "seed": self.seed}
+        return own[path] if path in own else self.configuration.at(path)
 
     def words(self) -> str:
         """The run in words, for sentences."""
@@ -446,24 +507,14 @@ class Replicate:
 
     @property
     def variant(self) -> str:
-        """The values that select the machine code of the run, as text.
-
-        Each motion that it computes: its own, and that of a bed pressed with friction. Has it
-        friction, damping, gravity, a ledger; does a wall hold a pressure; how are contacts of ellipses found? Beds
-        between rough walls have others.
-        """
-        c, motions = self.configuration, set()
-        rough = any((c.friction.granule, c.friction.wall, c.friction.cylinder))
-        if c.experiment == "shear":
-            motions.add(("held", rough, c.material.restitution < 1))
-        if c.experiment == "drag":
-            ellipse = c.ellipse if self.shape.kind == "ellipse" else EllipseSection()
-            has = c.gravity > 0, "ledger" in c.observables, c.packing.pressure is not None
-            motions.add((rough, c.material.restitution < 1, *has, str(ellipse)))
-        if c.experiment == "jamming" or c.packing.friction > 0:
-            motions.add((True, True, False, False, False, str(EllipseSection())))
+        """The values that select the machine code of the run, as text: of each motion that it computes,
+        its own and those of its bed."""
+        c = self.configuration
+        motions = set(c.module.motions(self))
+        if c.packing.friction > 0:
+            motions.add(PRESSED)
         if c.packing.preparation == "grown":
-            motions.add((False, True, False, False, False, str(EllipseSection())))
+            motions.add((False, *PRESSED[1:]))
         return f"{self.shape.kind} {c.periodic} {sorted(motions)}"
 
     @property
@@ -483,40 +534,45 @@ class Replicate:
     def run_key(self) -> str:
         """All that the run depends on, as text."""
         c = self.configuration
-        if c.experiment in OF_BEDS:
+        if KINDS_OF_EXPERIMENT[c.experiment].get("BED_ALONE"):
             return f"{c.experiment} {self.bed_key()}"
         ellipse = c.ellipse if self.shape.kind == "ellipse" else ""
         own = c._granules[self.label], c._read_by_all, ellipse, self.density, self.seed
         return " ".join(map(str, own))
 
     @property
-    def source_hash(self) -> str:
-        """SHA-256 of the code that this run depends on."""
+    def modules(self) -> tuple[str, ...]:
+        """The modules that make the run: experiment, observables and shape."""
         c = self.configuration
-        observables = c.observables if c.experiment == "drag" else ()
-        return _code(c.experiment, tuple(observables), self.shape.kind)
+        observables = c.observables if c.recorded == c.observables else ()
+        observed = (f"dem.experiment.observables.{name}" for name in observables)
+        return f"dem.experiment.kinds.{c.experiment}", *observed, self.kind.module
+
+    @property
+    def source_hash(self) -> str:
+        """SHA-256 of the code that decides the bits of this run, and of what compiles it."""
+        return _digest(code_hash(*self.modules, bits=True), compilers())
 
     @cached_property
     def id(self) -> str:
         """Identity of the run: hash of the values that it reads and the code that it runs."""
-        return _digest(self.run_key(), self.source_hash)
+        return _digest(self.run_key(), self.source_hash, str(LAYOUT))
 
     @property
     def bed_id(self) -> str:
         """Identity of the bed of the run."""
         return _digest(
-            self.bed_key(), code_hash("dem.experiment.bed", KINDS[self.shape.kind].module)
-        )
+            self.bed_key(), compilers(),
+            code_hash("dem.experiment.bed", self.kind.module, bits=True),
+        )  # fmt: skip
+
+
+# machine code of a bed that is pressed with friction, as kinds of experiment describe theirs
+PRESSED = (True, True, False, False, False, str(EllipseSection()))
 
 
 def _digest(*texts: str) -> str:
     return hashlib.sha256("\n".join(texts).encode()).hexdigest()[:32]
-
-
-@cache
-def _code(experiment: str, observables: tuple[str, ...], kind: str) -> str:
-    modules = [f"dem.experiment.observables.{name}" for name in observables]
-    return code_hash(f"dem.experiment.{experiment}", *modules, KINDS[kind].module)
 
 
 def of_values(data: dict, source: str = "values") -> Replicate:
@@ -573,7 +629,7 @@ def entries(shapes: Iterable[str]) -> dict[str, Entry]:
                     visit(ShapeSection, f"shapes.{label}.")
             elif section := section_of(field.annotation):
                 visit(section, path + ".")
-            elif path not in ("record.window", "record.observables"):
+            elif path not in ("record.window", "record.observables", "beside"):
                 units = (field.json_schema_extra or {}).get("units")
                 found[path] = Entry(path, units, field.description)
 

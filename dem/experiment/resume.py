@@ -14,11 +14,14 @@ from dem.base import provenance
 from dem.base.errors import InputError
 from dem.base.files import atomic
 from dem.base.say import say
-from dem.dynamics.simulation import Record, Simulation
+from dem.dynamics.result import Record
+from dem.dynamics.simulation import Simulation
 from dem.experiment.config import Replicate
 from dem.io.checksums import is_sealed, seal
 from dem.packing.random import Bed
 from dem.scene import State
+
+NO_BITS = "writes and reads checkpoints"
 
 
 class Going(NamedTuple):

@@ -3,7 +3,7 @@
 import math
 
 from dem.dynamics.simulation import Simulation
-from dem.experiment.bed import cylinder, diameters, thickness
+from dem.experiment.bed import cylinder, diameters, shaped, thickness
 from dem.experiment.config import Replicate
 from dem.motion import Drive
 from dem.packing.random import Bed
@@ -14,7 +14,7 @@ def granules(replicate: Replicate):
     """Shape of all granules of this seed, contacts as the configuration asks."""
     kind, wanted = replicate.shape.kind, replicate.configuration.ellipse
     options = (wanted.contact, wanted.curvature) if kind == "ellipse" else ()
-    return replicate.granules(diameters(replicate), *options)
+    return shaped(replicate, diameters(replicate), *options)
 
 
 def make_scene(replicate: Replicate, bed: Bed) -> Scene:

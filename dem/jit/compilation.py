@@ -12,6 +12,7 @@ import gc
 import hashlib
 import multiprocessing
 import pickle
+import sys
 from pathlib import Path
 
 import numba
@@ -23,7 +24,16 @@ from numba.core.registry import CPUDispatcher
 
 import dem.jit.boxing  # noqa: F401 takes effect by being imported
 from dem.base.say import say
-from dem.base.sources import cache_folder, code_hash, is_ours
+from dem.base.sources import (
+    UNREADABLE,
+    address,
+    cache_folder,
+    classes_of,
+    code_hash,
+    from_elsewhere,
+    is_current,
+    is_ours,
+)
 from dem.jit.parts import KernelCompiler, PartCompiler, RolledCompiler
 
 # nnan and ninf stay off: they would remove the very tests that find a NaN.
@@ -42,24 +52,50 @@ def classes_in(kind):
         yield from classes_in(each)
 
 
+OUTSIDE: dict[type, str] = {}  # hashes of the code of classes of users, when Python read them
+
+
+def remember(cls: type) -> None:
+    """Keep by which code a class of a user is known, so that its machine code can be found again.
+
+    Only of a class at the top of a file, while Python imports that file: anything else may depend on
+    more than is written there.
+    """
+    OUTSIDE.pop(cls, None)
+    module = sys.modules.get(cls.__module__)
+    is_read = getattr(getattr(module, "__spec__", None), "_initializing", False)
+    found = address(cls.__module__, getattr(module, "__file__", None)) if is_read else None
+    if found is None or is_ours(found):
+        return
+    try:
+        whole = cls.__qualname__ in classes_of(found) and not from_elsewhere(found)
+        if whole and is_current(found):
+            OUTSIDE[cls] = code_hash(found, bits=True)
+    except UNREADABLE:
+        return
+
+
+def _code_of(cls: type) -> str | None:
+    """Hash of the code of a class, None where it is unknown."""
+    return code_hash(cls.__module__, bits=True) if is_ours(cls.__module__) else OUTSIDE.get(cls)
+
+
 def strangers(kinds) -> list[str]:
-    """Names of the classes of other packages in some types: what their code depends on is unknown."""
+    """Names of the classes in some types of which it is unknown what their code depends on."""
     found = {each for kind in kinds for each in classes_in(kind)}
-    return sorted(each.__qualname__ for each in found if not is_ours(each.__module__))
+    return sorted(each.__qualname__ for each in found if _code_of(each) is None)
 
 
 def with_classes(key) -> str | None:
     """A key of Numba's cache as text, with the code of the classes that choose what is compiled.
 
-    A shape answers the kernels from a module that they do not import. None for a class of another
-    package: its dependencies are unknown, and its kernels are compiled in each process.
+    A shape answers the kernels from a module that they do not import. None for a class whose code is
+    unknown: its kernels are compiled in each process.
     """
     if strangers(key[0]):
         return None
     found = {each for kind in key[0] for each in classes_in(kind)}
-    classes = sorted(
-        f"{each.__module__}.{each.__qualname__} {code_hash(each.__module__)}" for each in found
-    )
+    classes = sorted(f"{each.__module__}.{each.__qualname__} {_code_of(each)}" for each in found)
     return repr((*map(str, key), classes))
 
 
@@ -71,7 +107,7 @@ class KernelLocator(_CacheLocator):
 
     def __init__(self, function, file):
         name = function.__module__
-        found = code_hash(name) if is_ours(name) else content_hash(file)
+        found = kernel_hash(name, file)
         self._folder, self._stamp = cache_folder() / "kernels" / f"{name}-{found[:16]}", found
 
     @classmethod
@@ -93,8 +129,14 @@ class KernelLocator(_CacheLocator):
 
 
 @functools.cache
-def content_hash(file) -> str:
-    """SHA-256 of a file."""
+def kernel_hash(module: str, file) -> str:
+    """SHA-256 of the code that the kernels of a module depend on; of its file where that is unknown."""
+    try:
+        name = Path(file).stem if module == "__main__" else module
+        if (found := address(name, file)) is not None:
+            return code_hash(found, bits=True)
+    except UNREADABLE:  # an import that is written for other tools
+        pass
     return hashlib.sha256(Path(file).read_bytes()).hexdigest()
 
 
@@ -275,7 +317,10 @@ def _say_compiling(sentence: str) -> None:
 
 _tell = _say_compiling
 COMPILING = "Compiling for this kind of scene, up to a minute; the next process finds it compiled."
-STRANGE = "Compiling for {}, up to a minute; every process compiles again for a class outside this package."
+STRANGE = (
+    "Compiling for {}, up to a minute; every process compiles again for it, because its code is known only "
+    "if it is a shape at the top of an imported file."
+)
 
 
 def compiled(function=None, *, allocates=False):

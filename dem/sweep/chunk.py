@@ -13,7 +13,8 @@ import numpy as np
 from dem.base import provenance
 from dem.base.errors import InputError, RunError
 from dem.base.files import check_file
-from dem.experiment import drag, resume
+from dem.base.sources import codes
+from dem.experiment import resume
 from dem.experiment.bed import make_bed, periods
 from dem.experiment.config import Replicate
 from dem.io.dataset import AXES, FAILURES, LABELS, OF_STORE, WHOLE, global_attributes, read, write
@@ -77,7 +78,7 @@ def _row(store: Store, replicate: Replicate, progress) -> dict:
 
 def _run(store: Store, replicate: Replicate, progress) -> dict:
     experiment = replicate.configuration.module
-    if experiment is not drag:
+    if not getattr(experiment, "OBSERVED", False):
         return experiment.run(replicate)
     found = store.bed(replicate, make_bed)
     numbers = [float(found[name]) for name in Bed._fields[2:-1]]
@@ -85,7 +86,7 @@ def _run(store: Store, replicate: Replicate, progress) -> dict:
     bed = Bed(found["position"], found["angle"], *numbers, sides)
     checkpoint = store.run_of(replicate.id, ".checkpoint.npz")
     resume.clear_way(checkpoint, replicate, bed, own=True)
-    return drag.run(replicate, bed, progress, checkpoint=checkpoint)
+    return experiment.run(replicate, bed, progress, checkpoint=checkpoint)
 
 
 def layout_of(replicate: Replicate) -> dict:
@@ -105,7 +106,7 @@ def write_chunk(path: Path, replicates: list[Replicate], rows: list[dict]) -> No
         shape = tuple(sizes[dim] for dim in layout[name][0][1:])
         gap = np.full(shape, *((-1, np.int64) if name in WHOLE else (np.nan, float)))
         values[name] = np.stack([np.asarray(row.get(name, gap), gap.dtype) for row in rows])
-    labels = [drag.labels(replicate) for replicate in replicates]
+    labels = [replicate.labels() for replicate in replicates]
     values |= {name: np.array([label[name] for label in labels]) for name in LABELS}
     values |= {
         "run_id": np.array([replicate.id for replicate in replicates]),
@@ -117,8 +118,9 @@ def write_chunk(path: Path, replicates: list[Replicate], rows: list[dict]) -> No
     attrs = global_attributes(
         f"{len(rows)} runs of the experiment {first.configuration.experiment}",
         "dem chunk",
-        values=json.dumps([replicate.values() for replicate in replicates]),
+        values=json.dumps([replicate.values(beside=False) for replicate in replicates]),
         source_hash=first.source_hash,
+        code=json.dumps(codes(*first.modules, bits=True)),
         versions=provenance.versions(),
         git_revision=provenance.git_revision(),
     )

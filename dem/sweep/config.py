@@ -3,8 +3,9 @@
 import json
 import os
 from functools import cached_property
+from importlib.metadata import files as installed_files
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import yaml
 from pydantic import Field, model_validator
@@ -12,19 +13,21 @@ from pydantic import Field, model_validator
 from dem.base.errors import InputError
 from dem.base.files import atomic
 from dem.base.schema import Folder, Label, Number, Positive, Section, Whole
+from dem.base.sources import ROOT
 from dem.base.validate import shown
 from dem.base.yaml_file import read
 from dem.experiment.config import Configuration
 from dem.experiment.config import parse as parse_values
+from dem.shapes.outside import placed, resolved
 from dem.sweep.axis import check_label
 from dem.sweep.expand import Block, Derived, expand
 from dem.sweep.remedy import meant, remedies
 
-STUDIES = ("accuracy", "claims", "stability")
-FOLDERS = ("store", "chunks", "flow", "figures", "logs", "benchmarks", *STUDIES)  # of results
+DISTRIBUTION = "granular-drag"
+FOLDERS = ("store", "chunks", "flow", "figures", "logs", "benchmarks")  # of results
 CONFIG = "config.yaml"  # of results, as resolved
 LONGEST_CHAIN = 20  # files that extend one another
-REPLACED = ("sweep", "studies")  # whole, by a file that extends another
+REPLACED = ("sweep",)  # whole, by a file that extends another
 
 
 class CaseSection(Section):
@@ -39,10 +42,10 @@ class Sweep(Configuration):
     results: Annotated[Folder, Field(description="folder of all results, such as results/mine")]
     chunk: Annotated[Whole, Field(ge=1, le=10_000)] = 10  # runs per file of the store
     failures: Annotated[Number, Field(ge=0, lt=1)] = 0.0  # share of runs that may fail
-    size: Literal["full", "smoke"] = "full"  # of the studies that are scripts
     cases: dict[Label, CaseSection] = Field(default_factory=dict)
     sweep: Annotated[dict[str, Any], Field(min_length=1)]
-    studies: dict[Literal[STUDIES], str] = Field(default_factory=dict)  # files of sweeps
+    figures: list[str] | None = None  # all that the runs suffice for
+    studies: str = "sweep.yaml"  # name of the sweep in the folder of each study
 
     @model_validator(mode="after")
     def _check_sweep(self):
@@ -145,11 +148,12 @@ class Sweep(Configuration):
 def parse(data, source: str = "configuration") -> Sweep:
     """Sweep from the content of a file; raises InputError with one sentence per fault."""
     with remedies(source, Sweep):
-        return parse_values(extended(data, source), source, Sweep)
+        return parse_values(resolved(extended(data, source), source), source, Sweep)
 
 
 def extended(data, source: str, above: tuple = ()):
     """A file's content merged over the file that it extends; raises InputError."""
+    data = placed(data, _folder_of(source))
     if not isinstance(data, dict) or "extends" not in data:
         return data
     name, own = data["extends"], {key: data[key] for key in data if key != "extends"}
@@ -160,9 +164,8 @@ def extended(data, source: str, above: tuple = ()):
             f"{source}: extends is {shown(name)}; {LONGEST_CHAIN} files extend each other already, write "
             "fewer."
         )
-    choices = Path(name), Path(source).parent / name
     try:
-        path = next((each for each in choices if each.is_file()), choices[0])
+        path = found(name, Path(source).parent)
         real = path.resolve()
     except (
         OSError,
@@ -184,9 +187,15 @@ def extended(data, source: str, above: tuple = ()):
     return merged(base, own)
 
 
+def _folder_of(source: str) -> Path:
+    """Folder of the file of this name, or of the first of several, as Snakemake names them."""
+    path = Path(source)
+    return path.parent if path.is_file() else Path(source.partition(", ")[0]).parent
+
+
 def merged(base: dict, own: dict, top: bool = True) -> dict:
     """Groups of values over others, key by key."""
-    found = {key: base[key] for key in base if not (top and key == "studies")}
+    found = dict(base)
     for key, new in own.items():
         old = found.get(key)
         deep = isinstance(old, dict) and isinstance(new, dict) and not (top and key in REPLACED)
@@ -194,8 +203,19 @@ def merged(base: dict, own: dict, top: bool = True) -> dict:
     return found
 
 
+def found(name: str | Path, beside: Path = Path()) -> Path:
+    """The file of that name: here, beside another, in the checkout, or as it came with the package."""
+    choices = [Path(name), beside / name, ROOT / name]
+    if not any(each.is_file() for each in choices):
+        for each in installed_files(DISTRIBUTION) or ():
+            if each.as_posix().endswith(f"share/{DISTRIBUTION}/{name}"):
+                choices.append(Path(each.locate()))
+    return next((each for each in choices if each.is_file()), choices[0])
+
+
 def load(path: Path) -> Sweep:
     """Sweep from a YAML file; raises InputError with one sentence per fault."""
+    path = found(path)
     return parse(read(path), str(path))
 
 

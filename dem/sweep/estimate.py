@@ -17,8 +17,9 @@ from dem.sweep import chunk as making
 from dem.sweep import design
 from dem.sweep.axis import OWN
 from dem.sweep.config import Sweep
-from dem.sweep.remedy import is_written, meant
+from dem.sweep.remedy import is_number, is_written, meant
 from dem.sweep.store import Store
+from dem.sweep.why import reasons
 from dem.sweep.work import Work
 
 GUESS = 1e-7  # s a granule and step, where no run was made yet: of a usual processor
@@ -51,6 +52,9 @@ def summary(work: Work, jobs: int, retry: bool = False) -> str:
         lines += [f"  {run.words()}{_values(block, run)}" for run in islice(left, LISTED)]
         if len(left) > LISTED:
             lines.append(f"  and {len(left) - LISTED} more.")
+        lines += [
+            f"  {n} because {why}." for why, n in reasons(work.store, left).most_common(LISTED)
+        ]
     lines += advice(work.sweep)
     if not seconds:
         return "\n".join(lines)
@@ -67,7 +71,7 @@ def _values(block, replicate: Replicate) -> str:
     words = []
     for axis in block.axes:
         for path in dict.fromkeys(path for point in axis.points for path in point):
-            at = _at(replicate, path)
+            at = replicate.at(path)
             if path not in ("shape", "density", "seed") and at is not None:
                 words.append(f"{path} {at:g}" if isinstance(at, float | int) else f"{path} {at}")
     return ", " + ", ".join(words) if words else ""
@@ -201,7 +205,7 @@ def retried(work: Work) -> int:
     return sum(making.retry(work.store, chunk.id) for chunk in chunks)
 
 
-def listing(store: Store, words: list[str]) -> Table:
+def listing(store: Store, wanted: list[tuple[str, str]]) -> Table:
     """Chunks of the store: how many runs of which values, and which sweeps need them."""
     table = Table()
     for name in (
@@ -215,14 +219,14 @@ def listing(store: Store, words: list[str]) -> Table:
         "needed by",
     ):
         table.add_column(name, overflow="fold")
-    wanted, needed = [_wanted(word) for word in words], store.needed()
+    needed = store.needed()
     for name, chunk in store.planned().items():
         try:
             runs = store.as_planned(name)
         except InputError:  # planned for another schema
             runs = None
         mine = [run for run in runs or () if all(_matches(run, *each) for each in wanted)]
-        if not mine and (runs is not None or words):
+        if not mine and (runs is not None or wanted):
             continue
         users = [results for results, chunks in needed.items() if name in chunks]
         table.add_row(
@@ -249,30 +253,24 @@ def _few(words) -> str:
     return ", ".join(found) if len(found) <= 5 else f"{found[0]} to {found[-1]} ({len(found)})"
 
 
-def _at(replicate: Replicate, path: str):
-    own = {"shape": replicate.label, "density": replicate.density, "seed": replicate.seed}
-    if path in own:
-        return own[path]
-    at = replicate.configuration
-    for name in path.split("."):
-        at = at.get(name) if isinstance(at, dict) else getattr(at, name, None)
-    return at
-
-
-def _wanted(word: str) -> tuple[str, str]:
+def wanted_of(word: str) -> tuple[str, str]:
     """Path and value of a word such as friction.granule=0.3; raises InputError."""
     path, equal, value = word.partition("=")
     shape = path.split(".")[1:2] if path.startswith("shapes.") else ()
-    known = [*entries(shape), *OWN]
+    values = entries(shape)
+    known = [*values, *OWN]
     if not equal or path not in known:
         hint = meant(path, known) or ", such as shape=c1 or friction.granule=0.3"
         raise InputError(f"{word!r} names no value of a run; write PATH=VALUE{hint}.")
+    text = path == "shape" or (path in values and values[path].units is None)
+    if not (text or value.lower() in ("none", "true", "false") or is_number(value)):
+        raise InputError(f"{word!r}: {path} is a number; write it as the list of runs does.")
     return path, value
 
 
 def _matches(replicate: Replicate, path: str, value: str) -> bool:
     """Whether a run has this value."""
-    at = _at(replicate, path)
+    at = replicate.at(path)
     if isinstance(at, str | bool) or at is None:
         return value.lower() == str(at).lower()
     return is_written(at, value)
@@ -282,7 +280,7 @@ def differing(runs: list[Replicate]) -> str:
     """Values in which runs differ, beside shape, density and seed."""
     found = []
     for path in entries(()):
-        values = dict.fromkeys(str(_at(run, path)) for run in runs)
+        values = dict.fromkeys(str(run.at(path)) for run in runs)
         if len(values) > 1:
             found.append(f"{path} {_few(values)}")
     return "; ".join(found)

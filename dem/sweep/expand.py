@@ -122,7 +122,8 @@ class Block:
         for path in dict.fromkeys((*varied, *self.fixed)):
             name = name_of(path)
             if path in known and name not in self.dims and not path.startswith("shapes."):
-                values = self._along([self._value(r, path) for r in self._replicates], [])
+                of_runs = [r.configuration.at(path) for r in self._replicates]
+                values = self._along([np.nan if v is None else v for v in of_runs], [])
                 found[name] = (known[path], *values)
         return found
 
@@ -133,15 +134,6 @@ class Block:
     @cached_property
     def _entries(self) -> dict[str, Entry]:
         return entries(dict.fromkeys(r.label for r in self._replicates))
-
-    @staticmethod
-    def _value(replicate: Replicate, path: str):
-        at = replicate.configuration
-        for name in path.split("."):
-            at = at.get(name) if isinstance(at, dict) else getattr(at, name)
-            if at is None:
-                return np.nan
-        return at
 
     def _along(self, values: list, forced) -> tuple[tuple[str, ...], np.ndarray]:
         """Values of all runs, along those axes only along which they vary."""

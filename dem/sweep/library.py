@@ -7,10 +7,9 @@ import numpy as np
 import xarray as xr
 
 from dem.base.errors import InputError
-from dem.experiment import drag
-from dem.experiment.bed import make_bed
 from dem.experiment.config import Configuration, of_values
 from dem.io.dataset import AXES, LABELS, attributes, global_attributes
+from dem.shapes.outside import placed, resolved
 from dem.sweep.axis import OWN
 from dem.sweep.config import extended, load
 from dem.sweep.remedy import remedies
@@ -83,14 +82,13 @@ def run_experiment(values: dict) -> xr.Dataset:
     (('displacement',), 'N')
     """
     with remedies("values", Configuration, *OWN):
-        replicate = of_values(_whole(values))
+        replicate = of_values(resolved(placed(_whole(values), Path()), "values"))
     own = replicate.configuration
     experiment = own.module
-    bed = (make_bed(replicate),) if experiment is drag else ()
-    found = experiment.run(replicate, *bed)
+    found = experiment.run(replicate)
     axes = getattr(experiment, "AXIS", AXES)
     layout = experiment.layout(own) | axes | LABELS
-    coordinates = experiment.axes(own) | drag.labels(replicate)
+    coordinates = experiment.axes(own) | replicate.labels()
     used = {dim for name in found for dim in layout[name][0]}
     dataset = xr.Dataset({name: (layout[name][0], value) for name, value in found.items()})
     for name, value in coordinates.items():
@@ -112,7 +110,7 @@ def _whole(values: dict) -> dict:
     base = load(Path(values["extends"]))
     found = extended(own | {"results": base.results}, "values")
     known = set(base.values())
-    found = {key: new for key, new in found.items() if key in known or key in own}
+    found = {key: new for key, new in found.items() if key in {*known, *own, "beside"}}
     found.pop("results", None)
     if "shape" not in values:
         raise InputError("values: shape is missing.")

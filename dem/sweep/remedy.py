@@ -79,6 +79,14 @@ def _in_its_group(text: str, known: list[str]) -> list[str]:
     )
 
 
+def is_number(text: str) -> bool:
+    """Whether a text is one number."""
+    try:
+        return np.isfinite(float(text))
+    except ValueError:
+        return False
+
+
 def is_written(value: float, text: str) -> bool:
     """Whether a number is what a text says, with the digits of the text and at least PRINTED."""
     try:

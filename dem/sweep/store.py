@@ -25,7 +25,6 @@ from dem.base.sources import code_hash
 from dem.experiment.config import Replicate, of_values
 from dem.io.checksums import is_sealed, seal
 from dem.io.results_folder import lock_of
-from dem.shapes import KINDS
 
 FOLDER = Path("results/store")
 NOTHING = "So nothing was removed."
@@ -418,7 +417,7 @@ def kernels_of(replicate: Replicate) -> str:
 
     Not by all code of the run: most of it is compiled nowhere, and kinds of runs share the rest.
     """
-    text = f"{code_hash(*KERNELS, KINDS[replicate.shape.kind].module)} {replicate.variant}"
+    text = f"{code_hash(*KERNELS, replicate.kind.module, bits=True)} {replicate.variant}"
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
@@ -436,7 +435,7 @@ def plan(
     of this sweep's (`own`), or if all its runs are wanted here. Runs of one bed are put together.
     """
     wanted = {replicate.id: replicate for replicate in replicates}
-    found, left, own = [], dict(wanted), own or {}
+    found, left, own, moved = [], dict(wanted), own or {}, {}
     plans, busy = store.planned() | own, store.under_way(results)
 
     def rank(chunk):
@@ -449,13 +448,15 @@ def plan(
         lasting = rank(chunk)[:2] != (True, True) or all(run in wanted for run in chunk.runs)
         if mine and lasting:
             found.append(chunk)
+            if all(run in wanted and wanted[run].configuration.beside for run in chunk.runs):
+                moved[chunk.id] = [wanted[run] for run in chunk.runs]
             for run in mine:
                 del left[run]
     groups = {}
     for replicate in left.values():
         beds = groups.setdefault((alike(replicate), kernels_of(replicate)), {})
         beds.setdefault(replicate.bed_key(), []).append(replicate)
-    new = {}
+    new = moved  # whose plans are written: the folder of their shapes may be another since
     for (_, kernels), beds in groups.items():
         for some in _cut(list(beds.values()), size):
             runs = tuple(replicate.id for replicate in some)

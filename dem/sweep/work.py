@@ -52,10 +52,8 @@ class Work:
 
     def observables(self, block: str) -> tuple[str, ...]:
         """What the runs of a block record, each a combined file; snapshots stay in the chunks."""
-        own = self.block(block).runs[0].replicate.configuration
-        if own.experiment != "drag":
-            return (own.experiment,)
-        return tuple(name for name in own.record.observables if name != "snapshots")
+        recorded = self.block(block).runs[0].replicate.configuration.recorded
+        return tuple(name for name in recorded if name != "snapshots")
 
     def needed(self, block: str) -> list[Path]:
         """Combined files of other blocks that the values of a block are derived from."""

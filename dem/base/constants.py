@@ -1,0 +1,33 @@
+"""What files say of themselves: the constants at their top, read without running them.
+
+A folder is then the list of what is in it: figures, kinds of experiment, studies.
+"""
+
+import ast
+import re
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+
+NO_BITS = "reads what files say of themselves"
+
+
+@cache
+def constants(path: Path) -> dict:
+    """The constants of a file by name: capitals that are set to plain values."""
+    found = {}
+    for node in ast.parse(Path(path).read_bytes(), str(path)).body:
+        if isinstance(node, ast.Assign) and isinstance(name := node.targets[0], ast.Name):
+            with suppress(ValueError):  # computed, so nothing that is said here
+                found[name.id] = ast.literal_eval(node.value)
+    return found
+
+
+@cache
+def described(folder: Path, sign: str) -> dict[str, dict]:
+    """Constants of those files of a folder that set `sign`, by name without .py."""
+    written = re.compile(rb"^%s\s*=" % sign.encode(), re.MULTILINE)
+    files = sorted(Path(folder).glob("*.py"))
+    some = [path for path in files if written.search(path.read_bytes())]  # parsing takes longer
+    found = {path.stem: constants(path) for path in some}
+    return {name: each for name, each in found.items() if sign in each}
