@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from conftest import section_of
 from test_collision import APART, gains, volley
 
 import dem
+from conftest import section_of
 from dem.jit.compilation import inlined
 from dem.shapes import KINDS, protocol, smooth, superellipse
 
@@ -303,7 +303,9 @@ def test_the_shape_of_the_documentation_works():
     """The page on shapes shows a whole shape, which is accepted."""
     page = (Path(__file__).parent.parent / "docs/howto/shape.md").read_text()
     code = re.search(r"```python\n(.*?)```", page, re.S).group(1)
-    exec(compile(code, "shape.md", "exec"), {"__name__": "shape_of_the_page"})
+    names = {"__name__": "shape_of_the_page"}
+    exec(compile(code, "shape.md", "exec"), names)
+    dem.check_shape(names["Pebble"].of_size(SIZES))
 
 
 def test_a_superellipse_of_exponent_two_without_rounding_is_an_ellipse():

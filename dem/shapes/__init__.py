@@ -1,35 +1,62 @@
-"""The shapes, one file each. A new shape is a new file and one line of kinds.toml.
+"""The shapes, one file each, which says its class at its top: SHAPE = "Disc", and ASPECT_RATIO, its
+length over width, where that is given by nature. A new shape is a new file.
 
 In: sizes of granules (m). Out: what dem.shapes.protocol lists, for the kernels and for Python. A
 smooth convex shape is its support function (see superellipse.py); `dem.check_shape` says what is
-wrong with a shape. Here you may add a shape, or a way to find a contact.
+wrong with a shape. Here you may add a shape, or a way to find a contact. Shapes in files of a user's
+own: dem.shapes.outside.
 """
 
-import tomllib
 from importlib import import_module
 from pathlib import Path
 from typing import NamedTuple
 
+from dem.base.constants import described
+
+NO_BITS = "finds the file of a shape"
+
 
 class Kind(NamedTuple):
-    """Where the class of a shape is, and its length over width; None where configurations give it.
+    """Where the class of a shape is, as dem.base.sources names its module, and its length over width;
+    None where configurations give it.
 
     The class is loaded when first used, so that what a run depends on does not hold other shapes.
     """
 
-    where: str
+    module: str
+    name: str
     aspect_ratio: float | None = None
 
     @property
-    def module(self) -> str:
-        """The module of the class."""
-        return self.where.rpartition(".")[0]
-
-    @property
     def shape(self) -> type:
-        """The class."""
-        return getattr(import_module(self.module), self.where.rpartition(".")[2])
+        """The class; the file of a user's own runs here, and nowhere else."""
+        if ":" in self.module:
+            from dem.shapes.outside import loaded
+
+            return loaded(self.module, self.name)
+        return getattr(import_module(self.module), self.name)
 
 
-_TABLE = (Path(__file__).parent / "kinds.toml").read_text(encoding="utf-8")
-KINDS = {name: Kind(**line) for name, line in tomllib.loads(_TABLE).items()}
+KINDS = {
+    name: Kind(f"dem.shapes.{name}", own["SHAPE"], own.get("ASPECT_RATIO"))
+    for name, own in described(Path(__file__).parent, "SHAPE").items()
+}
+
+
+def kind_of(name: str, beside: str | None = None) -> Kind:
+    """The kind of this name, of the package or of a file in the folder `beside`; raises InputError."""
+    if name in KINDS:
+        return KINDS[name]
+    from dem.shapes.outside import found
+
+    return found(name, beside)
+
+
+def outlines(kind: str, diameters, ratio: float, beside: str | None = None):
+    """Outlines (n, rings, points, 2) in m about the centre at angle zero, to draw.
+
+    Those of a user's own are ellipses where it is not said that their file may run: readers of
+    results run no code that the results name.
+    """
+    known = kind if kind in KINDS or beside else "ellipse"
+    return kind_of(known, beside).shape.of_size(diameters, ratio).polygons(33)

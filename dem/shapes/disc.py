@@ -9,6 +9,9 @@ from numpy.typing import ArrayLike
 from dem.base.validate import OUTLINE, RATIO, SIZES, checked, positive
 from dem.shapes.protocol import ContactGeometry, answer
 
+SHAPE = "Disc"
+ASPECT_RATIO = 1.0  # length over width of all granules
+
 
 @checked(radius=SIZES)
 class Disc(NamedTuple):

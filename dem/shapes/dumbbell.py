@@ -14,6 +14,9 @@ from dem.jit.lanes import ONE, TWO
 from dem.shapes import disc
 from dem.shapes.protocol import answer
 
+SHAPE = "Dumbbell"
+ASPECT_RATIO = 2.0  # length over width of all granules
+
 
 @checked(radius=SIZES)
 class Dumbbell(NamedTuple):

@@ -12,6 +12,8 @@ from dem.shapes.common_normal import CommonNormal, half_width
 from dem.shapes.geometric_potential import GeometricPotential
 from dem.shapes.protocol import ContactGeometry, answer, ellipse_contact, ellipse_normal
 
+SHAPE = "Ellipse"
+
 CONTACTS: dict[Any, Any] = {
     "common_normal": CommonNormal(),
     "geometric_potential": GeometricPotential(),

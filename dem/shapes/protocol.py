@@ -18,7 +18,7 @@ import numpy as np
 from numba.extending import overload
 
 from dem.base.errors import InputError
-from dem.jit.compilation import INLINED, inlined
+from dem.jit.compilation import INLINED, inlined, remember
 from dem.jit.optional import either, optional
 
 SEPARATED = -1.0  # overlap of constituents that do not touch
@@ -46,8 +46,8 @@ class Shape(Protocol):
     answer breaks. `answer` refuses a class without all members; guesses, lists_sizes and fault have
     a default.
 
-    Lengths in m. of_size(diameter, aspect_ratio) is asked only of the shapes of KINDS:
-    granules with the area of discs of these diameters (n,), for configurations.
+    Lengths in m. of_size(diameter, aspect_ratio) is asked only of the shapes that configurations
+    name: granules with the area of discs of these diameters (n,).
     """
 
     guesses: bool = False
@@ -263,6 +263,7 @@ def answer(cls, *functions, questions=SHAPE_QUESTIONS, **renamed):
         _complete(cls)
     for name, function in named.items():
         known[name].answers[cls] = function
+    remember(cls)
 
 
 def _complete(cls):

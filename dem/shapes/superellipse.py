@@ -8,6 +8,8 @@ from numpy.typing import ArrayLike
 from dem.base.validate import RATIO, SIZES, checked, number
 from dem.shapes.smooth import area, scaled, smooth
 
+SHAPE = "Superellipse"
+
 EXPONENT = number("lie in 1.2 to 20", 1.2, 20.0)
 ROUNDING = number("lie in 0.01 to 10", 0.01, 10.0)  # over the semi-minor axis
 

@@ -1,0 +1,314 @@
+"""Shapes in files of a user's own: swept, cached, known by their code, and run only to make runs.
+
+The recipes of docs/howto/shape.md, followed to the letter, outside of the package and inside.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from forked import snakemake
+
+import dem
+from conftest import posix
+from dem.base.sources import ROOT
+from dem.sweep.config import load, parse
+from dem.sweep.store import Store
+from dem.sweep.work import Work
+
+PAGE = (ROOT / "docs/howto/shape.md").read_text()
+SHAPE, LIBRARY, SHORT_LINE = re.findall(r"```python\n(.*?)```", PAGE, re.S)
+(SWEEP,) = re.findall(r"```yaml\n(.*?)```", PAGE, re.S)
+SWEEP = SWEEP.replace("seed: 1 to 5", "seed: [1, 2]") + "chunk: 1\n"  # fewer runs, in two processes
+TELLING = "from pathlib import Path\nPath(__file__).with_name('ran').touch()\n"
+
+
+def write(folder: Path, shape: str = SHAPE, sweep: str = SWEEP) -> Path:
+    """A folder with a shape and a sweep of it; returns the file of the sweep."""
+    folder.mkdir()
+    (folder / "pebbles.py").write_text(shape)
+    (folder / "sweep.yaml").write_text(sweep)
+    return folder / "sweep.yaml"
+
+
+def run(*words, cwd, path=(), status=0):
+    """A command of Python; what it says."""
+    folders = os.pathsep.join(map(str, (*path, ROOT)))
+    ran = subprocess.run(
+        [sys.executable, *map(str, words)], cwd=cwd, env=os.environ | {"PYTHONPATH": folders},
+        text=True, capture_output=True, timeout=600,
+    )  # fmt: skip
+    assert ran.returncode == status, ran.stderr + ran.stdout
+    return ran.stdout + ran.stderr
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory):
+    """A folder where the sweep of the page was made, in two processes."""
+    folder = tmp_path_factory.mktemp("swept")
+    write(folder / "mine")
+    run("-m", "dem", "sweep", "mine/sweep.yaml", "-j2", cwd=folder)
+    return folder
+
+
+def test_a_shape_in_a_file_of_ones_own_is_swept(swept):
+    """Beds, runs, how they move: all is there, and nothing was written beside the sweep file."""
+    for name in ("drag.nc", "flow.nc"):
+        assert (swept / "results/pebbles" / name).is_file()
+    assert sorted(each.name for each in (swept / "mine").iterdir()) == ["pebbles.py", "sweep.yaml"]
+
+
+ASK = """
+import sys
+from numba.core.event import install_recorder
+import dem
+from dem.jit.compilation import OUTSIDE
+
+values = next(dem.load_sweep(sys.argv[1]))
+with install_recorder("numba:compile") as recorder:
+    found = dem.run_experiment(values)
+print(len(recorder.buffer), float(found["drag"].mean()), [each.__name__ for each in OUTSIDE])
+"""
+
+
+def test_the_next_process_compiles_nothing(swept, tmp_path):
+    """Nor where the class was imported by the user, nor in another folder; after an edit it compiles."""
+    write(tmp_path / "copy")
+    answers = {
+        run("-c", ASK, "mine/sweep.yaml", cwd=swept),
+        run("-c", f"from pebbles import Pebble\n{ASK}", "mine/sweep.yaml", cwd=swept, path=[swept / "mine"]),
+        run("-c", ASK, "copy/sweep.yaml", cwd=tmp_path),
+    }  # fmt: skip
+    assert len(answers) == 1
+    (answer,) = answers
+    assert answer.startswith("0 ") and answer.endswith("['Pebble']\n")
+
+
+def known_by(*folders: Path) -> list[str]:
+    """What the runs of sweeps and their machine code are known by, in a process of its own."""
+    words = (
+        "import sys; from dem.sweep.config import load; from dem.sweep.store import kernels_of\n"
+        "for path in sys.argv[1:]:\n"
+        "    run = next(load(path).block('drag').unique())\n"
+        "    print(run.id, run.bed_id, kernels_of(run))"
+    )
+    return run("-c", words, *(each / "sweep.yaml" for each in folders), cwd=ROOT).splitlines()
+
+
+EDITS = {  # file, what is there, what is put instead; whether runs are made again
+    "a comment": ("pebbles.py", "import numpy as np", "import numpy as np  # arrays", False),
+    "a local name": ("pebbles.py", "    cosine, sine = nx * (4 * nx * nx - 3), ny * (3 - 4 * ny * ny)\n    h, q = r * (1 + e * cosine), -3 * r * e * sine", "    cosine, s = nx * (4 * nx * nx - 3), ny * (3 - 4 * ny * ny)\n    h, q = r * (1 + e * cosine), -3 * r * e * s", False),
+    "a constant": ("pebbles.py", "0.08", "0.07", True),
+    "the aspect ratio": ("pebbles.py", "ASPECT_RATIO = 1.0", "ASPECT_RATIO = 1.1", True),
+    "what it imports": ("lengths.py", "0.5", "0.50001", True),
+    "what that imports": ("more/units.py", "1.0", "1.5", True),
+    "what it does not import": ("other.py", "1", "2", False),
+}  # fmt: skip
+WITH_IMPORTS = SHAPE.replace(
+    "import numpy as np\n", "import numpy as np\nfrom lengths import HALF\n"
+)
+
+
+def test_runs_are_known_by_the_code_of_their_shape_and_not_by_its_folder(tmp_path):
+    first = tmp_path / "first"
+    write(first, WITH_IMPORTS.replace("0.5 *", "HALF *"))
+    (first / "lengths.py").write_text("from more.units import M\n\nHALF = 0.5 * M\n")
+    (first / "more").mkdir()
+    (first / "more/units.py").write_text("M = 1.0\n")
+    (first / "other.py").write_text("A = 1\n")
+    for edit, (name, old, new, _) in EDITS.items():
+        shutil.copytree(first, tmp_path / edit)
+        text = (first / name).read_text()
+        assert old in text, edit
+        (tmp_path / edit / name).write_text(text.replace(old, new))
+    before, *after = known_by(first, *(tmp_path / edit for edit in EDITS))
+    assert {edit: each != before for edit, each in zip(EDITS, after, strict=True)} == {
+        edit: again for edit, (*_, again) in EDITS.items()
+    }
+
+
+def test_a_folder_that_is_moved_makes_nothing_again(swept):
+    shutil.copytree(swept / "mine", swept / "moved")
+    sweep = swept / "moved/sweep.yaml"
+    sweep.write_text(sweep.read_text().replace("results/pebbles", "results/moved"))
+    said = run("-m", "dem", "sweep", "moved/sweep.yaml", "-n", cwd=swept)
+    assert "2 runs, of which 2 are there" in said
+
+
+def test_a_plan_finds_shapes_that_were_moved_since(tmp_path, monkeypatch):
+    """A sweep that was stopped, and started again in another place."""
+    monkeypatch.chdir(tmp_path)
+    store, places = Store(tmp_path / "store"), []
+    for name in ("one", "two"):
+        work = Work(load(write(tmp_path / name)), store)
+        places.append({chunk.id for chunk in work.chunks("drag")})
+        work.settle()
+        for chunk in places[-1]:
+            (replicate,) = store.replicates(chunk)
+            assert replicate.configuration.beside == str(tmp_path / name)
+        shutil.rmtree(tmp_path / name)
+    assert places[0] == places[1]
+
+
+def test_readers_run_no_code_that_a_sweep_names(swept):
+    """A dry run, compiled nothing: the files of shapes are read, and only those who make runs run them."""
+    folder = swept / "telling"
+    write(folder, TELLING + SHAPE)
+    sweep = folder / "sweep.yaml"
+    sweep.write_text(sweep.read_text().replace("results/pebbles", "results/telling"))
+    with (swept / "mine/pebbles.py").open("a") as file:  # that of the results
+        file.write(f"\n{TELLING}")
+    results = swept / "results/pebbles"
+    try:
+        run("-m", "dem", "sweep", "telling/sweep.yaml", "-n", cwd=swept)
+        run("-m", "dem", "info", results / "drag.nc", cwd=swept)
+        run("-m", "dem", "store", "shape=pebble", cwd=swept)
+        run("-m", "dem", "figure", "all", results / "drag.nc", cwd=swept)
+        run(
+            "-m",
+            "dem",
+            "report",
+            results / "drag.nc",
+            "-o",
+            "page.html",
+            "--notes",
+            ROOT / "docs/explanation/open.md",
+            cwd=swept,
+        )
+        picture = "-m", "dem", "picture", results / "drag.nc", "seed=1", "-o"
+        run(*picture, "plain.png", cwd=swept)
+        assert not (folder / "ran").exists() and not (swept / "mine/ran").exists()
+        run(*picture, "true.png", "--shapes", "telling", cwd=swept)
+        assert (folder / "ran").exists() and not (swept / "mine/ran").exists()
+    finally:
+        (swept / "mine/pebbles.py").write_text(SHAPE)
+
+
+WRONG = {
+    "stone.Pebble": "there is no file",
+    "pebbles.Peble": "has no class Peble; the nearest is pebbles.Pebble.",
+    "pebbles.Bare": "its class has no of_size; give it",
+    "broken.Stone": "cannot be read (",
+    "../mine/pebbles.Pebble": "it must be one of disc, dumbbell, ellipse, superellipse, or file and class",
+    "/etc/passwd.X": "it must be one of disc",
+    "os.system": "os is a module of Python; give your file another name.",
+    "dem.shapes.disc.Disc": "write a shape of this package as one of disc",
+    "lean.Stone": "ASPECT_RATIO of",
+    "pebble": "it must be 'disc', 'dumbbell', 'ellipse' or 'superellipse'",
+}
+BARE = "\n\nclass Bare:\n    pass\n"
+
+
+@pytest.mark.parametrize("kind", WRONG)
+def test_a_kind_that_is_none_gets_one_sentence(tmp_path, kind):
+    write(tmp_path / "mine", TELLING + SHAPE + BARE, SWEEP.replace("pebbles.Pebble", kind))
+    (tmp_path / "mine/broken.py").write_text("def\n")
+    (tmp_path / "mine/lean.py").write_text(
+        "ASPECT_RATIO = 0.5\nclass Stone:\n    def of_size(): pass\n"
+    )
+    with pytest.raises(dem.InputError) as error:
+        load(tmp_path / "mine/sweep.yaml")
+    said = str(error.value)
+    assert f"shapes.pebble.kind is '{kind}'; " in said and WRONG[kind] in said
+    assert said.endswith(".") and "\n" not in said
+    assert not (tmp_path / "mine/ran").exists()
+
+
+def test_what_is_wrong_with_a_file_of_a_shape_ends_with_status_2(tmp_path):
+    write(tmp_path / "mine", SHAPE + "\n1 / 0\n")
+    said = run("-m", "dem", "sweep", "mine/sweep.yaml", cwd=tmp_path, status=2)
+    assert said.splitlines()[-1] == (
+        f"shapes.pebble (pebbles.Pebble): {tmp_path / 'mine/pebbles.py'}: it cannot be imported "
+        "(ZeroDivisionError: division by zero)."
+    )
+    write(tmp_path / "other", SHAPE.replace("@smooth(support)\n", ""))
+    said = run("-m", "dem", "sweep", "other/sweep.yaml", cwd=tmp_path, status=2)
+    assert "Pebble is no shape; decorate it with smooth" in said and "Traceback" not in said
+
+
+def test_an_aspect_ratio_that_a_file_fixes_is_no_other(tmp_path):
+    with pytest.raises(
+        dem.InputError, match=r"aspect_ratio is 1.5; a pebbles.Pebble always has 1, "
+    ):
+        load(
+            write(
+                tmp_path / "mine", SHAPE, SWEEP.replace("granules", "aspect_ratio: 1.5, granules")
+            )
+        )
+    path = write(tmp_path / "free", SHAPE.replace("ASPECT_RATIO = 1.0", "RATIO = 1.0"))
+    with pytest.raises(dem.InputError, match="aspect_ratio is missing; kind pebbles"):
+        load(path)
+
+
+def test_beside_names_another_folder(tmp_path):
+    write(tmp_path / "shapes")
+    path = write(tmp_path / "sweeps", "", SWEEP + "beside: ../shapes\n")
+    assert load(path).beside == str(tmp_path / "shapes")
+    assert parse(load(path).dump()).beside == str(tmp_path / "shapes")
+
+
+@posix
+def test_a_shape_in_a_file_of_ones_own_is_swept_by_the_workflow(swept, tmp_path):
+    """The runs are those of `dem sweep`, and flow.nc is made."""
+    ignored = shutil.ignore_patterns("__pycache__", "studies", "results")
+    for name in ("dem", "rules", "config"):
+        shutil.copytree(ROOT / name, tmp_path / name, ignore=ignored)
+    for name in ("Snakefile", "docs/explanation/open.md"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / name, tmp_path / name)
+    write(tmp_path / "mine")
+    targets = "all", "results/pebbles/flow.nc"
+    ran = snakemake(tmp_path, *targets, "-c2", configfile="mine/sweep.yaml")
+    assert ran.returncode == 0, ran.stderr
+    for name in ("drag.nc", "flow.nc"):
+        assert (tmp_path / "results/pebbles" / name).is_file()
+    plans = [sorted(each.name for each in (place / "results/store/plans").iterdir()) for place in (swept, tmp_path)]  # fmt: skip
+    assert plans[0] == plans[1]
+    shutil.move(tmp_path / "mine", tmp_path / "elsewhere")
+    again = snakemake(tmp_path, *targets, "-n", configfile="elsewhere/sweep.yaml")
+    assert "Nothing to be done" in again.stdout + again.stderr
+
+
+def test_a_shape_in_the_package_is_one_file(tmp_path):
+    """No other file is touched, and what the other shapes are known by stays as it is."""
+    shutil.copytree(ROOT / "dem", tmp_path / "dem", ignore=shutil.ignore_patterns("__pycache__"))
+    words = (
+        "import dem, json; from dem.sweep.config import parse\n"
+        "sweep = parse(json.loads('''DATA'''))\n"
+        "run = next(sweep.block('drag').unique())\n"
+        "made = run.kind.shape.of_size([1e-3], run.shape.ratio)\n"
+        "print(dem.__file__, run.id, type(made).__name__, round(float(made.area[0]) * 1e6, 6))"
+    )
+
+    def ask(kind):
+        shapes = f'{{"kind": "{kind}", "diameter": 1e-3, "granules": 60}}'
+        data = (
+            f'{{"extends": "{ROOT}/config/smoke.yaml", "results": "results/x", "shapes": {{"p": {shapes}}}, '
+            '"sweep": {"shape": "p", "density": [3900], "seed": 1}}'
+        )
+        return run("-c", words.replace("DATA", data), cwd=tmp_path, path=[tmp_path]).split()
+
+    before = ask("disc")
+    last = SHAPE.rindex("import smooth\n") + len("import smooth\n")
+    (tmp_path / "dem/shapes/pebbles.py").write_text(f"{SHAPE[:last]}\n{SHORT_LINE}{SHAPE[last:]}")
+    assert ask("disc") == before
+    file, _, name, area = ask("pebbles")
+    assert (file, name, float(area)) == (str(tmp_path / "dem/__init__.py"), "Pebble", 0.785398)
+
+
+def test_the_library_says_what_it_compiles_in_each_process(tmp_path):
+    """A class in a script has no file that another process could import."""
+    words = "import sys; from dem.jit.compilation import OUTSIDE; print(len(OUTSIDE))"
+    (tmp_path / "script.py").write_text(f"{SHAPE}\n{words}\n")
+    assert run("script.py", cwd=tmp_path).strip() == "0"
+    (tmp_path / "pebbles.py").write_text(SHAPE)
+    assert run("-c", f"import pebbles\n{words}", cwd=tmp_path).strip() == "1"
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    (elsewhere / "far.py").write_text("A = 1\n")
+    (tmp_path / "pebbles.py").write_text(f"import far\n{SHAPE}")
+    assert run("-c", f"import pebbles\n{words}", cwd=tmp_path, path=[elsewhere]).strip() == "0"
