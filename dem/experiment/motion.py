@@ -12,7 +12,7 @@ from dem.experiment.config import Replicate
 from dem.experiment.scene import make_scene
 from dem.packing.random import Bed
 from dem.periodic import Periods
-from dem.shapes import KINDS
+from dem.shapes import outlines
 
 
 class Motion(NamedTuple):
@@ -40,8 +40,10 @@ class Motion(NamedTuple):
     @property
     def outlines(self) -> np.ndarray:
         """Outlines (n, rings, points, 2) in m about the centre at angle zero."""
-        kind = KINDS[self.replicate.shape.kind].shape
-        return kind.of_size(self.diameters, self.replicate.shape.ratio).polygons(33)
+        shape = self.replicate.shape
+        return outlines(
+            shape.kind, self.diameters, shape.ratio, self.replicate.configuration.beside
+        )
 
     def nearest(self, displacement: float) -> int:
         """The snapshot nearest to a displacement of the cylinder (m)."""

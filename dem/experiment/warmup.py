@@ -3,8 +3,7 @@
 from dataclasses import replace
 
 from dem.dynamics.simulation import Simulation
-from dem.experiment import shear
-from dem.experiment.bed import PREPARATIONS, diameters
+from dem.experiment.bed import PREPARATIONS, diameters, shaped
 from dem.experiment.config import Replicate
 from dem.experiment.observables import module_of
 from dem.experiment.scene import make_scene
@@ -19,8 +18,8 @@ def compile_kernels(replicate: Replicate) -> None:
     rough walls is its own, for an instant too.
     """
     own, label = replicate.configuration, replicate.label
-    if own.experiment == "shear":
-        shear.run(shear.brief(replicate))
+    if hasattr(own.module, "warm_up"):
+        own.module.warm_up(replicate)
         return
     few = replicate.shape.model_copy(update={"granules": 3})
     own = own.model_copy(update={"shapes": {label: few}})
@@ -29,7 +28,7 @@ def compile_kernels(replicate: Replicate) -> None:
         height = 4.0 * (drawn.diameter + few.diameter) / min(drawn.start, 1.0 - drawn.start)
     else:
         height = own.box_width
-    shape = replicate.granules(diameters(replicate))
+    shape = shaped(replicate, diameters(replicate))
     cylinder = None
     if drawn:  # in a box that is much too high for three granules
         at = 0.5 * own.box_width, drawn.start * height
@@ -37,7 +36,7 @@ def compile_kernels(replicate: Replicate) -> None:
     prepare = PREPARATIONS[own.packing.preparation]
     room = shape, own.box_width, height, cylinder, 0
     # a bed that jams is pressed with friction in other runs of the variant, and drawn in most sweeps
-    friction = 1.0 if own.experiment == "jamming" else own.packing.friction
+    friction = 1.0 if hasattr(own.module, "PRESSES") else own.packing.friction
     if friction > 0.0:
         bed = compact(*room, friction, own.periodic, prepare)
     else:

@@ -3,7 +3,7 @@
 A new observable is a file here. It has VARIABLES, a layout (name: dimensions, units, long name),
 and one or both of two functions that return values by these names: `look(simulation)` at each
 snapshot, one number a variable, and `measure(seen)` at the end, from what the run saw
-(dem.experiment.drag.Seen). It has LEDGER = True if the simulation must keep an energy ledger.
+(dem.experiment.kinds.drag.Seen). It has LEDGER = True if the simulation must keep an energy ledger.
 """
 
 from importlib import import_module

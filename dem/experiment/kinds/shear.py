@@ -38,6 +38,13 @@ AXIS = {
         "strain since the first sample, as the lid's velocity asks for",
     )
 }
+SECTIONS = {"shear": True}
+ASKS = {
+    "packing.pressure": (None, "the lid is pressed"),
+    "periodic": ("x", "the bed is sheared along x"),
+    "gravity": (0.0, "the pressure must be the same at all heights"),
+    "shapes.*.kind": ("disc", "floor and lid are rows of discs"),
+}
 THICK = 1.25  # mean diameters from floor or lid to the farthest centres that are held
 MIDDLE = 0.25  # of the height, on either side of the middle
 # times that a bed takes to fall through its height under the pressure, before it is measured: a fast
@@ -108,11 +115,23 @@ def brief(replicate: Replicate) -> Replicate:
     return Replicate(own, replicate.label, replicate.density, replicate.seed)
 
 
-def run(replicate: Replicate) -> dict:
+def motions(replicate: Replicate) -> set:
+    """Friction and damping between granules that are held and others."""
+    c = replicate.configuration
+    rough = any((c.friction.granule, c.friction.wall, c.friction.cylinder))
+    return {("held", rough, c.material.restitution < 1)}
+
+
+def warm_up(replicate: Replicate) -> None:
+    """The same for an instant."""
+    run(brief(replicate))
+
+
+def run(replicate: Replicate, bed: Bed | None = None, progress=lambda done: None) -> dict:
     """Shear the bed of a run; returns the variables of a run by name. Raises RunError, also where a granule
     gets out between those that are held."""
     own = replicate.configuration.shear
-    cell = make_cell(replicate, make_bed(replicate))
+    cell = make_cell(replicate, bed or make_bed(replicate))
     simulation = start(replicate, cell)
     simulation.check_duration(cell.settle + own.strain / cell.rate)
     started = time.process_time()

@@ -12,7 +12,7 @@ import numpy as np
 
 from dem.base.errors import PackingError
 from dem.dynamics.touching import Touching
-from dem.experiment.bed import cylinder, diameters
+from dem.experiment.bed import cylinder, diameters, shaped
 from dem.experiment.config import Configuration, Replicate
 from dem.experiment.fit import height_of_box
 from dem.packing.pressed import Press
@@ -23,6 +23,12 @@ VARIABLES = {
     "onset_contacts": ((), "1", "contacts between granules that are no rattlers"),
     "onset_rattlers": ((), "1", "granules that are held by too few contacts, left out of the contacts"),
 }  # fmt: skip
+SECTIONS = {"cylinder": False, "record": True}
+ASKS = {
+    "packing.pressure": (None, "the bed is compressed"),
+    "packing.friction": (0.0, "rattlers are told by their contacts"),
+}
+BED_ALONE = True
 STEP = 0.002  # of the packing fraction, while granules grow
 STEPS = 200  # at most; 0.98 would be reached after 120
 # load: mean normal stress of the contacts over E* and the mean diameter
@@ -51,7 +57,7 @@ def find(replicate: Replicate) -> Onset:
     """The onset of jamming of the bed of a run; raises PackingError where none is found."""
     sizes, own = diameters(replicate), replicate.configuration
     height = height_of_box(own, sizes)
-    shape = replicate.granules(sizes)
+    shape = shaped(replicate, sizes)
     room = shape, own.box_width, height, cylinder(replicate, height)
     press = Press(*room, replicate.seed, periodic=own.periodic)
     unit = replicate.shape.diameter
@@ -118,7 +124,12 @@ def sizes(replicate: Replicate) -> dict[str, int]:
     return {}
 
 
-def run(replicate: Replicate) -> dict:
+def motions(replicate: Replicate) -> set:
+    """None: the energy is minimised."""
+    return set()
+
+
+def run(replicate: Replicate, bed=None, progress=lambda done: None) -> dict:
     """Find the onset of jamming of a run; returns the variables of a run by name."""
     found = find(replicate)
     return {f"onset_{name}": float(value) for name, value in found._asdict().items()}

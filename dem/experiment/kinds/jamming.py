@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.base.errors import PackingError
-from dem.experiment.bed import PREPARATIONS, cylinder, diameters
-from dem.experiment.config import Configuration, Replicate
+from dem.experiment.bed import PREPARATIONS, cylinder, diameters, shaped
+from dem.experiment.config import PRESSED, Configuration, Replicate
 from dem.experiment.fit import height_of_box
 from dem.packing.pressed import START, Press
 
@@ -22,6 +22,10 @@ VARIABLES = {
     "jam_load": (("jam_at",), "1", "load: mean normal force on the walls per length, over E* and the mean diameter"),
     "jam_friction": ((), "1", "coefficient of friction while the granules grow"),
 }  # fmt: skip
+SECTIONS = {"cylinder": False, "record": True}
+ASKS = {"packing.pressure": (None, "the bed is compressed")}
+BED_ALONE = True
+PRESSES = True  # with friction, somewhere in most sweeps
 AXIS = {"jam_at": (("jam_at",), "1", "packing fraction")}
 STEP = 0.005  # of the packing fraction
 STEPS = 50  # at most
@@ -44,7 +48,7 @@ def compress(replicate: Replicate) -> Path:
     """Grow the granules of a run until the bed is well above jamming; NaN where no bed is found."""
     sizes, own = diameters(replicate), replicate.configuration
     height, friction = height_of_box(own, sizes), own.packing.friction
-    shape = replicate.granules(sizes)
+    shape = shaped(replicate, sizes)
     room = shape, own.box_width, height, cylinder(replicate, height)
     fractions, loads = [], []
     try:
@@ -85,7 +89,12 @@ def sizes(replicate: Replicate) -> dict[str, int]:
     return {"jam_at": STEPS}
 
 
-def run(replicate: Replicate) -> dict:
+def motions(replicate: Replicate) -> set:
+    """That of a bed pressed with friction, which other runs of the sweep have."""
+    return {PRESSED}
+
+
+def run(replicate: Replicate, bed=None, progress=lambda done: None) -> dict:
     """Grow the bed of a run until it jams; returns the variables of a run by name."""
     path = compress(replicate)
     load = np.full(STEPS, np.nan)

@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.contacts.force_law import effective_modulus
-from dem.dynamics.simulation import Record
-from dem.experiment.bed import cylinder, diameters, thickness
-from dem.experiment.config import Configuration, Replicate
+from dem.dynamics.result import Record
+from dem.experiment.bed import cylinder, diameters, make_bed, thickness
+from dem.experiment.config import Configuration, EllipseSection, Replicate
 from dem.experiment.motion import Motion
 from dem.experiment.observables import module_of
 from dem.experiment.resume import Going, read_checkpoint, stacked, write_checkpoint
@@ -17,6 +17,8 @@ from dem.experiment.scene import start
 from dem.io.dataset import OF_RUN, WALLS
 from dem.packing.random import Bed
 
+SECTIONS = {"cylinder": True, "record": True}
+OBSERVED = True
 BINS_A_CALL = 20  # between two signs of progress
 SAVED_EVERY = 60.0  # s between two checkpoints
 
@@ -89,7 +91,7 @@ def sizes(replicate: Replicate) -> dict[str, int]:
 
 def run(
     replicate: Replicate,
-    bed: Bed,
+    bed: Bed | None = None,
     progress=lambda done: None,
     threads: int = 1,
     checkpoint: Path | None = None,
@@ -100,7 +102,7 @@ def run(
     itself every minute, and from which it goes on, bit for bit, if it was stopped; it is the caller's
     to remove once the result is on disk. Raises RunError where the run fails.
     """
-    own = replicate.configuration
+    bed, own = bed or make_bed(replicate), replicate.configuration
     record, observables = own.record, [module_of(name) for name in own.record.observables]
     ledger = any(getattr(module, "LEDGER", False) for module in observables)
     simulation = start(replicate, bed, threads=threads, ledger=ledger)
@@ -151,20 +153,17 @@ def _of_bed(replicate: Replicate, bed: Bed) -> dict:
     }
 
 
+def motions(replicate: Replicate) -> set:
+    """Has the motion friction, damping, gravity, a ledger; does a wall hold a pressure; how are contacts
+    of ellipses found?"""
+    c = replicate.configuration
+    rough = any((c.friction.granule, c.friction.wall, c.friction.cylinder))
+    ellipse = c.ellipse if replicate.shape.kind == "ellipse" else EllipseSection()
+    has = c.gravity > 0, "ledger" in c.observables, c.packing.pressure is not None
+    return {(rough, c.material.restitution < 1, *has, str(ellipse))}
+
+
 def duration(replicate: Replicate) -> float:
     """Time (s) that a run simulates."""
     cylinder = replicate.configuration.cylinder
     return cylinder.stroke / cylinder.velocity
-
-
-def labels(replicate: Replicate) -> dict:
-    """What tells this run from others."""
-    return {
-        "shape": np.array(replicate.label),
-        "kind": np.array(replicate.shape.kind),
-        "aspect_ratio": float(replicate.shape.ratio),
-        "density": replicate.density,
-        "diameter": replicate.shape.diameter,
-        "granules": np.int64(replicate.shape.granules),
-        "seed": np.int64(replicate.seed),
-    }
