@@ -1,4 +1,4 @@
-"""Run a scene: `simulate` returns arrays, and `Simulation` is the object behind it."""
+"""A scene in motion, which you advance and look at between calls."""
 
 import itertools
 import math
@@ -7,16 +7,12 @@ import time
 from collections import deque
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from dem.base.errors import InputError, OverlapError, StateError
-from dem.base.files import atomic
-from dem.base.target import file_of
 from dem.base.validate import (
     LEAST,
     checked,
@@ -44,6 +40,8 @@ from dem.dynamics.checkpoint import (
 from dem.dynamics.diagnostics import Diagnostics
 from dem.dynamics.energy import Bookkeeper, Ledger
 from dem.dynamics.ordering import order_of, ordered
+from dem.dynamics.result import Impulses, Record
+from dem.dynamics.skin import MARGIN, SKIN
 from dem.dynamics.stepping import (
     AXIS,
     COLLAPSED,
@@ -72,295 +70,16 @@ from dem.dynamics.world import CHUNK, World
 from dem.jit.columns import VX, VY, W, X, Y
 from dem.scene import Scene, State
 
-if TYPE_CHECKING:
-    import xarray
-
-SKIN = 0.12  # of the mean bounding radius; timings are flat from 0.1 to 0.2
-MARGIN = 0.75  # share of skin / 2 that a constituent may move before the lists are rebuilt
 STEP_FRACTION = 0.5  # of the bound on the critical time step
 LARGEST_OVERLAP = 1.2  # of the smaller radius
 LONGEST_FLIGHT = 0.02  # of the smallest radius, in one step
 MOST_THREADS = max(64, 4 * (os.cpu_count() or 1))
 PIECES = whole(1, 10_000_000)  # beyond that their arrays fill any memory
-MOST_KEPT = 2**30  # bytes of the frames of a result
 DURATION = positive("s")
 BRIEF, LONG = 0.05, 0.15  # s: between these the kernel returns, so that Python can answer Ctrl-C
 AT_FIRST = 20_000  # constituents times steps until it returns for the first time
 STABLE = "lie above 0 and up to 1, or with allow_unstable above 0"
 FRACTION = number(STABLE, LEAST)
-
-
-class Record(NamedTuple):
-    """What `Simulation.record` measures: one row per interval, c in all, with w walls and g held groups.
-
-    Attributes
-    ----------
-    normal_force : ndarray of shape (c, 2)
-        Mean force (x, y) on the cylinder (N) of all normal forces at its contacts.
-    tangential_force : ndarray of shape (c, 2)
-        Mean force (x, y) on the cylinder (N) of all tangential forces at its contacts.
-    wall_force : ndarray of shape (c, w)
-        Mean normal force (N) on each of the w walls.
-    kinetic_energy : ndarray of shape (c,)
-        Kinetic energy (J) at the end of the interval.
-    coordination_number : ndarray of shape (c,)
-        Contacts per granule, without unit, at the end of the interval.
-    max_overlap : ndarray of shape (c,)
-        Largest overlap over the smaller radius, without unit, at the end of the interval.
-    time_step : ndarray of shape (c,)
-        Shortest time step (s) of the interval.
-    torque : ndarray of shape (c,)
-        Mean torque (N m) on the cylinder about its axis, anticlockwise.
-    cylinder_position : ndarray of shape (c, 2)
-        Axis of the cylinder (m) at the end of the interval; NaN without a cylinder.
-    wall_tangential_force : ndarray of shape (c, w)
-        Mean tangential force (N) on each wall along (-ny, nx), with (nx, ny) the normal of the wall.
-    wall_offset : ndarray of shape (c, w)
-        Offset (m) of each wall at the end of the interval.
-    held_force : ndarray of shape (c, g, 2)
-        Mean force (x, y) of the contacts on each group of held granules (N).
-    """
-
-    normal_force: np.ndarray
-    tangential_force: np.ndarray
-    wall_force: np.ndarray
-    kinetic_energy: np.ndarray
-    coordination_number: np.ndarray
-    max_overlap: np.ndarray
-    time_step: np.ndarray
-    torque: np.ndarray
-    cylinder_position: np.ndarray
-    wall_tangential_force: np.ndarray
-    wall_offset: np.ndarray
-    held_force: np.ndarray
-
-
-class Impulses(NamedTuple):
-    """Forces and torques on boundaries, summed over time: on the cylinder as of collect_impulses,
-    and its torque (N m s); normal and tangential on walls (w,); on held groups (g, 2)."""
-
-    on_cylinder: np.ndarray
-    on_walls: np.ndarray
-    twist: float
-    shear: np.ndarray
-    on_held: np.ndarray
-
-
-class Result(NamedTuple):
-    """What simulate returns: f frames of n granules, w walls and g held groups.
-
-    The first frame is the start; frame -1 is the last one.
-
-    Attributes
-    ----------
-    time : (f,) array
-        Time since the start (s).
-    position : (f, n, 2) array
-        Centres of the granules (m).
-    angle : (f, n) array
-        Angles of the granules (rad).
-    velocity : (f, n, 2) array
-        Velocities (m/s).
-    angular_velocity : (f, n) array
-        Angular velocities (rad/s).
-    cylinder_force : (f, 2) array
-        Mean force on the cylinder since the frame before (N); NaN in the first frame.
-    wall_force : (f, w) array
-        Mean normal force on each wall since the frame before (N); NaN in the first frame.
-    state : State
-        The last state, from which another run can start. It does not hold the tangential springs
-        of the contacts: another run starts without them. Simulation.checkpoint keeps them.
-    time_step : float
-        Shortest time step taken (s).
-    scene : Scene
-        What was simulated.
-    cylinder_position : (f, 2) array or None
-        Axis of the cylinder (m); None without a cylinder.
-    cylinder_torque : (f,) array or None
-        Mean torque on the cylinder about its axis since the frame before (N m), anticlockwise; NaN in
-        the first frame, None without a cylinder.
-    wall_tangential_force : (f, w) array
-        Mean tangential force on each wall since the frame before (N), along (-ny, nx) where (nx, ny)
-        is its normal; NaN in the first frame.
-    wall_offset : (f, w) array
-        Offsets of the walls (m).
-    held_force : (f, g, 2) array or None
-        Mean force of the contacts on each group of held granules since the frame before (N); NaN in
-        the first frame, None if none is held.
-
-    Examples
-    --------
-    A disc flies for a millisecond in empty space:
-
-    >>> import dem
-    >>> scene = dem.Scene(dem.Disc([1e-3]))
-    >>> state = dem.State([[0.0, 0.0]], velocity=[[2.0, 0.0]])
-    >>> result = dem.simulate(scene, state, duration=1e-3, frames=4)
-    >>> result.position[:, 0, 0].round(4)
-    array([0.    , 0.0005, 0.001 , 0.0015, 0.002 ])
-    """
-
-    time: np.ndarray
-    position: np.ndarray
-    angle: np.ndarray
-    velocity: np.ndarray
-    angular_velocity: np.ndarray
-    cylinder_force: np.ndarray
-    wall_force: np.ndarray
-    state: State
-    time_step: float
-    scene: Scene
-    cylinder_position: np.ndarray | None
-    cylinder_torque: np.ndarray | None
-    wall_tangential_force: np.ndarray
-    wall_offset: np.ndarray
-    held_force: np.ndarray | None
-
-    @property
-    def walls(self) -> np.ndarray:
-        """Walls of all frames, (f, w, 3): rows (nx, ny, offset), offset in m."""
-        walls = np.zeros((*self.wall_offset.shape, 3))
-        if self.scene.walls is not None:
-            walls[..., :2], walls[..., 2] = self.scene.walls[:, :2], self.wall_offset
-        return walls
-
-    def contacts(self, frame: int = -1) -> Touching:
-        """Find all contacts of one frame.
-
-        Parameters
-        ----------
-        frame : int
-            Number of the frame (without unit); -1 is the last one.
-
-        Returns
-        -------
-        Touching
-            Granule, partner, point (m), normal, branch vector (m), overlap (m) and elastic normal
-            force (N) of each contact. With friction the tangential and the total forces are NaN:
-            frames do not hold the tangential springs. `Simulation.contacts` has them.
-
-        Raises
-        ------
-        InputError
-            If there is no such frame.
-
-        Examples
-        --------
-        >>> import dem
-        >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]))
-        >>> state = dem.State([[0, 0], [2.1e-3, 0]], velocity=[[1, 0], [-1, 0]])
-        >>> result = dem.simulate(scene, state, duration=1e-4, frames=2)
-        >>> [len(result.contacts(frame).force) for frame in range(3)]
-        [0, 1, 0]
-        """
-        frames = len(self.time)
-        frame = whole(-frames, frames - 1)("frame", frame)
-        scene, place = self.scene, self.cylinder_position
-        if scene.cylinder is not None and place is not None:
-            scene = replace(scene, cylinder=replace(scene.cylinder, position=place[frame]))
-        if scene.walls is not None:
-            scene = replace(scene, walls=self.walls[frame])
-        state = State(*(getattr(self, name)[frame] for name in vars(self.state)))
-        found = Simulation(scene, state).contacts()
-        if scene.friction is None:
-            return found
-        return found._replace(
-            tangential_force=np.full_like(found.tangential_force, np.nan),
-            total_force=np.full_like(found.total_force, np.nan),
-        )
-
-    def to_dataset(self) -> "xarray.Dataset":
-        """Return the frames, granules, walls and cylinder as a dataset.
-
-        Returns
-        -------
-        xarray.Dataset
-            Dimensions are time, granule, axis, wall and group (of held granules). Every variable has
-            units and a long name (CF). Walls are numbered in the order of the scene. Without a
-            cylinder there is none of its variables but its force, which is zero.
-        """
-        import xarray
-
-        scene = self.scene
-        walls = np.empty((0, 3)) if scene.walls is None else scene.walls
-        values = self._asdict() | {
-            "mass": scene.mass,
-            "bounding_radius": scene.shape.bounding_radius,
-            "wall_normal": walls[:, :2],
-        }
-        if scene.cylinder is not None:
-            values["cylinder_diameter"] = scene.cylinder.diameter
-        if scene.periodic is not None:
-            values["period"] = np.array(scene.periodic, float)  # None becomes NaN
-        variables = {
-            name: (dimensions, values[name], {"units": units, "long_name": words})
-            for name, (dimensions, units, words) in RESULT.items()
-            if values.get(name) is not None
-        }
-        attrs = {"Conventions": "CF-1.11", "title": "Motion of granules and forces on walls"}
-        return xarray.Dataset(
-            variables, {"axis": ("axis", ["x", "y"], {"long_name": "direction"})}, attrs
-        )
-
-    @checked(path=file_of(".nc"))
-    def to_netcdf(self, path: str | os.PathLike[str]) -> Path:
-        """Write to_dataset() to one netCDF file, whole or not at all.
-
-        Parameters
-        ----------
-        path : str or path
-            File to write; it ends in .nc.
-
-        Returns
-        -------
-        Path
-            The file written.
-
-        Raises
-        ------
-        InputError
-            If the path is of another kind, or a folder; nothing is written.
-        OSError
-            If the file cannot be written.
-
-        Examples
-        --------
-        >>> import tempfile
-        >>> import dem
-        >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]))
-        >>> state = dem.State([[0, 0], [2.1e-3, 0]], velocity=[[1, 0], [-1, 0]])
-        >>> result = dem.simulate(scene, state, duration=1e-4, frames=2)
-        >>> with tempfile.TemporaryDirectory() as folder:
-        ...     result.to_netcdf(folder + "/collision.nc").name
-        'collision.nc'
-        """
-        path = Path(path)
-        with atomic(path) as part:
-            self.to_dataset().to_netcdf(part, engine="netcdf4")
-        return path
-
-
-# of a Result as a dataset: name: (dimensions, units, long name)
-RESULT = {
-    "time": (("time",), "s", "time since the start"),
-    "position": (("time", "granule", "axis"), "m", "position of the centre of the granule"),
-    "angle": (("time", "granule"), "rad", "angle of the granule, anticlockwise"),
-    "velocity": (("time", "granule", "axis"), "m s-1", "velocity of the granule"),
-    "angular_velocity": (("time", "granule"), "rad s-1", "angular velocity, anticlockwise"),
-    "cylinder_force": (("time", "axis"), "N", "mean force on the cylinder since the frame before"),
-    "cylinder_position": (("time", "axis"), "m", "position of the axis of the cylinder"),
-    "cylinder_torque": (("time",), "N m", "mean torque on the cylinder since the frame before, anticlockwise"),
-    "cylinder_diameter": ((), "m", "diameter of the cylinder"),
-    "wall_force": (("time", "wall"), "N", "mean normal force on the wall since the frame before"),
-    "wall_tangential_force": (("time", "wall"), "N", "mean tangential force on the wall since the frame before, along its normal turned anticlockwise by a right angle"),
-    "wall_normal": (("wall", "axis"), "1", "unit normal of the wall, into the solid"),
-    "wall_offset": (("time", "wall"), "m", "distance of the wall from the origin along its normal"),
-    "held_force": (("time", "group", "axis"), "N", "mean force of the contacts on the held group since the frame before"),
-    "period": (("axis",), "m", "period of the scene; not a number where it has none"),
-    "mass": (("granule",), "kg", "mass of the granule"),
-    "bounding_radius": (("granule",), "m", "radius of the circle that holds the granule"),
-    "time_step": ((), "s", "shortest time step taken"),
-}  # fmt: skip
 
 
 class Simulation:
@@ -551,7 +270,16 @@ class Simulation:
 
     @property
     def steps(self) -> int:
-        """Number of time steps taken, without unit."""
+        """Number of time steps taken, without unit.
+
+        Examples
+        --------
+        >>> import dem
+        >>> run = dem.Simulation(dem.Scene(dem.Disc([1e-3])), dem.State([[0, 0]]), time_step=1e-6)
+        >>> shortest = run.advance(1e-5)
+        >>> run.steps
+        10
+        """
         return int(self._latest()[1].steps)
 
     def __getstate__(self) -> dict[str, Any]:
@@ -1132,7 +860,7 @@ class Simulation:
             found[:] = map(run_steps, *zip(given, strict=True))
         else:
 
-            def work():
+            def work() -> None:
                 found[:] = [run_steps.py_func(*given)]
 
             threads.lead(work)
@@ -1216,125 +944,3 @@ class Simulation:
         beyond = self._world.bodies[:, :2] @ walls.planes[:, :2].T > walls.planes[:, 2]
         if beyond.any():
             self._fail(OUTSIDE, 0.0, int(beyond.any(axis=1).argmax()))
-
-
-@checked(duration=DURATION, frames=PIECES)
-def simulate(
-    scene: Scene,
-    state: State,
-    duration: float,
-    time_step: float | None = None,
-    frames: int = 1,
-    *,
-    step_fraction: float = STEP_FRACTION,
-    max_overlap: float = LARGEST_OVERLAP,
-    skin: float = SKIN,
-    threads: int = 1,
-    allow_unstable: bool = False,
-) -> Result:
-    """Simulate a scene from a state and return arrays.
-
-    Parameters
-    ----------
-    scene : Scene
-        What is simulated: n granules, walls, cylinder.
-    state : State
-        Where the granules start, and how they move.
-    duration : float
-        Time to simulate (s).
-    time_step : float, optional
-        Time step (s); None, which is recommended, chooses it from the stiffness of the contacts.
-    frames : int
-        Number of equal intervals after each of which the state is kept (without unit). All frames
-        together must fit into a gibibyte.
-    step_fraction : float
-        As in Simulation (without unit).
-    max_overlap : float
-        As in Simulation (without unit).
-    skin : float
-        As in Simulation (without unit).
-    threads : int
-        As in Simulation (without unit).
-    allow_unstable : bool
-        As in Simulation.
-
-    Returns
-    -------
-    Result
-        The start and a frame per interval, frames + 1 in all.
-
-    Raises
-    ------
-    InputError
-        If a value cannot be used.
-    RunError
-        If the run fails: StateError or OverlapError.
-
-    Examples
-    --------
-    Two discs collide in empty space and part at half their speed:
-
-    >>> import dem
-    >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]), dem.Material(restitution=0.5))
-    >>> state = dem.State([[0, 0], [2.1e-3, 0]], velocity=[[1, 0], [-1, 0]])
-    >>> result = dem.simulate(scene, state, duration=1e-4)
-    >>> result.velocity[-1, :, 0].round(1)
-    array([-0.5,  0.5])
-    """
-    run = Simulation(
-        scene, state, time_step, step_fraction, max_overlap, skin, threads,
-        allow_unstable=allow_unstable,
-    )  # fmt: skip
-    run.check_duration(duration)
-    kept = _history(frames, run)
-    interval, shortest = duration / frames, math.inf
-    for frame in range(1, frames + 1):
-        shortest = min(shortest, run.advance(interval))
-        pushed = run._collect()
-        forces: dict[str, Any] = {
-            "cylinder_force": pushed.on_cylinder.sum(axis=0), "cylinder_torque": pushed.twist,
-            "wall_force": pushed.on_walls, "wall_tangential_force": pushed.shear,
-            "held_force": pushed.on_held,
-        }  # fmt: skip
-        _keep(kept, frame, run, {name: each / interval for name, each in forces.items()})
-    optional: dict[str, Any] = dict.fromkeys(("cylinder_position", "cylinder_torque", "held_force"))
-    return Result(**optional | kept, state=run.state, time_step=shortest, scene=scene)
-
-
-def _history(frames: int, run: Simulation) -> dict[str, np.ndarray]:
-    """Arrays of a Result by name, with the start in them; raises InputError if they are too large."""
-    n, walls = run.scene.granules, len(run._collect().on_walls)
-    shapes = {
-        "time": (), "position": (n, 2), "angle": (n,), "velocity": (n, 2), "angular_velocity": (n,),
-        "cylinder_force": (2,), "wall_force": (walls,), "wall_tangential_force": (walls,),
-        "wall_offset": (walls,),
-    }  # fmt: skip
-    if run.scene.held:
-        shapes["held_force"] = len(run.scene.held), 2
-    if run.scene.cylinder is not None:
-        shapes |= {"cylinder_position": (2,), "cylinder_torque": ()}
-    held = 8 * (frames + 1) * sum(map(math.prod, shapes.values()))
-    if held > MOST_KEPT:
-        raise InputError(
-            f"frames is {frames}; of {n} granules they fill {held / 2**30:.3g} GiB, more than "
-            f"{MOST_KEPT / 2**30:g}: keep fewer, or advance a Simulation and save what you need."
-        )
-    kept = {name: np.empty((frames + 1, *shape)) for name, shape in shapes.items()}
-    for name, each in kept.items():
-        if name.endswith(("force", "torque")):
-            each[0] = math.nan
-    _keep(kept, 0, run, {})
-    return kept
-
-
-def _keep(kept: dict[str, np.ndarray], frame: int, run: Simulation, forces: dict[str, Any]) -> None:
-    """Note the simulation as it is, and the mean forces (N) since the frame before."""
-    world = run.world
-    found = vars(run.state) | forces | {"time": run.time}
-    if world.walls is not None:
-        found["wall_offset"] = world.walls.planes[:, 2]
-    if world.cylinder is not None:
-        found["cylinder_position"] = world.cylinder.motion[0, :2]
-    for name, values in found.items():
-        if name in kept:
-            kept[name][frame] = values

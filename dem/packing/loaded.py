@@ -2,7 +2,7 @@
 
 The granules keep their size, so the height of the box is a result. After every step down the elastic
 energy is minimised without friction, as in dem.packing.random. Above jamming the load to the power
-of 2/3 is nearly linear in the height (see dem.experiment.jamming), so a secant finds the height.
+of 2/3 is nearly linear in the height (see dem.experiment.kinds.jamming), so a secant finds the height.
 """
 
 from typing import Any
@@ -12,8 +12,9 @@ import numpy as np
 from dem.base.errors import PackingError
 from dem.contacts.force_law import effective_modulus
 from dem.dynamics.assembly import assemble, granule_table
+from dem.dynamics.skin import SKIN_OF_PACKING
 from dem.packing.minimise import minimise
-from dem.packing.random import LONGEST, REST, SKIN, SOFT, Bed, finished, pack, soft_scene
+from dem.packing.random import LONGEST, REST, SOFT, Bed, finished, pack, soft_scene
 from dem.periodic import periods_of
 from dem.scene import Cylinder, State, walls_of
 
@@ -45,7 +46,7 @@ def pack_under(
     while len(seen) < STEPS:
         periods = periods_of(width, height, periodic)
         scene = soft_scene(shape, walls_of(width, height, periods), still, periods)
-        table = granule_table(scene, SKIN)
+        table = granule_table(scene, SKIN_OF_PACKING)
         world = assemble(scene, state.checked(scene.granules), table)
         iterations, enough = (LONGEST, REST * unit) if met else (PATIENCE, near)
         world, rest = minimise(scene, table, world, iterations, enough)

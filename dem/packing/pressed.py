@@ -14,11 +14,11 @@ from dem.base.errors import PackingError
 from dem.contacts.force_law import effective_modulus
 from dem.dynamics.assembly import assemble, granule_table
 from dem.dynamics.simulation import Simulation
+from dem.dynamics.skin import SKIN_OF_PACKING
 from dem.dynamics.touching import Touching, touching
 from dem.packing.grown import DAMPED, FRACTION
 from dem.packing.minimise import minimise
 from dem.packing.random import (
-    SKIN,
     SOFT,
     Bed,
     finished,
@@ -56,7 +56,7 @@ def compact(
             f"{name_of(scene, width, height, seed)} is not at rest after it was pressed with "
             f"friction {friction:g}: net force {press.net_force:.2g} E* R^2."
         )
-    table = granule_table(scene, SKIN)
+    table = granule_table(scene, SKIN_OF_PACKING)
     world = assemble(scene, press.state.checked(scene.granules), table)
     world, rest = minimise(scene, table, world, 0, RESTING * press.unit)
     return finished(scene, table, world, rest, width, height, press.net_force, seed)
@@ -112,7 +112,7 @@ class Press:
     def contacts(self) -> Touching:
         """Contacts of the bed as it is, without friction."""
         scene = self.scene()
-        table = granule_table(scene, SKIN)
+        table = granule_table(scene, SKIN_OF_PACKING)
         world = assemble(scene, self.state.checked(scene.granules), table)
         world, _ = minimise(scene, table, world, 0, RESTING * self.unit)
         return touching(world, np.arange(scene.granules))
@@ -125,7 +125,7 @@ class Press:
 
     def _minimise(self, enough, patience):
         scene = self.scene()
-        table = granule_table(scene, SKIN)
+        table = granule_table(scene, SKIN_OF_PACKING)
         world = assemble(scene, self.state.checked(scene.granules), table)
         world, rest = minimise(scene, table, world, patience, enough)
         self.state = State(world.bodies[:, :2].copy(), angle=world.angle.copy())

@@ -16,6 +16,7 @@ from dem.base.errors import InputError, PackingError
 from dem.base.validate import checked, named, one_of, or_none, positive, whole
 from dem.contacts.force_law import effective_modulus
 from dem.dynamics.assembly import GranuleTable, assemble, granule_table
+from dem.dynamics.skin import SKIN_OF_PACKING
 from dem.dynamics.touching import touching
 from dem.dynamics.world import World
 from dem.jit.columns import X, Y
@@ -30,7 +31,6 @@ SETTLED = 1e-5  # E* R^2: enough between two steps of growth
 PATIENCE = 400  # iterations between two steps of growth
 LONGEST = 100_000  # iterations of the last relaxation
 DEEPEST = 0.2  # greatest overlap over the smaller radius in a finished bed
-SKIN = 0.3  # of the mean bounding radius
 SOFT = Material(density=1.0, young_modulus=1.0, poisson_ratio=0.0, restitution=1.0)
 
 
@@ -272,7 +272,7 @@ def relax(
     scene: Scene, state: State, iterations: int, enough: float
 ) -> tuple[World, GranuleTable, Rest]:
     """Minimise the energy of a soft scene; forces, also of the Rest, over E* R^2."""
-    table = granule_table(scene, SKIN)
+    table = granule_table(scene, SKIN_OF_PACKING)
     world = assemble(scene, state.checked(scene.granules), table)
     unit = effective_modulus(SOFT, SOFT) * table.radius.mean() ** 2  # N
     world, rest = minimise(scene, table, world, iterations, enough * unit)

@@ -1,0 +1,292 @@
+"""What a run returns: `Record` of intervals, `Result` of frames, as arrays and as files."""
+
+import os
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from dem.base.files import atomic
+from dem.base.target import file_of
+from dem.base.validate import checked, whole
+from dem.dynamics.touching import Touching
+from dem.scene import Scene, State
+
+if TYPE_CHECKING:
+    import xarray
+
+
+class Record(NamedTuple):
+    """What `Simulation.record` measures: one row per interval, c in all, with w walls and g held groups.
+
+    Attributes
+    ----------
+    normal_force : ndarray of shape (c, 2)
+        Mean force (x, y) on the cylinder (N) of all normal forces at its contacts.
+    tangential_force : ndarray of shape (c, 2)
+        Mean force (x, y) on the cylinder (N) of all tangential forces at its contacts.
+    wall_force : ndarray of shape (c, w)
+        Mean normal force (N) on each of the w walls.
+    kinetic_energy : ndarray of shape (c,)
+        Kinetic energy (J) at the end of the interval.
+    coordination_number : ndarray of shape (c,)
+        Contacts per granule, without unit, at the end of the interval.
+    max_overlap : ndarray of shape (c,)
+        Largest overlap over the smaller radius, without unit, at the end of the interval.
+    time_step : ndarray of shape (c,)
+        Shortest time step (s) of the interval.
+    torque : ndarray of shape (c,)
+        Mean torque (N m) on the cylinder about its axis, anticlockwise.
+    cylinder_position : ndarray of shape (c, 2)
+        Axis of the cylinder (m) at the end of the interval; NaN without a cylinder.
+    wall_tangential_force : ndarray of shape (c, w)
+        Mean tangential force (N) on each wall along (-ny, nx), with (nx, ny) the normal of the wall.
+    wall_offset : ndarray of shape (c, w)
+        Offset (m) of each wall at the end of the interval.
+    held_force : ndarray of shape (c, g, 2)
+        Mean force (x, y) of the contacts on each group of held granules (N).
+    """
+
+    normal_force: np.ndarray
+    tangential_force: np.ndarray
+    wall_force: np.ndarray
+    kinetic_energy: np.ndarray
+    coordination_number: np.ndarray
+    max_overlap: np.ndarray
+    time_step: np.ndarray
+    torque: np.ndarray
+    cylinder_position: np.ndarray
+    wall_tangential_force: np.ndarray
+    wall_offset: np.ndarray
+    held_force: np.ndarray
+
+
+class Impulses(NamedTuple):
+    """Forces and torques on boundaries, summed over time: on the cylinder as of collect_impulses,
+    and its torque (N m s); normal and tangential on walls (w,); on held groups (g, 2)."""
+
+    on_cylinder: np.ndarray
+    on_walls: np.ndarray
+    twist: float
+    shear: np.ndarray
+    on_held: np.ndarray
+
+
+# of a Result as a dataset: name: (dimensions, units, long name)
+RESULT = {
+    "time": (("time",), "s", "time since the start"),
+    "position": (("time", "granule", "axis"), "m", "position of the centre of the granule"),
+    "angle": (("time", "granule"), "rad", "angle of the granule, anticlockwise"),
+    "velocity": (("time", "granule", "axis"), "m s-1", "velocity of the granule"),
+    "angular_velocity": (("time", "granule"), "rad s-1", "angular velocity, anticlockwise"),
+    "cylinder_force": (("time", "axis"), "N", "mean force on the cylinder since the frame before"),
+    "cylinder_position": (("time", "axis"), "m", "position of the axis of the cylinder"),
+    "cylinder_torque": (("time",), "N m", "mean torque on the cylinder since the frame before, anticlockwise"),
+    "cylinder_diameter": ((), "m", "diameter of the cylinder"),
+    "wall_force": (("time", "wall"), "N", "mean normal force on the wall since the frame before"),
+    "wall_tangential_force": (("time", "wall"), "N", "mean tangential force on the wall since the frame before, along its normal turned anticlockwise by a right angle"),
+    "wall_normal": (("wall", "axis"), "1", "unit normal of the wall, into the solid"),
+    "wall_offset": (("time", "wall"), "m", "distance of the wall from the origin along its normal"),
+    "held_force": (("time", "group", "axis"), "N", "mean force of the contacts on the held group since the frame before"),
+    "period": (("axis",), "m", "period of the scene; not a number where it has none"),
+    "mass": (("granule",), "kg", "mass of the granule"),
+    "bounding_radius": (("granule",), "m", "radius of the circle that holds the granule"),
+    "time_step": ((), "s", "shortest time step taken"),
+}  # fmt: skip
+
+
+class Result(NamedTuple):
+    """What simulate returns: f frames of n granules, w walls and g held groups.
+
+    The first frame is the start; frame -1 is the last one.
+
+    Attributes
+    ----------
+    time : (f,) array
+        Time since the start (s).
+    position : (f, n, 2) array
+        Centres of the granules (m).
+    angle : (f, n) array
+        Angles of the granules (rad).
+    velocity : (f, n, 2) array
+        Velocities (m/s).
+    angular_velocity : (f, n) array
+        Angular velocities (rad/s).
+    cylinder_force : (f, 2) array
+        Mean force on the cylinder since the frame before (N); NaN in the first frame.
+    wall_force : (f, w) array
+        Mean normal force on each wall since the frame before (N); NaN in the first frame.
+    state : State
+        The last state, from which another run can start. It does not hold the tangential springs
+        of the contacts: another run starts without them. Simulation.checkpoint keeps them.
+    time_step : float
+        Shortest time step taken (s).
+    scene : Scene
+        What was simulated.
+    cylinder_position : (f, 2) array or None
+        Axis of the cylinder (m); None without a cylinder.
+    cylinder_torque : (f,) array or None
+        Mean torque on the cylinder about its axis since the frame before (N m), anticlockwise; NaN in
+        the first frame, None without a cylinder.
+    wall_tangential_force : (f, w) array
+        Mean tangential force on each wall since the frame before (N), along (-ny, nx) where (nx, ny)
+        is its normal; NaN in the first frame.
+    wall_offset : (f, w) array
+        Offsets of the walls (m).
+    held_force : (f, g, 2) array or None
+        Mean force of the contacts on each group of held granules since the frame before (N); NaN in
+        the first frame, None if none is held.
+
+    Examples
+    --------
+    A disc flies for a millisecond in empty space:
+
+    >>> import dem
+    >>> scene = dem.Scene(dem.Disc([1e-3]))
+    >>> state = dem.State([[0.0, 0.0]], velocity=[[2.0, 0.0]])
+    >>> result = dem.simulate(scene, state, duration=1e-3, frames=4)
+    >>> result.position[:, 0, 0].round(4)
+    array([0.    , 0.0005, 0.001 , 0.0015, 0.002 ])
+    """
+
+    time: np.ndarray
+    position: np.ndarray
+    angle: np.ndarray
+    velocity: np.ndarray
+    angular_velocity: np.ndarray
+    cylinder_force: np.ndarray
+    wall_force: np.ndarray
+    state: State
+    time_step: float
+    scene: Scene
+    cylinder_position: np.ndarray | None
+    cylinder_torque: np.ndarray | None
+    wall_tangential_force: np.ndarray
+    wall_offset: np.ndarray
+    held_force: np.ndarray | None
+
+    @property
+    def walls(self) -> np.ndarray:
+        """Walls of all frames, (f, w, 3): rows (nx, ny, offset), offset in m."""
+        walls = np.zeros((*self.wall_offset.shape, 3))
+        if self.scene.walls is not None:
+            walls[..., :2], walls[..., 2] = self.scene.walls[:, :2], self.wall_offset
+        return walls
+
+    def contacts(self, frame: int = -1) -> Touching:
+        """Find all contacts of one frame.
+
+        Parameters
+        ----------
+        frame : int
+            Number of the frame (without unit); -1 is the last one.
+
+        Returns
+        -------
+        Touching
+            Granule, partner, point (m), normal, branch vector (m), overlap (m) and elastic normal
+            force (N) of each contact. With friction the tangential and the total forces are NaN:
+            frames do not hold the tangential springs. `Simulation.contacts` has them.
+
+        Raises
+        ------
+        InputError
+            If there is no such frame.
+
+        Examples
+        --------
+        >>> import dem
+        >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]))
+        >>> state = dem.State([[0, 0], [2.1e-3, 0]], velocity=[[1, 0], [-1, 0]])
+        >>> result = dem.simulate(scene, state, duration=1e-4, frames=2)
+        >>> [len(result.contacts(frame).force) for frame in range(3)]
+        [0, 1, 0]
+        """
+        frames = len(self.time)
+        frame = whole(-frames, frames - 1)("frame", frame)
+        scene, place = self.scene, self.cylinder_position
+        if scene.cylinder is not None and place is not None:
+            scene = replace(scene, cylinder=replace(scene.cylinder, position=place[frame]))
+        if scene.walls is not None:
+            scene = replace(scene, walls=self.walls[frame])
+        state = State(*(getattr(self, name)[frame] for name in vars(self.state)))
+        from dem.dynamics.simulation import Simulation  # which imports this file
+
+        found = Simulation(scene, state).contacts()
+        if scene.friction is None:
+            return found
+        return found._replace(
+            tangential_force=np.full_like(found.tangential_force, np.nan),
+            total_force=np.full_like(found.total_force, np.nan),
+        )
+
+    def to_dataset(self) -> "xarray.Dataset":
+        """Return the frames, granules, walls and cylinder as a dataset.
+
+        Returns
+        -------
+        xarray.Dataset
+            Dimensions are time, granule, axis, wall and group (of held granules). Every variable has
+            units and a long name (CF). Walls are numbered in the order of the scene. Without a
+            cylinder there is none of its variables but its force, which is zero.
+        """
+        import xarray
+
+        scene = self.scene
+        walls = np.empty((0, 3)) if scene.walls is None else scene.walls
+        values = self._asdict() | {
+            "mass": scene.mass,
+            "bounding_radius": scene.shape.bounding_radius,
+            "wall_normal": walls[:, :2],
+        }
+        if scene.cylinder is not None:
+            values["cylinder_diameter"] = scene.cylinder.diameter
+        if scene.periodic is not None:
+            values["period"] = np.array(scene.periodic, float)  # None becomes NaN
+        variables = {
+            name: (dimensions, values[name], {"units": units, "long_name": words})
+            for name, (dimensions, units, words) in RESULT.items()
+            if values.get(name) is not None
+        }
+        attrs = {"Conventions": "CF-1.11", "title": "Motion of granules and forces on walls"}
+        return xarray.Dataset(
+            variables, {"axis": ("axis", ["x", "y"], {"long_name": "direction"})}, attrs
+        )
+
+    @checked(path=file_of(".nc"))
+    def to_netcdf(self, path: str | os.PathLike[str]) -> Path:
+        """Write to_dataset() to one netCDF file, whole or not at all.
+
+        Parameters
+        ----------
+        path : str or path
+            File to write; it ends in .nc.
+
+        Returns
+        -------
+        Path
+            The file written.
+
+        Raises
+        ------
+        InputError
+            If the path is of another kind, or a folder; nothing is written.
+        OSError
+            If the file cannot be written.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> import dem
+        >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]))
+        >>> state = dem.State([[0, 0], [2.1e-3, 0]], velocity=[[1, 0], [-1, 0]])
+        >>> result = dem.simulate(scene, state, duration=1e-4, frames=2)
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     result.to_netcdf(folder + "/collision.nc").name
+        'collision.nc'
+        """
+        path = Path(path)
+        with atomic(path) as part:
+            self.to_dataset().to_netcdf(part, engine="netcdf4")
+        return path
