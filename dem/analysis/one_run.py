@@ -197,10 +197,13 @@ def _words(values) -> list[str]:
     return [f"{v:.10g}" if isinstance(v, float | np.floating) else str(v) for v in values]
 
 
-def read_motion(path: Path, select: list[str] = ()) -> Motion:
-    """The snapshots of one run, with its drag; raises InputError where it has none."""
+def read_motion(path: Path, select: list[str] = (), shapes: Path | str | None = None) -> Motion:
+    """The snapshots of one run, with its drag; raises InputError where it has none.
+
+    shapes: folder of the files of shapes of a user's own, which may then run.
+    """
     replicate, values = open_run(path, list(select))
-    return motion_of(path, replicate, values)
+    return motion_of(path, replicate.with_shapes(shapes), values)
 
 
 def names_of(replicate: Replicate) -> tuple[str, ...]:

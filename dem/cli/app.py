@@ -1,27 +1,24 @@
 """Command line: one verb per stage. Exit status 0, 1 (a run failed) or 2 (bad input)."""
 
-import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from dem.base.files import ANY, FOLDER, Place, check_paths
-from studies.accuracy.verbs import app as accuracy
-from studies.claims.verbs import app as claims
+from dem.base.files import ANY
 from dem.cli.flow import VERBS as moving
 from dem.cli.report import report
-from studies.stability.verbs import app as stability
+from dem.cli.show import draw_figure, print_or_write
 from dem.cli.sweep import VERBS as sweeping
-from dem.cli.sweep import JobsOption
 from dem.cli.terminal import (
     PAPER,
     ConfigOption,
+    FolderOption,
     OutputOption,
+    TextOption,
     Verbs,
     Writes,
     bar,
-    show,
     start_lean,
 )
 
@@ -55,9 +52,6 @@ def main(
     """Options without a verb."""
 
 
-app.add_typer(accuracy, name="accuracy")
-app.add_typer(stability, name="stability")
-app.add_typer(claims, name="claims")
 for verb in (*sweeping, *moving, report):
     app.command()(verb)
 
@@ -141,8 +135,9 @@ def simulate(
     """
     start_lean()
     from dem.base.errors import InputError
-    from dem.experiment import drag, resume
+    from dem.experiment import resume
     from dem.experiment.bed import make_bed, read_bed
+    from dem.experiment.kinds import drag
     from dem.sweep.chunk import write_one
 
     replicate = _replicate(config, shape, density, seed, values)
@@ -165,95 +160,34 @@ def simulate(
 
 
 @app.command()
-def benchmark(output: OutputOption, config: ConfigOption = PAPER):
-    """Time the kernels, alone and against other codes, on beds of the configuration."""
-    from studies.benchmark.measure import measure, write_benchmark
-    from dem.sweep.config import load
-
-    sweep = load(config)
-    with bar("benchmark", 1.0) as update:
-        values = measure(sweep, progress=update)
-    write_benchmark(output, sweep, values)
-
-
-@app.command()
 def figure(
     name: Annotated[
         str,
         typer.Argument(help="Name of a figure, such as figure13, or all; a wrong name lists them."),
     ],
-    data: Annotated[Path, typer.Argument(help="drag.nc, flow.nc or the file of a study.")],
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", help="Folder; figures/ next to the data if absent."),
-        Writes(FOLDER),
-    ] = None,
+    data: Annotated[Path, typer.Argument(help="drag.nc, flow.nc, shear.nc or onset.nc.")],
+    output: FolderOption = None,
 ):
     """Draw a figure of results, as SVG and PNG.
 
     Example: dem figure figure13 results/drag.nc
     """
-    from dem.base.errors import InputError
-    from dem.figures import captions, draw
-    from dem.sweep.remedy import meant
+    from dem.figures.catalogue import FIGURES
 
-    names = [*captions(), "all"]
-    if name not in names:
-        hint = meant(name, names) or f"; the names are {', '.join(names)}"
-        raise InputError(f"figure is {name!r}; there is no such figure{hint}.")
-    folder = output or data.parent / "figures"
-    check_paths([Place("output", folder, FOLDER)])
-    with bar(f"drawing {name}"):
-        draw(name, data, folder)
+    draw_figure(name, data, output, FIGURES)
 
 
 @app.command()
 def info(
-    data: Annotated[Path, typer.Argument(help="drag.nc, a file of runs, or the file of a study.")],
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", help="Text file (.txt); the terminal if absent."),
-        Writes(".txt"),
-    ] = None,
+    data: Annotated[Path, typer.Argument(help="drag.nc or a file of runs.")],
+    output: TextOption = None,
 ):
     """Print what a file of results holds: cases, mean drag, scatter and intervals.
 
     Example: dem info results/drag.nc
     """
-    from dem.base.files import atomic
-    from dem.base.plain import PlainConsole
-
     with bar(f"reading {data}"):
         from dem.report.info import summary  # this may take longer than the file
 
         found = summary(data)
-    if output is None:
-        PlainConsole(width=None if sys.stdout.isatty() else 160).print(found)
-        return
-    with atomic(output) as part, part.open("w", encoding="utf-8") as file:
-        PlainConsole(file=file, width=160).print(found)
-
-
-@app.command()
-def calibrate(
-    config: ConfigOption = PAPER,
-    shape: ShapeOption = "c1",
-    density: DensityOption = 3.9e3,
-    target: Annotated[
-        float, typer.Option(help="Mean drag to fit, N; 1295 is from section 3.2 of the paper.")
-    ] = 1295.0,
-    seeds: Annotated[
-        int,
-        typer.Option(min=2, max=100_000, help="Seeds per modulus; the sweep uses other seeds."),
-    ] = 40,
-    jobs: JobsOption = 2,
-):
-    """Fit Young's modulus, the one calibrated number, to a mean drag."""
-    from studies.calibration.calibrate import MODULI
-    from studies.calibration.calibrate import calibrate as fit
-    from dem.sweep.config import load
-
-    sweep = load(config)
-    with bar("calibrating", len(MODULI) * seeds) as update:
-        result = fit(sweep, shape, density, target, seeds, jobs, update)
-    show(result.sentence())
+    print_or_write(found, output)

@@ -22,6 +22,14 @@ ForcesOption = Annotated[
     bool,
     typer.Option("--forces", help="Draw contact forces as lines; wide lines are large forces."),
 ]
+ShapesOption = Annotated[
+    str | None,  # a Path would have to be a file
+    typer.Option(
+        "--shapes",
+        metavar="FOLDER",
+        help="Folder of files of shapes of your own, whose code then runs.",
+    ),
+]
 
 
 def flow(
@@ -37,6 +45,7 @@ def flow(
         list[str] | None,
         typer.Option(help="Combine this shape alone, at the first density; may be repeated."),
     ] = None,
+    shapes: ShapesOption = None,
 ):
     """Measure how irregularly beds move, for one file of runs or combined for a whole sweep.
 
@@ -44,10 +53,13 @@ def flow(
     """
     start_lean()
     from dem.analysis.flow.collect import measure_chunk, write_flow
+    from dem.sweep.config import load
 
     if chunk is not None:
+        if shapes is None and config != PAPER:
+            shapes = load(config).beside
         with bar("measuring the flow", 1.0) as update:
-            measure_chunk(chunk, output, update)
+            measure_chunk(chunk, output, update, shapes)
         return
     from dem.sweep.work import Work
 
@@ -64,6 +76,7 @@ def film(
     select: SelectArgument = None,
     color: ColorOption = "speed",
     forces: ForcesOption = False,
+    shapes: ShapesOption = None,
 ):
     """Film one run, one frame per snapshot; record.snapshots sets how many there are.
 
@@ -76,7 +89,7 @@ def film(
 
     file_of(".mp4", ".gif")("output", str(output))
     with bar("reading the run"):
-        motion = read_motion(run, select or [])
+        motion = read_motion(run, select or [], shapes)
     with bar("film", 1.0) as update:
         written = make(motion, output, color, forces, update)
     if written != output:
@@ -95,6 +108,7 @@ def picture(
     ] = None,
     color: ColorOption = "layer",
     forces: ForcesOption = False,
+    shapes: ShapesOption = None,
 ):
     """Draw the granules of one run at one displacement.
 
@@ -105,7 +119,7 @@ def picture(
     from dem.figures.film import picture as make
 
     with bar("drawing the picture"):
-        make(read_motion(run, select or []), output, displacement, color, forces)
+        make(read_motion(run, select or [], shapes), output, displacement, color, forces)
 
 
 def export(
@@ -114,6 +128,7 @@ def export(
         Path, typer.Option("-o", "--output", help="Folder for VTK files."), Writes(FOLDER)
     ],
     select: SelectArgument = None,
+    shapes: ShapesOption = None,
 ):
     """Write the snapshots of one run as VTK files for ParaView; open bed.pvd there.
 
@@ -123,7 +138,7 @@ def export(
     from dem.figures.export import export as make
 
     with bar("reading the run"):
-        motion = read_motion(run, select or [])
+        motion = read_motion(run, select or [], shapes)
     with bar("export", 1.0) as update:
         written = make(motion, output, update)
     say(str(written))

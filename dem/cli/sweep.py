@@ -160,10 +160,10 @@ def store(
     """
     from dem.base.errors import InputError
     from dem.base.plain import PlainConsole
-    from dem.sweep.estimate import listing
+    from dem.sweep.estimate import listing, wanted_of
     from dem.sweep.store import Store
 
-    found = Store()
+    found, wanted = Store(), [wanted_of(word) for word in values or ()]
     if not found.is_there():
         raise InputError(
             f"{found.folder}: there is no store here; go to the folder where the sweeps were started."
@@ -171,10 +171,10 @@ def store(
     if prune:
         with bar("pruning the store"):
             gone, size = found.prune()
-        say(f"{len(gone)} files removed, {1e-6 * size:.1f} MB.")
+        show(f"{len(gone)} files removed, {1e-6 * size:.1f} MB.")
         return
     with bar("reading the store"):
-        table = listing(found, values or [])
+        table = listing(found, wanted)
     if values and not table.rows:
         say(f"No stored run has {' and '.join(values)}.")
         return

@@ -13,7 +13,7 @@ from typing import Annotated, NamedTuple, get_type_hints
 import typer
 
 from dem.base.errors import InputError, RunError
-from dem.base.files import Place, check_paths
+from dem.base.files import FOLDER, Place, check_paths
 from dem.base.say import say
 from dem.cli.streams import open_streams, what_was_lost
 from dem.io.progress import PATIENCE, Stage
@@ -31,6 +31,16 @@ class Writes(NamedTuple):
 ConfigOption = Annotated[Path, typer.Option("--config", help="Configuration file (YAML).")]
 OutputOption = Annotated[
     Path, typer.Option("-o", "--output", help="netCDF file to write."), Writes(".nc")
+]
+FolderOption = Annotated[
+    Path | None,
+    typer.Option("-o", "--output", help="Folder; figures/ next to the data if absent."),
+    Writes(FOLDER),
+]
+TextOption = Annotated[
+    Path | None,
+    typer.Option("-o", "--output", help="Text file (.txt); the terminal if absent."),
+    Writes(".txt"),
 ]
 PAPER = Path("config/paper.yaml")
 

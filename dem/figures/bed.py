@@ -9,18 +9,12 @@ from dem.experiment.flow_measures import layers_of
 from dem.figures import style
 from dem.periodic import wrapped
 from dem.scene import walls_of
-from dem.shapes import KINDS
 
 PLAIN, SHADED = "#dfe7ee", style.CURVE
 EDGE = {"edgecolors": style.OUTLINE, "linewidths": 0.35}
 STEEL = {"facecolor": style.STEEL, "edgecolor": "black", "linewidth": 0.8, "zorder": 3}
 SOLID = {"facecolor": "0.93", "edgecolor": "0.6", "hatch": "////", "linewidth": 0.0, "zorder": 0}
 AHEAD = 1.5  # diameters of the cylinder: height of the cluster that is shaded
-
-
-def outlines(kind: str, diameters, ratio: float) -> np.ndarray:
-    """Outlines (n, rings, points, 2) in m about the centre at angle zero."""
-    return KINDS[kind].shape.of_size(diameters, ratio).polygons(33)
 
 
 def placed(rings, position, angle) -> np.ndarray:

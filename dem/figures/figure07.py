@@ -12,6 +12,9 @@ from dem.analysis.statistics import edges_of_bins, half_interval, running_mean, 
 from dem.base.errors import InputError
 from dem.figures import style
 
+FILE = "drag"
+CAPTION = "Drag against displacement for every shape"
+CASES = {}
 COLUMNS = 3
 
 

@@ -19,6 +19,9 @@ from dem.analysis.statistics import (
 from dem.base.errors import InputError
 from dem.figures import style
 
+FILE = "drag"
+CAPTION = "Ellipse code at aspect ratio 1 against the disc code"
+CASES = {"all": ("c1", "e0")}
 CODES = {"c1": "disc code", "e0": "ellipse code"}  # by shape
 WIDTHS = {"c1": 3.2, "e0": 1.8}  # of the curves, so that one shows below the other
 PAPER = {"c1": (1295.0, 0.18), "e0": (1405.0, 0.17)}  # section 3.2: mean (N), deviation over it

@@ -1,11 +1,17 @@
 """Figure 9: discs, dumbbells and small discs; the cluster ahead of the cylinder is shaded."""
 
-from dem.figures import BEDS, snapshots, style
+from dem.figures import snapshots, style
 
+FILE = "flow"
+CAPTION = "Beds of discs, dumbbells and small discs, the granules ahead of the cylinder shaded"
+CASES = {"any": ("c1", "d1", "c2")}
+PART = "round"
+RECORDED = ("snapshots",)
+VARIABLES = ("bed_x",)
 TITLE = "Granules ahead of the cylinder (shaded) are pushed up and aside"
 
 
 @style.styled
 def plot(dataset):
     """Three displacements of the first seed of each shape; raises InputError without any."""
-    return snapshots.beds(dataset, BEDS["round"], "cluster", TITLE)
+    return snapshots.beds(dataset, CASES["any"], "cluster", TITLE)

@@ -1,11 +1,17 @@
 """Figure 10: discs, dumbbells and small discs in layers."""
 
-from dem.figures import BEDS, snapshots, style
+from dem.figures import snapshots, style
 
+FILE = "flow"
+CAPTION = "Beds of discs, dumbbells and small discs in layers"
+CASES = {"any": ("c1", "d1", "c2")}
+PART = "round"
+RECORDED = ("snapshots",)
+VARIABLES = ("bed_x",)
 TITLE = "Layers before, half-way through and after the stroke"
 
 
 @style.styled
 def plot(dataset):
     """Three displacements of the first seed of each shape; raises InputError without any."""
-    return snapshots.beds(dataset, BEDS["round"], "layers", TITLE)
+    return snapshots.beds(dataset, CASES["any"], "layers", TITLE)

@@ -1,11 +1,17 @@
 """Figure 11: ellipses of three aspect ratios; the cluster ahead of the cylinder is shaded."""
 
-from dem.figures import BEDS, snapshots, style
+from dem.figures import snapshots, style
 
+FILE = "flow"
+CAPTION = "Beds of ellipses, the granules ahead of the cylinder shaded"
+CASES = {"any": ("e1", "e2", "e3")}
+PART = "ellipses"
+RECORDED = ("snapshots",)
+VARIABLES = ("bed_x",)
 TITLE = "Ellipses ahead of the cylinder (shaded) are pushed up and aside"
 
 
 @style.styled
 def plot(dataset):
     """Three displacements of the first seed of each shape; raises InputError without any."""
-    return snapshots.beds(dataset, BEDS["ellipses"], "cluster", TITLE)
+    return snapshots.beds(dataset, CASES["any"], "cluster", TITLE)

@@ -7,6 +7,10 @@ from dem.analysis.statistics import summarise, table1
 from dem.base.errors import InputError
 from dem.figures import style
 
+FILE = "drag"
+CAPTION = "Mean drag by shape"
+CASES = {}
+
 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:

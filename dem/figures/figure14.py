@@ -10,6 +10,9 @@ from dem.analysis.statistics import change, densities, summarise
 from dem.base.errors import InputError
 from dem.figures import style
 
+FILE = "drag"
+CAPTION = "Mean drag by density of the granules"
+CASES = {"densities": 2}
 # %, greatest change from the lower to the higher density (section 3.4), and these (kg/m3)
 PAPER, BETWEEN = 21.8, {3.9e3, 3.9e4}
 FILLS = (("#dfe8f2", ""), ("#8fb0d6", "///"), ("#4a6f9c", "xx"))  # colour and hatch by density

@@ -17,7 +17,7 @@ from dem.base.errors import InputError
 from dem.base.files import Place, atomic, check_paths
 from dem.base.target import file_of
 from dem.base.validate import checked
-from dem.dynamics.simulation import Result
+from dem.dynamics.result import Result
 from dem.experiment.flow_measures import LAYERS
 from dem.experiment.motion import Motion
 from dem.figures import bed, style

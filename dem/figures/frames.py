@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.base.validate import one_of
-from dem.dynamics.simulation import Result
+from dem.dynamics.result import Result
 from dem.dynamics.touching import Touching
 from dem.experiment.motion import Motion
 from dem.figures import bed, style

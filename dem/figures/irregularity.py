@@ -8,6 +8,11 @@ from dem.analysis.flow.verdict import SHAPES, compared, mean_and_half, verdict
 from dem.analysis.statistics import find, table1
 from dem.figures import style
 
+FILE = "flow"
+CAPTION = "How irregular the flow is, by shape: four measures against displacement"
+CASES = {}
+RECORDED = ("flow", "snapshots")
+VARIABLES = ("non_affine",)
 LABELS = {
     "non_affine": "D²min over the squared\ndiameter (1)",
     "fluctuation": "Motion apart from neighbours\nover that of the cylinder (1)",

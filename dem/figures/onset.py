@@ -7,6 +7,10 @@ from matplotlib.figure import Figure
 from dem.analysis.onset import limits
 from dem.figures import style
 
+FILE = "onset"
+CAPTION = "Where beds jam and on how many contacts, against aspect ratio"
+AXES = {"granules": 3, "seed": 3}
+VARIABLES = ("onset_fraction", "onset_contacts")
 MARKERS = "sD^vPX"
 ISOSTATIC = {4.0: "isostatic discs, 4", 6.0: "isostatic ellipses, 6"}
 

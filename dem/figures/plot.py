@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from dem.base.errors import InputError
 from dem.base.validate import whole
-from dem.dynamics.simulation import Result
+from dem.dynamics.result import Result
 from dem.figures import style
 from dem.figures.film import Scene
 from dem.figures.frames import draw_forces, forces_of, of_result

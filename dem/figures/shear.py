@@ -6,6 +6,10 @@ from matplotlib.figure import Figure
 from dem.analysis.shear import axes_of, rheology
 from dem.figures import style
 
+FILE = "shear"
+CAPTION = "Friction and packing fraction of sheared beds against their inertial number"
+AXES = {"shear_inertial_number": 2}
+VARIABLES = ("lid_shear_stress",)
 MARKERS = "osD^vPX"
 
 

@@ -9,6 +9,7 @@ from dem.analysis.statistics import find
 from dem.base.errors import InputError
 from dem.figures import bed, style
 from dem.periodic import periods_of
+from dem.shapes import outlines
 
 SHARES = (0.0, 0.5, 1.0)  # of the stroke: displacements that are shown
 
@@ -42,7 +43,7 @@ def _row(row, here, snapshots, colors, attrs) -> None:
     """One case at several displacements."""
     known = np.isfinite(here["bed_diameter"].values)
     sizes, height = here["bed_diameter"].values[known], heights(here)
-    rings = bed.outlines(str(here["kind"].values), sizes, float(here["aspect_ratio"]))
+    rings = outlines(str(here["kind"].values), sizes, float(here["aspect_ratio"]))
     width, diameter = float(attrs["box_width"]), float(attrs["cylinder_diameter"])
     periods = periods_of(width, height[0], str(attrs.get("periodic", "none")))
     place = np.stack([here["bed_x"].values, here["bed_y"].values], axis=-1)[:, known]

@@ -183,10 +183,11 @@ def percent(share: float, half: float) -> str:
     return value(100.0 * share, 100.0 * half, "%", "+z.1f")
 
 
-def save(figure: Figure, stem: Path) -> list[Path]:
-    """Write stem.svg and stem.png atomically; the same figure gives the same bytes."""
+def save(figure: Figure, stem: Path, caption: str = "") -> list[Path]:
+    """Write stem.svg and stem.png atomically, with a caption; the same figure gives the same bytes."""
     files = []
     for suffix, metadata in ((".svg", {"Date": None}), (".png", {"Software": None})):
+        metadata |= {"Title": caption} if caption else {}
         path = Path(f"{stem}{suffix}")
         with matplotlib.rc_context(RC), atomic(path) as part:
             figure.savefig(part, format=suffix[1:], dpi=DPI, metadata=metadata)

@@ -20,6 +20,8 @@ from dem.figures import style
 from dem.io.dataset import LABELS
 from dem.sweep.axis import POINT, name_of
 
+FILE = "drag"
+CAPTION = "Mean drag over what was varied"
 PANELS = 12  # at most
 COLUMNS = 4  # of panels, at most
 MARKERS = "osD^vPX"

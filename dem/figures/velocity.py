@@ -9,6 +9,9 @@ from matplotlib.figure import Figure
 from dem.analysis.velocity import axes_of, inertial_number, rates
 from dem.figures import style
 
+FILE = "drag"
+CAPTION = "Drag against the velocity of the cylinder, and its quasi-static limit"
+AXES = {"cylinder_velocity": 4, "seed": 3}
 MARKERS = "osD^vPX"
 COLORS = style.CASES
 ALONG = 80  # points of a curve

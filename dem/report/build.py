@@ -19,7 +19,7 @@ from dem.analysis.statistics import densities as densities_of
 from dem.base.errors import InputError
 from dem.base.files import atomic
 from dem.experiment.config import parse
-from dem.figures import FIGURES, FLOW, STUDY_FIGURES, captions, drawn_from, require_drag
+from dem.figures.catalogue import drawable_from, require_drag
 from dem.figures.style import percent
 from dem.io.lazily import open_lazily, require
 from dem.report import varied
@@ -50,20 +50,19 @@ def build(
     require_drag(drag)
     with open_combined(drag) as dataset:
         require(dataset, drag, {}, NEEDED, ORIGIN)
-        names = {*drawn_from(drag, dataset, FIGURES), *drawn_studies(folder)}
+        names = drawable_from(drag, dataset)
         parts = {"title": dataset.attrs["title"], "runs": runs(dataset)}
         parts |= of_drag(dataset)
         told = section(notes, OPEN) if of_paper(dataset, paper) else ""
-    parts |= {"irregularity": None, "beds": ""}
+    parts |= {"irregularity": None, "beds": "", "studies": studies(folder)}
     if Path(flow).is_file():
         with open_lazily(flow) as moves:
-            names |= {*drawn_from(flow, moves, FLOW)}
+            names += drawable_from(flow, moves)
             parts |= of_flow(flow, by_case(moves))
     page = _page().render(
-        figures=figures(folder / "figures", names, drag),
+        figures=figures(folder / "figures", names, [name for name, _ in parts["studies"]], drag),
         made=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         open=Markup(told),
-        studies=[(name, text) for name in STUDY_FIGURES if (text := study(folder, name))],
         provenance="provenance.html" if (folder / "provenance.html").is_file() else "",
         **parts,
     )
@@ -150,22 +149,33 @@ def densities(dataset: xr.Dataset) -> list[str]:
     return found
 
 
-def drawn_studies(folder: Path) -> set[str]:
-    """Names of the figures of the studies that were made."""
-    return {name for each, drawn in STUDY_FIGURES.items() if study(folder, each) for name in drawn}
+def studies(folder: Path) -> list[tuple[str, str]]:
+    """Name and table of each study whose file of results is there, as text."""
+    there = [file for file in sorted(folder.glob("*.txt")) if file.with_suffix(".nc").is_file()]
+    return [(file.stem, _text(file)) for file in there]
 
 
-def figures(folder: Path, names: set[str], data: Path) -> list[dict]:
-    """Those of the figures that are there, in the order of dem.figures, as embedded pictures."""
-    found = []
-    for name, words in captions().items():
-        file = folder / f"{name}.png"
-        if name in names and file.is_file():
-            data = base64.b64encode(_smaller(file)).decode()
-            found.append({"name": name, "caption": words, "data": data})
+def figures(folder: Path, names: list[str], studies: list[str], data: Path) -> list[dict]:
+    """Those of the figures that are there, then those of studies, as embedded pictures."""
+    files = [folder / f"{name}.png" for name in sorted(set(names))]
+    files += [file for study in studies for file in sorted(folder.glob(f"{study}*.png"))]
+    found = [_embedded(file) for file in files if file.is_file()]
     if not found:
         raise InputError(f"{folder}: there are no figures; draw them first: dem figure all {data}.")
     return found
+
+
+def _embedded(file: Path) -> dict:
+    """Name, caption and data of a picture."""
+    from PIL import Image
+
+    with Image.open(file) as picture:
+        caption = picture.info.get("Title", file.stem)
+    return {
+        "name": file.stem,
+        "caption": caption,
+        "data": base64.b64encode(_smaller(file)).decode(),
+    }
 
 
 def _smaller(file: Path, width: int = 1200) -> bytes:
@@ -191,12 +201,6 @@ def section(file: Path, heading: str) -> str:
     return (
         MarkdownIt("commonmark", {"html": False}).enable("table").render(rest.partition("\n## ")[0])
     )
-
-
-def study(folder: Path, name: str) -> str:
-    """The table of a study as text, "" where it was not made."""
-    file = folder / f"{name}.txt"
-    return _text(file) if file.is_file() else ""
 
 
 def _text(file: Path) -> str:

@@ -1,6 +1,5 @@
 """What a file of results holds, as tables for the terminal (100 columns are enough)."""
 
-from importlib import import_module
 from itertools import islice
 from pathlib import Path
 
@@ -44,32 +43,15 @@ OF_A_RUN = ("drag", "displacement", "max_overlap", "time_step", "run_time", "ste
 RUN = ("shape", "density\nkg/m³", "seed")
 VARIED = 4  # values more that runs of a file differ in, at most
 MEANS = 5  # quantities of a file without drag that are shown
-# The variable that tells a study's file: the package with its `layout` and `report`, what else its
-# report needs of variables and of attributes.
-STUDIES = {
-    "granule_steps_per_second": (
-        "studies.benchmark", (), ("history", "processor", "versions", "codes")),
-    "trial_drag": (
-        "studies.accuracy", ("contact_method", "integrator", "replicate_drag"),
-        (*WINDOW, "default_fraction"),
-    ),
-    "run_part": ("studies.claims", ("run_drag", "jam_fraction", "run_factor"), WINDOW),
-    "check_value": (
-        "studies.stability", ("map_residual", "paper_residual"), ("default_fraction",)),
-}  # fmt: skip
 
 
 def summary(path: Path) -> Group:
-    """Renderable summary of a combined file, a file of runs or the file of a study; raises InputError
-    for other files."""
+    """Renderable summary of a combined file or a file of runs; raises InputError for other files."""
     with open_lazily(path) as dataset:
-        for sign, (package, variables, attributes) in STUDIES.items():
-            if sign in dataset:
-                layout = import_module(f"{package}.layout").VARIABLES
-                require(dataset, path, layout, variables, ("title", *attributes))
-                return import_module(f"{package}.report").summary(dataset.load())
         if "run_id" not in dataset:
-            raise InputError(f"{path}: it holds no runs; name drag.nc or a file of runs.")
+            raise InputError(
+                f"{path}: it holds no runs; name drag.nc or a file of runs{_study_of(path, dataset)}."
+            )
         require(dataset, path, {}, (), ORIGIN)
         if dataset["run_id"].dims == ("run",):
             return _runs(path, dataset)
@@ -78,6 +60,12 @@ def summary(path: Path) -> Group:
     with open_combined(path) as dataset:
         require(dataset, path, {}, OF_A_RUN, (*ORIGIN, "configuration"))
         return _sweep(dataset)
+
+
+def _study_of(path: Path, dataset: xr.Dataset) -> str:
+    """What shows the file of a study, as the file itself says who wrote it."""
+    writer, _, rest = str(dataset.attrs.get("source", "")).partition(" -m studies ")
+    return f"; {writer} -m studies {rest.split()[0]} info {path} shows this one" if rest else ""
 
 
 def drag_table(dataset: xr.Dataset) -> tuple[Table, int]:

@@ -11,7 +11,7 @@ from plotly.io import to_html
 from dem.analysis.flow.layout import heights
 from dem.analysis.statistics import edges_of_bins, running_mean
 from dem.figures import style
-from dem.figures.bed import outlines
+from dem.shapes import outlines
 
 DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot", "solid")
 COLORS = {  # of the page, one place with those of the figures

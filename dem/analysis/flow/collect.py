@@ -28,14 +28,18 @@ from dem.sweep.work import Work
 MOVED = "snapshot_displacement"
 
 
-def measure_chunk(chunk: Path, output: Path, progress=lambda share: None) -> None:
-    """Write the measures of all runs of a chunk, NaN for those that failed."""
+def measure_chunk(
+    chunk: Path, output: Path, progress=lambda share: None, shapes: Path | str | None = None
+) -> None:
+    """Write the measures of all runs of a chunk, NaN for those that failed; shapes: folder of the files
+    of shapes of a user's own."""
     values, attrs = read(chunk, (MOVED, "run_id", "failure", "failure_reason"))
     count, snapshots = len(values["run_id"]), len(values[MOVED])
     found = {name: np.full((count, snapshots), np.nan) for name in MEASURED}
     for row, (replicate, own) in enumerate(_runs(chunk, values, attrs)):
         if own is not None:
-            for name, each in measured(motion_of(chunk, replicate, own)).items():
+            motion = motion_of(chunk, replicate.with_shapes(shapes), own)
+            for name, each in measured(motion).items():
                 found[name][row] = each
         progress((row + 1) / count)
     told = {name: attrs[name] for name in ("git_revision", "source_hash", "values")}
@@ -96,7 +100,7 @@ def make_flow(work: Work, block: str, progress=lambda share: None) -> None:
     for number, chunk in enumerate(chunks):
         measured = _measured(work, chunk.id)
         if not measured.is_file():
-            measure_chunk(work.store.file_of(chunk.id), measured)
+            measure_chunk(work.store.file_of(chunk.id), measured, shapes=work.sweep.beside)
         progress((number + 1) / len(chunks))
     write_flow(work, block, Path(work.folder_of(block)) / "flow.nc")
 
@@ -121,8 +125,7 @@ def write_flow(
 
 
 def _recorded(work: Work, block: str) -> tuple[str, ...]:
-    own = work.block(block).runs[0].replicate.configuration
-    return own.record.observables if own.experiment == "drag" else ()
+    return work.block(block).runs[0].replicate.configuration.recorded
 
 
 def _describe(file, block: Block) -> None:

@@ -1,0 +1,33 @@
+"""What verbs of the library and of studies share: drawing a figure, showing a table."""
+
+import sys
+from pathlib import Path
+
+from dem.base.errors import InputError
+from dem.base.files import FOLDER, Place, atomic, check_paths
+from dem.base.plain import PlainConsole
+from dem.cli.terminal import bar
+
+
+def draw_figure(name: str, data: Path, output: Path | None, figures: dict) -> None:
+    """Draw one of some figures into a folder, figures/ beside the data if none is given."""
+    from dem.figures.catalogue import draw
+    from dem.sweep.remedy import meant
+
+    names = [*sorted(figures), "all"]
+    if name not in names:
+        hint = meant(name, names) or f"; the names are {', '.join(names)}"
+        raise InputError(f"figure is {name!r}; there is no such figure{hint}.")
+    folder = output or data.parent / "figures"
+    check_paths([Place("output", folder, FOLDER)])
+    with bar(f"drawing {name}"):
+        draw(name, data, folder, figures)
+
+
+def print_or_write(table, output: Path | None) -> None:
+    """Show a table, or write it to a text file."""
+    if output is None:
+        PlainConsole(width=None if sys.stdout.isatty() else 160).print(table)
+        return
+    with atomic(output) as part, part.open("w", encoding="utf-8") as file:
+        PlainConsole(file=file, width=160).print(table)

@@ -1,0 +1,244 @@
+"""Which figures there are, which of them runs or a file suffice for, and how they are drawn."""
+
+import json
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+from typing import NamedTuple
+
+from dem.base.constants import described
+from dem.base.errors import InputError
+
+BY_CASE = {"case", "seed"}, {"shape", "seed"}  # axes of runs that make cases
+CHECK = "e0"  # ellipse code at aspect ratio 1: a check, and no shape of its own
+
+
+class Drawn(NamedTuple):
+    """A figure as its file describes it, see __init__.py; package: what holds the folder of figures."""
+
+    name: str
+    package: str
+    file: str
+    caption: str
+    cases: dict | None
+    axes: dict
+    recorded: tuple
+    variables: tuple
+    part: str
+
+    @property
+    def module(self) -> str:
+        return f"{self.package}.figures.{self.name}"
+
+    def enough(self, sizes: dict[str, int], cases: list | None) -> bool:
+        """Whether runs suffice: numbers of values by axis, and (shape label, density) by case, None
+        where they differ in more than case, or shape, and seed."""
+        if self.cases is None:
+            several = self.file != "drag" or cases is None
+            return several and all(sizes.get(dim, 0) >= n for dim, n in self.axes.items())
+        if not cases:
+            return False
+        first = {shape for shape, density in cases if density == cases[0][1]}
+        shapes = [shape for shape, _ in cases]
+        return (
+            first & set(self.cases.get("any", first - {CHECK}))
+            and first >= set(self.cases.get("all", ()))
+            and len(shapes) - len(set(shapes)) >= self.cases.get("densities", 1) - 1
+        )
+
+
+def figures_of(package: str, folder: Path) -> dict[str, Drawn]:
+    """The figures of a package in a folder, by name."""
+    return {
+        name: Drawn(
+            name, package, own["FILE"], own["CAPTION"], own.get("CASES"),
+            own.get("AXES", {}), own.get("RECORDED", (own["FILE"],)), own.get("VARIABLES", ()),
+            own.get("PART", ""),
+        )
+        for name, own in described(Path(folder) / "figures", "CAPTION").items()
+    }  # fmt: skip
+
+
+FIGURES = figures_of("dem", Path(__file__).parent.parent)
+
+
+def wanted(block, names: list[str] | None, figures: dict[str, Drawn] = FIGURES) -> list[str]:
+    """Those figures that a sweep names, or all that its runs will suffice for; raises InputError."""
+    found = possible(block, figures)
+    for name in names or ():
+        if name not in found:
+            there = f"; there are {', '.join(found)}" if found else ""
+            raise InputError(f"figures has {name!r}, for which these runs do not suffice{there}.")
+    return found if names is None else names
+
+
+def possible(block, figures: dict[str, Drawn] = FIGURES) -> list[str]:
+    """Names of the figures that the runs of a block will suffice for."""
+    runs = [run.replicate for run in block.runs]
+    labels = {name: dims for name, (_, dims, _) in block.labels().items()}
+    sizes = _sizes(dict(zip(block.dims, block.shape, strict=True)), labels)
+    cases = list(dict.fromkeys((run.label, run.density) for run in runs))
+    cases = cases if set(block.dims) in BY_CASE else None
+    sizes |= {"granules": len({run.shape.granules for run in runs})}
+    recorded = set(runs[0].configuration.recorded)
+    return [
+        name for name, each in figures.items()
+        if recorded & set(each.recorded) and each.enough(sizes, cases)
+    ]  # fmt: skip
+
+
+def _sizes(axes: dict[str, int], labels: dict[str, tuple]) -> dict[str, int]:
+    """Sizes of axes, and of each value in which alone the points of an axis differ; labels: names
+    of values beside the axes, and the dimensions of each."""
+    found = dict(axes)
+    for axis, size in axes.items():
+        own = [name for name, dims in labels.items() if axis in dims and name != axis]
+        if len(own) == 1:
+            found[own[0]] = size
+    return found
+
+
+def parts_of(figures: dict[str, Drawn]) -> dict[str, tuple[str, ...]]:
+    """Shapes of the parts of flow.nc that suffice for some figures, by name."""
+    return {each.part: each.cases["any"] for each in figures.values() if each.part}
+
+
+def drawable(folder: Path, figures: dict[str, Drawn] = FIGURES) -> list[str]:
+    """Names of the figures that can be drawn from the files in a folder.
+
+    Raises InputError where there is no file to draw from, or a damaged one.
+    """
+    from dem.io.lazily import open_lazily
+
+    found, files = [], list(dict.fromkeys(each.file for each in figures.values()))
+    there = {file: data for file in files if (data := Path(folder) / f"{file}.nc").is_file()}
+    if not there:
+        data = Path(folder) / "drag.nc"
+        raise InputError(f"{data}: it is not there to draw from; make it first: snakemake -j2")
+    for file, data in there.items():
+        own = {name: each for name, each in figures.items() if each.file == file}
+        with open_lazily(data) as dataset:
+            found += drawable_from(data, dataset, own)
+    return found
+
+
+def drawable_from(data: Path, dataset, figures: dict[str, Drawn] = FIGURES) -> list[str]:
+    """Names of those of some figures that a file suffices for."""
+    from dem.analysis.statistics import by_case
+    from dem.io.lazily import require
+
+    held, sizes, cases = set(dataset.variables), {}, None
+    if any(each.cases is not None or each.axes for each in figures.values()):
+        require(dataset, data, {}, ("run_id",))
+        axes = dict(dataset["run_id"].sizes)
+        sizes = _sizes(axes, {str(name): values.dims for name, values in dataset.coords.items()})
+        if (found := by_case(dataset)) is not None:
+            require(found, data, {}, ("shape", "density"))
+            cases = list(
+                zip(*(found[name].values.tolist() for name in ("shape", "density")), strict=True)
+            )
+        if "granules" in held:
+            sizes["granules"] = len(set(dataset["granules"].values.ravel().tolist()))
+    return [
+        name for name, each in figures.items()
+        if held.issuperset(each.variables) and each.enough(sizes, cases)
+    ]  # fmt: skip
+
+
+def draw(name: str, data: Path, folder: Path, figures: dict[str, Drawn] = FIGURES) -> list[Path]:
+    """Draw a figure, or "all" that drag.nc suffices for, into a folder; returns the files, SVG and PNG.
+
+    Raises InputError if there is nothing to draw.
+    """
+    if name != "all":
+        if name not in figures:
+            raise InputError(f"figure is {name!r}; there are {', '.join(figures)} and all.")
+        return _drawn(figures[name], data, folder)
+    from dem.analysis.statistics import by_case
+    from dem.sweep.combine import open_combined
+
+    require_drag(data, figures)
+    with open_combined(data) as dataset:
+        several = by_case(dataset) is None
+    files, faults = [], []
+    for each in figures.values():
+        if each.file == "drag" and several == (each.cases is None):
+            try:
+                files += _drawn(each, data, folder)
+            except InputError as error:
+                faults.append(str(error))
+    if not files:
+        raise InputError("\n".join(faults))
+    return files
+
+
+def _drawn(each: Drawn, data: Path, folder: Path) -> list[Path]:
+    """Draw one figure."""
+    from dem.analysis.statistics import by_case
+    from dem.analysis.values import along
+    from dem.figures.style import save
+    from dem.io.lazily import open_lazily, require
+    from dem.sweep.combine import open_combined
+
+    of_drag = each.file == "drag"
+    if of_drag:
+        require_drag(data)
+    with (open_combined if of_drag else open_lazily)(data) as dataset:
+        if (
+            not of_drag
+            and Path(data).stem != each.file
+            and not set(each.variables) <= set(dataset.variables)
+        ):
+            raise InputError(
+                f"{data}: {each.name} is drawn from {each.file}.nc; {_name_instead(data, each.file)}."
+            )
+        if each.cases is not None or each.axes:
+            require(dataset, data, {}, ("run_id",))
+        whole = dataset if each.cases is None else by_case(dataset)
+        if whole is None:
+            dims = ", ".join(map(str, dataset["run_id"].dims))
+            raise InputError(
+                f"{data}: {each.name} shows runs that differ in case, or shape, and seed alone; these "
+                f"differ in {dims}. Draw sweep."
+            )
+        require(whole, data, _layout_of(each), each.variables)
+        try:
+            for dim, least in each.axes.items() if of_drag else ():
+                if (there := along(whole, dim)["run_id"].sizes.get(dim, 0)) < least:
+                    raise InputError(
+                        f"the runs have {there} values of {dim}; it takes {least} or more."
+                    )
+            figure = import_module(each.module).plot(whole if of_drag else whole.load())
+        except InputError as error:
+            raise InputError(f"{data}: {each.name} cannot be drawn: {error}") from None
+        return save(figure, Path(folder) / each.name, each.caption)
+
+
+def _layout_of(each: Drawn) -> dict:
+    """What the file of a figure must look like: that of flow.nc, or of a study's own file."""
+    package = "dem.analysis.flow" if each.file == "flow" else each.package
+    own = package != "dem" and find_spec(f"{package}.layout")
+    return import_module(f"{package}.layout").VARIABLES if own else {}
+
+
+def _name_instead(data: Path, file: str) -> str:
+    """Which file to name in place of another; the one beside it, if it is there."""
+    beside = Path(data).with_name(f"{file}.nc")
+    return f"name {beside if beside.is_file() else beside.name} instead"
+
+
+def require_drag(data: Path, figures: dict[str, Drawn] = FIGURES) -> None:
+    """Raise InputError for runs of an experiment that records no drag, with the figures they have."""
+    from dem.io.lazily import open_lazily
+
+    with open_lazily(data) as dataset:
+        if "drag" in dataset.variables:
+            return
+        experiment = json.loads(dataset.attrs.get("configuration", "{}")).get("experiment", "drag")
+        if experiment == "drag":
+            raise InputError(f"{data}: it holds no drag; {_name_instead(data, 'drag')}.")
+        verbs = [
+            f"dem figure {each.name} {data}" for each in figures.values() if each.file == experiment
+        ]
+        hint = f"; draw them with {' or '.join(verbs)}" if verbs else ""
+        raise InputError(f"{data}: runs of the experiment {experiment} have no drag{hint}.")
