@@ -30,7 +30,7 @@ from dem.base.sources import code_hash
 from dem.base.yaml_file import read
 from dem.experiment.config import EXPERIMENTS
 from dem.experiment.observables import OBSERVABLES
-from dem.figures import FILE_OF, FLOW, STUDY_FIGURES, possible
+from dem.figures.catalogue import FIGURES as OWN_FIGURES, parts_of, possible, wanted
 from dem.io.progress import WorkflowProgress
 from dem.io.results_folder import on_failure, prepare
 from dem.sweep import config as schema
@@ -60,16 +60,29 @@ if not workflow.overwrite_configfiles:
     configfile: "config/paper.yaml"
 
 
+# The folder of studies may be absent, and each study.
+STUDIES = Path(workflow.basedir) / "studies"
+if STUDIES.is_dir():
+    sys.path.insert(0, workflow.basedir)
+    import studies
+    from studies.catalogue import figures as figures_of_all, reported
+
+    KNOWN_FIGURES, STUDY_NAMES, REPORTED = figures_of_all(), studies.NAMES, reported()
+else:
+    KNOWN_FIGURES, STUDY_NAMES, REPORTED = OWN_FIGURES, (), ()
+
+
 def written(work):
     """Places, beside the combined files, at which a job would write through a link or replace it."""
     found = []
     for folder in map(Path, {work.sweep.results, *work.folders}):
-        named = [f"{name}.{kind}" for name in STUDY_FIGURES for kind in ("nc", "txt")]
-        named += [f"figures/{name}.{kind}" for name in FILE_OF for kind in ("svg", "png")]
+        named = [f"{name}.{kind}" for name in REPORTED for kind in ("nc", "txt")]
+        named += [f"figures/{name}.{kind}" for name in KNOWN_FIGURES for kind in ("svg", "png")]
         found += [folder / name for name in (*named, "report.html", "provenance.html")]
-        for name in ("logs", "benchmarks", "flow", "accuracy", "stability"):
+        for name in ("logs", "benchmarks", "flow", *STUDY_NAMES):
             found += (folder / name).rglob("*")
-    return [path for path in found if path.is_symlink() and not path.is_dir()]
+    # chunks are links of our own
+    return [path for path in found if path.is_symlink() and not path.is_dir() and "chunks" not in path.parts]
 
 
 # What other values than those of one file go into (--config, a module) has no file.
@@ -81,6 +94,7 @@ try:
 except InputError as error:
     refuse(error)
 SWEEP, STORE = MAIN.sweep, MAIN.store
+WITH_SWEEPS = [name for name in STUDY_NAMES if (STUDIES / name / "rules.smk").is_file() and (STUDIES / name / SWEEP.studies).is_file()]
 
 # Snakemake puts the file of `update` back when a job fails, but notes the job as finished, and would do nothing
 # the next time. A job therefore leaves a mark where it began and did not end, also where it was killed with all
@@ -115,10 +129,8 @@ WORKS = {RESULTS: MAIN}  # sweeps by their folder of results; those of studies w
 @cache
 def study(name):
     """The sweep of a study."""
-    if name not in SWEEP.studies:
-        refuse(f"studies.{name} is missing in {', '.join(CONFIG_FILES)}; add it as in config/paper.yaml.")
     try:
-        found = Work.of(SWEEP.studies[name], STORE)
+        found = Work.of(STUDIES / name / SWEEP.studies, STORE)
         found.check(written(found))
     except InputError as error:
         refuse(error)
@@ -145,7 +157,7 @@ def study_config(name):
 
 def place_of(folder):
     """The sweep of a folder, and the block whose combined files are in it."""
-    for work in chain(list(WORKS.values()), map(study, SWEEP.studies)):  # each study when it is looked at
+    for work in chain(list(WORKS.values()), map(study, WITH_SWEEPS)):  # each study when it is looked at
         if folder in work.folders:
             return work, work.folders[folder]
     raise ValueError(f"{folder} is no folder of this sweep")
@@ -161,8 +173,8 @@ def values_of_block(folder):
 # without comments, docstrings and sentences of errors. Other edits rerun no job. Runs need no such
 # parameter, because the code is part of their identity.
 def code_of(*modules, shapes=()):
-    """Hash of the code that modules below dem/ and shapes of the sweep depend on."""
-    return SWEEP.code_of(*(f"dem.{name}" for name in modules), shapes=shapes)
+    """Hash of the code that modules and shapes of the sweep depend on."""
+    return SWEEP.code_of(*modules, shapes=shapes)
 
 
 def values_of(sweep, *without):
@@ -170,16 +182,19 @@ def values_of(sweep, *without):
     return json.dumps({key: new for key, new in sweep.dump().items() if key not in without})
 
 
-SHOWN = "title", "results", "chunk", "failures", "studies"  # no run reads them
-UNREAD = "chunk", "results", "size", "studies"  # nor does what is made of runs
+SHOWN = "title", "results", "chunk", "failures", "figures", "studies", "beside"  # no run reads them
+UNREAD = "chunk", "figures", "results", "studies", "beside"  # nor does what is made of runs
 
 # The results of each block of the sweep: its combined files, and the figures that these suffice for.
 COMBINED, FIGURES = [], []
 for folder, name in MAIN.folders.items():
-    drawn = possible(MAIN.block(name)), possible(MAIN.block(name), FLOW)
-    found = [*MAIN.observables(name), *(["flow"] if drawn[1] else [])]
+    try:
+        drawn = wanted(MAIN.block(name), SWEEP.figures, KNOWN_FIGURES)
+    except InputError as error:
+        refuse(error)
+    found = [*MAIN.observables(name), *(KNOWN_FIGURES[figure].file for figure in drawn)]
     COMBINED += [f"{folder}/{observable}.nc" for observable in dict.fromkeys(found)]
-    FIGURES += [(folder, figure) for some in drawn for figure in some]
+    FIGURES += [(folder, figure) for figure in drawn]
 PICTURES = [f"{folder}/figures/{figure}.{kind}" for folder, figure in FIGURES for kind in ("svg", "png")]
 
 
@@ -193,12 +208,13 @@ def quoted(text):
 # because Python would show a traceback while it starts.
 shell.prefix(
     "set -euo pipefail; trap '' INT; "
-    f"export PYTHONPATH={quoted(Path(dem.__file__).parent.parent)}${{{{PYTHONPATH:+:$PYTHONPATH}}}}; "
+    f"export PYTHONPATH={quoted(Path(dem.__file__).parent.parent)}:{quoted(workflow.basedir)}${{{{PYTHONPATH:+:$PYTHONPATH}}}}; "
     # begin and end mark what a job is to make, where it is there
     + f'begin() {{{{ for each; do if [ -e "$each" ]; then mkdir -p "{UNFINISHED}/${{{{each%/*}}}}"; '
     f'touch "{UNFINISHED}/$each"; fi; done; }}}}; '
     f'end() {{{{ for each; do rm -f "{UNFINISHED}/$each"; done; }}}}; '
     + f'dem() {{{{ {quoted(sys.executable)} -P -m dem "$@"; }}}}; '
+    + f'study() {{{{ {quoted(sys.executable)} -P -m studies "$@"; }}}}; '
     # --forceall and -R chunk make runs again that are there
     + ("export DEM_AGAIN=1; " if ARGUMENTS.forceall or "chunk" in (ARGUMENTS.forcerun or ()) else "")
 )
@@ -209,7 +225,6 @@ wildcard_constraints:
     chunk="[0-9a-f]{16}",
     kernels="[0-9a-f]{16}",
     shape="[A-Za-z][A-Za-z0-9_-]*",
-    part="catalogue|limits",
 
 
 localrules:
@@ -233,11 +248,11 @@ if not ONLY_FIGURES:
     include: "rules/chunk.smk"
     include: "rules/combine.smk"
     include: "rules/flow.smk"
-    include: "rules/benchmark.smk"
-    include: "rules/accuracy.smk"
-    include: "rules/stability.smk"
-    include: "rules/claims.smk"
     include: "rules/report.smk"
+
+    for name in STUDY_NAMES:
+        if (STUDIES / name / "rules.smk").is_file():
+            include: f"studies/{name}/rules.smk"
 
 
 STARTED = False

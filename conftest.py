@@ -31,6 +31,13 @@ hypothesis.settings.load_profile("suite")
 # The workflow runs on Linux and macOS, the library and the command line also on Windows.
 posix = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX pipes, signals or bash")
 
+
+def needs_study(*names):
+    """Marks tests that are about studies, any of which may be removed."""
+    there = [(Path(__file__).parent / "studies" / name).is_dir() for name in names]
+    return pytest.mark.skipif(not all(there), reason=f"needs the studies {', '.join(names)}")
+
+
 KINDS = sorted(shapes.KINDS, key=len, reverse=True)  # "superellipse" before "ellipse"
 
 
@@ -102,7 +109,7 @@ def pytest_collection_modifyitems(config, items):
         items.sort(key=lambda item: order.get(groups[item], len(order)))
 
 
-CONFIG = Path(__file__).parent.parent / "config"
+CONFIG = Path(__file__).parent / "config"
 FRACTIONS = {"ellipse": 0.88, "superellipse": 0.88}  # at which beds are stiff; else 0.84
 STIFF = [(kind, FRACTIONS.get(kind, 0.84)) for kind in shapes.KINDS]
 
@@ -208,9 +215,11 @@ def assert_not_blank(picture):
 def copy(tmp_path_factory):
     """A copy of the sources in an empty folder."""
     folder = tmp_path_factory.mktemp("clone")
-    for name in ("dem", "rules", "config", "profiles"):
+    for name in ("dem", "rules", "config", "profiles", "studies"):
         shutil.copytree(
-            CONFIG.parent / name, folder / name, ignore=shutil.ignore_patterns("__pycache__")
+            CONFIG.parent / name,
+            folder / name,
+            ignore=shutil.ignore_patterns("__pycache__", "tests"),
         )
     (folder / "docs/explanation").mkdir(parents=True)
     for name in ("Snakefile", "docs/explanation/open.md"):
@@ -235,6 +244,8 @@ def finished(copy, tmp_path_factory):
 @pytest.fixture(scope="session")
 def claimed(finished):
     """The results after the study of claims too."""
+    if not (finished / "studies/claims").is_dir():
+        pytest.skip("needs the study claims")
     run = snakemake(finished, "claims", "-j2")
     assert run.returncode == 0, run.stdout + run.stderr
     return finished

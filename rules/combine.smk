@@ -34,7 +34,7 @@ checkpoint combine:
     output:
         update("{folder}/{observable}.nc"),
     params:
-        code=code_of("sweep.combine"),
+        code=code_of("dem.sweep.combine"),
         sweep=lambda w: values_of_block(w.folder),
         block=lambda w: place_of(w.folder)[1],
         config=lambda w: f"{place_of(w.folder)[0].sweep.results}/config.yaml",

@@ -3,12 +3,17 @@
     snakemake -j2 figures          those that the files in {RESULTS} suffice for; makes no file of results
 
 REQUIRED INPUTS
-    {RESULTS}/drag.nc, flow.nc, onset.nc, shear.nc or the file of a study: see dem/figures/__init__.py
+    {RESULTS}/drag.nc, flow.nc, onset.nc, shear.nc or the file of a study: as each figure says
 OUTPUTS
     {RESULTS}/figures/{figure}.svg, {RESULTS}/figures/{figure}.png, {RESULTS}/{study}.txt
 """
 
-from dem.figures import BEDS_OF, FILE_OF, STUDY_FIGURES, drawable
+from dem.figures.catalogue import drawable
+
+
+def pictures_of(study):
+    """Both files of each figure of a study."""
+    return pictures([name for name, each in KNOWN_FIGURES.items() if each.file == study])
 
 
 def pictures(names, folder=RESULTS):
@@ -19,9 +24,9 @@ def pictures(names, folder=RESULTS):
 def pictures_of_results(wildcards):
     if not ONLY_FIGURES:  # the rules that make results are there, and would run
         refuse("figures must be a target on the command line: snakemake -j2 figures.")
-    drawn = [folder for folder, block in MAIN.folders.items() if possible(MAIN.block(block))]
+    drawn = [folder for folder, block in MAIN.folders.items() if possible(MAIN.block(block), KNOWN_FIGURES)]
     try:
-        return [each for folder in drawn or [RESULTS] for each in pictures(drawable(folder), folder)]
+        return [each for folder in drawn or [RESULTS] for each in pictures(drawable(folder, KNOWN_FIGURES), folder)]
     except InputError as error:
         refuse(error)
 
@@ -29,10 +34,10 @@ def pictures_of_results(wildcards):
 def data_of(wildcards):
     """The file that a figure is drawn from; of beds, that of their shapes, which is there first."""
     folder, figure = wildcards.folder, wildcards.figure
-    beds = f"{folder}/flow/{BEDS_OF.get(figure)}.nc"
-    if figure in BEDS_OF and not (ONLY_FIGURES and not Path(beds).is_file()):
+    beds = f"{folder}/flow/{KNOWN_FIGURES[figure].part}.nc"
+    if KNOWN_FIGURES[figure].part and not (ONLY_FIGURES and not Path(beds).is_file()):
         return beds
-    return f"{folder}/{FILE_OF[figure]}.nc"
+    return f"{folder}/{KNOWN_FIGURES[figure].file}.nc"
 
 
 rule figure:
@@ -44,13 +49,14 @@ rule figure:
         update("{folder}/figures/{figure}.svg"),
         update("{folder}/figures/{figure}.png"),
     params:
-        code=lambda w: code_of(f"figures.{w.figure}"),
+        by=lambda w: "dem" if w.figure in OWN_FIGURES else "study",
+        code=lambda w: code_of(KNOWN_FIGURES[w.figure].module),
     wildcard_constraints:
-        figure="|".join(FILE_OF),
+        figure="|".join(KNOWN_FIGURES),
     log:
         "{folder}/logs/figures/{figure}.log",
     shell:
-        "begin {output:q}; dem figure {wildcards.figure} {input.data} -o {wildcards.folder}/figures 2> {log}; end {output:q}"
+        "begin {output:q}; {params.by} figure {wildcards.figure} {input.data} -o {wildcards.folder}/figures 2> {log}; end {output:q}"
 
 
 rule table:
@@ -61,13 +67,13 @@ rule table:
     output:
         update(RESULTS + "/{study}.txt"),
     params:
-        code=lambda w: code_of("report.info", f"studies.{w.study}.report"),
+        code=lambda w: code_of(f"studies.{w.study}.report"),
     wildcard_constraints:
-        study="|".join(STUDY_FIGURES),
+        study="|".join(REPORTED),
     log:
         RESULTS + "/logs/{study}/table.log",
     shell:
-        "begin {output:q}; dem info {input.data} -o {output} 2> {log}; end {output:q}"
+        "begin {output:q}; study {wildcards.study} info {input.data} -o {output} 2> {log}; end {output:q}"
 
 
 rule figures:

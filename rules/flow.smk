@@ -7,8 +7,15 @@ OUTPUTS
     {folder}/flow/{beds}.nc, the same for the shapes of a figure alone, which need not wait for others
 """
 
+BEDS = parts_of(KNOWN_FIGURES)
 
-from dem.figures import BEDS
+
+def shapes_of(folder):
+    """What says where the files of shapes of a user's own are, as words of a command. Not the folder
+    itself: nothing is made again when it is moved."""
+    sweep = place_of(folder)[0].sweep
+    return f"--config {sweep.results}/config.yaml" if sweep.beside else ""
+
 
 rule measure_flow:
     message:
@@ -18,13 +25,14 @@ rule measure_flow:
     output:
         update("{folder}/flow/{chunk}.nc"),
     params:
-        code=code_of("analysis.flow.collect", shapes=SWEEP.shapes),
+        code=code_of("dem.analysis.flow.collect", shapes=SWEEP.shapes),
+        shapes=lambda w: shapes_of(w.folder),
     # before drag.nc is combined and drawn, because more is made of it
     priority: 1
     log:
         "{folder}/logs/flow/{chunk}.log",
     shell:
-        "begin {output:q}; dem flow {input} -o {output} 2> {log}; end {output:q}"
+        "begin {output:q}; dem flow {input} -o {output} {params.shapes} 2> {log}; end {output:q}"
 
 
 def chunks_of_beds(wildcards):
@@ -58,7 +66,7 @@ rule flow:
     output:
         update("{folder}/flow.nc"),
     params:
-        code=code_of("analysis.flow.collect"),
+        code=code_of("dem.analysis.flow.collect"),
         sweep=lambda w: values_of_block(w.folder),
         block=lambda w: place_of(w.folder)[1],
         config=lambda w: f"{place_of(w.folder)[0].sweep.results}/config.yaml",
@@ -79,7 +87,7 @@ rule beds:
     output:
         update("{folder}/flow/{beds}.nc"),
     params:
-        code=code_of("analysis.flow.collect"),
+        code=code_of("dem.analysis.flow.collect"),
         sweep=lambda w: values_of_block(w.folder),
         block=lambda w: place_of(w.folder)[1],
         shapes=lambda w: [word for shape in BEDS[w.beds] for word in ("--shape", shape)],

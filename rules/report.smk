@@ -13,16 +13,13 @@ OUTPUTS
     {RESULTS}/report.html
 """
 
-from dem.figures import STUDY_FIGURES
-
 def studies_there():
     """Digest of the results of studies next to those of the sweep."""
     from hashlib import sha256
 
     digest = sha256()
-    for name in STUDY_FIGURES:
-        files = [Path(f"{RESULTS}/{name}.txt"), *(Path(f"{RESULTS}/figures/{f}.png") for f in STUDY_FIGURES[name])]
-        for file in filter(Path.is_file, files):
+    for text in sorted(Path(RESULTS).glob("*.txt")):
+        for file in (text, *sorted(Path(RESULTS).glob(f"figures/{text.stem}*.png"))):
             digest.update(file.read_bytes())
     digest.update(bytes([Path(f"{RESULTS}/provenance.html").is_file()]))
     return digest.hexdigest()
@@ -48,7 +45,7 @@ rule report_page:
     output:
         update(RESULTS + "/report.html"),
     params:
-        code=code_of("report.build"),
+        code=code_of("dem.report.build"),
         studies=lambda w: studies_there(),
     log:
         RESULTS + "/logs/report.log",

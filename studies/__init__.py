@@ -1,5 +1,22 @@
-"""Questions with runs of their own: accuracy, stability, the paper's claims, speed, calibration.
+"""Questions with runs of their own, each a folder with all that is about it.
 
-In: a configuration. Out: one file per study (accuracy.nc, stability.nc, claims.nc, benchmark.nc)
-and its tables. Each study is a folder that imports no other; peers are the codes to compare with.
+page.md       what was found, a page of the documentation; findings.py fills in its numbers
+sweep.yaml    the runs; smoke.yaml: the smallest ones that show that it works
+rules.smk     targets of Snakemake
+verbs.py      `python -m studies NAME VERB`
+figures/      as dem/figures
+NAME.nc       what was released, with its layout in layout.py and its table in report.py
+tests/        of this folder alone
+
+A study imports dem and studies.common, and no other study. Remove a folder, and it is gone.
 """
+
+from pathlib import Path
+
+from dem.base import sources
+
+HERE = Path(__file__).parent
+NAMES = tuple(
+    sorted(path.parent.name for path in HERE.glob("*/findings.py") if path.parent.name != "common")
+)
+sources.ROOTS["studies"] = HERE

@@ -10,7 +10,8 @@ import numpy as np
 
 from dem.base.errors import InputError
 from dem.contacts.force_law import effective_modulus
-from dem.dynamics.simulation import SKIN, Simulation
+from dem.dynamics.simulation import Simulation
+from dem.dynamics.skin import SKIN
 from dem.experiment.bed import make_bed
 from dem.experiment.scene import make_scene
 from dem.scene import Friction, Material, Scene, State

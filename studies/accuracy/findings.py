@@ -8,8 +8,9 @@ from rich.table import Table
 from dem.analysis.tables import numbers
 from studies.accuracy import bias, replicates
 from studies.accuracy import report as accuracy_report
-
 from studies.common.findings import Findings, clock, interval
+
+__all__ = ["accuracy"]
 
 
 class Accuracy(Findings):

@@ -15,7 +15,7 @@ from dem.dynamics.forces import forces, greater
 from dem.dynamics.guide import move_cylinder
 from dem.dynamics.integration import drift
 from dem.dynamics.neighbor_list import rebuild_neighbor_list
-from dem.dynamics.simulation import MARGIN, SKIN
+from dem.dynamics.skin import MARGIN, SKIN
 from dem.dynamics.world import at_full_steps
 from dem.jit.columns import DVX, DVY, DW, VX, VY, W, X, Y
 from dem.jit.compilation import compiled, inlined

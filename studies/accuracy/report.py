@@ -11,6 +11,9 @@ from studies.accuracy import replicates
 from studies.accuracy.bias import LARGEST, bias, change, failures, shapes_of, table
 from studies.accuracy.contacts import BED_OVERLAPS, BED_RATIO, in_the_beds
 
+NEEDS = ("trial_drag", "contact_method", "integrator", "replicate_drag")  # variables of the file
+ATTRIBUTES = ("window_start", "window_stop", "default_fraction")
+
 LEGENDS = {
     "contacts": f"""\
 ellipses of aspect ratio 1 to {BED_RATIO:g}, overlaps {BED_OVERLAPS[0]:g} to {BED_OVERLAPS[1]:g} b; median time; worst errors over all

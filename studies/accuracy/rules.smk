@@ -12,8 +12,6 @@ OUTPUTS
     {RESULTS}/figures/accuracy_{figure}.svg, {RESULTS}/figures/accuracy_{figure}.png
 """
 
-from dem.figures import ACCURACY
-
 
 def accuracy_chunks(wildcards):
     """The chunks of all runs."""
@@ -26,6 +24,9 @@ def accuracy_chunks(wildcards):
     return study_chunks("accuracy")
 
 
+SMOKE = "--smoke" if SWEEP.studies == "smoke.yaml" else ""
+
+
 localrules:
     accuracy,
 
@@ -33,7 +34,7 @@ localrules:
 rule accuracy:
     input:
         RESULTS + "/accuracy.txt",
-        pictures(ACCURACY),
+        pictures_of("accuracy"),
 
 
 rule accuracy_contacts:
@@ -43,13 +44,13 @@ rule accuracy_contacts:
         update(RESULTS + "/accuracy/contacts.nc"),
     params:
         code=code_of("studies.accuracy.contacts", "studies.accuracy.bounces"),
-        size=lambda w: study("accuracy").sweep.size,
+        smoke=SMOKE,
         config=lambda w: study_config("accuracy"),
     threads: workflow.cores
     log:
         RESULTS + "/logs/accuracy/contacts.log",
     shell:
-        "begin {output:q}; dem accuracy contacts --config {params.config} -o {output} 2> {log}; end {output:q}"
+        "begin {output:q}; study accuracy contacts --config {params.config} {params.smoke} -o {output} 2> {log}; end {output:q}"
 
 
 rule accuracy_steps:
@@ -60,12 +61,13 @@ rule accuracy_steps:
     params:
         code=code_of("studies.accuracy.steps"),
         sweep=lambda w: values_of(study("accuracy").sweep, "record", "sweep", *SHOWN),
+        smoke=SMOKE,
         config=lambda w: study_config("accuracy"),
     threads: workflow.cores
     log:
         RESULTS + "/logs/accuracy/steps.log",
     shell:
-        "begin {output:q}; dem accuracy steps --config {params.config} -o {output} 2> {log}; end {output:q}"
+        "begin {output:q}; study accuracy steps --config {params.config} {params.smoke} -o {output} 2> {log}; end {output:q}"
 
 
 rule accuracy_table:
@@ -84,5 +86,5 @@ rule accuracy_table:
     log:
         RESULTS + "/logs/accuracy/table.log",
     shell:
-        "begin {output:q}; dem accuracy table --config {params.config} --contacts {input.contacts} --steps {input.steps}"
+        "begin {output:q}; study accuracy table --config {params.config} --contacts {input.contacts} --steps {input.steps}"
         " -o {output} 2> {log}; end {output:q}"

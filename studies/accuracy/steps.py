@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.dynamics.simulation import STEP_FRACTION
+from dem.sweep.config import Sweep
 from studies.accuracy.collisions import BARE, ELLIPSES, HEAD_ON, Bed, Collision, error, scenes
 from studies.accuracy.integrators import INTEGRATORS, PEFRL, VERLET
 from studies.accuracy.step_runs import (
@@ -25,7 +26,6 @@ from studies.accuracy.step_runs import (
     theirs,
 )
 from studies.common.peers import lammps
-from dem.sweep.config import Sweep
 
 HALVINGS = STEP_FRACTION * 2.0 ** np.arange(1, -9, -1)
 # Forces depend on the positions alone: a method of fourth order makes the better reference.

@@ -9,15 +9,15 @@ from pathlib import Path
 import numpy as np
 
 from dem.base.errors import InputError
-from dem.experiment import drag
 from dem.experiment.config import Replicate
-from dem.io.dataset import global_attributes, write
+from dem.experiment.kinds import drag
+from dem.io.dataset import FAILURES, global_attributes, write
+from dem.sweep.config import Sweep
+from dem.sweep.work import Work
 from studies.accuracy import layout_contacts, layout_steps
 from studies.accuracy.bias import LARGEST
 from studies.accuracy.layout import VARIABLES
-from dem.sweep.config import Sweep
-from dem.sweep.table import origin, parts, rows, wanted_of
-from dem.sweep.work import Work
+from studies.common.table import origin, parts, rows, wanted_of
 
 REPLICATES = "replicates"
 
@@ -61,13 +61,13 @@ def trials(paths: list[Path], wanted: dict[str, Replicate]) -> dict:
     """Variables over `trial`; a run that failed is NaN and says why: where runs break is part of the
     question."""
     found = {}
-    names = "drag", "time_step", "run_time", "failure", "failure_reason"
+    names = "drag", "time_step", "run_time", "failure"
     for ids, values in rows(paths, names, wanted):
-        for run, force, step, time, _, reason in zip(ids, *values.values(), strict=True):
+        for run, force, step, time, flag in zip(ids, *values.values(), strict=True):
             own = wanted[run]
             found[run] = (
                 own.label, own.seed, _step(own), force[own.configuration.in_window].mean(),
-                np.median(step), time, str(reason).partition(":")[0].strip() or "ran",
+                np.median(step), time, FAILURES[int(flag)] if flag else "ran",
             )  # fmt: skip
     labels = list(dict.fromkeys(replicate.label for replicate in wanted.values()))
     ordered = sorted(found.values(), key=lambda row: (labels.index(row[0]), *row[1:3]))
@@ -106,7 +106,7 @@ def write_study(path: Path, work: Work, contacts: Path, steps: Path) -> None:
     )
     attrs = global_attributes(
         f"{sweep.title}: error against run time",
-        "dem accuracy table",
+        "python -m studies accuracy table",
         **origin([contacts, steps, *every]),
         default_fraction=sweep.numerics.step_fraction,
         window_start=sweep.record.window[0],

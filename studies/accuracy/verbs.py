@@ -1,4 +1,4 @@
-"""Command line of the study of accuracy: `dem accuracy PART`, one verb per part."""
+"""`python -m studies accuracy`: one verb per part."""
 
 from pathlib import Path
 from typing import Annotated
@@ -13,39 +13,37 @@ ACCURACY = Path("studies/accuracy/sweep.yaml")
 HERE = "studies.accuracy"
 
 
-def _sized(study, sweep):
-    """The plan of a study at the size in the configuration."""
-    return study.SMOKE if sweep.size == "smoke" else study.USUAL
+SmokeOption = Annotated[bool, typer.Option("--smoke", help="As little as shows that it works.")]
 
 
 @app.command()
-def contacts(output: OutputOption, config: ConfigOption = ACCURACY):
+def contacts(output: OutputOption, config: ConfigOption = ACCURACY, smoke: SmokeOption = False):
     """Measure contacts of two ellipses: time against error, and energy over many bounces."""
     start_lean()
+    from dem.sweep.config import load
     from studies.accuracy import bounces, contacts
     from studies.accuracy.layout_contacts import VARIABLES
-    from dem.sweep.config import load
-    from dem.sweep.table import write_part
+    from studies.common.table import write_part
 
-    sweep = load(config)
+    sweep, size = load(config), "SMOKE" if smoke else "USUAL"
     with bar("contacts", 1.0) as update:
-        values = contacts.measure(_sized(contacts, sweep), lambda done: update(0.5 * done))
-        values |= bounces.measure(_sized(bounces, sweep), lambda done: update(0.5 + 0.5 * done))
+        values = contacts.measure(getattr(contacts, size), lambda done: update(0.5 * done))
+        values |= bounces.measure(getattr(bounces, size), lambda done: update(0.5 + 0.5 * done))
     write_part(output, sweep, (f"{HERE}.contacts", f"{HERE}.bounces"), values, VARIABLES)
 
 
 @app.command()
-def steps(output: OutputOption, config: ConfigOption = ACCURACY):
+def steps(output: OutputOption, config: ConfigOption = ACCURACY, smoke: SmokeOption = False):
     """Measure the error of time steps and integrators, and compare with LAMMPS."""
     start_lean()
+    from dem.sweep.config import load
     from studies.accuracy import steps
     from studies.accuracy.layout_steps import VARIABLES
-    from dem.sweep.config import load
-    from dem.sweep.table import write_part
+    from studies.common.table import write_part
 
     sweep = load(config)
     with bar("time steps", 1.0) as update:
-        values = steps.measure(sweep, _sized(steps, sweep), update)
+        values = steps.measure(sweep, steps.SMOKE if smoke else steps.USUAL, update)
     write_part(output, sweep, (f"{HERE}.steps",), values, VARIABLES)
 
 
@@ -53,15 +51,18 @@ def steps(output: OutputOption, config: ConfigOption = ACCURACY):
 def table(
     output: OutputOption,
     contacts: Annotated[
-        Path, typer.Option("--contacts", help="File that `dem accuracy contacts` wrote.")
+        Path,
+        typer.Option("--contacts", help="File that `python -m studies accuracy contacts` wrote."),
     ],
-    steps: Annotated[Path, typer.Option("--steps", help="File that `dem accuracy steps` wrote.")],
+    steps: Annotated[
+        Path, typer.Option("--steps", help="File that `python -m studies accuracy steps` wrote.")
+    ],
     config: ConfigOption = ACCURACY,
 ):
     """Write the runs of the sweep and both files into accuracy.nc."""
-    from studies.accuracy.table import write_study
     from dem.sweep.config import load
     from dem.sweep.work import Work
+    from studies.accuracy.table import write_study
 
     with bar("accuracy"):
         write_study(output, Work(load(config)), contacts, steps)

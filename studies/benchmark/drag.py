@@ -15,9 +15,9 @@ import xarray as xr
 from dem.analysis.statistics import Estimate, bootstrapped
 from dem.base.errors import RunError
 from dem.dynamics.simulation import STEP_FRACTION, Simulation
+from dem.sweep.config import Sweep
 from studies.benchmark.scenes import Case, packed
 from studies.common.peers import lammps
-from dem.sweep.config import Sweep
 
 TOLERANCE = 0.01  # of the mean drag
 KINKS = 200  # steps that are tried as the end of the level

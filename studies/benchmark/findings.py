@@ -1,20 +1,17 @@
-"""Speed beside other codes, and how long commands take."""
-
-from functools import cached_property
+"""Speed beside other codes."""
 
 import numpy as np
 import xarray as xr
-import yaml
 from rich.table import Table
 
 from dem.analysis.tables import numbers
-from dem.base.errors import InputError
 from studies.benchmark import report as speed_report
 from studies.benchmark.drag import at_equal_error
 from studies.benchmark.ratio import times_faster
 from studies.benchmark.scenes import FULL
+from studies.common.findings import Findings, span
 
-from studies.common.findings import DATA, Findings, clock, span
+__all__ = ["processors", "speed"]
 
 SMALL, MILLION = 400, 1_000_000  # discs
 SMOOTH = "discs, no friction, no rotation"
@@ -162,40 +159,6 @@ def _with_range(values) -> str:
     return f"{np.median(values):.2f} ({span(values.min(), values.max())})"
 
 
-class Timings:
-    """How long commands took, timings.yaml: measured by hand, with command, revision and date."""
-
-    path = DATA / "timings.yaml"
-
-    @cached_property
-    def content(self) -> dict:
-        if not self.path.is_file():
-            raise InputError(
-                f"docs/data/{self.path.name} is missing; docs/data/README.md has its form."
-            )
-        return yaml.safe_load(self.path.read_text(encoding="utf-8"))
-
-    def of(self, name: str) -> str:
-        """Time of one entry."""
-        return clock(self.content["timed"][name]["seconds"])
-
-    def table(self) -> Table:
-        """One row per entry."""
-        made = numbers("what", "command", "time", words=2)
-        for each in self.content["timed"].values():
-            made.add_row(each["what"], f"`{each['command']}`", clock(each["seconds"]))
-        return made
-
-    @cached_property
-    def made(self) -> str:
-        """Where the numbers come from, as a line under a table."""
-        about = self.content
-        return (
-            f"*Measured at revision `{about['revision']}` on {about['date']}, {about['machine']}; "
-            f"file `docs/data/{self.path.name}`.*"
-        )
-
-
-speed, timings = Speed("benchmark"), Timings()
+speed = Speed("benchmark")
 # Each an earlier benchmark.nc, renamed by its processor: one of today's revision can be made only there.
 elsewhere = [Speed("benchmark_family26_model2"), Speed("benchmark_family6_model207")]

@@ -16,6 +16,7 @@ from dem.base import provenance
 from dem.dynamics.checkpoint import writable
 from dem.dynamics.simulation import Simulation
 from dem.io.dataset import global_attributes, write
+from dem.sweep.config import Sweep
 from studies.benchmark.check import checks, differences
 from studies.benchmark.drag import compare_drag
 from studies.benchmark.layout import VARIABLES
@@ -25,7 +26,6 @@ from studies.benchmark.scenes import Case, beds, variants
 from studies.benchmark.sizes import TILES, compare_sizes
 from studies.benchmark.stages import STILL, slow_operations, stage_times
 from studies.common.timing import one_core
-from dem.sweep.config import Sweep
 
 
 class Plan(NamedTuple):
@@ -155,7 +155,7 @@ def write_benchmark(path: Path, sweep: Sweep, values: dict) -> None:
     codes = [f"{c.name} {c.version()}" for c, there in zip(CODES, ran, strict=True) if there]
     attrs = global_attributes(
         f"{sweep.title}: benchmark",
-        "dem benchmark",
+        "python -m studies benchmark measure",
         versions=provenance.versions(),
         codes=", ".join(codes),
         git_revision=provenance.git_revision(),

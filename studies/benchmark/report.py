@@ -11,6 +11,9 @@ from studies.benchmark.drag import TOLERANCE, at_equal_error
 from studies.benchmark.ratio import times_faster
 from studies.benchmark.scenes import FULL
 
+NEEDS = ("granule_steps_per_second",)  # variables of the file
+ATTRIBUTES = ("history", "processor", "versions", "codes")
+
 LEGEND = """\
 medians of the turns; faster: ours over the other in each turn; contact: touching pair of parts of
 granules. Damping of LAMMPS and LIGGGHTS has another form than ours, with the same restitution (LAMMPS:

@@ -11,8 +11,6 @@ OUTPUTS
     {RESULTS}/figures/benchmark.svg, {RESULTS}/figures/benchmark.png
 """
 
-from dem.figures import BENCHMARK
-
 
 localrules:
     benchmark,
@@ -21,7 +19,7 @@ localrules:
 rule benchmark:
     input:
         RESULTS + "/benchmark.txt",
-        pictures(BENCHMARK),
+        pictures_of("benchmark"),
 
 
 rule measure:
@@ -36,4 +34,4 @@ rule measure:
     log:
         RESULTS + "/logs/benchmark.log",
     shell:
-        "begin {output:q}; dem benchmark --config {CONFIG} -o {output} 2> {log}; end {output:q}"
+        "begin {output:q}; study benchmark measure --config {CONFIG} -o {output} 2> {log}; end {output:q}"

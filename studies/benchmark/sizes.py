@@ -12,8 +12,8 @@ from dem.packing.random import pack
 from dem.packing.tiled import tiled
 from dem.scene import Friction, Material, Scene, box
 from dem.shapes.disc import Disc
-from studies.common.peers import lammps
 from dem.sweep.config import Sweep
+from studies.common.peers import lammps
 
 TILES = (1, 4, 16, 50)  # along each side of a bed: of 400 granules, to a million
 RANKED = 102_400  # discs of the bed that LAMMPS runs too

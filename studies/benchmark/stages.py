@@ -24,7 +24,7 @@ from dem.dynamics.assembly import assemble, granule_table
 from dem.dynamics.forces import clear, farthest
 from dem.dynamics.integration import advance, drift
 from dem.dynamics.neighbor_list import rebuild_neighbor_list
-from dem.dynamics.simulation import SKIN
+from dem.dynamics.skin import SKIN
 from dem.jit.address import by_address, local
 from dem.jit.compilation import compiled
 from dem.jit.lanes import BLOCK

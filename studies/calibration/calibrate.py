@@ -13,9 +13,9 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.base.errors import InputError, RunError
-from dem.experiment import drag
 from dem.experiment.bed import make_bed
 from dem.experiment.config import Replicate
+from dem.experiment.kinds import drag
 from dem.sweep.config import Sweep, parse
 
 FIRST_SEED = 1_000_000

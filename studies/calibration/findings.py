@@ -1,10 +1,11 @@
 """The calibration of Young's modulus."""
 
 from functools import cached_property
+from pathlib import Path
 
 import yaml
 
-from studies.common.findings import DATA
+__all__ = ["calibration"]
 
 
 class Calibration:
@@ -12,7 +13,9 @@ class Calibration:
 
     @cached_property
     def _found(self) -> dict:
-        return yaml.safe_load((DATA / "calibration.yaml").read_text(encoding="utf-8"))
+        return yaml.safe_load(
+            Path(__file__).with_name("calibration.yaml").read_text(encoding="utf-8")
+        )
 
     @property
     def modulus(self) -> str:

@@ -6,17 +6,23 @@ import numpy as np
 import xarray as xr
 from rich.table import Table
 
+from dem.analysis.compare import Comparison
 from dem.analysis.statistics import by_case
 from dem.analysis.tables import numbers
 from dem.base.errors import InputError
 from studies.claims import report as claims_report
-from dem.analysis.compare import Comparison
 from studies.claims.evidence import from_study, from_sweep
 from studies.claims.influence import Influence, influences, responses
 from studies.claims.remains import remaining
 from studies.claims.verdicts import judge
-
 from studies.common.findings import Findings, interval
+
+__all__ = ["claims"]
+
+ABOUT_SHAPE = (
+    "dumbbells_above_discs", "dumbbells_below_discs", "dumbbells_above_small_discs",
+    "slight_ellipses_drop", "longer_ellipses_drop", "shape_matters",
+)  # fmt: skip
 
 
 class Claims(Findings):
@@ -199,23 +205,36 @@ class Claims(Findings):
         """Whether the drag there is below that at the paper's value, the interval included."""
         return self._scaled(setting, shape, factor).interval()[1] < 1.0
 
+    def beside(self, **sweeps: xr.Dataset) -> Table:
+        """One row per claim about shape: verdict and numbers here, and on runs of other sweeps by what
+        they are."""
+        found = {
+            words.replace("__", ", ").replace("_", " "): self.on(runs)
+            for words, runs in sweeps.items()
+        }
+        made = numbers(
+            "claim (section)", "the paper's box, claims.nc", *found, words=2 + len(found)
+        )
+        for name in ABOUT_SHAPE:
+            each = self.judged[name]
+            cells = [_cell(verdicts[name]) for verdicts in (self.judged, *found.values())]
+            made.add_row(f"{each.claim.title} ({each.claim.place})", *cells)
+        return made
 
-def verdicts_on(runs: xr.Dataset) -> dict:
-    """Verdicts on runs over shape and seed of any sweep, by the name of the claim."""
-    runs = by_case(runs)
-    density = np.broadcast_to(runs["density"].values, runs.sizes["case"]).copy()
-    found = from_sweep(runs.assign_coords(density=("case", density)))
-    return {each.claim.name: each for each in judge(found)}
+    def changed(self, runs: xr.Dataset) -> dict[str, str]:
+        """Verdicts about shape on other runs that are not those of claims.nc, by the name of the claim."""
+        found = {name: verdict for name, verdict in self.on(runs).items() if name in ABOUT_SHAPE}
+        return {
+            name: each.verdict for name, each in found.items()
+            if each.verdict != self.judged[name].verdict
+        }  # fmt: skip
 
-
-def side_by_side(names: tuple[str, ...], found: dict[str, dict]) -> Table:
-    """One row per claim: its verdict and numbers on the runs of claims.nc, and on others by what they are."""
-    made = numbers("claim (section)", "the paper's box, claims.nc", *found, words=2 + len(found))
-    for name in names:
-        each = claims.judged[name]
-        cells = [_cell(verdicts[name]) for verdicts in (claims.judged, *found.values())]
-        made.add_row(f"{each.claim.title} ({each.claim.place})", *cells)
-    return made
+    def on(self, runs: xr.Dataset) -> dict:
+        """Verdicts on runs over shape and seed of any sweep, by the name of the claim."""
+        runs = by_case(runs)
+        density = np.broadcast_to(runs["density"].values, runs.sizes["case"]).copy()
+        found = from_sweep(runs.assign_coords(density=("case", density)))
+        return {each.claim.name: each for each in judge(found)}
 
 
 def _cell(verdict) -> str:

@@ -8,9 +8,9 @@ import xarray as xr
 from scipy.stats import t
 
 from dem.analysis.statistics import LEVEL
+from dem.sweep.derive import Jamming
 from studies.claims.evidence import reference, rows, with_case
 from studies.claims.influence import plane
-from dem.sweep.derive import Jamming
 
 EQUAL = "equal fraction"
 

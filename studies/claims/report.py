@@ -8,16 +8,19 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
+from dem.analysis.compare import Comparison
 from dem.analysis.statistics import LEVEL
 from dem.analysis.tables import numbers
 from dem.base.errors import InputError
 from dem.io.dataset import content_of
-from dem.analysis.compare import Comparison
 from studies.claims.evidence import from_study, rows, scaled
 from studies.claims.influence import influences, responses
 from studies.claims.remains import Remaining, remaining, words
 from studies.claims.sentences import CLAIMS, ratio
 from studies.claims.verdicts import Share, Verdict, evidence_in, judge
+
+NEEDS = ("run_part", "run_drag", "jam_fraction", "run_factor")  # variables of the file
+ATTRIBUTES = ("window_start", "window_stop")
 
 OTHER_MARGINS = (0.10, 0.25)
 RANKED = 4  # influences that are listed
@@ -80,7 +83,7 @@ def legend(found: list[Verdict]) -> str:
         "that all hold together: supported if the whole interval lies where the sentence says,\n"
         "contradicted if none of it does. Space: at how many points of the plausible space, one bed each,\n"
         "the claim holds; paper: in how many single beds at the paper's values.\n"
-        "One claim in full: dem claims test FILE --claim NAME"
+        "One claim in full: python -m studies claims test FILE --claim NAME"
     )
 
 

@@ -9,8 +9,6 @@ OUTPUTS
     {RESULTS}/figures/claims_{figure}.svg, {RESULTS}/figures/claims_{figure}.png
 """
 
-from dem.figures import CLAIMS
-
 
 localrules:
     claims,
@@ -19,7 +17,7 @@ localrules:
 rule claims:
     input:
         RESULTS + "/claims.txt",
-        pictures(CLAIMS),
+        pictures_of("claims"),
 
 
 rule claims_table:
@@ -38,4 +36,4 @@ rule claims_table:
     log:
         RESULTS + "/logs/claims/table.log",
     shell:
-        "begin {output:q}; dem claims table --config {params.config} -o {output} 2> {log}; end {output:q}"
+        "begin {output:q}; study claims table --config {params.config} -o {output} 2> {log}; end {output:q}"

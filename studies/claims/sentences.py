@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.analysis.statistics import densities, find
 from dem.analysis.compare import Comparison, Growth, Prediction
+from dem.analysis.statistics import densities, find
 from studies.claims.evidence import Evidence, curves
 from studies.claims.influence import plane
 

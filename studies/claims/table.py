@@ -10,15 +10,15 @@ import numpy as np
 
 from dem.analysis.flow.layout import MEASURES
 from dem.base.errors import InputError
-from dem.experiment import drag, jamming
 from dem.experiment.config import Replicate
+from dem.experiment.kinds import drag, jamming
 from dem.experiment.observables.alignment import VARIABLES as ALONG
 from dem.io.dataset import FAILURES, content_of, global_attributes, read, write
-from studies.claims.layout import VARIABLES
 from dem.sweep.combine import PROVENANCE
 from dem.sweep.design import Choice, Range, parse
 from dem.sweep.expand import Block, Run
 from dem.sweep.work import Work
+from studies.claims.layout import VARIABLES
 
 PARTS = ("replicates", "sensitivity", "jamming")  # without which there is no study
 PLACES = 500  # of the drag along the displacement, at most
@@ -51,7 +51,7 @@ def make(work: Work, output: Path, progress=lambda share: None) -> None:
     low, high = sweep.record.window
     attrs = global_attributes(
         f"{sweep.title}: which claims hold",
-        "dem claims table",
+        "python -m studies claims table",
         **{name: "; ".join(each) for name, each in provenance.items()},
         default_fraction=sweep.numerics.step_fraction,
         window_start=low,
@@ -181,7 +181,9 @@ def factors_of(sweep) -> dict[str, Range | Choice]:
     where = "sweep.blocks.sensitivity.point"
     point = sweep.blocks["sensitivity"].get("point")
     if not isinstance(point, dict) or "design" not in point:
-        raise InputError(f"{where} is {point!r}; it must be a design, see studies/claims/sweep.yaml.")
+        raise InputError(
+            f"{where} is {point!r}; it must be a design, see studies/claims/sweep.yaml."
+        )
     return parse(point, where).over
 
 

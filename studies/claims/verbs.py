@@ -1,4 +1,4 @@
-"""Command line of the study of claims: `dem claims table` and `dem claims test`."""
+"""`python -m studies claims`: what the sentences are about, and which hold."""
 
 from pathlib import Path
 from typing import Annotated
@@ -17,9 +17,9 @@ app = Verbs(help="Study of which of the paper's claims hold.", no_args_is_help=T
 def table(output: OutputOption, config: ConfigOption = CLAIMS):
     """Write the numbers that the claims are about, for all runs of the study, into one file."""
     start_lean()
-    from studies.claims.table import make
     from dem.sweep.config import load
     from dem.sweep.work import Work
+    from studies.claims.table import make
 
     with bar("claims", 1.0) as update:
         make(Work(load(config)), output, update)
@@ -35,12 +35,12 @@ def test(
 ):
     """Print which claims these runs support, contradict or leave undecided.
 
-    Example: dem claims test results/drag.nc
+    Example: python -m studies claims test results/drag.nc
     """
     if not 0.0 <= margin <= 1.0:
         raise InputError(f"margin is {margin}; it must be between 0 and 1.")
     from dem.base.plain import PlainConsole
-    from dem.figures import require_drag
+    from dem.figures.catalogue import require_drag
 
     require_drag(data)
     with bar(f"testing claims on {data}"):

@@ -7,10 +7,10 @@ import numpy as np
 import xarray as xr
 from scipy.stats import binomtest
 
+from dem.analysis.compare import simultaneous, together
 from dem.analysis.flow.layout import MEASURES
 from dem.analysis.statistics import LEVEL
 from dem.base.errors import InputError
-from dem.analysis.compare import simultaneous, together
 from studies.claims.evidence import MARGIN, Evidence, from_study, from_sweep
 from studies.claims.sentences import CLAIMS, Claim
 
@@ -72,8 +72,8 @@ def evidence_in(path: Path, margin: float = MARGIN) -> Evidence:
     from dem.analysis.flow.layout import VARIABLES as FLOW
     from dem.io.dataset import content_of
     from dem.io.lazily import open_lazily, require
-    from studies.claims.layout import VARIABLES
     from dem.sweep.combine import open_combined
+    from studies.claims.layout import VARIABLES
 
     with open_lazily(path) as dataset:
         if "run_part" in dataset:

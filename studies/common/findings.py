@@ -1,6 +1,7 @@
 """What all findings share: the released file, and how numbers and tables become Markdown."""
 
 import re
+import sys
 from functools import cached_property
 from pathlib import Path
 
@@ -9,13 +10,13 @@ from rich.table import Table
 
 from dem.base.errors import InputError
 
-DATA = Path(__file__).parents[2] / "data"
+ROOT = Path(__file__).parent.parent.parent
 
 
 def holds(sentence: str, condition: bool) -> str:
     """The sentence; an error that ends the build where the data contradicts it."""
     if not condition:
-        raise ValueError(f"docs/data contradicts the sentence {sentence!r}; rewrite it.")
+        raise ValueError(f"The data contradict the sentence {sentence!r}; rewrite it.")
     return sentence
 
 
@@ -56,12 +57,19 @@ def span(low: float, high: float, unit: str = "", digits: int = 2) -> str:
 class Findings:
     """What one released file says."""
 
-    name: str  # of the file in docs/data, without .nc
+    name: str  # of the file beside the findings, without .nc
     command: str  # that makes it
+    folder: Path | None = None  # where the file is not beside the findings
 
     @property
     def path(self) -> Path:
-        return DATA / f"{self.name}.nc"
+        beside = Path(sys.modules[type(self).__module__].__file__).parent
+        return (self.folder or beside) / f"{self.name}.nc"
+
+    @property
+    def place(self) -> str:
+        """The file as a path of the checkout."""
+        return self.path.relative_to(ROOT).as_posix()
 
     @property
     def source(self) -> str:
@@ -72,7 +80,7 @@ class Findings:
     def dataset(self) -> xr.Dataset:
         if not self.path.is_file():
             raise InputError(
-                f"docs/data/{self.path.name} is missing; make it by `{self.command}`, "
+                f"{self.place} is missing; make it by `{self.command}`, "
                 "then `python docs/data/release.py results`."
             )
         with xr.open_dataset(self.path) as dataset:
@@ -90,7 +98,7 @@ class Findings:
         day = attrs["history"].split("T")[0]
         return (
             f"*Computed by `{attrs['made_with']}` at {_revisions(self.revision)} on {day}; "
-            f"file `docs/data/{self.path.name}`.*"
+            f"file `{self.place}`.*"
         )
 
 

@@ -8,8 +8,9 @@ from rich.table import Table
 from dem.analysis.onset import Limits, limits
 from dem.analysis.statistics import Estimate
 from dem.analysis.tables import numbers
-
 from studies.common.findings import Findings, estimate
+
+__all__ = ["onset"]
 
 DISCS, ELLIPSES = 4.0, 6.0  # contacts per granule of isostatic beds
 

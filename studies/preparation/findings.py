@@ -6,19 +6,15 @@ import numpy as np
 import xarray as xr
 from rich.table import Table
 
+from dem.analysis.compare import Comparison
 from dem.analysis.statistics import Estimate, summarise
 from dem.analysis.tables import numbers
-from dem.analysis.compare import Comparison
-
-from studies.claims.findings import claims, side_by_side, verdicts_on
 from studies.common.findings import Findings, estimate
+
+__all__ = ["preparation"]
 
 BOXES = {"1": "the paper's", "2": "twice the width"}
 WAYS = "relaxed", "grown"
-ABOUT_SHAPE = (
-    "dumbbells_above_discs", "dumbbells_below_discs", "dumbbells_above_small_discs", "slight_ellipses_drop",
-    "longer_ellipses_drop", "shape_matters",
-)  # fmt: skip
 
 
 class Preparation(Findings):
@@ -31,15 +27,6 @@ class Preparation(Findings):
     def drags(self) -> xr.DataArray:
         """Mean drag (N) of each run within the window."""
         return summarise(self.dataset)["run_mean"]
-
-    @cached_property
-    def judged(self) -> dict:
-        """Verdicts by box and way."""
-        return {
-            (box, way): verdicts_on(self.dataset.sel(packing_preparation=way, box=box))
-            for box in BOXES
-            for way in WAYS
-        }
 
     def _drags(self, shape: str, way: str, box: str) -> np.ndarray:
         return self.drags.sel(shape=shape, packing_preparation=way, box=box).values
@@ -92,14 +79,9 @@ class Preparation(Findings):
                 made.add_row(title, shape, *ways, self.grown(shape, box))
         return made
 
-    def verdicts(self) -> Table:
-        """One row per claim about shape, in the paper's box: in relaxed and in grown beds."""
-        return side_by_side(ABOUT_SHAPE, {way: self.judged["1", way] for way in WAYS})
-
-    def others(self, way: str, box: str = "1") -> dict[str, str]:
-        """Verdicts that are not those of claims.nc, by the name of the claim."""
-        found = {name: self.judged[box, way][name].verdict for name in ABOUT_SHAPE}
-        return {name: at for name, at in found.items() if at != claims.judged[name].verdict}
+    def at(self, way: str, box: str = "1") -> xr.Dataset:
+        """Runs of one way in a box, over shape and seed."""
+        return self.dataset.sel(packing_preparation=way, box=box)
 
 
 preparation = Preparation()

@@ -5,20 +5,17 @@ from functools import cached_property
 from types import SimpleNamespace
 
 import numpy as np
+import xarray as xr
 from rich.table import Table
 
-from studies.pressure.widths import NEAR, Widths
 from dem.analysis.tables import numbers
 from dem.experiment.fit import sample_diameters
-
-from studies.claims.findings import claims, side_by_side, verdicts_on
 from studies.common.findings import Findings, estimate, span
+from studies.pressure.widths import NEAR, Widths
+
+__all__ = ["pressure"]
 
 WAYS = "fraction", "pressure"
-ABOUT_SHAPE = (
-    "dumbbells_above_discs", "dumbbells_below_discs", "dumbbells_above_small_discs",
-    "slight_ellipses_drop", "longer_ellipses_drop", "shape_matters",
-)  # fmt: skip
 OTHERS = "high", "walls"  # boxes of the paper's width
 
 
@@ -36,13 +33,6 @@ class Pressure(Findings):
     def widest(self) -> str:
         """Name of the widest box: its width over that of the first."""
         return self.widths.boxes[int(np.argmax(self.widths.width))]
-
-    @cached_property
-    def judged(self) -> dict:
-        """Verdicts by way, in the widest box."""
-        return {
-            way: verdicts_on(self.dataset.sel(confinement=way, box=self.widest)) for way in WAYS
-        }
 
     def asked(self) -> str:
         """Pressure on the top wall."""
@@ -224,19 +214,9 @@ class Pressure(Findings):
         """What wide enough means."""
         return f"{100.0 * NEAR:.0f} %"
 
-    def verdicts(self) -> Table:
-        """One row per claim about shape: in the paper's box, and at equal fraction and pressure."""
-        columns = {f"equal {way}, widest box": found for way, found in self.judged.items()}
-        return side_by_side(ABOUT_SHAPE, columns)
-
-    def changed(self, way: str) -> dict[str, str]:
-        """Verdicts that are not those of claims.nc, by the name of the claim."""
-        found = {name: self.verdict(way, name) for name in ABOUT_SHAPE}
-        return {name: at for name, at in found.items() if at != claims.judged[name].verdict}
-
-    def verdict(self, way: str, name: str) -> str:
-        """Supported, contradicted, undecided or not tested."""
-        return self.judged[way][name].verdict
+    def at(self, way: str) -> xr.Dataset:
+        """Runs of one way in the widest box, over shape and seed."""
+        return self.dataset.sel(confinement=way, box=self.widest)
 
 
 def _or_none(found, digits: int = 2) -> str:

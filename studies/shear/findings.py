@@ -8,8 +8,9 @@ from rich.table import Table
 
 from dem.analysis.shear import Curves, Rheology, rheology
 from dem.analysis.tables import numbers
-
 from studies.common.findings import Findings, estimate
+
+__all__ = ["shear"]
 
 ROUGH = "0.4"  # friction between granules
 

@@ -3,9 +3,10 @@
 from rich.table import Table
 
 from dem.analysis.tables import numbers
+from studies.common.findings import Findings
 from studies.stability import report as stability_report
 
-from studies.common.findings import Findings
+__all__ = ["stability"]
 
 
 class Stability(Findings):

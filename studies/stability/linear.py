@@ -12,9 +12,9 @@ from dem.dynamics.checkpoint import writable
 from dem.dynamics.forces import forces
 from dem.dynamics.simulation import Simulation
 from dem.experiment.config import Replicate
+from dem.sweep.config import Sweep
 from studies.stability.catalogue import Changes
 from studies.stability.scenes import changed
-from dem.sweep.config import Sweep
 
 NUDGE = 1e-9  # by which granules are moved, over the size of the bed
 SLOW = 1e6  # s: a step over which such a move is so slow that dashpots do not count

@@ -8,6 +8,9 @@ from rich.text import Text
 
 from dem.analysis.tables import numbers
 
+NEEDS = ("check_value", "map_residual", "paper_residual")  # variables of the file
+ATTRIBUTES = ("default_fraction",)
+
 OFF, BROKEN = 1e-2, 1e-1  # residual beyond which the energy balance fails, and with it the run
 
 

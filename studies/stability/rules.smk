@@ -9,9 +9,7 @@ OUTPUTS
     {RESULTS}/figures/stability_{figure}.svg, {RESULTS}/figures/stability_{figure}.png
 """
 
-from dem.figures import STABILITY
-
-CATALOGUE = "studies/stability/catalogue.yaml"
+CATALOGUE = str(STUDIES / "stability/catalogue.yaml")
 
 
 def stability_parts(wildcards):
@@ -37,7 +35,7 @@ localrules:
 rule stability:
     input:
         RESULTS + "/stability.txt",
-        pictures(STABILITY),
+        pictures_of("stability"),
 
 
 rule stability_part:
@@ -47,6 +45,8 @@ rule stability_part:
         catalogue=CATALOGUE,
     output:
         update(RESULTS + "/stability/{part}/{shape}.nc"),
+    wildcard_constraints:
+        part="catalogue|limits",
     params:
         code=lambda w: SWEEP.code_of("studies.stability.study", shapes=[w.shape]),
         sweep=lambda w: values_of(study("stability").sweep, "record", "sweep", *SHOWN),
@@ -57,7 +57,7 @@ rule stability_part:
     benchmark:
         RESULTS + "/benchmarks/stability/{part}/{shape}.tsv"
     shell:
-        "begin {output:q}; dem stability {wildcards.part} --config {params.config} --catalogue {input.catalogue}"
+        "begin {output:q}; study stability {wildcards.part} --config {params.config} --catalogue {input.catalogue}"
         " --shape {wildcards.shape} -o {output} 2> {log}; end {output:q}"
 
 
@@ -76,4 +76,4 @@ rule stability_table:
     log:
         RESULTS + "/logs/stability/table.log",
     shell:
-        "begin {output:q}; dem stability table --config {params.config} -o {output} {input.parts} 2> {log}; end {output:q}"
+        "begin {output:q}; study stability table --config {params.config} -o {output} {input.parts} 2> {log}; end {output:q}"

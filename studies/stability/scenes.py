@@ -11,8 +11,8 @@ from dem.experiment.config import Replicate
 from dem.experiment.scene import make_scene
 from dem.scene import Friction, Material, Scene, State, box
 from dem.shapes import KINDS
-from studies.stability.catalogue import Changes
 from dem.sweep.config import Sweep
+from studies.stability.catalogue import Changes
 
 
 def changed(sweep: Sweep, shape: str, change: Changes, more: dict | None = None) -> Replicate:

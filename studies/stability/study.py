@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.base.errors import InputError, RunError
+from dem.sweep.config import Sweep
 from studies.stability import beds, bodies, linear
 from studies.stability.catalogue import QUANTITIES, RAN, Case, Catalogue, Changes
 from studies.stability.scenes import start
-from dem.sweep.config import Sweep
 
 # what an experiment may change of the sweep, and what it needs
 FREE = {"stiffness", "density", "restitution", "aspect_ratio", "step"}

@@ -9,11 +9,11 @@ import numpy as np
 
 from dem.base.errors import InputError
 from dem.io.dataset import global_attributes, write
-from studies.stability.layout import MAP, VARIABLES
 from dem.sweep.config import Sweep
 from dem.sweep.expand import Block
-from dem.sweep.table import origin, parts, rows, wanted_of
 from dem.sweep.work import Work
+from studies.common.table import origin, parts, rows, wanted_of
+from studies.stability.layout import MAP, VARIABLES
 
 AXES = {
     "map": ("shape", "material_young_modulus", "material_restitution", "numerics_step_fraction"),
@@ -24,7 +24,9 @@ AXES = {
 def blocks_of(sweep: Sweep) -> dict[str, Block]:
     """The blocks by name; raises InputError where they are not those of the study."""
     if set(sweep.blocks) != set(AXES):
-        raise InputError(f"sweep.blocks must be {' and '.join(AXES)}; see studies/stability/sweep.yaml.")
+        raise InputError(
+            f"sweep.blocks must be {' and '.join(AXES)}; see studies/stability/sweep.yaml."
+        )
     blocks = {name: sweep.block(name) for name in AXES}
     for name, dims in AXES.items():
         block = blocks[name]
@@ -82,7 +84,7 @@ def write_study(path: Path, work: Work, files: list[Path]) -> None:
         raise InputError(f"the parts lack {absent[0]}; give those of catalogue and of limits.")
     attrs = global_attributes(
         f"{sweep.title}: stiff and extreme cases",
-        "dem stability table",
+        "python -m studies stability table",
         **origin([*files, *chunks["map"], *chunks["paper"]]),
         default_fraction=sweep.numerics.step_fraction,
     )

@@ -1,4 +1,4 @@
-"""Command line of the study of stability: `dem stability PART`, one verb per part."""
+"""`python -m studies stability`: one verb per part."""
 
 from pathlib import Path
 from typing import Annotated
@@ -16,18 +16,21 @@ CatalogueOption = Annotated[
 ShapeOption = Annotated[
     str, typer.Option("--shape", help="Label of a shape in the catalogue, such as c1.")
 ]
-STABILITY, CATALOGUE = Path("studies/stability/sweep.yaml"), Path("studies/stability/catalogue.yaml")
+STABILITY, CATALOGUE = (
+    Path("studies/stability/sweep.yaml"),
+    Path("studies/stability/catalogue.yaml"),
+)
 
 
 def _script(part: str, config, catalogue, shape, output, shapes, work) -> None:
     """Make one part for one shape; work(study, sweep, cases, update) returns its variables."""
     start_lean()
+    from dem.sweep.config import load
+    from dem.sweep.remedy import meant
+    from studies.common.table import write_part
     from studies.stability import study
     from studies.stability.catalogue import load as load_catalogue
     from studies.stability.layout import VARIABLES
-    from dem.sweep.config import load
-    from dem.sweep.remedy import meant
-    from dem.sweep.table import write_part
 
     sweep, cases = load(config), load_catalogue(catalogue)
     study.check(sweep, cases)
@@ -70,9 +73,9 @@ def table(
     config: ConfigOption = STABILITY,
 ):
     """Write the runs of the sweep and all parts into stability.nc."""
-    from studies.stability.table import write_study
     from dem.sweep.config import load
     from dem.sweep.work import Work
+    from studies.stability.table import write_study
 
     with bar("stability"):
         write_study(output, Work(load(config)), files)

@@ -8,8 +8,9 @@ from rich.table import Table
 from dem.analysis.statistics import within
 from dem.analysis.tables import numbers
 from dem.analysis.velocity import Law, Rates, inertial_number, rates
-
 from studies.common.findings import Findings, estimate
+
+__all__ = ["velocity"]
 
 PAPER = 2.0  # m/s
 

@@ -16,6 +16,9 @@ from studies.accuracy.contacts import (
     pareto,
 )
 
+FILE = "accuracy"
+CAPTION = "Contacts of ellipses: error against time, and energy over many bounces"
+VARIABLES = ("contact_method",)
 KINDS = {  # colour, marker, line
     "common normal": ("#17457d", "o", "-"),
     "geometric potential": ("#b34700", "s", (0, (5, 1.5))),

@@ -8,6 +8,9 @@ from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 from dem.figures import style
 from studies.accuracy import replicates
 
+FILE = "accuracy"
+CAPTION = "What replicates and a longer stroke buy"
+VARIABLES = ("replicate_drag",)
 PAPER = 5  # runs a case
 DRAWN = (3, 5, 8, 12, 20, 35, 60)  # sizes of the random subsets
 

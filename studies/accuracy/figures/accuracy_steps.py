@@ -13,6 +13,9 @@ from matplotlib.lines import Line2D
 
 from dem.figures import style
 
+FILE = "accuracy"
+CAPTION = "Time integrators: error against processor time"
+VARIABLES = ("integrator",)
 LINE_LENGTH = 52  # characters of a title
 # colour, line, marker, whether it is filled: some curves coincide, and both must be seen
 LOOKS = (

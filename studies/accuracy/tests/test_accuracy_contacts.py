@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 import xarray as xr
-from conftest import places_shown
 from numpy.testing import assert_allclose
 from reference import parting, potential
 
-from dem.figures import accuracy_contacts
+from conftest import places_shown
 from dem.io.dataset import global_attributes, write
 from studies.accuracy import bounces, contacts, definitions, layout_contacts, trials
+from studies.accuracy.figures import accuracy_contacts
 from studies.accuracy.pairs import (
     Contact,
     Pairs,

@@ -8,16 +8,17 @@ import xarray as xr
 import yaml
 
 import dem
-from studies.accuracy import bias as biases
-from studies.accuracy import layout_contacts, layout_steps, replicates, table
-from studies.accuracy.bias import bias, change, failures
 from dem.sweep import chunk
 from dem.sweep.config import load, parse
 from dem.sweep.store import Store
-from dem.sweep.table import rows, write_part
 from dem.sweep.work import Work
+from studies.accuracy import bias as biases
+from studies.accuracy import layout_contacts, layout_steps, replicates, table
+from studies.accuracy.bias import bias, change, failures
+from studies.common.table import rows, write_part
 
-CONFIG = Path(__file__).parent.parent / "config"
+CONFIG = Path(__file__).parents[3] / "config"
+HERE = Path(__file__).parent.parent
 MEAN, SCATTER = 1000.0, 0.1
 
 
@@ -120,7 +121,7 @@ def test_needed_replicates_reach_the_target_interval():
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
     """A sweep of both kinds of blocks, one step of them far beyond the critical one, and its runs."""
-    data = yaml.safe_load((CONFIG / "smoke/accuracy.yaml").read_text())
+    data = yaml.safe_load((HERE / "smoke.yaml").read_text())
     seeds = "1001 to 1002"
     data["sweep"]["blocks"] = {
         "steps": {"shape": "c1", "numerics.step_fraction": [0.5, 1.0, 8.0], "seed": seeds},
@@ -174,9 +175,7 @@ def test_scripts_and_runs_make_one_file(runs, tmp_path):
     }
     files = [tmp_path / f"{name}.nc" for name in few]
     for file, (name, (value, layout)) in zip(files, few.items(), strict=True):
-        write_part(
-            file, runs.sweep, ("studies.accuracy.steps",), {name: value}, layout.VARIABLES
-        )
+        write_part(file, runs.sweep, ("studies.accuracy.steps",), {name: value}, layout.VARIABLES)
     whole = tmp_path / "accuracy.nc"
     table.write_study(whole, runs, *files)
     with xr.open_dataset(whole) as dataset:
@@ -190,7 +189,7 @@ def test_scripts_and_runs_make_one_file(runs, tmp_path):
 
 def test_the_bins_are_as_wide_as_the_papers():
     """So that a window means the same."""
-    paper, study = load(CONFIG / "paper.yaml"), load(CONFIG / "accuracy.yaml")
+    paper, study = load(CONFIG / "paper.yaml"), load(HERE / "sweep.yaml")
     width = paper.cylinder.stroke / paper.record.bins
     for run in table.runs_of(study):
         own = next(iter(run.values())).configuration
@@ -209,7 +208,7 @@ def test_the_bins_are_as_wide_as_the_papers():
 )
 def test_a_study_that_cannot_be_made_is_refused(blocks, more, sentence):
     """Before anything runs, with the key in the sentence."""
-    data = yaml.safe_load((CONFIG / "smoke/accuracy.yaml").read_text())
+    data = yaml.safe_load((HERE / "smoke.yaml").read_text())
     many = {"shape": more.get("shape", "c1"), "seed": [1, 2]}
     data["sweep"]["blocks"] = {"replicates": many} | {
         name: {"shape": "c1", "numerics.step_fraction": steps} for name, steps in blocks.items()

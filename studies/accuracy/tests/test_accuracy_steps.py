@@ -6,13 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from conftest import places_shown
 from numpy.testing import assert_allclose
 
 import dem
-from studies.accuracy.figures.accuracy_steps import plot
+from conftest import places_shown
 from dem.io.dataset import write
+from dem.sweep.config import load
 from studies.accuracy import collisions, steps
+from studies.accuracy.figures.accuracy_steps import plot
 from studies.accuracy.integrators import (
     EXPLICIT_EULER,
     HALF_STEP,
@@ -25,9 +26,8 @@ from studies.accuracy.integrators import (
 from studies.accuracy.layout_steps import VARIABLES
 from studies.accuracy.step_runs import fitted_order
 from studies.common.peers import lammps
-from dem.sweep.config import load
 
-SWEEP = load(Path(__file__).parent.parent / "config/smoke.yaml")
+SWEEP = load(Path(__file__).parents[3] / "config/smoke.yaml")
 SCENES = {scene.name: scene for scene in collisions.collisions(SWEEP)}
 
 

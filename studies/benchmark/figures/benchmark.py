@@ -10,6 +10,9 @@ from matplotlib.figure import Figure
 from dem.figures import style
 from studies.benchmark.ratio import times_faster
 
+FILE = "benchmark"
+CAPTION = "Speed beside other codes"
+VARIABLES = ("granule_steps_per_second", "variant_step_time")
 OURS = "dem"
 # By code: fill, edge, hatch
 BARS = {

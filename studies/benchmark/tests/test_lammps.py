@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import dem
+from dem.sweep.config import load
 from studies.benchmark.drag import compare_drag, largest_step
 from studies.benchmark.measure import (
     Plan,
@@ -21,10 +22,9 @@ from studies.benchmark.measure import (
 from studies.benchmark.scenes import FULL, make_case
 from studies.benchmark.sizes import compare_sizes
 from studies.common.peers import lammps
-from dem.sweep.config import load
 
 pytestmark = pytest.mark.skipif(lammps.available() is not None, reason=str(lammps.available()))
-CONFIG = Path(__file__).parent.parent / "config/smoke.yaml"
+CONFIG = Path(__file__).parents[3] / "config/smoke.yaml"
 ELASTIC = dem.Material(restitution=1.0)
 
 

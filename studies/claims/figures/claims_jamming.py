@@ -4,12 +4,15 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from dem.analysis.compare import Comparison
 from dem.base.errors import InputError
 from dem.figures import style
-from dem.analysis.compare import Comparison
 from studies.claims.evidence import reference
 from studies.claims.remains import EQUAL, remaining
 
+FILE = "claims"
+CAPTION = "Shapes at equal packing fraction, at equal distance from jamming and at equal load"
+VARIABLES = ("run_drag", "jam_fraction")
 STATES = {
     EQUAL: ("equal packing fraction", "#17457d", ""),
     "equal distance": ("equal distance from jamming", "#d5eedd", "..."),

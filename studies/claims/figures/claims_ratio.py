@@ -4,11 +4,14 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from dem.analysis.compare import Comparison
 from dem.base.errors import InputError
 from dem.figures import style
-from dem.analysis.compare import Comparison
 from studies.claims.evidence import rows, table, with_case
 
+FILE = "claims"
+CAPTION = "Ellipses from round to twice as long as wide: drag and alignment with the flow"
+VARIABLES = ("run_alignment", "jam_fraction")
 SETTINGS = {
     "equal fraction": ("equal packing fraction", "o", "-", "#17457d"),
     "equal distance": ("equal distance from jamming", "s", (0, (5, 1.5)), "#b34700"),

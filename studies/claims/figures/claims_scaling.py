@@ -9,6 +9,9 @@ from dem.figures import style
 from studies.claims.evidence import MARGIN, rows
 from studies.claims.report import scaled_ratios
 
+FILE = "claims"
+CAPTION = "Drag against the sizes of cylinder and box and against velocity"
+VARIABLES = ("run_setting", "run_curve")
 PANELS = {
     "velocity": "Velocity of the cylinder", "diameter": "Diameter of the cylinder",
     "width": "Width of the box", "height": "Height of the box",

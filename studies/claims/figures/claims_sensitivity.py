@@ -12,6 +12,9 @@ from studies.claims.evidence import from_study
 from studies.claims.influence import influences, responses
 from studies.claims.verdicts import judge
 
+FILE = "claims"
+CAPTION = "What decides the drag, and in how much of the plausible space claims hold"
+VARIABLES = ("run_factor",)
 SHOWN = 10  # factors
 BARS = (("drag of c1", "o", "#17457d"), ("e1 over c1", "D", "white"), ("e3 over c1", "s", "0.75"))
 WORDS = {

@@ -7,12 +7,15 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from dem.figures import style
 from dem.analysis.compare import CONTRADICTED, SUPPORTED, UNDECIDED, UNTESTED
+from dem.figures import style
 from studies.claims.evidence import from_study
 from studies.claims.report import claimed
 from studies.claims.verdicts import judge
 
+FILE = "claims"
+CAPTION = "Which of the paper's claims hold"
+VARIABLES = ("run_drag", "jam_fraction")
 RANGE = (0.12, 8.0)
 ROW = 0.5  # inches
 MARKS = {SUPPORTED: ("o", "#2f7d4f"), CONTRADICTED: ("X", "#b34700"), UNDECIDED: ("D", "white")}

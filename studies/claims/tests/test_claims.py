@@ -7,16 +7,13 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
-from conftest import CONFIG, make_small_bed
 from numpy.testing import assert_allclose
 from rich.console import Console
 from scipy.stats import qmc
+from test_damage import ATTRS, COMBINED, FOREIGN, foreign
+from typer.testing import CliRunner
 
-from dem.base.errors import InputError
-from dem.experiment.jamming import NOISE, line
-from dem.experiment.observables.alignment import alignment
-from dem.packing.pressed import Press
-from studies.claims import report
+from conftest import CONFIG, make_small_bed
 from dem.analysis.compare import (
     CONTRADICTED,
     SUPPORTED,
@@ -25,16 +22,22 @@ from dem.analysis.compare import (
     Comparison,
     together,
 )
+from dem.base.errors import InputError
+from dem.experiment.kinds.jamming import NOISE, line
+from dem.experiment.observables.alignment import alignment
+from dem.packing.pressed import Press
+from dem.sweep import design
+from dem.sweep.chunk import write_chunk
+from dem.sweep.config import load, parse
+from dem.sweep.work import Work
+from studies.__main__ import app
+from studies.claims import report
 from studies.claims.evidence import NOTHING, Evidence, from_study
 from studies.claims.influence import influences
 from studies.claims.remains import jamming_in, remaining
 from studies.claims.sentences import CLAIMS
 from studies.claims.table import make
 from studies.claims.verdicts import judge, share
-from dem.sweep import design
-from dem.sweep.chunk import write_chunk
-from dem.sweep.config import load, parse
-from dem.sweep.work import Work
 
 INFINITE = float("inf")
 SHAPES = {"c1": 1300.0, "d1": 2900.0, "c2": 560.0, "e1": 900.0, "e2": 600.0, "e3": 400.0, "e0": 1300.0}  # fmt: skip
@@ -252,7 +255,7 @@ def test_a_change_reaches_its_value_and_no_other():
 
 def smoke():
     """The small study as its file has it."""
-    data = yaml.safe_load((CONFIG / "smoke" / "claims.yaml").read_text())
+    data = yaml.safe_load((Path(__file__).parent.parent / "smoke.yaml").read_text())
     return data | {"extends": str(CONFIG / "smoke.yaml")}
 
 
@@ -362,7 +365,7 @@ def test_derived_fractions_are_those_of_the_beds_in_the_file(whole):
 
 
 def test_a_sweep_without_the_study_is_refused(tmp_path):
-    with pytest.raises(InputError, match="has no replicates; see config"):
+    with pytest.raises(InputError, match="has no replicates; see studies"):
         make(Work(load(CONFIG / "smoke.yaml")), tmp_path / "claims.nc")
 
 
@@ -543,3 +546,24 @@ def test_a_block_that_derives_needs_the_beds():
     del data["sweep"]["blocks"]["matched"]["needs"]
     with pytest.raises(InputError, match="matched derives values; needs must name"):
         parse(data, "claims.yaml")
+
+
+@pytest.mark.parametrize("fault", FOREIGN)
+def test_claims_are_tested_on_no_foreign_file(tmp_path, fault):
+    """It is answered with a sentence, or with dashes where it has gaps."""
+    file = foreign(tmp_path / "mine.nc", COMBINED, **({"attrs": ATTRS} | FOREIGN[fault]))
+    run = CliRunner().invoke(app, ["claims", "test", str(file)])
+    assert run.exit_code in (0, 2)
+    assert "mine.nc" in run.stderr if run.exit_code else "nan" not in run.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("README.md", "--margin", "nan"), "margin is nan"),
+        (("studies/shear/shear.nc",), "runs of the experiment shear have no drag; draw them with dem figure shear"),
+    ],
+)  # fmt: skip
+def test_what_has_no_claims_is_refused(arguments, sentence):
+    run = CliRunner().invoke(app, ["claims", "test", *arguments])
+    assert run.exit_code == 2 and sentence in run.stderr

@@ -6,12 +6,15 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from dem.analysis.compare import Comparison
 from dem.analysis.statistics import summarise
 from dem.analysis.values import along
 from dem.figures import style
 from dem.figures.sweep import heading
-from dem.analysis.compare import Comparison
 
+FILE = "drag"
+CAPTION = "Drag of shapes in beds that were made in several ways"
+AXES = {"packing_preparation": 2, "shape": 2, "seed": 2}
 AXIS = "packing_preparation"
 MARKERS = "osD^vPX"
 APART = 0.3  # between the ways, where shapes are 1 apart

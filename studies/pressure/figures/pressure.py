@@ -6,10 +6,15 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from studies.pressure.widths import Widths
 from dem.figures import style
 from dem.figures.sweep import heading
+from studies.pressure.widths import Widths
 
+FILE = "drag"
+CAPTION = (
+    "Drag of shapes against the width of the box, at equal pressure and at equal packing fraction"
+)
+AXES = {"box": 3, "shape": 2, "seed": 2}
 MARKERS = "osD^vPX"
 COLORS = style.CASES
 APART = 0.012  # between shapes, along 1 / width

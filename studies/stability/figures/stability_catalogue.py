@@ -6,6 +6,9 @@ from matplotlib.figure import Figure
 
 from dem.figures import style
 
+FILE = "stability"
+CAPTION = "Stiff and extreme cases, each against its limits"
+VARIABLES = ("check_value", "paper_residual")
 MARKERS = ("o", "s", "D", "^", "v", "P", "X")
 FLOOR, CEILING = (
     1e-13,

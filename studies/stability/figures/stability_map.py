@@ -10,6 +10,9 @@ from matplotlib.figure import Figure
 from dem.figures import style
 from studies.stability.report import BROKEN, OFF, edges
 
+FILE = "stability"
+CAPTION = "Where energy stops adding up: time step, restitution, stiffness, shape"
+VARIABLES = ("map_residual",)
 RANGE = (1e-7, 1.0)
 
 

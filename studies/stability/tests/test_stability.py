@@ -7,25 +7,28 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
-from conftest import assert_not_blank
+from typer.testing import CliRunner
 
 import dem
+from conftest import assert_not_blank
 from dem.dynamics.checkpoint import writable
 from dem.dynamics.forces import forces
-from dem.figures import STABILITY, draw
-from dem.report.info import summary
+from dem.figures.catalogue import draw
 from dem.shapes import KINDS
-from studies.stability import catalogue, study, table
-from studies.stability.layout import VARIABLES
-from studies.stability.report import edges
-from studies.stability.watching import excess, friction_excess, momenta, unlisted
 from dem.sweep import chunk
 from dem.sweep.config import load, parse
 from dem.sweep.store import Store
-from dem.sweep.table import write_part
 from dem.sweep.work import Work
+from studies.__main__ import app
+from studies.catalogue import figures
+from studies.common.table import write_part
+from studies.stability import catalogue, study, table
+from studies.stability.layout import VARIABLES
+from studies.stability.report import edges, summary
+from studies.stability.watching import excess, friction_excess, momenta, unlisted
 
-CONFIG = Path(__file__).parent.parent / "config"
+CONFIG = Path(__file__).parents[3] / "config"
+HERE = Path(__file__).parent.parent
 SHORT = {
     "paper": {"experiment": "draw", "shapes": ["c1"], "change": {"displacement": 5e-5},
               "limits": {"residual": 1e-2, "excess": 1e-14}},
@@ -46,7 +49,7 @@ LIMITS = {"shapes": ["c1"], "granules": 40}
 @pytest.fixture(scope="module")
 def sweep():
     """The smoke sweep with few runs."""
-    data = yaml.safe_load((CONFIG / "smoke/stability.yaml").read_text())
+    data = yaml.safe_load((HERE / "smoke.yaml").read_text())
     blocks = data["sweep"]["blocks"]
     steps = {"material.restitution": 0.5, "numerics.step_fraction": [0.5, 3.0]}
     few = {"shape": "c1", "material.young_modulus": {"times": 1.0}} | steps
@@ -198,9 +201,10 @@ def test_the_study_end_to_end(runs, limits, tmp_path):
     with xr.open_dataset(whole) as dataset:
         assert dataset["paper_case"].values.tolist() == ["c1", "c12"]
         assert float(dataset["paper_residual"].max()) < 1e-3
-    assert "3 of 3 checks passed" in str(summary(whole).renderables[-1])
-    for name in STABILITY:
-        vector, pixels = draw(name, whole, tmp_path)
+    assert "3 of 3 checks passed" in str(summary(xr.load_dataset(whole)).renderables[-1])
+    own = {name: each for name, each in figures().items() if each.file == "stability"}
+    for name in own:
+        vector, pixels = draw(name, whole, tmp_path, own)
         assert vector.is_file()
         assert_not_blank(pixels)
 
@@ -216,7 +220,7 @@ def test_the_study_end_to_end(runs, limits, tmp_path):
 )
 def test_a_sweep_that_is_no_study_is_refused(block, change, words):
     """Before anything runs, with the block in the sentence."""
-    data = yaml.safe_load((CONFIG / "smoke/stability.yaml").read_text())
+    data = yaml.safe_load((HERE / "smoke.yaml").read_text())
     blocks = data["sweep"]["blocks"]
     if block is None:
         data["record"]["observables"] = ["drag"]
@@ -249,9 +253,9 @@ def test_a_wrong_catalogue_is_refused_in_words(sweep, tmp_path, change, words):
 
 def test_the_released_catalogue_fits_the_released_configurations():
     """Every case names an experiment and shapes that are there, and every experiment is used."""
-    cases = catalogue.load(CONFIG / "catalogue.yaml")
-    for name in ("stability.yaml", "smoke/stability.yaml"):
-        sweep = load(CONFIG / name)
+    cases = catalogue.load(HERE / "catalogue.yaml")
+    for name in ("sweep.yaml", "smoke.yaml"):
+        sweep = load(HERE / name)
         study.check(sweep, cases)
         assert set(table.blocks_of(sweep)) == {"map", "paper"}
     assert {case.experiment for case in cases.cases.values()} == set(study.EXPERIMENTS)
@@ -270,3 +274,9 @@ def test_edges_of_the_map_in_words():
         "Runs break down or are stopped from 2 of the bound, 4.0 times the default; energy is off by 1% from 1"
     )
     assert edges(dataset.isel(map_fraction=[0])) == "Energy adds up at all of these steps"
+
+
+def test_a_shape_that_the_catalogue_has_not_is_refused(tmp_path):
+    words = ["catalogue", "--config", str(CONFIG / "smoke.yaml"), "--shape", "zz"]
+    run = CliRunner().invoke(app, ["stability", *words, "-o", str(tmp_path / "out.nc")])
+    assert run.exit_code == 2 and "shape is 'zz'" in run.stderr and not list(tmp_path.iterdir())

@@ -1,0 +1,1 @@
+"""Which Young's modulus gives the paper's drag of discs?"""

@@ -1,0 +1,1 @@
+"""What several studies use: other codes to compare with, timing, how findings become text."""

@@ -1,0 +1,1 @@
+"""Where do frictionless ellipses jam, and on how many contacts?"""

@@ -1,0 +1,16 @@
+"""The sweep over aspect ratios and numbers of granules."""
+
+from pathlib import Path
+
+from dem.experiment.bed import diameters
+from dem.experiment.fit import height_of_box
+from dem.sweep.config import load
+
+HERE = Path(__file__).parent.parent
+
+
+def test_boxes_of_the_sweep_are_about_square():
+    for run in load(HERE / "sweep.yaml").block("drag").runs:
+        own = run.replicate.configuration
+        height = height_of_box(own, diameters(run.replicate))
+        assert 0.8 < height / own.box_width < 1.25

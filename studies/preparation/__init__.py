@@ -1,0 +1,1 @@
+"""Does the drag depend on how a bed was made?"""

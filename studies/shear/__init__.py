@@ -1,0 +1,1 @@
+"""What friction and packing fraction does a sheared bed have?"""

@@ -1,0 +1,1 @@
+"""Is the drag at the paper's velocity quasi-static?"""
