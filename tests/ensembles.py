@@ -15,8 +15,8 @@ import numpy as np
 from faults import Place
 from measured import arguments, report
 
-from dem.experiment import drag
 from dem.experiment.bed import make_bed
+from dem.experiment.kinds import drag
 from dem.sweep.chunk import write_chunk
 from dem.sweep.config import load
 from dem.sweep.work import Work, link

@@ -50,7 +50,7 @@ class Place:
 
     def __init__(self, folder: Path, **changes):
         self.folder, self.changes = folder, changes
-        for name in ("dem", "rules", "config", "profiles"):
+        for name in ("dem", "rules", "config", "profiles", "studies"):
             ignored = shutil.ignore_patterns("__pycache__")
             shutil.copytree(ROOT / name, folder / name, ignore=ignored)
         for name in ("Snakefile", "README.md"):
@@ -61,7 +61,7 @@ class Place:
     def sweep(self, name: str, **changes) -> str:
         """Write a configuration with further changes; returns its path."""
         data = yaml.safe_load((ROOT / "config/smoke.yaml").read_text()) | self.changes | changes
-        kept = {k: v for k, v in data.items() if k != "studies"}
+        kept = data
         (self.folder / f"config/{name}.yaml").write_text(
             yaml.safe_dump(kept | {"results": f"results/{name}"}, sort_keys=False)
         )

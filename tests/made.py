@@ -4,7 +4,7 @@ from contextlib import chdir
 from pathlib import Path
 
 from dem.analysis.flow.collect import measure_chunk, write_flow
-from dem.figures import FLOW, draw, possible
+from dem.figures.catalogue import FIGURES, draw, possible
 from dem.sweep import chunk
 from dem.sweep.config import parse
 from dem.sweep.work import Work, link
@@ -31,7 +31,8 @@ def made(folder: Path, flow: bool = False, **values) -> Work:
             for each in work.files(block):
                 measure_chunk(each, Path("results/flow") / each.name)
             write_flow(work, block, Path("results/flow.nc"))
-            for name in possible(work.block(block), FLOW):
-                draw(name, Path("results/flow.nc"), Path("results/figures"))
+            for name in possible(work.block(block)):
+                if FIGURES[name].file == "flow":
+                    draw(name, Path("results/flow.nc"), Path("results/figures"))
         draw("all", Path("results/drag.nc"), Path("results/figures"))
     return work

@@ -28,6 +28,8 @@ PROJECT = Path(__file__).parent.parent
 COPIED = (
     "dem",
     "tests",
+    "conftest.py",
+    "studies",
     "config",
     "rules",
     "docs",
@@ -76,7 +78,7 @@ MUTANTS = (
     # motion
     Mutant("dynamics/forces.py", "index", "impulse[b, 1] += on[b, FY] * dt", "impulse[b, 1] += on[b, FX] * dt", SMOOTH),
     Mutant("dynamics/forces.py", "not cleared", "force[left + c] = 0.0", "force[left + c] *= 1.0", ONE_THREAD),
-    Mutant("dynamics/integration.py", "constant", "further = 0.5 * dt, dt, 0,", "further = dt, dt, 0,", BOX),
+    Mutant("dynamics/integration.py", "constant", "= (0.5 * dt, 0.0, 0.0) if last", "= (dt, 0.0, 0.0) if last", BOX),
     Mutant("dynamics/integration.py", "factor", "bodies[i, DVX] = half * ax", "bodies[i, DVX] = dt * ax", BOX),
     Mutant("dynamics/integration.py", "sign", "reorient(frame, i, angle[i], dt * spin)", "reorient(frame, i, angle[i], -dt * spin)", ELLIPSES),
     Mutant("dynamics/integration.py", "dropped wait", "        barrier(thread)\n        if leads:\n            boundary_forces", "        if leads:\n            boundary_forces", TWO_THREADS),
@@ -108,22 +110,22 @@ MUTANTS = (
     Mutant("packing/grown.py", "missing factor", "KEPT * end.velocity", "end.velocity", BED),
     # runs
     Mutant("experiment/fit.py", "sign", "(granules / fraction + cylinder)", "(granules / fraction - cylinder)", RUN),
-    Mutant("experiment/drag.py", "order", "min(every - done % every, BINS_A_CALL)", "BINS_A_CALL", RUN),
+    Mutant("experiment/kinds/drag.py", "order", "min(every - done % every, BINS_A_CALL)", "BINS_A_CALL", RUN),
     Mutant("experiment/observables/drag.py", "sign", '"drag": -total[:, 1]', '"drag": total[:, 1]', RUN),
-    Mutant("experiment/jamming.py", "constant", "load[start:] ** (2.0 / 3.0)", "load[start:] ** (3.0 / 2.0)", "tests/test_claims.py::test_line_finds_where_pressure_begins"),
-    Mutant("experiment/onset.py", "constant", "HOLDING = 3", "HOLDING = 2", "tests/test_onset.py"),
+    Mutant("experiment/kinds/jamming.py", "constant", "load[start:] ** (2.0 / 3.0)", "load[start:] ** (3.0 / 2.0)", "studies/claims/tests/test_claims.py::test_line_finds_where_pressure_begins"),
+    Mutant("experiment/kinds/onset.py", "constant", "HOLDING = 3", "HOLDING = 2", "tests/test_onset.py"),
     Mutant("experiment/config.py", "missing term", "{packing.fraction} {packing.friction} {self.seed}", "{packing.fraction} {self.seed}", SWEEP),
     # sweeps, their store, files and numbers
     Mutant("sweep/store.py", "comparison", "if some and len(some) + len(bed) > size:", "if some and len(some) + len(bed) >= size:", SWEEP),
-    Mutant("sweep/store.py", "index", 'data["parts"] = {name: before[name] for name in before if name in set(parts)}', 'data["parts"] = {}', SWEEP),
+    Mutant("sweep/store.py", "index", 'kept = {name: before[name] for name in before if name in set(parts)}', 'kept = {}', SWEEP),
     Mutant("sweep/chunk.py", "missing call", "    store.keep(replicate.id, found)\n", "", STORE),
     Mutant("sweep/chunk.py", "comparison", 'return values["run_id"].tolist() == [', 'return values["run_id"].tolist() != [', STORE),
     Mutant("io/checksums.py", "comparison", "if stored != _checksum(file, size):", "if stored == mark:", "tests/test_damage.py"),
-    Mutant("io/results_folder.py", "condition", "if owner else late:", "if owner else not late:", STORE),
+    Mutant("io/results_folder.py", "condition", "else late:\n", "else not late:\n", STORE),
     Mutant("analysis/statistics.py", "constant", "0.5 + 0.5 * LEVEL)\n    return runs", "LEVEL)\n    return runs", "tests/test_statistics.py"),
     Mutant("analysis/onset.py", "sign", "return y @ share - slope * middle", "return y @ share + slope * middle", "tests/test_onset.py"),
     # how kernels are compiled
-    Mutant("jit/compilation.py", "missing term", "{code_hash(each.__module__)}\" for", "\" for", "tests/test_compilation.py"),
+    Mutant("jit/compilation.py", "missing term", " {_code_of(each)}\" for", "\" for", "tests/test_compilation.py"),
     Mutant("jit/optional.py", "sign", "return lambda a, b: -b", "return lambda a, b: b", ELLIPSES),
     Mutant("jit/lanes.py", "index", "(table[row],) + rows_like(like[1:], table, row + 1)", "(table[row],) + rows_like(like[1:], table, row)", ELLIPSES),
 )  # fmt: skip

@@ -17,8 +17,8 @@ from faults import Place, varied
 from measured import arguments, processor_time, report
 
 from dem.base.errors import RunError
-from dem.experiment import drag
 from dem.experiment.bed import make_bed
+from dem.experiment.kinds import drag
 from dem.jit.compilation import spare_blas
 from dem.sweep import store as stores
 from dem.sweep.chunk import write_chunk

@@ -19,10 +19,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import typer
-from conftest import posix
 from typer.main import get_command
 from typer.testing import CliRunner
 
+from conftest import posix
 from dem.base.errors import InputError, RunError
 from dem.cli.app import app
 from dem.cli.streams import spelled
@@ -30,7 +30,6 @@ from dem.cli.terminal import bar, reported
 from dem.figures import film
 from dem.io import progress
 from dem.io.progress import Stage
-from studies.calibration.calibrate import MODULI, fit
 from dem.sweep.remedy import is_written
 
 ROOT = Path(__file__).parent.parent
@@ -78,7 +77,7 @@ def test_the_workflow_calls_verbs_that_exist():
     """Every command in the rules begins with the words of a verb."""
     text = "".join(path.read_text() for path in (ROOT / "rules").glob("*.smk"))
     called = [words.split() for words in re.findall(r"\bdem ((?:[a-z]+ )+)", text)]
-    assert len(called) > 10
+    assert len(called) > 5
     for words in called:
         assert any(all(a == b for a, b in zip(words, verb, strict=False)) for verb in VERBS), words
 
@@ -133,14 +132,7 @@ SMOKE = ("--config", "config/smoke.yaml")
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (("calibrate", *SMOKE, "--target", "nan"), "target is nan"),
-        (("calibrate", *SMOKE, "--target", "inf"), "target is inf"),
-        (("calibrate", *SMOKE, "--target", "0"), "target is 0.0"),
-        (("calibrate", *SMOKE, "--target", "-1"), "target is -1.0"),
-        (("calibrate", *SMOKE, "--shape", "zz"), "shape is 'zz'"),
-        (("calibrate", *SMOKE, "--density", "nan"), "density is nan"),
         (("pack", *SMOKE, "--shape", "c1", "--seed", str(2**63), "-o", "OUT"), f"seed is {2**63}"),
-        (("stability", "catalogue", *SMOKE, "--shape", "zz", "-o", "OUT"), "shape is 'zz'"),
         (("compile", *SMOKE, "--shape", "zz"), "shape is 'zz'"),
         (("compile", *SMOKE, "--kernels", "zz"), "kernels is 'zz'"),
         (("combine", *SMOKE, "--block", "zz", "-o", "OUT"), "block is 'zz'"),
@@ -159,15 +151,12 @@ SMOKE = ("--config", "config/smoke.yaml")
         (("film", "docs/data/drag.nc", "-o", "OUT.avi"), "it must be the path of a file that ends in .mp4 or .gif"),
         (("figure", "figure07", "docs/data/flow.nc", "-o", "OUT"), "docs/data/flow.nc: it holds no drag; name docs/data/drag.nc instead."),
         (("figure", "figure09", "docs/data/drag.nc", "-o", "OUT"), "figure09 is drawn from flow.nc; name docs/data/flow.nc instead."),
-        (("figure", "benchmark", "docs/data/drag.nc", "-o", "OUT"), "benchmark is drawn from benchmark.nc; name"),
         (("picture", "docs/data/drag.nc", "point=0", "-o", "OUT.png"), "its runs have no value named point; its runs differ in case"),
         (("info", "config/smoke.yaml"), "make its results with dem sweep config/smoke.yaml"),
         (("film", "config/smoke.yaml", "-o", "OUT.gif"), "make its results with dem sweep config/smoke.yaml"),
         (("sweep", "config/smok.yaml"), "the nearest is config/smoke.yaml"),
         (("compile", "--config", "confg/smoke.yaml"), "there is no folder confg"),
-        (("claims", "test", "README.md", "--margin", "nan"), "margin is nan"),
-        (("claims", "test", "studies/shear/shear.nc"), "runs of the experiment shear have no drag; draw them with dem figure shear docs"),
-        (("figure", "sweep", "studies/onset/onset.nc", "-o", "OUT"), "runs of the experiment onset have no drag; draw them with dem figure onset docs"),
+        (("figure", "sweep", "studies/onset/onset.nc", "-o", "OUT"), "runs of the experiment onset have no drag; draw them with dem figure onset studies"),
         (("report", "studies/shear/shear.nc", "-o", "OUT.html"), "runs of the experiment shear have no drag"),
         (("pack", *SMOKE, "--shape", "c1", "--seed", "1", "record.window=[1,2]", "-o", "OUT"), "record.window is '[1,2]'; set it in a configuration"),
         (("pack", *SMOKE, "--shape", "c1", "--seed", "1", "-o", "OUT.txt"), "it must end in .nc"),
@@ -179,6 +168,8 @@ SMOKE = ("--config", "config/smoke.yaml")
 def test_a_value_that_no_verb_can_use_is_refused(tmp_path, monkeypatch, arguments, sentence):
     """Status 2, the value is named, and nothing is written."""
     monkeypatch.chdir(ROOT)
+    if any(word.startswith("studies/") and not Path(word).exists() for word in arguments):
+        pytest.skip("needs a study that is removed")
     words = [word.replace("OUT", str(tmp_path / "out.nc")) for word in arguments]
     result = CliRunner().invoke(app, words)
     assert result.exit_code == 2, (result.output, result.exception)
@@ -190,7 +181,7 @@ def test_a_value_that_no_verb_can_use_is_refused(tmp_path, monkeypatch, argument
 def test_a_file_that_is_cut_off_is_said_to_be(tmp_path):
     """The command that was just typed is no remedy."""
     cut = tmp_path / "drag.nc"
-    cut.write_bytes((ROOT / "studies/shear/shear.nc").read_bytes()[:2000])
+    cut.write_bytes((ROOT / "docs/data/drag.nc").read_bytes()[:2000])
     result = CliRunner().invoke(app, ["info", str(cut)])
     assert result.exit_code == 2
     assert "is cut off or damaged: make it again, or copy it again." in result.stderr
@@ -322,6 +313,7 @@ def kept(work, count):
 
 def test_a_sweep_ends_with_the_file_of_its_runs_and_what_to_do_next(tmp_path, monkeypatch):
     """A sweep with nothing to make says so; what was asked for is on stdout, and nothing was."""
+    (tmp_path / "results/store").mkdir(parents=True)  # a new one is said
 
     def make(work, jobs, progress):
         work.chunks("drag")
@@ -340,6 +332,8 @@ def test_a_sweep_ends_with_the_file_of_its_runs_and_what_to_do_next(tmp_path, mo
 
 @pytest.mark.skipif(os.name != "posix", reason="Windows ends a process at once")
 def test_a_sweep_that_is_stopped_says_what_is_kept_and_how_it_goes_on(tmp_path, monkeypatch):
+    (tmp_path / "results/store").mkdir(parents=True)
+
     def make(work, jobs, progress):
         work.chunks("drag")
         work.settle()
@@ -457,7 +451,7 @@ from dem.cli.app import app
 # what forks would import again and again
 import rich.table, typer.rich_utils, matplotlib.figure, xarray
 import dem.dynamics.simulation, dem.experiment.bed, dem.figures.figure13, dem.figures.style
-import dem.report.info, studies.claims.report, dem.sweep.estimate
+import dem.report.info, dem.sweep.estimate
 
 def source(name, kind):
     if kind == "closed":
@@ -533,7 +527,10 @@ def check_streams(folder, commands, expected, shows):
         lost = shows and out in ("closed", "full")
         assert code == (1 if lost else expected), (words, out, err, code, told)
         if lost and err == "usual":
-            assert re.fullmatch(r"standard output cannot be written \(.*\); .*\n", told), told
+            said_so = re.sub(
+                r"^\d{4}-\d\d-\d\d .*\n", "", told, flags=re.M
+            )  # progress, where it is slow
+            assert re.fullmatch(r"standard output cannot be written \(.*\); .*\n", said_so), told
         if out == "ascii":
             assert said.isascii() and told.isascii()
         assert shows == bool(said) or out not in ("usual", "ascii"), (words, out, err)
@@ -555,7 +552,8 @@ def test_streams_lose_no_file_and_change_no_status(tmp_path):
     if not Path("/dev/full").exists():
         pytest.skip("there is no /dev/full")
     drag, smoke, out = ROOT / "docs/data/drag.nc", ROOT / "config/smoke.yaml", tmp_path / "out"
-    shown = [["info", drag], ["sweep", smoke, "-n"], ["claims", "test", drag], ["store"]]
+    (tmp_path / "results/store").mkdir(parents=True)
+    shown = [["info", drag], ["sweep", smoke, "-n"], ["store"]]
     check_streams(tmp_path, [list(map(str, words)) for words in shown], 0, True)
     check_streams(tmp_path, [["info", "none.nc"], ["sweep", "none.yaml"]], 2, False)
     for words, made in (
@@ -585,40 +583,6 @@ def test_a_file_is_not_opened_in_place_of_a_closed_stream(tmp_path, closed):
 def test_words_are_spelled_in_ascii_without_another_meaning():
     assert spelled("± 3 kg/m³, 10⁻³ µm") == "+- 3 kg/m^3, 10^-3 um"
     assert spelled("naïve 粒") == "naive \\u7c92"
-
-
-def drags(seeds, scatter, exponent=0.96):
-    """Moduli (Pa) and synthetic mean drags (N) that give 1295 N at 76.6 GPa."""
-    rng, moduli = np.random.default_rng(1), 76.6e9 * np.array(MODULI)
-    noise = np.exp(
-        rng.normal(0.0, scatter, (seeds, 1)) + rng.normal(0.0, 0.01, (seeds, len(moduli)))
-    )
-    return moduli, 1295.0 * (moduli / 76.6e9) ** exponent * noise
-
-
-def test_the_interval_of_the_modulus_is_positive_and_holds_it():
-    """With many seeds it is narrow, with three it is wide and still of positive numbers."""
-    for seeds, scatter, widest in ((100, 0.12, 1.1), (3, 0.2, 10.0)):
-        found = fit(*drags(seeds, scatter), 1295.0)
-        low, high = found.interval
-        assert 0.0 < low < 76.6e9 < high < widest * low
-        assert low < found.young_modulus < high and f"{1e-9 * low:.4g} to" in found.sentence()
-    assert "outside" not in fit(*drags(100, 0.12), 1295.0).sentence()
-    assert "outside of the runs" in fit(*drags(100, 0.12), 13000.0).sentence()
-
-
-@pytest.mark.parametrize(
-    ("means", "target", "sentence"),
-    [
-        (drags(3, 1.5), 1295.0, "wider than a factor of 10: take more seeds than 3"),
-        (drags(10, 0.1, -0.5), 1295.0, "drag does not rise with the modulus"),
-        (drags(10, 0.1, 0.01), 1e300, "no modulus gives this drag"),
-        ((drags(3, 0.1)[0], -drags(3, 0.1)[1]), 1295.0, "drag does not rise with the modulus"),
-    ],
-)
-def test_a_calibration_that_says_nothing_fails(means, target, sentence):
-    with pytest.raises(RunError, match=sentence):
-        fit(*means, target)
 
 
 def test_the_console_script_is_the_application():

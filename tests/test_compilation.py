@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from conftest import posix
 from numba.core.registry import cpu_target
 
-from dem.base.sources import PACKAGE
+from conftest import posix
+from dem.base.sources import ROOT
 from dem.jit import compilation
 from dem.jit.address import FEW, by_address, local
 from dem.jit.compilation import compiled, inlined
@@ -52,7 +52,7 @@ def test_copies_share_kernels_and_edits_do_not(tmp_path, words, edited):
     one of a shape, which no kernel imports."""
     ignore = shutil.ignore_patterns("__pycache__")
     for name in ("first", "second"):
-        shutil.copytree(PACKAGE, tmp_path / name / "dem", ignore=ignore)
+        shutil.copytree(ROOT / "dem", tmp_path / name / "dem", ignore=ignore)
     assert asked(tmp_path / "first", tmp_path / "cache", words) == (0, 1)
     assert asked(tmp_path / "second", tmp_path / "cache", words) == (1, 0)
     for line, expected in (("# edited", (1, 0)), ("EDITED = True", (0, 1))):
@@ -266,7 +266,7 @@ def test_a_full_disk_does_not_stop_a_run(tmp_path):
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
     ran = subprocess.run(
         [sys.executable, script],
-        cwd=PACKAGE.parent,
+        cwd=ROOT,
         env=environment,
         capture_output=True,
         text=True,
@@ -309,5 +309,5 @@ print(caught)
 def test_a_signal_between_python_and_machine_code_is_an_exception():
     """Handlers that raise, as that of Ctrl-C does, never see values that are made by halves."""
     command = [sys.executable, "-c", INTERRUPTED]
-    ran = subprocess.run(command, cwd=PACKAGE.parent, capture_output=True, text=True)
+    ran = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert (ran.returncode, ran.stdout) == (0, "2000\n"), ran.stderr

@@ -8,10 +8,10 @@ import time
 
 import pytest
 import yaml
-from conftest import CONFIG, posix
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from conftest import CONFIG, posix
 from dem.base.errors import InputError
 from dem.base.yaml_file import LARGEST, read
 from dem.experiment.fit import height_of_box, sample_diameters
@@ -130,7 +130,6 @@ SENTENCES = [
     ("sweep", {"blocks": {"a": 3}}, "sweep.blocks.a is 3; it must be a group of what varies."),
     ("sweep", {"blocks": {"a": {"needs": "b"}}}, "sweep.blocks.a.needs is 'b'; it must be a block before it: there is none."),
     ("chunk", 0, "chunk is 0; it must be at least 1."),
-    ("studies", {"x": "x.yaml"}, "studies.x is 'x'; it must be 'accuracy', 'claims' or 'stability'."),
     ("gravity", float("nan"), "gravity is nan; it must be a finite number."),
     ("gravity", -(10**5000), "gravity is a number of thousands of digits; its magnitude must be at most 1e+15."),
     ("gravity", -1, "gravity is -1; it must be zero or positive."),

@@ -9,12 +9,12 @@ import meshio
 import numpy as np
 import pytest
 import xarray as xr
-from conftest import STIFF, assert_not_blank
 from made import made
 from PIL import Image
 from typer.testing import CliRunner
 
 import dem
+from conftest import STIFF, assert_not_blank
 from dem.analysis.flow.collect import write_flow
 from dem.analysis.flow.layout import MEASURES
 from dem.analysis.flow.verdict import compared
@@ -23,7 +23,7 @@ from dem.base.errors import InputError
 from dem.cli.app import app
 from dem.experiment import flow_measures as measures
 from dem.experiment.observables import flow as observable
-from dem.figures import draw
+from dem.figures.catalogue import draw
 from dem.figures.export import export
 from dem.figures.film import encoder, film, picture
 from dem.report.info import summary

@@ -10,7 +10,6 @@ from twin import forces_of
 from dem import Cylinder, Disc, Dumbbell, Friction, Material, Scene, Simulation, State, box
 from dem.dynamics.checkpoint import writable
 from dem.dynamics.forces import forces
-from studies.benchmark import stages
 
 
 def random_bed(kind, seed):
@@ -65,6 +64,7 @@ def test_forces_on_walls_and_cylinder_balance_those_on_granules(kind):
 def test_the_stages_that_are_timed_make_the_forces_of_a_step():
     """All stages of a pair, one after the other, give what a step gives where nothing meets walls or
     cylinder."""
+    stages = pytest.importorskip("studies.benchmark.stages")
     scene, state = random_bed(Disc, 1)
     walls = [[1.0, 0.0, 1.0], [-1.0, 0.0, 1.0], [0.0, 1.0, 1.0], [0.0, -1.0, 1.0]]  # m
     scene = replace(scene, walls=walls, cylinder=Cylinder(1e-3, (0.9, 0.9)))

@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 import pytest
-from conftest import section_of
 from numpy.testing import assert_allclose
 from reference import outline, parting, potential
 from twin import forces_of
 
+from conftest import section_of
 from dem import (
     CommonNormal,
     Cylinder,

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from conftest import STIFF
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
+from conftest import STIFF
 from dem import Simulation
 from dem.dynamics.assembly import granule_table
 from dem.dynamics.neighbors import near_circle, near_pairs, near_planes

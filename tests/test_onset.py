@@ -5,16 +5,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from conftest import assert_not_blank
 
+from conftest import assert_not_blank
 from dem.analysis.onset import LEAST, limits
 from dem.base.errors import InputError
 from dem.dynamics.touching import Touching
-from dem.experiment import jamming, onset
 from dem.experiment.bed import diameters
 from dem.experiment.config import parse
 from dem.experiment.fit import height_of_box
-from dem.figures import ONSET_LEAST
+from dem.experiment.kinds import jamming, onset
+from dem.figures.catalogue import FIGURES
 from dem.figures.onset import plot
 from dem.figures.style import save
 from dem.packing.pressed import Press
@@ -23,7 +23,10 @@ from dem.sweep.config import load
 from dem.sweep.config import parse as parse_sweep
 
 ROOT = Path(__file__).parent.parent
-SWEEP = load(ROOT / "studies/onset/sweep.yaml")
+SWEEP = ROOT / "studies/onset/sweep.yaml"
+if not SWEEP.is_file():
+    pytest.skip("needs the study onset", allow_module_level=True)
+SWEEP = load(SWEEP)
 
 
 def bed(ratio=1.0, granules=40, seed=1, **changes):
@@ -104,7 +107,9 @@ def test_only_what_draws_no_cylinder_may_lack_one():
 
 def test_the_onset_is_that_of_beds_without_friction():
     packing = values()["packing"] | {"friction": 0.3}
-    with pytest.raises(InputError, match=r"packing\.friction is 0\.3; it must be 0"):
+    with pytest.raises(
+        InputError, match=r"packing\.friction is 0\.3; the experiment onset needs 0"
+    ):
         parse(values(packing=packing))
 
 
@@ -113,13 +118,6 @@ def test_a_cylinder_that_is_not_there_cannot_vary():
     data["sweep"] = {"shape": "e", "cylinder.diameter": [1e-3, 2e-3]}
     with pytest.raises(InputError, match=r"cylinder\.diameter is no value that can vary"):
         parse_sweep(data)
-
-
-def test_boxes_of_the_sweep_are_about_square():
-    for run in SWEEP.block("drag").runs:
-        own = run.replicate.configuration
-        height = height_of_box(own, diameters(run.replicate))
-        assert 0.8 < height / own.box_width < 1.25
 
 
 # Lines over the size
@@ -178,7 +176,7 @@ def test_rattlers_count_neither_as_granules_nor_for_contacts():
 def test_too_few_beds_for_a_line_are_refused(granules, beds, words):
     with pytest.raises(InputError, match=words):
         limits(swept(lambda n: 0.84 + 0.0 * n, lambda n: 4.0 + 0.0 * n, granules, beds))
-    assert ONSET_LEAST == LEAST
+    assert FIGURES["onset"].axes == {"granules": LEAST, "seed": LEAST}
 
 
 def test_the_figure_shows_every_size_and_the_limit(tmp_path):

@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import get_type_hints
 
 import pytest
-from conftest import CONFIG, posix
 from typer.testing import CliRunner
 
+from conftest import CONFIG, posix
 from dem.base.errors import InputError
 from dem.base.files import FOLDER, Place, atomic, check_paths
 from dem.cli.app import app

@@ -6,18 +6,14 @@ from functools import cache
 
 import numpy as np
 import pytest
-import xarray as xr
-from conftest import CONFIG, STIFF, assert_not_blank, make_small_bed
 from numpy.testing import assert_allclose
 from reference import parting
 from twin import Twin
 
 import dem
+from conftest import CONFIG, STIFF, make_small_bed
 from dem.contacts.force_law import effective_modulus
 from dem.experiment.bed import make_bed
-from dem.figures import possible
-from studies.preparation.figures.preparation import plot
-from dem.figures.style import save
 from dem.packing.grown import _moved
 from dem.packing.pressed import Press, compact
 from dem.packing.random import sown
@@ -309,26 +305,3 @@ def test_preparation_is_part_of_what_a_bed_is():
     assert not np.array_equal(rough.position, make_bed(replicate(friction=0.3)).position)
     with pytest.raises(dem.InputError, match=r"packing.preparation is 'shaken'; it must be 'rel"):
         replicate(preparation="shaken")
-
-
-def test_the_figure_shows_both_ways_and_their_ratio(tmp_path):
-    """Where grown beds drag half as much, each mark of the ratio is at a half."""
-    assert "preparation" in possible(load(CONFIG / "preparation.yaml").block("drag"))
-    dims = "packing_preparation", "box", "shape", "seed"
-    drag = np.array([1000.0, 500.0])[:, None, None, None] * np.ones((2, 2, 3, 4))
-    drag = drag * np.linspace(0.9, 1.1, 4)  # by seed
-    runs = xr.Dataset(
-        {"drag": ((*dims, "displacement"), drag[..., None])},
-        {"packing_preparation": ["relaxed", "grown"], "box": ["1", "2"], "shape": ["c1", "e1", "e3"],
-         "box_width": ("box", [0.02, 0.04], {"long_name": "width", "units": "m"}),
-         "seed": np.arange(4), "displacement": [2e-3]},
-        {"window_start": 1e-3, "window_stop": 3e-3},
-    )  # fmt: skip
-    figure = plot(runs)
-    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["relaxed", "grown"]
-    titles = [axes.get_title() for axes in figure.axes[:2]]
-    assert titles == ["width: 20\N{NO-BREAK SPACE}mm", "width: 40\N{NO-BREAK SPACE}mm"]
-    ratios = figure.axes[2].lines[0].get_ydata()
-    np.testing.assert_allclose(ratios, 0.5 * np.ones(3))
-    _, pixels = save(figure, tmp_path / "preparation")
-    assert_not_blank(pixels)

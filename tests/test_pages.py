@@ -8,17 +8,19 @@ import shutil
 import subprocess
 import sys
 import textwrap
-from pathlib import Path
 
 import pytest
+import xarray as xr
 import yaml
 
-from dem.base.sources import PACKAGE
+from conftest import needs_study, posix
+from dem.base.sources import ROOT
 
-ROOT = Path(__file__).parent.parent
+PACKAGE = ROOT / "dem"
 DOCS = ROOT / "docs"
 BUILT = "_build", "_generated", "jupyter_execute", "data"
 PAGES = sorted(path for path in DOCS.rglob("*.md") if path.relative_to(DOCS).parts[0] not in BUILT)
+PAGES += sorted(ROOT.glob("studies/*/page.md"))
 FRONT_MATTER = re.compile(r"\A---\n(.*?)\n---\n", re.S)
 NO_PROSE = re.compile(
     r"^(?P<fence>`{3,}|~{3,})(?!\{(?!code)).*?^(?P=fence)[`~]*\s*$"  # code; {note} and the like are prose
@@ -45,6 +47,8 @@ def load(path):
 
 release = load(DOCS / "data/release.py")
 findings = sys.modules["findings"]
+# pages quote the findings of all studies
+whole = needs_study(*findings.PAGES)
 RELEASED = [each for each in findings.FILES if each.path.is_file()]
 
 
@@ -60,7 +64,7 @@ def results_typed(text):
     return RESULT.findall(prose), vain
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.relative_to(DOCS).as_posix())
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_no_page_types_a_result(page):
     """Take the number from docs/_ext/findings.py, or list it as `given` if no run made it."""
     assert results_typed(page.read_text(encoding="utf-8")) == ([], [])
@@ -84,7 +88,7 @@ def test_an_input_passes(text):
     assert results_typed(text) == ([], [])
 
 
-@pytest.mark.parametrize("file", [*RELEASED, *findings.elsewhere], ids=lambda each: each.name)
+@pytest.mark.parametrize("file", RELEASED, ids=lambda each: each.name)
 def test_a_released_file_names_what_made_it(file):
     attrs = file.dataset.attrs
     assert attrs["made_with"] == file.command
@@ -110,7 +114,7 @@ def test_a_released_file_is_of_todays_kernels(file):
         if now.get(name) != then[name] and (name, then[name], now.get(name)) not in same
     ]
     assert not changed, (
-        f"docs/data/{file.path.name} is stale: dem/{', dem/'.join(changed)} changed since "
+        f"{file.place} is stale: dem/{', dem/'.join(changed)} changed since "
         f"{file.revision}. Run `{file.command}`, then `python docs/data/release.py results`."
     )
 
@@ -127,12 +131,6 @@ def test_kernels_ignore_comments_and_notice_code(tmp_path):
     assert found[0] == found[1] != found[2]
 
 
-@pytest.mark.parametrize("file", findings.elsewhere, ids=lambda each: each.name)
-def test_a_benchmark_of_another_processor_is_named_after_it(file):
-    family, model = re.search(r"family(\d+)_model(\d+)", file.name).groups()
-    assert f"(family {family}, model {model})" in file.machine() != findings.speed.machine()
-
-
 def test_every_released_file_can_be_renewed():
     """docs/data holds nothing that no script writes."""
     known = {each.path.name for each in (*findings.FILES, *findings.MEASURED)}
@@ -140,9 +138,9 @@ def test_every_released_file_can_be_renewed():
 
 
 def test_timings_name_what_made_them():
-    if not findings.timings.path.is_file():
+    if not findings.NAMES["timings"].path.is_file():
         pytest.skip("docs/data/timings.yaml is not there yet")
-    about = findings.timings.content
+    about = findings.NAMES["timings"].content
     assert (
         re.fullmatch(r"[0-9a-f]{7,}", str(about["revision"])) and about["date"] and about["machine"]
     )
@@ -152,7 +150,8 @@ def test_timings_name_what_made_them():
 LINK = re.compile(r"\]\(([^)#\s]*)[^)\s]*\)")
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.relative_to(DOCS).as_posix())
+@whole
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_the_links_of_a_page_lead_somewhere_in_a_checkout(page):
     """What the build makes is linked by a role ({doc}`...`) or shown by a directive."""
     text = re.sub(r"\{\{.*?\}\}", "", page.read_text(encoding="utf-8"))
@@ -167,7 +166,8 @@ def test_the_page_of_results_says_what_each_page_is_about():
     assert [each for each in pages if not re.search(rf"\]\({each}\) \w.*\.", text)] == []
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.relative_to(DOCS).as_posix())
+@whole
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_no_table_gives_an_interval_of_nothing(page):
     """An interval from zero to zero is said in words."""
     text = findings.fill(page.read_text(encoding="utf-8")).replace("\N{NO-BREAK SPACE}", " ")
@@ -181,21 +181,14 @@ HOWTO = sorted((DOCS / "howto").glob("*.md"))
 
 @pytest.fixture(scope="module")
 def extended(tmp_path_factory):
-    """A copy of package and configurations with the experiment and the observable of their page."""
+    """A copy of package and configurations with the files of the how-to pages, and of nothing else."""
     folder = tmp_path_factory.mktemp("extended")
     for name in ("dem", "config"):
         shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
-    text = (DOCS / "howto/experiment.md").read_text(encoding="utf-8")
-    for kind, name, block in FILE.findall(text):
-        if kind == "python":
-            (folder / name).write_text(block, encoding="utf-8")
-    config = folder / "dem/experiment/config.py"
-    lines = re.search(r"^```python\n(EXPERIMENTS = .*?^)```", text, re.S | re.M)[1]
-    old = r"^EXPERIMENTS = .*?^}[^\n]*\n"
-    new = re.sub(
-        old, lambda _: lines, config.read_text(encoding="utf-8"), count=1, flags=re.S | re.M
-    )
-    config.write_text(new, encoding="utf-8")
+    for page in HOWTO:
+        for kind, name, block in FILE.findall(page.read_text(encoding="utf-8")):
+            if kind == "python":
+                (folder / name).write_text(block, encoding="utf-8")
     return folder
 
 
@@ -224,6 +217,24 @@ def test_the_sweeps_of_a_page_can_be_run(extended, page):
     assert [words for words in said.values() if words] == []
 
 
+@posix
+def test_a_figure_and_an_experiment_are_one_file_each(extended):
+    """As their pages have them: the figure is drawn, and a sweep makes the runs of the experiment."""
+    drag = DOCS / "data/drag.nc"
+    text = (DOCS / "howto/experiment.md").read_text(encoding="utf-8")
+    (rest,) = [block for _, name, block in FILE.findall(text) if name == "rest.yaml"]
+    (extended / "rest.yaml").write_text(rest, encoding="utf-8")
+    environment = os.environ | {"PYTHONPATH": str(extended)}
+    for words in (["figure", "scatter", drag, "-o", "drawn"], ["sweep", "rest.yaml", "-j", "1"]):
+        command = [sys.executable, "-P", "-m", "dem", *map(str, words)]
+        ran = subprocess.run(command, cwd=extended, env=environment, text=True, capture_output=True)
+        assert ran.returncode == 0, ran.stderr
+    assert (extended / "drawn/scatter.svg").is_file()
+    with xr.open_dataset(extended / "results/rest/rest.nc") as made:
+        assert dict(made["rest_load"].sizes) == {"shape": 2, "packing_fraction": 2, "seed": 2}
+
+
+@whole
 def test_the_readme_is_its_template_filled_in():
     """Rewrite it by `python docs/write_readme.py`."""
     script = load(DOCS / "write_readme.py")
@@ -233,5 +244,5 @@ def test_the_readme_is_its_template_filled_in():
 
 
 def test_a_sentence_that_the_data_contradicts_ends_the_build():
-    with pytest.raises(ValueError, match="contradicts the sentence 'Discs drag less"):
+    with pytest.raises(ValueError, match="contradict the sentence 'Discs drag less"):
         findings.fill("{{ holds('Discs drag less than ellipses', drag.falls('e1', 'c1')) }}")

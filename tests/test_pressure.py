@@ -1,4 +1,4 @@
-"""Beds under a pressure: what is asked is borne, and held; shapes in boxes of several widths."""
+"""Beds under a pressure: what is asked is borne, and held."""
 
 from dataclasses import replace
 from functools import cache
@@ -6,24 +6,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray as xr
-from conftest import assert_not_blank
 
 from dem.analysis.one_run import motion_of
-from studies.pressure.widths import LEAST, Widths
 from dem.base.errors import InputError, PackingError
 from dem.dynamics.simulation import Simulation
 from dem.dynamics.touching import FIRST_WALL
-from dem.experiment import drag
 from dem.experiment.bed import cylinder, diameters, make_bed, read_bed, write_bed
 from dem.experiment.config import parse
 from dem.experiment.fit import height_of_box
+from dem.experiment.kinds import drag
 from dem.experiment.scene import make_scene
-from dem.figures import SWEPT
 from dem.figures.film import Scene
 from dem.figures.frames import of_motion
-from studies.pressure.figures.pressure import plot
-from dem.figures.style import save, styled
+from dem.figures.style import styled
 from dem.sweep.config import load
 
 CONFIG = Path(__file__).parent.parent / "config"
@@ -158,7 +153,7 @@ def test_a_box_too_low_for_the_stroke_is_refused():
         ),
         ({"packing.friction": 0.3}, "friction is 0.3; a bed that is packed under a pressure"),
         ({"periodic": "y"}, "packing.pressure is 6e+07 Pa and periodic y; a pressure needs a top"),
-        ({"experiment": "jamming"}, "packing.pressure is 6e+07 Pa; the experiment jamming needs"),
+        ({"experiment": "jamming"}, "packing.pressure is 6e+07; the experiment jamming takes none"),
         ({"packing.pressure": 0.0}, "packing.pressure is 0.0; it must be positive"),
     ],
 )
@@ -174,102 +169,3 @@ def test_what_has_no_pressure_is_what_it_was():
     values["packing"].pop("pressure", None)
     run = parse(values).replicate("c1", 3900.0, 1)
     assert "pressure" not in run.run_key() and "None" not in run.bed_key()
-
-
-WIDTH = np.array([1.0, 2.0, 4.0, 1.0])
-BOXES = ["1", "2", "4", "high"]
-
-
-def boxes(power=1.0, slope=(0.8, 1.5), seeds=4, noise=0.0, seed=1):
-    """A file of runs: drags of 1000 N and 500 N in a box without end, to which walls add in proportion
-    to 1 / width; or, with power -1, to the inverse of which a top wall does."""
-    rng = np.random.default_rng(seed)
-    drag = np.array([[1000.0], [500.0]]) * (1.0 + np.array(slope)[:, None] / WIDTH) ** power
-    drag = drag[..., None] * (1.0 + noise * rng.standard_normal((2, 4, seeds)))
-    dims = "shape", "box", "seed"
-    return xr.Dataset(
-        {
-            "drag": ((*dims, "displacement"), np.repeat(drag[..., None], 3, axis=-1)),
-            "run_id": (dims, np.full(drag.shape, "x")),
-        },
-        {
-            "shape": ["c1", "e1"], "box": BOXES, "seed": np.arange(seeds),
-            "box_width": ("box", 20e-3 * WIDTH), "cylinder_start": ("box", [0.25] * 3 + [0.125]),
-            "displacement": [0.5e-3, 1.5e-3, 2.5e-3],
-        },
-        {"window_start": 1e-3, "window_stop": 3e-3},
-    )  # fmt: skip
-
-
-@pytest.mark.parametrize("power", [1.0, -1.0])
-def test_the_line_finds_the_box_without_end(power):
-    """And in which of both ways the walls count, and how wide is within 5 % of it."""
-    found = Widths(boxes(power))
-    assert found.along.tolist() == [True, True, True, False] and found.powers == [power]
-    assert found.drag_limit((), "c1").value == pytest.approx(1000.0)
-    assert found.limit((), "e1").value == pytest.approx(0.5)
-    near = found.share((), "c1", found.enough((), "c1")).value
-    assert near == pytest.approx(1.0 + 0.05 * power)
-
-
-def test_boxes_that_differ_in_any_other_value_are_not_of_the_line():
-    """Whatever it is, named or a label."""
-    for name, values in {
-        "friction_granule": ("box", [0.3, 0.3, 0.3, 0.1]),
-        "packing_fraction": ("box", [np.nan, np.nan, np.nan, 0.84]),
-        "diameter": (("shape", "box"), [[1e-3] * 4, [1e-3, 1e-3, 1e-3, 2e-3]]),
-    }.items():
-        runs = boxes().drop_vars("cylinder_start").assign_coords({name: values})
-        assert Widths(runs).along.tolist() == [True, True, True, False]
-
-
-def test_a_drag_that_only_walls_make_has_no_limit():
-    """A bed that is not jammed makes room in a box without end."""
-    found = Widths(boxes(slope=(0.8, 1e9), noise=0.1))
-    assert found.limit((), "e1").low == 0.0 and found.limit((), "e1").value < 0.5e6
-
-
-@pytest.mark.parametrize("power", [1.0, -1.0])
-def test_intervals_hold_the_truth_as_often_as_they_say(power):
-    """Where the scatter is so small that the drags tell in which way the walls count; and of the drag
-    in a box that is as wide as the first."""
-    held = []
-    for seed in range(200):
-        found = Widths(boxes(power, noise=0.02, seed=seed))
-        limit, change = found.limit((), "e1"), found.change((), "e1", "high")
-        held.append([limit.low < 0.5 < limit.high, change.low < 1.0 < change.high])
-    share = np.mean(held, axis=0)
-    assert (share >= 0.90).all() and (share <= 0.99).all()
-
-
-@pytest.mark.parametrize(
-    ("few", "words"),
-    [
-        ({"box": [0, 1]}, "2 of box; a line takes 3"),
-        ({"shape": [0]}, "1 of shape; a line takes 2"),
-        ({"box": [0, 1, 3]}, "fewer than 3 of its boxes differ in width alone"),
-    ],
-)
-def test_too_little_for_a_line_is_refused(few, words):
-    with pytest.raises(InputError, match=words):
-        Widths(boxes().isel(few))
-
-
-def test_the_figure_shows_shapes_and_ratios(tmp_path):
-    assert SWEPT["pressure"][1] == LEAST
-    figure = plot(boxes(noise=0.1))
-    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["c1", "e1"]
-    _, pixels = save(figure, tmp_path / "pressure")
-    assert_not_blank(pixels)
-
-
-def test_every_bed_of_the_study_has_the_same_shape_of_neighbourhood():
-    """Boxes of all sizes have as many granules per area as the paper's, as thick as any other, and
-    the cylinder as far from the floor."""
-    paper, runs = load(CONFIG / "paper.yaml"), load(CONFIG / "pressure.yaml").block("drag").runs
-    for run in runs:
-        own, shape = run.replicate.configuration, run.replicate.shape
-        size = own.box_width / paper.box_width * paper.cylinder.start / own.cylinder.start
-        assert shape.granules == pytest.approx(paper.shapes[run.replicate.label].granules * size)
-        assert own.material.thickness == paper.shapes["c1"].diameter
-        assert (own.packing.fraction is None) != (own.packing.pressure is None)

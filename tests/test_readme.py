@@ -88,4 +88,4 @@ def test_the_files_that_a_document_names_exist(name):
 
 def test_a_mutant_finds_the_line_that_it_breaks():
     for mutant in MUTANTS:
-        assert (ROOT / mutant.file).read_text().count(mutant.right) == 1, mutant.fault
+        assert (ROOT / "dem" / mutant.file).read_text().count(mutant.right) == 1, mutant

@@ -11,13 +11,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from conftest import assert_alone, assert_not_blank, places_shown
 from made import made
 from rich.console import Console
 
+from conftest import assert_alone, assert_not_blank, places_shown
 from dem.analysis.statistics import summarise
 from dem.base.errors import InputError
-from dem.figures import draw, drawable
+from dem.figures.catalogue import draw, drawable
 from dem.figures.sweep import _is_logarithmic
 from dem.report.build import build, of_paper, section
 from dem.report.info import summary
@@ -47,6 +47,7 @@ def page(tmp_path_factory):
     folder = tmp_path_factory.mktemp("report")
     made(folder, flow=True, sweep={"case": ["c1", "e3"], "seed": [1, 2]})
     folder = folder / "results"
+    (folder / "stability.nc").touch()
     (folder / "stability.txt").write_text("a table of <b>stability</b>")
     build(folder / "drag.nc", folder / "flow.nc", NOTES, folder / "report.html")
     return folder / "report.html"

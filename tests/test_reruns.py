@@ -9,11 +9,12 @@ import shutil
 from contextlib import ExitStack, contextmanager
 
 import pytest
-from conftest import posix
 from forked import SMOKE, snakemake
 from test_workflow import planned
 
-pytestmark = posix
+from conftest import needs_study, posix
+
+pytestmark = [posix, needs_study("accuracy", "stability", "claims", "benchmark")]
 TARGETS = ("all", "accuracy", "stability", "claims", "benchmark")
 LINE = "\nEDITED = True\n"
 
@@ -44,7 +45,7 @@ def again(folder, configfile=SMOKE) -> dict[str, int]:
 RUNS = {"kernels", "chunk"}
 SCRIPTS = {"accuracy_contacts", "accuracy_steps", "stability_part", "measure"}
 TABLES = {"claims_table", "accuracy_table", "stability_table", "table"}
-RESULTS = {"combine", "measure_flow", "flow", "figure"}
+RESULTS = {"combine", "measure_flow", "beds", "flow", "figure"}
 HARMLESS = {
     "a comment": ("dem/contacts/loops.py", "\n# edited\n"),
     "an error sentence": (
@@ -52,9 +53,7 @@ HARMLESS = {
     ),
     "what a value is": ("dem/experiment/config.py", ("friction at the walls", "wall friction")),
     "a shape that the sweep has not": ("dem/shapes/superellipse.py", LINE),
-    "one more shape": (
-        "dem/shapes/kinds.toml", '\ntriangle = { where = "dem.shapes.triangle.Triangle" }\n',
-    ),
+    "one more shape": ("dem/shapes/triangle.py", 'SHAPE = "Triangle"\n'),
     "one more observable": ("dem/experiment/observables/heat.py", "VARIABLES = {}\n"),
     "the command line": ("dem/cli/app.py", LINE),
     "runs a chunk": (SMOKE, ("title: Smoke", "chunk: 3\ntitle: Smoke")),
@@ -107,8 +106,17 @@ def test_an_edit_makes_again_what_depends_on_it(made, edit):
 
 
 # (file, what it says, what is put instead): rules whose jobs run, with the chunks of new runs
-SHOWN = {"combine", "flow", "figure", "table", "claims_table", "accuracy_table", "stability_table"}
-SWEEP = {"combine", "flow", "measure_flow", "figure"}
+SHOWN = {
+    "combine",
+    "beds",
+    "flow",
+    "figure",
+    "table",
+    "claims_table",
+    "accuracy_table",
+    "stability_table",
+}
+SWEEP = {"combine", "beds", "flow", "measure_flow", "figure"}
 VALUES = {
     "a title": ((SMOKE, "title: Smoke", "title: Some"), SHOWN, 0),
     "one more seed": ((SMOKE, "seed: [1, 2]", "seed: [1, 2, 3]"), SWEEP | {"chunk"}, 3),

@@ -8,17 +8,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from conftest import assert_not_blank
 
+from conftest import assert_not_blank, needs_study
 from dem.analysis.shear import AXIS, LEAST, rheology
 from dem.base.errors import InputError, RunError
-from dem.experiment import shear
 from dem.experiment.bed import make_bed
 from dem.experiment.config import Replicate, of_values
-from dem.figures import SHEAR
+from dem.experiment.kinds import shear
+from dem.figures.catalogue import FIGURES
 from dem.figures.shear import plot
 from dem.figures.style import save
-from dem.sweep.config import load, parse
+from dem.sweep.config import parse
 
 ROOT = Path(__file__).parent.parent
 PRESSURE = 1e5  # Pa
@@ -108,12 +108,12 @@ def test_a_granule_that_gets_out_is_told():
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"periodic": "none"}, "periodic is none; it must be x"),
-        ({"gravity": 9.81}, "gravity is 9.81; it must be 0"),
+        ({"periodic": "none"}, "periodic is none; the experiment shear needs x"),
+        ({"gravity": 9.81}, "gravity is 9.81; the experiment shear needs 0"),
         ({"shear": None}, "shear is missing"),
         (
             {"shapes": {"disc": {"kind": "dumbbell", "diameter": 1e-3, "granules": 72}}},
-            "shapes.disc.kind is dumbbell; only a disc is sheared",
+            "shapes.disc.kind is dumbbell; the experiment shear needs disc",
         ),
         (
             {"cylinder": {"diameter": 2e-3, "velocity": 1.0, "start": 0.3, "stroke": 1e-3}},
@@ -203,6 +203,7 @@ def test_numbers_are_of_the_pressure_and_density_that_the_runs_have(name):
     np.testing.assert_allclose(found[("1",)].pressure[:, 0], share)
 
 
+@needs_study("shear")
 def test_runs_of_another_strain_are_no_runs_of_one_file():
     """Their samples would be at the strains of the first; a block has its own, under its own name."""
     file = {"extends": "studies/shear/sweep.yaml", "results": "results/strains"}
@@ -242,23 +243,10 @@ def test_too_little_for_an_interval_is_refused():
 
 
 def test_the_figure_shows_each_friction(tmp_path):
-    assert SHEAR["shear"][1] == LEAST
+    assert FIGURES["shear"].axes == LEAST
     figure = plot(swept([[0.1, 0.2], [0.3, 0.5]]))
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert set(labels) == {"friction 0", "friction 1"}
     vector, pixels = save(figure, tmp_path / "shear")
     assert vector.is_file()
     assert_not_blank(pixels)
-
-
-def test_every_bed_is_sheared_in_all_ways():
-    """With friction in all contacts and with none, at the same inertial numbers."""
-    beds = {}
-    for run in load(ROOT / "studies/shear/sweep.yaml").block("drag").runs:
-        own = run.replicate.configuration
-        ways = beds.setdefault(run.replicate.bed_key(), set())
-        ways.add((own.shear.inertial_number, *own.friction.model_dump().values()))
-    numbers = {number for number, *_ in next(iter(beds.values()))}
-    assert {1e-3, 0.3} <= numbers
-    for ways in beds.values():
-        assert ways == {(number, mu, mu, mu, 1.0) for number in numbers for mu in (0.0, 0.4)}

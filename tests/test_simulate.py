@@ -4,14 +4,13 @@ import math
 
 import numpy as np
 import pytest
-from conftest import STIFF, make_small_bed
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 import dem
+from conftest import STIFF, make_small_bed
 from dem.shapes import KINDS
-from studies.stability import linear
 
 NAN = float("nan")
 
@@ -217,6 +216,7 @@ def test_critical_time_step_is_a_bound_and_a_close_one(small_bed, kind, fraction
     still = dem.Cylinder(small.cylinder.diameter, small.cylinder.position)
     run = dem.Simulation(small.scene(cylinder=still), small.state)
     critical = run.diagnose().critical_time_step
+    linear = pytest.importorskip("studies.stability.linear")
     matrices = linear.matrices(run)
     assert linear.growth(*matrices, critical) < 1.0 + 1e-6
     assert linear.growth(*matrices, 2.0 * critical) > 1.1

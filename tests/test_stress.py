@@ -6,7 +6,6 @@ import matplotlib
 import numpy as np
 import pytest
 import xarray as xr
-from conftest import STIFF
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from made import made
@@ -15,6 +14,7 @@ from test_readme import code
 from test_symmetry import mapped
 
 import dem
+from conftest import STIFF
 from dem.experiment.observables.stress import VARIABLES
 from dem.jit.columns import FX, FY, TAU
 

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
-from conftest import CONFIG, posix
 from typer.testing import CliRunner
 
 import dem
+from conftest import CONFIG, posix
 from dem.analysis.flow.collect import _describe
 from dem.base.errors import InputError, RunError
 from dem.base.yaml_file import read
@@ -286,7 +286,7 @@ def test_a_file_extends_another(tmp_path):
     own.write_text(text)
     sweep = load(own)
     assert (sweep.friction.wall, sweep.friction.granule) == (0.1, 0.3)
-    assert sweep.blocks == {"drag": {"shape": "c1"}} and not sweep.studies
+    assert sweep.blocks == {"drag": {"shape": "c1"}} and sweep.studies == "smoke.yaml"
     for wrong, words in (
         (text.replace("results: results/own\n", ""), "results is missing"),
         (text.replace("base.yaml", "none.yaml"), "none.yaml: cannot read it"),
@@ -334,12 +334,20 @@ def test_what_a_run_reads_makes_another_run():
     assert len(found) == len(changed) + 4
 
 
-@pytest.mark.parametrize(
-    "name", ["ellipses", "paper", "preparation", "pressure", "shear", "velocity"]
-)
-def test_every_place_of_a_sweep_that_comes_with_the_code_is_a_run_of_its_own(name):
+SWEEPS = [
+    CONFIG / "paper.yaml",
+    *(
+        CONFIG.parent / f"studies/{name}/sweep.yaml"
+        for name in ("onset", "preparation", "pressure", "shear", "velocity")
+    ),
+]
+SWEEPS = [path for path in SWEEPS if path.is_file()]
+
+
+@pytest.mark.parametrize("file", SWEEPS, ids=lambda path: "/".join(path.parts[-2:]))
+def test_every_place_of_a_sweep_that_comes_with_the_code_is_a_run_of_its_own(file):
     """Whatever the experiment: no value that varies is left out of what a run is known by."""
-    sweep = load(CONFIG / f"{name}.yaml")
+    sweep = load(file)
     for block in sweep.blocks:
         found = ids(sweep, block)
         assert len(found) == len(set(found)) > 1

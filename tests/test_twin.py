@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 import twin
-from conftest import CONFIG
 
 import dem
+from conftest import CONFIG
 
 STEPS, FRAMES, TIME_STEP = 200, 4, 1e-6  # s; a collision takes some 50 steps
 SOFT = {"density": 2.5e3, "young_modulus": 1e8, "poisson_ratio": 0.3}

@@ -7,16 +7,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from conftest import assert_not_blank
 from rich.console import Console
 
+from conftest import assert_not_blank, needs_study
 from dem.analysis.velocity import AXIS, LEAST, inertial_number, rates
 from dem.base.errors import InputError
-from dem.figures import SWEPT, draw, possible
+from dem.figures.catalogue import FIGURES, draw, possible
 from dem.figures.style import save
 from dem.figures.velocity import plot
 from dem.report.info import OF_A_RUN, summary
-from dem.sweep.config import load, parse
+from dem.sweep.config import parse
 
 ROOT = Path(__file__).parent.parent
 VELOCITY = np.array([0.03, 0.1, 0.5, 1.0, 2.0, 4.0, 8.0])
@@ -118,7 +118,7 @@ def test_too_little_for_a_law_is_refused(drag, words):
 
 
 def test_the_figure_is_drawn_of_the_sweeps_that_a_law_can_be_fitted_to():
-    assert SWEPT["velocity"][1] == LEAST
+    assert FIGURES["velocity"].axes == LEAST
 
 
 def test_the_inertial_number_is_a_ratio_of_two_times():
@@ -167,6 +167,7 @@ def test_points_that_differ_in_velocity_alone_are_its_axis(tmp_path):
         draw("velocity", tmp_path / "more.nc", tmp_path)
 
 
+@needs_study("velocity")
 @pytest.mark.parametrize(
     ("more", "drawn"), [({}, True), ({"gravity": {"low": 0, "high": 9}}, False)]
 )
@@ -180,6 +181,7 @@ def test_the_workflow_draws_velocity_of_points_too(more, drawn):
     assert ("velocity" in possible(sweep.block("drag"))) == drawn
 
 
+@needs_study("velocity")
 def test_info_tells_the_velocities_of_the_runs(tmp_path):
     """Not that of the file, where velocity varies."""
     console = Console(width=200, file=io.StringIO())
@@ -206,19 +208,3 @@ def test_the_figure_shows_each_friction_and_the_inertial_number(tmp_path):
     vector, pixels = save(figure, tmp_path / "velocity")
     assert vector.is_file()
     assert_not_blank(pixels)
-
-
-def test_every_bed_is_drawn_in_all_ways():
-    """So that beds are their own control; without friction no contact has any."""
-    block = load(ROOT / "studies/velocity/sweep.yaml").block("drag")
-    beds = {}
-    for run in block.runs:
-        own = run.replicate.configuration
-        ways = beds.setdefault(run.replicate.bed_key(), set())
-        ways.add(
-            (own.cylinder.velocity, own.friction.granule, own.friction.wall, own.friction.cylinder)
-        )
-    velocities = {velocity for velocity, *_ in ways}
-    assert len(beds) == block.shape[-1] >= LEAST["seed"] and 2.0 in velocities
-    for ways in beds.values():
-        assert ways == {(v, mu, mu, mu) for v in velocities for mu in (0.0, 0.3)}

@@ -13,11 +13,11 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 import pytest
-from conftest import assert_alone, assert_not_blank, posix
 from forked import SMOKE, environment, snakemake
 from typer.testing import CliRunner
 
 import dem
+from conftest import assert_alone, assert_not_blank, posix
 from dem.cli.app import app
 from dem.sweep.config import load
 

@@ -1,0 +1,55 @@
+"""Studies beside the library: each may go, and the rest works."""
+
+import re
+import shutil
+import subprocess
+import sys
+
+import pytest
+from forked import snakemake
+from typer.main import get_command
+from typer.testing import CliRunner
+
+import studies
+from conftest import CONFIG, needs_study, posix
+from studies.__main__ import app
+
+ROOT = CONFIG.parent
+
+
+@pytest.mark.parametrize("name", [*studies.NAMES, "all"])
+@posix
+def test_a_study_can_be_removed(copy, tmp_path, name):
+    """The workflow then plans the paper, and the other studies answer."""
+    folder = tmp_path / "copy"
+    shutil.copytree(copy, folder)
+    shutil.rmtree(folder / "studies" / ("" if name == "all" else name))
+    run = snakemake(folder, "-n")
+    assert run.returncode == 0, run.stdout + run.stderr
+    if name != "all":
+        command = [sys.executable, "-m", "studies", "--help"]
+        assert subprocess.run(command, cwd=folder, capture_output=True).returncode == 0
+
+
+def test_every_verb_of_a_study_has_help():
+    for name, group in get_command(app).commands.items():
+        for verb in getattr(group, "commands", {"": group}):
+            run = CliRunner().invoke(app, [name, *filter(None, [verb]), "--help"])
+            assert run.exit_code == 0, run.output
+
+
+def test_the_rules_of_studies_call_verbs_that_exist():
+    for name in studies.NAMES:
+        path = studies.HERE / name / "rules.smk"
+        if path.is_file():
+            verbs = get_command(app).commands[name].commands
+            called = re.findall(rf"\bstudy {name} (\w+)", path.read_text())
+            assert called and {word for word in called if word != "{wildcards"} <= set(verbs)
+
+
+@needs_study("claims")
+def test_the_file_of_a_study_says_what_shows_it():
+    command = [sys.executable, "-m", "dem", "info", "studies/claims/claims.nc"]
+    run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert run.returncode == 2
+    assert "python -m studies claims info studies/claims/claims.nc shows this one" in run.stderr
