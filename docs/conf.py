@@ -11,7 +11,7 @@ from pathlib import Path
 import dem
 
 HERE = Path(__file__).parent
-sys.path.insert(0, str(HERE / "_ext"))
+sys.path[:0] = [str(HERE.parent), str(HERE / "_ext")]  # studies, and what fills in pages
 sys.modules["dem.plot"] = dem.plot  # autodoc wants a module where it is public
 
 project = "granular-drag"

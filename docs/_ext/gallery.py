@@ -9,11 +9,12 @@ import subprocess
 import sys
 from pathlib import Path
 
-from findings import DATA, FILES
+from findings import FILES, ROOT
 
-from dem.figures import FILE_OF, captions, draw, drawable
+from dem.figures.catalogue import draw, drawable_from
+from dem.io.lazily import open_lazily
+from studies import catalogue
 
-ROOT = DATA.parent.parent
 FOLDER = Path("_generated/gallery")  # in docs
 # run: the command line that simulates it
 RUNS = {
@@ -46,13 +47,20 @@ def write(docs: Path) -> None:
     folder = docs / FOLDER
     folder.mkdir(parents=True, exist_ok=True)
     code = max(path.stat().st_mtime for path in (ROOT / "dem").rglob("*.py"))
-    released = {each.name: each for each in FILES}
-    drawn = {name: released[FILE_OF[name]] for name in captions() if name in drawable(DATA)}
-    for name in ("velocity", "pressure", "preparation"):  # sweeps of their own, so another drag.nc
-        drawn[name] = released[name]
+    figures, drawn = catalogue.figures(), {}
+    for file in FILES:
+        of = Path(file.source).stem
+        own = {name: each for name, each in figures.items() if each.file == of}
+        own = (
+            own
+            if of != "drag" or file.name == "drag"
+            else {k: own[k] for k in own if k == file.name}
+        )
+        with open_lazily(file.path) as dataset:
+            drawn |= {name: file for name in drawable_from(file.path, dataset, own)}
     for name, file in drawn.items():
         if _older(folder / f"{name}.png", max(code, file.path.stat().st_mtime)):
-            draw(name, file.path, folder)
+            draw(name, file.path, folder, figures)
     for file, command in (
         RUNS | {each: command for each, (_, command) in PICTURES.items()}
     ).items():
@@ -74,9 +82,9 @@ def _run(command: str, folder: Path) -> None:
 
 def _page(drawn: dict) -> str:
     """Every figure with its command, in the order of the paper."""
-    words = captions()
+    own = catalogue.figures()
     figures = [
-        (words[name], f"dem figure {name} results/{file.source}", f"{name}.png")
+        (own[name].caption, f"{_by(own[name])} figure {name} results/{file.source}", f"{name}.png")
         for name, file in drawn.items()
     ]
     runs = [(about, command, file) for file, (about, command) in PICTURES.items()]
@@ -85,6 +93,10 @@ def _page(drawn: dict) -> str:
         parts.append(f"## {heading}\n")
         parts += [_entry(*each) for each in group]
     return "\n".join(parts)
+
+
+def _by(figure) -> str:
+    return "dem" if figure.package == "dem" else "python -m studies"
 
 
 def _entry(about: str, command: str, file: str) -> str:

@@ -8,11 +8,11 @@ from typer.cli import get_docs_for_click
 
 from dem.analysis.flow.layout import VARIABLES as FLOW
 from dem.cli.app import app
-from dem.experiment import jamming, onset, shear
 from dem.experiment.config import SECTIONS, Configuration, ShapeSection, section_of
+from dem.experiment.kinds import jamming, onset, shear
 from dem.experiment.observables import OBSERVABLES, module_of
-from dem.figures import STUDY_FIGURES
 from dem.io import dataset
+from studies.catalogue import reported
 
 FOLDER = Path("_generated")  # in docs
 
@@ -86,7 +86,7 @@ def files() -> str:
         name = module.__name__.rpartition(".")[2]
         parts += [f"## Experiment `{name}`\n", _first_line(module), _variables(module.VARIABLES)]
     parts += ["## `flow.nc`\n", LAG, _variables({"run_id": dataset.OF_STORE["run_id"]} | FLOW)]
-    for name in STUDY_FIGURES:
+    for name in reported():
         layout = import_module(f"studies.{name}.layout")
         parts += [f"## `{name}.nc`\n", _variables(layout.VARIABLES)]
     return "\n".join(parts)

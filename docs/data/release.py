@@ -2,7 +2,7 @@
 
     python docs/data/release.py results
 
-Each file names the command and the revision that made it, and holds a hash of every module of the
+Those of a study go into its folder. Each file names the command and the revision that made it, and holds a hash of every module of the
 package that decides how granules move (`kernels`). tests/test_pages.py compares them with today's.
 """
 
@@ -21,7 +21,7 @@ from dem.base.sources import ROOT, _read
 from dem.io.checksums import seal
 
 HERE = Path(__file__).parent
-sys.path.insert(0, str(HERE.parent / "_ext"))
+sys.path[:0] = [str(HERE.parent.parent), str(HERE.parent / "_ext")]
 from findings import FILES  # noqa: E402
 
 # What decides how granules move. The rest of dem.dynamics drives these kernels and reads them.
@@ -48,7 +48,7 @@ ROUNDED = ("bed_x", "bed_y", "bed_angle", "run_curve", "wall_force")
 
 
 def release(results: Path) -> None:
-    """Write docs/data/*.nc from the files that a folder of results holds."""
+    """Write the released files, of docs/data and of studies, from those that a folder of results holds."""
     for each in FILES:
         source = results / each.source
         if not source.is_file():

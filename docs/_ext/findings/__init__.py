@@ -1,26 +1,22 @@
-"""Every result that a page or the README states, read from docs/data: one module per question.
+"""Every result that a page or the README states, read from released files: one module per question.
 
 A page calls a finding by its name: `{{ drag.mean("c1") }}`, `{{ table(claims.verdicts()) }}`. No result is
 typed on a page; tests/test_pages.py looks for those that are. A sentence that depends on a result says
-on which: `{{ holds("Ellipses drag less than discs", drag.falls("c1", "e1")) }}`. Nothing here needs Sphinx.
+on which: `{{ holds("Ellipses drag less than discs", drag.falls("c1", "e1")) }}`. `{{ page("claims") }}` is the
+page of a study. Nothing here needs Sphinx.
 """
+
+import re
+from importlib import import_module
+from os.path import relpath
+from pathlib import Path
 
 from jinja2 import Environment, StrictUndefined
 
-from . import contact, dumbbells
-from .accuracy import accuracy
-from .calibration import calibration
-from .claims import claims
-from studies.common.findings import DATA, Findings, holds, interval, table
-from .drag import beds, drag, flow
-from .onset import onset
-from .preparation import preparation
-from .pressure import pressure
-from .scale import ensembles, overhead
-from .shear import shear
-from .speed import elsewhere, processors, speed, timings
-from .stability import stability
-from .velocity import velocity
+import studies
+from studies.common.findings import ROOT, Findings, holds, interval, table
+
+from . import contact, drag, dumbbells, scale
 
 TEMPLATES = Environment(
     undefined=StrictUndefined,
@@ -28,38 +24,55 @@ TEMPLATES = Environment(
     comment_end_string="#>",
     keep_trailing_newline=True,
 )
-# written by docs/data/release.py
-FILES = (
-    drag, flow, claims, accuracy, stability, velocity, shear, pressure, preparation, onset, speed,
-)  # fmt: skip
-MEASURED = ensembles, overhead, *elsewhere  # by scripts that measure, and on other processors
+FRONT_MATTER = re.compile(r"\A---\n.*?\n---\n+", re.S)  # not shown
+OF_STUDIES = [import_module(f"studies.{name}.findings") for name in studies.NAMES]
 NAMES = {
     "table": table,
     "interval": interval,
     "holds": holds,
-    "accuracy": accuracy,
-    "beds": beds,
-    "calibration": calibration,
-    "claims": claims,
     "contact": contact,
-    "drag": drag,
     "dumbbells": dumbbells,
-    "ensembles": ensembles,
-    "flow": flow,
-    "onset": onset,
-    "overhead": overhead,
-    "preparation": preparation,
-    "processors": processors,
-    "pressure": pressure,
-    "shear": shear,
-    "speed": speed,
-    "stability": stability,
-    "timings": timings,
-    "velocity": velocity,
+} | {
+    name: getattr(module, name) for module in (drag, scale, *OF_STUDIES) for name in module.__all__
 }
-__all__ = ["DATA", "FILES", "MEASURED", "NAMES", "Findings", "elsewhere", "fill", "speed"]
+# written by docs/data/release.py
+FILES = list(
+    {
+        each.path: each
+        for module in (drag, *OF_STUDIES)
+        for each in vars(module).values()
+        if isinstance(each, Findings)
+    }.values()
+)
+MEASURED = [scale.ensembles, scale.overhead]  # by scripts
 
 
 def fill(text: str) -> str:
     """A page with its numbers."""
     return TEMPLATES.from_string(text).render(NAMES)
+
+
+def page(name: str) -> str:
+    """The page of a study, for docs/results, with its numbers; links lead from there."""
+    folder = ROOT / "studies" / name
+
+    def link(found):
+        target, mark, place = found[1].partition("#")
+        if not target or ":" in target:
+            return found[0]
+        path = Path(relpath(folder / target, ROOT / "docs/results"))
+        if path.name == "page.md":
+            path = Path(PAGES[path.parent.name])
+        return f"]({path.as_posix()}{mark}{place})"
+
+    text = FRONT_MATTER.sub("", (folder / "page.md").read_text(encoding="utf-8"))
+    return fill(re.sub(r"\]\(([^)\s]+)\)", link, text))
+
+
+NAMES["page"] = page
+# page of the documentation by study
+PAGES = {
+    found[1]: path.name
+    for path in (ROOT / "docs/results").glob("*.md")
+    if (found := re.search(r'page\("(\w+)"\)', path.read_text(encoding="utf-8")))
+}

@@ -1,6 +1,7 @@
 """The paper's sweep: the drag, how the beds flow, and the beds before the cylinder moves."""
 
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 import xarray as xr
@@ -9,9 +10,11 @@ from rich.table import Table
 from dem.analysis.flow.verdict import compared
 from dem.analysis.statistics import change, summarise
 from dem.analysis.tables import numbers
-
 from studies.common.findings import Findings, interval, span
 
+__all__ = ["beds", "drag", "flow"]
+
+DATA = Path(__file__).parents[2] / "data"
 PAPER = {"c1": "1295", "e0": "1405"}  # N, section 3.2
 DENSER = "2"  # case c12 is c1 at ten times the density
 MEASURES = {
@@ -25,7 +28,7 @@ MEASURES = {
 class Drag(Findings):
     """The paper's sweep, drag.nc: means over 1 mm to 5 mm, 95 % intervals over five seeds."""
 
-    name, command = "drag", "snakemake -j2"
+    name, command, folder = "drag", "snakemake -j2", DATA
 
     @cached_property
     def summary(self) -> xr.Dataset:
@@ -153,7 +156,7 @@ class Drag(Findings):
 class Flow(Findings):
     """Measures of the flow of the paper's sweep, flow.nc."""
 
-    name, command = "flow", "snakemake -j2"
+    name, command, folder = "flow", "snakemake -j2", DATA
 
     def measures(self) -> Table:
         """One row per measure: mean of e3 over that of c1."""
@@ -206,7 +209,7 @@ class Flow(Findings):
 class Beds(Findings):
     """The beds of the paper's sweep before the cylinder moves, and what is seen along a run."""
 
-    name, command = "drag", "snakemake -j2"
+    name, command, folder = "drag", "snakemake -j2", DATA
 
     def table(self) -> Table:
         """Means over the seeds, per case of one density."""

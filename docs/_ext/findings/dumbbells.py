@@ -4,23 +4,26 @@ from rich.table import Table
 
 from dem.analysis.statistics import Estimate
 from dem.analysis.tables import numbers
-
-from .claims import claims, verdicts_on
 from studies.common.findings import estimate
+
 from .drag import drag
-from .preparation import WAYS, preparation
-from .pressure import pressure
 
 PAPER, OPEN = "the paper's", "the paper's width, periodic sides"
 
 
-def ratios() -> Table:
-    """One row per answer: the page and its file, which beds are compared, how many, and d1 over c1."""
+def ratios(claims, preparation, pressure) -> Table:
+    """One row per answer: the page and its file, which beds are compared, how many, and d1 over c1.
+
+    claims, preparation, pressure: the findings of these studies.
+    """
     made = numbers("page", "file", "box", "beds made", "compared at", "beds a shape", "d1 over c1", words=5)  # fmt: skip
     for page, file, beds, judged in (
-        ("drag", drag, "relaxed", verdicts_on(drag.dataset)),
+        ("drag", drag, "relaxed", claims.on(drag.dataset)),
         ("claims", claims, "relaxed", claims.judged),
-        *(("preparation", preparation, way, preparation.judged["1", way]) for way in WAYS),
+        *(
+            ("preparation", preparation, way, claims.on(preparation.at(way)))
+            for way in ("relaxed", "grown")
+        ),
     ):
         found = judged["dumbbells_above_discs"].comparisons[0]
         ratio = estimate(Estimate(found.estimate, *found.interval()))

@@ -1,8 +1,18 @@
-"""What thousands of runs take: docs/data/ensembles.nc and overhead.nc, for the pages of findings.py."""
+"""How long things take: docs/data/ensembles.nc, overhead.nc and timings.yaml."""
 
+from functools import cached_property
+from pathlib import Path
+
+import yaml
 from rich.table import Table
 
-from studies.common.findings import Findings
+from dem.analysis.tables import numbers
+from dem.base.errors import InputError
+from studies.common.findings import Findings, clock
+
+__all__ = ["ensembles", "overhead", "timings"]
+
+DATA = Path(__file__).parents[2] / "data"
 
 BYTES = ((1e9, "GB", 1), (1e6, "MB", 0), (1.0, "B", 0))
 SECONDS = ((3600.0, "h", 1), (60.0, "min", 0), (1.0, "s", 0))
@@ -18,6 +28,8 @@ def said(value: float, units) -> str:
 
 class Measured(Findings):
     """Processor times that a script has measured."""
+
+    folder = DATA
 
     @property
     def computer(self) -> str:
@@ -105,4 +117,38 @@ class Overhead(Measured):
         return found
 
 
-ensembles, overhead = Ensembles(), Overhead()
+class Timings:
+    """How long commands took, timings.yaml: measured by hand, with command, revision and date."""
+
+    path = DATA / "timings.yaml"
+
+    @cached_property
+    def content(self) -> dict:
+        if not self.path.is_file():
+            raise InputError(
+                f"docs/data/{self.path.name} is missing; docs/data/README.md has its form."
+            )
+        return yaml.safe_load(self.path.read_text(encoding="utf-8"))
+
+    def of(self, name: str) -> str:
+        """Time of one entry."""
+        return clock(self.content["timed"][name]["seconds"])
+
+    def table(self) -> Table:
+        """One row per entry."""
+        made = numbers("what", "command", "time", words=2)
+        for each in self.content["timed"].values():
+            made.add_row(each["what"], f"`{each['command']}`", clock(each["seconds"]))
+        return made
+
+    @cached_property
+    def made(self) -> str:
+        """Where the numbers come from, as a line under a table."""
+        about = self.content
+        return (
+            f"*Measured at revision `{about['revision']}` on {about['date']}, {about['machine']}; "
+            f"file `docs/data/{self.path.name}`.*"
+        )
+
+
+ensembles, overhead, timings = Ensembles(), Overhead(), Timings()
