@@ -1,10 +1,12 @@
 """What all verbs share: options, sentences instead of tracebacks, progress bars."""
 
 import functools
+import math
 import os
 import signal
 import sys
 import threading
+import time
 from contextlib import contextmanager, suppress
 from datetime import datetime
 from pathlib import Path
@@ -91,6 +93,9 @@ def places(hints: dict, values: dict) -> tuple[list[Place], list[Place]]:
 
 
 STOPS = signal.SIGINT, signal.SIGTERM
+# s: signals that come sooner are one, so that what is half-written is cleared away. A later one
+# counts again, because Python loses what is raised where it cleans up, or where LLVM calls back.
+AGAIN = 1.0
 
 
 class Stopped(BaseException):
@@ -105,12 +110,6 @@ def sentence_of(error: Exception) -> str:
         where = f"{error.filename}: " if error.filename else ""
         return f"{where}{(error.strerror or str(error)).lower()}."
     return str(error)
-
-
-def _stop(number, frame):
-    for each in STOPS:
-        signal.signal(each, signal.SIG_IGN)  # once is enough
-    raise Stopped(number)
 
 
 def _tell(sentence: str) -> None:
@@ -132,11 +131,13 @@ def reported():
     """One sentence and an exit status instead of a traceback."""
     main = threading.current_thread() is threading.main_thread()
     # The workflow starts its jobs with SIGINT ignored; clusters send SIGTERM when time is over.
-    asked = []
+    asked, last = [], [-math.inf]
 
     def stop(number, frame):
-        asked.append(number)
-        _stop(number, frame)
+        if time.monotonic() - last[0] > AGAIN:
+            asked.append(number)
+            last[0] = time.monotonic()
+            raise Stopped(number)
 
     before = {each: signal.signal(each, stop) for each in STOPS} if main else {}
     try:
@@ -151,6 +152,8 @@ def reported():
         # LLVM calls back while it compiles, and swallows what is raised there: it fails later.
         if not asked:
             raise
+        for each in before:
+            signal.signal(each, signal.SIG_IGN)
         say(f"Interrupted; {getattr(error, 'kept', Stopped.kept)}")
         raise typer.Exit(128 + asked[0]) from None
     finally:
