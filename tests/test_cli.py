@@ -30,7 +30,7 @@ from dem.cli.terminal import bar, reported
 from dem.figures import film
 from dem.io import progress
 from dem.io.progress import Stage
-from dem.sweep.remedy import is_written
+from dem.sweep.hints import is_written
 
 ROOT = Path(__file__).parent.parent
 RUN = (

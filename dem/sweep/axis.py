@@ -16,7 +16,7 @@ from dem.experiment.config import Configuration, Entry, entries
 from dem.experiment.observables import OBSERVABLES, module_of
 from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE
 from dem.sweep import derive, design
-from dem.sweep.remedy import choice, meant
+from dem.sweep.hints import choice, meant
 
 OWN = ("shape", "density", "seed")  # of a run, beside the values of its configuration
 POINT = "point of the design"  # long name of an axis that is a design

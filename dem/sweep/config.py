@@ -21,7 +21,7 @@ from dem.experiment.config import parse as parse_values
 from dem.shapes.outside import placed, resolved
 from dem.sweep.axis import check_label
 from dem.sweep.expand import Block, Derived, expand
-from dem.sweep.remedy import meant, remedies
+from dem.sweep.hints import meant, remedies
 
 DISTRIBUTION = "granular-drag"
 FOLDERS = ("store", "chunks", "flow", "figures", "logs", "benchmarks")  # of results

@@ -7,7 +7,7 @@ from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
 from dem.base.errors import InputError
 from dem.base.schema import Number, Section, Seed, Whole, number
-from dem.sweep.remedy import told
+from dem.sweep.hints import told
 
 DRAWS = 20  # hypercubes, of which the one of the lowest discrepancy is taken
 MANY = 5_000  # points from which that takes too long, and one is drawn

@@ -17,7 +17,7 @@ from dem.sweep import chunk as making
 from dem.sweep import design
 from dem.sweep.axis import OWN
 from dem.sweep.config import Sweep
-from dem.sweep.remedy import is_number, is_written, meant
+from dem.sweep.hints import is_number, is_written, meant
 from dem.sweep.store import Store
 from dem.sweep.why import reasons
 from dem.sweep.work import Work

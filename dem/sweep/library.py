@@ -12,7 +12,7 @@ from dem.io.dataset import AXES, LABELS, attributes, global_attributes
 from dem.shapes.outside import placed, resolved
 from dem.sweep.axis import OWN
 from dem.sweep.config import extended, load
-from dem.sweep.remedy import remedies
+from dem.sweep.hints import remedies
 
 
 def load_sweep(path: str | Path) -> Iterator[dict]:

@@ -26,7 +26,7 @@ def _script(part: str, config, catalogue, shape, output, shapes, work) -> None:
     """Make one part for one shape; work(study, sweep, cases, update) returns its variables."""
     start_lean()
     from dem.sweep.config import load
-    from dem.sweep.remedy import meant
+    from dem.sweep.hints import meant
     from studies.common.table import write_part
     from studies.stability import study
     from studies.stability.catalogue import load as load_catalogue
