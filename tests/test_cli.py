@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 import tomllib
 import warnings
 from contextlib import suppress
@@ -24,6 +25,7 @@ from typer.testing import CliRunner
 
 from conftest import posix
 from dem.base.errors import InputError, RunError
+from dem.cli import terminal
 from dem.cli.app import app
 from dem.cli.streams import spelled
 from dem.cli.terminal import bar, reported
@@ -589,3 +591,20 @@ def test_the_console_script_is_the_application():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     module, _, name = project["scripts"]["dem"].partition(":")
     assert getattr(import_module(module), name) is app
+
+
+@posix
+def test_a_later_signal_stops_what_lost_the_first(monkeypatch):
+    """As in a destructor, where Python loses what is raised. One that comes at once is the same."""
+    monkeypatch.setattr(terminal, "AGAIN", 0.2)
+    seen = []
+    with pytest.raises(typer.Exit) as end, reported():
+        with suppress(terminal.Stopped):
+            signal.raise_signal(signal.SIGTERM)
+        signal.raise_signal(signal.SIGTERM)
+        seen.append("at once")
+        time.sleep(0.3)
+        signal.raise_signal(signal.SIGTERM)
+        seen.append("later")
+    assert end.value.exit_code == 128 + signal.SIGTERM
+    assert seen == ["at once"]
