@@ -95,7 +95,7 @@ MUTANTS = (
     Mutant("dynamics/energy.py", "constant", "return 0.4 * stiffness", "return 0.5 * stiffness", "tests/test_energy.py"),
     Mutant("dynamics/stress.py", "sign", "moving -= _outer", "moving += _outer", "tests/test_stress.py"),
     Mutant("dynamics/simulation.py", "order", "back = np.argsort(self._order)", "back = self._order", ONE_THREAD),
-    Mutant("dynamics/checkpoint.py", "not kept", '"gravity", "lanes.motion"', '"pairs.tangential_force", "lanes.motion"', STORE),
+    Mutant("dynamics/checkpoint.py", "not kept", '"world.shape.", "world.lanes.motion"', '"world.pairs.tangential_force", "world.lanes.motion"', STORE),
     # shapes
     Mutant("shapes/dumbbell.py", "sign", "- oy * (constituent_force", "+ oy * (constituent_force", DUMBBELLS),
     Mutant("shapes/ellipse.py", "constant", "return rho1 * rho2 / (rho1 + rho2)", "return 0.5 * rho1 * rho2 / (rho1 + rho2)", LOCAL),

@@ -370,7 +370,6 @@ TAMPERED = {
     "not a number": lambda a: first_of(a, np.nan if a.dtype.kind == "f" else -1),
     "infinite": lambda a: first_of(a, np.inf if a.dtype.kind == "f" else 2**31),
 }
-CONSTANTS = ("stiffness", "damping")  # of contacts, which follow from the scene
 
 
 def first_of(array, value):
@@ -397,18 +396,12 @@ def test_a_tampered_checkpoint_is_refused(small_bed, bed):
             value = tampered(array)
             if isinstance(value, np.ndarray) and array.size == 0 == value.size:
                 continue
-            if (bed, fault) == ("in chunks", "longer") and name.endswith("force"):
-                continue  # there are rows to spare
             if (name, fault) == ("steps", "infinite"):
                 continue  # whole numbers are not
             with pytest.raises(dem.InputError) as error:
                 run.restore(good | {name: value})
                 pytest.fail(f"{name}, {fault}: it was taken")
             assert "saved" in str(error.value) and str(error.value).endswith(".")
-    for name in good:
-        if name.endswith(CONSTANTS) and good[name].size:
-            with pytest.raises(dem.InputError, match=f"{name} of saved is not as it must be"):
-                run.restore(good | {name: 1e6 * good[name]})
     for name, array in run.checkpoint().items():
         assert_array_equal(array, good[name])
     run.restore(good)

@@ -267,7 +267,7 @@ def test_a_restart_changes_no_bit():
     for name in ("world.pairs.shift_x", "world.pairs.shift_y"):
         assert saved[name].any()
         damaged = saved | {name: saved[name] + scene.periodic[0]}
-        with pytest.raises(dem.InputError, match=f"{name} of saved is not as it must be"):
+        with pytest.raises(dem.InputError, match="saved is not as a simulation wrote it"):
             second.restore(damaged)
         assert second.time == 0.0
     second.restore(saved)

@@ -28,15 +28,7 @@ from dem.base.validate import (
     whole,
 )
 from dem.dynamics.assembly import CAUTION, assemble, granule_table, least_step
-from dem.dynamics.checkpoint import (
-    clock,
-    fingerprint,
-    moving,
-    read,
-    read_only,
-    replaced,
-    writable,
-)
+from dem.dynamics.checkpoint import fingerprint, read, read_only, replaced, writable, written
 from dem.dynamics.diagnostics import Diagnostics
 from dem.dynamics.energy import Bookkeeper, Ledger
 from dem.dynamics.ordering import order_of, ordered
@@ -589,9 +581,7 @@ class Simulation:
         0.0
         """
         world, report = self._ended()
-        saved = {name: array.copy() for name, array in moving(world).items()}
-        saved |= {"time": np.array(report.time), "steps": np.array(report.steps, np.int64)}
-        return saved | {"scene": self._fingerprint()}
+        return written(world, time=report.time, steps=report.steps, scene=self._fingerprint())
 
     def restore(self, saved: Mapping[str, np.ndarray]) -> None:
         """Continue from a checkpoint of a simulation with the same scene and start.
@@ -615,30 +605,19 @@ class Simulation:
         checkpoint : Save a simulation; its example restores one.
         """
         saved = read(saved)
-        if saved.get("scene", np.empty(0)).tobytes() != self._fingerprint().tobytes():
+        if saved["scene"].tobytes() != self._fingerprint().tobytes():
             raise InputError("saved is no checkpoint of this simulation; it is of another scene.")
-        time, steps = clock(saved)
         world, report = self._ended()
-        world = replaced(writable(world), saved, self._table)
+        world = replaced(writable(world), saved)
         alone = self._table.per == 1  # a granule is its own only constituent: one array for both
         world = world._replace(force=world.constituent_force) if alone else world
+        time, steps = float(saved["time"]), int(saved["steps"])
         self._now[:] = [(world, report._replace(time=time, steps=steps))]
 
     def _fingerprint(self) -> np.ndarray:
         """Hash that differs between scenes, options and orders of granules in memory."""
-        world, order = self._world, None if self._order is None else self._order.copy()
-        boundaries = [b for b in (world.walls, world.cylinder) if b is not None]
-        fixed = [
-            (b.contacts.friction, b.contacts.modulus, b.contacts.damping is None)
-            for b in boundaries
-        ]
-        guided = [b.guide.orders for b in (*boundaries, world.held) if b is not None and b.guide]
         rules = self._rules._replace(collapsed=0.0)  # it depends on the start
-        held = [world.shape, self._table, rules, world.pairs.friction, world.pairs.modulus]
-        arrays = [world.inverse_mass, world.inverse_inertia, world.gravity, order]
-        groups = None if world.held is None else world.held.group
-        radius = None if world.cylinder is None else world.cylinder.radius
-        return fingerprint(*held, fixed, radius, *arrays, self.scene.walls, groups, *guided)
+        return fingerprint(self.scene, rules, self._order, self._bookkeeper is None)
 
     # Motion
 
