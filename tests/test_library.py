@@ -124,13 +124,13 @@ def test_the_cylinder_takes_another_velocity(small_bed):
     """From then on; a checkpoint keeps it."""
     small = small_bed("disc")
     run = dem.Simulation(small.scene(), small.state)
-    before = run.world.cylinder.motion[0, :2].copy()
+    before = run.world.boundaries.motion[4, :2].copy()
     run.set_cylinder_velocity((1.0, -2.0))
     other = dem.Simulation(small.scene(), small.state)
     other.restore(run.checkpoint())
     for each in (run, other):
         each.advance(1e-6)
-        moved = each.world.cylinder.motion[0, :2] - before
+        moved = each.world.boundaries.motion[4, :2] - before
         assert moved == pytest.approx([1e-6, -2e-6], rel=1e-6)
     empty = dem.Simulation(dem.Scene(dem.Disc([1e-3])), dem.State([[0.0, 0.0]]))
     with pytest.raises(dem.InputError, match="the scene has no cylinder"):

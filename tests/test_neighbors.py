@@ -32,7 +32,7 @@ def test_pairs_are_those_of_an_all_pairs_search(bed, per):
     """Every pair closer than the skin stands in the list once, in order, and no other."""
     rows, radius, skin = bed
     n = len(rows)
-    first, part, other = near_pairs(rows, radius, skin, per, (None, None))
+    first, part, other = near_pairs(rows, radius, skin, per, (0.0, 0.0))
     assert_array_equal(part, np.repeat(np.arange(n), np.diff(first)))
     listed = [(i, j) for i in range(n) for j in other[first[i] : first[i + 1]]]
     distance = np.hypot(*(rows[:, None, :2] - rows[None, :, :2]).transpose(2, 0, 1))
@@ -50,10 +50,10 @@ def test_walls_and_cylinder_list_every_part_near_them(bed, angle, size):
     here = rows[:, :2]
     planes = np.array([[np.cos(angle), np.sin(angle), 1.0], [0.0, -1.0, -3.0]])
     gaps = planes[:, 2] - here @ planes[:, :2].T - radius[:, None]
-    part, wall = near_planes(rows, radius, skin, planes)
+    part, wall = near_planes(planes, rows, radius, skin)
     assert list(zip(part, wall, strict=True)) == [tuple(row) for row in np.argwhere(gaps < skin)]
     x, y = here[0] + 0.5
-    part, other = near_circle(rows, radius, skin, x, y, size, (None, None))
+    part, other = near_circle(size, (x, y), rows, radius, skin, (0.0, 0.0))
     gaps = np.hypot(here[:, 0] - x, here[:, 1] - y) - radius - size
     assert list(part) == list(np.flatnonzero(gaps < skin)) and not other.any()
 

@@ -9,7 +9,7 @@ import xarray as xr
 from conftest import assert_not_blank
 from dem.analysis.onset import LEAST, limits
 from dem.base.errors import InputError
-from dem.dynamics.touching import Touching
+from dem.dynamics.contact_list import ContactList
 from dem.experiment.bed import diameters
 from dem.experiment.config import parse
 from dem.experiment.fit import height_of_box
@@ -78,7 +78,7 @@ def contacts(*pairs):
     """Contacts between granules by number, as Simulation.contacts gives them."""
     first, second = np.array(pairs).T
     none, one = np.zeros((len(pairs), 2)), np.ones(len(pairs))
-    return Touching(first, second, none, none, none, one, one, 0.0 * one, none)
+    return ContactList(first, second, none, none, none, one, one, 0.0 * one, none)
 
 
 def test_granules_that_too_few_contacts_hold_are_rattlers():

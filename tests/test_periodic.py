@@ -104,7 +104,9 @@ def deep(run):
     pairs = {tuple(map(int, pair)) for pair in np.argwhere(np.triu(gap < 0.0, 1))}
     if scene.cylinder is None:
         return pairs, set()
-    away = least_image(state.position - run.world.cylinder.motion[0, :2], periodic)
+    away = least_image(
+        state.position - run.world.boundaries.motion[run.world.cylinder.first, :2], periodic
+    )
     gap = np.hypot(*away.T) - radius - 0.5 * scene.cylinder.diameter
     return pairs, set(np.flatnonzero(gap < 0.0).tolist())
 
@@ -131,7 +133,7 @@ def test_pairs_are_those_of_an_all_images_search(bed, per):
     """Every pair whose nearest images are closer than the skin is listed once, and no other."""
     rows, radius, skin, period = bed
     n = len(rows)
-    first, part, other = near_pairs(rows, radius, skin, per, period)
+    first, part, other = near_pairs(rows, radius, skin, per, tuple(each or 0.0 for each in period))
     away = np.array(least_image(rows[:, None, :2] - rows[None, :, :2], period))
     distance = np.hypot(*away.transpose(2, 0, 1))
     expected = [
@@ -146,7 +148,9 @@ def test_pairs_are_those_of_an_all_images_search(bed, per):
 def test_the_cylinder_lists_every_part_near_one_of_its_images(bed, size):
     rows, radius, skin, period = bed
     x, y = rows[0, :2] + 0.5
-    part, other = near_circle(rows, radius, skin, x, y, size, period)
+    part, other = near_circle(
+        size, (x, y), rows, radius, skin, tuple(each or 0.0 for each in period)
+    )
     gaps = np.hypot(*least_image(rows[:, :2] - [x, y], period).T) - radius - size
     assert list(part) == list(np.flatnonzero(gaps < skin)) and not other.any()
 

@@ -9,8 +9,8 @@ import pytest
 
 from dem.analysis.one_run import motion_of
 from dem.base.errors import InputError, PackingError
+from dem.dynamics.contact_list import FIRST_WALL
 from dem.dynamics.simulation import Simulation
-from dem.dynamics.touching import FIRST_WALL
 from dem.experiment.bed import cylinder, diameters, make_bed, read_bed, write_bed
 from dem.experiment.config import parse
 from dem.experiment.fit import height_of_box

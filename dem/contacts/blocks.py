@@ -1,12 +1,10 @@
 """A block of contacts, stage by stage, in the lanes of dem.jit.lanes.
 
-gather: copy the input side by side. find_contacts: the geometry of all contacts. refine_contacts:
-again for those whose last normal was too far off. contact_forces: all forces. accumulate: add them
+gather: copy the input side by side. find_contacts: the geometry of all contacts, and refine_contacts
+again of those whose last normal was too far off. contact_forces: all forces. accumulate: add them
 to the constituents. find_contacts and contact_forces do nearly all arithmetic; they have no
 branches and become vector code.
 """
-
-from typing import NamedTuple
 
 import numpy as np
 
@@ -35,19 +33,6 @@ from dem.shapes.protocol import (
     support,
     tangential_lever,
 )
-
-
-class Constituents(NamedTuple):
-    """What contacts see of the granules.
-
-    shape; motion (constituents, 8): rows of dem.jit.columns; frame (n, 2): cosine and sine of each
-    granule's angle, None for discs; inverse_inertia (n,) in 1/(kg m2), None where nothing turns.
-    """
-
-    shape: tuple
-    motion: np.ndarray
-    frame: np.ndarray | None
-    inverse_inertia: np.ndarray | None
 
 
 @inlined
@@ -83,7 +68,7 @@ def bring(shift, p, motion, at):
 def gather(turns, one, two, contacts, start, stop, lanes):
     """Motion of both bodies of each contact, from rows of dem.jit.columns one after the other.
 
-    turns: inverse_inertia of Constituents, None where nothing turns.
+    turns: inverse_inertia of a World, None where nothing turns.
     """
     motion = lanes.motion
     rates = given(turns, either(contacts.damping, contacts.tangential_force))
@@ -123,22 +108,38 @@ def gather_pairs(shape, frame, contacts, start, stop, values):
         store_outline(either(turning(contacts.sizes, other), other), values, lane.OTHER + k)
 
 
-@inlined
-def gather_circle(shape, radius, frame, contacts, start, stop, values):
+@optional
+def find_circle_contacts(radius, shape, frame, turns, contacts, start, stop, lanes):
+    """Outlines and geometry of contacts with the cylinder."""
+    values = lanes.values
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         store_outline(outline(shape, contacts.constituent[p], frame), values, lane.OWN + k)
         store_outline(circle(shape, radius), values, lane.OTHER + k)
+    find_contacts(shape, turns, contacts, start, stop, lanes)
 
 
-@inlined
-def gather_planes(shape, planes, frame, contacts, start, stop, values):
+@optional
+def find_wall_contacts(planes, shape, frame, turns, contacts, start, stop, lanes):
+    """Outlines and geometry of contacts with walls."""
+    motion, values = lanes.motion, lanes.values
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         wall = contacts.partner[p]
         store_outline(outline(shape, contacts.constituent[p], frame), values, lane.OWN + k)
         values[lane.NX + k], values[lane.NY + k] = planes[wall, 0], planes[wall, 1]
         values[lane.OTHER + k] = planes[wall, 2]
+    for q in range(stop - start):
+        k, p = np.uint64(q), np.uint64(start + q)
+        nx, ny = values[lane.NX + k], values[lane.NY + k]
+        own = load_outline(circle(shape, 0.0), values, lane.OWN + k)
+        reach, t1, radius = support(shape, own, nx, ny)
+        at = FOUR * k
+        here = motion[at + lane.X1] * nx + motion[at + lane.Y1] * ny
+        overlap = reach + here - values[lane.OTHER + k]
+        n1 = reach - 0.5 * overlap
+        geometry = ContactGeometry(overlap, nx, ny, n1, t1, None, None, radius)
+        store_geometry(turns, geometry, contacts, p, lanes, k)
 
 
 @inlined
@@ -184,12 +185,6 @@ def put(number, array, k):
 
 
 @optional
-def put_for(needed, number, array, k):
-    """Only friction needs the slip, and only damping the rate."""
-    array[k] = number
-
-
-@optional
 def remembered(normal_x, normal_y, p):
     """The normal that contact p had last."""
     return normal_x[p], normal_y[p]
@@ -199,11 +194,6 @@ def remembered(normal_x, normal_y, p):
 def remember(normal_x, normal_y, p, nx, ny):
     normal_x[p] = nx
     normal_y[p] = ny
-
-
-@optional
-def spin_of(turns, motion, at):
-    return motion[at]
 
 
 @inlined
@@ -222,8 +212,8 @@ def change_between(turns, motion, at, geometry):
 
 @optional
 def put_change(change, contacts, values, k):
-    put_for(contacts.damping, change[0], values, lane.DV_NORMAL + k)
-    put_for(contacts.friction, change[1], values, lane.DV_TANGENT + k)
+    put(given(contacts.damping, change[0]), values, lane.DV_NORMAL + k)
+    put(given(contacts.friction, change[1]), values, lane.DV_TANGENT + k)
 
 
 @optional
@@ -238,8 +228,8 @@ def store_geometry(turns, geometry, contacts, p, lanes, k):
     at = FOUR * k
     overlap, nx, ny, n1, t1, n2, t2, radius = geometry
     velocity = relative_velocity(
-        (motion[at + lane.VX1], motion[at + lane.VY1], spin_of(turns, motion, at + lane.W1)),
-        (motion[at + lane.VX2], motion[at + lane.VY2], spin_of(turns, motion, at + lane.W2)), geometry,
+        (motion[at + lane.VX1], motion[at + lane.VY1], take(turns, motion, at + lane.W1)),
+        (motion[at + lane.VX2], motion[at + lane.VY2], take(turns, motion, at + lane.W2)), geometry,
     )  # fmt: skip
     change = change_between(turns, motion, at, geometry)
     values[lane.OVERLAP + k], values[lane.NX + k], values[lane.NY + k] = overlap, nx, ny
@@ -248,8 +238,9 @@ def store_geometry(turns, geometry, contacts, p, lanes, k):
     put(t1, values, lane.T1 + k)
     put(t2, values, lane.T2 + k)
     put(radius, values, lane.RADIUS + k)
-    put_for(contacts.damping, velocity[0], values, lane.V_NORMAL + k)
-    put_for(contacts.friction, velocity[1], values, lane.V_TANGENT + k)
+    # only damping needs the rate, and only friction the slip
+    put(given(contacts.damping, velocity[0]), values, lane.V_NORMAL + k)
+    put(given(contacts.friction, velocity[1]), values, lane.V_TANGENT + k)
     put_change(change, contacts, values, k)
     remember(contacts.normal_x, contacts.normal_y, p, nx, ny)
 
@@ -277,22 +268,7 @@ def find_contacts(shape, turns, contacts, start, stop, lanes):
         geometry, converged = find_contact(shape, dx, dy, own, other, guess)
         store_geometry(turns, geometry, contacts, p, lanes, k)
         put(unconverged(converged), values, lane.UNCONVERGED + k)
-
-
-@inlined
-def find_wall_contacts(shape, turns, contacts, start, stop, lanes):
-    motion, values = lanes.motion, lanes.values
-    for q in range(stop - start):
-        k, p = np.uint64(q), np.uint64(start + q)
-        nx, ny = values[lane.NX + k], values[lane.NY + k]
-        own = load_outline(circle(shape, 0.0), values, lane.OWN + k)
-        reach, t1, radius = support(shape, own, nx, ny)
-        at = FOUR * k
-        here = motion[at + lane.X1] * nx + motion[at + lane.Y1] * ny
-        overlap = reach + here - values[lane.OTHER + k]
-        n1 = reach - 0.5 * overlap
-        geometry = ContactGeometry(overlap, nx, ny, n1, t1, None, None, radius)
-        store_geometry(turns, geometry, contacts, p, lanes, k)
+    refine_contacts(contacts.normal_x, shape, turns, contacts, start, stop, lanes)
 
 
 @optional
@@ -381,9 +357,9 @@ def accumulate(contacts, start, stop, values, inverse_inertia, force):
 
 @inlined
 def boundary_reaction(contacts, p, k, values, inverse_inertia, force):
-    """Give the constituent of contact p with a wall or the cylinder its share.
+    """Give the constituent of contact p with a boundary its share.
 
-    Returns the wall and the forces on it: normal (x, y) and tangential (x, y), in N.
+    Returns the normal force (N) on the boundary, and the forces on it: normal (x, y) and tangential (x, y).
     """
     gx, gy = values[lane.FORCE_X + k], values[lane.FORCE_Y + k]
     torque = either(take(inverse_inertia, values, lane.TORQUE_1 + k), 0.0)
@@ -391,4 +367,4 @@ def boundary_reaction(contacts, p, k, values, inverse_inertia, force):
     nx, ny = values[lane.NX + k], values[lane.NY + k]
     normal = gx * nx + gy * ny
     hx, hy = normal * nx, normal * ny
-    return contacts.partner[p], normal, (hx, hy, gx - hx, gy - hy)
+    return normal, (hx, hy, gx - hx, gy - hy)

@@ -1,4 +1,4 @@
-"""The only loops over contacts: pairs, walls and the cylinder."""
+"""The only loops over contacts: of pairs, and with boundaries."""
 
 import numpy as np
 
@@ -7,20 +7,18 @@ from dem.contacts.blocks import (
     add_losses,
     boundary_reaction,
     contact_forces,
+    find_circle_contacts,
     find_contacts,
     find_wall_contacts,
     gather,
-    gather_circle,
     gather_pairs,
-    gather_planes,
-    refine_contacts,
     take,
 )
 from dem.jit.address import local
 from dem.jit.columns import DVX, DVY, DW, FX, FY, VX, VY, W
 from dem.jit.compilation import compiled
 from dem.jit.lanes import BLOCK, EIGHT, FORCE_X, FORCE_Y, NX, NY, TORQUE_2, WORK
-from dem.jit.optional import optional, plus, times
+from dem.jit.optional import given, optional, plus, times
 from dem.jit.prefetch import fetch_share, prefetch
 
 AHEAD = 1024  # constituents: what they need fits into the second-level cache with those at work
@@ -39,7 +37,7 @@ def fetch_sizes(sizes, p):
 
 
 @optional
-def fetch_columns(chunks, contacts, start, end):
+def fetch_columns(patches, contacts, start, end):
     """Ask for the rows of the list that the block after the next needs."""
     far = start + 2 * BLOCK
     for p in range(far, min(far + BLOCK, end), 8):
@@ -58,7 +56,7 @@ def fetch_columns(chunks, contacts, start, end):
 
 
 @optional
-def fetch_partners(chunks, rows, contacts, start, end):
+def fetch_partners(patches, rows, contacts, start, end):
     """Ask for the motion of the partners in the next block."""
     near = start + BLOCK
     for p in range(near, min(near + BLOCK, end)):
@@ -66,128 +64,91 @@ def fetch_partners(chunks, rows, contacts, start, end):
 
 
 @optional
-def fetch_constituents(chunks, constituents, force, contacts, start, stop):
+def fetch_constituents(patches, world, force, contacts, start, stop):
     """Ask for what constituents farther on will need, as many as this block has of its own."""
-    motion, count = constituents.motion, constituents.motion.shape[0]
+    motion, count = world.constituents, world.constituents.shape[0]
     low = min(np.int64(contacts.constituent[start]) + AHEAD, count)
     high = min(np.int64(contacts.constituent[stop - 1]) + AHEAD + 1, count)
     fetch_share(motion, low, high, count)
-    fetch_share(constituents.shape, low, high, count)
-    fetch_share(constituents.frame, low, high, count)
+    fetch_share(world.shape, low, high, count)
+    fetch_share(world.frame, low, high, count)
     for i in range(low, high, 2):
         prefetch(force, 4 * i)
 
 
 @compiled
-def pair_contacts(constituents, contacts, force, dt, lanes, chunks, begin, end):
+def pair_contacts(world, dt, begin, end):
     """Add the forces of rows begin to end of the list, see dem.contacts.blocks."""
-    shape, frame, contacts = constituents.shape, constituents.frame, local(contacts)
-    turns = constituents.inverse_inertia
-    rows, flat = constituents.motion.reshape(-1), force.reshape(-1)
+    shape, frame, contacts, lanes = world.shape, world.frame, local(world.pairs), world.lanes
+    turns, patches = world.inverse_inertia, world.patches
+    rows, flat = world.constituents.reshape(-1), world.constituent_force.reshape(-1)
     for start in range(begin, end, BLOCK):
         stop = min(start + BLOCK, end)
-        fetch_columns(chunks, contacts, start, end)
+        fetch_columns(patches, contacts, start, end)
         gather(turns, rows, rows, contacts, start, stop, lanes)
         gather_pairs(shape, frame, contacts, start, stop, lanes.values)
-        fetch_partners(chunks, rows, contacts, start, end)
+        fetch_partners(patches, rows, contacts, start, end)
         find_contacts(shape, turns, contacts, start, stop, lanes)
-        refine_contacts(contacts.normal_x, shape, turns, contacts, start, stop, lanes)
         contact_forces(contacts.friction, shape, turns, contacts, start, stop, dt, lanes)
         add_losses(lanes.account, contacts, start, stop, lanes.values)
-        fetch_constituents(chunks, constituents, flat, contacts, start, stop)
+        fetch_constituents(patches, world, flat, contacts, start, stop)
         accumulate(contacts, start, stop, lanes.values, turns, flat)
 
 
 @optional
-def wall_contacts(walls, constituents, force, dt, lanes):
-    _wall_contacts(walls, constituents, force, dt, lanes)
+def boundary_contacts(surface, world, dt):
+    _boundary_contacts(surface, world, dt)
 
 
 @compiled
-def _wall_contacts(walls, constituents, force, dt, lanes):
-    contacts, shape, frame = local(walls.contacts), constituents.shape, constituents.frame
-    turns = constituents.inverse_inertia
-    rows, motion = constituents.motion.reshape(-1), walls.motion
-    flat, count, impulse = force.reshape(-1), contacts.constituent.shape[0], walls.impulse
-    planes, shear, guide, others = walls.planes, walls.shear, walls.guide, motion.reshape(-1)
-    clear_contact_force(guide)
+def _boundary_contacts(surface, world, dt):
+    """Add the forces of the contacts with walls, or with the cylinder, and sum up those on them."""
+    shape, frame, contacts, lanes = world.shape, world.frame, local(surface.contacts), world.lanes
+    turns, planes, radius = world.inverse_inertia, surface.planes, surface.radius
+    motion, on, sums = world.boundaries.motion, world.boundaries.force, world.boundaries.sums
+    rows, others = world.constituents.reshape(-1), motion.reshape(-1)
+    flat, count = world.constituent_force.reshape(-1), contacts.constituent.shape[0]
     for start in range(0, count, BLOCK):
         stop = min(start + BLOCK, count)
         gather(turns, rows, others, contacts, start, stop, lanes)
-        gather_planes(shape, planes, frame, contacts, start, stop, lanes.values)
-        find_wall_contacts(shape, turns, contacts, start, stop, lanes)
+        find_wall_contacts(planes, shape, frame, turns, contacts, start, stop, lanes)
+        find_circle_contacts(radius, shape, frame, turns, contacts, start, stop, lanes)
         contact_forces(contacts.friction, shape, turns, contacts, start, stop, dt, lanes)
         add_losses(lanes.account, contacts, start, stop, lanes.values)
         for p in range(start, stop):
-            k = np.uint64(p - start)
-            wall, normal, shares = boundary_reaction(contacts, p, k, lanes.values, turns, flat)
-            impulse[wall] += normal * dt
-            add_shear(contacts.friction, shear, wall, lanes.values, k, dt)
-            add_contact_force(guide, wall, shares)
-            add_work_of_wall(guide, lanes.account, motion, wall, shares, dt)
+            k, b = np.uint64(p - start), contacts.partner[p]
+            normal, shares = boundary_reaction(contacts, p, k, lanes.values, turns, flat)
+            torque = given(radius, take(turns, lanes.values, TORQUE_2 + k))
+            on[b, FX] += shares[0] + shares[2]
+            on[b, FY] += shares[1] + shares[3]
+            sum_of_wall(planes, sums, b, normal, dt)
+            sum_of_shear(given(planes, contacts.friction), sums, b, lanes.values, k, dt)
+            sum_of_circle(radius, sums, b, shares, dt)
+            sum_of_torque(torque, sums, b, dt)
+            add_work(lanes.account, motion, b, shares, torque, dt)
 
 
 @optional
-def cylinder_contacts(cylinder, constituents, force, dt, lanes):
-    _cylinder_contacts(cylinder, constituents, force, dt, lanes)
-
-
-@compiled
-def _cylinder_contacts(cylinder, constituents, force, dt, lanes):
-    contacts, shape, frame = local(cylinder.contacts), constituents.shape, constituents.frame
-    turns = constituents.inverse_inertia
-    rows, axis = constituents.motion.reshape(-1), cylinder.motion.reshape(-1)
-    flat, count, impulse = force.reshape(-1), contacts.constituent.shape[0], cylinder.impulse
-    radius, motion, twist = cylinder.radius, cylinder.motion, cylinder.twist
-    guide = cylinder.guide
-    clear_contact_force(guide)
-    for start in range(0, count, BLOCK):
-        stop = min(start + BLOCK, count)
-        gather(turns, rows, axis, contacts, start, stop, lanes)
-        gather_circle(shape, radius, frame, contacts, start, stop, lanes.values)
-        find_contacts(shape, turns, contacts, start, stop, lanes)
-        refine_contacts(contacts.normal_x, shape, turns, contacts, start, stop, lanes)
-        contact_forces(contacts.friction, shape, turns, contacts, start, stop, dt, lanes)
-        add_losses(lanes.account, contacts, start, stop, lanes.values)
-        for p in range(start, stop):
-            k = np.uint64(p - start)
-            _, _, shares = boundary_reaction(contacts, p, k, lanes.values, turns, flat)
-            for c in range(4):
-                impulse[c] += shares[c] * dt
-            torque = take(turns, lanes.values, TORQUE_2 + k)
-            add_twist(torque, twist, dt)
-            add_contact_force(guide, 0, shares)
-            add_work(lanes.account, motion, 0, shares, torque, dt)
+def sum_of_wall(planes, sums, b, normal, dt):
+    sums[b, 0] += normal * dt
 
 
 @optional
-def clear_contact_force(guide):
-    """Begin to sum up what the contacts exert on the boundaries of a Guide."""
-    for b in range(guide.force.shape[0]):
-        guide.force[b, FX], guide.force[b, FY] = 0.0, 0.0
-
-
-@optional
-def add_contact_force(guide, boundary, shares):
-    guide.force[boundary, FX] += shares[0] + shares[2]
-    guide.force[boundary, FY] += shares[1] + shares[3]
-
-
-@optional
-def add_shear(friction, shear, wall, values, k, dt):
-    """Tangential impulse (N s) of the contact of lane k, along (-ny, nx)."""
+def sum_of_shear(friction, sums, b, values, k, dt):
+    """The tangential force on a wall, along (-ny, nx)."""
     nx, ny = values[NX + k], values[NY + k]
-    shear[wall] += (values[FORCE_Y + k] * nx - values[FORCE_X + k] * ny) * dt
+    sums[b, 3] += (values[FORCE_Y + k] * nx - values[FORCE_X + k] * ny) * dt
 
 
 @optional
-def add_twist(torque, twist, dt):
-    twist[0] += torque * dt
+def sum_of_circle(radius, sums, b, shares, dt):
+    for c in range(4):
+        sums[b, c] += shares[c] * dt
 
 
 @optional
-def add_work_of_wall(guide, account, motion, wall, shares, dt):
-    add_work(account, motion, wall, shares, None, dt)
+def sum_of_torque(torque, sums, b, dt):
+    sums[b, 4] += torque * dt
 
 
 @optional

@@ -8,7 +8,7 @@ import math
 
 from dem.contacts.force_law import TINY, capped, damped, hertz, mindlin
 from dem.jit.compilation import inlined
-from dem.jit.optional import either, minus, optional, plus, times
+from dem.jit.optional import either, given, minus, optional, plus, times
 
 
 @optional
@@ -67,12 +67,6 @@ def lost(account, force, rate, dt):
     return -force * rate * dt
 
 
-@optional
-def lost_normal(damping, account, excess, rate, dt):
-    """Energy (J) that the normal dashpot takes: what the force exceeds the elastic one by."""
-    return lost(account, excess, -rate, dt)
-
-
 @inlined
 def relative_velocity(one, two, geometry):
     """Velocity of body 2 relative to body 1 at the contact, along n and along t.
@@ -102,7 +96,8 @@ def respond(contacts, p, geometry, velocity, change, dt, account):
     elastic = hertz(overlap, sqrt_overlap, stiffness)
     rate = -plus(velocity[0], change[0])
     normal = either(damped_force(contacts.damping, p, elastic, sqrt_overlap, rate), elastic)
-    damped_away = lost_normal(contacts.damping, account, normal - elastic, rate, dt)
+    # what the force exceeds the elastic one by
+    damped_away = lost(given(contacts.damping, account), normal - elastic, -rate, dt)
     tangential, damped_too, slid = either(
         friction_force(
             contacts.friction, contacts, p, normal, (stiffness, sqrt_overlap),

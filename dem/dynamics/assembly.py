@@ -12,15 +12,16 @@ from dem.contacts.force_law import (
 )
 from dem.dynamics.stable_step import critical_step
 from dem.dynamics.world import (
-    CHUNK,
-    Chunks,
+    DAMPING,
+    LIGHT,
+    PATCH,
+    PUSH,
+    Boundaries,
     Contacts,
-    CylinderBoundary,
     FrictionParameters,
-    Guide,
     HeldGroups,
-    Orders,
-    WallBoundary,
+    Patches,
+    Surface,
     World,
 )
 from dem.jit.columns import VX, VY, W, X, Y, rows
@@ -39,7 +40,7 @@ class GranuleTable(NamedTuple):
     granule; radius, bounding (constituents,) in m: for Hertz's law, and of the circle that holds one; mass (constituents,) in kg: of the whole granule; mobility: greatest
     1/m + lever^2/I (1/kg) of a contact; bend (n,) in 1/(kg m): 2/3 normal_bend / I, which bounds
     the rotational stiffness that a normal force adds, over k delta; skin (m); period along x and y
-    (m), None where the scene does not repeat itself; alpha: dashpot constant; modulus: E* of two
+    (m), 0 where the scene does not repeat itself; alpha: dashpot constant; modulus: E* of two
     granules (Pa); mean_radius (m), mean_mass (kg). held (constituents,): which are held, None if none
     is.
     """
@@ -53,7 +54,7 @@ class GranuleTable(NamedTuple):
     mobility: float
     bend: np.ndarray
     skin: float
-    period: tuple[float | None, float | None]
+    period: tuple[float, float]
     alpha: float
     modulus: float
     mean_radius: float
@@ -66,22 +67,18 @@ def own(shape):
     return shape._replace(**{name: size.copy() for name, size in arrays_of(shape).items()})
 
 
-def widest_skins(scene: Scene, period) -> list[float]:
+def widest_skins(scene: Scene) -> list[float]:
     """Skins (m) with which no list holds two images of one body, nor finds one pair by another image
     than the list before: for each period."""
-    return [0.25 * (each - 2.0 * reach(scene)) for each in period if each is not None]
+    return [0.25 * (each - 2.0 * reach(scene)) for each in scene.periodic or () if each]
 
 
 def granule_table(scene: Scene, skin: float) -> GranuleTable:
     """GranuleTable of a scene; skin as a share of the mean bounding radius."""
-    shape, (inverse_mass, inverse_inertia), held = (
-        own(scene.shape),
-        mobilities(scene),
-        scene.is_held,
-    )
+    shape, (inverse_mass, inverse_inertia) = own(scene.shape), mobilities(scene)
     bounding = shape.constituent_bounding_radius
     per = len(bounding) // scene.granules
-    period = scene.periodic or (None, None)
+    x, y = scene.periodic or (None, None)
     return GranuleTable(
         root_inverse_mass=np.sqrt(inverse_mass),
         root_inverse_inertia=np.sqrt(inverse_inertia) if can_turn(scene) else None,
@@ -91,13 +88,13 @@ def granule_table(scene: Scene, skin: float) -> GranuleTable:
         mass=np.repeat(scene.mass, per),
         mobility=float((inverse_mass + shape.bounding_radius**2 * inverse_inertia).max()),
         bend=2.0 / 3.0 * shape.normal_bend * inverse_inertia,
-        skin=min([float(skin * bounding.mean()), *widest_skins(scene, period)]),
-        period=period,
+        skin=min([float(skin * bounding.mean()), *widest_skins(scene)]),
+        period=(x or 0.0, y or 0.0),
         alpha=damping_from_restitution(scene.material.restitution),
         modulus=effective_modulus(scene.material, scene.material),
         mean_radius=float(shape.constituent_radius.mean()),
         mean_mass=float(scene.mass.mean()),
-        held=np.repeat(held, per) if scene.held else None,
+        held=np.repeat(scene.is_held, per) if scene.held else None,
     )
 
 
@@ -138,26 +135,12 @@ def can_turn(scene: Scene) -> bool:
     return rough or bool(np.any(scene.shape.normal_lever > 0.0))
 
 
-def motion(position, velocity, spin):
-    """Rows (n, 8) of dem.jit.columns."""
-    position = np.atleast_2d(np.asarray(position, float))
-    motion = rows(len(position), 8)
-    motion[:, [X, Y]], motion[:, [VX, VY]], motion[:, W] = position, velocity, spin
-    return motion
-
-
-def start_of(motion) -> tuple[tuple[float, float], float]:
-    """Velocity (m/s) and spin (rad/s) of a boundary at the start."""
-    if isinstance(motion, Path):
-        x, y = (float(np.interp(0.0, motion.time, column)) for column in motion.velocity.T)
-        return (x, y), 0.0 if motion.spin is None else float(
-            np.interp(0.0, motion.time, motion.spin)
-        )
-    return (motion.velocity if isinstance(motion, Drive) else motion), 0.0
+def number_of_walls(scene: Scene) -> int:
+    return 0 if scene.walls is None else len(scene.walls)
 
 
 def table_of(motion) -> np.ndarray:
-    """Rows of Orders.table for one boundary."""
+    """Rows of Boundaries.table for one boundary."""
     if isinstance(motion, Drive):
         return np.empty((0, 4))
     if isinstance(motion, Path):
@@ -166,79 +149,54 @@ def table_of(motion) -> np.ndarray:
     return np.array([[0.0, *motion, 0.0]])
 
 
-def guide(motions) -> Guide:
-    """What moves boundaries with these motions."""
+def boundaries(scene: Scene) -> Boundaries:
+    """All that granules meet, as they move at the start."""
+    walls, cylinder = number_of_walls(scene), scene.cylinder
+    motions = [each or (0.0, 0.0) for each in scene.wall_motion or [None] * walls]
+    motions += [cylinder.velocity] if cylinder else []
+    motions += [group.motion for group in scene.held]
+    r = len(motions)
     tables = [table_of(each) for each in motions]
-    push, inverse_mass = np.zeros((2, len(motions), 2))
-    damping = np.zeros(len(motions))
+    moved, drive = rows(r, 8), np.zeros((r, 5))
+    if cylinder:
+        moved[walls, [X, Y]], moved[walls, W] = cylinder.position, cylinder.spin
+        tables[walls][:, 3] += cylinder.spin  # that of the path is then zero, see Cylinder
     for b, each in enumerate(motions):
         if isinstance(each, Drive):
-            damping[b] = each.damping
+            moved[b, [VX, VY]], drive[b, DAMPING] = each.velocity, each.damping
             for c, force in enumerate(each.force):
                 if force is not None:
-                    push[b, c], inverse_mass[b, c] = force, 1.0 / each.mass
-    first = np.cumsum([0, *map(len, tables)])
-    orders = Orders(first, np.concatenate(tables), push, inverse_mass, damping)
-    return Guide(orders, np.zeros(1), rows(len(motions), 4))
+                    drive[b, [PUSH + c, LIGHT + c]] = force, 1.0 / each.mass
+        else:
+            time, *columns = tables[b].T
+            moved[b, [VX, VY, W]] = [np.interp(0.0, time, column) for column in columns]
+    return Boundaries(
+        moved, np.zeros((r, 2)), rows(r, 4), np.zeros((r, 5)), np.zeros(1),
+        np.cumsum([0, *map(len, tables)]), np.concatenate([np.empty((0, 4)), *tables]), drive,
+    )  # fmt: skip
 
 
-def started(position, motions) -> np.ndarray:
-    """Rows of dem.jit.columns for boundaries at the start."""
-    velocity, spin = zip(*map(start_of, motions), strict=True)
-    return motion(position, np.array(velocity), np.array(spin))
+def surfaces(scene: Scene, table: GranuleTable) -> tuple[Surface | None, Surface | None]:
+    """Walls and cylinder."""
+    count, walls, cylinder = number_of_walls(scene), None, None
+    if scene.walls is not None:
+        walls = Surface(0, count, np.array(scene.walls), None, contacts(scene, table, "wall"))
+    if scene.cylinder is not None:
+        radius, listed = 0.5 * scene.cylinder.diameter, contacts(scene, table, "cylinder")
+        cylinder = Surface(count, count + 1, None, radius, listed)
+    return walls, cylinder
 
 
-def wall_boundary(scene: Scene, table: GranuleTable) -> WallBoundary:
-    planes = np.array(scene.walls, float)
-    count = len(planes)
-    given = scene.wall_motion or ()
-    moved = any(each is not None for each in given)
-    motions = [(0.0, 0.0) if each is None else each for each in given]
-    return WallBoundary(
-        planes=planes,
-        motion=started(np.zeros((count, 2)), motions) if moved else rows(count, 8),
-        contacts=contacts(scene, table, "wall"),
-        impulse=np.zeros(count),
-        shear=np.zeros(count),
-        reference=planes[:, 2].copy() if moved else None,
-        guide=guide(motions) if moved else None,
-    )
-
-
-def cylinder_boundary(scene: Scene, table: GranuleTable) -> CylinderBoundary:
-    cylinder = scene.cylinder
-    assert cylinder is not None
-    axis = started(cylinder.position, [cylinder.velocity])
-    axis[0, W] += cylinder.spin  # that of the path is then zero, see Cylinder
-    guided = guide([cylinder.velocity]) if isinstance(cylinder.velocity, Path | Drive) else None
-    if guided is not None:
-        guided.orders.table[:, 3] += cylinder.spin
-    return CylinderBoundary(
-        radius=0.5 * cylinder.diameter,
-        motion=axis,
-        reference=np.zeros(2),
-        contacts=contacts(scene, table, "cylinder"),
-        impulse=np.zeros(4),
-        twist=np.zeros(1),
-        guide=guided,
-    )
-
-
-def held_groups(scene: Scene, bodies: np.ndarray) -> HeldGroups | None:
-    """The groups of a scene, whose granules take their velocities at once."""
+def held_groups(scene: Scene, bodies: np.ndarray, motion: np.ndarray) -> HeldGroups | None:
+    """The groups of a scene, whose granules take their velocities (of Boundaries.motion) at once."""
     if not scene.held:
         return None
-    group = np.full(scene.granules, -1)
+    first, group = len(motion) - len(scene.held), np.full(scene.granules, -1)
     for b, each in enumerate(scene.held):
-        group[each.granules] = b
+        group[each.granules] = first + b
     member = np.flatnonzero(group >= 0)
-    motions = [each.motion for each in scene.held]
-    moved = started(np.zeros((len(motions), 2)), motions)
-    bodies[np.ix_(member, [VX, VY])] = moved[np.ix_(group[member], [VX, VY])]
-    return HeldGroups(
-        group, member, bodies[np.ix_(member, [X, Y])], moved, np.zeros((len(motions), 2)),
-        guide(motions),
-    )  # fmt: skip
+    bodies[np.ix_(member, [VX, VY])] = motion[np.ix_(group[member], [VX, VY])]
+    return HeldGroups(first, group, member, bodies[np.ix_(member, [X, Y])])
 
 
 def contacts(scene: Scene, table: GranuleTable, kind: str) -> Contacts:
@@ -247,7 +205,7 @@ def contacts(scene: Scene, table: GranuleTable, kind: str) -> Contacts:
     friction = friction_parameters(scene, kind)
     memory = numbers if friction else None
     guesses = numbers if kind != "wall" and scene.shape.guesses else None
-    period = (None, None) if kind == "wall" else table.period
+    x, y = (0.0, 0.0) if kind == "wall" else table.period
     return Contacts(
         first=np.zeros(len(table.radius) + 1, np.uint32) if kind == "granule" else None,
         constituent=index,
@@ -261,24 +219,27 @@ def contacts(scene: Scene, table: GranuleTable, kind: str) -> Contacts:
         sqrt_overlap=memory,
         normal_x=guesses,
         normal_y=guesses,
-        shift_x=None if period[0] is None else numbers,
-        shift_y=None if period[1] is None else numbers,
+        shift_x=numbers if x else None,
+        shift_y=numbers if y else None,
         sizes=np.empty((0, 0)) if kind == "granule" and scene.shape.lists_sizes else None,
     )
 
 
 def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = False) -> World:
     """All arrays of the kernels, with empty neighbour lists; accounted: keep an energy ledger."""
-    n, index = scene.granules, np.empty(0, np.uint32)
-    has_angle = scene.shape.needs_angle
-    bodies, force = motion(state.position, state.velocity, state.angular_velocity), rows(n, 4)
-    alone, first = table.per == 1, np.zeros(0, np.int64)
+    n, index, alone = scene.granules, np.empty(0, np.uint32), table.per == 1
+    bodies, force = rows(n, 8), rows(n, 4)
+    bodies[:, [X, Y]], bodies[:, [VX, VY]] = state.position, state.velocity
+    bodies[:, W] = state.angular_velocity
     inverse_mass, inverse_inertia = mobilities(scene)
+    turned = np.column_stack([np.cos(state.angle), np.sin(state.angle)])
+    moving, none = boundaries(scene), np.zeros(0, np.int64)
+    walls, cylinder = surfaces(scene, table)
     return World(
         shape=own(scene.shape),
         bodies=bodies,
         angle=state.angle,
-        frame=np.column_stack([np.cos(state.angle), np.sin(state.angle)]) if has_angle else None,
+        frame=turned if scene.shape.needs_angle else None,
         inverse_mass=inverse_mass,
         inverse_inertia=inverse_inertia if can_turn(scene) else None,
         force=force,
@@ -286,12 +247,13 @@ def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = 
         constituent_force=force if alone else rows(n * table.per, 4),
         reference=np.zeros((n * table.per, 2)),
         pairs=contacts(scene, table, "granule"),
-        walls=None if scene.walls is None else wall_boundary(scene, table),
-        cylinder=None if scene.cylinder is None else cylinder_boundary(scene, table),
+        boundaries=moving,
+        walls=walls,
+        cylinder=cylinder,
         gravity=None if scene.gravity is None else np.array(scene.gravity, float),
         lanes=make_lanes(accounted),
-        chunks=Chunks(index, index, first, first) if n > CHUNK else None,
-        held=held_groups(scene, bodies),
+        patches=Patches(index, index, none, none) if n > PATCH else None,
+        held=held_groups(scene, bodies, moving.motion),
     )
 
 
@@ -299,11 +261,11 @@ NEIGHBOURS = 6  # of a granule, all as deep as can be and in the worst direction
 CAUTION = 0.03  # sides that are nearly flat are stiffer than the radii say
 
 
-def least_step(scene, table, max_overlap: float, fraction: float) -> float:
+def least_step(scene, table, drive, max_overlap: float, fraction: float) -> float:
     """A time step (s) that no state of a scene can ask for by its contacts: a shorter one has collapsed.
 
     It is CAUTION times the critical step if all contacts were as deep as `max_overlap` (over the smaller
-    radius) allows, times the `fraction` of it that a run takes. No run with sound speeds takes such
+    radius) allows, times the `fraction` of it that a run takes; drive: of Boundaries. No run with sound speeds takes such
     steps: granules much faster than sound in them end in an OverlapError when they collide.
     """
     moduli = [effective_modulus(*partners(scene, boundary)) for boundary in (False, True)]
@@ -313,16 +275,10 @@ def least_step(scene, table, max_overlap: float, fraction: float) -> float:
     inverse_mass, inverse_inertia = mobilities(scene)
     radius = table.radius.reshape(-1, table.per).max(axis=1)
     mobility = inverse_mass + scene.shape.bounding_radius**2 * inverse_inertia
-    drives = [
-        each for each in (
-            *(scene.wall_motion or ()), *(group.motion for group in scene.held),
-            scene.cylinder and scene.cylinder.velocity,
-        ) if isinstance(each, Drive)
-    ]  # fmt: skip
-    many = 2.0 * NEIGHBOURS
-    if drives:  # all granules may lie on one body
-        mobility = mobility + max(1.0 / each.mass for each in drives)
-        many = 2.0 * max(NEIGHBOURS, scene.granules)
+    lightest = drive[:, LIGHT:DAMPING].max(initial=0.0)
+    # all granules may lie on one body that is driven
+    many = 2.0 * (max(NEIGHBOURS, scene.granules) if lightest > 0.0 else NEIGHBOURS)
+    mobility = mobility + lightest
     k = 2.0 * max(moduli) * math.sqrt(max_overlap) * radius
     stiffness = k * ((1.0 + ratio) * mobility + max_overlap * radius * table.bend)
     damping = table.alpha * (1.0 + damped) * np.sqrt(k * mobility * mobility * scene.mass)

@@ -8,21 +8,20 @@ import numpy as np
 from dem.contacts.blocks import imaged, remembered
 from dem.contacts.force_law import damping_ratio, impact_overlap
 from dem.contacts.response import local_stiffness
+from dem.dynamics.boundaries import driven_acceleration, fastest, lightness
 from dem.dynamics.forces import clear, greater
-from dem.dynamics.guide import count_guided, driven_acceleration, fastest, lightness
 from dem.dynamics.stable_step import (
     COLUMNS,
     Bounds,
     add_force_stiffness,
     add_pair_stiffness,
     add_pair_tangent,
-    add_wall_stiffness,
-    add_wall_tangent,
     critical_step,
     normal_damping,
     shortest,
     weight,
 )
+from dem.dynamics.world import Surface
 from dem.jit.address import by_address, local
 from dem.jit.columns import FX, FY, TAU, VX, VY, W, X, Y
 from dem.jit.compilation import compiled, inlined
@@ -97,29 +96,19 @@ def levers(granules, constituents, g, i, normal, point):
 
 
 @optional
-def row_of_member(held, i):
-    b = held.group[i]
-    return i if b < 0 else held.group.shape[0] + b
-
-
-@inlined
-def row_of(held, i):
-    """Row of Bounds for granule i: that of its group where it is held."""
-    return either(row_of_member(held, i), i)
-
-
-@optional
-def weight_of_member(held, table, i, lever):
-    b = held.group[i]
+def held_body(held, world, table, g, levers):
+    b = held.group[g]
     if b < 0:
-        return weight(table, i, lever)
-    return lightness(held.guide, b)
+        return g, weight(table, g, levers[0]), weight(table, g, levers[1])
+    light = lightness(world.boundaries, b)
+    return held.group.shape[0] + b, light, light
 
 
 @inlined
-def weight_of(held, table, i, lever):
-    """As `weight`; that of its group where granule i is held."""
-    return either(weight_of_member(held, table, i, lever), weight(table, i, lever))
+def body_of(world, table, g, levers):
+    """Row of Bounds for granule g, and `weight` for both levers: those of its group where it is held."""
+    free = g, weight(table, g, levers[0]), weight(table, g, levers[1])
+    return either(held_body(world.held, world, table, g, levers), free)
 
 
 @compiled
@@ -132,7 +121,7 @@ def survey_pairs(world, table, bounds, begin, end, spare):
     """
     world = by_address(world)
     shape, motion, frame = world.shape, world.constituents, world.frame
-    granules, held, contacts, table = world.bodies, world.held, local(world.pairs), local(table)
+    granules, contacts, table = world.bodies, local(world.pairs), local(table)
     rows, least, radius = bounds.rows, bounds.least, table.radius
     touching, worst = 0, (0.0, 0)
     clear(rows, begin, end)
@@ -157,162 +146,121 @@ def survey_pairs(world, table, bounds, begin, end, spare):
             mine = levers(granules, motion, g, i, (nx, ny), (n1 + apart, either(t1, 0.0)))
             theirs = levers(granules, motion, h, j, (nx, ny), (-n2 - apart, either(t2, 0.0)))
             damping = normal_damping(contacts.damping, p, sqrt_overlap)
-            k = 1.5 * stiffness * sqrt_overlap
-            first, second = g if i >= low else spare, h if j < high else spare
-            pair = row_of(held, first), row_of(held, second)
-            one = weight_of(held, table, g, mine[0])
-            two = weight_of(held, table, h, theirs[0])
-            add_pair_stiffness(rows, pair, k, damping, (nx, ny), (one, two))
-            one = weight_of(held, table, g, mine[1])
-            two = weight_of(held, table, h, theirs[1])
-            spring = stiffness, sqrt_overlap, damping
-            add_pair_tangent(contacts.friction, rows, pair, spring, (-ny, nx), (one, two))
-            add_force_stiffness(rows, first, k, overlap, table.bend[g])
-            add_force_stiffness(rows, second, k, overlap, table.bend[h])
+            k, spring = 1.5 * stiffness * sqrt_overlap, (stiffness, sqrt_overlap, damping)
+            one, two = body_of(world, table, g, mine), body_of(world, table, h, theirs)
+            pair = one[0] if i >= low else spare, two[0] if j < high else spare
+            add_pair_stiffness(rows, pair, k, damping, (nx, ny), (one[1], two[1]))
+            weights = one[2], two[2]
+            add_pair_tangent(contacts.friction, rows, pair, spring, (-ny, nx), weights)
+            add_force_stiffness(rows, pair[0], k, overlap, table.bend[g])
+            add_force_stiffness(rows, pair[1], k, overlap, table.bend[h])
     return touching, worst
 
 
 @optional
-def add_guided_stiffness(guide, wall, friction, rows, pair, k, spring, normal, weights):
-    """Stiffness k (N/m) along the normal, and the tangential one, of a granule and a boundary.
-
-    pair: rows of both; spring: as of add_pair_tangent; weights: of the granule, for both directions.
-    """
-    nx, ny = normal
-    other = lightness(guide, wall)
-    add_pair_stiffness(rows, pair, k, spring[2], normal, (weights[0], other))
-    add_pair_tangent(friction, rows, pair, spring, (-ny, nx), (weights[1], other))
+def survey_surface(surface, world, table, bounds, worst):
+    return _survey_surface(surface, world, table, bounds, worst)
 
 
-@compiled
-def survey_boundary(boundary, geometries, world, table, bounds, worst, first):
+@compiled(allocates=True)
+def _survey_surface(surface, world, table, bounds, worst):
     """Add what all contacts with walls, or with the cylinder, do to the rows of Bounds.
 
-    Returns the greatest relative overlap with its constituent. geometries (m, 6): from one of the
-    functions below; worst: the greatest relative overlap so far, with its constituent; first: row of Bounds of the
-    first of these boundaries, if they are guided.
+    Returns the greatest relative overlap with its constituent; worst: that so far.
     """
-    world = by_address(world)
-    contacts, table, held = local(boundary.contacts), local(table), world.held
-    granules, motion, rows = world.bodies, world.constituents, bounds.rows
+    boundaries, rows = world.boundaries, bounds.rows
+    granules, motion = world.bodies, world.constituents
+    found = geometries(world.shape, motion, world.frame, boundaries.motion, surface)
+    contacts, table = local(surface.contacts), local(table)
     for p in range(contacts.constituent.shape[0]):
-        i = np.int64(contacts.constituent[p])
+        i, b = np.int64(contacts.constituent[p]), np.int64(contacts.partner[p])
         g = i // table.per
-        overlap, nx, ny = geometries[p, 0], geometries[p, 1], geometries[p, 2]
-        n1, t1, stiffness = geometries[p, 3], geometries[p, 4], geometries[p, 5]
+        overlap, nx, ny = found[p, 0], found[p, 1], found[p, 2]
+        n1, t1, stiffness = found[p, 3], found[p, 4], found[p, 5]
         if not overlap <= 0.0:
             worst = deeper(worst, overlap, i, table.radius[i])
         sqrt_overlap = math.sqrt(max(overlap, bounds.least))
         n1 += 0.5 * min(overlap, 0.0)
-        normal, tangential = levers(granules, motion, g, i, (nx, ny), (n1, t1))
+        mine = levers(granules, motion, g, i, (nx, ny), (n1, t1))
         damping = normal_damping(contacts.damping, p, sqrt_overlap)
-        k = 1.5 * stiffness * sqrt_overlap
-        row, spring = row_of(held, g), (stiffness, sqrt_overlap, damping)
-        along = weight_of(held, table, g, normal)
-        across = weight_of(held, table, g, tangential)
-        still = unless(boundary.guide, rows)
-        add_wall_stiffness(still, row, k, damping, (nx, ny), along)
-        add_wall_tangent(contacts.friction, still, row, spring, (-ny, nx), across)
-        wall = np.int64(contacts.partner[p])
-        add_guided_stiffness(
-            boundary.guide, wall, contacts.friction, rows, (row, first + wall), k, spring, (nx, ny),
-            (along, across),
-        )  # fmt: skip
+        k, spring = 1.5 * stiffness * sqrt_overlap, (stiffness, sqrt_overlap, damping)
+        row, along, across = body_of(world, table, g, mine)
+        pair, other = (row, granules.shape[0] + b), lightness(boundaries, b)
+        add_pair_stiffness(rows, pair, k, damping, (nx, ny), (along, other))
+        add_pair_tangent(contacts.friction, rows, pair, spring, (-ny, nx), (across, other))
         add_force_stiffness(rows, g, k, overlap, table.bend[g])
     return worst
 
 
-@inlined
-def put_row(found, p, overlap, normal, point, stiffness):
-    """One row of the geometries below; number by number, because a row brings in the text of its error message."""
-    found[p, 0], found[p, 1], found[p, 2] = overlap, normal[0], normal[1]
-    found[p, 3], found[p, 4], found[p, 5] = point[0], point[1], stiffness
+@optional
+def beside_plane(planes, shape, own, x, y, j):
+    """Overlap, normal, levers and curvature of a constituent at x, y and wall j."""
+    nx, ny = planes[j, 0], planes[j, 1]
+    reach, t1, rho = support(shape, own, nx, ny)
+    overlap = reach + x * nx + y * ny - planes[j, 2]
+    return overlap, nx, ny, reach - 0.5 * overlap, either(t1, 0.0), rho
+
+
+@optional
+def beside_outline(other, shape, own, contacts, p, dx, dy):
+    """The same for another outline, dx, dy (m) from it."""
+    dx, dy = imaged(contacts, p, dx, dy)
+    guess = remembered(contacts.normal_x, contacts.normal_y, p)
+    one = solve_contact(shape, dx, dy, own, other, guess)
+    return one.overlap, one.nx, one.ny, one.n1, either(one.t1, 0.0), one.radius
+
+
+@optional
+def cylinder_outline(radius, shape):
+    return circle(shape, radius)
+
+
+@optional
+def partner_outline(pairs, shape, j, frame):
+    return outline(shape, j, frame)
 
 
 @compiled(allocates=True)
-def pair_geometries(shape, motion, frame, contacts):
-    """Rows (m, 6), one per listed pair, seen from its first constituent; see wall_geometries."""
+def geometries(shape, motion, frame, others, surface):
+    """Rows (m, 6), one per listed contact with a surface, or between granules (`measured`), seen
+    from its constituent: overlap (m; negative: a gap), normal, levers n1 and t1 (m), and
+    stiffness (N m^-1.5). others: motion of the partners."""
+    contacts, planes, radius = surface.contacts, surface.planes, surface.radius
     found = np.empty((contacts.constituent.shape[0], 6))
     for p in range(found.shape[0]):
         i, j = contacts.constituent[p], contacts.partner[p]
-        dx, dy = motion[j, X] - motion[i, X], motion[j, Y] - motion[i, Y]
-        dx, dy = imaged(contacts, p, dx, dy)
-        guess = remembered(contacts.normal_x, contacts.normal_y, p)
-        own, other = outline(shape, i, frame), outline(shape, j, frame)
-        one = solve_contact(shape, dx, dy, own, other, guess)
-        stiffness = either(local_stiffness(one.radius, contacts.modulus), contacts.stiffness[p])
-        put_row(found, p, one.overlap, (one.nx, one.ny), (one.n1, either(one.t1, 0.0)), stiffness)
+        own, x, y = outline(shape, i, frame), motion[i, X], motion[i, Y]
+        pairs = unless(planes, unless(radius, True))
+        other = either(cylinder_outline(radius, shape), partner_outline(pairs, shape, j, frame))
+        dx, dy = others[j, X] - x, others[j, Y] - y
+        one = either(
+            beside_plane(planes, shape, own, x, y, j),
+            beside_outline(other, shape, own, contacts, p, dx, dy),
+        )
+        stiffness = either(local_stiffness(one[5], contacts.modulus), contacts.stiffness[p])
+        # number by number, because a row brings in the text of its error message
+        found[p, 0], found[p, 1], found[p, 2] = one[0], one[1], one[2]
+        found[p, 3], found[p, 4], found[p, 5] = one[3], one[4], stiffness
     return found
 
 
-@compiled(allocates=True)
-def wall_geometries(shape, motion, frame, walls):
-    """Rows (m, 6), one per listed contact with a wall.
-
-    Overlap (m; negative: a gap), normal, levers n1 and t1 (m), and stiffness (N m^-1.5).
-    """
-    contacts = walls.contacts
-    found = np.empty((contacts.constituent.shape[0], 6))
-    for p in range(found.shape[0]):
-        i, k = contacts.constituent[p], contacts.partner[p]
-        nx, ny = walls.planes[k, 0], walls.planes[k, 1]
-        reach, t1, rho = support(shape, outline(shape, i, frame), nx, ny)
-        overlap = reach + motion[i, X] * nx + motion[i, Y] * ny - walls.planes[k, 2]
-        stiffness = either(local_stiffness(rho, contacts.modulus), contacts.stiffness[p])
-        point = reach - 0.5 * overlap, either(t1, 0.0)
-        put_row(found, p, overlap, (nx, ny), point, stiffness)
-    return found
-
-
-@compiled(allocates=True)
-def cylinder_geometries(shape, motion, frame, cylinder):
-    """The same of the contacts with the cylinder."""
-    contacts = cylinder.contacts
-    found = np.empty((contacts.constituent.shape[0], 6))
-    other = circle(shape, cylinder.radius)
-    for p in range(found.shape[0]):
-        i = contacts.constituent[p]
-        dx, dy = cylinder.motion[0, X] - motion[i, X], cylinder.motion[0, Y] - motion[i, Y]
-        dx, dy = imaged(contacts, p, dx, dy)
-        guess = remembered(contacts.normal_x, contacts.normal_y, p)
-        one = solve_contact(shape, dx, dy, outline(shape, i, frame), other, guess)
-        stiffness = either(local_stiffness(one.radius, contacts.modulus), contacts.stiffness[p])
-        put_row(found, p, one.overlap, (one.nx, one.ny), (one.n1, either(one.t1, 0.0)), stiffness)
-    return found
-
-
-@optional
-def guided(boundary):
-    """Number of guided boundaries, None if there is none."""
-    return count_guided(boundary.guide)
-
-
-@optional
-def survey_walls(walls, world, table, bounds, worst, first):
-    found = wall_geometries(world.shape, world.constituents, world.frame, walls)
-    return survey_boundary(walls, found, world, table, bounds, worst, first)
-
-
-@optional
-def survey_cylinder(cylinder, world, table, bounds, worst, first):
-    found = cylinder_geometries(world.shape, world.constituents, world.frame, cylinder)
-    return survey_boundary(cylinder, found, world, table, bounds, worst, first)
-
-
-@inlined
-def first_rows(world):
-    """Of the rows of Bounds: the first of the walls, that of the cylinder, and how many there are."""
-    walls = world.bodies.shape[0] + either(guided(world.held), 0)
-    cylinder = walls + either(guided(world.walls), 0)
-    return walls, cylinder, cylinder + either(guided(world.cylinder), 0)
+def measured(world, *surfaces):
+    """Contacts between granules, then those with each of some surfaces: the Surface, motion of the partners,
+    and the geometries."""
+    pairs = Surface(0, 0, None, None, world.pairs), world.constituents
+    others = [(each, world.boundaries.motion) for each in surfaces if each is not None]
+    for surface, motion in (pairs, *others):
+        found = geometries(world.shape, world.constituents, world.frame, motion, surface)
+        yield surface, motion, found
 
 
 @inlined
 def empty_bounds(world, least, spare):
     """Bounds with a number of spare rows at the end. Only the rows after those of granules are zero:
     survey_pairs clears the others, each thread its own, which is then near its memory."""
-    rows = np.empty((first_rows(world)[2] + spare, COLUMNS))
-    clear(rows, world.bodies.shape[0], rows.shape[0])
+    granules = world.bodies.shape[0]
+    rows = np.empty((granules + world.boundaries.motion.shape[0] + spare, COLUMNS))
+    clear(rows, granules, rows.shape[0])
     return Bounds(rows, least)
 
 
@@ -322,11 +270,9 @@ def survey_boundaries(world, table, bounds, worst):
 
     Returns the greatest relative overlap with its constituent, and the bound on the critical step (s).
     """
-    first_wall, first_cylinder, count = first_rows(world)
-    worst = either(survey_walls(world.walls, world, table, bounds, worst, first_wall), worst)
-    worst = either(
-        survey_cylinder(world.cylinder, world, table, bounds, worst, first_cylinder), worst
-    )
+    worst = either(survey_surface(world.walls, world, table, bounds, worst), worst)
+    worst = either(survey_surface(world.cylinder, world, table, bounds, worst), worst)
+    count = world.bodies.shape[0] + world.boundaries.motion.shape[0]
     return worst, shortest(bounds.rows, count)
 
 
@@ -368,36 +314,11 @@ def greatest_acceleration(force, inverse_mass, inverse_inertia, table):
     return greatest
 
 
-@optional
-def speed_squared(cylinder):
-    now = cylinder.motion[0, VX] ** 2 + cylinder.motion[0, VY] ** 2
-    return either(fastest(cylinder.guide, cylinder.motion), now)
-
-
-@optional
-def guided_speed_squared(boundary):
-    """Of walls or held groups; None if they are at rest."""
-    return fastest(boundary.guide, boundary.motion)
-
-
 @inlined
 def expected_speed(world, skin, speed_bound):
     """Greatest speed (m/s) before the lists are rebuilt: of granules, boundaries, and a fall."""
-    squared = max(speed_bound * speed_bound, either(speed_squared(world.cylinder), 0.0))
-    squared = either(faster(guided_speed_squared(world.walls), squared), squared)
-    squared = either(faster(guided_speed_squared(world.held), squared), squared)
+    squared = greater(fastest(world.boundaries), speed_bound * speed_bound)
     return math.sqrt(plus(squared, fall_squared(world.gravity, skin)))
-
-
-@optional
-def faster(more, than):
-    return greater(more, than)
-
-
-@optional
-def push_on(boundary):
-    """Greatest acceleration (m/s2) of walls, cylinder or held groups; None if nothing drives them."""
-    return driven_acceleration(boundary.guide)
 
 
 @compiled(allocates=True)
@@ -422,9 +343,7 @@ def end_survey(world, table, begun, found):
     damping = 2.0 * damping_ratio(table.alpha) * math.sqrt(2.0 * stiffness)
     granules = world.bodies.shape[0]
     push = greatest_acceleration(world.force, world.inverse_mass, world.inverse_inertia, table)
-    push = either(faster(push_on(world.walls), push), push)
-    push = either(faster(push_on(world.cylinder), push), push)
-    push = either(faster(push_on(world.held), push), push)
+    push = greater(driven_acceleration(world.boundaries), push)
     return Diagnostics(
         energy, math.sqrt(speed * speed + 2.0 * table.skin * push), 2.0 * touching / granules, overlap, deepest // table.per,
         min(step, critical_step(stiffness, damping)),

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.contacts.response import spring_energy
-from dem.dynamics.diagnostics import cylinder_geometries, kinetic, pair_geometries, wall_geometries
+from dem.dynamics.diagnostics import kinetic, measured
 from dem.jit.compilation import compiled
 from dem.jit.lanes import ACCOUNTS, LOST_DAMPED, LOST_SLID, WORK
 from dem.jit.optional import either, optional
@@ -96,16 +96,8 @@ def listed_hold(geometries, contacts):
 
 def balance(world) -> tuple[float, float, float]:
     """Kinetic, normal elastic and tangential elastic energy (J) of the bed."""
-    shape, motion, frame = world.shape, world.constituents, world.frame
-    geometries = pair_geometries(shape, motion, frame, world.pairs)
-    held = [listed_hold(geometries, world.pairs)]
-    for boundary, measure in (
-        (world.walls, wall_geometries),
-        (world.cylinder, cylinder_geometries),
-    ):
-        if boundary is not None:
-            geometries = measure(shape, motion, frame, boundary)
-            held.append(listed_hold(geometries, boundary.contacts))
+    listed = measured(world, world.walls, world.cylinder)
+    held = [listed_hold(found, surface.contacts) for surface, _, found in listed]
     moving = kinetic(world.bodies, world.inverse_mass, world.inverse_inertia)[0]
     return moving, sum(each[0] for each in held), sum(each[1] for each in held)
 
@@ -118,17 +110,11 @@ def fallen(world) -> float:
     return float(np.sum(np.divide(depth, light, out=np.zeros_like(depth), where=light > 0.0)))
 
 
-class Bookkeeper:
-    """Keeps the ledger of one simulation from the state that it starts with."""
-
-    def __init__(self, world):
-        self._before, self._fallen = sum(balance(world)), fallen(world)
-
-    def ledger(self, world) -> Ledger:
-        """The ledger now."""
-        total, before = world.lanes.account.reshape(2, ACCOUNTS)
-        account = 0.5 * (total + before)
-        return Ledger(
-            *balance(world), float(account[LOST_DAMPED]), float(account[LOST_SLID]),
-            float(account[WORK]), fallen(world) - self._fallen, self._before,
-        )  # fmt: skip
+def energies(world, held: float, height: float) -> Ledger:
+    """The ledger now, of a bed that held an energy (J) at the start, and had a `fallen` (J)."""
+    total, before = world.lanes.account.reshape(2, ACCOUNTS)
+    account = 0.5 * (total + before)
+    return Ledger(
+        *balance(world), float(account[LOST_DAMPED]), float(account[LOST_SLID]),
+        float(account[WORK]), fallen(world) - height, held,
+    )  # fmt: skip

@@ -1,10 +1,9 @@
-"""Forces on all granules for their present positions, chunk by chunk."""
+"""Forces on all granules for their present positions, patch by patch."""
 
 import numpy as np
 
-from dem.contacts.blocks import Constituents
-from dem.contacts.loops import cylinder_contacts, pair_contacts, wall_contacts
-from dem.dynamics.world import at_full_steps, granules_of, number_of_chunks
+from dem.contacts.loops import boundary_contacts, pair_contacts
+from dem.dynamics.world import at_full_steps, granules_of, number_of_patches
 from dem.jit.address import by_address
 from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
 from dem.jit.compilation import compiled, inlined
@@ -21,22 +20,22 @@ def keep_account(account):
 
 
 @optional
-def add_forces_across_chunks(chunks, force, constituents, chunk):
-    """Add to the constituents of a chunk what pairs of other chunks have left for them."""
-    for q in range(chunks.first[chunk], chunks.first[chunk + 1]):
-        left = FOUR * (constituents + chunks.incoming[q])
-        at = FOUR * chunks.target[chunks.incoming[q]]
+def add_forces_across_patches(patches, force, constituents, patch):
+    """Add to the constituents of a patch what pairs of other patches have left for them."""
+    for q in range(patches.first[patch], patches.first[patch + 1]):
+        left = FOUR * (constituents + patches.incoming[q])
+        at = FOUR * patches.target[patches.incoming[q]]
         for c in (ZERO, ONE, TWO):
             force[at + c] += force[left + c]
             force[left + c] = 0.0
 
 
 @inlined
-def constituents_of(world, chunk):
-    """First and last (excluded) constituent of a chunk."""
+def constituents_of(world, patch):
+    """First and last (excluded) constituent of a patch."""
     granules = world.bodies.shape[0]
     per = world.constituents.shape[0] // granules
-    low, high = granules_of(world.chunks, granules, chunk)
+    low, high = granules_of(granules, patch)
     return per * low, per * high
 
 
@@ -90,15 +89,13 @@ def add_work_on(account, motion, full, force, row, dt):
 
 
 @optional
-def weigh_held(held, motion, full, force, account, dt):
+def weigh_held(held, boundaries, motion, full, force, account, dt):
     """Sum up what the contacts exert on each group, in one order whatever the number of threads.
 
     motion, force: of the constituents; full: dem.dynamics.world.at_full_steps.
     """
-    on, member, impulse = held.guide.force, held.member, held.impulse
+    on, sums, member = boundaries.force, boundaries.sums, held.member
     per = motion.shape[0] // held.group.shape[0]
-    for b in range(on.shape[0]):
-        on[b, FX], on[b, FY] = 0.0, 0.0
     for q in range(member.shape[0]):
         b = held.group[member[q]]
         for c in range(per):
@@ -106,57 +103,53 @@ def weigh_held(held, motion, full, force, account, dt):
             on[b, FX] += force[row, FX]
             on[b, FY] += force[row, FY]
             add_work_on(account, motion, full, force, row, dt)
-    for b in range(on.shape[0]):
-        impulse[b, 0] += on[b, FX] * dt
-        impulse[b, 1] += on[b, FY] * dt
+    for b in range(held.first, on.shape[0]):
+        sums[b, 0] += on[b, FX] * dt
+        sums[b, 1] += on[b, FY] * dt
 
 
 @optional
-def _reached_from(chunks, chunk, begin):
-    return chunks.lowest[chunk] >= begin
+def _reached_from(patches, patch, begin):
+    return patches.lowest[patch] >= begin
 
 
 @inlined
-def knows_forces(chunks, chunk, begin):
-    """Whether a thread that has done the pairs of chunks `begin` to `chunk` knows all forces on the last."""
-    return either(_reached_from(chunks, chunk, begin), False)
+def knows_forces(patches, patch, begin):
+    """Whether a thread that has done the pairs of patches `begin` to `patch` knows all forces on the last."""
+    return either(_reached_from(patches, patch, begin), False)
 
 
 @compiled
-def pair_forces(world, dt, chunk):
-    """Forces of the pairs of a chunk, on its constituents and, for others, in the rows of Chunks."""
-    constituents = Constituents(world.shape, world.constituents, world.frame, world.inverse_inertia)
-    force, pairs = world.constituent_force, world.pairs
-    low, high = constituents_of(world, chunk)
-    clear(force, low, high)
-    pair_contacts(
-        constituents, pairs, force, dt, world.lanes, world.chunks,
-        np.int64(pairs.first[low]), np.int64(pairs.first[high]),
-    )  # fmt: skip
+def pair_forces(world, dt, patch):
+    """Forces of the pairs of a patch, on its constituents and, for others, in the rows of Patches."""
+    first = world.pairs.first
+    low, high = constituents_of(world, patch)
+    clear(world.constituent_force, low, high)
+    pair_contacts(world, dt, np.int64(first[low]), np.int64(first[high]))
 
 
 @compiled
 def boundary_forces(world, dt):
-    """Add the forces of walls and cylinder, and sum up those on held groups."""
-    constituents = Constituents(world.shape, world.constituents, world.frame, world.inverse_inertia)
-    force, lanes = world.constituent_force, world.lanes
-    wall_contacts(world.walls, constituents, force, dt, lanes)
-    cylinder_contacts(world.cylinder, constituents, force, dt, lanes)
-    full = at_full_steps(world)
-    weigh_held(world.held, constituents.motion, full, force, lanes.account, dt)
+    """Add the forces of walls and cylinder, and sum up those on all boundaries."""
+    boundaries, account = world.boundaries, world.lanes.account
+    clear(boundaries.force, 0, boundaries.force.shape[0])
+    boundary_contacts(world.walls, world, dt)
+    boundary_contacts(world.cylinder, world, dt)
+    motion, force, full = world.constituents, world.constituent_force, at_full_steps(world)
+    weigh_held(world.held, boundaries, motion, full, force, account, dt)
 
 
 @inlined
-def add_left_forces(world, chunk):
-    """Add to the constituents of a chunk the forces of pairs of other chunks."""
+def add_left_forces(world, patch):
+    """Add to the constituents of a patch the forces of pairs of other patches."""
     force, own = world.constituent_force.reshape(-1), np.uint64(world.constituents.shape[0])
-    add_forces_across_chunks(world.chunks, force, own, chunk)
+    add_forces_across_patches(world.patches, force, own, patch)
 
 
 @compiled
-def farthest_of(world, chunk, limit):
-    """`farthest` of a chunk."""
-    low, high = constituents_of(world, chunk)
+def farthest_of(world, patch, limit):
+    """`farthest` of a patch."""
+    low, high = constituents_of(world, patch)
     return farthest(world.constituents, world.reference, low, high, limit)
 
 
@@ -170,12 +163,12 @@ def forces(world, dt, limit):
     world = by_address(world)
     granules, moved = world.bodies.shape[0], 0.0
     place(world.shape, world.bodies, world.frame, world.constituents, 0, granules)
-    chunks = number_of_chunks(world.chunks, granules)
+    patches = number_of_patches(granules)
     keep_account(world.lanes.account)
-    for chunk in range(chunks):
-        moved = greater(moved, farthest_of(world, chunk, limit))
-        pair_forces(world, dt, chunk)
-        add_left_forces(world, chunk)
+    for patch in range(patches):
+        moved = greater(moved, farthest_of(world, patch, limit))
+        pair_forces(world, dt, patch)
+        add_left_forces(world, patch)
     boundary_forces(world, dt)
     collect(world.shape, world.constituent_force, world.frame, world.force, 0, granules)
     return moved

@@ -11,6 +11,7 @@ import math
 
 import numpy as np
 
+from dem.dynamics.boundaries import carry, move_boundaries, surface_moved
 from dem.dynamics.forces import (
     add_left_forces,
     boundary_forces,
@@ -20,9 +21,8 @@ from dem.dynamics.forces import (
     knows_forces,
     pair_forces,
 )
-from dem.dynamics.guide import carry, move_cylinder, move_held, move_walls
 from dem.dynamics.synchronise import LINE, barrier, follows, portion
-from dem.dynamics.world import at_full_steps, granules_of, number_of_chunks
+from dem.dynamics.world import at_full_steps, granules_of, number_of_patches
 from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
 from dem.jit.compilation import compiled, inlined
 from dem.jit.optional import either, given, minus, optional, plus
@@ -88,21 +88,18 @@ def drift(world, kick, dt, low, high):
         bodies[i, DVY] = half * ay
         spin = spin_up(inverse_inertia, bodies, force, i, kick, half)
         turn(spin, frame, angle, i, dt)
-    carry(world.held, bodies, full, low, high)
+    carry(world.held, world.boundaries.motion, bodies, full, low, high)
     place(world.shape, bodies, frame, world.constituents, low, high)
 
 
 @inlined
-def move_boundaries(world, kick, dt):
-    """Kick and move walls and cylinder; returns their largest squared displacement (m2) since the
-    lists were made."""
-    moved = either(move_cylinder(world.cylinder, kick, dt), 0.0)
-    return either(farther(move_walls(world.walls, kick, dt), moved), moved)
-
-
-@optional
-def farther(moved, other):
-    return greater(moved, other)
+def boundaries_moved(world):
+    """Largest squared displacement (m2) of walls and cylinder since the lists were made."""
+    boundaries = world.boundaries
+    return greater(
+        either(surface_moved(world.walls, boundaries), 0.0),
+        either(surface_moved(world.cylinder, boundaries), 0.0),
+    )
 
 
 @optional
@@ -121,12 +118,12 @@ def told(thread):
 
 
 @inlined
-def move_chunk(world, kick, dt, chunk, limit):
-    """`drift` of a chunk; returns its largest squared displacement (m2) since the lists were made, 0
+def move_patch(world, kick, dt, patch, limit):
+    """`drift` of a patch; returns its largest squared displacement (m2) since the lists were made, 0
     if none is above `limit`."""
-    low, high = granules_of(world.chunks, world.bodies.shape[0], chunk)
+    low, high = granules_of(world.bodies.shape[0], patch)
     drift(world, kick, dt, low, high)
-    return farthest_of(world, chunk, limit)
+    return farthest_of(world, patch, limit)
 
 
 RESUMES, PAUSES = 1, 2  # how a call of `advance` begins and ends; their sum does both
@@ -143,11 +140,11 @@ def advance(world, dt, steps, rebuild_at, how, thread):
     Returns the number of steps done and the largest displacement (m); that of granules counts as 0
     up to `rebuild_at`.
 
-    A chunk moves as soon as this thread knows all forces on it, while they are in the cache. The other
-    chunks wait until all threads have done their pairs.
+    A patch moves as soon as this thread knows all forces on it, while they are in the cache. The other
+    patches wait until all threads have done their pairs.
     """
-    leads, chunks = not either(follows(thread), False), world.chunks
-    count = number_of_chunks(chunks, world.bodies.shape[0])
+    leads, patches = not either(follows(thread), False), world.patches
+    count = number_of_patches(world.bodies.shape[0])
     begin, end = either(portion(thread, count), (0, count))
     limit = rebuild_at * rebuild_at
     done, last, pauses, moved, further = 0, steps == 0, False, 0.0, 0.0
@@ -155,13 +152,12 @@ def advance(world, dt, steps, rebuild_at, how, thread):
     ahead = 0.0 if last else dt
     while True:
         if leads:
-            move_held(world.held, kick, ahead)
+            move_boundaries(world, kick, ahead)
+            further = greater(further, boundaries_moved(world))
         barrier(thread)
-        for chunk in range(begin, end):
-            if done == 0 or not knows_forces(chunks, chunk, begin):
-                further = greater(further, move_chunk(world, kick, ahead, chunk, limit))
-        if leads:
-            further = greater(further, move_boundaries(world, kick, ahead))
+        for patch in range(begin, end):
+            if done == 0 or not knows_forces(patches, patch, begin):
+                further = greater(further, move_patch(world, kick, ahead, patch, limit))
         if last:
             return done, math.sqrt(moved)
         tell(thread, further)
@@ -172,16 +168,16 @@ def advance(world, dt, steps, rebuild_at, how, thread):
         pauses = last and how & PAUSES > 0 and moved <= limit
         kick, ahead, further = (0.5 * dt, 0.0, 0.0) if last else (dt, dt, 0.0)
         keep_account(world.lanes.account)
-        for chunk in range(begin, end):
-            pair_forces(world, dt, chunk)
-            if knows_forces(chunks, chunk, begin):
-                add_left_forces(world, chunk)
+        for patch in range(begin, end):
+            pair_forces(world, dt, patch)
+            if knows_forces(patches, patch, begin):
+                add_left_forces(world, patch)
                 if not pauses:
-                    further = greater(further, move_chunk(world, kick, ahead, chunk, limit))
+                    further = greater(further, move_patch(world, kick, ahead, patch, limit))
         barrier(thread)
-        for chunk in range(begin, end):
-            if not knows_forces(chunks, chunk, begin):
-                add_left_forces(world, chunk)
+        for patch in range(begin, end):
+            if not knows_forces(patches, patch, begin):
+                add_left_forces(world, patch)
         barrier(thread)
         if leads:
             boundary_forces(world, dt)

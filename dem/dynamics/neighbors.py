@@ -9,76 +9,45 @@ import numpy as np
 
 from dem.jit.columns import X, Y
 from dem.jit.compilation import compiled, inlined
-from dem.jit.optional import either, optional, plus
+from dem.jit.optional import optional
 
 
-@optional
+@inlined
 def image(period, distance):
-    """Whole periods (m) that lead from a distance along a periodic side to the nearest image."""
-    return -period * np.floor(distance / period + 0.5)
+    """Whole periods (m) that lead from a distance along a side to the nearest image."""
+    return -period * np.floor(distance / period + 0.5) if period > 0.0 else 0.0
 
 
 @inlined
 def nearest(period, distance):
     """A distance (m) between two bodies along a side, to the nearest image of the other."""
-    return plus(distance, image(period, distance))
-
-
-@optional
-def into_first(period, distance):
-    """A distance less whole periods (m)."""
-    return distance - period * np.floor(distance / period)
-
-
-@optional
-def fitting(period, size):
-    """How many cells of at least this size (m) one after another make a period."""
-    return max(int(period / size), 1)
-
-
-@optional
-def share(period, count):
-    return period / count
+    return distance + image(period, distance)
 
 
 @inlined
 def split(period, extent, size):
     """Number of cells along a side, and their size (m), at least `size`."""
-    count = either(fitting(period, size), int(extent / size) + 1)
-    return count, either(share(period, count), size)
+    if period > 0.0:
+        count = max(int(period / size), 1)
+        return count, period / count
+    return int(extent / size) + 1, size
 
 
 @inlined
 def place_of(period, distance, count, size):
     """Number of the cell at a distance (m) from the first."""
-    return min(int(either(into_first(period, distance), distance) / size), count - 1)
-
-
-@optional
-def around_period(period, cell, count):
-    return cell - 1, cell - 1 + min(count, 3)
+    if period > 0.0:
+        distance -= period * np.floor(distance / period)
+    return min(int(distance / size), count - 1)
 
 
 @inlined
 def around(period, cell, count):
-    """First and last (excluded) of a cell and those beside it; see `turned`."""
-    return either(around_period(period, cell, count), (max(cell - 1, 0), min(cell + 2, count)))
-
-
-@optional
-def turned_once(period, cell, count):
-    return cell + count if cell < 0 else (cell - count if cell >= count else cell)
-
-
-@inlined
-def turned(period, cell, count):
-    """The cell that follows the last along a periodic side is the first."""
-    return either(turned_once(period, cell, count), cell)
-
-
-@optional
-def one(period):
-    return 1
+    """First and last (excluded) of a cell and those beside it. The cell that follows the last along a
+    periodic side is the first, modulo `count`."""
+    if period > 0.0:
+        return cell - 1, cell - 1 + min(count, 3)
+    return max(cell - 1, 0), min(cell + 2, count)
 
 
 @compiled(allocates=True)
@@ -90,16 +59,12 @@ def cells(constituents, size, period):
     constituents fourfold. Along a periodic side the cells make one period.
     """
     n = constituents.shape[0]
-    left, bottom, right, top = (
-        constituents[0, X],
-        constituents[0, Y],
-        constituents[0, X],
-        constituents[0, Y],
-    )
+    left, bottom = right, top = constituents[0, X], constituents[0, Y]
     for i in range(n):
         left, right = min(left, constituents[i, X]), max(right, constituents[i, X])
         bottom, top = min(bottom, constituents[i, Y]), max(top, constituents[i, Y])
-    width, height = either(period[0], right - left), either(period[1], top - bottom)
+    width = period[0] if period[0] > 0.0 else right - left
+    height = period[1] if period[1] > 0.0 else top - bottom
     while (width / size + 1.0) * (height / size + 1.0) > 4.0 * n + 16.0:
         size *= 2.0
     columns, wide = split(period[0], width, size)
@@ -137,7 +102,7 @@ def near_pairs(constituents, radius, skin, per_granule, period):
 
     Returns (first, constituent, partner) of Contacts.
 
-    radius (constituents,): bounding radius (m); period along x and y (m), None where the scene does
+    radius (constituents,): bounding radius (m); period along x and y (m), 0 where the scene does
     not repeat itself. Each pair is listed once, under its lower index, partners in ascending order.
     """
     n = constituents.shape[0]
@@ -155,10 +120,11 @@ def near_pairs(constituents, radius, skin, per_granule, period):
             partner = larger
         lowest, highest = around(period[1], row, rows)
         leftmost, rightmost = around(period[0], column, columns)
-        run = either(one(period[0]), rightmost - leftmost)  # cells whose members follow each other
+        # cells whose members follow each other
+        run = 1 if period[0] > 0.0 else rightmost - leftmost
         for r in range(lowest, highest):
             for c in range(leftmost, rightmost, run):
-                cell = turned(period[1], r, rows) * columns + turned(period[0], c, columns)
+                cell = r % rows * columns + c % columns
                 for m in range(start[cell], start[cell + run]):
                     j = members[m]
                     if j <= i or j // per_granule == i // per_granule:
@@ -178,34 +144,29 @@ def near_pairs(constituents, radius, skin, per_granule, period):
     return first, constituent, partner[:count].copy()
 
 
-@compiled(allocates=True)
-def near_planes(constituents, radius, skin, planes):
+@optional
+def near_planes(planes, constituents, radius, skin):
     """Constituents closer than skin (m) to a wall: sorted (constituent, partner) of Contacts."""
     constituent = np.empty(constituents.shape[0] * planes.shape[0], np.uint32)
     partner = np.empty_like(constituent)
     count = 0
     for i in range(constituents.shape[0]):
         for k in range(planes.shape[0]):
-            reach = (
-                constituents[i, X] * planes[k, 0]
-                + constituents[i, Y] * planes[k, 1]
-                + radius[i]
-                + skin
-            )
-            if reach > planes[k, 2]:
+            here = constituents[i, X] * planes[k, 0] + constituents[i, Y] * planes[k, 1]
+            if here + radius[i] + skin > planes[k, 2]:
                 constituent[count], partner[count] = i, k
                 count += 1
     return constituent[:count].copy(), partner[:count].copy()
 
 
-@compiled(allocates=True)
-def near_circle(constituents, radius, skin, x, y, size, period):
-    """Parts closer than skin (m) to a circle of radius size (m) at x, y: (constituent, partner)."""
+@optional
+def near_circle(size, place, constituents, radius, skin, period):
+    """The same for a circle of radius size (m) at a place (x, y)."""
     constituent = np.empty(constituents.shape[0], np.uint32)
     count = 0
     for i in range(constituents.shape[0]):
-        dx = nearest(period[0], constituents[i, X] - x)
-        dy = nearest(period[1], constituents[i, Y] - y)
+        dx = nearest(period[0], constituents[i, X] - place[0])
+        dy = nearest(period[1], constituents[i, Y] - place[1])
         reach = radius[i] + size + skin
         if dx * dx + dy * dy < reach * reach:
             constituent[count] = i
@@ -214,36 +175,15 @@ def near_circle(constituents, radius, skin, x, y, size, period):
 
 
 @compiled(allocates=True)
-def match_pairs(first, partner, old_first, old_partner):
-    """Row of each pair in the old list, -1 for a new pair."""
-    source = np.empty(partner.shape[0], np.int64)
-    for i in range(first.shape[0] - 1):
-        q = old_first[i]
-        for p in range(first[i], first[i + 1]):
-            source[p] = -1
-            while q < old_first[i + 1] and old_partner[q] < partner[p]:
-                q += 1
-            if q < old_first[i + 1] and old_partner[q] == partner[p]:
-                source[p] = q
-    return source
-
-
-@compiled(allocates=True)
-def match_listed(constituent, partner, old_constituent, old_partner):
-    """The same for the lists of walls and cylinder."""
-    source = np.empty(constituent.shape[0], np.int64)
-    q = 0
+def match(constituent, partner, old_constituent, old_partner):
+    """Row of each contact in the old list, -1 for a new one; both lists are in ascending order."""
+    source, q = np.full(constituent.shape[0], -1), 0
     for p in range(constituent.shape[0]):
-        source[p] = -1
+        i, j = constituent[p], partner[p]
         while q < old_constituent.shape[0] and (
-            old_constituent[q] < constituent[p]
-            or (old_constituent[q] == constituent[p] and old_partner[q] < partner[p])
+            old_constituent[q] < i or (old_constituent[q] == i and old_partner[q] < j)
         ):
             q += 1
-        if (
-            q < old_constituent.shape[0]
-            and old_constituent[q] == constituent[p]
-            and old_partner[q] == partner[p]
-        ):
+        if q < old_constituent.shape[0] and old_constituent[q] == i and old_partner[q] == j:
             source[p] = q
     return source

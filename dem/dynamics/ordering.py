@@ -1,14 +1,14 @@
 """In large beds, granules near each other are near each other in memory.
 
-The order is Morton's (1966): the bits of the two cell numbers interleaved, so that a run of
-granules is a compact patch. A chunk (dem.dynamics.world) then has few neighbours in other chunks.
+The order is Morton's (1966): the bits of the two cell numbers interleaved, so that a patch
+(dem.dynamics.world) is compact, and has few neighbours in others.
 """
 
 from dataclasses import replace
 
 import numpy as np
 
-from dem.dynamics.world import CHUNK
+from dem.dynamics.world import PATCH
 from dem.periodic import wrapped
 from dem.scene import Scene, State, arrays_of
 
@@ -24,10 +24,10 @@ def _spread(number):
     return number
 
 
-def order_of(scene: Scene, state: State) -> np.ndarray | None:
-    """Granules (n,) in the order of memory, or None for a bed of one chunk: the user's order is kept."""
-    if scene.granules <= CHUNK:
-        return None
+def order_of(scene: Scene, state: State) -> np.ndarray:
+    """Granules (n,) in the order of memory: that of the user for a bed of one patch."""
+    if scene.granules <= PATCH:
+        return np.arange(scene.granules)
     cell = 2.0 * scene.shape.bounding_radius.mean()
     position = wrapped(state.position, scene.periodic)
     cells = np.minimum((position - position.min(axis=0)) / cell, 2.0**31)

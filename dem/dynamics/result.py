@@ -10,7 +10,7 @@ import numpy as np
 from dem.base.files import atomic
 from dem.base.target import file_of
 from dem.base.validate import checked, whole
-from dem.dynamics.touching import Touching
+from dem.dynamics.contact_list import ContactList
 from dem.scene import Scene, State
 
 if TYPE_CHECKING:
@@ -62,15 +62,20 @@ class Record(NamedTuple):
     held_force: np.ndarray
 
 
-class Impulses(NamedTuple):
-    """Forces and torques on boundaries, summed over time: on the cylinder as of collect_impulses,
-    and its torque (N m s); normal and tangential on walls (w,); on held groups (g, 2)."""
+class Shares(NamedTuple):
+    """Rows (..., r, k) of Boundaries as those of walls (..., w, k), cylinder (..., k; zeros without one) and
+    held groups (..., g, k)."""
 
-    on_cylinder: np.ndarray
-    on_walls: np.ndarray
-    twist: float
-    shear: np.ndarray
-    on_held: np.ndarray
+    walls: np.ndarray
+    cylinder: np.ndarray
+    held: np.ndarray
+
+
+def shares(scene: Scene, rows: np.ndarray) -> Shares:
+    """Rows of all boundaries of a scene, parted."""
+    count = 0 if scene.walls is None else len(scene.walls)
+    walls, cylinder, held = np.split(rows, [count, rows.shape[-2] - len(scene.held)], axis=-2)
+    return Shares(walls, cylinder.sum(axis=-2), held)  # of one or none
 
 
 # of a Result as a dataset: name: (dimensions, units, long name)
@@ -174,7 +179,7 @@ class Result(NamedTuple):
             walls[..., :2], walls[..., 2] = self.scene.walls[:, :2], self.wall_offset
         return walls
 
-    def contacts(self, frame: int = -1) -> Touching:
+    def contacts(self, frame: int = -1) -> ContactList:
         """Find all contacts of one frame.
 
         Parameters
@@ -184,7 +189,7 @@ class Result(NamedTuple):
 
         Returns
         -------
-        Touching
+        ContactList
             Granule, partner, point (m), normal, branch vector (m), overlap (m) and elastic normal
             force (N) of each contact. With friction the tangential and the total forces are NaN:
             frames do not hold the tangential springs. `Simulation.contacts` has them.

@@ -83,55 +83,36 @@ def simulate(
         allow_unstable=allow_unstable,
     )  # fmt: skip
     run.check_duration(duration)
-    kept = _history(frames, run)
-    interval, shortest = duration / frames, math.inf
-    for frame in range(1, frames + 1):
-        shortest = min(shortest, run.advance(interval))
-        pushed = run._collect()
-        forces: dict[str, Any] = {
-            "cylinder_force": pushed.on_cylinder.sum(axis=0), "cylinder_torque": pushed.twist,
-            "wall_force": pushed.on_walls, "wall_tangential_force": pushed.shear,
-            "held_force": pushed.on_held,
-        }  # fmt: skip
-        _keep(kept, frame, run, {name: each / interval for name, each in forces.items()})
+    interval, shortest, first = duration / frames, math.inf, _seen(run, math.nan)
+    size = 8 * (frames + 1) * sum(map(np.size, first.values()))
+    if size > MOST_KEPT:
+        raise InputError(
+            f"frames is {frames}; of {scene.granules} granules they fill {size / 2**30:.3g} GiB, more than "
+            f"{MOST_KEPT / 2**30:g}: keep fewer, or advance a Simulation and save what you need."
+        )
+    kept = {name: np.empty((frames + 1, *np.shape(each))) for name, each in first.items()}
+    for frame in range(frames + 1):
+        if frame:
+            shortest = min(shortest, run.advance(interval))
+        for name, values in (_seen(run, interval) if frame else first).items():
+            kept[name][frame] = values
     optional: dict[str, Any] = dict.fromkeys(("cylinder_position", "cylinder_torque", "held_force"))
     return Result(**optional | kept, state=run.state, time_step=shortest, scene=scene)
 
 
-def _history(frames: int, run: Simulation) -> dict[str, np.ndarray]:
-    """Arrays of a Result by name, with the start in them; raises InputError if they are too large."""
-    n, walls = run.scene.granules, len(run._collect().on_walls)
-    shapes = {
-        "time": (), "position": (n, 2), "angle": (n,), "velocity": (n, 2), "angular_velocity": (n,),
-        "cylinder_force": (2,), "wall_force": (walls,), "wall_tangential_force": (walls,),
-        "wall_offset": (walls,),
-    }  # fmt: skip
-    if run.scene.held:
-        shapes["held_force"] = len(run.scene.held), 2
-    if run.scene.cylinder is not None:
-        shapes |= {"cylinder_position": (2,), "cylinder_torque": ()}
-    held = 8 * (frames + 1) * sum(map(math.prod, shapes.values()))
-    if held > MOST_KEPT:
-        raise InputError(
-            f"frames is {frames}; of {n} granules they fill {held / 2**30:.3g} GiB, more than "
-            f"{MOST_KEPT / 2**30:g}: keep fewer, or advance a Simulation and save what you need."
-        )
-    kept = {name: np.empty((frames + 1, *shape)) for name, shape in shapes.items()}
-    for name, each in kept.items():
-        if name.endswith(("force", "torque")):
-            each[0] = math.nan
-    _keep(kept, 0, run, {})
-    return kept
-
-
-def _keep(kept: dict[str, np.ndarray], frame: int, run: Simulation, forces: dict[str, Any]) -> None:
-    """Note the simulation as it is, and the mean forces (N) since the frame before."""
-    world = run.world
-    found = vars(run.state) | forces | {"time": run.time}
-    if world.walls is not None:
-        found["wall_offset"] = world.walls.planes[:, 2]
+def _seen(run: Simulation, interval: float) -> dict[str, Any]:
+    """The simulation as it is, and the mean forces (N) since the frame before, an interval (s) ago."""
+    world, (walls, cylinder, held) = run.world, run._collect()
+    found = vars(run.state) | {
+        "time": run.time,
+        "cylinder_force": (cylinder[:2] + cylinder[2:4]) / interval,
+        "wall_force": walls[:, 0] / interval,
+        "wall_tangential_force": walls[:, 3] / interval,
+        "wall_offset": np.empty(0) if world.walls is None else world.walls.planes[:, 2],
+    }
     if world.cylinder is not None:
-        found["cylinder_position"] = world.cylinder.motion[0, :2]
-    for name, values in found.items():
-        if name in kept:
-            kept[name][frame] = values
+        found["cylinder_position"] = world.boundaries.motion[world.cylinder.first, :2]
+        found["cylinder_torque"] = cylinder[4] / interval
+    if world.held is not None:
+        found["held_force"] = held[:, :2] / interval
+    return found

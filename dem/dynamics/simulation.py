@@ -1,18 +1,13 @@
 """A scene in motion, which you advance and look at between calls."""
 
-import itertools
 import math
 import os
-import time
-from collections import deque
 from collections.abc import Mapping
-from contextlib import suppress
-from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dem.base.errors import InputError, OverlapError, StateError
+from dem.base.errors import InputError
 from dem.base.validate import (
     LEAST,
     checked,
@@ -27,39 +22,27 @@ from dem.base.validate import (
     vector,
     whole,
 )
-from dem.dynamics.assembly import CAUTION, assemble, granule_table, least_step
+from dem.dynamics.assembly import assemble, granule_table, least_step
 from dem.dynamics.checkpoint import fingerprint, read, read_only, replaced, writable, written
+from dem.dynamics.contact_list import ContactList, list_contacts
 from dem.dynamics.diagnostics import Diagnostics
-from dem.dynamics.energy import Bookkeeper, Ledger
+from dem.dynamics.energy import Ledger, balance, energies, fallen
+from dem.dynamics.engine import Engine
 from dem.dynamics.ordering import order_of, ordered
-from dem.dynamics.result import Impulses, Record
+from dem.dynamics.result import Record, Shares, shares
 from dem.dynamics.skin import MARGIN, SKIN
 from dem.dynamics.stepping import (
-    AXIS,
-    COLLAPSED,
-    FINE,
-    LOST,
     MOST_STEPS,
-    MOST_WORK,
-    NOTHING_DONE,
-    ON_CYLINDER,
-    ON_WALLS,
-    OUTSIDE,
-    PAUSED,
+    OF_BED,
+    OF_BOUNDARY,
+    PLACE,
     TOO_DEEP,
-    TOO_LONG,
-    TORQUE,
-    Schedule,
     StepControl,
-    StepOutcome,
     longest_step,
-    run_steps,
 )
-from dem.dynamics.stress import Container, Stress, edges, stress
-from dem.dynamics.threads import Threads
-from dem.dynamics.touching import Touching, touching
-from dem.dynamics.world import CHUNK, World
-from dem.jit.columns import VX, VY, W, X, Y
+from dem.dynamics.stress import Stress, edges, stress
+from dem.dynamics.world import World
+from dem.jit.columns import VX, VY, W
 from dem.scene import Scene, State
 
 STEP_FRACTION = 0.5  # of the bound on the critical time step
@@ -68,13 +51,11 @@ LONGEST_FLIGHT = 0.02  # of the smallest radius, in one step
 MOST_THREADS = max(64, 4 * (os.cpu_count() or 1))
 PIECES = whole(1, 10_000_000)  # beyond that their arrays fill any memory
 DURATION = positive("s")
-BRIEF, LONG = 0.05, 0.15  # s: between these the kernel returns, so that Python can answer Ctrl-C
-AT_FIRST = 20_000  # constituents times steps until it returns for the first time
 STABLE = "lie above 0 and up to 1, or with allow_unstable above 0"
 FRACTION = number(STABLE, LEAST)
 
 
-class Simulation:
+class Simulation(Engine):
     """A scene in motion, which you advance and look at between calls.
 
     Parameters
@@ -175,85 +156,29 @@ class Simulation:
             refuse("step_fraction", step_fraction, STABLE)
         if ledger and threads > 1:
             raise InputError(f"threads is {threads}; with an energy ledger it must be 1.")
-        self.scene = scene
-        threads = min(threads, math.ceil(scene.granules / CHUNK))
-        self._threads = Threads(threads) if threads > 1 else None
-        self.time_step = time_step
-        self.step_fraction = step_fraction
-        self.max_overlap = max_overlap
-        self._until = 0.0
+        self.scene, self.time_step = scene, time_step
+        self.step_fraction, self.max_overlap = step_fraction, max_overlap
         state = state.checked(scene.granules)
         self._order = order_of(scene, state)
-        if self._order is not None:
-            scene, state = ordered(scene, state, self._order)
-        self._table = granule_table(scene, skin)
-        self._rules = self._make_rules(allow_unstable)
-        self._calls = np.zeros(1, np.int64)
-        world = assemble(scene, state, self._table, ledger)
-        self._now = [(world, NOTHING_DONE)]
-        self._free = [None]  # whoever advances holds what is in it
-        self._budget = max(AT_FIRST // len(world.constituents), 1)
-        self._check_inside()
-        self._allow(longest_step(self._rules, self._take(0.0, 0, starts=True).diagnostics))
-        self._bookkeeper = Bookkeeper(self._world) if ledger else None
-
-    def _make_rules(self, allow_unstable: bool) -> StepControl:
-        reach = 0.5 * self._table.skin
-        farthest = min(LONGEST_FLIGHT * self._table.radius.min(), (1.0 - MARGIN) * reach)
-        return StepControl(
-            time_step=float(self.time_step or 0.0),
-            fraction=self.step_fraction,
+        scene, state = ordered(scene, state, self._order)
+        table = granule_table(scene, skin)
+        world = assemble(scene, state, table, ledger)
+        reach, least = 0.5 * table.skin, 0.0
+        farthest = min(LONGEST_FLIGHT * table.radius.min(), (1.0 - MARGIN) * reach)
+        if not time_step:
+            drive = world.boundaries.drive
+            least = least_step(scene, table, drive, float(max_overlap), step_fraction)
+        rules = StepControl(
+            time_step=float(time_step or 0.0),
+            fraction=step_fraction,
             largest_motion=math.inf if allow_unstable else float(farthest),
-            max_overlap=float(self.max_overlap),
+            max_overlap=float(max_overlap),
             rebuild_at=MARGIN * reach,
             list_range=reach,
-            collapsed=0.0 if self.time_step else least_step(
-                self.scene, self._table, float(self.max_overlap), self.step_fraction
-            ),
-        )  # fmt: skip
-
-    def _allow(self, step: float) -> None:
-        """A time step (s) that was asked for, and what is not much shorter, is no collapse."""
-        least = min(self._rules.collapsed, CAUTION * step)
-        self._rules = self._rules._replace(collapsed=float(least))
-
-    # What can be read between calls. An interrupt may come between any two instructions of Python, so that
-    # all that an advance changes is in one place, `_now`, which changes at once.
-
-    def _latest(self) -> tuple[World, StepOutcome]:
-        """The arrays and how far they are; raises StateError where a call has not come to its end."""
-        if self._threads is not None:
-            self._threads.finish()
-        world, report = self._now[0]
-        if self._calls[0] != report.calls:
-            raise StateError(
-                "the simulation is in the midst of a step: another thread advances it, this process was "
-                "forked from it there, or an error cut it off there; wait, or make it again."
-            )
-        return world, report
-
-    def _ended(self) -> tuple[World, StepOutcome]:
-        """The latest arrays with velocities of full steps, also after an interrupt inside an interval.
-
-        It works on a copy, and may itself be interrupted. Whoever looks from within a signal handler
-        does not change a run that goes on after it.
-        """
-        world, report = self._latest()
-        if report.outcome != PAUSED:
-            return world, report
-        schedule = Schedule(0.0, 0, self._until, False, 0, np.zeros(1, np.int64))
-        ended: list[tuple[World, StepOutcome]] = []
-        while not ended:
-            self._call(ended, (writable(world), report), schedule, self._rows(0))
-        found = ended[0][0], report._replace(outcome=FINE)
-        if self._free:
-            self._now[:] = [found]
-        return found
-
-    @property
-    def _world(self) -> World:
-        """The arrays of the kernels; they can be written."""
-        return self._ended()[0]
+            collapsed=least,
+        )
+        super().__init__(world, table, rules, self._order, threads)
+        self._start = (sum(balance(self._world)), fallen(self._world)) if ledger else None
 
     @property
     def time(self) -> float:
@@ -273,17 +198,6 @@ class Simulation:
         10
         """
         return int(self._latest()[1].steps)
-
-    def __getstate__(self) -> dict[str, Any]:
-        """For pickle and copy: everything but the threads, and no two arrays that share memory."""
-        world, report = self._ended()
-        threads = None if self._threads is None else self._threads.count
-        kept = {"_now": [(writable(world), report)], "_threads": threads, "_free": [None]}
-        return vars(self) | kept | {"_calls": self._calls.copy()}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        threads = state["_threads"]
-        vars(self).update(state, _threads=None if threads is None else Threads(threads))
 
     @property
     def world(self) -> World:
@@ -305,11 +219,9 @@ class Simulation:
     @property
     def state(self) -> State:
         """Copy of positions (m), velocities (m/s), angles (rad) and angular velocities (rad/s)."""
-        bodies, angle = self._world.bodies, self._world.angle
-        if self._order is not None:
-            back = np.argsort(self._order)
-            bodies, angle = bodies[back], angle[back]
-        return State(bodies[:, :2].copy(), bodies[:, [VX, VY]], angle.copy(), bodies[:, W].copy())
+        back = np.argsort(self._order)
+        bodies, angle = self._world.bodies[back], self._world.angle[back]
+        return State(bodies[:, :2].copy(), bodies[:, [VX, VY]], angle, bodies[:, W].copy())
 
     def collect_impulses(self) -> tuple[np.ndarray, np.ndarray]:
         """Impulses of the granules on cylinder and walls since the last call.
@@ -340,23 +252,14 @@ class Simulation:
         1.000
         """
         found = self._collect()
-        return found.on_cylinder, found.on_walls
+        return found.cylinder[:4].reshape(2, 2), found.walls[:, 0]
 
-    def _collect(self) -> Impulses:
-        """All impulses since the last call."""
-        world = self._world
-        cylinder, walls, held = world.cylinder, world.walls, world.held
-        none = np.zeros(0)
-        sums = (
-            np.zeros(4) if cylinder is None else cylinder.impulse,
-            none if walls is None else walls.impulse,
-            np.zeros(1) if cylinder is None else cylinder.twist,
-            none if walls is None else walls.shear,
-            np.zeros((0, 2)) if held is None else held.impulse,
-        )
-        on_cylinder, on_walls, twist, shear, on_held = (each.copy() for each in sums)
-        deque(map(np.ndarray.fill, sums, itertools.repeat(0.0)), 0)  # no interrupt cuts it in two
-        return Impulses(on_cylinder.reshape(2, 2), on_walls, float(twist[0]), shear, on_held)
+    def _collect(self) -> Shares:
+        """Boundaries.sums since the last call."""
+        sums = self._world.boundaries.sums
+        found = sums.copy()
+        sums.fill(0.0)
+        return shares(self.scene, found)
 
     def diagnose(self) -> Diagnostics:
         """Energy, contacts, largest overlap and critical time step at the present time.
@@ -382,10 +285,12 @@ class Simulation:
         >>> print(f"{1e6 * run.diagnose().kinetic_energy:.1f} uJ")
         24.5 uJ
         """
-        diagnostics = self._take(0.0, 0).diagnostics
+        report = self._take(0.0, 0)
+        diagnostics = report.diagnostics
         if not diagnostics.max_overlap <= self.max_overlap:
-            self._fail(TOO_DEEP, diagnostics.max_overlap, diagnostics.deepest)
-        return diagnostics._replace(deepest=self._name(diagnostics.deepest))
+            value, granule = diagnostics.max_overlap, diagnostics.deepest
+            self._fail(report._replace(outcome=TOO_DEEP, value=value, granule=granule))
+        return diagnostics._replace(deepest=int(self._order[diagnostics.deepest]))
 
     @checked(duration=DURATION)
     def check_duration(self, duration: float) -> None:
@@ -421,12 +326,12 @@ class Simulation:
             raise InputError(self._endless("duration", duration, step))
         self._until = self.time + duration
 
-    def contacts(self) -> Touching:
+    def contacts(self) -> ContactList:
         """All contacts at the present time.
 
         Returns
         -------
-        Touching
+        ContactList
             Granules, points (m), normals, branch vectors (m), overlaps (m) and forces (N). A
             simulation starts without tangential springs.
 
@@ -449,8 +354,7 @@ class Simulation:
         >>> print(f"{contacts.force[0]:.3f} N, {hertz:.3f} N")
         1.097 N, 1.097 N
         """
-        unordered = np.arange(self.scene.granules)
-        return touching(self._world, unordered if self._order is None else self._order)
+        return list_contacts(self._world, self._order)
 
     @checked(x=or_none(edges), y=or_none(edges))
     def stress(self, x: ArrayLike | None = None, y: ArrayLike | None = None) -> Stress:
@@ -477,7 +381,7 @@ class Simulation:
         Notes
         -----
         The stress of the contacts is the sum of ``f l`` over the volume: force f on the partner,
-        branch vector l of `Touching`. The volume is the thickness times the area between walls,
+        branch vector l of `ContactList`. The volume is the thickness times the area between walls,
         edges and periodic sides, without the cylinder. In bins a contact counts for the share of its branch vector
         that is in the bin. The fabric counts contacts by their points, the other measures granules
         by their centres.
@@ -503,19 +407,11 @@ class Simulation:
         """
         if x is not None and y is not None:
             raise InputError("x and y are both given; give edges along one of them.")
-        world, cylinder = self._world, None
-        if world.cylinder is not None:
-            axis = world.cylinder.motion[0]
-            cylinder = float(axis[X]), float(axis[Y]), world.cylinder.radius
+        world = self._world
         planes = np.empty((0, 3)) if world.walls is None else world.walls.planes
-        container = Container(
-            planes, self.scene.thickness, cylinder, self.scene.periodic or (None, None)
-        )
+        place = shares(self.scene, world.boundaries.motion).cylinder
         bins = next(((k, np.asarray(e)) for k, e in enumerate((x, y)) if e is not None), None)
-        state = self.state
-        return stress(
-            self.contacts(), state.position, state.velocity, self.scene.mass, container, bins
-        )
+        return stress(self.contacts(), self.state, self.scene, planes, place, bins)
 
     def ledger(self) -> Ledger:
         """Energies held, gained and lost since the start.
@@ -550,9 +446,9 @@ class Simulation:
         >>> energies.residual < 1e-3
         True
         """
-        if self._bookkeeper is None:
+        if self._start is None:
             raise InputError("ledger is False; make the Simulation with ledger=True.")
-        return self._bookkeeper.ledger(self._world)
+        return energies(self._world, *self._start)
 
     # Saved and continued
 
@@ -617,7 +513,7 @@ class Simulation:
     def _fingerprint(self) -> np.ndarray:
         """Hash that differs between scenes, options and orders of granules in memory."""
         rules = self._rules._replace(collapsed=0.0)  # it depends on the start
-        return fingerprint(self.scene, rules, self._order, self._bookkeeper is None)
+        return fingerprint(self.scene, rules, self._order, self._start is None)
 
     # Motion
 
@@ -654,12 +550,14 @@ class Simulation:
         >>> print(f"{1e6 * run.diagnose().kinetic_energy:.3f} uJ")
         0.000 uJ
         """
-        cylinder = self._world.cylinder
-        if cylinder is None:
+        if self.scene.cylinder is None:
             raise InputError("velocity cannot be set: the scene has no cylinder.")
-        if cylinder.guide is not None:
+        if not isinstance(self.scene.cylinder.velocity, tuple):
             raise InputError("velocity cannot be set: the cylinder follows a Path or a Drive.")
-        cylinder.motion[0, [VX, VY]] = velocity
+        boundaries = self._world.boundaries
+        axis = len(boundaries.motion) - len(self.scene.held) - 1
+        boundaries.motion[axis, [VX, VY]] = velocity
+        boundaries.table[boundaries.first[axis], 1:3] = velocity
         self._allow(self._rules.largest_motion / max(math.hypot(*velocity), LEAST))
 
     @checked(duration=not_negative("s"))
@@ -755,171 +653,12 @@ class Simulation:
         rows = self._rows(count)
         self._run_steps("interval * count", interval, count, rows)
         self.diagnose()  # the guard on overlaps, also for the end of the last interval
-        energy, contacts, overlap, step = rows[:, :4].T
-        walls, groups = self._walls, len(self.scene.held)
-        of_walls = np.split(rows[:, ON_WALLS : ON_WALLS + 3 * walls], 3, axis=1)
+        walls, cylinder, held = shares(self.scene, rows[:, OF_BED:].reshape(count, -1, OF_BOUNDARY))
+        energy, contacts, overlap, step = rows[:, :OF_BED].T
+        place = cylinder[:, PLACE:]
         return Record(
-            rows[:, ON_CYLINDER : ON_CYLINDER + 2], rows[:, ON_CYLINDER + 2 : TORQUE], of_walls[0],
-            energy, contacts, overlap, step, rows[:, TORQUE], rows[:, AXIS:ON_WALLS], of_walls[1],
-            of_walls[2], rows[:, ON_WALLS + 3 * walls :].reshape(count, groups, 2),
+            cylinder[:, :2], cylinder[:, 2:4], walls[..., 0],
+            energy, contacts, overlap, step, cylinder[:, 4],
+            np.full_like(place, math.nan) if self.scene.cylinder is None else place,
+            walls[..., 3], walls[..., PLACE], held[..., :2],
         )  # fmt: skip
-
-    @property
-    def _walls(self) -> int:
-        return 0 if self.scene.walls is None else len(self.scene.walls)
-
-    def _rows(self, count: int) -> np.ndarray:
-        """Room for what `record` measures in a number of intervals."""
-        rows = np.zeros((count, ON_WALLS + 3 * self._walls + 2 * len(self.scene.held)))
-        if self.scene.cylinder is None:
-            rows[:, AXIS:ON_WALLS] = math.nan
-        return rows
-
-    def _take(
-        self,
-        interval: float,
-        count: int,
-        rows: np.ndarray | None = None,
-        starts: bool = False,
-    ) -> StepOutcome:
-        """Call the kernel, the only one that a simulation needs, until it has done all intervals.
-
-        It returns every so often, also inside an interval, so that Python can answer an interrupt. Bits
-        do not depend on how often.
-        """
-        rows = self._rows(0) if rows is None else rows
-        mine: list[None] = []
-        try:
-            with suppress(IndexError):
-                mine[:] = map(self._free.pop, (-1,))
-            if not mine:
-                raise StateError(
-                    "the simulation advances already, in another thread or outside this signal handler; "
-                    "wait until that has ended."
-                )
-            now = self._ended()
-            if self._threads is not None and count:
-                self._threads.compile(now[0])
-            self._now[:] = [now]
-            while True:
-                began = time.perf_counter()
-                schedule = Schedule(
-                    float(interval), count, self._until, starts, self._budget, self._calls
-                )
-                self._call(self._now, now, schedule, rows)
-                before, now = now, self._now[0]
-                if now is before:  # the call was cancelled
-                    continue
-                if now[1].outcome != PAUSED:
-                    return now[1]
-                starts, took = False, time.perf_counter() - began
-                if took < BRIEF:
-                    self._budget *= 2
-                elif took > LONG:
-                    self._budget = max(self._budget // 2, 1)
-        finally:
-            self._free.extend(mine)
-
-    def _call(
-        self,
-        found: list[tuple[World, StepOutcome]],
-        now: tuple[World, StepOutcome],
-        schedule: Schedule,
-        rows: np.ndarray,
-    ) -> None:
-        """Call the kernel once and put what it returns into `found`, unless the call is cancelled.
-
-        An interrupt comes before the kernel starts or after `found` has it, never between.
-        """
-        (world, before), threads = now, self._threads
-        given = world, self._table, self._rules, schedule, before, rows, threads
-        if schedule.starts and threads is not None:  # in the thread that an interrupt stops
-            found[:] = [run_steps.py_func(*given)]
-        elif threads is None:  # one instruction of Python, and boxing has none (dem.jit.boxing)
-            found[:] = map(run_steps, *zip(given, strict=True))
-        else:
-
-            def work() -> None:
-                found[:] = [run_steps.py_func(*given)]
-
-            threads.lead(work)
-
-    def _run_steps(
-        self, name: str, interval: float, count: int, rows: np.ndarray | None = None
-    ) -> float:
-        steps = self.steps
-        report = self._take(interval, count, rows)
-        if report.outcome == TOO_LONG and report.steps == steps:
-            raise InputError(self._endless(name, interval * count, report.value))
-        if report.outcome:
-            self._fail(report.outcome, report.value, report.granule)
-        return report.shortest
-
-    def _endless(self, name: str, duration: float, step: float) -> str:
-        return (
-            f"{name} is {duration:g} s, more than {MOST_STEPS:.0e} time steps of {step:.3g} s: "
-            "granules are too small, stiff, light or fast for it."
-        )
-
-    def _collapse(self, step: float) -> str:
-        return (
-            f"The time step is {step:.3g} s, less than the contacts of this scene and its speeds at the start can "
-            f"ask for ({self._rules.collapsed:.3g} s), and what remains would take more than "
-            f"{MOST_WORK / self.scene.granules:.0e} steps: granules are too fast."
-        )
-
-    # Guards: between two neighbour lists nothing moves by more than half the skin. A check at each
-    # new list therefore sees every overlap before it has grown by more than the skin.
-
-    def _name(self, granule: int) -> int:
-        """The user's number of a granule."""
-        return granule if self._order is None else int(self._order[granule])
-
-    @np.errstate(all="ignore")
-    def _fail(self, outcome: int, value: float, granule: int) -> NoReturn:
-        when = f"at step {self.steps}, time {self.time:.6g} s"
-        lost = ~np.isfinite(self._world.bodies).all(axis=1)
-        if lost.any():
-            raise StateError(
-                f"the motion of granule {self._name(int(lost.argmax()))} is not a number {when}: take a smaller "
-                "time step."
-            )
-        if outcome == LOST:
-            moved = np.linalg.norm(self._world.constituents[:, :2] - self._world.reference, axis=1)
-            farthest = int(moved.argmax()) // self._table.per
-            what = f"granule {self._name(farthest)}" if moved.max() >= value else "a boundary"
-            raise StateError(
-                f"{what} moved {value:.3g} m before its contacts were listed "
-                f"again {when}; it may move {self._rules.list_range:.3g} m: take a smaller time "
-                "step."
-            )
-        if outcome == TOO_LONG:
-            raise StateError(
-                f"the time step has shrunk to {value:.3g} s {when}, and what remains would take more "
-                f"than {MOST_STEPS:.0e}: granules are too fast for a run of this duration."
-            )
-        if outcome == COLLAPSED:
-            raise StateError(f"the time step has shrunk too far {when}. {self._collapse(value)}")
-        if outcome == OUTSIDE:
-            assert self._world.walls is not None
-            planes = self._world.walls.planes
-            beyond = planes[:, :2] @ self._world.bodies[granule, :2] - planes[:, 2]
-            raise StateError(
-                f"granule {self._name(granule)} has its centre {beyond.max():.3g} m behind wall "
-                f"{beyond.argmax()} {when}: put it inside, or take a smaller time step."
-            )
-        remedy = "take a smaller time step, a stiffer material or a lower packing fraction"
-        if not self.steps:
-            remedy = "place the granules farther apart"
-        raise OverlapError(
-            f"granule {self._name(granule)} overlaps by {value:.3g} of the smaller radius {when}; the limit is "
-            f"{self.max_overlap:g}: {remedy}."
-        )
-
-    def _check_inside(self) -> None:
-        walls = self._world.walls
-        if walls is None:
-            return
-        beyond = self._world.bodies[:, :2] @ walls.planes[:, :2].T > walls.planes[:, 2]
-        if beyond.any():
-            self._fail(OUTSIDE, 0.0, int(beyond.any(axis=1).argmax()))

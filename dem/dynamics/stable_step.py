@@ -28,7 +28,7 @@ TINY = 1e-100  # kg^-0.5: far below any weight, and its inverse times any other 
 
 
 class Bounds(NamedTuple):
-    """Sums of stiffness and damping for each granule, then for each boundary that can be driven.
+    """Sums of stiffness and damping for each granule, then for each boundary.
 
     rows (bodies, 12): see COLUMNS, and spare ones at the end, see survey_pairs; least (m): smallest
     overlap that a stiffness is computed for.
@@ -119,21 +119,6 @@ def add_pair_tangent(friction, rows, pair, spring, direction, weights):
     stiffness, sqrt_overlap, damping = spring
     k = tangential_stiffness(friction, stiffness, sqrt_overlap)
     add_pair_stiffness(rows, pair, k, tangential_damping(damping, friction), direction, weights)
-
-
-@optional
-def add_wall_stiffness(rows, i, k, c, direction, one):
-    """The same for granule i and a wall or the cylinder that no force moves."""
-    add_if(k, rows, i, STIFFNESS, 1.0, direction, one)
-    add_if(c, rows, i, DAMPING, 1.0, direction, one)
-
-
-@optional
-def add_wall_tangent(friction, rows, i, spring, direction, one):
-    """As add_pair_tangent; rows: None for nothing."""
-    stiffness, sqrt_overlap, damping = spring
-    k = tangential_stiffness(friction, stiffness, sqrt_overlap)
-    add_wall_stiffness(rows, i, k, tangential_damping(damping, friction), direction, one)
 
 
 @inlined

@@ -7,8 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numba.extending import overload
 
+from dem.dynamics.boundaries import surface_moved
 from dem.dynamics.diagnostics import Diagnostics, diagnose
-from dem.dynamics.forces import forces, greater
+from dem.dynamics.forces import forces
 from dem.dynamics.integration import PAUSES, RESUMES, advance
 from dem.dynamics.neighbor_list import rebuild_neighbor_list
 from dem.jit.address import by_address
@@ -104,7 +105,7 @@ def longest_step(rules, diagnostics):
 
 @optional
 def behind(walls, bodies):
-    """A granule whose centre is behind a wall, or -1."""
+    """The first granule whose centre is behind a wall, or -1."""
     for i in range(bodies.shape[0]):
         for k in range(walls.planes.shape[0]):
             here = bodies[i, X] * walls.planes[k, 0] + bodies[i, Y] * walls.planes[k, 1]
@@ -114,16 +115,10 @@ def behind(walls, bodies):
 
 
 @compiled
-def outside(walls, bodies):
-    """First granule whose centre is behind a wall; -1 if there is none, or no wall."""
-    return either(behind(walls, bodies), -1)
-
-
-@compiled
 def nearing(world):
     """Most by which two bodies can have come nearer since the lists were made (m)."""
-    one = either(displacement(world.cylinder), 0.0)
-    other = either(displacement_of_walls(world.walls), 0.0)
+    one = math.sqrt(either(surface_moved(world.cylinder, world.boundaries), 0.0))
+    other = math.sqrt(either(surface_moved(world.walls, world.boundaries), 0.0))
     first, second = max(one, other), min(one, other)
     motion, reference = world.constituents, world.reference
     for i in range(motion.shape[0]):
@@ -137,72 +132,32 @@ def nearing(world):
     return first + second
 
 
-@optional
-def displacement(cylinder):
-    """How far the cylinder has moved since the lists were made (m)."""
-    dx = cylinder.motion[0, X] - cylinder.reference[0]
-    dy = cylinder.motion[0, Y] - cylinder.reference[1]
-    return math.sqrt(dx * dx + dy * dy)
+# Columns of a record: of the bed; then of each boundary, Boundaries.sums over the interval and its place
+ENERGY, CONTACTS, OVERLAP, STEP, OF_BED = range(5)
+PLACE, OF_BOUNDARY = 5, 7
 
 
 @optional
-def displacement_of_walls(walls):
-    """How far any wall has moved along its normal since the lists were made (m)."""
-    return _displacement_of_planes(walls.reference, walls.planes)
-
-
-@optional
-def _displacement_of_planes(reference, planes):
-    farthest = 0.0
-    for k in range(planes.shape[0]):
-        farthest = greater(farthest, abs(planes[k, 2] - reference[k]))
-    return farthest
-
-
-# Columns of a record: of the bed; of the cylinder; then of walls, and last of held groups
-ENERGY, CONTACTS, OVERLAP, STEP, ON_CYLINDER, TORQUE, AXIS, ON_WALLS = 0, 1, 2, 3, 4, 8, 9, 11
-
-
-@inlined
-def take(impulse, row, at, interval):
-    """Mean forces (N) from their sums over time into row[at] ..., the sums back to zero."""
-    rate = 1.0 / interval
-    for k in range(impulse.shape[0]):
-        row[at + k] = impulse[k] * rate
-        impulse[k] = 0.0
-
-
-@optional
-def measure_cylinder(cylinder, row, interval):
-    take(cylinder.impulse, row, ON_CYLINDER, interval)
-    take(cylinder.twist, row, TORQUE, interval)
-    row[AXIS], row[AXIS + 1] = cylinder.motion[0, X], cylinder.motion[0, Y]
-
-
-@optional
-def measure_walls(walls, row, interval):
-    count = walls.planes.shape[0]
-    take(walls.impulse, row, ON_WALLS, interval)
-    take(walls.shear, row, ON_WALLS + count, interval)
-    for k in range(count):
-        row[ON_WALLS + 2 * count + k] = walls.planes[k, 2]
-
-
-@optional
-def measure_held(held, row, interval):
-    impulse = held.impulse.reshape(-1)
-    take(impulse, row, row.shape[0] - impulse.shape[0], interval)
+def put_offsets(walls, row):
+    """The place of a wall is its offset (m)."""
+    for k in range(walls.planes.shape[0]):
+        row[OF_BED + OF_BOUNDARY * k + PLACE] = walls.planes[k, 2]
 
 
 @inlined
 def measure(record, n, world, diagnostics, interval, shortest):
-    """Row n of the record: see Simulation.record."""
-    row = record[n]
+    """Row n of the record, see Simulation.record; all sums go back to zero."""
+    row, sums, motion = record[n], world.boundaries.sums, world.boundaries.motion
     row[ENERGY], row[CONTACTS] = diagnostics.kinetic_energy, diagnostics.coordination_number
     row[OVERLAP], row[STEP] = diagnostics.max_overlap, shortest
-    measure_cylinder(world.cylinder, row, interval)
-    measure_walls(world.walls, row, interval)
-    measure_held(world.held, row, interval)
+    rate = 1.0 / interval
+    for b in range(sums.shape[0]):
+        at = OF_BED + OF_BOUNDARY * b
+        for c in range(PLACE):
+            row[at + c] = sums[b, c] * rate
+            sums[b, c] = 0.0
+        row[at + PLACE], row[at + PLACE + 1] = motion[b, X], motion[b, Y]
+    put_offsets(world.walls, row)
 
 
 def step_on(threads, world, dt, steps, rebuild_at, how):
@@ -266,8 +221,12 @@ def run_steps(world, table, rules, schedule, before, record, threads):
     if starts:
         world = rebuild_neighbor_list(world, table)
         forces(world, 0.0, math.inf)
+        granule = either(behind(world.walls, world.bodies), -1)
     while True:
         here = by_address(world)
+        if granule >= 0:
+            outcome = OUTSIDE
+            break
         if taken == left:
             if budget <= 0:
                 outcome = PAUSED
@@ -311,13 +270,10 @@ def run_steps(world, table, rules, schedule, before, record, threads):
         finished = taken == left
         time = end if finished else later(chosen, taken, dt)
         if not moved <= rules.rebuild_at:
-            granule = outside(here.walls, here.bodies)
+            granule = either(behind(here.walls, here.bodies), -1)
             left = taken
             if not (moved <= rules.list_range or nearing(here) <= 2.0 * rules.list_range):
                 outcome, value = LOST, moved
-                break
-            if granule >= 0:
-                outcome = OUTSIDE
                 break
             world = rebuild_neighbor_list(world, table)  # by value: what it replaces must live on
             budget -= SURVEY

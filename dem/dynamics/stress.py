@@ -14,7 +14,8 @@ import numpy as np
 
 from dem.base.errors import InputError
 from dem.base.validate import array
-from dem.dynamics.touching import Touching
+from dem.dynamics.contact_list import ContactList
+from dem.scene import Scene, State
 
 OPEN = 1e3  # sizes of the scene: a container that reaches farther is not closed
 LEAST = 1e-300  # m: a length to divide by
@@ -91,33 +92,22 @@ def edges(name: str, value: Any) -> np.ndarray:
     return found
 
 
-class Container(NamedTuple):
-    """Where granules are: planes (w, 3) of the walls; thickness (m); cylinder (x, y, radius) in m,
-    or None; period (m) along x and y, None where it does not repeat itself."""
-
-    planes: np.ndarray
-    thickness: float
-    cylinder: tuple[float, float, float] | None
-    period: tuple[float | None, float | None]
-
-
 def stress(
-    contacts: Touching,
-    position: np.ndarray,
-    velocity: np.ndarray,
-    mass: np.ndarray,
-    container: Container,
+    contacts: ContactList, state: State, scene: Scene, planes: np.ndarray, place: np.ndarray,
     bins: tuple[int, np.ndarray] | None = None,
-) -> Stress:
-    """Stress of granules at `position` (n, 2) with these contacts; bins: their axis and edges (m).
+) -> Stress:  # fmt: skip
+    """Stress of the granules of a scene with these contacts; planes (w, 3): its walls; place (m): of its
+    cylinder; bins: their axis and edges (m).
 
     Raises InputError if the container is not closed.
     """
     axis, limits = bins or (0, np.array([-np.inf, np.inf]))
-    period = container.period[axis] if bins else None
-    volume = container.thickness * (
-        _areas(container, axis, limits, bins) - _taken(container, axis, limits, period)
-    )
+    periods, position, mass = scene.periodic or (None, None), state.position, scene.mass
+    period = periods[axis] if bins else None
+    area = _areas(planes, periods, axis, limits, bins)
+    if scene.cylinder is not None:
+        area = area - _taken(place[axis], 0.5 * scene.cylinder.diameter, limits, period)
+    volume = scene.thickness * area
 
     def held(values, start, length=0.0):
         """Sum of values (k, ...) in each bin: of lines from start (k, 2) over `length` (k, 2)."""
@@ -129,8 +119,8 @@ def stress(
     ends = np.concatenate([contacts.granule[between], contacts.partner[between]])
     point, normal = contacts.point[between], contacts.normal[between]
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        within, momentum = held(mass, position), held(mass[:, None] * velocity, position)
-        moving = held(mass[:, None, None] * _outer(velocity, velocity), position)
+        within, momentum = held(mass, position), held(mass[:, None] * state.velocity, position)
+        moving = held(mass[:, None, None] * _outer(state.velocity, state.velocity), position)
         moving -= _outer(momentum, momentum) / np.maximum(within, LEAST)[:, None, None]
         carried = _outer(contacts.total_force, contacts.branch)
         start, one = position[contacts.granule], np.ones(len(point))
@@ -172,10 +162,10 @@ def _images(limits, low, high, period):
     return period * np.arange(first, last + 1)
 
 
-def _areas(container, axis, limits, bins):
+def _areas(planes, periods, axis, limits, bins):
     """Area (m2) between the walls in each bin."""
-    planes = [*container.planes]
-    for other, period in enumerate(container.period):
+    planes = [*planes]
+    for other, period in enumerate(periods):
         if period is not None and not (bins and other == axis):
             across = np.eye(2)[other]
             planes += [(*-across, 0.0), (*across, period)]
@@ -213,11 +203,8 @@ def _corners(planes):
     return corners
 
 
-def _taken(container, axis, limits, period):
+def _taken(centre, radius, limits, period):
     """Area (m2) of the cylinder in each bin."""
-    if container.cylinder is None:
-        return 0.0
-    centre, radius = container.cylinder[axis], container.cylinder[2]
     below = np.zeros(len(limits))
     ends = np.array([centre - radius]), np.array([centre + radius])
     for shift in _images(limits, *ends, period):

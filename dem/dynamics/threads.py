@@ -8,6 +8,7 @@ import os
 import threading
 from collections.abc import Callable
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor, wait
+from contextlib import suppress
 
 from dem.dynamics.diagnostics import Diagnostics, begin_survey, deeper, end_survey, survey_pairs
 from dem.dynamics.integration import advance
@@ -41,20 +42,17 @@ class Threads:
         if self._process != os.getpid():
             self._start()
 
-    def lead(self, work: Callable[[], None]) -> bool:
-        """Do some work in the leader; whether it was done: an interrupt may have cancelled it."""
+    def lead(self, work: Callable[[], None]) -> None:
+        """Do some work in the leader, unless an interrupt cancels it."""
         self._restart()
-        self._led = led = (
-            Future()
-        )  # known before it is handed over, so that `finish` always finds it
+        # known before it is handed over, so that `finish` always finds it
+        self._led = led = Future()
         try:
             self._leader.submit(_do, led, work)
-            led.result()
-        except CancelledError:
-            return False
+            with suppress(CancelledError):
+                led.result()
         finally:
             self.finish()
-        return True
 
     def finish(self) -> None:
         """Return when the leader is at rest; what it has not begun it never does."""

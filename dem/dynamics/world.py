@@ -1,14 +1,14 @@
 """The arrays that one compiled step works on. What a scene does not have is None."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from dem.jit.compilation import inlined
 from dem.jit.lanes import Lanes
-from dem.jit.optional import either, given, optional, unless
+from dem.jit.optional import given, unless
 
-CHUNK = 1024  # granules: what a chunk needs fits into the second-level cache
+PATCH = 1024  # granules: what a patch needs fits into the second-level cache
 
 
 class FrictionParameters(NamedTuple):
@@ -26,8 +26,7 @@ class FrictionParameters(NamedTuple):
 class Contacts(NamedTuple):
     """Neighbour list: m candidate pairs, touching or not.
 
-    constituent, partner (m,): the constituent, and its partner: one with a higher index, a wall, or
-    0 for the cylinder. force_row (m,): where the force on the partner is added, see Chunks. first
+    constituent, partner (m,): the constituent, and its partner: one with a higher index, or a boundary. force_row (m,): where the force on the partner is added, see Patches. first
     (constituents + 1,): the pairs of constituent i are the rows first[i] to first[i + 1]; None for
     walls and cylinder. stiffness (m,): 4/3 E* sqrt(R*), N m^-1.5. modulus: 4/3 E*, Pa. damping
     (m,): alpha sqrt(m* k), or None. friction: its parameters, or None; what a frictional contact
@@ -56,95 +55,72 @@ class Contacts(NamedTuple):
     sizes: np.ndarray | None
 
 
-class Orders(NamedTuple):
-    """What r boundaries are told: dem.motion as arrays.
+PUSH, LIGHT, DAMPING = 0, 2, 4  # columns of Boundaries.drive
 
-    table (k, 4): rows (time in s, velocity x and y in m/s, spin in rad/s) of all paths, one after the
-    other; first (r + 1,): those of boundary b are first[b] to first[b + 1], none if it is driven.
-    Of a driven one, push (r, 2): the force from outside (N); inverse_mass (r, 2): in 1/kg, along x and
-    y, zero where the velocity is kept; damping (r,): in N s/m.
+
+class Boundaries(NamedTuple):
+    """What granules meet: r bodies, first the walls, then the cylinder, then groups of held granules.
+
+    motion (r, 8): rows of dem.jit.columns, always of half steps; the position is that of the cylinder, or
+    how far a wall or a group has moved since the start. reference (r, 2): positions (m) at which the
+    neighbour lists were made. force (r, 4): what the contacts exert on each now, as rows of dem.jit.columns,
+    without the torque. sums (r, 5): forces on each, summed over time: normal ones x and y, tangential ones
+    x and y (N s), and the torque (N m s). Of a wall x is along its normal (nx, ny) and y along (-ny, nx);
+    of a group all forces are in the first two. clock (1,): time since the start (s).
+
+    What they are told, dem.motion as arrays: table (k, 4): rows (time in s, velocity x and y in m/s, spin
+    in rad/s) of all paths, one after the other, of which a constant velocity has one; first (r + 1,): those
+    of boundary b are first[b] to first[b + 1], none if it is driven. drive (r, 5): of a driven one, from
+    column PUSH the force from outside along x and y (N), from LIGHT the inverse of its mass (1/kg) along
+    both, zero where the velocity is kept, and in DAMPING the damping (N s/m).
     """
 
-    first: np.ndarray
-    table: np.ndarray
-    push: np.ndarray
-    inverse_mass: np.ndarray
-    damping: np.ndarray
-
-
-class Guide(NamedTuple):
-    """What moves r boundaries: their orders, and what these are applied to.
-
-    clock (1,): time since the start (s). force (r, 4): what the contacts exert on each boundary now, as
-    rows of dem.jit.columns, without the torque.
-    """
-
-    orders: Orders
-    clock: np.ndarray
-    force: np.ndarray
-
-
-class WallBoundary(NamedTuple):
-    """Straight walls: planes (w, 3) rows (nx, ny, offset), solid where n.x > offset.
-
-    motion (w, 8): rows of dem.jit.columns, always of half steps; the position is how far a wall has
-    moved since the start. impulse and shear (w,): normal force on each wall, and tangential force
-    along (-ny, nx), summed over time (N s). reference (w,): offsets (m) at which the neighbour lists
-    were made; guide: what moves the walls; both None if all are at rest.
-    """
-
-    planes: np.ndarray
-    motion: np.ndarray
-    contacts: Contacts
-    impulse: np.ndarray
-    shear: np.ndarray
-    reference: np.ndarray | None
-    guide: Guide | None
-
-
-class CylinderBoundary(NamedTuple):
-    """The cylinder: radius (m), motion (1, 8) as in dem.jit.columns.
-
-    reference (2,): position (m) at which the neighbour lists were made. impulse (4,): force on it
-    summed over time (N s): x and y of the normal forces, then of the tangential forces. twist (1,):
-    torque on it summed over time (N m s). guide: what moves it; None for a constant velocity.
-    """
-
-    radius: float
     motion: np.ndarray
     reference: np.ndarray
+    force: np.ndarray
+    sums: np.ndarray
+    clock: np.ndarray
+    first: np.ndarray
+    table: np.ndarray
+    drive: np.ndarray
+
+
+class Surface(NamedTuple):
+    """What granules touch of the boundaries first to end (excluded): walls, or the cylinder.
+
+    planes (w, 3): of walls, rows (nx, ny, offset), solid where n.x > offset; else None. radius (m): of
+    the cylinder; else None.
+    """
+
+    first: int
+    end: int
+    planes: Any
+    radius: Any
     contacts: Contacts
-    impulse: np.ndarray
-    twist: np.ndarray
-    guide: Guide | None
 
 
 class HeldGroups(NamedTuple):
-    """Groups g of granules that move as boundaries do; in World.inverse_mass they have zeros.
+    """Granules that move as boundaries do; in World.inverse_mass they have zeros.
 
-    group (n,): group of each granule, -1 for a free one. member (h,): the held granules, in ascending
-    order; start (h, 2): where they were at the start (m). motion (g, 8): rows of dem.jit.columns; the
-    position is how far a group has moved since the start. impulse (g, 2): force on each group, summed
-    over time (N s).
+    first: their first boundary. group (n,): the one that each granule belongs to, -1 for a free one.
+    member (h,): the held granules, in ascending order; start (h, 2): where they were at the start (m).
     """
 
+    first: int
     group: np.ndarray
     member: np.ndarray
     start: np.ndarray
-    motion: np.ndarray
-    impulse: np.ndarray
-    guide: Guide
 
 
-class Chunks(NamedTuple):
-    """A bed in pieces of CHUNK granules, each of which one thread works on.
+class Patches(NamedTuple):
+    """A bed in patches of PATCH granules, each of which one thread works on.
 
-    A pair of two chunks writes the force on its second constituent to a row of its own, after the
+    A pair of two patches writes the force on its second constituent to a row of its own, after the
     rows of the constituents in World.constituent_force. No two threads then write to one place, and
     sums have the same order for any number of threads. target (h,): the constituent that each of
-    these rows is for; incoming (h,): the rows sorted by the chunk of that constituent; first
-    (chunks + 1,): where in incoming each chunk begins. lowest (chunks,): of each chunk, the lowest one
-    whose pairs reach it; -1 if a wall, the cylinder or a held group does.
+    these rows is for; incoming (h,): the rows sorted by the patch of that constituent; first
+    (patches + 1,): where in incoming each patch begins. lowest (patches,): of each patch, the lowest one
+    whose pairs reach it; -1 if a boundary does.
     """
 
     target: np.ndarray
@@ -158,11 +134,11 @@ class World(NamedTuple):
 
     bodies (n, 8) and force (n, 4): rows of dem.jit.columns for the granules; constituents and
     constituent_force the same for their constituents (the same arrays where a granule is its own
-    only one); with chunks there are more rows of forces than constituents, see Chunks. angle (n,)
+    only one); with patches there are more rows of forces than constituents, see Patches. angle (n,)
     in rad; frame (n, 2): its cosine and sine, None for discs. inverse_mass (n,) in 1/kg,
     inverse_inertia (n,) in 1/(kg m2), None where nothing turns. gravity (2,) in m/s2, or None.
     reference (constituents, 2): positions (m) at which the neighbour lists were made. lanes: scratch.
-    chunks: None for a bed of one. held: granules that are a boundary, or None.
+    patches: None for a bed of one. held: granules that are a boundary, or None.
     """
 
     shape: tuple
@@ -176,11 +152,12 @@ class World(NamedTuple):
     constituent_force: np.ndarray
     reference: np.ndarray
     pairs: Contacts
-    walls: WallBoundary | None
-    cylinder: CylinderBoundary | None
+    boundaries: Boundaries
+    walls: Surface | None
+    cylinder: Surface | None
     gravity: np.ndarray | None
     lanes: Lanes
-    chunks: Chunks | None
+    patches: Patches | None
     held: HeldGroups | None
 
 
@@ -194,23 +171,12 @@ def at_full_steps(world):
     return unless(world.inverse_inertia, given(world.pairs.damping, True))
 
 
-@optional
-def _chunked(chunks, granules):
-    return (granules + CHUNK - 1) // CHUNK
+@inlined
+def number_of_patches(granules):
+    return (granules + PATCH - 1) // PATCH
 
 
 @inlined
-def number_of_chunks(chunks, granules):
-    """Number of chunks of a World with these `chunks`."""
-    return either(_chunked(chunks, granules), 1)
-
-
-@optional
-def _members(chunks, granules, chunk):
-    return CHUNK * chunk, min(CHUNK * (chunk + 1), granules)
-
-
-@inlined
-def granules_of(chunks, granules, chunk):
-    """First and last (excluded) granule of a chunk."""
-    return either(_members(chunks, granules, chunk), (0, granules))
+def granules_of(granules, patch):
+    """First and last (excluded) granule of a patch."""
+    return PATCH * patch, min(PATCH * (patch + 1), granules)

@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dem.dynamics.contact_list import ContactList
 from dem.dynamics.simulation import Simulation
-from dem.dynamics.touching import Touching
 from dem.experiment.bed import periods
 from dem.experiment.config import Replicate
 from dem.experiment.scene import make_scene
@@ -49,7 +49,7 @@ class Motion(NamedTuple):
         """The snapshot nearest to a displacement of the cylinder (m)."""
         return int(np.abs(self.displacement - displacement).argmin())
 
-    def contacts(self, snapshot: int) -> Touching:
+    def contacts(self, snapshot: int) -> ContactList:
         """Contacts at a snapshot."""
         replicate, place = self.replicate, self.position[snapshot]
         bed = Bed(

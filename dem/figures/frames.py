@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.base.validate import one_of
+from dem.dynamics.contact_list import ContactList
 from dem.dynamics.result import Result
-from dem.dynamics.touching import Touching
 from dem.experiment.motion import Motion
 from dem.figures import bed, style
 from dem.periodic import Periods
@@ -39,7 +39,7 @@ class Frames(NamedTuple):
     cylinder: np.ndarray | None
     diameter: float | None
     speed: Callable[[int], np.ndarray]
-    contacts: Callable[[int], Touching]
+    contacts: Callable[[int], ContactList]
     fastest: float
     layers: tuple[float, float]
     cluster: np.ndarray | None

@@ -50,7 +50,7 @@ def pack_under(
         world = assemble(scene, state.checked(scene.granules), table)
         iterations, enough = (LONGEST, REST * unit) if met else (PATIENCE, near)
         world, rest = minimise(scene, table, world, iterations, enough)
-        borne = float(world.walls.impulse[-1]) / (modulus * width * load)
+        borne = float(world.boundaries.sums[world.walls.end - 1, 0]) / (modulus * width * load)
         polished, met = met, abs(borne - 1.0) < NEAR
         if polished and met:
             if not rest.net_force <= enough:

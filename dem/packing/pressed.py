@@ -13,9 +13,9 @@ import numpy as np
 from dem.base.errors import PackingError
 from dem.contacts.force_law import effective_modulus
 from dem.dynamics.assembly import assemble, granule_table
+from dem.dynamics.contact_list import ContactList, list_contacts
 from dem.dynamics.simulation import Simulation
 from dem.dynamics.skin import SKIN_OF_PACKING
-from dem.dynamics.touching import Touching, touching
 from dem.packing.grown import DAMPED, FRACTION
 from dem.packing.minimise import minimise
 from dem.packing.random import (
@@ -109,13 +109,13 @@ class Press:
     def _steps(self, fraction):
         return max(1, math.ceil(abs(fraction - self.fraction) / STEP - 1e-9))
 
-    def contacts(self) -> Touching:
+    def contacts(self) -> ContactList:
         """Contacts of the bed as it is, without friction."""
         scene = self.scene()
         table = granule_table(scene, SKIN_OF_PACKING)
         world = assemble(scene, self.state.checked(scene.granules), table)
         world, _ = minimise(scene, table, world, 0, RESTING * self.unit)
-        return touching(world, np.arange(scene.granules))
+        return list_contacts(world, np.arange(scene.granules))
 
     def _rest(self, enough, patience):
         if self.friction:

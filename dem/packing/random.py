@@ -16,8 +16,8 @@ from dem.base.errors import InputError, PackingError
 from dem.base.validate import checked, named, one_of, or_none, positive, whole
 from dem.contacts.force_law import effective_modulus
 from dem.dynamics.assembly import GranuleTable, assemble, granule_table
+from dem.dynamics.contact_list import list_contacts
 from dem.dynamics.skin import SKIN_OF_PACKING
-from dem.dynamics.touching import touching
 from dem.dynamics.world import World
 from dem.jit.columns import X, Y
 from dem.packing.minimise import Rest, minimise
@@ -356,7 +356,7 @@ def pressure_of(
     else:
         x, y = (each is None for each in scene.periodic or (None, None))
         length = 2.0 * ((width if y else 0.0) + (height if x else 0.0))
-        stress = float(world.walls.impulse.sum()) / seconds / length
+        stress = float(world.boundaries.sums[: world.walls.end, 0].sum()) / seconds / length
     return stress / effective_modulus(scene.material, scene.material)
 
 
@@ -366,9 +366,10 @@ def mean_stress(world: World, periodic: Periods, area: float) -> float:
     Half the sum over contacts of force times the branch from centre to centre, over the area.
     """
     place = world.bodies[:, [X, Y]]
-    contacts = touching(world, np.arange(len(place)))
+    contacts = list_contacts(world, np.arange(len(place)))
     if world.cylinder is not None:  # its number as a partner is -1
-        place = np.vstack([place, world.cylinder.motion[:, [X, Y]]])
+        axis = world.boundaries.motion[world.cylinder.first, [X, Y]]
+        place = np.vstack([place, axis])
     branch = nearest_image(place[contacts.partner] - place[contacts.granule], periodic)
     work = contacts.force * (contacts.normal * branch).sum(axis=1)
     return float(work.sum()) / (2.0 * area)

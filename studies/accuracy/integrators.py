@@ -11,15 +11,15 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.dynamics.assembly import assemble, granule_table
+from dem.dynamics.boundaries import move_boundaries
 from dem.dynamics.forces import forces, greater
-from dem.dynamics.guide import move_cylinder
-from dem.dynamics.integration import drift
+from dem.dynamics.integration import boundaries_moved, drift
 from dem.dynamics.neighbor_list import rebuild_neighbor_list
 from dem.dynamics.skin import MARGIN, SKIN
 from dem.dynamics.world import at_full_steps
 from dem.jit.columns import DVX, DVY, DW, VX, VY, W, X, Y
 from dem.jit.compilation import compiled, inlined
-from dem.jit.optional import either, given, optional, plus
+from dem.jit.optional import given, optional, plus
 from dem.scene import Scene, State
 
 KICK, DRIFT, AHEAD, EVALUATE = range(4)  # columns of a table of stages
@@ -79,11 +79,12 @@ class Tally(NamedTuple):
 
 
 @optional
-def weigh(cylinder, span, push):
+def weigh(cylinder, sums, span, push):
     """The force on the cylinder, out of an impulse that counts it over the span (s)."""
+    on = sums[cylinder.first]
     for c in range(2):
-        push[c] = (cylinder.impulse[c] + cylinder.impulse[c + 2]) / span
-        cylinder.impulse[c] = cylinder.impulse[c + 2] = 0.0
+        push[c] = (on[c] + on[c + 2]) / span
+        on[c] = on[c + 2] = 0.0
 
 
 @inlined
@@ -122,14 +123,15 @@ def advance(world, stages, tally, dt, steps, room):
                 continue  # the next stage makes this kick with its own
             count(tally, kick)
             drift(world, kick, move, 0, granules)
-            farther = either(move_cylinder(world.cylinder, kick, move), 0.0)
+            move_boundaries(world, kick, move)
+            farther = boundaries_moved(world)
             tally.span[0] += move
             kick = 0.0
             if evaluate:
                 if stages[s, AHEAD] != 1.0:
                     let_dashpots_see(world.bodies, at_full_steps(world), stages[s, AHEAD])
                 moved = greater(farther, forces(world, tally.span[0], limit))
-                weigh(world.cylinder, tally.span[0], tally.push)
+                weigh(world.cylinder, world.boundaries.sums, tally.span[0], tally.push)
                 tally.span[0] = 0.0
         done += 1
     count(tally, kick)
@@ -152,7 +154,7 @@ class Motion:
         self.world = rebuild_neighbor_list(self.world, self._table)
         self._tally = Tally(np.zeros(1), np.zeros(2), np.zeros(2))
         forces(self.world, INSTANT, math.inf)
-        weigh(self.world.cylinder, INSTANT, self._tally.push)
+        weigh(self.world.cylinder, self.world.boundaries.sums, INSTANT, self._tally.push)
 
     def advance(self, steps: int) -> bool:
         """Take a number of steps; False where the granules went too far to know their contacts."""

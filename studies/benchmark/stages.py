@@ -11,15 +11,13 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.contacts.blocks import (
-    Constituents,
     accumulate,
     contact_forces,
     find_contacts,
     gather,
     gather_pairs,
-    refine_contacts,
 )
-from dem.contacts.loops import cylinder_contacts, wall_contacts
+from dem.contacts.loops import boundary_contacts
 from dem.dynamics.assembly import assemble, granule_table
 from dem.dynamics.forces import clear, farthest
 from dem.dynamics.integration import advance, drift
@@ -54,7 +52,6 @@ UPTO = {
 @optional
 def find(wanted, shape, turns, contacts, start, stop, lanes):
     find_contacts(shape, turns, contacts, start, stop, lanes)
-    refine_contacts(contacts.normal_x, shape, turns, contacts, start, stop, lanes)
 
 
 @optional
@@ -70,7 +67,7 @@ def add_up(wanted, contacts, start, stop, values, turns, force):
 @compiled
 def pairs(world, dt, times, wanted):
     """The loop of dem.contacts.loops.pair_contacts with the stages that are wanted, for a bed of
-    one chunk without an energy ledger."""
+    one patch without an energy ledger."""
     world = by_address(world)
     shape, frame, contacts, lanes = world.shape, world.frame, local(world.pairs), world.lanes
     rows, flat = world.constituents.reshape(-1), world.constituent_force.reshape(-1)
@@ -88,10 +85,9 @@ def pairs(world, dt, times, wanted):
 @compiled
 def boundaries(world, dt, times):
     world = by_address(world)
-    bodies = Constituents(world.shape, world.constituents, world.frame, world.inverse_inertia)
     for _ in range(times):
-        wall_contacts(world.walls, bodies, world.constituent_force, dt, world.lanes)
-        cylinder_contacts(world.cylinder, bodies, world.constituent_force, dt, world.lanes)
+        boundary_contacts(world.walls, world, dt)
+        boundary_contacts(world.cylinder, world, dt)
 
 
 @compiled

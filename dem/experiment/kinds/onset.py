@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.base.errors import PackingError
-from dem.dynamics.touching import Touching
+from dem.dynamics.contact_list import ContactList
 from dem.experiment.bed import cylinder, diameters, shaped
 from dem.experiment.config import Configuration, Replicate
 from dem.experiment.fit import height_of_box
@@ -71,7 +71,7 @@ def find(replicate: Replicate) -> Onset:
         )
     contacts = press.contacts()
     holds = contacts.force > press.net_force * press.unit  # others are not at rest
-    contacts = Touching(*(column[holds] for column in contacts))
+    contacts = ContactList(*(column[holds] for column in contacts))
     firm = backbone(contacts, len(sizes))
     between = firm[contacts.granule] & firm[contacts.partner] & (contacts.partner >= 0)
     return Onset(fraction, press.pressure / unit, int(between.sum()), int((~firm).sum()))
@@ -93,7 +93,7 @@ def _loosen(press: Press, load: float, unit: float) -> float | None:
         goal = onset + (fraction - onset) / NEARER
 
 
-def backbone(contacts: Touching, granules: int) -> np.ndarray:
+def backbone(contacts: ContactList, granules: int) -> np.ndarray:
     """Which granules (n,) are no rattlers: each has HOLDING contacts with others that are none.
 
     Walls and cylinder are none. Those with too few are taken out until none is left.

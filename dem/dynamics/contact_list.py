@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.contacts.response import respond
-from dem.dynamics.diagnostics import cylinder_geometries, pair_geometries, wall_geometries
+from dem.dynamics.diagnostics import measured
 from dem.jit.columns import VX, VY, W, X, Y
 from dem.jit.compilation import compiled
 from dem.jit.optional import either
@@ -16,7 +16,7 @@ CYLINDER, FIRST_WALL = -1, -2  # as partners
 UNREAD = "first", "normal_x", "normal_y", "shift_x", "shift_y", "sizes"
 
 
-class Touching(NamedTuple):
+class ContactList(NamedTuple):
     """Contacts of a bed, m in all, as `Simulation.contacts` returns them.
 
     Attributes
@@ -56,31 +56,23 @@ class Touching(NamedTuple):
     total_force: np.ndarray
 
 
-def touching(world, names: np.ndarray) -> Touching:
+def list_contacts(world, names: np.ndarray) -> ContactList:
     """All contacts of a bed; names (n,): the number of each granule of the World."""
-    shape, motion, frame = world.shape, world.constituents, world.frame
-    per = len(motion) // len(world.bodies)
-    listed = world.pairs
-    second = listed.partner.astype(np.int64) // per
-    geometries = pair_geometries(shape, motion, frame, listed)
-    found = [_columns(world, names, listed, geometries, names[second], world.bodies[second])]
-    if world.cylinder is not None:
-        listed = world.cylinder.contacts
-        geometries = cylinder_geometries(shape, motion, frame, world.cylinder)
-        partner = np.full(len(listed.constituent), CYLINDER)
-        axis = world.cylinder.motion[np.zeros_like(partner)]
-        found.append(_columns(world, names, listed, geometries, partner, axis))
-    if world.walls is not None:
-        listed = world.walls.contacts
-        geometries = wall_geometries(shape, motion, frame, world.walls)
-        wall = listed.partner.astype(np.int64)
-        moving = world.walls.motion[wall]
-        found.append(_columns(world, names, listed, geometries, FIRST_WALL - wall, moving))
-    return Touching(*map(np.concatenate, zip(*found, strict=True)))
+    found, per = [], len(world.constituents) // len(world.bodies)
+    for surface, motion, geometries in measured(world, world.cylinder, world.walls):
+        partner = surface.contacts.partner.astype(np.int64)
+        if surface.contacts is world.pairs:
+            partner = partner // per
+            second, partner = world.bodies[partner], names[partner]
+        else:
+            second, walls = motion[partner], surface.radius is None
+            partner = FIRST_WALL - partner if walls else np.full_like(partner, CYLINDER)
+        found.append(_columns(world, names, surface.contacts, geometries, partner, second))
+    return ContactList(*map(np.concatenate, zip(*found, strict=True)))
 
 
 def _columns(world, names, listed, geometries, partner, second):
-    """Columns of Touching for the listed contacts that touch; second: motion of the partners."""
+    """Columns of ContactList for the listed contacts that touch; second: motion of the partners."""
     touch = geometries[:, 0] > 0.0
     constituent = listed.constituent[touch].astype(np.int64)
     granule = constituent // (len(world.constituents) // len(world.bodies))

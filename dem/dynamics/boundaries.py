@@ -1,0 +1,154 @@
+"""How boundaries move, and what they do to held granules."""
+
+import math
+
+from dem.dynamics.forces import greater
+from dem.dynamics.world import DAMPING, LIGHT, PUSH
+from dem.jit.columns import DVX, DVY, FX, FY, VX, VY, X, Y
+from dem.jit.compilation import compiled, inlined
+from dem.jit.optional import either, given, optional, plus
+
+
+@inlined
+def between(table, first, last, time):
+    """Row of a path before a time (s), the row after it, and the share of the way to that one."""
+    low, high = first, last - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if table[middle, 0] <= time:
+            low = middle
+        else:
+            high = middle
+    span = table[high, 0] - table[low, 0]
+    share = (time - table[low, 0]) / span if span > 0.0 else 0.0
+    return low, high, min(max(share, 0.0), 1.0)
+
+
+@inlined
+def follow(boundaries, b, dt):
+    """Velocity of boundary b on its path: that of the middle of the step, and the change to its end."""
+    motion, table, clock = boundaries.motion, boundaries.table, boundaries.clock[0]
+    first, last = boundaries.first[b], boundaries.first[b + 1]
+    low, high, share = between(table, first, last, clock + 0.5 * dt)
+    ahead, behind, later = between(table, first, last, clock + dt)
+    for c in range(3):
+        now = table[low, 1 + c] + share * (table[high, 1 + c] - table[low, 1 + c])
+        end = table[ahead, 1 + c] + later * (table[behind, 1 + c] - table[ahead, 1 + c])
+        motion[b, VX + c] = now
+        motion[b, DVX + c] = end - now
+
+
+@inlined
+def push(boundaries, b, kick, dt):
+    """Velocity of driven boundary b after a kick (s): as of a granule, with damping at its mean."""
+    motion, drive = boundaries.motion, boundaries.drive
+    for c in range(2):
+        light = drive[b, LIGHT + c]
+        drag, before = drive[b, DAMPING] * light, motion[b, VX + c]
+        pushed = light * (drive[b, PUSH + c] + boundaries.force[b, FX + c])
+        after = (before * (1.0 - 0.5 * kick * drag) + kick * pushed) / (1.0 + 0.5 * kick * drag)
+        motion[b, VX + c] = after
+        motion[b, DVX + c] = 0.5 * dt * (pushed - 0.5 * drag * (before + after))
+
+
+@optional
+def shift_walls(walls, motion, dt):
+    planes = walls.planes
+    for k in range(planes.shape[0]):
+        planes[k, 2] += dt * (motion[k, VX] * planes[k, 0] + motion[k, VY] * planes[k, 1])
+
+
+@compiled
+def move_boundaries(world, kick, dt):
+    """Kick all boundaries over the time `kick` (s) and move them over dt (s), with velocities of half
+    steps as in dem.dynamics.integration; `carry` then moves held granules."""
+    boundaries = world.boundaries
+    motion, first = boundaries.motion, boundaries.first
+    for b in range(motion.shape[0]):
+        if first[b] < first[b + 1]:
+            follow(boundaries, b, dt)
+        else:
+            push(boundaries, b, kick, dt)
+        motion[b, X] += dt * motion[b, VX]
+        motion[b, Y] += dt * motion[b, VY]
+    boundaries.clock[0] += dt
+    shift_walls(world.walls, motion, dt)
+
+
+@optional
+def along(planes, k, dx, dy):
+    """Square of a displacement (m2) of wall k, of which that along its normal counts."""
+    apart = dx * planes[k, 0] + dy * planes[k, 1]
+    return apart * apart
+
+
+@optional
+def surface_moved(surface, boundaries):
+    """Largest squared displacement (m2) of walls, or of the cylinder, since the lists were made."""
+    motion, reference, farthest = boundaries.motion, boundaries.reference, 0.0
+    for b in range(surface.first, surface.end):
+        dx, dy = motion[b, X] - reference[b, 0], motion[b, Y] - reference[b, 1]
+        farthest = greater(farthest, either(along(surface.planes, b, dx, dy), dx * dx + dy * dy))
+    return farthest
+
+
+@optional
+def carry(held, motion, bodies, full, low, high):
+    """Take the held among granules low to high along with their groups, of which motion has rows.
+
+    full: dem.dynamics.world.at_full_steps.
+    """
+    member, start = held.member, held.start
+    q, end = 0, member.shape[0]
+    while q < end:  # the first member of the patch
+        middle = (q + end) // 2
+        if member[middle] < low:
+            q = middle + 1
+        else:
+            end = middle
+    while q < member.shape[0] and member[q] < high:
+        i = member[q]
+        b = held.group[i]
+        bodies[i, X] = start[q, 0] + motion[b, X]
+        bodies[i, Y] = start[q, 1] + motion[b, Y]
+        bodies[i, VX] = plus(motion[b, VX], given(full, motion[b, DVX]))
+        bodies[i, VY] = plus(motion[b, VY], given(full, motion[b, DVY]))
+        bodies[i, DVX] = motion[b, DVX]
+        bodies[i, DVY] = motion[b, DVY]
+        q += 1
+
+
+# What the bounds of speed and time step ask
+
+
+@inlined
+def fastest(boundaries):
+    """Square of the greatest speed (m/s) that boundaries have now, or will have on their paths."""
+    motion, table, squared = boundaries.motion, boundaries.table, 0.0
+    for b in range(motion.shape[0]):
+        squared = greater(squared, motion[b, VX] ** 2 + motion[b, VY] ** 2)
+        last = boundaries.first[b + 1] - 1
+        for q in range(boundaries.first[b], last + 1):
+            if q == last or table[q + 1, 0] > boundaries.clock[0]:
+                vx, vy = table[q, 1], table[q, 2]
+                squared = greater(squared, vx * vx + vy * vy)
+    return squared
+
+
+@inlined
+def driven_acceleration(boundaries):
+    """Greatest acceleration (m/s2) of driven boundaries, without their damping."""
+    drive, force, greatest = boundaries.drive, boundaries.force, 0.0
+    for b in range(force.shape[0]):
+        ax = drive[b, LIGHT] * (drive[b, PUSH] + force[b, FX])
+        ay = drive[b, LIGHT + 1] * (drive[b, PUSH + 1] + force[b, FY])
+        greatest = greater(greatest, math.sqrt(ax * ax + ay * ay))
+    return greatest
+
+
+@inlined
+def lightness(boundaries, b):
+    """Mass-weighted size of the translation of boundary b (kg^-0.5), zero if it is not driven; none of
+    its rotation."""
+    drive = boundaries.drive
+    return math.sqrt(max(drive[b, LIGHT], drive[b, LIGHT + 1])), 0.0

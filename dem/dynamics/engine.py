@@ -1,0 +1,248 @@
+"""Calls of the kernel: by one thread or several, between interrupts, and what they say where they fail."""
+
+import time
+from contextlib import suppress
+from typing import Any, NoReturn
+
+import numpy as np
+
+from dem.base.errors import InputError, OverlapError, StateError
+from dem.dynamics.assembly import CAUTION, GranuleTable
+from dem.dynamics.checkpoint import writable
+from dem.dynamics.stepping import (
+    COLLAPSED,
+    FINE,
+    LOST,
+    MOST_STEPS,
+    MOST_WORK,
+    NOTHING_DONE,
+    OF_BED,
+    OF_BOUNDARY,
+    OUTSIDE,
+    PAUSED,
+    TOO_LONG,
+    Schedule,
+    StepControl,
+    StepOutcome,
+    longest_step,
+    run_steps,
+)
+from dem.dynamics.threads import Threads
+from dem.dynamics.world import World, number_of_patches
+
+AT_FIRST = 20_000  # constituents times steps until the kernel returns for the first time
+BRIEF, LONG = 0.05, 0.15  # s: between these it returns, so that Python can answer Ctrl-C
+
+
+class Engine:
+    """The arrays of a scene in motion, and how they are advanced.
+
+    An interrupt may come between any two instructions of Python, so that all that an advance changes is in
+    one place, `_now`, which changes at once. order (n,): the user's number of each granule.
+    """
+
+    def __init__(
+        self, world: World, table: GranuleTable, rules: StepControl, order: np.ndarray, threads: int
+    ):
+        threads = min(threads, number_of_patches(len(order)))
+        self._threads = Threads(threads) if threads > 1 else None
+        self._table, self._order, self._until = table, order, 0.0
+        self._calls = np.zeros(1, np.int64)
+        self._now = [(world, NOTHING_DONE)]
+        self._free = [None]  # whoever advances holds what is in it
+        self._budget = max(AT_FIRST // len(world.constituents), 1)
+        self._rules = rules
+        report = self._take(0.0, 0, starts=True)
+        if report.outcome:
+            self._fail(report)
+        self._allow(longest_step(rules, report.diagnostics))
+
+    def _allow(self, step: float) -> None:
+        """A time step (s) that was asked for, and what is not much shorter, is no collapse."""
+        least = min(self._rules.collapsed, CAUTION * step)
+        self._rules = self._rules._replace(collapsed=float(least))
+
+    def _latest(self) -> tuple[World, StepOutcome]:
+        """The arrays and how far they are; raises StateError where a call has not come to its end."""
+        if self._threads is not None:
+            self._threads.finish()
+        world, report = self._now[0]
+        if self._calls[0] != report.calls:
+            raise StateError(
+                "the simulation is in the midst of a step: another thread advances it, this process was "
+                "forked from it there, or an error cut it off there; wait, or make it again."
+            )
+        return world, report
+
+    def _ended(self) -> tuple[World, StepOutcome]:
+        """The latest arrays with velocities of full steps, also after an interrupt inside an interval.
+
+        It works on a copy, and may itself be interrupted. Whoever looks from within a signal handler
+        does not change a run that goes on after it.
+        """
+        world, report = self._latest()
+        if report.outcome != PAUSED:
+            return world, report
+        schedule = Schedule(0.0, 0, self._until, False, 0, np.zeros(1, np.int64))
+        ended: list[tuple[World, StepOutcome]] = []
+        while not ended:
+            self._call(ended, (writable(world), report), schedule, self._rows(0))
+        found = ended[0][0], report._replace(outcome=FINE)
+        if self._free:
+            self._now[:] = [found]
+        return found
+
+    @property
+    def _world(self) -> World:
+        """The arrays of the kernels; they can be written."""
+        return self._ended()[0]
+
+    def __getstate__(self) -> dict[str, Any]:
+        """For pickle and copy: everything but the threads, and no two arrays that share memory."""
+        world, report = self._ended()
+        threads = None if self._threads is None else self._threads.count
+        kept = {"_now": [(writable(world), report)], "_threads": threads, "_free": [None]}
+        return vars(self) | kept | {"_calls": self._calls.copy()}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        threads = state["_threads"]
+        vars(self).update(state, _threads=None if threads is None else Threads(threads))
+
+    def _rows(self, count: int) -> np.ndarray:
+        """Room for what `record` measures in a number of intervals."""
+        return np.zeros((count, OF_BED + OF_BOUNDARY * len(self._now[0][0].boundaries.motion)))
+
+    def _take(
+        self,
+        interval: float,
+        count: int,
+        rows: np.ndarray | None = None,
+        starts: bool = False,
+    ) -> StepOutcome:
+        """Call the kernel, the only one that a simulation needs, until it has done all intervals.
+
+        It returns every so often, also inside an interval, so that Python can answer an interrupt. Bits
+        do not depend on how often.
+        """
+        rows = self._rows(0) if rows is None else rows
+        mine: list[None] = []
+        try:
+            with suppress(IndexError):
+                mine[:] = map(self._free.pop, (-1,))
+            if not mine:
+                raise StateError(
+                    "the simulation advances already, in another thread or outside this signal handler; "
+                    "wait until that has ended."
+                )
+            now = self._ended()
+            if self._threads is not None and count:
+                self._threads.compile(now[0])
+            self._now[:] = [now]
+            while True:
+                began = time.perf_counter()
+                schedule = Schedule(
+                    float(interval), count, self._until, starts, self._budget, self._calls
+                )
+                self._call(self._now, now, schedule, rows)
+                before, now = now, self._now[0]
+                if now is before:  # the call was cancelled
+                    continue
+                if now[1].outcome != PAUSED:
+                    return now[1]
+                starts, took = False, time.perf_counter() - began
+                if took < BRIEF:
+                    self._budget *= 2
+                elif took > LONG:
+                    self._budget = max(self._budget // 2, 1)
+        finally:
+            self._free.extend(mine)
+
+    def _call(
+        self,
+        found: list[tuple[World, StepOutcome]],
+        now: tuple[World, StepOutcome],
+        schedule: Schedule,
+        rows: np.ndarray,
+    ) -> None:
+        """Call the kernel once and put what it returns into `found`, unless the call is cancelled.
+
+        An interrupt comes before the kernel starts or after `found` has it, never between.
+        """
+        (world, before), threads = now, self._threads
+        given = world, self._table, self._rules, schedule, before, rows, threads
+        if schedule.starts and threads is not None:  # in the thread that an interrupt stops
+            found[:] = [run_steps.py_func(*given)]
+        elif threads is None:  # one instruction of Python, and boxing has none (dem.jit.boxing)
+            found[:] = map(run_steps, *zip(given, strict=True))
+        else:
+
+            def work() -> None:
+                found[:] = [run_steps.py_func(*given)]
+
+            threads.lead(work)
+
+    def _run_steps(
+        self, name: str, interval: float, count: int, rows: np.ndarray | None = None
+    ) -> float:
+        steps = self._latest()[1].steps
+        report = self._take(interval, count, rows)
+        if report.outcome == TOO_LONG and report.steps == steps:
+            raise InputError(self._endless(name, interval * count, report.value))
+        if report.outcome:
+            self._fail(report)
+        return report.shortest
+
+    def _endless(self, name: str, duration: float, step: float) -> str:
+        return (
+            f"{name} is {duration:g} s, more than {MOST_STEPS:.0e} time steps of {step:.3g} s: "
+            "granules are too small, stiff, light or fast for it."
+        )
+
+    # Guards: between two neighbour lists nothing moves by more than half the skin. A check at each
+    # new list therefore sees every overlap before it has grown by more than the skin.
+
+    @np.errstate(all="ignore")
+    def _fail(self, report: StepOutcome) -> NoReturn:
+        outcome, value, granule = report.outcome, report.value, report.granule
+        when = f"at step {report.steps}, time {report.time:.6g} s"
+        lost = ~np.isfinite(self._world.bodies).all(axis=1)
+        if lost.any():
+            raise StateError(
+                f"the motion of granule {self._order[lost.argmax()]} is not a number {when}: take a smaller "
+                "time step."
+            )
+        if outcome == LOST:
+            moved = np.linalg.norm(self._world.constituents[:, :2] - self._world.reference, axis=1)
+            farthest = int(moved.argmax()) // self._table.per
+            what = f"granule {self._order[farthest]}" if moved.max() >= value else "a boundary"
+            raise StateError(
+                f"{what} moved {value:.3g} m before its contacts were listed "
+                f"again {when}; it may move {self._rules.list_range:.3g} m: take a smaller time "
+                "step."
+            )
+        if outcome == TOO_LONG:
+            raise StateError(
+                f"the time step has shrunk to {value:.3g} s {when}, and what remains would take more "
+                f"than {MOST_STEPS:.0e}: granules are too fast for a run of this duration."
+            )
+        if outcome == COLLAPSED:
+            raise StateError(
+                f"the time step has shrunk too far {when}. The time step is {value:.3g} s, less than the contacts "
+                f"of this scene and its speeds at the start can ask for ({self._rules.collapsed:.3g} s), and what "
+                f"remains would take more than {MOST_WORK / len(self._order):.0e} steps: granules are too fast."
+            )
+        if outcome == OUTSIDE:
+            assert self._world.walls is not None
+            planes = self._world.walls.planes
+            beyond = planes[:, :2] @ self._world.bodies[granule, :2] - planes[:, 2]
+            raise StateError(
+                f"granule {self._order[granule]} has its centre {beyond.max():.3g} m behind wall "
+                f"{beyond.argmax()} {when}: put it inside, or take a smaller time step."
+            )
+        remedy = "take a smaller time step, a stiffer material or a lower packing fraction"
+        if not report.steps:
+            remedy = "place the granules farther apart"
+        raise OverlapError(
+            f"granule {self._order[granule]} overlaps by {value:.3g} of the smaller radius {when}; the limit is "
+            f"{self._rules.max_overlap:g}: {remedy}."
+        )
