@@ -54,10 +54,10 @@ def test_forces_on_walls_and_cylinder_balance_those_on_granules(kind):
     scene = replace(scene, friction=Friction(0.2, 1e-30, 0.7))
     world = writable(Simulation(scene, state).world)
     dt = 1e-7
-    world.cylinder.impulse[:], world.walls.impulse[:] = 0.0, 0.0
+    sums, axis = world.boundaries.sums, world.cylinder.first
+    sums[:] = 0.0
     forces(world, dt, np.inf)
-    on_cylinder = world.cylinder.impulse.reshape(2, 2).sum(axis=0)
-    given = on_cylinder + world.walls.impulse @ scene.walls[:, :2]
+    given = sums[axis, :2] + sums[axis, 2:4] + sums[:axis, 0] @ scene.walls[:, :2]
     assert_allclose(world.force[:, :2].sum(axis=0) * dt, -given, rtol=1e-10)
 
 

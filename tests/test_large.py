@@ -25,7 +25,7 @@ from dem import (
 )
 from dem.dynamics.ordering import order_of
 from dem.dynamics.threads import Threads
-from dem.dynamics.world import CHUNK
+from dem.dynamics.world import PATCH
 from dem.packing.tiled import tiled
 from dem.shapes import KINDS
 
@@ -33,14 +33,14 @@ PITCH = 1e-3  # m
 
 
 def swarm(side=40, seed=1):
-    """More granules than a chunk holds, on a grid, that fly about and collide in a box.
+    """More granules than a patch holds, on a grid, that fly about and collide in a box.
 
     The box repeats itself along x, its walls are guided and one granule above all others is held:
     large beds with motions and without share machine code.
     """
     rng = np.random.default_rng(seed)
     n = side * side
-    assert n > CHUNK
+    assert n > PATCH
     grid = PITCH * (np.stack(np.meshgrid(*2 * [np.arange(side)]), -1).reshape(-1, 2) + 0.5)
     scene = Scene(
         Disc(rng.uniform(0.3, 0.49, n + 1) * PITCH), Material(2500.0, 1e9, 0.3, 0.7), Friction(),
@@ -54,7 +54,7 @@ def swarm(side=40, seed=1):
 
 
 def crowd():
-    """More granules than a chunk holds, some of them held, between walls that move, in a box that
+    """More granules than a patch holds, some of them held, between walls that move, in a box that
     repeats itself from side to side."""
     made, start = swarm()
     side = made.periodic[0]
@@ -136,7 +136,7 @@ def test_contacts_of_a_large_bed_name_the_granules_of_the_input():
 
 
 def test_a_large_bed_keeps_momentum_and_the_order_of_its_granules():
-    """Pairs of two chunks push both granules alike; results stand in the order of the input."""
+    """Pairs of two patches push both granules alike; results stand in the order of the input."""
     scene, state = swarm()
     width = scene.walls[:, 2].max()
     walls, periodic = box(3.0 * width, 3.0 * width)[2:], (3.0 * width, None)
@@ -158,7 +158,7 @@ def test_a_large_bed_keeps_momentum_and_the_order_of_its_granules():
 
 
 def test_a_wall_takes_the_momentum_that_a_large_bed_loses():
-    """A chunk that touches a wall waits for its force."""
+    """A patch that touches a wall waits for its force."""
     scene, state = swarm()
     fall = state.velocity - [0.0, 2.0]
     fall[-1] = 0.0

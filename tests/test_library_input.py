@@ -283,7 +283,7 @@ def test_a_scene_does_not_follow_the_arrays_of_its_user():
             array += 1.0
 
 
-@pytest.mark.parametrize("path", ["walls.planes", "walls.motion", "cylinder.motion", "bodies", "pairs.constituent"])  # fmt: skip
+@pytest.mark.parametrize("path", ["walls.planes", "boundaries.motion", "bodies", "pairs.constituent"])  # fmt: skip
 def test_nothing_that_moves_can_be_moved_in_place(path):
     """Contact lists know nothing of it: granules would pass unseen."""
     world = simulation().world

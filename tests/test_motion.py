@@ -504,4 +504,4 @@ def test_the_velocity_of_a_cylinder_on_a_path_cannot_be_set():
     run = dem.Simulation(*some([1e-3], [[0.25 * FAR, 0.25 * FAR]]))
     with pytest.raises(dem.InputError, match="the cylinder follows a Path or a Drive"):
         run.set_cylinder_velocity((1.0, 0.0))
-    assert not run.world.cylinder.motion[0, 2:].any()
+    assert not run.world.boundaries.motion[run.world.cylinder.first, 2:].any()

@@ -483,7 +483,9 @@ def test_an_interrupt_is_answered_and_leaves_what_was_simulated(call, threads):
     assert_allclose(state.velocity[1:, 1], -at, rtol=1e-9)  # at a full step
     assert_allclose(state.position[1:, 1], -0.5 * at**2, rtol=1e-6)
     assert_allclose(state.position[0, 0], 1e-3 * at, rtol=1e-9)
-    assert run.world.cylinder.motion[0, 1] == pytest.approx(1.0 + at, rel=1e-10)
+    assert run.world.boundaries.motion[run.world.cylinder.first, 1] == pytest.approx(
+        1.0 + at, rel=1e-10
+    )
     run.advance(1e-7)
     assert run.time == pytest.approx(at + 1e-7, rel=1e-12) and run.steps == steps + 100
 
