@@ -37,10 +37,7 @@ def order_of(scene: Scene, state: State) -> np.ndarray:
 def ordered(scene: Scene, state: State, order) -> tuple[Scene, State]:
     """The same scene and state with granules in another order."""
     fields = {name: size[order] for name, size in arrays_of(scene.shape).items()}
-    state = State(
-        state.position[order], state.velocity[order], state.angle[order],
-        state.angular_velocity[order],
-    )  # fmt: skip
+    state = State(*(each[order] for each in vars(state).values()))
     places = np.argsort(order)
     held = tuple(replace(group, granules=places[group.granules]) for group in scene.held)
     return replace(scene, shape=scene.shape._replace(**fields), held=held), state

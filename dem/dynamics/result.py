@@ -62,20 +62,12 @@ class Record(NamedTuple):
     held_force: np.ndarray
 
 
-class Shares(NamedTuple):
+def shares(scene: Scene, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Rows (..., r, k) of Boundaries as those of walls (..., w, k), cylinder (..., k; zeros without one) and
     held groups (..., g, k)."""
-
-    walls: np.ndarray
-    cylinder: np.ndarray
-    held: np.ndarray
-
-
-def shares(scene: Scene, rows: np.ndarray) -> Shares:
-    """Rows of all boundaries of a scene, parted."""
     count = 0 if scene.walls is None else len(scene.walls)
     walls, cylinder, held = np.split(rows, [count, rows.shape[-2] - len(scene.held)], axis=-2)
-    return Shares(walls, cylinder.sum(axis=-2), held)  # of one or none
+    return walls, cylinder.sum(axis=-2), held  # the cylinder: of one row or none
 
 
 # of a Result as a dataset: name: (dimensions, units, long name)

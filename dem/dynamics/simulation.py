@@ -29,7 +29,7 @@ from dem.dynamics.diagnostics import Diagnostics
 from dem.dynamics.energy import Ledger, balance, energies, fallen
 from dem.dynamics.engine import Engine
 from dem.dynamics.ordering import order_of, ordered
-from dem.dynamics.result import Record, Shares, shares
+from dem.dynamics.result import Record, shares
 from dem.dynamics.skin import MARGIN, SKIN
 from dem.dynamics.stepping import (
     MOST_STEPS,
@@ -251,11 +251,11 @@ class Simulation(Engine):
         >>> print(f"{right / (scene.mass[0] * (1.0 - run.state.velocity[0, 0])):.3f}")
         1.000
         """
-        found = self._collect()
-        return found.cylinder[:4].reshape(2, 2), found.walls[:, 0]
+        walls, cylinder, _ = self._collect()
+        return cylinder[:4].reshape(2, 2), walls[:, 0]
 
-    def _collect(self) -> Shares:
-        """Boundaries.sums since the last call."""
+    def _collect(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Boundaries.sums since the last call, of walls, cylinder and held groups."""
         sums = self._world.boundaries.sums
         found = sums.copy()
         sums.fill(0.0)
@@ -409,7 +409,7 @@ class Simulation(Engine):
             raise InputError("x and y are both given; give edges along one of them.")
         world = self._world
         planes = np.empty((0, 3)) if world.walls is None else world.walls.planes
-        place = shares(self.scene, world.boundaries.motion).cylinder
+        _, place, _ = shares(self.scene, world.boundaries.motion)
         bins = next(((k, np.asarray(e)) for k, e in enumerate((x, y)) if e is not None), None)
         return stress(self.contacts(), self.state, self.scene, planes, place, bins)
 

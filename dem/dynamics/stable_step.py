@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.jit.compilation import inlined
-from dem.jit.optional import either, optional
+from dem.jit.optional import either, optional, times
 
 # Columns of `rows` (bodies, 12): xx, xy, yy, xr, yr, rr of stiffness (1/s2), then of damping (1/s)
 STIFFNESS, DAMPING, COLUMNS = 0, 6, 12
@@ -39,18 +39,8 @@ class Bounds(NamedTuple):
 
 
 @optional
-def tangential_stiffness(friction, stiffness, sqrt_overlap):
-    return friction.stiffness_ratio * stiffness * sqrt_overlap
-
-
-@optional
 def normal_damping(damping, p, sqrt_overlap):
     return damping[p] * math.sqrt(sqrt_overlap)
-
-
-@optional
-def tangential_damping(normal, friction):
-    return friction.damping_ratio * normal
 
 
 @optional
@@ -117,8 +107,11 @@ def add_pair_stiffness(rows, pair, k, c, direction, weights):
 def add_pair_tangent(friction, rows, pair, spring, direction, weights):
     """The same along the tangent; spring: stiffness (N m^-1.5), sqrt_overlap, normal damping."""
     stiffness, sqrt_overlap, damping = spring
-    k = tangential_stiffness(friction, stiffness, sqrt_overlap)
-    add_pair_stiffness(rows, pair, k, tangential_damping(damping, friction), direction, weights)
+    k, c = (
+        friction.stiffness_ratio * stiffness * sqrt_overlap,
+        times(friction.damping_ratio, damping),
+    )
+    add_pair_stiffness(rows, pair, k, c, direction, weights)
 
 
 @inlined

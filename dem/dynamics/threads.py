@@ -76,8 +76,8 @@ class Threads:
             )
             for thread, lanes in zip(self._places, self._lanes, strict=True)
         ]
-        results = [run.result() for run in runs]
-        return results[0]
+        first, *_ = [run.result() for run in runs]
+        return first
 
     def diagnose(self, world, table) -> Diagnostics:
         """As dem.dynamics.diagnostics.diagnose, with the same result for any number of threads.
