@@ -27,8 +27,8 @@ print(*(sum(count.values()) for count in (kinetic.stats.cache_hits, kinetic.stat
 ASK_OF_A_SHAPE = """
 import numpy as np
 from dem import Disc
-from dem.shapes.check import _feel_circle as feel
-feel(Disc([1.0]), 1.0, np.ones((1, 2)), np.ones((1, 2)))
+from dem.shapes.check import _feel as feel
+feel(Disc([1.0]), (1.0,), np.ones((1, 2)), np.ones((1, 2)))
 print(*(sum(count.values()) for count in (feel.stats.cache_hits, feel.stats.cache_misses)))
 """
 

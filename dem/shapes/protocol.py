@@ -240,6 +240,16 @@ def is_shape(cls: type) -> bool:
     return cls in outline.answers
 
 
+def sizes_of(shape) -> dict[str, np.ndarray]:
+    """The sizes (n,) in m that granules are made of, by name."""
+    return {name: size for name, size in shape._asdict().items() if isinstance(size, np.ndarray)}
+
+
+def resized(shape, change):
+    """Granules with other sizes: what a function returns for those of each name."""
+    return shape._replace(**{name: change(size) for name, size in sizes_of(shape).items()})
+
+
 def answer(cls, *functions, questions=SHAPE_QUESTIONS, **renamed):
     """Make a class known to the kernels: each function answers the question of its name, or of
     the keyword that it is given for.

@@ -21,7 +21,7 @@ from numba.extending import overload
 
 from dem.jit.compilation import INLINED, inlined
 from dem.shapes.common_normal import turned
-from dem.shapes.protocol import ContactGeometry, answer
+from dem.shapes.protocol import ContactGeometry, answer, resized
 
 TOLERANCE = 1e-4  # rad: the last turn of the normal may be as large as this; error ~ its 4th power
 DIRECTIONS = 64  # of the search for a normal, when the last one is no good guess
@@ -232,8 +232,7 @@ def scaled(shape, factor):
     Shape
         The scaled granules.
     """
-    lengths = {k: v for k, v in shape._asdict().items() if isinstance(v, np.ndarray)}
-    return shape._replace(**{name: factor * length for name, length in lengths.items()})
+    return resized(shape, lambda size: factor * size)
 
 
 def polygons(shape, points=64):
