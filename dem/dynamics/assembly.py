@@ -25,8 +25,9 @@ from dem.dynamics.world import (
 )
 from dem.jit.columns import VX, VY, W, X, Y, rows
 from dem.jit.lanes import make_lanes
-from dem.motion import Drive, Path
-from dem.scene import Scene, State, arrays_of, reach
+from dem.motion import Drive, PrescribedMotion
+from dem.scene import Scene, State, reach
+from dem.shapes.protocol import resized
 
 CONTACT_KINDS = "granule", "wall", "cylinder"
 
@@ -63,7 +64,7 @@ class GranuleTable(NamedTuple):
 
 def own(shape):
     """The granules with writable arrays, because read-only ones are another type to Numba."""
-    return shape._replace(**{name: size.copy() for name, size in arrays_of(shape).items()})
+    return resized(shape, np.copy)
 
 
 def widest_skins(scene: Scene, period) -> list[float]:
@@ -148,7 +149,7 @@ def motion(position, velocity, spin):
 
 def start_of(motion) -> tuple[tuple[float, float], float]:
     """Velocity (m/s) and spin (rad/s) of a boundary at the start."""
-    if isinstance(motion, Path):
+    if isinstance(motion, PrescribedMotion):
         x, y = (float(np.interp(0.0, motion.time, column)) for column in motion.velocity.T)
         return (x, y), 0.0 if motion.spin is None else float(
             np.interp(0.0, motion.time, motion.spin)
@@ -160,7 +161,7 @@ def table_of(motion) -> np.ndarray:
     """Rows of Orders.table for one boundary."""
     if isinstance(motion, Drive):
         return np.empty((0, 4))
-    if isinstance(motion, Path):
+    if isinstance(motion, PrescribedMotion):
         spin = np.zeros(len(motion.time)) if motion.spin is None else motion.spin
         return np.column_stack([motion.time, motion.velocity, spin])
     return np.array([[0.0, *motion, 0.0]])
@@ -210,7 +211,11 @@ def cylinder_boundary(scene: Scene, table: GranuleTable) -> CylinderBoundary:
     assert cylinder is not None
     axis = started(cylinder.position, [cylinder.velocity])
     axis[0, W] += cylinder.spin  # that of the path is then zero, see Cylinder
-    guided = guide([cylinder.velocity]) if isinstance(cylinder.velocity, Path | Drive) else None
+    guided = (
+        guide([cylinder.velocity])
+        if isinstance(cylinder.velocity, PrescribedMotion | Drive)
+        else None
+    )
     if guided is not None:
         guided.orders.table[:, 3] += cylinder.spin
     return CylinderBoundary(

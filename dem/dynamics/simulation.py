@@ -654,7 +654,7 @@ class Simulation:
         Raises
         ------
         InputError
-            If the scene has no cylinder, if it follows a Path or a Drive, or if `velocity` does not
+            If the scene has no cylinder, if it follows a PrescribedMotion or a Drive, or if `velocity` does not
             hold two finite numbers.
 
         Examples
@@ -679,7 +679,9 @@ class Simulation:
         if cylinder is None:
             raise InputError("velocity cannot be set: the scene has no cylinder.")
         if cylinder.guide is not None:
-            raise InputError("velocity cannot be set: the cylinder follows a Path or a Drive.")
+            raise InputError(
+                "velocity cannot be set: the cylinder follows a PrescribedMotion or a Drive."
+            )
         cylinder.motion[0, [VX, VY]] = velocity
         self._allow(self._rules.largest_motion / max(math.hypot(*velocity), LEAST))
 
