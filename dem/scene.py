@@ -254,11 +254,11 @@ def granules(name: str, value: Any) -> Any:
 def planes(name: str, value: Any) -> np.ndarray:
     """Kind: walls, as box returns them; returned as a copy that cannot be written."""
     rows = fixed(array(FINITE, None, 3, each="row")(name, value))
-    if not np.allclose(np.hypot(rows[:, 0], rows[:, 1]), 1.0, rtol=1e-9):
-        raise InputError(
-            f"{name} have normals (nx, ny) of lengths "
-            f"{', '.join(f'{math.hypot(*row[:2]):.6g}' for row in rows[:4])}; each must have length 1."
-        )
+    for row, length in enumerate(np.hypot(rows[:, 0], rows[:, 1])):
+        if abs(length - 1.0) > 1e-8:
+            raise InputError(
+                f"{name} of row {row} has a normal (nx, ny) of length {length:.6g}; it must be 1."
+            )
     return rows
 
 

@@ -146,7 +146,7 @@ def scatter(shape: Any, room: Room, rng: np.random.Generator) -> np.ndarray:
     squares are at least as wide as the largest circle.
     """
     radius, side, periodic = shape.bounding_radius, room.size, room.periods
-    turns = np.array([each is not None for each in periodic or (None, None)])
+    turns = np.array(SIDES[room.periodic])
     size = max(2.0 * radius.max(), math.sqrt(room.width * room.height / len(radius)))
     count = np.where(turns, np.maximum(side // size, 1.0), np.inf)  # squares that make a period
     sizes = np.where(turns, side / count, size)

@@ -285,12 +285,10 @@ def smooth(support_function):
 
     def make(cls):
         _SUPPORT[cls] = inlined(support_function)
-        for name, function in DERIVED.items():
+        members = {name: property(function) for name, function in DERIVED.items()}
+        for name, member in (members | {"scaled": scaled, "polygons": polygons}).items():
             if name not in cls.__dict__:
-                setattr(cls, name, property(function))
-        for name, function in {"scaled": scaled, "polygons": polygons}.items():
-            if name not in cls.__dict__:
-                setattr(cls, name, function)
+                setattr(cls, name, member)
         cls.needs_angle, cls.guesses = True, True
         answer(cls, outline, circle, support, find_contact, refine_normal)
         return cls
