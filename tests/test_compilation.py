@@ -109,6 +109,14 @@ def test_what_is_behind_an_address_is_the_tuple_itself():
     assert added[0] == 0.5 + expected
 
 
+def test_the_kernel_of_the_readme_runs(capsys):
+    """As printed there, with inertia and without."""
+    page = (ROOT / "dem/jit/README.md").read_text()
+    code = re.search(r"```python\n(.*?)```", page, re.S).group(1)
+    exec(compile(code, "README.md", "exec"), {"__name__": "kernel_of_the_readme"})
+    assert capsys.readouterr().out == "1.5 7.5\n"
+
+
 @compiled
 def roots_of(numbers):
     for i in range(numbers.shape[0]):

@@ -1,4 +1,4 @@
-"""A block of contacts, stage by stage, in the lanes of dem.jit.lanes.
+"""A block of contacts, stage by stage, in the lanes of dem.jit.block_memory.
 
 gather: copy the input side by side. find_contacts: the geometry of all contacts. refine_contacts:
 again for those whose last normal was too far off. contact_forces: all forces. accumulate: add them
@@ -11,10 +11,20 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.contacts.response import relative_velocity, respond
-from dem.jit import lanes as lane
+from dem.jit import block_memory as lane
+from dem.jit.block_memory import (
+    EIGHT,
+    FIVE,
+    FOUR,
+    ONE,
+    SIX,
+    THREE,
+    TWO,
+    load_outline,
+    store_outline,
+)
 from dem.jit.compilation import inlined
-from dem.jit.four import add_four, subtract_four
-from dem.jit.lanes import EIGHT, FIVE, FOUR, ONE, SIX, THREE, TWO, load_outline, store_outline
+from dem.jit.instructions import add_four, subtract_four
 from dem.jit.optional import (
     either,
     given,

@@ -23,8 +23,8 @@ from dem.dynamics.world import (
     WallBoundary,
     World,
 )
+from dem.jit.block_memory import make_lanes
 from dem.jit.columns import VX, VY, W, X, Y, rows
-from dem.jit.lanes import make_lanes
 from dem.motion import Drive, PrescribedMotion
 from dem.scene import Scene, State, reach
 from dem.shapes.protocol import resized

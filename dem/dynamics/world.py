@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dem.jit.block_memory import Lanes
 from dem.jit.compilation import inlined
-from dem.jit.lanes import Lanes
 from dem.jit.optional import either, given, optional, unless
 
 CHUNK = 1024  # granules: what a chunk needs fits into the second-level cache

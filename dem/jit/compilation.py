@@ -26,7 +26,7 @@ from numba.core.event import Listener, register
 from numba.core.registry import CPUDispatcher
 from numba.core.serialize import dumps
 
-import dem.jit.boxing  # noqa: F401 takes effect by being imported
+import dem.jit.return_values  # noqa: F401 takes effect by being imported
 from dem.base.say import say
 from dem.base.sources import (
     UNREADABLE,
@@ -38,7 +38,7 @@ from dem.base.sources import (
     is_current,
     is_ours,
 )
-from dem.jit.parts import KernelCompiler, PartCompiler, RolledCompiler
+from dem.jit.compilers import KernelCompiler, PartCompiler, RolledCompiler
 
 # nnan and ninf stay off: they would remove the very tests that find a NaN.
 # reassoc stays off: a sum has one order, so a seed has one result.

@@ -11,9 +11,9 @@ import numpy as np
 
 from dem.base.errors import InputError
 from dem.base.validate import refuse
+from dem.jit.block_memory import OUTLINE
 from dem.jit.columns import FX, FY, TAU, X, Y, rows
 from dem.jit.compilation import compiled
-from dem.jit.lanes import OUTLINE
 from dem.jit.optional import either
 from dem.shapes import smooth
 from dem.shapes.protocol import (
@@ -296,9 +296,7 @@ def _lever_faults(two):
         if not steepest <= BEND:
             return [
                 f"the outline is too flat: its radius of curvature is {steepest:.3g} times its bounding "
-                f"radius, more than {BEND:g}. On a flat side the lever of a force jumps from end to end, "
-                "and no time step is short enough; round the sides (of a superellipse with an exponent "
-                "above 2, by rounding)."
+                f"radius, more than {BEND:g}, and no time step is short enough; round its flat sides."
             ]
         if most > shape.normal_lever[g] * (1.0 + NEAR) + SAME * size:
             said.append(
@@ -337,9 +335,8 @@ def _outline_faults(two):
             said.append(f"area is {told:g} m2; its outline has {area:g} m2.")
         if math.hypot(x, y) > NEAR * size:
             said.append(
-                f"the centre of mass is at c = ({x:.6g}, {y:.6g}) m of a granule of bounding radius "
-                f"{size:.4g} m; it must be the centre: subtract c_x nx + c_y ny from the support "
-                "function h, and c_y nx - c_x ny from its derivative q."
+                f"the centre of mass is at c = ({x:.6g}, {y:.6g}) m; it must be the centre: subtract "
+                "c_x nx + c_y ny from the support function h, and c_y nx - c_x ny from q."
             )
         elif not np.isclose(moment / area, spread, rtol=NEAR):
             said.append(f"gyration_squared is {spread:g} m2; its outline has {moment / area:g} m2.")
