@@ -10,7 +10,7 @@ from .figures import plot as plot
 from .figures.film import film as film
 from .motion import Drive as Drive
 from .motion import Held as Held
-from .motion import Path as Path
+from .motion import PrescribedMotion as PrescribedMotion
 from .packing.grown import grow as grow
 from .packing.random import Bed as Bed
 from .packing.random import pack as pack

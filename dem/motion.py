@@ -6,13 +6,14 @@ in rad, anticlockwise.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 
 from dem.base.errors import InputError
 from dem.base.validate import (
     MOST,
+    Kind,
     array,
     checked,
     not_negative,
@@ -25,6 +26,7 @@ from dem.base.validate import (
 
 FINITE = f"be finite, up to {MOST:g} in size"
 FORCES = "be two forces (x, y) in N, None for an axis whose velocity is kept"
+MANY = 2**62
 GRANULES = "be numbers of granules, each once, or one truth value per granule"
 
 
@@ -35,17 +37,6 @@ def fixed(array: np.ndarray) -> np.ndarray:
     return array
 
 
-class Kept:
-    """Arrays that cannot be written cannot be written after pickling or copying either."""
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        for value in state.values():
-            for each in value if isinstance(value, tuple) else (value,):
-                if isinstance(each, np.ndarray):
-                    each.flags.writeable = False
-        vars(self).update(state)
-
-
 def rows(*shape: int | None) -> Any:
     """Kind: rows of finite numbers; returned as a copy that cannot be written."""
     take = array(FINITE, *shape, each="row")
@@ -54,7 +45,7 @@ def rows(*shape: int | None) -> Any:
 
 @checked("path ", time=rows(None), velocity=rows(None, 2), spin=or_none(rows(None)))
 @dataclass(frozen=True, eq=False)
-class Path(Kept):
+class PrescribedMotion:
     """Velocity of a boundary that is given over time, whatever it meets.
 
     The velocity is linear in time between the rows, and constant before the first and after the last.
@@ -86,7 +77,7 @@ class Path(Kept):
     >>> import numpy as np
     >>> time = np.linspace(0.0, 0.1, 33)
     >>> velocity = 0.02 * np.cos(2.0 * np.pi * 10.0 * time)
-    >>> path = dem.Path(time, np.column_stack([velocity, np.zeros(33)]))
+    >>> path = dem.PrescribedMotion(time, np.column_stack([velocity, np.zeros(33)]))
     >>> path.velocity.shape
     (33, 2)
     """
@@ -111,22 +102,24 @@ class Path(Kept):
             )
 
 
-def forces(name: str, value: Any) -> tuple[float | None, float | None]:
-    """Kind: two forces, either of which may be None."""
-    if type(value) is np.ndarray:
-        value = value.tolist() if value.dtype.kind in "iuf" else None
-    if not isinstance(value, list | tuple) or len(value) != 2:
-        refuse(name, value, FORCES)
-    try:
-        x, y = (None if each is None else number("be finite")(name, each) for each in value)
-    except InputError:
-        refuse(name, value, FORCES)
-    return x, y
+def sides(kind: Kind, words: str) -> Kind:
+    """Kind: two values (x, y) of a kind, either of which may be None."""
+    take = or_none(kind)
+
+    def pair(name: str, value: Any) -> tuple[float | None, float | None]:
+        if type(value) is np.ndarray and value.dtype.kind in "iuf":
+            value = value.tolist()
+        if not isinstance(value, list | tuple) or len(value) != 2:
+            refuse(name, value, words)
+        x, y = (take(f"{name} along {axis}", each) for axis, each in zip("xy", value, strict=True))
+        return x, y
+
+    return pair
 
 
 @checked(
     "drive ",
-    force=forces,
+    force=sides(number(FINITE), FORCES),
     mass=positive("kg"),
     damping=not_negative("N s/m"),
     velocity=vector("m/s"),
@@ -176,24 +169,24 @@ class Drive:
     velocity: tuple[float, float] = (0.0, 0.0)
 
 
-Motion = tuple[float, float] | Path | Drive
+Motion = tuple[float, float] | PrescribedMotion | Drive
 
 
 def motion(name: str, value: Any) -> Motion:
-    """Kind: a velocity, a Path or a Drive."""
-    if isinstance(value, Path | Drive):
+    """Kind: a velocity, a PrescribedMotion or a Drive."""
+    if isinstance(value, PrescribedMotion | Drive):
         return value
     try:
         velocity: tuple[float, float] = vector("m/s")(name, value)
     except InputError:
-        refuse(name, value, "be a velocity (x, y) in m/s, a dem.Path or a dem.Drive")
+        refuse(name, value, "be a velocity (x, y) in m/s, a dem.PrescribedMotion or a dem.Drive")
     return velocity
 
 
 def sliding(name: str, value: Any) -> Motion:
     """Kind: a motion of what does not turn."""
     value = motion(name, value)
-    if isinstance(value, Path) and value.spin is not None:
+    if isinstance(value, PrescribedMotion) and value.spin is not None:
         raise InputError(f"{name} has a spin; only the cylinder can turn on a path.")
     return value
 
@@ -202,29 +195,33 @@ def chosen(name: str, value: Any) -> np.ndarray:
     """Kind: numbers of granules, or a mask; returned as a copy that cannot be written."""
     try:
         found = np.asarray(value)
-        if isinstance(value, np.ma.MaskedArray) or found.ndim != 1:
-            found = np.empty(0)
     except Exception:  # any object in a list, or one with its own conversion to an array
         found = np.empty(0)
+    if isinstance(value, np.ma.MaskedArray) or found.ndim != 1 or found.dtype.kind not in "biu":
+        refuse(name, value, GRANULES)
     if found.dtype == bool and found.any():
         return fixed(found)
-    if found.dtype.kind not in "iu" or not len(found) or len(np.unique(found)) < len(found):
+    unique = np.unique(found)
+    if (
+        not 0 < len(unique) == len(found)
+        or found.dtype == bool
+        or unique[0] < 0
+        or unique[-1] > MANY
+    ):
         refuse(name, value, GRANULES)
-    if found.min() < 0 or found.max() > 2**62:
-        refuse(name, value, GRANULES)
-    return fixed(np.sort(found.astype(np.int64)))
+    return fixed(unique.astype(np.int64))
 
 
 @checked("held ", granules=chosen, motion=sliding)
 @dataclass(frozen=True, eq=False)
-class Held(Kept):
+class Held:
     """Granules that move together as a boundary: a rough wall, or a body of any form.
 
     Parameters
     ----------
     granules : array_like of int of shape (h,), or of bool of shape (n,)
         Numbers of the granules, or for each granule of the scene whether it is held (without unit).
-    motion : tuple of float, Path or Drive
+    motion : tuple of float, PrescribedMotion or Drive
         Velocity (x, y) of all of them in m/s, or what it follows; at rest by default.
 
     Raises
@@ -279,10 +276,15 @@ def numbered(held: Sequence[Held], granules: int) -> tuple[Held, ...]:
         chosen = group.granules
         if chosen.dtype == bool:
             if len(chosen) != granules:
-                _refuse_group(k, f"{len(chosen)} truth values", "one for each", granules)
+                raise InputError(
+                    f"held group {k} has {len(chosen)} truth values; it must have one for each of the "
+                    f"{granules} granules."
+                )
             chosen = fixed(np.flatnonzero(chosen))
         if chosen[-1] >= granules:
-            _refuse_group(k, f"granule {chosen[-1]}", "some", granules)
+            raise InputError(
+                f"held group {k} has granule {chosen[-1]}; it must have some of the {granules} granules."
+            )
         if taken[chosen].any():
             twice = chosen[taken[chosen]][0]
             raise InputError(f"held group {k} has granule {twice}, which an earlier group has too.")
@@ -291,7 +293,3 @@ def numbered(held: Sequence[Held], granules: int) -> tuple[Held, ...]:
     if taken.all():
         raise InputError(f"held has all {granules} granules; at least one must be free.")
     return tuple(found)
-
-
-def _refuse_group(k: int, has: str, must: str, granules: int) -> NoReturn:
-    raise InputError(f"held group {k} has {has}; it must have {must} of the {granules} granules.")

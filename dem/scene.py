@@ -27,13 +27,13 @@ from dem.base.validate import (
 from dem.motion import (
     FINITE,
     Held,
-    Kept,
     Motion,
-    Path,
+    PrescribedMotion,
     fixed,
     groups,
     motion,
     numbered,
+    sides,
     wall_motions,
 )
 from dem.periodic import ROOM, Periods, walled
@@ -155,10 +155,10 @@ class Cylinder:
         Diameter (m).
     position : tuple of float
         Position (x, y) of the axis at the start (m).
-    velocity : tuple of float, Path or Drive
+    velocity : tuple of float, PrescribedMotion or Drive
         Velocity (x, y) in m/s, or what it follows; at rest by default.
     spin : float
-        Angular velocity (rad/s), anticlockwise; that of a `Path` if it has one.
+        Angular velocity (rad/s), anticlockwise; that of a `PrescribedMotion` if it has one.
 
     Raises
     ------
@@ -186,7 +186,11 @@ class Cylinder:
     spin: float = 0.0
 
     def __post_init__(self) -> None:
-        if self.spin and isinstance(self.velocity, Path) and self.velocity.spin is not None:
+        if (
+            self.spin
+            and isinstance(self.velocity, PrescribedMotion)
+            and self.velocity.spin is not None
+        ):
             raise InputError(
                 f"cylinder spin is {self.spin:g} rad/s; it must be left out, because its path has one."
             )
@@ -231,50 +235,42 @@ def walls_of(width: float, height: float, periodic: Periods) -> np.ndarray | Non
     return box(width, height)[stay] if stay.any() else None
 
 
-def arrays_of(shape: Any) -> dict[str, np.ndarray]:
-    """The sizes (n,) in m that a shape is made of, by name."""
-    return {name: size for name, size in shape._asdict().items() if isinstance(size, np.ndarray)}
-
-
 def granules(name: str, value: Any) -> Any:
     """Kind: granules of one shape; returned with sizes of their own that cannot be written."""
-    from dem.shapes.protocol import is_shape
+    from dem.shapes.protocol import is_shape, resized, sizes_of
 
     if not is_shape(type(value)):
         refuse(name, value, "be granules of a shape, such as dem.Disc")
-    value = type(value)(*value)  # its own checks, also after _replace
-    sizes = {k: fixed(size) for k, size in arrays_of(value).items()}
-    counts = {k: len(size) for k, size in sizes.items()}
+    value = resized(type(value)(*value), fixed)  # its own checks, also after _replace
+    counts = {k: len(size) for k, size in sizes_of(value).items()}
     if len(set(counts.values())) > 1:
         words = " and ".join(f"{count} of {k}" for k, count in counts.items())
         raise InputError(f"{name} has {words}; it must have one of each a granule.")
     if value.fault:
         raise InputError(value.fault)
-    return value._replace(**sizes)
+    return value
 
 
 def planes(name: str, value: Any) -> np.ndarray:
     """Kind: walls, as box returns them; returned as a copy that cannot be written."""
     rows = fixed(array(FINITE, None, 3, each="row")(name, value))
-    if not np.allclose(np.hypot(rows[:, 0], rows[:, 1]), 1.0, rtol=1e-9):
-        raise InputError(
-            f"{name} have normals (nx, ny) of lengths "
-            f"{', '.join(f'{math.hypot(*row[:2]):.6g}' for row in rows[:4])}; each must have length 1."
-        )
+    for row, length in enumerate(np.hypot(rows[:, 0], rows[:, 1])):
+        if abs(length - 1.0) > 1e-8:
+            raise InputError(
+                f"{name} of row {row} has a normal (nx, ny) of length {length:.6g}; it must be 1."
+            )
     return rows
+
+
+PERIODS = sides(
+    positive("m"), "be two periods (x, y) in m, None for a side that does not repeat itself"
+)
 
 
 def periods(name: str, value: Any) -> Periods:
     """Kind: periods (m) along x and y, None for a side without; None if neither has one."""
-    if type(value) is np.ndarray:
-        value = value.tolist()
-    if not isinstance(value, tuple | list) or len(value) != 2:
-        refuse(
-            name, value, "be two periods (x, y) in m, None for a side that does not repeat itself"
-        )
-    take = or_none(positive("m"))
-    x, y = (take(f"{name} along {axis}", each) for axis, each in zip("xy", value, strict=True))
-    return None if x is None and y is None else (x, y)
+    found = PERIODS(name, value)
+    return None if found == (None, None) else found
 
 
 @checked(
@@ -291,7 +287,7 @@ def periods(name: str, value: Any) -> Periods:
     held=groups,
 )
 @dataclass(frozen=True)
-class Scene(Kept):
+class Scene:
     """Everything about a system that does not change during a run.
 
     The kernels are compiled for the scene: what is None costs nothing.
@@ -320,7 +316,7 @@ class Scene(Kept):
         are not wrapped: a granule that leaves through one side goes on, and meets the images of the
         others.
     wall_motion : sequence, optional
-        For each of the w walls its velocity (x, y) in m/s, a `Path`, a `Drive`, or None if it is at
+        For each of the w walls its velocity (x, y) in m/s, a `PrescribedMotion`, a `Drive`, or None if it is at
         rest. A wall is a straight line: it moves along its normal, and its velocity along itself only
         drags the granules that touch it.
     held : sequence of Held

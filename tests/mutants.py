@@ -127,7 +127,7 @@ MUTANTS = (
     # how kernels are compiled
     Mutant("jit/compilation.py", "missing term", " {_code_of(each)}\" for", "\" for", "tests/test_compilation.py"),
     Mutant("jit/optional.py", "sign", "return lambda a, b: -b", "return lambda a, b: b", ELLIPSES),
-    Mutant("jit/lanes.py", "index", "(table[row],) + rows_like(like[1:], table, row + 1)", "(table[row],) + rows_like(like[1:], table, row)", ELLIPSES),
+    Mutant("jit/block_memory.py", "index", "(table[row],) + rows_like(like[1:], table, row + 1)", "(table[row],) + rows_like(like[1:], table, row)", ELLIPSES),
 )  # fmt: skip
 
 

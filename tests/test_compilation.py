@@ -27,8 +27,8 @@ print(*(sum(count.values()) for count in (kinetic.stats.cache_hits, kinetic.stat
 ASK_OF_A_SHAPE = """
 import numpy as np
 from dem import Disc
-from dem.shapes.check import _feel_circle as feel
-feel(Disc([1.0]), 1.0, np.ones((1, 2)), np.ones((1, 2)))
+from dem.shapes.check import _feel as feel
+feel(Disc([1.0]), (1.0,), np.ones((1, 2)), np.ones((1, 2)))
 print(*(sum(count.values()) for count in (feel.stats.cache_hits, feel.stats.cache_misses)))
 """
 
@@ -107,6 +107,14 @@ def test_what_is_behind_an_address_is_the_tuple_itself():
     expected = 2.0 * sum(NUMBERS)
     assert add_up_behind_an_address(outer) == 0.5 + 2.0 * expected
     assert added[0] == 0.5 + expected
+
+
+def test_the_kernel_of_the_readme_runs(capsys):
+    """As printed there, with inertia and without."""
+    page = (ROOT / "dem/jit/README.md").read_text()
+    code = re.search(r"```python\n(.*?)```", page, re.S).group(1)
+    exec(compile(code, "README.md", "exec"), {"__name__": "kernel_of_the_readme"})
+    assert capsys.readouterr().out == "1.5 7.5\n"
 
 
 @compiled
@@ -225,13 +233,12 @@ DAMAGE = {
 }
 
 
-@pytest.mark.parametrize("kind", ["nbi", "nbc"])
 @pytest.mark.parametrize("damage", DAMAGE)
-def test_damaged_machine_code_is_compiled_again(tmp_path, tiny, damage, kind):
+def test_damaged_machine_code_is_compiled_again(tmp_path, tiny, damage):
     """The run goes on, says so in one line that names the folder, and mends the cache."""
     cache = tmp_path / "cache"
     assert tiny() == ([0, 0], [])
-    files = list(cache.rglob(f"*.{kind}"))
+    files = list(cache.rglob("*.nbc"))
     assert len(files) == 2
     for file in files:
         file.write_bytes(DAMAGE[damage](file.read_bytes()))
@@ -249,7 +256,7 @@ def assert_not_kept(folder, hits, said):
     """Code was compiled and used, one line names the folder, and nothing is left there."""
     assert hits == [0, 0] and len(said) == 1
     assert str(folder / "cache") in said[0] and "cannot be kept here" in said[0]
-    assert not [*folder.rglob("*.nbc"), *folder.rglob("*.nbi"), *folder.rglob("*.tmp.*")]
+    assert not [*folder.rglob("*.nbc"), *folder.rglob("*.part")]
 
 
 def test_a_cache_without_a_folder_does_not_stop_a_run(tmp_path, tiny):

@@ -14,7 +14,7 @@ SOFT = dem.Material(young_modulus=1e8, restitution=0.6)
 # As good as elastic and smooth, with the machine code of all others.
 ELASTIC = dem.Material(young_modulus=1e8, restitution=1.0 - 1e-9)
 SMOOTH = dem.Friction(1e-12, 1e-12, 1e-12)
-STILL = dem.Path([0.0], [[0.0, 0.0]])
+STILL = dem.PrescribedMotion([0.0], [[0.0, 0.0]])
 AWAY = dem.Cylinder(1e-3, (0.5 * FAR, 0.5 * FAR), STILL)
 LEFT, RIGHT, BOTTOM, TOP = range(4)
 
@@ -52,7 +52,7 @@ def smoothly(speed, time, axis=0, spin=0.0):
     share = np.sin(0.5 * np.pi * at / time) ** 2
     velocity = np.zeros((101, 2))
     velocity[:, axis] = speed * share
-    return dem.Path(at, velocity, spin * share if spin else None)
+    return dem.PrescribedMotion(at, velocity, spin * share if spin else None)
 
 
 def forces_on(record):
@@ -92,7 +92,7 @@ def test_the_work_of_a_boundary_on_a_path_is_what_the_bed_gains(small_bed, mover
     assert abs(gained - ledger.work) < 1e-4 * ledger.work
     path = next(
         p for p in (velocity, *made.wall_motion, made.held[0].motion)
-        if isinstance(p, dem.Path) and len(p.time) > 1
+        if isinstance(p, dem.PrescribedMotion) and len(p.time) > 1
     )  # fmt: skip
     middle = (np.arange(pieces) + 0.5) * time / pieces
     at = [np.interp(middle, path.time, column) for column in path.velocity.T]
@@ -182,7 +182,7 @@ def test_a_driven_boundary_that_meets_nothing_moves_as_mechanics_says(damping):
 
 def test_a_boundary_on_a_path_is_where_its_velocity_leads():
     """The integral of a velocity that is linear between rows, for the cylinder in all frames."""
-    path = dem.Path([1e-4, 3e-4, 4e-4], [[1.0, 0.0], [-1.0, 2.0], [0.0, 2.0]])
+    path = dem.PrescribedMotion([1e-4, 3e-4, 4e-4], [[1.0, 0.0], [-1.0, 2.0], [0.0, 2.0]])
     made, start = some([1e-3], [[0.25 * FAR, 0.25 * FAR]], cylinder=replace(AWAY, velocity=path))
     result = dem.simulate(made, start, 6e-4, time_step=1e-6, frames=6)
     moved = result.cylinder_position - AWAY.position
@@ -195,7 +195,7 @@ def test_a_held_granule_in_the_place_of_the_cylinder_feels_what_it_feels(small_b
     """A disc of its size, spin and velocity, of one material: same forces, same motion."""
     small = small_bed("disc")
     velocity, spin, sizes = (0.5, 1.0), 300.0, small.shape.radius
-    cylinder = replace(small.cylinder, velocity=dem.Path([0.0], [velocity]), spin=spin)
+    cylinder = replace(small.cylinder, velocity=dem.PrescribedMotion([0.0], [velocity]), spin=spin)
     plain = scene(small.shape, walls=small.bed.walls, cylinder=cylinder)
     first = dem.Simulation(plain, small.state, time_step=2e-7)
     shape = dem.Disc([0.5 * cylinder.diameter, *sizes])
@@ -218,7 +218,7 @@ def test_a_wall_that_oscillates_comes_back_and_the_bed_feels_it(small_bed):
     period, reach = 4e-4, 2e-5
     time = np.linspace(0.0, 2.0 * period, 201)
     speed = 2.0 * np.pi / period * reach * np.cos(2.0 * np.pi * time / period)
-    path = dem.Path(time, np.column_stack([speed, 0.0 * speed]))
+    path = dem.PrescribedMotion(time, np.column_stack([speed, 0.0 * speed]))
     made, start = bed(small_bed, {LEFT: path})
     run = dem.Simulation(made, start)
     record = run.record(period / 40, 80)
@@ -445,16 +445,16 @@ DISCS = dem.Disc([1e-3, 1e-3])
 WALLS = {"walls": dem.box(1e-2, 1e-2)}
 REFUSED = {
     "path time of row 1 is 0; it must be later than the 1 s of the row before":
-        lambda: dem.Path([1.0, 0.0], np.zeros((2, 2))),
+        lambda: dem.PrescribedMotion([1.0, 0.0], np.zeros((2, 2))),
     "path velocity has 2 rows; it must have one for each of the 3 times":
-        lambda: dem.Path([0.0, 1.0, 2.0], np.zeros((2, 2))),
+        lambda: dem.PrescribedMotion([0.0, 1.0, 2.0], np.zeros((2, 2))),
     "path spin has 1 rows; it must have one for each of the 2 times":
-        lambda: dem.Path([0.0, 1.0], np.zeros((2, 2)), [1.0]),
+        lambda: dem.PrescribedMotion([0.0, 1.0], np.zeros((2, 2)), [1.0]),
     "path velocity of row 0 is nan; it must be finite":
-        lambda: dem.Path([0.0], [[np.nan, 0.0]]),
+        lambda: dem.PrescribedMotion([0.0], [[np.nan, 0.0]]),
     "drive force is 3.0; it must be two forces (x, y) in N, None for an axis whose velocity is kept":
         lambda: dem.Drive(3.0, 1.0),
-    "drive force is (1.0, nan); it must": lambda: dem.Drive((1.0, np.nan), 1.0),
+    "drive force along y is nan; it must be finite": lambda: dem.Drive((1.0, np.nan), 1.0),
     "drive mass is 0.0; it must be a positive number (kg)": lambda: dem.Drive((1.0, 1.0), 0.0),
     "drive damping is -1.0; it must": lambda: dem.Drive((1.0, 1.0), 1.0, -1.0),
     "held granules is [0, 0]; it must be numbers of granules, each once, or one truth value":
@@ -463,12 +463,12 @@ REFUSED = {
     "held granules is [0.5]; it must": lambda: dem.Held([0.5]),
     "held granules is an array of bool with shape (2,); it must":
         lambda: dem.Held(np.zeros(2, bool)),
-    "held motion is 'up'; it must be a velocity (x, y) in m/s, a dem.Path or a dem.Drive":
+    "held motion is 'up'; it must be a velocity (x, y) in m/s, a dem.PrescribedMotion or a dem.Drive":
         lambda: dem.Held([0], "up"),
     "held motion has a spin; only the cylinder can turn on a path":
-        lambda: dem.Held([0], dem.Path([0.0], [[0.0, 0.0]], [1.0])),
+        lambda: dem.Held([0], dem.PrescribedMotion([0.0], [[0.0, 0.0]], [1.0])),
     "cylinder spin is 2 rad/s; it must be left out, because its path has one":
-        lambda: dem.Cylinder(1.0, (0.0, 0.0), dem.Path([0.0], [[0.0, 0.0]], [1.0]), 2.0),
+        lambda: dem.Cylinder(1.0, (0.0, 0.0), dem.PrescribedMotion([0.0], [[0.0, 0.0]], [1.0]), 2.0),
     "cylinder velocity is 1.0; it must be a velocity": lambda: dem.Cylinder(1.0, (0, 0), 1.0),
     "wall_motion has 3 entries; it must have one for each of the 4 walls":
         lambda: dem.Scene(DISCS, **WALLS, wall_motion=[None] * 3),
@@ -477,7 +477,7 @@ REFUSED = {
     "wall_motion of wall 2 is 1.0; it must be a velocity":
         lambda: dem.Scene(DISCS, **WALLS, wall_motion=[None, None, 1.0, None]),
     "wall_motion of wall 0 has a spin": lambda: dem.Scene(
-        DISCS, **WALLS, wall_motion=[dem.Path([0.0], [[0.0, 0.0]], [1.0]), None, None, None]
+        DISCS, **WALLS, wall_motion=[dem.PrescribedMotion([0.0], [[0.0, 0.0]], [1.0]), None, None, None]
     ),
     "held is [1]; it must be a list of dem.Held": lambda: dem.Scene(DISCS, held=[1]),
     "held group 0 has granule 2; it must have some of the 2 granules":
@@ -502,6 +502,6 @@ def test_motion_that_cannot_be_is_refused_in_one_sentence(sentence):
 def test_the_velocity_of_a_cylinder_on_a_path_cannot_be_set():
     """The path would take it back; the run goes on as before."""
     run = dem.Simulation(*some([1e-3], [[0.25 * FAR, 0.25 * FAR]]))
-    with pytest.raises(dem.InputError, match="the cylinder follows a Path or a Drive"):
+    with pytest.raises(dem.InputError, match="the cylinder follows a PrescribedMotion or a Drive"):
         run.set_cylinder_velocity((1.0, 0.0))
     assert not run.world.boundaries.motion[run.world.cylinder.first, 2:].any()

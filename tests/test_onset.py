@@ -18,6 +18,7 @@ from dem.figures.catalogue import FIGURES
 from dem.figures.onset import plot
 from dem.figures.style import save
 from dem.packing.pressed import Press
+from dem.packing.random import Room
 from dem.shapes import KINDS
 from dem.sweep.config import load
 from dem.sweep.config import parse as parse_sweep
@@ -58,7 +59,7 @@ def test_a_bed_bears_no_load_below_the_onset_and_that_of_hertz_above():
     replicate = bed(1.3)
     sizes, own = diameters(replicate), replicate.configuration
     shape = KINDS["ellipse"].shape.of_size(sizes, 1.3)
-    press = Press(shape, own.box_width, height_of_box(own, sizes), None, 1, periodic="xy")
+    press = Press(shape, Room(own.box_width, height_of_box(own, sizes), None, 1, "xy"))
     at = onset.find(replicate).fraction
     while press.fraction < at + 1e-3:  # as the onset was found
         press.press(press.fraction + onset.STEP, onset.GROWN, onset.PATIENCE)

@@ -14,9 +14,9 @@ import dem
 from conftest import CONFIG, STIFF, make_small_bed
 from dem.contacts.force_law import effective_modulus
 from dem.experiment.bed import make_bed
-from dem.packing.grown import _moved
+from dem.packing.grown import DAMPED, _moved
 from dem.packing.pressed import Press, compact
-from dem.packing.random import sown
+from dem.packing.random import Room, sown
 from dem.shapes import KINDS
 from dem.sweep.config import load
 
@@ -138,7 +138,7 @@ def test_bed_is_sown_apart(periodic):
     width, height = 8e-3, 9e-3
     cylinder = dem.Cylinder(1.5e-3, (1e-3, 2e-3))
     shape = dem.Ellipse.of_size(np.linspace(0.8e-3, 1.2e-3, 60), 1.5)
-    _, factor, state = sown(shape, width, height, cylinder, 3, periodic)
+    factor, state = sown(shape, Room(width, height, cylinder, 3, periodic))
     radius = np.append(factor * shape.bounding_radius, 0.75e-3)
     place = np.vstack([state.position, cylinder.position])
     one, two = np.triu_indices(61, 1)
@@ -173,11 +173,11 @@ def test_bed_stays_at_rest_with_friction(small):
 def test_bed_packed_with_friction_jams_sooner(kind="disc"):
     """At the same packing fraction friction leaves more pressure in a bed, which is at rest too."""
     small = make_small_bed(kind)
-    room = small.bed.width, small.bed.height, small.cylinder, 1
-    rough = compact(small.shape, *room, friction=0.5)
+    room = Room(small.bed.width, small.bed.height, small.cylinder, 1)
+    rough = compact(small.shape, room, friction=0.5)
     assert rough.pressure > small.bed.pressure
     assert rough.net_force <= 1e-4
-    same = compact(small.shape, *room, friction=0.5)
+    same = compact(small.shape, room, friction=0.5)
     assert np.array_equal(rough.position, same.position)
     assert not np.array_equal(rough.position, small.bed.position)
 
@@ -186,7 +186,7 @@ def test_bed_packed_with_friction_jams_sooner(kind="disc"):
 def test_pressed_bed_jams(friction):
     """Granules that grow feel nothing at first, then ever more pressure."""
     small = make_small_bed("disc")
-    press = Press(small.shape, small.bed.width, small.bed.height, small.cylinder, 1, friction)
+    press = Press(small.shape, Room(small.bed.width, small.bed.height, small.cylinder, 1), friction)
     pressures = [press.press(fraction) for fraction in (0.74, 0.80, 0.84, 0.88)]
     assert pressures[0] < 1e-2 * pressures[2]
     assert pressures[1] < pressures[2] < pressures[3]
@@ -253,13 +253,14 @@ def test_grown_bed_of_an_impossible_fraction_is_refused():
 def test_a_stage_of_growth_keeps_half_of_the_velocities():
     """Of ellipses that meet nothing: they go on, and turn on, at half of the speed."""
     small = make_small_bed("ellipse", fraction=0.80)
-    room = small.bed.width, small.bed.height, small.cylinder
-    scene, factor, start = sown(small.shape, *room, seed=1, periodic="none")
+    room = Room(small.bed.width, small.bed.height, small.cylinder, 1)
+    factor, start = sown(small.shape, room)
     rng = np.random.default_rng(1)
     slow = 1e-9 * rng.standard_normal((len(small.diameters), 3))  # no stage ends at a neighbour
     start = dem.State(start.position, slow[:, :2], start.angle, slow[:, 2])
-    scene = replace(scene, shape=small.shape.scaled(0.5 * factor))
-    end, _ = _moved(replace(scene, friction=dem.Friction()), start)  # machine code of drawn beds
+    shape = small.shape.scaled(0.5 * factor)
+    scene = room.scene(shape, DAMPED, dem.Friction())  # machine code of drawn beds
+    end, _ = _moved(scene, start)
     assert_allclose(end.velocity, 0.5 * start.velocity, rtol=1e-12)
     assert_allclose(end.angular_velocity, 0.5 * start.angular_velocity, rtol=1e-12)
 
@@ -273,8 +274,7 @@ def test_angles_go_from_stage_to_stage_of_growth_and_into_the_bed(monkeypatch):
         return stages[-1], 0.0  # net force
 
     def half_grown(*room):
-        scene, _, state = sown(*room)
-        return scene, 0.5, state
+        return 0.5, sown(*room)[1]
 
     monkeypatch.setattr("dem.packing.grown._moved", turned)
     monkeypatch.setattr("dem.packing.grown.sown", half_grown)

@@ -19,6 +19,7 @@ from dem.experiment.config import of_values, parse
 from dem.figures.bed import images
 from dem.packing.pressed import compact
 from dem.packing.random import SOFT as UNIT
+from dem.packing.random import Room
 from dem.shapes import KINDS
 
 PITCH = 1e-3  # m
@@ -370,7 +371,9 @@ def test_the_pressure_of_a_bed_is_the_energy_that_its_box_gives():
 
 def test_a_bed_that_is_pressed_with_friction_is_looser_in_contacts_and_at_rest():
     shape, bed = packed("xy", AWAY)
-    rough = compact(shape, bed.width, bed.height, dem.Cylinder(0.3e-3, (1e-3, 1e-3)), 1, 0.5, "xy")
+    rough = compact(
+        shape, Room(bed.width, bed.height, dem.Cylinder(0.3e-3, (1e-3, 1e-3)), 1, "xy"), 0.5
+    )
     assert rough.periodic == bed.periodic and rough.walls is None
     assert rough.net_force < 2e-4 and rough.pressure > 0.0
 

@@ -173,7 +173,6 @@ def open_polygons(shape, points=64):
 
 
 WRONG = {
-    "does not answer the question outline": lambda patch: Stranger(SIZES),
     "area is": lambda patch: half(patch, "area"),
     "gyration_squared is": lambda patch: half(patch, "gyration_squared"),
     "bounding_radius is": lambda patch: half(patch, "bounding_radius"),
@@ -261,9 +260,9 @@ def test_a_granule_off_its_centre_is_found_among_many_and_the_remedy_helps():
     dem.check_shape(shape._replace(shift=shape.shift - one(1.0) / 1e-3 * x))
 
 
-@pytest.mark.parametrize("value", [3, None, dem.Disc])
+@pytest.mark.parametrize("value", [3, None, dem.Disc, Stranger(SIZES)])
 def test_only_granules_are_checked(value):
-    """What is no granules at all, a class too, is refused in the words of Scene."""
+    """What is no granules at all, a class too, is refused as by Scene."""
     with pytest.raises(dem.InputError, match=r"^shape is .*; it must be granules of a shape, such"):
         dem.check_shape(value)
 

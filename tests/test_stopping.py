@@ -394,7 +394,7 @@ def crowd(friction=True):
     grid = np.stack(np.meshgrid(np.arange(side), np.arange(side)), -1).reshape(-1, 2)
     state = dem.State(pitch * (grid + 0.5), np.random.default_rng(1).normal(size=(side**2, 2)))
     time = np.linspace(0.0, 1e-3, 5)
-    path = dem.Path(time, np.column_stack([0.1 * np.sin(1e4 * time), np.ones(5)]))
+    path = dem.PrescribedMotion(time, np.column_stack([0.1 * np.sin(1e4 * time), np.ones(5)]))
     wall = dem.Drive((None, -1.0), 1e-3)
     scene = dem.Scene(
         dem.Disc(np.full(side**2, 1e-3)), dem.Material(restitution=0.7),
@@ -463,7 +463,7 @@ def test_an_interrupt_is_answered_and_leaves_what_was_simulated(call, threads):
     scene, state = crowd()
     n = scene.granules
     place = np.column_stack([3e-3 * np.arange(n), np.zeros(n)])
-    path = dem.Path([0.0, 1.0], [[0.0, 1.0], [0.0, 1.0]])
+    path = dem.PrescribedMotion([0.0, 1.0], [[0.0, 1.0], [0.0, 1.0]])
     scene = replace(
         scene, walls=scene.walls * [1.0, 1.0, 0.0] + [0.0, 0.0, 1e3],
         held=[dem.Held([0], (1e-3, 0.0))], cylinder=dem.Cylinder(1e-3, (0.0, 1.0), path),

@@ -15,7 +15,7 @@ WIDTH, HEIGHT = 6e-3, 5e-3  # m
 def path(*velocities, spin=None):
     """A path that turns at four times of the run."""
     time = TIME_STEP * np.array([30.0, 80.0, 81.0, 150.0])
-    return dem.Path(time, np.array(velocities), spin)
+    return dem.PrescribedMotion(time, np.array(velocities), spin)
 
 
 TO_AND_FRO = ((0.0, 1.0), (1.0, -1.0), (2.0, 1.0), (0.0, -1.0))  # m/s

@@ -1,6 +1,6 @@
 """The model in plain numpy: what `dem.simulate` computes with a fixed time step, without its kernels.
 
-Written from docs/explanation and from the docstrings of `dem.Scene`, `dem.Path`, `dem.Drive` and
+Written from docs/explanation and from the docstrings of `dem.Scene`, `dem.PrescribedMotion`, `dem.Drive` and
 `dem.Held`; it knows no neighbour list, no blocks and no threads. Of `dem` it uses public names, to read
 a scene. SI units, angles anticlockwise; n leads from body 1 to body 2 and t = (-ny, nx).
 
@@ -273,14 +273,14 @@ class Boundaries(Bodies):
         super().__init__(position, np.zeros((count, 2)), np.zeros(count), np.full(count, spin))
         self.force = np.zeros((count, 2))
         for b, each in enumerate(self.motions):
-            if not isinstance(each, dem.Path):
+            if not isinstance(each, dem.PrescribedMotion):
                 self.velocity[b] = each.velocity if isinstance(each, dem.Drive) else each
         self.follow(0.0, 0.0)
 
     def follow(self, time, dt):
         """Those on a path: velocity of the middle of a step of dt (s), and the change to its end."""
         for b, path in enumerate(self.motions):
-            if isinstance(path, dem.Path):
+            if isinstance(path, dem.PrescribedMotion):
                 rows = [path.velocity[:, 0], path.velocity[:, 1]]
                 rows += [] if path.spin is None else [path.spin]
                 now, end = (np.array([np.interp(t, path.time, row) for row in rows])

@@ -1,4 +1,4 @@
-"""A block of contacts, stage by stage, in the lanes of dem.jit.lanes.
+"""A block of contacts, stage by stage, in the lanes of dem.jit.block_memory.
 
 gather: copy the input side by side. find_contacts: the geometry of all contacts, and refine_contacts
 again of those whose last normal was too far off. contact_forces: all forces. accumulate: add them
@@ -9,10 +9,20 @@ branches and become vector code.
 import numpy as np
 
 from dem.contacts.response import relative_velocity, respond
-from dem.jit import lanes as lane
+from dem.jit import block_memory as lane
+from dem.jit.block_memory import (
+    EIGHT,
+    FIVE,
+    FOUR,
+    ONE,
+    SIX,
+    THREE,
+    TWO,
+    load_outline,
+    store_outline,
+)
 from dem.jit.compilation import inlined
-from dem.jit.four import add_four, subtract_four
-from dem.jit.lanes import EIGHT, FIVE, FOUR, ONE, SIX, THREE, TWO, load_outline, store_outline
+from dem.jit.instructions import add_four, subtract_four
 from dem.jit.optional import (
     either,
     given,

@@ -15,11 +15,11 @@ from dem.contacts.blocks import (
     take,
 )
 from dem.jit.address import local
+from dem.jit.block_memory import BLOCK, EIGHT, FORCE_X, FORCE_Y, NX, NY, TORQUE_2, WORK
 from dem.jit.columns import DVX, DVY, DW, FX, FY, VX, VY, W
 from dem.jit.compilation import compiled
-from dem.jit.lanes import BLOCK, EIGHT, FORCE_X, FORCE_Y, NX, NY, TORQUE_2, WORK
+from dem.jit.instructions import fetch_share, prefetch
 from dem.jit.optional import given, optional, plus, times
-from dem.jit.prefetch import fetch_share, prefetch
 
 AHEAD = 1024  # constituents: what they need fits into the second-level cache with those at work
 

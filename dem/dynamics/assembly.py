@@ -24,10 +24,11 @@ from dem.dynamics.world import (
     Surface,
     World,
 )
+from dem.jit.block_memory import make_lanes
 from dem.jit.columns import VX, VY, W, X, Y, rows
-from dem.jit.lanes import make_lanes
-from dem.motion import Drive, Path
-from dem.scene import Scene, State, arrays_of, reach
+from dem.motion import Drive, PrescribedMotion
+from dem.scene import Scene, State, reach
+from dem.shapes.protocol import resized
 
 CONTACT_KINDS = "granule", "wall", "cylinder"
 
@@ -64,7 +65,7 @@ class GranuleTable(NamedTuple):
 
 def own(shape):
     """The granules with writable arrays, because read-only ones are another type to Numba."""
-    return shape._replace(**{name: size.copy() for name, size in arrays_of(shape).items()})
+    return resized(shape, np.copy)
 
 
 def widest_skins(scene: Scene) -> list[float]:
@@ -143,7 +144,7 @@ def table_of(motion) -> np.ndarray:
     """Rows of Boundaries.table for one boundary."""
     if isinstance(motion, Drive):
         return np.empty((0, 4))
-    if isinstance(motion, Path):
+    if isinstance(motion, PrescribedMotion):
         spin = np.zeros(len(motion.time)) if motion.spin is None else motion.spin
         return np.column_stack([motion.time, motion.velocity, spin])
     return np.array([[0.0, *motion, 0.0]])

@@ -1,6 +1,6 @@
 """The energy ledger: the energy that a bed holds, gains and loses.
 
-The kernels sum three energies over time (dem.jit.lanes): losses in dashpots, losses by sliding, and
+The kernels sum three energies over time (dem.jit.block_memory): losses in dashpots, losses by sliding, and
 the work of walls, cylinder and held granules. The loss by sliding is the work of the slip minus the gain in stored
 spring energy. Energy that a spring loses while the overlap shrinks is included. Kinetic and elastic
 energies follow from the state. Each step counts with the force at its end, and the last step counts
@@ -16,8 +16,8 @@ import numpy as np
 
 from dem.contacts.response import spring_energy
 from dem.dynamics.diagnostics import kinetic, measured
+from dem.jit.block_memory import ACCOUNTS, LOST_DAMPED, LOST_SLID, WORK
 from dem.jit.compilation import compiled
-from dem.jit.lanes import ACCOUNTS, LOST_DAMPED, LOST_SLID, WORK
 from dem.jit.optional import either, optional
 
 

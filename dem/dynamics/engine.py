@@ -172,7 +172,9 @@ class Engine:
         given = world, self._table, self._rules, schedule, before, rows, threads
         if schedule.starts and threads is not None:  # in the thread that an interrupt stops
             found[:] = [run_steps.py_func(*given)]
-        elif threads is None:  # one instruction of Python, and boxing has none (dem.jit.boxing)
+        elif (
+            threads is None
+        ):  # one instruction of Python, and boxing has none (dem.jit.return_values)
             found[:] = map(run_steps, *zip(given, strict=True))
         else:
 

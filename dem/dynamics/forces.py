@@ -5,9 +5,9 @@ import numpy as np
 from dem.contacts.loops import boundary_contacts, pair_contacts
 from dem.dynamics.world import at_full_steps, granules_of, number_of_patches
 from dem.jit.address import by_address
+from dem.jit.block_memory import ACCOUNTS, FOUR, ONE, TWO, WORK, ZERO
 from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
 from dem.jit.compilation import compiled, inlined
-from dem.jit.lanes import ACCOUNTS, FOUR, ONE, TWO, WORK, ZERO
 from dem.jit.optional import either, optional, plus, unless
 from dem.shapes.protocol import collect, place
 

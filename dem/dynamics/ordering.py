@@ -10,7 +10,8 @@ import numpy as np
 
 from dem.dynamics.world import PATCH
 from dem.periodic import wrapped
-from dem.scene import Scene, State, arrays_of
+from dem.scene import Scene, State
+from dem.shapes.protocol import resized
 
 
 def _spread(number):
@@ -36,8 +37,8 @@ def order_of(scene: Scene, state: State) -> np.ndarray:
 
 def ordered(scene: Scene, state: State, order) -> tuple[Scene, State]:
     """The same scene and state with granules in another order."""
-    fields = {name: size[order] for name, size in arrays_of(scene.shape).items()}
+    shape = resized(scene.shape, lambda size: size[order])
     state = State(*(each[order] for each in vars(state).values()))
     places = np.argsort(order)
     held = tuple(replace(group, granules=places[group.granules]) for group in scene.held)
-    return replace(scene, shape=scene.shape._replace(**fields), held=held), state
+    return replace(scene, shape=shape, held=held), state

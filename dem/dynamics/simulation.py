@@ -529,7 +529,7 @@ class Simulation(Engine):
         Raises
         ------
         InputError
-            If the scene has no cylinder, if it follows a Path or a Drive, or if `velocity` does not
+            If the scene has no cylinder, if it follows a PrescribedMotion or a Drive, or if `velocity` does not
             hold two finite numbers.
 
         Examples
@@ -553,7 +553,9 @@ class Simulation(Engine):
         if self.scene.cylinder is None:
             raise InputError("velocity cannot be set: the scene has no cylinder.")
         if not isinstance(self.scene.cylinder.velocity, tuple):
-            raise InputError("velocity cannot be set: the cylinder follows a Path or a Drive.")
+            raise InputError(
+                "velocity cannot be set: the cylinder follows a PrescribedMotion or a Drive."
+            )
         boundaries = self._world.boundaries
         axis = len(boundaries.motion) - len(self.scene.held) - 1
         boundaries.motion[axis, [VX, VY]] = velocity

@@ -13,7 +13,7 @@ from contextlib import suppress
 from dem.dynamics.diagnostics import Diagnostics, begin_survey, deeper, end_survey, survey_pairs
 from dem.dynamics.integration import advance
 from dem.dynamics.synchronise import make_threads, portion
-from dem.jit.lanes import make_lanes
+from dem.jit.block_memory import make_lanes
 
 
 class Threads:

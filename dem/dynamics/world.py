@@ -4,8 +4,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from dem.jit.block_memory import Lanes
 from dem.jit.compilation import inlined
-from dem.jit.lanes import Lanes
 from dem.jit.optional import given, unless
 
 PATCH = 1024  # granules: what a patch needs fits into the second-level cache

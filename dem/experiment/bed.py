@@ -12,7 +12,7 @@ from dem.io.dataset import BED, global_attributes, read, write
 from dem.packing.grown import grow
 from dem.packing.loaded import pack_under
 from dem.packing.pressed import START, compact
-from dem.packing.random import Bed, pack
+from dem.packing.random import Bed, Room, pack
 from dem.periodic import Periods, periods_of
 from dem.scene import Cylinder
 
@@ -70,11 +70,11 @@ def make_bed(replicate: Replicate) -> Bed:
     shape = shaped(replicate, sizes)
     height = height_of_box(own, sizes)
     at = cylinder(replicate, height)
+    room = Room(own.box_width, height, at, replicate.seed, own.periodic)
     if own.packing.pressure is not None:
-        loose = height * NOMINAL / START
+        loose = room._replace(height=height * NOMINAL / START)
         load = own.packing.pressure * thickness(replicate) / effective_modulus(*2 * [own.material])
-        room = shape, own.box_width, loose, at, replicate.seed
-        bed = pack_under(*room, load, own.periodic)
+        bed = pack_under(shape, loose, load)
         top = at.position[1] + own.cylinder.stroke + 0.5 * at.diameter
         if top > bed.height:
             raise PackingError(
@@ -82,11 +82,10 @@ def make_bed(replicate: Replicate) -> Bed:
                 f"would leave it during its stroke; at most {own.cylinder.stroke + bed.height - top:.3g} m fit."
             )
         return bed
-    room = shape, own.box_width, height, at, replicate.seed
     friction, prepare = own.packing.friction, PREPARATIONS[own.packing.preparation]
     if friction > 0.0:
-        return compact(*room, friction, own.periodic, prepare)
-    return prepare(*room, own.periodic)
+        return compact(shape, room, friction, prepare)
+    return prepare(shape, *room)
 
 
 WRITTEN = (

@@ -8,6 +8,7 @@ from dem.experiment.config import Replicate
 from dem.experiment.observables import module_of
 from dem.experiment.scene import make_scene
 from dem.packing.pressed import compact
+from dem.packing.random import Room
 from dem.scene import Cylinder
 
 
@@ -34,13 +35,10 @@ def compile_kernels(replicate: Replicate) -> None:
         at = 0.5 * own.box_width, drawn.start * height
         cylinder = Cylinder(drawn.diameter, at, (0.0, drawn.velocity))
     prepare = PREPARATIONS[own.packing.preparation]
-    room = shape, own.box_width, height, cylinder, 0
+    room = Room(own.box_width, height, cylinder, 0, own.periodic)
     # a bed that jams is pressed with friction in other runs of the variant, and drawn in most sweeps
     friction = 1.0 if hasattr(own.module, "PRESSES") else own.packing.friction
-    if friction > 0.0:
-        bed = compact(*room, friction, own.periodic, prepare)
-    else:
-        bed = prepare(*room, own.periodic)
+    bed = compact(shape, room, friction, prepare) if friction > 0.0 else prepare(shape, *room)
     if cylinder is None:  # the bed is packed, and no more
         return
     ledger = "ledger" in own.record.observables

@@ -3,26 +3,30 @@
 Numba keeps machine code on disk, but its cache has three gaps. It does not notice an edit in
 another file that a function depends on. Two processes that save at the same time can leave an index
 that points to the wrong code. A damaged file ends every run. This module closes them: the folder of
-a module is named after the hash of all code that it depends on, the key holds the code of the
-shape, every save holds a lock, and files carry their digest. An edit of a comment compiles nothing.
+a module is named after the hash of all code that it depends on, a file after its key, which holds the
+code of the shape, so that there is no index; and files carry their digest. An edit of a comment
+compiles nothing.
 """
 
 import functools
 import gc
 import hashlib
 import multiprocessing
+import os
 import pickle
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import numba
-from filelock import FileLock
 from numba.core import types
-from numba.core.caching import CacheImpl, IndexDataCacheFile, _CacheLocator
+from numba.core.caching import FunctionCache
+from numba.core.compiler import CompileResult
 from numba.core.event import Listener, register
 from numba.core.registry import CPUDispatcher
+from numba.core.serialize import dumps
 
-import dem.jit.boxing  # noqa: F401 takes effect by being imported
+import dem.jit.return_values  # noqa: F401 takes effect by being imported
 from dem.base.say import say
 from dem.base.sources import (
     UNREADABLE,
@@ -34,7 +38,7 @@ from dem.base.sources import (
     is_current,
     is_ours,
 )
-from dem.jit.parts import KernelCompiler, PartCompiler, RolledCompiler
+from dem.jit.compilers import KernelCompiler, PartCompiler, RolledCompiler
 
 # nnan and ninf stay off: they would remove the very tests that find a NaN.
 # reassoc stays off: a sum has one order, so a seed has one result.
@@ -96,36 +100,7 @@ def with_classes(key) -> str | None:
         return None
     found = {each for kind in key[0] for each in classes_in(kind)}
     classes = sorted(f"{each.__module__}.{each.__qualname__} {_code_of(each)}" for each in found)
-    return repr((*map(str, key), classes))
-
-
-class KernelLocator(_CacheLocator):
-    """Where Numba finds a kernel: by its module and the code that it depends on.
-
-    Path and time stamp do not count, so that all copies of the same sources share machine code.
-    """
-
-    def __init__(self, function, file):
-        name = function.__module__
-        found = kernel_hash(name, file)
-        self._folder, self._stamp = cache_folder() / "kernels" / f"{name}-{found[:16]}", found
-
-    @classmethod
-    def from_function(cls, function, file):
-        """Only for functions of `compiled`; others are kept where Numba would keep them."""
-        return cls(function, file) if hasattr(function, MARK) else None
-
-    def get_cache_path(self):
-        return str(self._folder)
-
-    def get_source_stamp(self):
-        return self._stamp
-
-    def ensure_cache_path(self):
-        """Left to _CacheFile, which accepts a folder that cannot be made or written."""
-
-    def get_disambiguator(self):
-        return ""  # not the line: a comment above it moves a function
+    return repr((numba.__version__, sys.implementation.cache_tag, *map(str, key), classes))
 
 
 @functools.cache
@@ -140,76 +115,53 @@ def kernel_hash(module: str, file) -> str:
     return hashlib.sha256(Path(file).read_bytes()).hexdigest()
 
 
-MARK = "_is_a_kernel"
-numba.config.CACHE_LOCATOR_CLASSES = ",".join(
-    [f"{__name__}.{KernelLocator.__name__}"]
-    + [
-        numba.config.CACHE_LOCATOR_CLASSES
-        or ",".join(c.__name__ for c in CacheImpl._locator_classes)
-    ]
-)
+class KernelCache(FunctionCache):
+    """Machine code of a function on disk: a file for each combination of types of its arguments.
 
-
-class _CacheFile(IndexDataCacheFile):
-    """Numba's cache file: one process saves at a time, and a run never fails because of it.
-
-    A file of machine code is named after its SHA-256, and the index begins with its own. A damaged
-    file counts as absent, because a flipped bit of machine code is a crash or a wrong number.
+    Path and time stamp of the source do not count, so that all copies of it share machine code. A file
+    begins with its digest, and a damaged one counts as absent, because a flipped bit of machine code is a
+    crash or a wrong number. A run never fails because of a file.
     """
 
-    def load(self, key):
-        name = self._load_index().get(with_classes(key))  # None is never a key
-        content = _content(self._data_path(name)) if name else None
-        if content is None:
-            return None
-        if name != self._name_of(content):
-            _say(DAMAGED)
-            return None
-        return pickle.loads(content)
+    def __init__(self, function):
+        module, file = function.__module__, function.__code__.co_filename
+        folder = f"{module}-{kernel_hash(module, file)[:16]}"
+        self._py_func, self._cache_path = function, cache_folder() / "kernels" / folder
 
-    def save(self, key, data):
-        key = with_classes(key)
-        if key is None:
-            return
-        content = self._dump(data)
-        name = self._name_of(content)
+    def load_overload(self, sig, target_context):
+        target_context.refresh()
+        path = self._path(sig, target_context.codegen())
+        if path is None:
+            return None
         try:
-            Path(self._cache_path).mkdir(parents=True, exist_ok=True)
-            with FileLock(self._index_path + ".lock"):
-                index = self._load_index()
-                with self._open_for_write(self._data_path(name)) as file:
-                    file.write(content)
-                self._save_index(index := index | {key: name})
-                for file in Path(self._cache_path).glob(f"{self._base}.*.nbc"):
-                    if file.name not in index.values():  # of an index that was damaged
-                        file.unlink(missing_ok=True)
-        except (OSError, NotImplementedError) as error:  # the latter where a disk has no locks
-            _say(UNKEPT.format(getattr(error, "strerror", None) or error))
-
-    def _name_of(self, content):
-        """Name of the file of some machine code."""
-        return f"{self._base}.{_digest(content).hex()[:32]}.nbc"
-
-    @property
-    def _base(self):
-        return self._index_name.removesuffix(".nbi")
-
-    def _load_index(self):
-        content = _content(self._index_path)
-        if content is None:
-            return {}
-        digest, rest = content[:DIGEST], content[DIGEST:]
-        if digest != _digest(rest):
+            content = path.read_bytes()
+        except OSError:
+            return None
+        if content[:DIGEST] != _digest(content[DIGEST:]):
             _say(DAMAGED)
-            return {}
-        version, stamp, index = pickle.loads(rest)
-        same = (version, stamp) == (self._version, self._source_stamp)
-        return pickle.loads(index) if same else {}
+            return None
+        return CompileResult._rebuild(target_context, *pickle.loads(content[DIGEST:]))
 
-    def _save_index(self, overloads):
-        rest = pickle.dumps((self._version, self._source_stamp, self._dump(overloads)))
-        with self._open_for_write(self._index_path) as file:
-            file.write(_digest(rest) + rest)
+    def save_overload(self, sig, data):
+        path = self._path(sig, data.codegen)
+        if path is None or data.library.has_dynamic_globals:
+            return
+        content = dumps(data._reduce())
+        part = path.with_suffix(f".{os.getpid()}.part")
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            part.write_bytes(_digest(content) + content)
+            part.replace(path)
+        except OSError as error:
+            _say(UNKEPT.format(error.strerror))
+            with suppress(OSError):
+                part.unlink(missing_ok=True)
+
+    def _path(self, sig, codegen) -> Path | None:
+        """The file of the machine code for some types of arguments, None if it is not kept."""
+        key = with_classes(self._index_key(sig, codegen))
+        name = self._py_func.__qualname__.replace("<", "").replace(">", "")
+        return key and self._cache_path / f"{name}-{_digest(key.encode()).hex()[:32]}.nbc"
 
 
 DIGEST = 32  # bytes
@@ -219,14 +171,6 @@ UNKEPT = "machine code cannot be kept here ({}); this run goes on, the next one 
 
 def _digest(content: bytes) -> bytes:
     return hashlib.sha256(content).digest()
-
-
-def _content(path) -> bytes | None:
-    """The content of a file, None where there is none or it cannot be read."""
-    try:
-        return Path(path).read_bytes()
-    except OSError:
-        return None
 
 
 @functools.cache
@@ -331,13 +275,9 @@ def compiled(function=None, *, allocates=False):
     """
     if function is None:
         return functools.partial(compiled, allocates=allocates)
-    setattr(function, MARK, True)
     dispatcher = Kernel(function, allocates)
     if Path(function.__code__.co_filename).is_file():  # no file, no way to tell one from another
-        dispatcher.enable_caching()
-    cache_file = getattr(dispatcher._cache, "_cache_file", None)  # absent under NUMBA_DISABLE_CACHE
-    if cache_file is not None:
-        cache_file.__class__ = _CacheFile
+        dispatcher._cache = KernelCache(function)
     return dispatcher
 
 

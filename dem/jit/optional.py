@@ -43,7 +43,7 @@ def _nothing(context, builder, signature, arguments):
 
 
 def rolled_without_first(function):
-    """Decorator: an inlined loop, left rolled (dem.jit.parts) if its first argument is None.
+    """Decorator: an inlined loop, left rolled (dem.jit.compilers) if its first argument is None.
 
     The loop is then so short that LLVM would unroll it before the kernel can make vector code of it.
     """

@@ -8,18 +8,17 @@ them just touching.
 """
 
 import math
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from dem.base.errors import OverlapError, PackingError, StateError
-from dem.base.validate import checked, named, one_of, or_none, positive, whole
+from dem.base.validate import checked
 from dem.contacts.force_law import effective_modulus
 from dem.dynamics.simulation import Simulation
-from dem.packing.random import GROWTH, SETTLED, SOFT, Bed, at_rest, name_of, sown
-from dem.periodic import SIDES
-from dem.scene import Cylinder, Material, Scene, State, granules
+from dem.dynamics.world import World
+from dem.packing.random import GROWTH, ROOM, SETTLED, Bed, Room, at_rest, sown, unit_of
+from dem.scene import Cylinder, Material, Scene, State
 
 DAMPED = Material(density=1.0, young_modulus=1.0, poisson_ratio=0.0, restitution=0.5)
 FRACTION = 0.9  # of the bound on the critical time step: the motion need not be accurate
@@ -28,14 +27,7 @@ KEPT = 0.5  # of all velocities, after a stage
 STAGES = 100  # at full size, at most; what is jammed then moves little and is minimised
 
 
-@checked(
-    shape=granules,
-    width=positive("m"),
-    height=positive("m"),
-    cylinder=or_none(one_of(Cylinder)),
-    seed=whole(0, 2**63 - 1),
-    periodic=named({key: key for key in SIDES}),
-)
+@checked(**ROOM)
 def grow(
     shape: Any,
     width: float,
@@ -100,30 +92,33 @@ def grow(
     >>> bool(bed.coordination_number < dem.pack(shape, **room).coordination_number)
     True
     """
-    scene, factor, state = sown(shape, width, height, cylinder, seed, periodic)
-    unit = effective_modulus(SOFT, SOFT) * shape.constituent_radius.mean() ** 2  # N
+    room = Room(width, height, cylinder, seed, periodic)
+    factor, state = sown(shape, room)
+    unit = unit_of(shape)
     try:
         while factor < 1.0:
-            state, _ = _moved(replace(scene, shape=shape.scaled(factor)), state)
+            state, _ = _moved(room.scene(shape.scaled(factor), DAMPED), state)
             factor = min(factor * GROWTH, 1.0)
         for _ in range(STAGES):
-            state, net_force = _moved(scene, state)
+            state, net_force = _moved(room.scene(shape, DAMPED), state)
             if net_force <= SETTLED * unit:
                 break
     except (OverlapError, StateError) as error:
-        name = name_of(scene, width, height, seed)
-        raise PackingError(f"{name} cannot be made: while it grew, {error}") from None
-    return at_rest(scene, State(state.position, angle=state.angle), width, height, seed)
+        raise PackingError(f"{room.name(shape)} cannot be made: while it grew, {error}") from None
+    return at_rest(shape, room, State(state.position, angle=state.angle))
+
+
+def greatest_force(world: World) -> float:
+    """Largest net force (N) on a granule."""
+    return float(np.linalg.norm(world.force[:, :2], axis=1).max())
 
 
 def _moved(scene: Scene, state: State) -> tuple[State, float]:
     """The State after one stage, with velocities reduced, and the largest net force (N)."""
-    scene = replace(scene, material=DAMPED)
     run = Simulation(scene, state, step_fraction=FRACTION)
     radius = scene.shape.constituent_radius.mean()
     modulus = effective_modulus(DAMPED, DAMPED)
     run.advance(STAGE * math.sqrt(scene.mass.mean() / (modulus * radius)))
-    net_force = float(np.linalg.norm(run.world.force[:, :2], axis=1).max())
     end = run.state
     slower = State(end.position, KEPT * end.velocity, end.angle, KEPT * end.angular_velocity)
-    return slower, net_force
+    return slower, greatest_force(run.world)

@@ -11,12 +11,8 @@ import numpy as np
 
 from dem.base.errors import PackingError
 from dem.contacts.force_law import effective_modulus
-from dem.dynamics.assembly import assemble, granule_table
-from dem.dynamics.skin import SKIN_OF_PACKING
-from dem.packing.minimise import minimise
-from dem.packing.random import LONGEST, REST, SOFT, Bed, finished, pack, soft_scene
-from dem.periodic import periods_of
-from dem.scene import Cylinder, State, walls_of
+from dem.packing.minimise import minimise, state_of
+from dem.packing.random import LONGEST, REST, SOFT, Bed, Room, finished, pack, unit_of
 
 STEP = 0.01  # of the height, at most, between two rests
 STEPS = 100  # at most
@@ -26,45 +22,36 @@ PATIENCE = 20_000  # iterations between two steps
 RESTING = 1e-4  # of the force of the load on a granule: enough between two steps
 
 
-def pack_under(
-    shape: Any, width: float, height: float, cylinder: Cylinder, seed: int, load: float,
-    periodic: str = "none",
-) -> Bed:  # fmt: skip
+def pack_under(shape: Any, room: Room, load: float) -> Bed:
     """A bed at rest whose top wall bears a load, to one part in a thousand.
 
-    height (m): of the box in which the bed is loose, before its top wall comes down; load (m): normal
-    force on the top wall over width and E*. The cylinder stays where it is; otherwise as dem.pack.
-    Raises PackingError as dem.pack does, and where no height is found.
+    The height of the room is that of the box in which the bed is loose, before its top wall comes down;
+    load (m): normal force on the top wall over width and E*. The cylinder stays where it is; otherwise
+    as dem.pack. Raises PackingError as dem.pack does, and where no height is found.
     """
-    still = Cylinder(cylinder.diameter, cylinder.position)
-    state = pack(shape, width, height, still, seed, periodic).state
-    modulus = effective_modulus(SOFT, SOFT)
-    unit = modulus * shape.constituent_radius.mean() ** 2  # N
+    state = pack(shape, *room).state
+    modulus, unit = effective_modulus(SOFT, SOFT), unit_of(shape)
     near = RESTING * load * modulus * 2.0 * shape.constituent_radius.mean()
     seen: list[tuple[float, float]] = []  # heights (m), load^(2/3) over what is asked
     met = False
     while len(seen) < STEPS:
-        periods = periods_of(width, height, periodic)
-        scene = soft_scene(shape, walls_of(width, height, periods), still, periods)
-        table = granule_table(scene, SKIN_OF_PACKING)
-        world = assemble(scene, state.checked(scene.granules), table)
         iterations, enough = (LONGEST, REST * unit) if met else (PATIENCE, near)
-        world, rest = minimise(scene, table, world, iterations, enough)
-        borne = float(world.boundaries.sums[world.walls.end - 1, 0]) / (modulus * width * load)
+        world, rest = minimise(room.scene(shape), state, iterations, enough)
+        borne = float(world.boundaries.sums[world.walls.end - 1, 0]) / (modulus * room.width * load)
         polished, met = met, abs(borne - 1.0) < NEAR
         if polished and met:
             if not rest.net_force <= enough:
                 break
-            net_force = rest.net_force / unit
-            return finished(scene, table, world, rest, width, height, net_force, seed)
-        seen.append((height, borne ** (2.0 / 3.0)))
-        lower = height if met else _next(seen)  # once more, until it is at rest as any other bed
-        position = world.bodies[:, :2].copy()
-        position[:, 1] *= lower / height
-        state, height = State(position, angle=world.angle.copy()), lower
+            return finished(shape, room, world, rest, rest.net_force / unit)
+        seen.append((room.height, borne ** (2.0 / 3.0)))
+        # once more, until it is at rest as any other bed
+        lower = room.height if met else _next(seen)
+        state = state_of(world)
+        state.position[:, 1] *= lower / room.height
+        room = room._replace(height=lower)
     raise PackingError(
-        f"no height of a box of {width:.3g} m was found in which the bed (seed {seed}) is at rest "
-        f"under its load; at {height:.4g} m it bears {borne:.3g} of it."
+        f"no height of a box of {room.width:.3g} m was found in which the bed (seed {room.seed}) is at rest "
+        f"under its load; at {room.height:.4g} m it bears {borne:.3g} of it."
     )
 
 

@@ -13,16 +13,18 @@ import numpy as np
 
 from dem.base.errors import PackingError
 from dem.contacts.force_law import effective_modulus
-from dem.dynamics.assembly import GranuleTable
+from dem.dynamics.assembly import assemble, granule_table
 from dem.dynamics.diagnostics import survey
 from dem.dynamics.forces import forces, greater
 from dem.dynamics.integration import reorient
 from dem.dynamics.neighbor_list import rebuild_neighbor_list
+from dem.dynamics.skin import SKIN_OF_PACKING
 from dem.dynamics.world import World
 from dem.jit.address import by_address
 from dem.jit.columns import FX, FY, TAU, VX, VY, W, X, Y
 from dem.jit.compilation import compiled, inlined
 from dem.jit.optional import either, optional
+from dem.scene import Scene, State
 
 MIXING = 0.25  # share of the turn towards the forces, at first
 DOWNHILL = 20.0  # steps downhill before the time step grows
@@ -163,7 +165,7 @@ class Rest(NamedTuple):
     """A bed after its minimisation.
 
     net_force: greatest on a granule (N); touching: pairs of constituents that touch; max_overlap:
-    over the smaller radius; deepest: a constituent that has it.
+    over the smaller radius; deepest: a granule that has it (a constituent, as `settle` returns it).
     """
 
     net_force: float
@@ -204,13 +206,15 @@ def settle(world, table, goal, memory, left):
     return world, left, Rest(largest, touching, overlap, deepest)
 
 
-def minimise(scene, table: GranuleTable, world: World, iterations: int, enough: float):
+def minimise(scene: Scene, state: State, iterations: int, enough: float) -> tuple[World, Rest]:
     """Minimise until no net force exceeds `enough` (N).
 
     Returns the world, whose walls have the impulses of one second, and a Rest. Its net force is
     greater than `enough` if the iterations did not suffice, and infinite if none was allowed. The time step is stable at overlaps of
     2 % of the radius. Raises PackingError if a position becomes infinite.
     """
+    table = granule_table(scene, SKIN_OF_PACKING)
+    world = assemble(scene, state.checked(scene.granules), table)
     radius, modulus = table.radius.mean(), effective_modulus(scene.material, scene.material)
     least = 0.02 * radius
     light = np.max(1.0 / scene.mass + scene.shape.normal_lever**2 / scene.inertia)
@@ -222,4 +226,9 @@ def minimise(scene, table: GranuleTable, world: World, iterations: int, enough: 
         if not np.isfinite(world.bodies).all():
             raise PackingError("a position became infinite while the bed was relaxed.")
         if iterations == 0 or rest.net_force <= enough:
-            return world, rest
+            return world, rest._replace(deepest=rest.deepest // table.per)
+
+
+def state_of(world: World) -> State:
+    """Places and angles of granules, at rest."""
+    return State(world.bodies[:, :2].copy(), angle=world.angle.copy())

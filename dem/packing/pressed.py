@@ -7,28 +7,18 @@ which a bed jams. Contacts lose their memory of friction between steps, and befo
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 from dem.base.errors import PackingError
-from dem.contacts.force_law import effective_modulus
-from dem.dynamics.assembly import assemble, granule_table
-from dem.dynamics.contact_list import ContactList, list_contacts
 from dem.dynamics.simulation import Simulation
-from dem.dynamics.skin import SKIN_OF_PACKING
-from dem.packing.grown import DAMPED, FRACTION
-from dem.packing.minimise import minimise
-from dem.packing.random import (
-    SOFT,
-    Bed,
-    finished,
-    name_of,
-    pack,
-    pressure_of,
-    soft_scene,
-)
-from dem.periodic import periods_of
-from dem.scene import Cylinder, Friction, Scene, State, walls_of
+from dem.dynamics.contact_list import ContactList, list_contacts
+from dem.dynamics.world import World
+from dem.packing.grown import DAMPED, FRACTION, greatest_force
+from dem.packing.minimise import Rest, minimise, state_of
+from dem.packing.random import Bed, Room, finished, pack, pressure_of, unit_of
+from dem.scene import Friction, State
 
 Preparation = Callable[..., Bed]  # called as dem.pack is
 START = 0.74  # packing fraction of the bed before it is pressed: no shape jams there
@@ -40,60 +30,46 @@ PIECE = 10.0  # sqrt(m / (E* R)): one piece of damped motion
 PIECES = 80  # of damped motion, at most, after a step
 
 
-def compact(
-    shape, width, height, cylinder: Cylinder | None, seed: int, friction: float,
-    periodic: str = "none", prepare: Preparation = pack,
-) -> Bed:  # fmt: skip
+def compact(shape: Any, room: Room, friction: float, prepare: Preparation = pack) -> Bed:
     """A bed packed with friction, otherwise as dem.pack makes it. Raises PackingError.
 
     The packing fraction at which it jams depends on how it is pressed.
     """
-    press = Press(shape, width, height, cylinder, seed, friction, periodic, prepare)
+    press = Press(shape, room, friction, prepare)
     press.press(press.full)
-    scene = press.scene()
     if not press.net_force <= MOVING:
         raise PackingError(
-            f"{name_of(scene, width, height, seed)} is not at rest after it was pressed with "
-            f"friction {friction:g}: net force {press.net_force:.2g} E* R^2."
+            f"{room.name(press.grown())} is not at rest after it was pressed with friction "
+            f"{friction:g}: net force {press.net_force:.2g} E* R^2."
         )
-    table = granule_table(scene, SKIN_OF_PACKING)
-    world = assemble(scene, press.state.checked(scene.granules), table)
-    world, rest = minimise(scene, table, world, 0, RESTING * press.unit)
-    return finished(scene, table, world, rest, width, height, press.net_force, seed)
+    return finished(press.grown(), room, *press.minimised(0, RESTING), press.net_force)
 
 
 class Press:
-    """A bed in a box of width and height (m) whose granules grow up to those of `shape`.
+    """A bed in a room whose granules grow up to those of `shape`.
 
     full: packing fraction when they have grown; fraction: as they are; friction: Coulomb's
-    coefficient of all contacts while they grow; periodic: as of dem.pack; prepare: dem.pack or
-    dem.grow, which makes the bed that is pressed. Raises PackingError as these do.
+    coefficient of all contacts while they grow; prepare: dem.pack or dem.grow, which makes the bed
+    that is pressed. Raises PackingError as these do.
     """
 
     def __init__(
-        self, shape, width, height, cylinder: Cylinder | None, seed: int, friction: float = 0.0,
-        periodic: str = "none", prepare: Preparation = pack,
-    ):  # fmt: skip
-        self.shape, self.friction = shape, friction
-        self.cylinder = cylinder and Cylinder(cylinder.diameter, cylinder.position)
-        self.size, self.periodic = (width, height), periods_of(width, height, periodic)
-        self.walls = walls_of(width, height, self.periodic)
-        around = 0.0 if cylinder is None else math.pi * (0.5 * cylinder.diameter) ** 2
-        room = width * height - around
-        self.full = float(shape.area.sum() / room)
+        self, shape: Any, room: Room, friction: float = 0.0, prepare: Preparation = pack
+    ) -> None:
+        self.shape, self.room, self.friction = shape, room, friction
+        self.full = float(shape.area.sum() / room.area)
         self.fraction = min(START, self.full)
-        self.unit = effective_modulus(SOFT, SOFT) * shape.constituent_radius.mean() ** 2  # N
-        bed = prepare(self.grown(), width, height, self.cylinder, seed, periodic)
-        self.state = bed.state
-        self.pressure, self.net_force = bed.pressure, bed.net_force
+        self.unit = unit_of(shape)  # N
+        bed = prepare(self.grown(), *room)
+        self.state, self.pressure, self.net_force = bed.state, bed.pressure, bed.net_force
 
-    def scene(self) -> Scene:
-        """The box, without friction, with the granules as they are."""
-        return soft_scene(self.grown(), self.walls, self.cylinder, self.periodic)
-
-    def grown(self):
+    def grown(self) -> Any:
         """The granules as they are."""
         return self.shape.scaled(math.sqrt(self.fraction / self.full))
+
+    def minimised(self, iterations: int, resting: float) -> tuple[World, Rest]:
+        """The bed as it is without friction, minimised to a net force of `resting` (E* R^2)."""
+        return minimise(self.room.scene(self.grown()), self.state, iterations, resting * self.unit)
 
     def press(self, fraction: float, resting: float = RESTING, patience: int = PATIENCE) -> float:
         """Grow the granules to a packing fraction; returns `pressure`, the mean normal stress on
@@ -101,53 +77,34 @@ class Press:
 
         resting: greatest net force (E* R^2) of a bed at rest; patience: iterations of FIRE, at most.
         """
-        for part in np.linspace(self.fraction, fraction, 1 + self._steps(fraction))[1:]:
+        steps = max(1, math.ceil(abs(fraction - self.fraction) / STEP - 1e-9))
+        for part in np.linspace(self.fraction, fraction, 1 + steps)[1:]:
             self.fraction = float(part)
-            self._rest(resting * self.unit, patience)
+            if self.friction:
+                self._damp(resting)
+            else:
+                world, rest = self.minimised(patience, resting)
+                self.state, self.net_force = state_of(world), rest.net_force / self.unit
+                self.pressure = pressure_of(world, self.room)
         return self.pressure
-
-    def _steps(self, fraction):
-        return max(1, math.ceil(abs(fraction - self.fraction) / STEP - 1e-9))
 
     def contacts(self) -> ContactList:
         """Contacts of the bed as it is, without friction."""
-        scene = self.scene()
-        table = granule_table(scene, SKIN_OF_PACKING)
-        world = assemble(scene, self.state.checked(scene.granules), table)
-        world, _ = minimise(scene, table, world, 0, RESTING * self.unit)
-        return list_contacts(world, np.arange(scene.granules))
+        world, _ = self.minimised(0, RESTING)
+        return list_contacts(world, np.arange(len(self.state.position)))
 
-    def _rest(self, enough, patience):
-        if self.friction:
-            self._damp(enough)
-        else:
-            self._minimise(enough, patience)
-
-    def _minimise(self, enough, patience):
-        scene = self.scene()
-        table = granule_table(scene, SKIN_OF_PACKING)
-        world = assemble(scene, self.state.checked(scene.granules), table)
-        world, rest = minimise(scene, table, world, patience, enough)
-        self.state = State(world.bodies[:, :2].copy(), angle=world.angle.copy())
-        self.net_force = rest.net_force / self.unit
-        self.pressure = pressure_of(world, scene, *self.size)
-
-    def _damp(self, enough):
+    def _damp(self, resting: float) -> None:
         friction = Friction(self.friction, self.friction, self.friction)
-        scene = Scene(
-            self.grown(), DAMPED, friction, self.walls, self.cylinder, thickness=1.0,
-            periodic=self.periodic,
-        )  # fmt: skip
+        scene = self.room.scene(self.grown(), DAMPED, friction)
         run = Simulation(scene, self.state, step_fraction=FRACTION)
         radius = self.shape.constituent_radius.mean()
         piece = PIECE * math.sqrt(scene.mass.mean() * radius / self.unit)
         for _ in range(PIECES):
             run.collect_impulses()
             run.advance(piece)
-            net = np.linalg.norm(run.world.force[:, :2], axis=1).max()
-            if net <= enough:
+            net_force = greatest_force(run.world)
+            if net_force <= resting * self.unit:
                 break
-        end = run.state
-        self.state = State(end.position, angle=end.angle)
-        self.net_force = float(net) / self.unit
-        self.pressure = pressure_of(run.world, scene, *self.size, piece)
+        self.net_force = net_force / self.unit
+        self.state = State(run.state.position, angle=run.state.angle)
+        self.pressure = pressure_of(run.world, self.room, piece)

@@ -7,7 +7,6 @@ on the geometry and the seed: moduli and masses cancel.
 """
 
 import math
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,14 +14,12 @@ import numpy as np
 from dem.base.errors import InputError, PackingError
 from dem.base.validate import checked, named, one_of, or_none, positive, whole
 from dem.contacts.force_law import effective_modulus
-from dem.dynamics.assembly import GranuleTable, assemble, granule_table
 from dem.dynamics.contact_list import list_contacts
-from dem.dynamics.skin import SKIN_OF_PACKING
 from dem.dynamics.world import World
 from dem.jit.columns import X, Y
-from dem.packing.minimise import Rest, minimise
+from dem.packing.minimise import Rest, minimise, state_of
 from dem.periodic import SIDES, Periods, nearest_image, periods_of, wrapped
-from dem.scene import Cylinder, Material, Scene, State, granules, walls_of
+from dem.scene import Cylinder, Friction, Material, Scene, State, granules, walls_of
 
 REST = 1e-9  # E* R^2: a bed is at rest when no granule feels a greater net force
 LOOSE = 0.3  # area fraction of the bounding circles at the start
@@ -99,22 +96,58 @@ class Bed(NamedTuple):
         return walls_of(self.width, self.height, self.periodic)
 
 
-def scatter(
-    shape: Any,
-    width: float,
-    height: float,
-    cylinder: Cylinder | None,
-    rng: np.random.Generator,
-    periodic: Periods = None,
-) -> np.ndarray:
+class Room(NamedTuple):
+    """Where a bed is packed, and the seed of its random places and angles: what `pack` takes beside the
+    granules, in the same order."""
+
+    width: float
+    height: float
+    cylinder: Cylinder | None
+    seed: int
+    periodic: str = "none"
+
+    @property
+    def size(self) -> np.ndarray:
+        """Width and height (m)."""
+        return np.array([self.width, self.height])
+
+    @property
+    def radius(self) -> float:
+        """Radius of the cylinder (m)."""
+        return 0.0 if self.cylinder is None else 0.5 * self.cylinder.diameter
+
+    @property
+    def area(self) -> float:
+        """Area (m2) beside the cylinder."""
+        return self.width * self.height - math.pi * self.radius**2
+
+    @property
+    def periods(self) -> Periods:
+        """Periods (x, y) in m, as `Scene` takes them."""
+        return periods_of(self.width, self.height, self.periodic)
+
+    def scene(
+        self, shape: Any, material: Material = SOFT, friction: Friction | None = None
+    ) -> Scene:
+        """The box with granules one metre thick and the cylinder at rest."""
+        still = self.cylinder and Cylinder(self.cylinder.diameter, self.cylinder.position)
+        walls = walls_of(self.width, self.height, self.periods)
+        return Scene(shape, material, friction, walls, still, thickness=1.0, periodic=self.periods)
+
+    def name(self, shape: Any) -> str:
+        """Name of a bed in an error message."""
+        return f"the bed at packing fraction {shape.area.sum() / self.area:.4g} (seed {self.seed})"
+
+
+def scatter(shape: Any, room: Room, rng: np.random.Generator) -> np.ndarray:
     """Random sequential addition of the bounding circles: positions (n, 2) in m.
 
     A grid finds the neighbours, so that the work is proportional to the number of granules. Its
     squares are at least as wide as the largest circle.
     """
-    radius, side = shape.bounding_radius, np.array([width, height])
-    turns = np.array([each is not None for each in periodic or (None, None)])
-    size = max(2.0 * radius.max(), math.sqrt(width * height / len(radius)))
+    radius, side, periodic = shape.bounding_radius, room.size, room.periods
+    turns = np.array(SIDES[room.periodic])
+    size = max(2.0 * radius.max(), math.sqrt(room.width * room.height / len(radius)))
     count = np.where(turns, np.maximum(side // size, 1.0), np.inf)  # squares that make a period
     sizes = np.where(turns, side / count, size)
     grid: dict[tuple[float, float], list[int]] = {}
@@ -123,8 +156,10 @@ def scatter(
         for _ in range(1000):
             trial = np.where(turns, 0.0, r) + np.where(turns, side, side - 2.0 * r) * rng.random(2)
             column, row = trial // sizes
-            if _blocked(trial, r, cylinder, periodic):
-                continue
+            if room.cylinder:
+                away = nearest_image(trial - room.cylinder.position, periodic)
+                if math.hypot(*away) < r + room.radius:
+                    continue
             around = {
                 (c % count[0], k % count[1])
                 for c in (column - 1.0, column, column + 1.0)
@@ -139,28 +174,19 @@ def scatter(
         else:
             raise PackingError(
                 f"granule {i} of {len(radius)} found no free place in 1000 trials: the box of "
-                f"{width:.3g} m by {height:.3g} m is too small for granules of {r:.3g} m."
+                f"{room.width:.3g} m by {room.height:.3g} m is too small for granules of {r:.3g} m."
             )
     return position
 
 
-def _blocked(
-    place: np.ndarray, radius: float, cylinder: Cylinder | None, periodic: Periods
-) -> bool:
-    if cylinder is None:
-        return False
-    away = nearest_image(place - cylinder.position, periodic)
-    return math.hypot(*away) < radius + 0.5 * cylinder.diameter
+ROOM: dict[str, Any] = {
+    "shape": granules, "width": positive("m"), "height": positive("m"),
+    "cylinder": or_none(one_of(Cylinder)), "seed": whole(0, 2**63 - 1),
+    "periodic": named({key: key for key in SIDES}),
+}  # fmt: skip
 
 
-@checked(
-    shape=granules,
-    width=positive("m"),
-    height=positive("m"),
-    cylinder=or_none(one_of(Cylinder)),
-    seed=whole(0, 2**63 - 1),
-    periodic=named({key: key for key in SIDES}),
-)
+@checked(**ROOM)
 def pack(
     shape: Any,
     width: float,
@@ -230,134 +256,100 @@ def pack(
     >>> scene.periodic
     (0.008, None)
     """
-    scene, factor, state = sown(shape, width, height, cylinder, seed, periodic)
+    room = Room(width, height, cylinder, seed, periodic)
+    factor, state = sown(shape, room)
     while factor < 1.0:
-        smaller = replace(scene, shape=shape.scaled(factor))
-        world, _, _ = relax(smaller, state, PATIENCE, SETTLED)
-        state = State(world.bodies[:, :2].copy(), angle=world.angle)
+        world, _ = relax(room.scene(shape.scaled(factor)), state, PATIENCE, SETTLED)
+        state = state_of(world)
         factor = min(factor * GROWTH, 1.0)
-    return at_rest(scene, state, width, height, seed)
+    return at_rest(shape, room, state)
 
 
-def sown(
-    shape: Any, width: float, height: float, cylinder: Cylinder | None, seed: int, periodic: str
-) -> tuple[Scene, float, State]:
+def sown(shape: Any, room: Room) -> tuple[float, State]:
     """Small granules at random places and angles, apart from each other.
 
-    Returns the soft Scene of the finished bed, the factor by which its lengths are scaled at the
-    start, and the State at the start.
+    Returns the factor by which lengths are scaled at the start, and the State at the start.
     """
-    still, half = None, 0.0
-    periods = periods_of(width, height, periodic)
-    if cylinder is not None:
-        half = 0.5 * cylinder.diameter
+    if room.cylinder is not None:
         for place, side, turns in zip(
-            cylinder.position, (width, height), SIDES[periodic], strict=True
+            room.cylinder.position, room.size, SIDES[room.periodic], strict=True
         ):
-            if not (turns or half < place < side - half):
+            if not (turns or room.radius < place < side - room.radius):
                 raise InputError(
-                    f"the cylinder at {cylinder.position} m does not fit into the box."
+                    f"the cylinder at {room.cylinder.position} m does not fit into the box."
                 )
-        still = Cylinder(cylinder.diameter, cylinder.position)
-    walls = walls_of(width, height, periods)
-    scene = soft_scene(shape, walls, still, periods)
-    rng = np.random.default_rng([seed, 1])
-    room = width * height - math.pi * half**2
-    factor = min(1.0, math.sqrt(LOOSE * room / (np.pi * (shape.bounding_radius**2).sum())))
-    position = scatter(shape.scaled(factor), width, height, cylinder, rng, periods)
-    return scene, factor, State(position, angle=rng.uniform(0.0, 2.0 * np.pi, len(position)))
+    rng = np.random.default_rng([room.seed, 1])
+    circles = np.pi * (shape.bounding_radius**2).sum()
+    factor = min(1.0, math.sqrt(LOOSE * room.area / circles))
+    position = scatter(shape.scaled(factor), room, rng)
+    return factor, State(position, angle=rng.uniform(0.0, 2.0 * np.pi, len(position)))
 
 
-def relax(
-    scene: Scene, state: State, iterations: int, enough: float
-) -> tuple[World, GranuleTable, Rest]:
+def relax(scene: Scene, state: State, iterations: int, enough: float) -> tuple[World, Rest]:
     """Minimise the energy of a soft scene; forces, also of the Rest, over E* R^2."""
-    table = granule_table(scene, SKIN_OF_PACKING)
-    world = assemble(scene, state.checked(scene.granules), table)
-    unit = effective_modulus(SOFT, SOFT) * table.radius.mean() ** 2  # N
-    world, rest = minimise(scene, table, world, iterations, enough * unit)
-    return world, table, rest._replace(net_force=rest.net_force / unit)
+    unit = unit_of(scene.shape)
+    world, rest = minimise(scene, state, iterations, enough * unit)
+    return world, rest._replace(net_force=rest.net_force / unit)
 
 
-def at_rest(scene: Scene, state: State, width: float, height: float, seed: int) -> Bed:
+def unit_of(shape: Any) -> float:
+    """The unit E* R^2 (N) of forces in a soft scene."""
+    return float(effective_modulus(SOFT, SOFT) * shape.constituent_radius.mean() ** 2)
+
+
+def at_rest(shape: Any, room: Room, state: State) -> Bed:
     """The bed of full-sized granules, brought to rest; raises PackingError if it finds none."""
-    world, table, rest = relax(scene, state, LONGEST, REST)
+    world, rest = relax(room.scene(shape), state, LONGEST, REST)
     if not rest.net_force <= REST:
         raise PackingError(
-            f"{name_of(scene, width, height, seed)} is not at rest after {LONGEST} "
+            f"{room.name(shape)} is not at rest after {LONGEST} "
             f"iterations: net force {rest.net_force:.2g} E* R^2, asked for {REST:g}."
         )
-    return finished(scene, table, world, rest, width, height, rest.net_force, seed)
+    return finished(shape, room, world, rest, rest.net_force)
 
 
-def soft_scene(
-    shape: Any, walls: np.ndarray | None, cylinder: Cylinder | None, periodic: Periods
-) -> Scene:
-    """Granules of unit modulus and density, one metre thick, without friction."""
-    return Scene(shape, SOFT, walls=walls, cylinder=cylinder, thickness=1.0, periodic=periodic)
-
-
-def name_of(scene: Scene, width: float, height: float, seed: int) -> str:
-    """Name of a bed in an error message."""
-    radius = 0.0 if scene.cylinder is None else 0.5 * scene.cylinder.diameter
-    fraction = scene.shape.area.sum() / (width * height - math.pi * radius**2)
-    return f"the bed at packing fraction {fraction:.4g} (seed {seed})"
-
-
-def finished(
-    scene: Scene,
-    table: GranuleTable,
-    world: World,
-    rest: Rest,
-    width: float,
-    height: float,
-    net_force: float,
-    seed: int,
-) -> Bed:
+def finished(shape: Any, room: Room, world: World, rest: Rest, net_force: float) -> Bed:
     """Bed from the arrays of the kernels after `minimise`, with net_force over E* R^2.
 
     Raises PackingError if a granule is outside the box or overlaps too much.
     """
-    cylinder, name = scene.cylinder, name_of(scene, width, height, seed)
-    position = wrapped(world.bodies[:, :2].copy(), scene.periodic)
-    lost = ((position < 0.0) | (position > [width, height])).any(axis=1)
-    if cylinder is not None:
-        away = nearest_image(position - cylinder.position, scene.periodic)
-        lost |= np.hypot(*away.T) < 0.5 * cylinder.diameter
+    position = wrapped(world.bodies[:, :2].copy(), room.periods)
+    lost = ((position < 0.0) | (position > room.size)).any(axis=1)
+    if room.cylinder is not None:
+        away = nearest_image(position - room.cylinder.position, room.periods)
+        lost |= np.hypot(*away.T) < room.radius
     if lost.any():
         raise PackingError(
-            f"{name} cannot be made: the centre of granule {lost.argmax()} was pushed into the "
+            f"{room.name(shape)} cannot be made: the centre of granule {lost.argmax()} was pushed into the "
             "cylinder or out of the box: ask for a lower packing fraction."
         )
     if not rest.max_overlap <= DEEPEST:
         raise PackingError(
-            f"{name} cannot be made: granule {rest.deepest // table.per} overlaps by {rest.max_overlap:.2g} of the "
-            f"smaller radius, at most {DEEPEST:g} is allowed: ask for a lower packing fraction."
+            f"{room.name(shape)} cannot be made: granule {rest.deepest} overlaps by "
+            f"{rest.max_overlap:.2g} of the smaller radius, at most {DEEPEST:g} is allowed: ask for a lower packing fraction."
         )
     return Bed(
         position=position,
         angle=np.mod(world.angle, 2.0 * np.pi),
-        width=width,
-        height=height,
+        width=room.width,
+        height=room.height,
         net_force=net_force,
-        pressure=pressure_of(world, scene, width, height),
-        coordination_number=2.0 * rest.touching / scene.granules,
+        pressure=pressure_of(world, room),
+        coordination_number=2.0 * rest.touching / len(position),
         max_overlap=rest.max_overlap,
-        periodic=scene.periodic,
+        periodic=room.periods,
     )
 
 
-def pressure_of(
-    world: World, scene: Scene, width: float, height: float, seconds: float = 1.0
-) -> float:
-    """Pressure of a Bed in a box (m) whose walls have the impulses of a time (s)."""
+def pressure_of(world: World, room: Room, seconds: float = 1.0) -> float:
+    """Pressure of a soft Bed whose walls have the impulses of a time (s)."""
     if world.walls is None:
-        stress = mean_stress(world, scene.periodic, width * height)
+        stress = mean_stress(world, room.periods, room.width * room.height)
     else:
-        x, y = (each is None for each in scene.periodic or (None, None))
-        length = 2.0 * ((width if y else 0.0) + (height if x else 0.0))
+        x, y = SIDES[room.periodic]
+        length = 2.0 * ((0.0 if y else room.width) + (0.0 if x else room.height))
         stress = float(world.boundaries.sums[: world.walls.end, 0].sum()) / seconds / length
-    return stress / effective_modulus(scene.material, scene.material)
+    return float(stress / effective_modulus(SOFT, SOFT))
 
 
 def mean_stress(world: World, periodic: Periods, area: float) -> float:

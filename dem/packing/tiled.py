@@ -9,6 +9,7 @@ import numpy as np
 
 from dem.packing.random import Bed
 from dem.scene import State
+from dem.shapes.protocol import resized
 
 
 def tiled(shape, bed: Bed, columns: int, rows: int):
@@ -25,9 +26,6 @@ def tiled(shape, bed: Bed, columns: int, rows: int):
             corner = size * [column, row] + np.where(sign < 0.0, size, 0.0)
             positions.append(corner + sign * bed.position)
             angles.append(bed.angle * sign[0] * sign[1])
-    copies = columns * rows
-    fields = {
-        k: np.tile(v, copies) for k, v in shape._asdict().items() if isinstance(v, np.ndarray)
-    }
     state = State(np.concatenate(positions), angle=np.concatenate(angles))
-    return shape._replace(**fields), state, bed.width * columns, bed.height * rows
+    copies = resized(shape, lambda size: np.tile(size, columns * rows))
+    return copies, state, bed.width * columns, bed.height * rows

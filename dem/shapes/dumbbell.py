@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dem.base.validate import OUTLINE, RATIO, SIZES, checked, positive
+from dem.jit.block_memory import ONE, TWO
 from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
-from dem.jit.lanes import ONE, TWO
 from dem.shapes import disc
 from dem.shapes.protocol import answer
 

@@ -9,7 +9,6 @@ import importlib
 import math
 import re
 import sys
-from difflib import get_close_matches
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -17,7 +16,6 @@ from pathlib import Path
 from dem.base.constants import constants
 from dem.base.errors import InputError
 from dem.base.sources import (
-    ROOTS,
     UNREADABLE,
     address,
     classes_of,
@@ -93,12 +91,8 @@ def found(kind: str, beside: str | None) -> Kind:
             "--shapes on the command line)."
         )
     module, _, name = kind.rpartition(".")
-    first, where = module.partition(".")[0], f"{beside}:{module}"
+    where = f"{beside}:{module}"
     path = Path(beside, *module.split(".")).with_suffix(".py")
-    if first in ROOTS:
-        raise InputError(f"{said}write a shape of this package as one of {', '.join(KINDS)}.")
-    if first in sys.stdlib_module_names:
-        raise InputError(f"{said}{first} is a module of Python; give your file another name.")
     if not path.is_file():
         raise InputError(f"{said}there is no file {path}.")
     try:
@@ -108,9 +102,9 @@ def found(kind: str, beside: str | None) -> Kind:
     except UNREADABLE as error:
         raise InputError(f"{said}{path} cannot be read ({' '.join(str(error).split())}).") from None
     if name not in classes:
-        close = get_close_matches(name, classes, 1) or list(classes)[:1]
-        hint = f"; the nearest is {module}.{close[0]}" if close else ""
-        raise InputError(f"{said}{path} has no class {name}{hint}.")
+        raise InputError(
+            f"{said}{path} has no class {name}; it has {', '.join(classes) or 'none'}."
+        )
     if "of_size" not in classes[name]:
         raise InputError(
             f"{said}its class has no of_size; give it a class method of_size(diameter, aspect_ratio), "

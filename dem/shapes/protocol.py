@@ -50,59 +50,52 @@ class Shape(Protocol):
     name: granules with the area of discs of these diameters (n,).
     """
 
+    # Whether a contact remembers its normal. Read by the neighbour lists. Wrong: the search for a
+    # normal begins at every step from the line of centres, or contacts keep unused memory.
     guesses: bool = False
-    """Whether a contact remembers its normal. Read by the neighbour lists. Wrong: the search for a
-    normal begins at every step from the line of centres, or contacts keep unused memory."""
 
+    # Whether an outline is cosine and sine of the angle, and then sizes that never change. The list
+    # of pairs then has the sizes of both constituents. Read by the neighbour lists. Wrong: contacts
+    # have the sizes of the time when the list was made.
     lists_sizes: bool = False
-    """Whether an outline is cosine and sine of the angle, and then sizes that never change. The list
-    of pairs then has the sizes of both constituents. Read by the neighbour lists. Wrong: contacts have
-    the sizes of the time when the list was made."""
 
+    # Why these granules cannot be used, as a sentence, or None. Read by Scene. Wrong: they run.
     fault: str | None = None
-    """Why these granules cannot be used, as a sentence, or None. Read by Scene. Wrong: they run."""
 
+    # Whether the granule looks different when it turns. Read by the integrator. Wrong: granules
+    # keep the orientation that they start with.
     needs_angle: bool
-    """Whether the granule looks different when it turns. Read by the integrator. Wrong: granules
-    keep the orientation that they start with."""
 
-    @property
-    def area(self) -> np.ndarray:
-        """Area (n,) in m2. Read by mass, packing and configuration. Wrong: the packing fraction,
-        every mass and so every velocity after an impact."""
+    # Area (n,) in m2. Read by mass, packing and configuration. Wrong: the packing fraction, every
+    # mass and so every velocity after an impact.
+    area: np.ndarray
 
-    @property
-    def gyration_squared(self) -> np.ndarray:
-        """Moment of inertia over mass (n,) in m2. Read by inertia. Wrong: spins and the time step;
-        energy is still conserved, so nothing else reveals it."""
+    # Moment of inertia over mass (n,) in m2. Read by inertia. Wrong: spins and the time step;
+    # energy is still conserved, so nothing else reveals it.
+    gyration_squared: np.ndarray
 
-    @property
-    def bounding_radius(self) -> np.ndarray:
-        """Radius (n,) in m of the circle about the centre of mass that holds the granule. Read by
-        packing, ordering and the bound of how far a surface moves. Too small: contacts are noticed
-        late; too large: packing begins looser and takes longer."""
+    # Radius (n,) in m of the circle about the centre of mass that holds the granule. Read by
+    # packing, ordering and the bound of how far a surface moves. Too small: contacts are noticed
+    # late; too large: packing begins looser and takes longer.
+    bounding_radius: np.ndarray
 
-    @property
-    def constituent_radius(self) -> np.ndarray:
-        """Radius (p n,) in m that enters Hertz's law. Read by stiffness and by the guard of overlaps.
-        Wrong: contacts too stiff or too soft."""
+    # Radius (p n,) in m that enters Hertz's law. Read by stiffness and by the guard of overlaps.
+    # Wrong: contacts too stiff or too soft.
+    constituent_radius: np.ndarray
 
-    @property
-    def constituent_bounding_radius(self) -> np.ndarray:
-        """Radius (p n,) in m of the circle about a constituent's centre that holds it. Read by the
-        neighbour list. Too small: contacts are missed; too large: the list is long."""
+    # Radius (p n,) in m of the circle about a constituent's centre that holds it. Read by the
+    # neighbour list. Too small: contacts are missed; too large: the list is long.
+    constituent_bounding_radius: np.ndarray
 
-    @property
-    def normal_lever(self) -> np.ndarray:
-        """Greatest distance (n,) in m of a line of normal force from the granule's centre. Read by
-        the minimiser of packings, and to tell whether granules turn without friction. Too small:
-        the minimiser's steps are too long; zero: granules do not turn."""
+    # Greatest distance (n,) in m of a line of normal force from the granule's centre. Read by the
+    # minimiser of packings, and to tell whether granules turn without friction. Too small: the
+    # minimiser's steps are too long; zero: granules do not turn.
+    normal_lever: np.ndarray
 
-    @property
-    def normal_bend(self) -> np.ndarray:
-        """Greatest second derivative (n,) in m of the support distance with the granule's angle.
-        Read by the bound of the time step. Too small: a turning granule gains energy; unbounded, as
-        at a flat side: the step is none."""
+    # Greatest second derivative (n,) in m of the support distance with the granule's angle. Read by
+    # the bound of the time step. Too small: a turning granule gains energy; unbounded, as at a flat
+    # side: the step is none.
+    normal_bend: np.ndarray
 
     def scaled(self, factor: float) -> "Shape":
         """The same granules, larger by a factor. Read by packing. Wrong: beds of other sizes."""
@@ -112,10 +105,7 @@ class Shape(Protocol):
         point is the last. Read by figures, films, export, report. Wrong: pictures only."""
 
 
-MEMBERS = (
-    "needs_angle", "area", "gyration_squared", "bounding_radius", "constituent_radius",
-    "constituent_bounding_radius", "normal_lever", "normal_bend", "scaled", "polygons",
-)  # fmt: skip
+MEMBERS = *Shape.__annotations__, "scaled", "polygons"
 
 
 def _question(stub):
@@ -240,6 +230,16 @@ def is_shape(cls: type) -> bool:
     return cls in outline.answers
 
 
+def sizes_of(shape) -> dict[str, np.ndarray]:
+    """The sizes (n,) in m that granules are made of, by name."""
+    return {name: size for name, size in shape._asdict().items() if isinstance(size, np.ndarray)}
+
+
+def resized(shape, change):
+    """Granules with other sizes: what a function returns for those of each name."""
+    return shape._replace(**{name: change(size) for name, size in sizes_of(shape).items()})
+
+
 def answer(cls, *functions, questions=SHAPE_QUESTIONS, **renamed):
     """Make a class known to the kernels: each function answers the question of its name, or of
     the keyword that it is given for.
@@ -270,7 +270,6 @@ def _complete(cls):
     """Give a shape the members of Shape that have a default; raises InputError for another one."""
     for name in MEMBERS:
         if not hasattr(cls, name):
-            raise InputError(f"{cls.__name__} has no {name}; see dem.shapes.protocol.Shape.")
-    for name in ("guesses", "lists_sizes", "fault"):
-        if not hasattr(cls, name):
+            if not hasattr(Shape, name) or callable(getattr(Shape, name)):
+                raise InputError(f"{cls.__name__} has no {name}; see dem.shapes.protocol.Shape.")
             setattr(cls, name, getattr(Shape, name))

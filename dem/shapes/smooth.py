@@ -21,7 +21,7 @@ from numba.extending import overload
 
 from dem.jit.compilation import INLINED, inlined
 from dem.shapes.common_normal import turned
-from dem.shapes.protocol import ContactGeometry, answer
+from dem.shapes.protocol import ContactGeometry, answer, resized
 
 TOLERANCE = 1e-4  # rad: the last turn of the normal may be as large as this; error ~ its 4th power
 DIRECTIONS = 64  # of the search for a normal, when the last one is no good guess
@@ -232,8 +232,7 @@ def scaled(shape, factor):
     Shape
         The scaled granules.
     """
-    lengths = {k: v for k, v in shape._asdict().items() if isinstance(v, np.ndarray)}
-    return shape._replace(**{name: factor * length for name, length in lengths.items()})
+    return resized(shape, lambda size: factor * size)
 
 
 def polygons(shape, points=64):
@@ -286,12 +285,10 @@ def smooth(support_function):
 
     def make(cls):
         _SUPPORT[cls] = inlined(support_function)
-        for name, function in DERIVED.items():
+        members = {name: property(function) for name, function in DERIVED.items()}
+        for name, member in (members | {"scaled": scaled, "polygons": polygons}).items():
             if name not in cls.__dict__:
-                setattr(cls, name, property(function))
-        for name, function in {"scaled": scaled, "polygons": polygons}.items():
-            if name not in cls.__dict__:
-                setattr(cls, name, function)
+                setattr(cls, name, member)
         cls.needs_angle, cls.guesses = True, True
         answer(cls, outline, circle, support, find_contact, refine_normal)
         return cls

@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.contacts.blocks import put, unconverged
+from dem.jit.block_memory import BLOCK, ROW
 from dem.jit.compilation import compiled, inlined
-from dem.jit.lanes import BLOCK, ROW
 from dem.jit.optional import optional
 from dem.shapes.protocol import METHOD_QUESTIONS, SEPARATED, answer, ellipse_contact, ellipse_normal
 
@@ -205,7 +205,7 @@ def separate(method, dx, dy, own, other, guess):
 answer(Intersection, questions=METHOD_QUESTIONS, ellipse_contact=crossing)
 answer(Polygon, questions=METHOD_QUESTIONS, ellipse_contact=separate)
 
-# Pairs side by side, BLOCK at a time, as the kernels lay them out (dem.jit.lanes).
+# Pairs side by side, BLOCK at a time, as the kernels lay them out (dem.jit.block_memory).
 (DX, DY, GX, GY, OWN, _, _, _, OTHER, _, _, _, OVERLAP, NX, NY, N1, T1, N2, T2, UNCONVERGED) = (
     np.uint64(r * int(ROW)) for r in range(20)
 )

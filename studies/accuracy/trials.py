@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.jit.lanes import BLOCK, ROW
+from dem.jit.block_memory import BLOCK, ROW
 from dem.shapes.common_normal import CommonNormal
 from dem.shapes.geometric_potential import GeometricPotential
 from studies.accuracy import definitions, solvers

@@ -8,7 +8,7 @@ from llvmlite.binding.object_file import ObjectFileRef
 from dem.dynamics.integration import advance
 from dem.dynamics.world import World
 from dem.jit.compilation import OPTIONS
-from dem.jit.parts import KernelCompiler
+from dem.jit.compilers import KernelCompiler
 
 WIDEST = {"zmm": 512, "ymm": 256}  # bits of the registers of x86
 

@@ -9,7 +9,7 @@ from dem.experiment.bed import make_bed
 from dem.experiment.config import Replicate
 from dem.experiment.fit import NOMINAL
 from dem.experiment.scene import make_scene
-from dem.motion import Drive, Held, Path
+from dem.motion import Drive, Held, PrescribedMotion
 from dem.scene import Scene, State
 from dem.sweep.config import Sweep
 
@@ -63,7 +63,7 @@ def variants(cases: dict[str, Case]) -> dict[str, Case]:
     walls = disc.scene.walls
     sides = {"walls": walls[2:], "periodic": (float(walls[1, 2]), None)}
     chord = ellipse.scene.shape._replace(contact="geometric_potential")
-    steady = Path([0.0], [disc.scene.cylinder.velocity])
+    steady = PrescribedMotion([0.0], [disc.scene.cylinder.velocity])
     lid = Drive((None, -1.0), float(disc.scene.mass.sum()))
     return {
         FULL: disc,

@@ -24,8 +24,8 @@ from dem.dynamics.integration import advance, drift
 from dem.dynamics.neighbor_list import rebuild_neighbor_list
 from dem.dynamics.skin import SKIN
 from dem.jit.address import by_address, local
+from dem.jit.block_memory import BLOCK
 from dem.jit.compilation import compiled
-from dem.jit.lanes import BLOCK
 from dem.jit.optional import optional
 from studies.benchmark.scenes import Case
 

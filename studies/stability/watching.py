@@ -9,8 +9,8 @@ from dem.dynamics.checkpoint import writable
 from dem.dynamics.forces import forces
 from dem.dynamics.simulation import Simulation
 from dem.dynamics.world import World
+from dem.jit.block_memory import FORCE_X, FORCE_Y, NX, NY
 from dem.jit.columns import X, Y
-from dem.jit.lanes import FORCE_X, FORCE_Y, NX, NY
 
 LOOKS = 20  # along a run
 

@@ -15,6 +15,7 @@ from dem.experiment.bed import PREPARATIONS, cylinder, diameters, shaped
 from dem.experiment.config import PRESSED, Configuration, Replicate
 from dem.experiment.fit import height_of_box
 from dem.packing.pressed import START, Press
+from dem.packing.random import Room
 
 VARIABLES = {
     "jam_fraction": ((), "1", "packing fraction at which the bed jams"),
@@ -49,11 +50,12 @@ def compress(replicate: Replicate) -> Path:
     sizes, own = diameters(replicate), replicate.configuration
     height, friction = height_of_box(own, sizes), own.packing.friction
     shape = shaped(replicate, sizes)
-    room = shape, own.box_width, height, cylinder(replicate, height)
+    at = cylinder(replicate, height)
+    room = Room(own.box_width, height, at, replicate.seed, own.periodic)
     fractions, loads = [], []
     try:
         prepare = PREPARATIONS[own.packing.preparation]
-        press = Press(*room, replicate.seed, friction, own.periodic, prepare)
+        press = Press(shape, room, friction, prepare)
         for fraction in START + STEP * np.arange(STEPS):
             loads.append(press.press(fraction) / replicate.shape.diameter)
             fractions.append(fraction)

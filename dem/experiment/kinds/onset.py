@@ -16,6 +16,7 @@ from dem.experiment.bed import cylinder, diameters, shaped
 from dem.experiment.config import Configuration, Replicate
 from dem.experiment.fit import height_of_box
 from dem.packing.pressed import Press
+from dem.packing.random import Room
 
 VARIABLES = {
     "onset_fraction": ((), "1", "packing fraction at the onset of jamming"),
@@ -58,8 +59,8 @@ def find(replicate: Replicate) -> Onset:
     sizes, own = diameters(replicate), replicate.configuration
     height = height_of_box(own, sizes)
     shape = shaped(replicate, sizes)
-    room = shape, own.box_width, height, cylinder(replicate, height)
-    press = Press(*room, replicate.seed, periodic=own.periodic)
+    at = cylinder(replicate, height)
+    press = Press(shape, Room(own.box_width, height, at, replicate.seed, own.periodic))
     unit = replicate.shape.diameter
     for _ in range(STEPS):
         load = press.press(press.fraction + STEP, GROWN, PATIENCE) / unit

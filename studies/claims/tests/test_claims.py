@@ -26,6 +26,7 @@ from dem.base.errors import InputError
 from dem.experiment.kinds.jamming import NOISE, line
 from dem.experiment.observables.alignment import alignment
 from dem.packing.pressed import Press
+from dem.packing.random import Room
 from dem.sweep import design
 from dem.sweep.chunk import write_chunk
 from dem.sweep.config import load, parse
@@ -404,7 +405,7 @@ def test_line_finds_where_pressure_begins():
 def test_a_bed_has_pressure_only_above_its_jamming_fraction():
     """The line through the pressures of a bed ends between its last loose and its first tight state."""
     small = make_small_bed("disc")
-    press = Press(small.shape, small.bed.width, small.bed.height, small.cylinder, 1)
+    press = Press(small.shape, Room(small.bed.width, small.bed.height, small.cylinder, 1))
     fractions = 0.74 + 0.005 * np.arange(28)
     loads = np.array([press.press(each) for each in fractions]) / small.diameters.mean()
     found = line(fractions, loads)
