@@ -25,6 +25,7 @@ from typer.testing import CliRunner
 
 from conftest import posix
 from dem.base.errors import InputError, RunError
+from dem.base.hints import is_written
 from dem.cli import terminal
 from dem.cli.app import app
 from dem.cli.streams import spelled
@@ -32,7 +33,6 @@ from dem.cli.terminal import bar, reported
 from dem.figures import film
 from dem.io import progress
 from dem.io.progress import Stage
-from dem.sweep.hints import is_written
 
 ROOT = Path(__file__).parent.parent
 RUN = (

@@ -6,7 +6,7 @@ from pathlib import Path
 import yaml
 
 from dem.base.errors import InputError
-from dem.base.remedy import of_missing_file, of_no_configuration
+from dem.base.hints import of_missing_file
 
 LARGEST = 2_000_000  # bytes of a file
 DEEPEST = 20  # groups and lists within each other
@@ -50,8 +50,8 @@ def _text(path: Path) -> str:
         raise InputError(f"{path}: cannot read it ({why.lower()}){hint}.") from None
     if not stat.S_ISREG(status.st_mode):
         raise InputError(f"{path}: it is not a regular file; name a YAML file.")
-    if hint := of_no_configuration(path) if path.suffix not in (".yaml", ".yml") else "":
-        raise InputError(f"{path}: it is not a YAML file{hint}.")
+    if path.suffix == ".nc":
+        raise InputError(f"{path}: it is a file of results; name a YAML file.")
     if not whole:
         size = f"{status.st_size:,}"
         raise InputError(f"{path}: it has {size} bytes; it must have at most {LARGEST:,}.")

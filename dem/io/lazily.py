@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dem.base.errors import InputError
-from dem.base.remedy import of_missing_file, of_no_result
+from dem.base.hints import of_missing_file
 from dem.io.checksums import is_sealed
 from dem.io.dataset import content_of, is_text
 
@@ -39,8 +39,10 @@ def open_lazily(path: Path):
         try:
             dataset = xr.open_dataset(path, engine="netcdf4")
         except (OSError, ValueError, RuntimeError) as error:
-            why = of_no_result(path) or f" ({error})"
-            raise InputError(f"{path}: it is not a readable netCDF file{why}.") from None
+            hint = "is it cut off, damaged, or another file?"
+            raise InputError(
+                f"{path}: it is not a readable netCDF file ({error}); {hint}"
+            ) from None
         with dataset:
             yield dataset
 
