@@ -1,6 +1,7 @@
 """Configurations: the published one says where each number is from, wrong ones are named."""
 
 import copy
+import json
 import math
 import os
 import re
@@ -10,13 +11,20 @@ import pytest
 import yaml
 from hypothesis import example, given
 from hypothesis import strategies as st
+from jsonschema import Draft202012Validator
 
 from conftest import CONFIG, posix
 from dem.base.errors import InputError
 from dem.base.yaml_file import LARGEST, read
 from dem.experiment.fit import height_of_box, sample_diameters
 from dem.sweep.config import Sweep, load, parse, save
+from dem.sweep.schema import schema
 
+FILES = [
+    path
+    for path in [*CONFIG.glob("*.yaml"), *CONFIG.parent.glob("studies/*/*.yaml")]
+    if path.name not in ("catalogue.yaml", "calibration.yaml")  # no sweeps
+]
 PAPER = (CONFIG / "paper.yaml").read_text(encoding="utf-8")
 
 
@@ -364,6 +372,34 @@ def test_saved_configuration_is_the_same(tmp_path):
         sweep = load(CONFIG / name)
         save(sweep, tmp_path / name)
         assert load(tmp_path / name) == sweep
+
+
+def test_the_schema_of_editors_is_that_of_the_code():
+    """After a change: python -m dem.sweep.schema."""
+    assert json.loads((CONFIG / "schema.json").read_text(encoding="utf-8")) == schema()
+
+
+def as_editors_read(data):
+    """Values as YAML 1.2 has them, where 3.9e3 is a number, and keys are texts."""
+    if isinstance(data, dict):
+        return {str(key): as_editors_read(each) for key, each in data.items()}
+    if isinstance(data, list):
+        return [as_editors_read(each) for each in data]
+    try:
+        return float(data) if isinstance(data, str) else data
+    except ValueError:
+        return data
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: "/".join(path.parts[-2:]))
+def test_editors_take_each_file_that_comes_with_the_code(path):
+    """Its first line names the schema for them; they refuse what is mistyped."""
+    data, validator = as_editors_read(read(path)), Draft202012Validator(schema())
+    head = path.read_text(encoding="utf-8").partition("\n")[0]
+    named = path.parent / head.removeprefix("# yaml-language-server: $schema=")
+    assert named.samefile(CONFIG / "schema.json") and not list(validator.iter_errors(data))
+    for wrong in ({"gravty": 0}, {"gravity": -1}, {"shapes": {"c1": {"kin": "disc"}}}):
+        assert list(validator.iter_errors(data | wrong))
 
 
 @pytest.mark.parametrize("words, seeds", [
