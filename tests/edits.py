@@ -26,7 +26,7 @@ AGAIN = {
     "the skin": ("dem/dynamics/skin.py", "SKIN = 0.12", "SKIN = 0.13"),
     "a flag of the compiler": ("dem/jit/compilation.py", '{"contract", "arcp", "nsz"}', '{"arcp", "nsz"}'),
     "the version of Numba": ("dem/base/provenance.py", 'names = ("numpy", "numba", "llvmlite")', 'names = ("numpy", "numba", "llvmlite", "scipy")'),
-    "a default": ("dem/experiment/sections.py", 'critical one", le=10)] = 0.5', 'critical one", le=10)] = 0.6'),
+    "a default": ("dem/experiment/sections.py", 'critical one", 0.5, le=10)', 'critical one", 0.6, le=10)'),
     "the stream of a seed": ("dem/experiment/fit.py", "default_rng([seed, 0])", "default_rng([seed, 1])"),
     "what is recorded": ("dem/experiment/observables/drag.py", '"drag": -total[:, 1]', '"drag": -1.0 * total[:, 1]'),
     "when it is recorded": ("dem/experiment/kinds/drag.py", "BINS_A_CALL = 20", "BINS_A_CALL = 21"),
@@ -43,7 +43,7 @@ KEPT = {
     "how a value is checked": ("dem/experiment/config.py", 'raise InputError(f"shape is', 'raise ValueError(f"shape is'),
     "a key with a default": (
         "dem/experiment/config.py", "    ellipse: EllipseSection = EllipseSection()\n",
-        '    ellipse: EllipseSection = EllipseSection()\n    tilt: Annotated[NotNegative, value("rad", "tilt", 0.0)] = 0.0\n',
+        '    ellipse: EllipseSection = EllipseSection()\n    tilt: NotNegative = value("rad", "tilt", 0.0, 0.0)\n',
     ),
     "a line of files": ("dem/base/files.py", None, LINE),
     "a line of the layout of files": ("dem/io/dataset.py", None, LINE),

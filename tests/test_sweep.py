@@ -144,8 +144,6 @@ def test_what_varies_is_no_attribute_of_flow():
         ({"cylinder.velocity": [2.0, 500.0]}, "cylinder.velocity is 500 m/s, 0.12 of the velocity of sound"),
         ({"cylinder.velocity": [32.0]}, ""),
         ({"material.young_modulus": [1e3]}, "cylinder.velocity is 2 m/s, 3.9 of"),
-        ({"box": {"pressed": {"packing.fraction": None, "packing.pressure": 30.0}}}, "packing.pressure is 30 Pa, an inertial number of 25"),
-        ({"box": {"pressed": {"packing.fraction": None, "packing.pressure": 30e6}}}, ""),
     ],
 )  # fmt: skip
 def test_a_velocity_in_another_unit_is_noticed(values, words):

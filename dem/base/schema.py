@@ -30,14 +30,14 @@ SEEDS = 2**31  # beyond all seeds
 NEEDED = object()
 
 
-def value(units: str | None, about: str, before=NEEDED, **limits):
-    """Description of a value: its units (None: text) and what it is.
+def value(units: str | None, about: str, default: Any = ..., before=NEEDED, **limits) -> Any:
+    """Description of a value: its units (None: text), what it is, and what it is if it is not given.
 
     before: of a key that is younger than the first runs, the value at which all is as it was. Runs with
     it are known by the same name as runs from before. It stays what it is when a default changes.
     """
     extra = {"units": units} | ({} if before is NEEDED else {"before": before})
-    return Field(description=about, json_schema_extra=extra, **limits)
+    return Field(default, description=about, json_schema_extra=extra, **limits)
 
 
 def number(value):

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple, get_origin
+from typing import Any, Literal, NamedTuple, get_origin
 
 import numpy as np
 from pydantic import BaseModel, Field, model_validator
@@ -85,31 +85,25 @@ def known_by(section: BaseModel, model: type[BaseModel], head: str = "") -> dict
 class Configuration(Section):
     """All values that a run can read."""
 
-    experiment: Annotated[Literal[EXPERIMENTS], value(None, "what is done with the bed")] = "drag"
-    box_width: Annotated[
-        Positive,
-        value(
-            "m", "width of the box; its height follows from packing.fraction or packing.pressure"
-        ),
-    ]
-    periodic: Annotated[
-        Literal["none", "x", "y", "xy"],
-        value(None, "sides along which the box repeats itself", "none"),
-    ] = "none"
-    cylinder: Annotated[
-        CylinderSection | None, value(None, "the cylinder; null: there is none", None)
-    ] = None
+    experiment: Literal[EXPERIMENTS] = value(None, "what is done with the bed", "drag")
+    box_width: Positive = value(
+        "m", "width of the box; its height follows from packing.fraction or packing.pressure"
+    )
+    periodic: Literal["none", "x", "y", "xy"] = value(
+        None, "sides along which the box repeats itself", "none", "none"
+    )
+    cylinder: CylinderSection | None = value(None, "the cylinder; null: there is none", None, None)
     packing: PackingSection
     material: MaterialSection
     friction: FrictionSection
-    gravity: Annotated[NotNegative, value("m s-2", "gravity, downwards")] = 0.0
+    gravity: NotNegative = value("m s-2", "gravity, downwards", 0.0)
     ellipse: EllipseSection = EllipseSection()
-    shapes: Annotated[dict[Label, ShapeSection], Field(min_length=1)]
-    beside: Annotated[
-        str | None, value(None, "folder of the files of shapes of your own; that of this file")
-    ] = None
-    record: Annotated[RecordSection | None, value(None, "what is recorded", None)] = None
-    shear: Annotated[ShearSection | None, value(None, "how the bed is sheared", None)] = None
+    shapes: dict[Label, ShapeSection] = Field(min_length=1)
+    beside: str | None = value(
+        None, "folder of the files of shapes of your own; that of this file", None
+    )
+    record: RecordSection | None = value(None, "what is recorded", None, None)
+    shear: ShearSection | None = value(None, "how the bed is sheared", None, None)
     numerics: NumericsSection = NumericsSection()
 
     @model_validator(mode="after")
@@ -256,9 +250,9 @@ class Configuration(Section):
 class OwnSection(Section):
     """What a run has beside the values of its configuration."""
 
-    shape: Annotated[str, value(None, "label of the shape of its granules")]
-    density: Annotated[Positive, value("kg m-3", "density of its granules")]
-    seed: Annotated[Seed, value("1", "seed of its random bed")]
+    shape: str = value(None, "label of the shape of its granules")
+    density: Positive = value("kg m-3", "density of its granules")
+    seed: Seed = value("1", "seed of its random bed")
 
 
 class Replicate:

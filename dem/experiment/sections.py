@@ -14,34 +14,27 @@ NO_BITS = "describes values, which are part of what a run is known by"
 
 
 class CylinderSection(Section):
-    diameter: Annotated[Positive, value("m", "diameter of the cylinder")]
-    velocity: Annotated[Positive, value("m s-1", "velocity of the cylinder, upwards")]
-    start: Annotated[
-        Positive, value("1", "height of the cylinder's axis over the height of the box", lt=1)
-    ]
-    stroke: Annotated[Positive, value("m", "distance over which the cylinder is drawn")]
+    diameter: Positive = value("m", "diameter of the cylinder")
+    velocity: Positive = value("m s-1", "velocity of the cylinder, upwards")
+    start: Positive = value("1", "height of the cylinder's axis over the height of the box", lt=1)
+    stroke: Positive = value("m", "distance over which the cylinder is drawn")
 
 
 class PackingSection(Section):
-    fraction: Annotated[
-        Positive | None, value("1", "packing fraction; none: packing.pressure is given", lt=1)
-    ] = None
-    size_spread: Annotated[
-        Number, value("1", "diameters are uniform within +- this share", ge=0, lt=1)
-    ]
-    friction: Annotated[
-        NotNegative, value("1", "friction of all contacts while the bed is packed")
-    ] = 0.0
-    pressure: Annotated[
-        Positive | None,
-        value(
-            "Pa", "pressure on the top wall, which holds it; none: packing.fraction is given", None
-        ),
-    ] = None
-    preparation: Annotated[
-        Literal["relaxed", "grown"],
-        value(None, "how granules grow: energy minimised, or in motion", "relaxed"),
-    ] = "relaxed"
+    fraction: Positive | None = value(
+        "1", "packing fraction; none: packing.pressure is given", None, lt=1
+    )
+    size_spread: NotNegative = value("1", "diameters are uniform within +- this share", lt=1)
+    friction: NotNegative = value("1", "friction of all contacts while the bed is packed", 0.0)
+    pressure: Positive | None = value(
+        "Pa",
+        "pressure on the top wall, which holds it; none: packing.fraction is given",
+        None,
+        None,
+    )
+    preparation: Literal["relaxed", "grown"] = value(
+        None, "how granules grow: energy minimised, or in motion", "relaxed", "relaxed"
+    )
 
     @model_validator(mode="after")
     def _check(self):
@@ -52,56 +45,45 @@ class PackingSection(Section):
                 f"fraction is {self.fraction:g} and pressure {self.pressure:g} Pa; one follows from "
                 "the other, make one of them null"
             )
-        if self.pressure is not None and self.friction > 0.0:
+        if self.pressure is not None and (self.friction or self.preparation != "relaxed"):
             raise ValueError(
-                f"friction is {self.friction:g}; a bed that is packed under a pressure is packed "
-                "without friction, make it 0"
-            )
-        if self.pressure is not None and self.preparation != "relaxed":
-            raise ValueError(
-                f"preparation is {self.preparation}; a bed that is packed under a pressure is relaxed, "
-                "leave it out"
+                f"friction is {self.friction:g} and preparation {self.preparation}; a bed that is packed "
+                "under a pressure is relaxed without friction, leave both out"
             )
         return self
 
 
 class MaterialSection(Section):
-    young_modulus: Annotated[Positive, value("Pa", "Young's modulus")]
-    poisson_ratio: Annotated[Number, value("1", "Poisson's ratio", gt=-1, le=0.5)]
-    restitution: Annotated[Number, value("1", "coefficient of restitution", ge=1e-3, le=1)]
-    thickness: Annotated[
-        Positive | None, value("m", "thickness out of the plane; none: mean diameter")
-    ] = None
+    young_modulus: Positive = value("Pa", "Young's modulus")
+    poisson_ratio: Number = value("1", "Poisson's ratio", gt=-1, le=0.5)
+    restitution: Number = value("1", "coefficient of restitution", ge=1e-3, le=1)
+    thickness: Positive | None = value("m", "thickness out of the plane; none: mean diameter", None)
 
 
 class FrictionSection(Section):
-    granule: Annotated[NotNegative, value("1", "friction between granules")]
-    wall: Annotated[NotNegative, value("1", "friction at the walls")]
-    cylinder: Annotated[NotNegative, value("1", "friction at the cylinder")]
-    stiffness: Annotated[Positive, value("1", "stiffness of tangential springs over Mindlin's")] = (
-        1.0
-    )
+    granule: NotNegative = value("1", "friction between granules")
+    wall: NotNegative = value("1", "friction at the walls")
+    cylinder: NotNegative = value("1", "friction at the cylinder")
+    stiffness: Positive = value("1", "stiffness of tangential springs over Mindlin's", 1.0)
 
 
 class ShearSection(Section):
-    inertial_number: Annotated[
-        Positive,
-        value("1", "inertial number: rate of shear times sqrt(mass / (pressure thickness))"),
-    ]
-    pressure: Annotated[Positive, value("Pa", "pressure on the lid")]
-    settle: Annotated[NotNegative, value("1", "least strain before anything is measured")]
-    strain: Annotated[Positive, value("1", "strain while it is measured")]
-    samples: Annotated[Whole, value("1", "samples over this strain", ge=2, le=100_000)]
+    inertial_number: Positive = value(
+        "1", "inertial number: rate of shear times sqrt(mass / (pressure thickness))"
+    )
+    pressure: Positive = value("Pa", "pressure on the lid")
+    settle: NotNegative = value("1", "least strain before anything is measured")
+    strain: Positive = value("1", "strain while it is measured")
+    samples: Whole = value("1", "samples over this strain", ge=2, le=100_000)
 
 
 class EllipseSection(Section):
-    contact: Annotated[
-        Literal["common_normal", "geometric_potential"],
-        value(None, "how a contact of ellipses is found"),
-    ] = "common_normal"
-    curvature: Annotated[
-        Literal["volume", "local"], value(None, "radius of ellipses in Hertz's law")
-    ] = "volume"
+    contact: Literal["common_normal", "geometric_potential"] = value(
+        None, "how a contact of ellipses is found", "common_normal"
+    )
+    curvature: Literal["volume", "local"] = value(
+        None, "radius of ellipses in Hertz's law", "volume"
+    )
 
 
 def _observables(names):
@@ -112,16 +94,12 @@ def _observables(names):
 
 
 class RecordSection(Section):
-    bins: Annotated[Whole, value("1", "bins over the stroke", ge=1, le=100_000)]
-    window: Annotated[
-        tuple[NotNegative, Positive], value("m", "displacements of the mean drag's window")
-    ]
-    snapshots: Annotated[Whole, value("1", "snapshots of all granules", ge=2, le=10_000)]
+    bins: Whole = value("1", "bins over the stroke", ge=1, le=100_000)
+    window: tuple[NotNegative, Positive] = value("m", "displacements of the mean drag's window")
+    snapshots: Whole = value("1", "snapshots of all granules", ge=2, le=10_000)
     observables: Annotated[
-        tuple[Literal[tuple(OBSERVABLES)], ...],
-        BeforeValidator(_observables),
-        value(None, "what is recorded", min_length=1),
-    ] = ("drag", "snapshots")
+        tuple[Literal[tuple(OBSERVABLES)], ...], BeforeValidator(_observables)
+    ] = value(None, "what is recorded", ("drag", "snapshots"), min_length=1)
 
     @model_validator(mode="after")
     def _check(self):
@@ -136,16 +114,10 @@ class RecordSection(Section):
 
 
 class NumericsSection(Section):
-    step_fraction: Annotated[Positive, value("1", "time step over the critical one", le=10)] = 0.5
-    allow_unstable: Annotated[
-        bool, value("1", "whether steps beyond the critical one are taken")
-    ] = False
-    time_step: Annotated[
-        Positive | None, value("s", "time step; none: from the bed's stiffness")
-    ] = None
-    max_overlap: Annotated[
-        Positive, value("1", "overlap over the smaller radius that stops", le=1.5)
-    ] = 1.2
+    step_fraction: Positive = value("1", "time step over the critical one", 0.5, le=10)
+    allow_unstable: bool = value("1", "whether steps beyond the critical one are taken", False)
+    time_step: Positive | None = value("s", "time step; none: from the bed's stiffness", None)
+    max_overlap: Positive = value("1", "overlap over the smaller radius that stops", 1.2, le=1.5)
 
     @model_validator(mode="after")
     def _check(self):
@@ -166,16 +138,12 @@ def _kind(name):
 
 
 class ShapeSection(Section):
-    kind: Annotated[
-        str,
-        BeforeValidator(_kind),
-        value(None, "kind of granule, or file and class of your own, such as stones.Stone"),
-    ]
-    diameter: Annotated[Positive, value("m", "mean volume diameter of the granules")]
-    granules: Annotated[Whole, value("1", "number of granules", ge=1, le=10_000_000)]
-    aspect_ratio: Annotated[Number | None, value("1", "length over width of a granule", ge=1)] = (
-        None
+    kind: Annotated[str, BeforeValidator(_kind)] = value(
+        None, "kind of granule, or file and class of your own, such as stones.Stone"
     )
+    diameter: Positive = value("m", "mean volume diameter of the granules")
+    granules: Whole = value("1", "number of granules", ge=1, le=10_000_000)
+    aspect_ratio: Number | None = value("1", "length over width of a granule", None, ge=1)
 
     @model_validator(mode="after")
     def _check(self):

@@ -40,7 +40,7 @@ class Derive(Section):
 
     derive: Literal["equal_distance", "equal_load"]
     shape: str | None = None  # that is compared with; the run's own if absent
-    friction: Annotated[NotNegative, value("1", "friction of beds that were grown")] = 0.0
+    friction: NotNegative = value("1", "friction of beds that were grown", 0.0)
 
 
 class Axis(NamedTuple):

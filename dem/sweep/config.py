@@ -14,7 +14,7 @@ from pydantic import AfterValidator, Field, model_validator
 from dem.base.errors import InputError
 from dem.base.files import atomic
 from dem.base.hints import choice, meant
-from dem.base.schema import Label, Number, Positive, Section, Whole, validated, value
+from dem.base.schema import Label, NotNegative, Positive, Section, Whole, validated, value
 from dem.base.sources import ROOT
 from dem.base.yaml_file import read
 from dem.experiment.config import Configuration
@@ -59,33 +59,27 @@ Blocks = Annotated[
 
 
 class CaseSection(Section):
-    shape: Annotated[Label, value(None, "label of a shape")]
-    density: Annotated[Positive, value("kg m-3", "density of the granules")]
+    shape: Label = value(None, "label of a shape")
+    density: Positive = value("kg m-3", "density of the granules")
 
 
 class Sweep(Configuration):
     """A configuration file: values, tables of shapes and cases, what varies, and where it goes."""
 
-    title: Annotated[str, value(None, "title of the sweep, for figures and files")] = (
-        "Slow drag of a cylinder through a bed of granules"
+    title: str = value(
+        None, "title of files and figures", "Slow drag of a cylinder through a bed of granules"
     )
-    results: Annotated[
-        str,
-        AfterValidator(_folder),
-        value(None, "folder of all results, such as results/mine"),
-    ]
-    chunk: Annotated[Whole, value("1", "runs per file of the store", ge=1, le=10_000)] = 10
-    failures: Annotated[Number, value("1", "share of runs that may fail", ge=0, lt=1)] = 0.0
-    cases: Annotated[dict[Label, CaseSection], value(None, "shapes with a density, by label")] = (
-        Field(default_factory=dict)
+    results: Annotated[str, AfterValidator(_folder)] = value(
+        None, "folder of all results, such as results/mine"
     )
-    sweep: Annotated[dict[str, Any], value(None, "what varies, by key", min_length=1)]
-    figures: Annotated[
-        list[str] | None, value(None, "figures to draw; null: all that the runs suffice for")
-    ] = None
-    studies: Annotated[str, value(None, "name of the sweep in the folder of each study")] = (
-        "sweep.yaml"
+    chunk: Whole = value("1", "runs per file of the store", 10, ge=1, le=10_000)
+    failures: NotNegative = value("1", "share of runs that may fail", 0.0, lt=1)
+    cases: dict[Label, CaseSection] = value(None, "shapes with a density, by label", {})
+    sweep: dict[str, Any] = value(None, "what varies, by key", min_length=1)
+    figures: list[str] | None = value(
+        None, "those to draw; null: all that the runs suffice for", None
     )
+    studies: str = value(None, "name of the sweep in the folder of each study", "sweep.yaml")
 
     @model_validator(mode="after")
     def _check_cases(self):
