@@ -38,11 +38,13 @@ def open_lazily(path: Path):
         is_sealed(path)
         try:
             dataset = xr.open_dataset(path, engine="netcdf4")
-        except (OSError, ValueError, RuntimeError) as error:
-            hint = "is it cut off, damaged, or another file?"
-            raise InputError(
-                f"{path}: it is not a readable netCDF file ({error}); {hint}"
-            ) from None
+        except (OSError, ValueError, RuntimeError):
+            why = "it is cut off, damaged or another file: make it again, or copy it again"
+            if Path(path).suffix in (".yaml", ".yml"):
+                why = (
+                    f"it is a configuration: make its results with dem sweep {path}, and name those"
+                )
+            raise InputError(f"{path}: it is not a readable netCDF file; {why}.") from None
         with dataset:
             yield dataset
 
