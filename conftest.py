@@ -20,8 +20,8 @@ from PIL import Image
 
 import dem
 from dem import shapes
-from dem.experiment.config import ShapeSection
 from dem.experiment.fit import height_of_box, sample_diameters
+from dem.experiment.sections import ShapeSection
 from dem.sweep.config import load
 
 # Compiling takes seconds, so no deadlines; the same examples each time, so no surprises.

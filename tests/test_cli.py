@@ -25,6 +25,7 @@ from typer.testing import CliRunner
 
 from conftest import posix
 from dem.base.errors import InputError, RunError
+from dem.base.hints import is_written
 from dem.cli import terminal
 from dem.cli.app import app
 from dem.cli.streams import spelled
@@ -32,7 +33,6 @@ from dem.cli.terminal import bar, reported
 from dem.figures import film
 from dem.io import progress
 from dem.io.progress import Stage
-from dem.sweep.hints import is_written
 
 ROOT = Path(__file__).parent.parent
 RUN = (
@@ -145,10 +145,10 @@ SMOKE = ("--config", "config/smoke.yaml")
         (("simulate", *SMOKE, "--shape", "c1", "--density", "3900", "--seed", "1", "shape=d1", "-o", "OUT"), "write --shape d1"),
         (("simulate", *SMOKE, "--shape", "C1", "--density", "3900", "--seed", "1", "-o", "OUT"), "the nearest is c1"),
         (("simulate", *SMOKE, "--shape", "c1", "--density", "3900", "--seed", "1", "box_width=8mm", "-o", "OUT"), "write 0.008, in m"),
-        (("simulate", *SMOKE, "--shape", "c1", "--density", "3900", "--seed", "1", "gravity=1,2,3", "-o", "OUT"), "as a list, [1, 2, 3], under `sweep:`"),
+        (("simulate", *SMOKE, "--shape", "c1", "--density", "3900", "--seed", "1", "gravity=1,2,3", "-o", "OUT"), "it must be a number; write the number alone, in m s-2"),
         (("combine", *SMOKE, "--block", "drg", "-o", "OUT"), "the nearest is drag"),
-        (("figure", "13", "config/smoke.yaml", "-o", "OUT"), "the nearest is figure13"),
-        (("pack", *SMOKE, "--shape", "c1", "--seed", "1", "cylinder.speed=1", "-o", "OUT"), "the nearest is cylinder.velocity"),
+        (("figure", "13", "config/smoke.yaml", "-o", "OUT"), "the names are figure07, figure08"),
+        (("pack", *SMOKE, "--shape", "c1", "--seed", "1", "cylinder.speed=1", "-o", "OUT"), "there are cylinder.diameter, cylinder.velocity"),
         (("store", "point=0"), "'point=0' names no value of a run; write PATH=VALUE, such as shape=c1"),
         (("film", "docs/data/drag.nc", "-o", "OUT.avi"), "it must be the path of a file that ends in .mp4 or .gif"),
         (("figure", "figure07", "docs/data/flow.nc", "-o", "OUT"), "docs/data/flow.nc: it holds no drag; name docs/data/drag.nc instead."),
@@ -160,7 +160,7 @@ SMOKE = ("--config", "config/smoke.yaml")
         (("compile", "--config", "confg/smoke.yaml"), "there is no folder confg"),
         (("figure", "sweep", "studies/onset/onset.nc", "-o", "OUT"), "runs of the experiment onset have no drag; draw them with dem figure onset studies"),
         (("report", "studies/shear/shear.nc", "-o", "OUT.html"), "runs of the experiment shear have no drag"),
-        (("pack", *SMOKE, "--shape", "c1", "--seed", "1", "record.window=[1,2]", "-o", "OUT"), "record.window is '[1,2]'; set it in a configuration"),
+        (("pack", *SMOKE, "--shape", "c1", "--seed", "1", "record.window=[1,2]", "-o", "OUT"), "record.window is no value that can vary"),
         (("pack", *SMOKE, "--shape", "c1", "--seed", "1", "-o", "OUT.txt"), "it must end in .nc"),
         (("chunk", "zz", "-o", "OUT"), "there is no such plan; start the sweep again"),
         (("pack", "--config", "q.yaml\n", "--shape", "c1", "--seed", "1", "-o", "OUT"), r"config is 'q.yaml\n'; its name"),
@@ -186,7 +186,7 @@ def test_a_file_that_is_cut_off_is_said_to_be(tmp_path):
     cut.write_bytes((ROOT / "docs/data/drag.nc").read_bytes()[:2000])
     result = CliRunner().invoke(app, ["info", str(cut)])
     assert result.exit_code == 2
-    assert "is cut off or damaged: make it again, or copy it again." in result.stderr
+    assert "is cut off, damaged or another file: make it again, or copy it again." in result.stderr
     assert "dem info" not in result.stderr
 
 

@@ -201,7 +201,6 @@ MISTAKES = {
     "dem.State(...)": lambda: simulate(state=PLACES),
     "the nearest is friction": lambda: dem.run_experiment(SMOKE | {"frction": {"granule": 0.1}}),
     "`friction: {granule: ...}`": lambda: dem.run_experiment(SMOKE | {"friction.granule": 0.1}),
-    "the nearest is seed": lambda: dem.run_experiment(SMOKE | {"seeds": 1}),
     "the nearest is c1": lambda: dem.run_experiment(SMOKE | {"shape": "C1"}),
     "write 0.008, in m": lambda: dem.run_experiment(SMOKE | {"box_width": "8 mm"}),
     "the nearest is config/smoke.yaml": lambda: dem.load_sweep("config/smoek.yaml"),

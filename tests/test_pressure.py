@@ -151,7 +151,10 @@ def test_a_box_too_low_for_the_stroke_is_refused():
             {"packing.fraction": 0.84},
             "fraction is 0.84 and pressure 6e+07 Pa; one follows from the",
         ),
-        ({"packing.friction": 0.3}, "friction is 0.3; a bed that is packed under a pressure"),
+        (
+            {"packing.friction": 0.3},
+            "friction is 0.3 and preparation relaxed; a bed that is packed under a pressure",
+        ),
         ({"periodic": "y"}, "packing.pressure is 6e+07 Pa and periodic y; a pressure needs a top"),
         ({"experiment": "jamming"}, "packing.pressure is 6e+07; the experiment jamming takes none"),
         ({"packing.pressure": 0.0}, "packing.pressure is 0.0; it must be positive"),

@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from dem.base.errors import InputError
+from dem.base.hints import choice, is_written, meant
 from dem.experiment.config import Replicate, of_values
 from dem.experiment.motion import Motion
 from dem.io.dataset import LABELS, content_of
 from dem.io.lazily import open_lazily
-from dem.sweep.hints import choice, is_written, meant
 from dem.sweep.store import Store
 
 if TYPE_CHECKING:

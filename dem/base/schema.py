@@ -2,8 +2,9 @@
 
 import math
 import re
+from collections.abc import Iterator
 from contextlib import suppress
-from typing import Annotated
+from typing import Annotated, Any, get_args
 
 from pydantic import (
     AfterValidator,
@@ -11,14 +12,32 @@ from pydantic import (
     BeforeValidator,
     ConfigDict,
     Field,
-    PlainSerializer,
+    TypeAdapter,
     ValidationError,
 )
+from pydantic.fields import FieldInfo
+
+from dem.base.errors import InputError
+from dem.base.hints import ELSEWHERE, choice, meant, of_number
+from dem.base.validate import shown
 
 NO_BITS = "checks values, which are part of what a run is known by"
 
 # the bounds keep products of values, and of their squares, finite and above zero
 MOST_NUMBER, LEAST_POSITIVE = 1e15, 1e-15
+MOST = 1_000_000  # seeds of a list, and runs of a block
+SEEDS = 2**31  # beyond all seeds
+NEEDED = object()
+
+
+def value(units: str | None, about: str, default: Any = ..., before=NEEDED, **limits) -> Any:
+    """Description of a value: its units (None: text), what it is, and what it is if it is not given.
+
+    before: of a key that is younger than the first runs, the value at which all is as it was. Runs with
+    it are known by the same name as runs from before. It stays what it is when a default changes.
+    """
+    extra = {"units": units} | ({} if before is NEEDED else {"before": before})
+    return Field(default, description=about, json_schema_extra=extra, **limits)
 
 
 def number(value):
@@ -32,10 +51,10 @@ def number(value):
         raise ValueError("it must be a finite number")
     if not abs(value) <= MOST_NUMBER:  # before an integer of any size is made a float
         raise ValueError(f"its magnitude must be at most {MOST_NUMBER:g}")
-    return value
+    return value + 0  # -0.0 is 0.0
 
 
-def label(value: str) -> str:
+def _label(value: str) -> str:
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_-]{0,31}", value):
         raise ValueError(
             "it must be a label: a letter from A to Z, then letters, digits, - and _, at most 32 in all"
@@ -43,40 +62,20 @@ def label(value: str) -> str:
     return value
 
 
-LONGEST_FOLDER = 200  # characters: systems take 255 for a name, some 260 for a whole path
-
-
-def _folder(value: str) -> str:
-    if not re.fullmatch(r"results(/[A-Za-z0-9][A-Za-z0-9._-]*)*", value):
-        raise ValueError(
-            "it must be results or a folder below it, such as results/mine, named by letters from A to Z, "
-            "digits, ., _ and -"
-        )
-    if len(value) > LONGEST_FOLDER:
-        raise ValueError(f"it must have at most {LONGEST_FOLDER} characters")
-    return value
-
-
-MOST = 1_000_000  # seeds of a list, and runs of a block
-SEEDS = 2**31  # beyond all seeds
-
-
 def seeds_of(value):
     """A list as it is; words such as "1 to 100, 205" as the seeds that they name."""
     if not isinstance(value, str):
-        return value
+        return value if isinstance(value, list) else [value]
     found = []
     for words in value.split(","):
         ends = re.fullmatch(r"\s*0*(\d+)(?:\s+to\s+0*(\d+))?\s*", words)
         if not ends:
             raise ValueError("it must be a list of whole numbers, or words such as 1 to 100, 205")
         first, last = (int(end[: len(str(SEEDS)) + 1]) for end in (ends[1], ends[2] or ends[1]))
-        if max(first, last) >= SEEDS:
-            raise ValueError(f"each must be less than {SEEDS}")
-        if first > last:
-            raise ValueError("each part must run from less to more")
-        if last - first >= MOST - len(found):
-            raise ValueError(f"it must name at most {MOST:,} seeds")
+        if not first <= last < SEEDS or last - first >= MOST - len(found):
+            raise ValueError(
+                f"each part must run from less to more, below {SEEDS}, and all name at most {MOST:,} seeds"
+            )
         found += range(first, last + 1)
     return found
 
@@ -93,18 +92,12 @@ def seed_words(seeds) -> str:
 
 
 Number = Annotated[float, BeforeValidator(number)]
+Factor = Annotated[int | float, BeforeValidator(number)]  # a whole number stays one
 Positive = Annotated[Number, Field(ge=LEAST_POSITIVE)]
 NotNegative = Annotated[Number, Field(ge=0)]
 Whole = Annotated[int, Field(strict=True)]
-Label = Annotated[str, AfterValidator(label)]
-Folder = Annotated[str, AfterValidator(_folder)]
 Seed = Annotated[Whole, Field(ge=0, lt=SEEDS)]
-Seeds = Annotated[
-    tuple[Seed, ...],
-    Field(min_length=1),
-    BeforeValidator(seeds_of),
-    PlainSerializer(seed_words, return_type=str),
-]
+Label = Annotated[str, AfterValidator(_label)]
 
 
 class Section(BaseModel):
@@ -113,73 +106,116 @@ class Section(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, validate_default=True)
 
 
+def section_of(annotation) -> type[BaseModel] | None:
+    """The section that an annotation is, or has in it."""
+    return next((p for p in _parts(annotation) if issubclass(p, BaseModel)), None)
+
+
+def _parts(annotation, kind: type = type) -> Iterator:
+    """What an annotation is made of, as far as it is of a kind."""
+    if isinstance(annotation, kind) and not get_args(annotation):
+        yield annotation
+    for each in get_args(annotation):
+        yield from _parts(each, kind)
+
+
 MOST_SENTENCES = 20
-
-
-def sentences(source: str, error: ValidationError) -> str:
-    """One sentence a fault of what a file holds, of very many the first and how many more there are."""
-    faults = list(dict.fromkeys(_sentence(source, e) for e in error.errors() if not _follows(e)))
-    if len(faults) > MOST_SENTENCES:
-        more = len(faults) - MOST_SENTENCES
-        faults[MOST_SENTENCES:] = [f"{source}: and {more} more fault{'s' * (more > 1)}."]
-    return "\n".join(faults)
-
-
-def _follows(error) -> bool:
-    """Whether a list or group is called too short only because what it holds is wrong."""
-    return error["type"] == "too_short" and len(error["input"]) >= error["ctx"]["min_length"]
-
-
-_WORDS = {
-    "input should be": "it must be",
-    "a valid tuple": "a list",
-    "a valid list": "a list",
-    "a valid integer": "a whole number without a point",
-    "a valid string": "text",
-    "a valid dictionary": "a group of keys",
-}
-# by pydantic's type of error: words that hold for every type of value
-_BOUNDS = {
-    "greater_than": "it must be greater than {gt:.10g}",
-    "greater_than_equal": "it must be at least {ge:.10g}",
-    "less_than": "it must be less than {lt:.10g}",
-    "less_than_equal": "it must be at most {le:.10g}",
-    "too_short": "it must have at least {min_length} items",
-    "too_long": "it must have at most {max_length} items",
-    "dict_type": "it must be a group of keys",
-    "model_type": "it must be a group of keys",
-}
-_PLAINER = {
-    "it must be at least 0": "it must be zero or positive",
-    f"it must be at least {LEAST_POSITIVE:g}": f"it must be positive, at least {LEAST_POSITIVE:g}",
-    "it must have at least 1 items": "it must not be empty",
+# by pydantic's type of error: what a value must do
+MUST = {
+    "greater_than": "be greater than {gt:.10g}",
+    "greater_than_equal": "be at least {ge:.10g}",
+    "less_than": "be less than {lt:.10g}",
+    "less_than_equal": "be at most {le:.10g}",
+    "too_short": "have {min_length} or more",
+    "too_long": "have {max_length} or fewer",
+    "int_type": "be a whole number without a point",
+    "string_type": "be text",
+    "literal_error": "be {expected}",
+    **dict.fromkeys(("tuple_type", "list_type"), "be a list"),
+    **dict.fromkeys(("dict_type", "model_type"), "be a group of keys"),
 }
 
 
-def _sentence(source, error) -> str:
-    parts = [text if text.isprintable() else repr(text) for text in map(str, error["loc"])]
-    key = ".".join(part for part in parts if not part.startswith(("function-", "[key]")))
-    message = error["msg"].removeprefix("Value error, ").rstrip(".")
-    if error["type"] == "missing":
-        return f"{source}: {key} is missing."
-    if error["type"] == "extra_forbidden":
-        return f"{source}: {key} is not a known key."
-    if error["type"] == "value_error" and isinstance(error["input"], dict | BaseModel):
-        return f"{source}: {key + ': ' if key else ''}{message}."
-    if error["type"] in _BOUNDS:
-        message = _BOUNDS[error["type"]].format(**error.get("ctx", {}))
-        message = _PLAINER.get(message, message)
-    else:
-        message = message[0].lower() + message[1:].split(" or instance of")[0]
-        for theirs, ours in _WORDS.items():
-            message = message.replace(theirs, ours)
-    return f"{source}: {key or 'the whole'} is {_shown(error['input'])}; {message}."
+def validated(kind: Any, data, source: str = "", at: str = "", field: FieldInfo | None = None):
+    """Data as a section, or another type, takes them; raises InputError with one sentence a fault.
 
-
-def _shown(value) -> str:
-    """A value as text that fits into a sentence."""
+    source: goes before each sentence; at: the key of the data; field: describes them.
+    """
+    one = kind if hasattr(kind, "validate_python") else TypeAdapter(kind)
     try:
-        text = repr(value)
-    except ValueError:  # Python writes no integer of more than 4,300 digits
-        return "a number of thousands of digits"
-    return text if len(text) <= 60 else text[:57] + "..."
+        return one.validate_python(data)
+    except ValidationError as error:
+        faults = error.errors()
+    told = [_sentence(each, at, kind, field) for each in faults if not _follows(each)]
+    told = [f"{source}: {each}" if source else each for each in dict.fromkeys(told)]
+    if more := len(told[MOST_SENTENCES:]):
+        told[MOST_SENTENCES:] = [f"{source}: and {more} more fault{'s' * (more > 1)}."]
+    raise InputError("\n".join(told))
+
+
+def _follows(fault) -> bool:
+    """Whether a list or group is called too short only because what it holds is wrong."""
+    return fault["type"] == "too_short" and len(fault["input"]) >= fault["ctx"]["min_length"]
+
+
+def _sentence(fault, at: str, section, field: FieldInfo | None) -> str:
+    """What is wrong, and what to write instead, from an error of pydantic."""
+    kind, given, limits = fault["type"], fault["input"], fault.get("ctx", {})
+    place = [each for each in map(str, fault["loc"]) if not each.startswith(("function-", "[key]"))]
+    for name in place:
+        section = section_of(field.annotation) or section if field else section
+        field = getattr(section, "model_fields", {}).get(name, field)
+    inner = section_of(field.annotation) if field else section
+    key = ".".join(filter(None, (at, *(p if p.isprintable() else repr(p) for p in place))))
+    if kind == "missing":
+        return f"{key} is missing{_about(field)}."
+    if kind == "extra_forbidden":
+        keys, (group, _, last) = section.model_fields, place[-1].partition(".")
+        hint = (ELSEWHERE.get(group) if "sweep" in keys else "") or choice(group, keys)
+        if last and group in keys:
+            hint = f"; write it in its group, `{group}: {{{last}: ...}}`"
+        return f"{key} is not a known key{hint}."
+    if kind == "value_error" and isinstance(given, dict | BaseModel) and inner:
+        return f"{key + ': ' if key else ''}{limits['error']}."
+    said = f"{key or 'the whole'} is {shown(given)}"
+    if kind == "value_error":
+        return f"{said}; {limits['error']}{_instead(given, field, '' if at else key)}."
+    if kind in MUST:
+        must = MUST[kind].format(**limits)
+    else:
+        must = fault["msg"].partition("should ")[2].partition(" or instance of")[0]
+    hint = ""
+    if kind == "too_short" and limits["min_length"] == 1:
+        must = "not be empty"
+    elif kind == "greater_than_equal" and limits["ge"] == LEAST_POSITIVE:
+        must = f"be positive, at least {LEAST_POSITIVE:g}"
+    elif kind == "less_than" and limits["lt"] == 1 and isinstance(given, int | float):
+        hint = f"; write {given / 100:.10g} for {given:g} %" if 1 < given <= 100 else ""
+    elif kind == "literal_error" and field:
+        hint = meant(given, _parts(field.annotation, str))
+    elif kind == "model_type" and inner:
+        hint = f"; its keys are {', '.join(inner.model_fields)}"
+    return f"{said}; it must {must}{hint}."
+
+
+def _about(field: FieldInfo | None) -> str:
+    """What a value is."""
+    if not field or not field.description:
+        return ""
+    units = units_of(field)
+    return f"; it is the {field.description}{f' ({units})' if units else ''}"
+
+
+def units_of(field: FieldInfo) -> str | None:
+    """Units of a value, "1" for none; None of what is no number."""
+    extra = field.json_schema_extra
+    return extra.get("units") if isinstance(extra, dict) else None
+
+
+def _instead(given, field: FieldInfo | None, key: str) -> str:
+    """How to write a number that is given in another way."""
+    if not field or not (units := units_of(field)):
+        return ""
+    if isinstance(given, list) and key:
+        return f"; to vary it, write `{key}: {shown(given)}` under `sweep:`"
+    return of_number(given, units)

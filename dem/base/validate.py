@@ -60,7 +60,7 @@ def shown(value: Any) -> str:
     try:
         words = " ".join(repr(value).split())
     except Exception:  # a whole number of too many digits, for one
-        return f"a {type(value).__name__}"
+        return f"a value of type {type(value).__name__}"
     return words if len(words) <= 60 else words[:57] + "..."
 
 

@@ -11,8 +11,8 @@ from dem.cli.terminal import bar
 
 def draw_figure(name: str, data: Path, output: Path | None, figures: dict) -> None:
     """Draw one of some figures into a folder, figures/ beside the data if none is given."""
+    from dem.base.hints import meant
     from dem.figures.catalogue import draw
-    from dem.sweep.hints import meant
 
     names = [*sorted(figures), "all"]
     if name not in names:

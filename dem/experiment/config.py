@@ -6,37 +6,47 @@ refuses values that cannot be simulated with one sentence per fault, which names
 
 import hashlib
 import json
-import math
 from collections.abc import Iterable
-from difflib import get_close_matches
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin
+from typing import Any, Literal, NamedTuple, get_origin
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, Field, ValidationError, model_validator
-from pydantic_core import PydanticKnownError
+from pydantic import BaseModel, Field, model_validator
+from pydantic.fields import FieldInfo
 
 from dem.base.constants import described
 from dem.base.errors import InputError
+from dem.base.hints import choice
 from dem.base.provenance import compilers
 from dem.base.schema import (
-    SEEDS,
+    NEEDED,
     Label,
     NotNegative,
-    Number,
     Positive,
     Section,
-    Whole,
-    number,
-    sentences,
+    Seed,
+    section_of,
+    units_of,
+    validated,
+    value,
 )
 from dem.base.sources import code_hash
 from dem.experiment.fit import check_room
-from dem.experiment.observables import OBSERVABLES
-from dem.shapes import KINDS, Kind, kind_of
-from dem.shapes.outside import is_outside, resolved
+from dem.experiment.sections import (
+    CylinderSection,
+    EllipseSection,
+    FrictionSection,
+    MaterialSection,
+    NumericsSection,
+    PackingSection,
+    RecordSection,
+    ShapeSection,
+    ShearSection,
+)
+from dem.shapes import Kind, kind_of
+from dem.shapes.outside import resolved
 
 NO_BITS = "reads values, which are part of what a run is known by"
 
@@ -48,241 +58,52 @@ SECTIONS = {
     name: tuple(kind for kind, own in KINDS_OF_EXPERIMENT.items() if name in own["SECTIONS"])
     for name in ("cylinder", "record", "shear")
 }
+UNREAD = ("beside", "shapes", "record.window")  # by runs; of the shapes, each reads its own
+# what a bed depends on, beside its shape and how densely it is packed
+OF_BED = (
+    "box_width", "periodic", "cylinder.diameter", "cylinder.start", "packing.size_spread",
+    "packing.preparation",
+)  # fmt: skip
+PACKED = "packing.fraction", "packing.friction"
+PRESSED_BY = (
+    "packing.pressure", "material.young_modulus", "material.poisson_ratio", "material.thickness",
+)  # fmt: skip
 
 
-NEEDED = object()
-
-
-def value(units: str | None, about: str, before=NEEDED, **limits):
-    """Description of a value: its units (None: text) and what it is.
-
-    before: of a key that is younger than the first runs, the value at which all is as it was. Runs with
-    it are known by the same name as runs from before. It stays what it is when a default changes.
-    """
-    extra = {"units": units} | ({} if before is NEEDED else {"before": before})
-    return Field(description=about, json_schema_extra=extra, **limits)
-
-
-def known_by(section: BaseModel, without: Iterable[str] = ()) -> dict:
-    """Values of a section that a run is known by: all but those that are as before there was the key."""
+def known_by(section: BaseModel, model: type[BaseModel], head: str = "") -> dict[str, Any]:
+    """Values by path that a run is known by: all but those that are as before there was the key."""
     found = {}
-    for name, field in type(section).model_fields.items():
-        value = getattr(section, name)
-        if name not in without and value != (field.json_schema_extra or {}).get("before", NEEDED):
-            found[name] = known_by(value) if isinstance(value, BaseModel) else value
+    for name, field in model.model_fields.items():
+        own, extra = getattr(section, name), field.json_schema_extra or {}
+        if isinstance(own, BaseModel):
+            found |= known_by(own, type(own), f"{head}{name}.")
+        elif own != extra.get("before", NEEDED):
+            found[head + name] = own
     return found
-
-
-class CylinderSection(Section):
-    diameter: Annotated[Positive, value("m", "diameter of the cylinder")]
-    velocity: Annotated[Positive, value("m s-1", "velocity of the cylinder, upwards")]
-    start: Annotated[
-        Positive, value("1", "height of the cylinder's axis over the height of the box", lt=1)
-    ]
-    stroke: Annotated[Positive, value("m", "distance over which the cylinder is drawn")]
-
-
-class PackingSection(Section):
-    fraction: Annotated[
-        Positive | None, value("1", "packing fraction; none: packing.pressure is given", lt=1)
-    ] = None
-    size_spread: Annotated[
-        Number, value("1", "diameters are uniform within +- this share", ge=0, lt=1)
-    ]
-    friction: Annotated[
-        NotNegative, value("1", "friction of all contacts while the bed is packed")
-    ] = 0.0
-    pressure: Annotated[
-        Positive | None,
-        value(
-            "Pa", "pressure on the top wall, which holds it; none: packing.fraction is given", None
-        ),
-    ] = None
-    preparation: Annotated[
-        Literal["relaxed", "grown"],
-        value(None, "how granules grow: energy minimised, or in motion", "relaxed"),
-    ] = "relaxed"
-
-    @model_validator(mode="after")
-    def _check(self):
-        if self.fraction is None and self.pressure is None:
-            raise ValueError("fraction is missing; give it, or a pressure in its place")
-        if self.fraction is not None and self.pressure is not None:
-            raise ValueError(
-                f"fraction is {self.fraction:g} and pressure {self.pressure:g} Pa; one follows from "
-                "the other, make one of them null"
-            )
-        if self.pressure is not None and self.friction > 0.0:
-            raise ValueError(
-                f"friction is {self.friction:g}; a bed that is packed under a pressure is packed "
-                "without friction, make it 0"
-            )
-        if self.pressure is not None and self.preparation != "relaxed":
-            raise ValueError(
-                f"preparation is {self.preparation}; a bed that is packed under a pressure is relaxed, "
-                "leave it out"
-            )
-        return self
-
-
-class MaterialSection(Section):
-    young_modulus: Annotated[Positive, value("Pa", "Young's modulus")]
-    poisson_ratio: Annotated[Number, value("1", "Poisson's ratio", gt=-1, le=0.5)]
-    restitution: Annotated[Number, value("1", "coefficient of restitution", ge=1e-3, le=1)]
-    thickness: Annotated[
-        Positive | None, value("m", "thickness out of the plane; none: mean diameter")
-    ] = None
-
-
-class FrictionSection(Section):
-    granule: Annotated[NotNegative, value("1", "friction between granules")]
-    wall: Annotated[NotNegative, value("1", "friction at the walls")]
-    cylinder: Annotated[NotNegative, value("1", "friction at the cylinder")]
-    stiffness: Annotated[Positive, value("1", "stiffness of tangential springs over Mindlin's")] = (
-        1.0
-    )
-
-
-class ShearSection(Section):
-    inertial_number: Annotated[
-        Positive,
-        value("1", "inertial number: rate of shear times sqrt(mass / (pressure thickness))"),
-    ]
-    pressure: Annotated[Positive, value("Pa", "pressure on the lid")]
-    settle: Annotated[NotNegative, value("1", "least strain before anything is measured")]
-    strain: Annotated[Positive, value("1", "strain while it is measured")]
-    samples: Annotated[Whole, value("1", "samples over this strain", ge=2, le=100_000)]
-
-
-class EllipseSection(Section):
-    contact: Annotated[
-        Literal["common_normal", "geometric_potential"],
-        value(None, "how a contact of ellipses is found"),
-    ] = "common_normal"
-    curvature: Annotated[
-        Literal["volume", "local"], value(None, "radius of ellipses in Hertz's law")
-    ] = "volume"
-
-
-def _observables(names):
-    """Each name once, in the order of the registry, so that the order makes no other run."""
-    if isinstance(names, list | tuple) and all(name in OBSERVABLES for name in names):
-        return tuple(name for name in OBSERVABLES if name in names)
-    return names
-
-
-class RecordSection(Section):
-    bins: Annotated[Whole, value("1", "bins over the stroke", ge=1, le=100_000)]
-    window: Annotated[
-        tuple[NotNegative, Positive], value("m", "displacements of the mean drag's window")
-    ]
-    snapshots: Annotated[Whole, value("1", "snapshots of all granules", ge=2, le=10_000)]
-    observables: Annotated[
-        tuple[Literal[tuple(OBSERVABLES)], ...],
-        BeforeValidator(_observables),
-        value(None, "what is recorded", min_length=1),
-    ] = ("drag", "snapshots")
-
-    @model_validator(mode="after")
-    def _check(self):
-        if not self.window[0] < self.window[1]:
-            raise ValueError(f"window {list(self.window)} must run from less to more")
-        if self.bins % (self.snapshots - 1):
-            raise ValueError(
-                f"bins ({self.bins}) must be a multiple of snapshots - 1 ({self.snapshots - 1}), "
-                "so that every snapshot falls on the end of a bin"
-            )
-        return self
-
-
-class NumericsSection(Section):
-    step_fraction: Annotated[Positive, value("1", "time step over the critical one", le=10)] = 0.5
-    allow_unstable: Annotated[
-        bool, value("1", "whether steps beyond the critical one are taken")
-    ] = False
-    time_step: Annotated[
-        Positive | None, value("s", "time step; none: from the bed's stiffness")
-    ] = None
-    max_overlap: Annotated[
-        Positive, value("1", "overlap over the smaller radius that stops", le=1.5)
-    ] = 1.2
-
-    @model_validator(mode="after")
-    def _check(self):
-        if self.step_fraction >= 1.0 and not self.allow_unstable:
-            raise ValueError(
-                f"step_fraction is {self.step_fraction:g}; it must be less than 1, or "
-                "allow_unstable be true"
-            )
-        return self
-
-
-def _kind(name):
-    """A kind of the package, or the class of a file, which is looked up where a file is read."""
-    if name in tuple(KINDS) or is_outside(name):
-        return name
-    *others, last = map(repr, KINDS)
-    raise PydanticKnownError("literal_error", {"expected": f"{', '.join(others)} or {last}"})
-
-
-class ShapeSection(Section):
-    kind: Annotated[
-        str,
-        BeforeValidator(_kind),
-        value(None, "kind of granule, or file and class of your own, such as stones.Stone"),
-    ]
-    diameter: Annotated[Positive, value("m", "mean volume diameter of the granules")]
-    granules: Annotated[Whole, value("1", "number of granules", ge=1, le=10_000_000)]
-    aspect_ratio: Annotated[Number | None, value("1", "length over width of a granule", ge=1)] = (
-        None
-    )
-
-    @model_validator(mode="after")
-    def _check(self):
-        natural = KINDS[self.kind].aspect_ratio if self.kind in KINDS else None
-        if natural is None and self.aspect_ratio is None:
-            raise ValueError(f"aspect_ratio is missing; kind {self.kind} needs one")
-        if natural and self.aspect_ratio not in (None, natural):
-            raise ValueError(
-                f"aspect_ratio is {self.aspect_ratio:g}; a {self.kind} always has {natural:g}, "
-                "leave it out"
-            )
-        return self
-
-    @property
-    def ratio(self) -> float:
-        """Length over width."""
-        return self.aspect_ratio or KINDS[self.kind].aspect_ratio
 
 
 class Configuration(Section):
     """All values that a run can read."""
 
-    experiment: Annotated[Literal[EXPERIMENTS], value(None, "what is done with the bed")] = "drag"
-    box_width: Annotated[
-        Positive,
-        value(
-            "m", "width of the box; its height follows from packing.fraction or packing.pressure"
-        ),
-    ]
-    periodic: Annotated[
-        Literal["none", "x", "y", "xy"],
-        value(None, "sides along which the box repeats itself", "none"),
-    ] = "none"
-    cylinder: Annotated[
-        CylinderSection | None, value(None, "the cylinder; null: there is none", None)
-    ] = None
+    experiment: Literal[EXPERIMENTS] = value(None, "what is done with the bed", "drag")
+    box_width: Positive = value(
+        "m", "width of the box; its height follows from packing.fraction or packing.pressure"
+    )
+    periodic: Literal["none", "x", "y", "xy"] = value(
+        None, "sides along which the box repeats itself", "none", "none"
+    )
+    cylinder: CylinderSection | None = value(None, "the cylinder; null: there is none", None, None)
     packing: PackingSection
     material: MaterialSection
     friction: FrictionSection
-    gravity: Annotated[NotNegative, value("m s-2", "gravity, downwards")] = 0.0
+    gravity: NotNegative = value("m s-2", "gravity, downwards", 0.0)
     ellipse: EllipseSection = EllipseSection()
-    shapes: Annotated[dict[Label, ShapeSection], Field(min_length=1)]
-    beside: Annotated[
-        str | None, value(None, "folder of the files of shapes of your own; that of this file")
-    ] = None
-    record: Annotated[RecordSection | None, value(None, "what is recorded", None)] = None
-    shear: Annotated[ShearSection | None, value(None, "how the bed is sheared", None)] = None
+    shapes: dict[Label, ShapeSection] = Field(min_length=1)
+    beside: str | None = value(
+        None, "folder of the files of shapes of your own; that of this file", None
+    )
+    record: RecordSection | None = value(None, "what is recorded", None, None)
+    shear: ShearSection | None = value(None, "how the bed is sheared", None, None)
     numerics: NumericsSection = NumericsSection()
 
     @model_validator(mode="after")
@@ -308,29 +129,24 @@ class Configuration(Section):
         return self
 
     @model_validator(mode="after")
-    def _check_pressure(self):
-        if self.packing.pressure is not None:
-            asked = f"packing.pressure is {self.packing.pressure:g} Pa"
-            if "y" in self.periodic:
-                raise ValueError(
-                    f"{asked} and periodic {self.periodic}; a pressure needs a top wall, let periodic "
-                    "be none or x"
-                )
-        return self
-
-    @model_validator(mode="after")
-    def _check_window(self):
-        if self.record is None or self.cylinder is None:
-            return self
-        if self.record.window[1] > self.cylinder.stroke:
+    def _check_together(self):
+        record, cylinder, pressure = self.record, self.cylinder, self.packing.pressure
+        if pressure is not None and "y" in self.periodic:
             raise ValueError(
-                f"record.window ends at {self.record.window[1]:g} m, beyond cylinder.stroke, "
-                f"{self.cylinder.stroke:g} m"
+                f"packing.pressure is {pressure:g} Pa and periodic {self.periodic}; a pressure needs a "
+                "top wall, let periodic be none or x"
+            )
+        if record is None or cylinder is None:
+            return self
+        if record.window[1] > cylinder.stroke:
+            raise ValueError(
+                f"record.window ends at {record.window[1]:g} m, beyond cylinder.stroke, "
+                f"{cylinder.stroke:g} m"
             )
         if not self.in_window.any():
             raise ValueError(
-                f"record.window {list(self.record.window)} holds no bin; each is "
-                f"{self.cylinder.stroke / self.record.bins:.3g} m wide"
+                f"record.window {list(record.window)} holds no bin; each is "
+                f"{cylinder.stroke / record.bins:.3g} m wide"
             )
         return self
 
@@ -364,38 +180,29 @@ class Configuration(Section):
             raise InputError(f"shapes.{shape}.{error}") from None
 
     @cached_property
-    def _read_by_all(self) -> str:
-        """Values that every run reads, for any shape, as text."""
-        own = set(type(self).model_fields) - set(Configuration.model_fields)
-        found = known_by(self, {"shapes", "beside", "ellipse", "experiment", *own})
-        found.get("record", {}).pop("window", None)
-        return json.dumps(found, sort_keys=True)
-
-    @cached_property
-    def _granules(self) -> dict[str, str]:
-        """Sections of the shapes as text, by label, with the aspect ratio that the kind fixes."""
+    def known(self) -> dict[str, dict[str, Any]]:
+        """The values that a run of each shape is known by, by path, but for density and seed."""
+        known = known_by(self, Configuration).items()
+        own = {path: each for path, each in known if path not in UNREAD}
+        plain = {path: each for path, each in own.items() if not path.startswith("ellipse.")}
         return {
-            label: json.dumps(shape.model_dump() | {"aspect_ratio": shape.ratio})
+            label: (own if shape.kind == "ellipse" else plain)
+            | known_by(shape, ShapeSection, "shape.")
+            | {"shape.aspect_ratio": shape.ratio}
             for label, shape in self.shapes.items()
         }
 
     def replicate(self, shape: str, density: float, seed: int) -> "Replicate":
         """One run; raises InputError if it is impossible."""
+        own = validated(OwnSection, {"shape": shape, "density": density, "seed": seed})
         if shape not in self.shapes:
-            raise InputError(
-                f"shape is {shape!r}; the configuration has "
-                + ", ".join(self.shapes)
-                + f"{nearest(shape.lower(), self.shapes)}."
-            )
-        if not (math.isfinite(density) and density > 0):
-            raise InputError(f"density is {density!r}; it must be a positive number (kg/m3).")
-        if seed < 0:
-            raise InputError(f"seed is {seed}; it must not be negative.")
+            hint = choice(shape, self.shapes)
+            raise InputError(f"shape is {shape!r}; the configuration has no such shape{hint}.")
         try:
             check_room(self, shape, seed)
         except ValueError as error:
             raise InputError(f"{error}.") from None
-        return Replicate(self, shape, density, seed)
+        return Replicate(self, own.shape, own.density, own.seed)
 
     def at(self, path: str):
         """The value at a path; None where there is none."""
@@ -435,13 +242,17 @@ class Configuration(Section):
                     )
             if last in at:
                 at[last] = new
-        source = f"{shape} with {words_of(changes)}" if changes else shape
+        words = ", ".join(f"{path} {new}" for path, new in changes.items())
+        source = f"{shape} with {words}" if changes else shape
         return parse(resolved(data, source), source)
 
 
-def words_of(changes: dict) -> str:
-    """Changed values in words: friction.granule 0.3, box_width 0.02."""
-    return ", ".join(f"{path} {new}" for path, new in changes.items())
+class OwnSection(Section):
+    """What a run has beside the values of its configuration."""
+
+    shape: str = value(None, "label of the shape of its granules")
+    density: Positive = value("kg m-3", "density of its granules")
+    seed: Seed = value("1", "seed of its random bed")
 
 
 class Replicate:
@@ -495,15 +306,7 @@ class Replicate:
 
     def words(self) -> str:
         """The run in words, for sentences."""
-        return f"{self.label} at {density_label(self.density)} kg/m3, seed {self.seed}"
-
-    def _bed(self) -> str:
-        c = self.configuration
-        around = (c.cylinder.diameter, c.cylinder.start) if c.cylinder else ()
-        others = c.packing.size_spread, c.box_width, *around
-        sides = "" if c.periodic == "none" else f" {c.periodic}"
-        made = "" if c.packing.preparation == "relaxed" else f" {c.packing.preparation}"
-        return f"{c._granules[self.label]} {others}{sides}{made}"
+        return f"{self.label} at {self.density:.10g} kg/m3, seed {self.seed}"
 
     @property
     def variant(self) -> str:
@@ -517,6 +320,12 @@ class Replicate:
             motions.add((False, *PRESSED[1:]))
         return f"{self.shape.kind} {c.periodic} {sorted(motions)}"
 
+    def _bed(self, *more: str) -> str:
+        read = (*OF_BED, *more)
+        known = self.configuration.known[self.label].items()
+        bed = {path: own for path, own in known if path in read or path.startswith("shape.")}
+        return json.dumps(bed, sort_keys=True)
+
     @property
     def bed_family(self) -> str:
         """Hash of all that the bed depends on, except packing fraction or pressure, friction and
@@ -525,20 +334,16 @@ class Replicate:
 
     def bed_key(self) -> str:
         """All that the bed depends on, as text."""
-        packing, material = self.configuration.packing, self.configuration.material
-        if packing.pressure is None:
-            return f"{self._bed()} {packing.fraction} {packing.friction} {self.seed}"
-        load = packing.pressure, material.young_modulus, material.poisson_ratio, material.thickness
-        return f"{self._bed()} {load} {self.seed}"
+        pressed = self.configuration.packing.pressure is not None
+        return f"{self._bed(*(PRESSED_BY if pressed else PACKED))} {self.seed}"
 
     def run_key(self) -> str:
         """All that the run depends on, as text."""
         c = self.configuration
         if KINDS_OF_EXPERIMENT[c.experiment].get("BED_ALONE"):
             return f"{c.experiment} {self.bed_key()}"
-        ellipse = c.ellipse if self.shape.kind == "ellipse" else ""
-        own = c._granules[self.label], c._read_by_all, ellipse, self.density, self.seed
-        return " ".join(map(str, own))
+        own = c.known[self.label] | {"density": self.density, "seed": self.seed}
+        return json.dumps(own, sort_keys=True)
 
     @property
     def modules(self) -> tuple[str, ...]:
@@ -577,44 +382,25 @@ def _digest(*texts: str) -> str:
 
 def of_values(data: dict, source: str = "values") -> Replicate:
     """One run from plain groups of values with `shape`, `density` and `seed`; raises InputError."""
-    own = dict(data)
-    try:
-        shape, density, seed = (own.pop(name) for name in ("shape", "density", "seed"))
-    except KeyError as error:
-        raise InputError(f"{source}: {error.args[0]} is missing.") from None
-    if not isinstance(shape, str):
-        raise InputError(f"{source}: shape is {shape!r}; it must be the label of a shape.")
-    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < SEEDS:
-        raise InputError(f"{source}: seed is {seed!r}; it must be a whole number below {SEEDS}.")
-    try:
-        density = float(number(density))
-    except ValueError as error:
-        raise InputError(f"{source}: density is {density!r}; {error}.") from None
-    return parse(own, source).replicate(shape, density, seed)
+    own = {key: data[key] for key in OwnSection.model_fields if key in data}
+    run = validated(OwnSection, own, source)
+    rest = {key: each for key, each in data.items() if key not in own}
+    return parse(rest, source).replicate(run.shape, run.density, run.seed)
 
 
-def density_label(density: float) -> str:
-    """A density (kg/m3) as text for sentences."""
-    return f"{density:.10g}"
-
-
-def parse(data, source: str = "configuration", model: type[Configuration] = Configuration):
+def parse(data, source: str = "configuration") -> Configuration:
     """Values from the content of a file; raises InputError with one sentence per fault."""
-    if not isinstance(data, dict):
-        raise InputError(f"{source}: it must hold keys with values, see config/paper.yaml.")
-    try:
-        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            return model.model_validate(data)
-    except ValidationError as error:
-        raise InputError(sentences(source, error)) from None
+    return validated(Configuration, data, source)
 
 
 class Entry(NamedTuple):
-    """A value that may vary: its path, units (None: a text) and what it is."""
+    """A value that may vary: its path, units (None: a text), what it is, and its description in the
+    schema."""
 
     path: str
     units: str | None
     about: str
+    field: FieldInfo | None = None
 
 
 def entries(shapes: Iterable[str]) -> dict[str, Entry]:
@@ -623,29 +409,14 @@ def entries(shapes: Iterable[str]) -> dict[str, Entry]:
 
     def visit(model, head):
         for name, field in model.model_fields.items():
-            path = head + name
-            if path == "shapes":
+            path, section = head + name, section_of(field.annotation)
+            if get_origin(field.annotation) is dict:
                 for label in shapes:
-                    visit(ShapeSection, f"shapes.{label}.")
-            elif section := section_of(field.annotation):
-                visit(section, path + ".")
+                    visit(section, f"{path}.{label}.")
+            elif section:
+                visit(section, f"{path}.")
             elif path not in ("record.window", "record.observables", "beside"):
-                units = (field.json_schema_extra or {}).get("units")
-                found[path] = Entry(path, units, field.description)
+                found[path] = Entry(path, units_of(field), field.description, field)
 
     visit(Configuration, "")
     return found
-
-
-def section_of(annotation) -> type[BaseModel] | None:
-    """The section that a field holds, or may hold."""
-    if get_origin(annotation) is dict:  # of sections by name
-        return None
-    choices = get_args(annotation) or (annotation,)
-    return next((c for c in choices if isinstance(c, type) and issubclass(c, BaseModel)), None)
-
-
-def nearest(word: str, words: Iterable[str]) -> str:
-    """A hint at the word that was probably meant: "; the nearest is ...", or ""."""
-    close = get_close_matches(str(word), list(words), 1, 0.6)
-    return f"; the nearest is {close[0]}" if close else ""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dem.base.errors import InputError
-from dem.base.remedy import of_missing_file, of_no_result
+from dem.base.hints import of_missing_file
 from dem.io.checksums import is_sealed
 from dem.io.dataset import content_of, is_text
 
@@ -38,9 +38,13 @@ def open_lazily(path: Path):
         is_sealed(path)
         try:
             dataset = xr.open_dataset(path, engine="netcdf4")
-        except (OSError, ValueError, RuntimeError) as error:
-            why = of_no_result(path) or f" ({error})"
-            raise InputError(f"{path}: it is not a readable netCDF file{why}.") from None
+        except (OSError, ValueError, RuntimeError):
+            why = "it is cut off, damaged or another file: make it again, or copy it again"
+            if Path(path).suffix in (".yaml", ".yml"):
+                why = (
+                    f"it is a configuration: make its results with dem sweep {path}, and name those"
+                )
+            raise InputError(f"{path}: it is not a readable netCDF file; {why}.") from None
         with dataset:
             yield dataset
 

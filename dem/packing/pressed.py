@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from dem.base.errors import PackingError
-from dem.dynamics.simulation import Simulation
 from dem.dynamics.contact_list import ContactList, list_contacts
+from dem.dynamics.simulation import Simulation
 from dem.dynamics.world import World
 from dem.packing.grown import DAMPED, FRACTION, greatest_force
 from dem.packing.minimise import Rest, minimise, state_of

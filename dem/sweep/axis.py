@@ -5,21 +5,42 @@ gives factors on the file's own value. Any other name takes named points, each a
 that change together, or a design over ranges.
 """
 
-import re
 from contextlib import suppress
-from typing import Any, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple, NoReturn
+
+from pydantic import TypeAdapter
 
 from dem.base.errors import InputError
-from dem.base.remedy import of_value
-from dem.base.schema import SEEDS, label, number, seeds_of
-from dem.experiment.config import Configuration, Entry, entries
+from dem.base.hints import choice, meant
+from dem.base.schema import (
+    Factor,
+    Label,
+    NotNegative,
+    Section,
+    seeds_of,
+    units_of,
+    validated,
+    value,
+)
+from dem.base.validate import shown
+from dem.experiment.config import Configuration, Entry, OwnSection, entries
 from dem.experiment.observables import OBSERVABLES, module_of
 from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE
-from dem.sweep import derive, design
-from dem.sweep.hints import choice, meant
+from dem.sweep import design
 
-OWN = ("shape", "density", "seed")  # of a run, beside the values of its configuration
+OWN = tuple(OwnSection.model_fields)  # of a run, beside the values of its configuration
+RUNS = {name: Entry(name, units_of(f), "", f) for name, f in OwnSection.model_fields.items()}
+RUNS["case"] = RUNS["shape"]._replace(path="case")  # a row of the table
 POINT = "point of the design"  # long name of an axis that is a design
+
+
+class Derive(Section):
+    """A value that follows from another block's result: the fraction as far from jamming as that of
+    another shape, or the one at its load."""
+
+    derive: Literal["equal_distance", "equal_load"]
+    shape: str | None = None  # that is compared with; the run's own if absent
+    friction: NotNegative = value("1", "friction of beds that were grown", 0.0)
 
 
 class Axis(NamedTuple):
@@ -42,7 +63,7 @@ class Place(NamedTuple):
         """One group deeper."""
         return self._replace(where=f"{self.where}.{key}")
 
-    def refuse(self, words: str):
+    def refuse(self, words: str) -> NoReturn:
         """Raise InputError with the key."""
         raise InputError(f"{self.where} {words}.")
 
@@ -57,110 +78,40 @@ def place_in(sweep: Configuration, where: str) -> Place:
 
 def axis_of(key: str, spec, place: Place) -> Axis:
     """The dimension of a key; raises InputError with the key and the value at fault."""
-    here = place.at(key)
-    if key in READERS:
-        return READERS[key](spec, here)
-    if key in place.paths:
-        found = [_converted(value, place.paths[key], here) for value in _values(key, spec, here)]
-        _once(found, here)
-        return Axis(name_of(key), place.paths[key], found, [{key: each} for each in found])
-    if isinstance(spec, dict) and spec and "design" in spec:
+    here, entry = place.at(key), RUNS.get(key) or place.paths.get(key)
+    if entry:
+        found = _values(spec, entry, here)
+        if key == "case":
+            rows = [(each, place.sweep.cases[each]) for each in found]
+            points = [{"shape": case.shape, "density": case.density} for _, case in rows]
+        else:
+            points = [{key: each} for each in found]
+        return Axis(key if key in RUNS else name_of(key), entry, found, points)
+    if not isinstance(spec, dict) or not spec or not _is_points(spec):
+        hint = meant(key, [*place.paths, *RUNS])
+        raise InputError(f"{place.where}: {key} is no value that can vary{hint}.")
+    validated(Label, key, at=f"a name in {place.where}")
+    if "design" in spec:
         return _design(key, spec, here)
-    if isinstance(spec, dict) and spec and all(isinstance(point, dict) for point in spec.values()):
-        points = [changes(point, here.at(name)) for name, point in spec.items()]
-        names = list(map(str, spec))
-        _once(names, here)
-        about = Entry(key, None, "values that go together")
-        return Axis(_own_name(key, here), about, names, points)
-    shared = "; all runs of a file share it, use another file"
-    hint = shared if _is_shared(key, place) else meant(key, [*place.paths, *READERS])
-    raise InputError(f"{place.where}: {key} is no value that can vary{hint}.")
+    names = list(map(str, spec))
+    _once(names, here)
+    points = [changes(point, here.at(name)) for name, point in spec.items()]
+    return Axis(name_of(key), Entry(key, None, "values that go together"), names, points)
 
 
-def _is_shared(key: str, place: Place) -> bool:
-    """Whether there is a value of this key, but one that all runs of a file share."""
-    at = place.sweep.values()
-    for name in str(key).split("."):
-        at = at.get(name) if isinstance(at, dict) else None
-    return at is not None and not isinstance(at, dict)
-
-
-def _cases(spec, here: Place) -> Axis:
-    labels = _labels(spec, here.sweep.cases, here)
-    cases = [here.sweep.cases[each] for each in labels]
-    points = [{"shape": case.shape, "density": case.density} for case in cases]
-    return Axis("case", Entry("case", None, ""), labels, points)
-
-
-def _shapes(spec, here: Place) -> Axis:
-    labels = _labels(spec, here.sweep.shapes, here)
-    return Axis("shape", Entry("shape", None, ""), labels, [{"shape": each} for each in labels])
-
-
-def _labels(spec, known: dict, here: Place) -> list[str]:
-    """Rows of a table of the file."""
-    labels = list(known) if spec == "all" else _listed(spec, here)
-    _once(labels, here)
-    for each in labels:
-        if each not in known:
-            table = f"{here.where.rpartition('.')[2]}s"
-            here.refuse(f"names {each!r}, which is not one of {table}{choice(each, known)}")
-    return labels
-
-
-def _densities(spec, here: Place) -> Axis:
-    found = [float(_number(value, here, "kg m-3")) for value in _listed(spec, here)]
-    for each in found:
-        if not each > 0.0:
-            here.refuse(f"has {each:g}; it must be positive")
-    _once(found, here)
-    points = [{"density": each} for each in found]
-    return Axis("density", Entry("density", "kg m-3", ""), found, points)
-
-
-def _seeds(spec, here: Place) -> Axis:
-    seeds = _listed(spec, here)
-    try:
-        seeds = list(seeds_of(spec)) if isinstance(spec, str) else seeds
-    except ValueError as error:
-        here.refuse(f"is {spec!r}; {error}{_seed_words(spec)}")
-    for seed in seeds:
-        if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < SEEDS:
-            here.refuse(f"has {seed!r}; a seed is a whole number from 0 to {SEEDS - 1}")
-    _once(seeds, here)
-    seeds = sorted(seeds)
-    return Axis("seed", Entry("seed", "1", ""), seeds, [{"seed": seed} for seed in seeds])
-
-
-def _seed_words(spec: str) -> str:
-    """What a range of seeds is as words: 1-5, 1..5 and 1:5 are 1 to 5."""
-    words = re.sub(r"(?<=\d)\s*(?:-|\u2013|\.\.+|:)\s*(?=\d)", " to ", spec)
-    try:
-        return f"; write {words}" if seeds_of(words) else ""
-    except ValueError:
-        return ""
-
-
-READERS = {"case": _cases, "shape": _shapes, "density": _densities, "seed": _seeds}
+def _is_points(spec: dict) -> bool:
+    return "design" in spec or all(isinstance(point, dict) for point in spec.values())
 
 
 def _design(key: str, spec: dict, here: Place) -> Axis:
     """Points that fill a space of values, each with a seed if the design has a first one."""
     wanted = design.parse(spec, here.where)
     for path in wanted.over:
-        if path not in here.paths:
-            hint = meant(path, here.paths)
-            raise InputError(f"{here.where}.over: {path} is no value that can vary{hint}.")
+        _known(path, here.paths, here.at("over"))
     points = design.points(wanted)
     if wanted.first_seed is not None:
         points = [point | {"seed": wanted.first_seed + k} for k, point in enumerate(points)]
-    return Axis(_own_name(key, here), Entry(key, "1", POINT), list(range(len(points))), points)
-
-
-def _own_name(key: str, here: Place) -> str:
-    """The name of a dimension, with a suffix if a variable has that name."""
-    check_label(key, here.where.rpartition(".")[0])
-    return name_of(key)
+    return Axis(name_of(key), Entry(key, "1", POINT), list(range(len(points))), points)
 
 
 def name_of(path: str) -> str:
@@ -175,105 +126,103 @@ def name_of(path: str) -> str:
 def changes(values, place: Place) -> dict:
     """Values by path, checked; a group is a factor or a derived value."""
     if not isinstance(values, dict):
-        place.refuse(f"is {values!r}; it must be values by path")
+        place.refuse(f"is {shown(values)}; it must be values by path")
     found = {}
-    for path, value in values.items():
-        if path not in place.paths and path not in OWN:
-            hint = meant(path, [*place.paths, *OWN])
-            raise InputError(f"{place.where}: {path} is no value that can vary{hint}.")
+    for path, each in values.items():
         here = place.at(path)
-        if isinstance(value, dict) and set(value) == {"times"} and path in place.paths:
-            value = _values(path, {"times": [value["times"]]}, here)[0]
-        if isinstance(value, dict) and path in place.paths:
-            if "derive" not in value:
-                here.refuse(f"is {value!r}; a group must have derive or times")
-            derive.check(value, path, place.where, place.sweep.shapes)
-        elif path in place.paths:
-            value = _converted(value, place.paths[path], here)
-        else:  # of the run: as an axis of this one value
-            value = READERS[path]([value], here).coordinate[0]
-        found[path] = value
+        if path in OWN:  # of the run: as an axis of this one value
+            found[path] = axis_of(path, [each], place).coordinate[0]
+            continue
+        _known(path, [*place.paths, *OWN], place)
+        if isinstance(each, dict) and set(each) != {"times"}:
+            found[path] = _derived(path, each, here)
+        else:
+            several = isinstance(each, list)
+            found[path] = _values([each] if several else each, place.paths[path], here)[0]
     return found
 
 
-def changes_of_words(configuration: Configuration, words: list[str]) -> dict:
-    """Values by path from words such as friction.granule=0.3; raises InputError."""
-    found, place = {}, place_in(configuration, "values")
-    for word in words:
-        path, equal, value = word.partition("=")
-        if not equal or not value:
-            raise InputError(f"{word!r} is no value; write PATH=VALUE, such as box_width=0.02.")
-        if path in OWN:
-            raise InputError(f"{word!r} is said by an option; write --{path} {value}.")
-        if path not in place.paths:
-            hint = (
-                "set it in a configuration, and name that by --config" if _is_shared(path, place)
-                else f"there is no such value{meant(path, place.paths)}"
-            )  # fmt: skip
-            raise InputError(f"{path} is {value!r}; {hint}.")
-        with suppress(ValueError):
-            value = int(value)
-        found[path] = value
-    return changes(found, place)
+def _known(path, paths, place: Place) -> None:
+    if path not in paths:
+        hint = meant(path, paths)
+        raise InputError(f"{place.where}: {path} is no value that can vary{hint}.")
+
+
+def _derived(path: str, asked: dict, here: Place) -> Derive:
+    """How a value follows from another result."""
+    if path != "packing.fraction":
+        here.refuse("cannot be derived, only packing.fraction")
+    found = validated(Derive, asked, at=here.where)
+    if found.derive == "equal_load" and found.friction:
+        here.refuse(
+            "has a friction; equal_load holds for beds without friction, leave friction out"
+        )
+    if found.shape not in (None, *here.sweep.shapes):
+        here.refuse(f"has the shape {found.shape!r}{choice(found.shape, here.sweep.shapes)}")
+    return found
 
 
 def is_derived(value) -> bool:
     """Whether a value follows from another result."""
-    return isinstance(value, dict)
+    return isinstance(value, Derive)
 
 
-def _values(path: str, spec, here: Place) -> list:
-    """A list of values, also where it is written as factors on the file's value."""
-    if not (isinstance(spec, dict) and set(spec) == {"times"}):
-        return _listed(spec, here)
-    base = here.sweep.values()
-    for name in path.split("."):
-        base = base.get(name) if isinstance(base, dict) else None
-    if isinstance(base, str | bool) or base is None:
-        here.refuse(f"is {base!r}, which has no multiples")
-    return [_number(factor, here) * base for factor in _listed(spec["times"], here)]
+def changes_of_words(configuration: Configuration, words: list[str]) -> dict:
+    """Values by path from words such as friction.granule=0.3; raises InputError."""
+    found = {}
+    for word in words:
+        path, equal, text = word.partition("=")
+        if not equal or not text:
+            raise InputError(f"{word!r} is no value; write PATH=VALUE, such as box_width=0.02.")
+        if path in OWN:
+            raise InputError(f"{word!r} is said by an option; write --{path} {text}.")
+        found[path] = text
+        with suppress(ValueError):
+            found[path] = int(text)
+    return changes(found, place_in(configuration, "values"))
 
 
-def _converted(value, entry: Entry, here: Place):
-    """A value as the schema has it: YAML takes 15e-3 for text."""
-    if value is None or isinstance(value, bool):
-        return value
-    if isinstance(value, list | dict):
-        here.refuse(f"is {value!r}; it must be one value: name a point for each")
-    return value if entry.units is None else _number(value, here, entry.units) + 0  # -0.0 is 0.0
+def _values(spec, entry: Entry, here: Place) -> list:
+    """The values of a list, of one value, of words for seeds, or of factors on the file's value."""
+    tables = {"case": "cases", "shape": "shapes"}
+    known = getattr(here.sweep, tables[entry.path]) if entry.path in tables else None
+    if known is not None and spec == "all":
+        return list(known)
+    if isinstance(spec, dict) and set(spec) == {"times"} and entry.path in here.paths:
+        base, factors = here.sweep.at(entry.path), TypeAdapter(Factor)
+        if isinstance(base, str | bool) or base is None:
+            here.refuse(f"is {base!r}, which has no multiples")
+        given = spec["times"] if isinstance(spec["times"], list) else [spec["times"]]
+        given = [validated(factors, each, at=here.where) * base for each in given]
+    elif entry.path == "seed" and isinstance(spec, str):
+        given = _seeds(spec, here)
+    else:
+        given = spec if isinstance(spec, list) else [spec]
+    if not given or (isinstance(spec, dict) and given == [spec]):
+        factors = ", or factors: {times: [0.5, 2]}" if entry.path in here.paths else ""
+        here.refuse(f"is {shown(spec)}; it must be a list of values{factors}")
+    field = entry.field
+    one = TypeAdapter(Annotated[(field.annotation, field)])
+    found = [validated(one, each, at=here.where, field=field) for each in given]
+    for each in found if known is not None else ():
+        if each not in known:
+            here.refuse(
+                f"is {each!r}, which is not one of {tables[entry.path]}{choice(each, known)}"
+            )
+    _once(found, here)
+    return sorted(found) if entry.path == "seed" else found
 
 
-def _number(value, here: Place, units: str = "1"):
+def _seeds(words: str, here: Place) -> list[int]:
     try:
-        return number(value)
+        return seeds_of(words)
     except ValueError as error:
-        hint = of_value(value, units)
-        raise InputError(f"{here.where} has {value!r}; {error}{hint}.") from None
-
-
-def check_label(name, where: str) -> None:
-    """Raise InputError for a name that no dimension or folder can have."""
-    try:
-        label(name if isinstance(name, str) else "")
-    except ValueError as error:
-        raise InputError(f"{where} has the name {name!r}; {error}.") from None
-
-
-def _listed(spec, here: Place) -> list:
-    """A list that is not empty; one value is a list of one."""
-    found = spec if isinstance(spec, list) else [spec]
-    if not found or isinstance(spec, dict):
-        path = here.where.rpartition(".")[2]
-        factors = ", or factors: {times: [0.5, 2]}" if spec and path not in READERS else ""
-        here.refuse(f"is {spec!r}; it must be a list of values{factors}")
-    return found
+        here.refuse(f"is {words!r}; {error}")
 
 
 def _once(values: list, here: Place) -> None:
     seen = set()
-    for value in values:
-        if not isinstance(value, int | float | str | None):
-            here.refuse(f"has {value!r}; it must be numbers or texts")
-        if value in seen:
-            here.refuse(f"has {value!r} twice; list each once")
-        seen.add(value)
+    for each in values:
+        if each in seen:
+            here.refuse(f"has {each!r} twice; list each once")
+        seen.add(each)

@@ -2,75 +2,104 @@
 
 import json
 import os
+import re
 from functools import cached_property
 from importlib.metadata import files as installed_files
 from pathlib import Path
 from typing import Annotated, Any
 
 import yaml
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from dem.base.errors import InputError
 from dem.base.files import atomic
-from dem.base.schema import Folder, Label, Number, Positive, Section, Whole
+from dem.base.hints import choice, meant
+from dem.base.schema import Label, NotNegative, Positive, Section, Whole, validated, value
 from dem.base.sources import ROOT
-from dem.base.validate import shown
 from dem.base.yaml_file import read
 from dem.experiment.config import Configuration
-from dem.experiment.config import parse as parse_values
 from dem.shapes.outside import placed, resolved
-from dem.sweep.axis import check_label
 from dem.sweep.expand import Block, Derived, expand
-from dem.sweep.hints import meant, remedies
 
 DISTRIBUTION = "granular-drag"
 FOLDERS = ("store", "chunks", "flow", "figures", "logs", "benchmarks")  # of results
 CONFIG = "config.yaml"  # of results, as resolved
 LONGEST_CHAIN = 20  # files that extend one another
 REPLACED = ("sweep",)  # whole, by a file that extends another
+PART = (
+    r"(?!(?:store|chunks)(?:/|$))[A-Za-z0-9][A-Za-z0-9._-]*"  # of the name of a folder of results
+)
+
+
+def _folder(name: str) -> str:
+    if not re.fullmatch(f"results(/{PART})*", name) or len(name) > 200:
+        raise ValueError(  # systems take 255 characters for a name, some 260 for a whole path
+            "it must be results or a folder below it, such as results/mine, but not that of the store, "
+            "named by letters from A to Z, digits, ., _ and -, at most 200 in all"
+        )
+    return name
+
+
+def _block(name: str) -> str:
+    if name in FOLDERS:
+        raise ValueError("it must be no folder of results; rename it")
+    return name
+
+
+def _file_name(name: str) -> str:
+    if not name.isprintable() or max(map(len, name.split("/"))) > 255:
+        raise ValueError("it must be the name of a file")
+    return name
+
+
+FileName = Annotated[str, AfterValidator(_file_name)]
+Blocks = Annotated[
+    dict[Annotated[Label, AfterValidator(_block)], dict[Any, Any]], Field(min_length=1)
+]
 
 
 class CaseSection(Section):
-    shape: Label
-    density: Positive  # kg/m3
+    shape: Label = value(None, "label of a shape")
+    density: Positive = value("kg m-3", "density of the granules")
 
 
 class Sweep(Configuration):
     """A configuration file: values, tables of shapes and cases, what varies, and where it goes."""
 
-    title: str = "Slow drag of a cylinder through a bed of granules"
-    results: Annotated[Folder, Field(description="folder of all results, such as results/mine")]
-    chunk: Annotated[Whole, Field(ge=1, le=10_000)] = 10  # runs per file of the store
-    failures: Annotated[Number, Field(ge=0, lt=1)] = 0.0  # share of runs that may fail
-    cases: dict[Label, CaseSection] = Field(default_factory=dict)
-    sweep: Annotated[dict[str, Any], Field(min_length=1)]
-    figures: list[str] | None = None  # all that the runs suffice for
-    studies: str = "sweep.yaml"  # name of the sweep in the folder of each study
+    title: str = value(
+        None, "title of files and figures", "Slow drag of a cylinder through a bed of granules"
+    )
+    results: Annotated[str, AfterValidator(_folder)] = value(
+        None, "folder of all results, such as results/mine"
+    )
+    chunk: Whole = value("1", "runs per file of the store", 10, ge=1, le=10_000)
+    failures: NotNegative = value("1", "share of runs that may fail", 0.0, lt=1)
+    cases: dict[Label, CaseSection] = value(None, "shapes with a density, by label", {})
+    sweep: dict[str, Any] = value(None, "what varies, by key", min_length=1)
+    figures: list[str] | None = value(
+        None, "those to draw; null: all that the runs suffice for", None
+    )
+    studies: str = value(None, "name of the sweep in the folder of each study", "sweep.yaml")
 
     @model_validator(mode="after")
-    def _check_sweep(self):
-        if set(self.results.split("/")[1:]) & {"store", "chunks"}:
-            raise ValueError(
-                f"results is {self.results!r}; the store is there, name another folder"
-            )
+    def _check_cases(self):
         seen = {}
         for label, case in self.cases.items():
             if case.shape not in self.shapes:
                 raise ValueError(
-                    f"cases.{label}.shape is {case.shape!r}, which is not one of shapes: "
-                    + ", ".join(self.shapes)
-                    + meant(case.shape, self.shapes)
+                    f"cases.{label}.shape is {case.shape!r}, which is not one of shapes"
+                    f"{choice(case.shape, self.shapes)}"
                 )
             twin = seen.setdefault((case.shape, case.density), label)
             if twin != label:
                 raise ValueError(f"cases.{label} repeats cases.{twin}")
-        try:
-            for name in self.blocks:
-                self.needed(name)
-                self.block(name)
-        except InputError as error:
-            raise ValueError(str(error).rstrip(".")) from None
         return self
+
+    def check(self) -> None:
+        """Raise InputError where a block asks for what cannot be."""
+        for name in self.blocks:
+            self.needed(name)
+            self.block(name)
 
     @cached_property
     def _expanded(self) -> dict[str, Block]:
@@ -81,20 +110,9 @@ class Sweep(Configuration):
         """What varies in each block, by its name; a sweep without blocks is one, named drag."""
         if "blocks" not in self.sweep:
             return {"drag": self.sweep}
-        blocks, others = self.sweep["blocks"], set(self.sweep) - {"blocks"}
-        if others:
+        if others := set(self.sweep) - {"blocks"}:
             raise InputError(f"sweep has blocks and {min(others)}; move that into a block.")
-        if not isinstance(blocks, dict) or not blocks:
-            raise InputError("sweep.blocks must be groups of what varies, by name.")
-        for name, block in blocks.items():
-            check_label(name, "sweep.blocks")
-            if name in FOLDERS:
-                raise InputError(f"sweep.blocks has {name!r}, a folder of results; rename it.")
-            if not isinstance(block, dict):
-                raise InputError(
-                    f"sweep.blocks.{name} is {block!r}; it must be a group of what varies."
-                )
-        return blocks
+        return validated(Blocks, self.sweep["blocks"], at="sweep.blocks")
 
     def block(self, name: str, derived: Derived | None = None) -> Block:
         """All runs of a block; raises InputError for impossible runs.
@@ -102,16 +120,17 @@ class Sweep(Configuration):
         derived: gives the values that follow from another block's result; without it, a run has
         the values in the file.
         """
-        if derived is None and name not in self._expanded:
+        if derived is not None:
+            return expand(self, name, self._spec(name), derived)
+        if name not in self._expanded:
             self._expanded[name] = expand(self, name, self._spec(name), None)
-        return expand(self, name, self._spec(name), derived) if derived else self._expanded[name]
+        return self._expanded[name]
 
     def _spec(self, name: str) -> dict:
         """What a file says of a block; raises InputError where there is no such block."""
         if name not in self.blocks:
             raise InputError(
-                f"block is {name!r}; the sweep has {', '.join(self.blocks)}"
-                f"{meant(name, self.blocks)}."
+                f"block is {name!r}; the sweep has no such block{choice(name, self.blocks)}."
             )
         return self.blocks[name]
 
@@ -147,44 +166,34 @@ class Sweep(Configuration):
 
 def parse(data, source: str = "configuration") -> Sweep:
     """Sweep from the content of a file; raises InputError with one sentence per fault."""
-    with remedies(source, Sweep):
-        return parse_values(resolved(extended(data, source), source), source, Sweep)
+    sweep = validated(Sweep, resolved(extended(data, source), source), source)
+    try:
+        sweep.check()
+    except InputError as error:
+        raise InputError(
+            "\n".join(f"{source}: {each}" for each in str(error).splitlines())
+        ) from None
+    return sweep
 
 
-def extended(data, source: str, above: tuple = ()):
+def extended(data, source: str, depth: int = 0):
     """A file's content merged over the file that it extends; raises InputError."""
     data = placed(data, _folder_of(source))
     if not isinstance(data, dict) or "extends" not in data:
         return data
-    name, own = data["extends"], {key: data[key] for key in data if key != "extends"}
-    if not isinstance(name, str) or not name.isprintable():
-        raise InputError(f"{source}: extends is {shown(name)}; it must be the name of a file.")
-    if len(above) >= LONGEST_CHAIN:
+    name = validated(FileName, data["extends"], source, "extends")
+    own = {key: each for key, each in data.items() if key != "extends"}
+    if depth >= LONGEST_CHAIN:
         raise InputError(
-            f"{source}: extends is {shown(name)}; {LONGEST_CHAIN} files extend each other already, write "
-            "fewer."
+            f"{source}: extends is {name!r}; {LONGEST_CHAIN} files extend each other already, write fewer."
         )
-    try:
-        path = found(name, Path(source).parent)
-        real = path.resolve()
-    except (
-        OSError,
-        ValueError,
-        RuntimeError,
-    ) as error:  # too long, links in a ring
-        why = (getattr(error, "strerror", None) or str(error)).lower()
-        raise InputError(
-            f"{source}: extends is {shown(name)}; it must be the name of a file ({why})."
-        ) from None
-    if real in above:
-        raise InputError(f"{source}: extends is {name!r}, which extends this file.")
     if "results" not in own:
         raise InputError(
             f"{source}: results is missing{meant('results', own)}; a file that extends another needs a "
             "folder of its own."
         )
-    base = extended(read(path), str(path), (*above, real))
-    return merged(base, own)
+    base = found(name, Path(source).parent)
+    return merged(extended(read(base), str(base), depth + 1), own)
 
 
 def _folder_of(source: str) -> Path:

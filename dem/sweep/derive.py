@@ -8,8 +8,7 @@ import xarray as xr
 from dem.base.errors import InputError
 from dem.experiment.config import Replicate
 from dem.io.lazily import open_lazily
-
-WAYS = ("equal_distance", "equal_load")
+from dem.sweep.axis import Derive
 
 
 class Jamming:
@@ -73,8 +72,8 @@ def derived_by(sweep, paths: list[Path]):
     """Gives the values that a sweep derives from the combined files of other blocks."""
     jamming = jamming_of(paths)
 
-    def value(asked: dict, replicate: Replicate):
-        way, shape = asked["derive"], asked.get("shape", replicate.label)
+    def value(asked: Derive, replicate: Replicate):
+        way, shape, friction = asked.derive, asked.shape or replicate.label, asked.friction
         reference = Replicate(sweep.changed({}, shape), shape, 1.0, 0)
         kinds = replicate.bed_family, reference.bed_family
         # of the block, if it sets one
@@ -83,7 +82,6 @@ def derived_by(sweep, paths: list[Path]):
             raise InputError(
                 f"{way} compares beds of one packing.fraction; {replicate.label} has packing.pressure."
             )
-        friction = asked.get("friction", 0.0)
         try:
             if way == "equal_load":
                 return jamming.at_load(*kinds, fraction)
@@ -96,24 +94,3 @@ def derived_by(sweep, paths: list[Path]):
             ) from None
 
     return value
-
-
-def check(asked: dict, path: str, where: str, shapes) -> None:
-    """Raise InputError for a group that asks for no value that can be derived."""
-    if asked.get("derive") not in WAYS or set(asked) - {"derive", "shape", "friction"}:
-        raise InputError(
-            f"{where}: {path} is {asked!r}; it must be derive ({' or '.join(WAYS)}), and may name a "
-            "shape and a friction."
-        )
-    if asked["derive"] == "equal_load" and "friction" in asked:
-        raise InputError(
-            f"{where}: {path} is {asked!r}; equal_load holds for beds without friction, leave "
-            "friction out."
-        )
-    if path != "packing.fraction":
-        raise InputError(f"{where}: {path} cannot be derived, only packing.fraction.")
-    if "shape" in asked and asked["shape"] not in list(shapes):
-        raise InputError(f"{where}: shape is {asked['shape']!r}; there are {', '.join(shapes)}.")
-    friction = asked.get("friction", 0.0)
-    if isinstance(friction, bool) or not isinstance(friction, int | float) or not friction >= 0.0:
-        raise InputError(f"{where}: friction is {friction!r}; it must be a number, 0 or more.")

@@ -3,11 +3,9 @@
 import warnings
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, Field, ValidationError, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
-from dem.base.errors import InputError
-from dem.base.schema import Number, Section, Seed, Whole, number
-from dem.sweep.hints import told
+from dem.base.schema import Number, Section, Seed, Whole, number, validated
 
 DRAWS = 20  # hypercubes, of which the one of the lowest discrepancy is taken
 MANY = 5_000  # points from which that takes too long, and one is drawn
@@ -81,10 +79,7 @@ class Design(Section):
 
 def parse(spec: dict, where: str) -> Design:
     """A design as a file says it; raises InputError."""
-    try:
-        return Design.model_validate(spec)
-    except ValidationError as error:
-        raise InputError(told(where, error, Design)) from None
+    return validated(Design, spec, at=where)
 
 
 def points(wanted: Design) -> list[dict]:

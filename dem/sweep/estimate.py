@@ -10,6 +10,7 @@ import numpy as np
 from rich.table import Table
 
 from dem.base.errors import InputError
+from dem.base.hints import is_number, is_written, meant
 from dem.experiment.config import Replicate, entries, of_values
 from dem.io.dataset import read
 from dem.io.progress import span
@@ -17,7 +18,6 @@ from dem.sweep import chunk as making
 from dem.sweep import design
 from dem.sweep.axis import OWN
 from dem.sweep.config import Sweep
-from dem.sweep.hints import is_number, is_written, meant
 from dem.sweep.store import Store
 from dem.sweep.why import reasons
 from dem.sweep.work import Work

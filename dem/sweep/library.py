@@ -7,12 +7,10 @@ import numpy as np
 import xarray as xr
 
 from dem.base.errors import InputError
-from dem.experiment.config import Configuration, of_values
+from dem.experiment.config import of_values
 from dem.io.dataset import AXES, LABELS, attributes, global_attributes
 from dem.shapes.outside import placed, resolved
-from dem.sweep.axis import OWN
 from dem.sweep.config import extended, load
-from dem.sweep.hints import remedies
 
 
 def load_sweep(path: str | Path) -> Iterator[dict]:
@@ -81,8 +79,7 @@ def run_experiment(values: dict) -> xr.Dataset:
     >>> found["drag"].dims, found["drag"].attrs["units"]
     (('displacement',), 'N')
     """
-    with remedies("values", Configuration, *OWN):
-        replicate = of_values(resolved(placed(_whole(values), Path()), "values"))
+    replicate = of_values(resolved(placed(_whole(values), Path()), "values"))
     own = replicate.configuration
     experiment = own.module
     found = experiment.run(replicate)

@@ -1,43 +1,26 @@
-"""Values that another unit was probably meant for: mm/s for m/s, MPa for Pa."""
+"""Velocities that another unit was probably meant for: mm/s for m/s, MPa for Pa."""
 
-import numpy as np
+import math
 
 from dem.sweep.work import Work
 
 FASTEST = 0.1  # of the velocity of sound, beyond which a bed is shocked rather than sheared
-SPARSEST = 1.0  # inertial number, beyond which a bed is no dense flow
 
 
 def unusual(work: Work) -> list[str]:
-    """Velocities so high that another unit was probably meant, one sentence each: of the fastest run
-    over the velocity of sound, and of the highest inertial number where the pressure is known."""
-    sound, inertia = (0.0, ""), (0.0, "")
-    for replicate in {
-        (id(run.replicate.configuration), run.replicate.density): run.replicate
-        for name in work.sweep.blocks for run in work.block(name).runs
-    }.values():  # fmt: skip
-        own, density = replicate.configuration, replicate.density
-        if own.experiment == "shear":
-            number = own.shear.inertial_number
-            inertia = max(inertia, (number, f"shear.inertial_number is {number:g}"))
-        if own.experiment != "drag":
-            continue
-        speed, drawn = np.sqrt(own.material.young_modulus / density), own.cylinder.velocity
-        words = (
-            f"cylinder.velocity is {drawn:g} m/s, {drawn / speed:.2g} of the velocity of sound in a "
-            f"granule, sqrt(material.young_modulus / density) = {speed:.4g} m/s"
-        )
-        sound = max(sound, (drawn / speed, words))
-        if (load := own.packing.pressure) is not None:
-            time = replicate.shape.diameter * np.sqrt(density / load)
-            number = drawn / own.cylinder.diameter * time
-            words = (
-                f"cylinder.velocity is {drawn:g} m/s and packing.pressure is {load:g} Pa, an inertial "
-                f"number of {number:.2g}"
-            )
-            inertia = max(inertia, (number, words))
+    """A sentence of the fastest run, where its cylinder is so fast that another unit was probably meant."""
+    found = {}
+    for run in (run.replicate for name in work.sweep.blocks for run in work.block(name).runs):
+        own = run.configuration
+        if own.experiment == "drag":
+            sound = math.sqrt(own.material.young_modulus / run.density)
+            found[own.cylinder.velocity / sound] = own.cylinder.velocity, sound
+    share = max(found, default=0.0)
+    if share <= FASTEST:
+        return []
+    velocity, sound = found[share]
     return [
-        f"Warning: {words}; it should be below {limit:g}. Are all values in SI units?"
-        for (found, words), limit in ((sound, FASTEST), (inertia, SPARSEST))
-        if found > limit
+        f"Warning: cylinder.velocity is {velocity:g} m/s, {share:.2g} of the velocity of sound in a granule, "
+        f"sqrt(material.young_modulus / density) = {sound:.4g} m/s; it should be below {FASTEST:g}. Are all "
+        "values in SI units?"
     ]

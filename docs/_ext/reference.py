@@ -7,8 +7,9 @@ import typer
 from typer.cli import get_docs_for_click
 
 from dem.analysis.flow.layout import VARIABLES as FLOW
+from dem.base.schema import section_of
 from dem.cli.app import app
-from dem.experiment.config import SECTIONS, Configuration, ShapeSection, section_of
+from dem.experiment.config import SECTIONS, Configuration
 from dem.experiment.kinds import jamming, onset, shear
 from dem.experiment.observables import OBSERVABLES, module_of
 from dem.io import dataset
@@ -43,8 +44,8 @@ def configuration() -> str:
             parts.append(f"## {name}\n")
             if name in SECTIONS:
                 parts.append(f"Only for the experiment {' and '.join(SECTIONS[name])}.\n")
-            parts.append(_table(HEADS, _values(section, f"{name}.")))
-    parts += ["## shapes\n", _table(HEADS, _values(ShapeSection, "shapes.LABEL."))]
+            label = "LABEL." if name == "shapes" else ""
+            parts.append(_table(HEADS, _values(section, f"{name}.{label}")))
     return "\n".join(parts)
 
 
@@ -60,7 +61,7 @@ def _values(section, head: str) -> list[tuple[str, ...]]:
     """Rows of a table: key, unit, default and meaning of each value of a section."""
     rows = []
     for name, field in section.model_fields.items():
-        if section_of(field.annotation) or name == "shapes":
+        if section_of(field.annotation):
             continue
         units = (field.json_schema_extra or {}).get("units") or ""
         default = "required" if field.is_required() else _word(field.default)

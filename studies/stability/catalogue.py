@@ -3,10 +3,9 @@
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
-from dem.base.errors import InputError
-from dem.base.schema import Label, NotNegative, Positive, Section, Whole, sentences
+from dem.base.schema import Label, NotNegative, Positive, Section, Whole, validated
 from dem.base.yaml_file import read
 
 RAN = "ran"
@@ -95,7 +94,4 @@ class Catalogue(Section):
 
 def load(path: Path) -> Catalogue:
     """The catalogue in a YAML file; raises InputError."""
-    try:
-        return Catalogue.model_validate(read(path))
-    except ValidationError as error:
-        raise InputError(sentences(str(path), error)) from None
+    return validated(Catalogue, read(path), str(path))

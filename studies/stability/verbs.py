@@ -25,8 +25,8 @@ STABILITY, CATALOGUE = (
 def _script(part: str, config, catalogue, shape, output, shapes, work) -> None:
     """Make one part for one shape; work(study, sweep, cases, update) returns its variables."""
     start_lean()
+    from dem.base.hints import meant
     from dem.sweep.config import load
-    from dem.sweep.hints import meant
     from studies.common.table import write_part
     from studies.stability import study
     from studies.stability.catalogue import load as load_catalogue

@@ -9,11 +9,12 @@ import numpy as np
 from dem.contacts.force_law import effective_modulus
 from dem.dynamics.result import Record
 from dem.experiment.bed import cylinder, diameters, make_bed, thickness
-from dem.experiment.config import Configuration, EllipseSection, Replicate
+from dem.experiment.config import Configuration, Replicate
 from dem.experiment.motion import Motion
 from dem.experiment.observables import module_of
 from dem.experiment.resume import Going, read_checkpoint, stacked, write_checkpoint
 from dem.experiment.scene import start
+from dem.experiment.sections import EllipseSection
 from dem.io.dataset import OF_RUN, WALLS
 from dem.packing.random import Bed
 
