@@ -169,7 +169,7 @@ GOOD = {
     "picture": {"file": "rep.nc", "--displacement": "0.001", "--color": "layer", "-o": "new.png"},
     "export": {"file": "rep.nc", "-o": "new"},
     "figure": {"name": "figure13", "file": "drag.nc", "-o": "new"},
-    "report": {"file": "drag.nc", "--flow": "flow.nc", "--notes": "open.md", "-o": "new.html"},
+    "report": {"file": "drag.nc", "--notes": "open.md", "-o": "new.html"},
     "film": {"file": "rep.nc", "--color": "speed", "-o": "new.gif"},
     "compile": {"--config": "q.yaml", "--shape": "c1"},
 }  # fmt: skip
@@ -845,8 +845,7 @@ def a_tampered_file(rng, folder):
             _relabelled(folder / name)
     else:
         _edit(
-            folder
-            / (options["file"] if rng.random() < 0.8 or "--flow" not in options else "flow.nc"),
+            folder / (options["file"] if rng.random() < 0.8 or verb != "report" else "flow.nc"),
             rng,
         )
     result = command(folder, words(verb, options), options.get("-o"))

@@ -3,7 +3,6 @@
 import re
 import shutil
 from contextlib import chdir
-from pathlib import Path
 
 import meshio
 import numpy as np
@@ -16,14 +15,12 @@ from typer.testing import CliRunner
 import dem
 from conftest import STIFF, assert_not_blank
 from dem.analysis.flow.collect import write_flow
-from dem.analysis.flow.layout import MEASURES
 from dem.analysis.flow.verdict import compared
 from dem.analysis.one_run import open_run, read_motion
 from dem.base.errors import InputError
 from dem.cli.app import app
 from dem.experiment import flow_measures as measures
 from dem.experiment.observables import flow as observable
-from dem.figures.catalogue import draw
 from dem.figures.export import export
 from dem.figures.film import encoder, film, picture
 from dem.report.info import summary
@@ -223,27 +220,6 @@ def test_a_run_that_is_gone_or_was_not_watched_is_named(swept, tmp_path):
     made(tmp_path, sweep={"case": ["c1"], "seed": 1}, record={"observables": ["drag"]})
     with pytest.raises(InputError, match="add snapshots to record"):
         read_motion(tmp_path / "results/drag.nc", [])
-
-
-def test_beds_of_some_shapes_are_those_of_the_whole(tmp_path):
-    """A part of flow.nc, which does not wait for the rest, draws the same figure."""
-    work = made(tmp_path, flow=True, sweep={"case": ["c1", "d1", "e3", "c12"], "seed": [1, 2]})
-    with chdir(tmp_path / "results"):
-        for path in Path("flow").iterdir():  # of the ellipses nothing is there
-            with xr.open_dataset("chunks/" + path.name) as chunk:
-                if "e3" in chunk["shape"].values:
-                    path.unlink()
-    with chdir(tmp_path):
-        write_flow(work, "drag", Path("part.nc"), shapes=("c1", "d1", "c2"))
-        with xr.open_dataset("part.nc") as part, xr.open_dataset("results/flow.nc") as whole:
-            assert part["case"].values.tolist() == ["c1", "d1"]
-            for name in (*MEASURES, "bed_x", "bed_height", "bed_cylinder_y"):
-                np.testing.assert_array_equal(part[name], whole[name].sel(case=["c1", "d1"]))
-        draw("figure09", Path("part.nc"), Path("figures"))
-        files = Path("figures/figure09.png"), Path("results/figures/figure09.png")
-        assert files[0].read_bytes() == files[1].read_bytes()
-        with pytest.raises(InputError, match="shape is zz; the runs at 3900 kg/m3 have c1, d1, e3"):
-            write_flow(work, "drag", Path("none.nc"), shapes=("zz",))
 
 
 def test_verdicts_of_known_flows():

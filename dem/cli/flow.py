@@ -41,10 +41,6 @@ def flow(
     block: Annotated[
         str | None, typer.Option(help="Block of the sweep; the first if absent.")
     ] = None,
-    shape: Annotated[
-        list[str] | None,
-        typer.Option(help="Combine this shape alone, at the first density; may be repeated."),
-    ] = None,
     shapes: ShapesOption = None,
 ):
     """Measure how irregularly beds move, for one file of runs or combined for a whole sweep.
@@ -65,7 +61,7 @@ def flow(
 
     work = Work.of(config)
     with bar("combining", 1.0) as update:
-        write_flow(work, block or next(iter(work.sweep.blocks)), output, update, shape or ())
+        write_flow(work, block or next(iter(work.sweep.blocks)), output, update)
 
 
 def film(

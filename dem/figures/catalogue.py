@@ -24,7 +24,6 @@ class Drawn(NamedTuple):
     axes: dict
     recorded: tuple
     variables: tuple
-    part: str
 
     @property
     def module(self) -> str:
@@ -53,7 +52,6 @@ def figures_of(package: str, folder: Path) -> dict[str, Drawn]:
         name: Drawn(
             name, package, own["FILE"], own["CAPTION"], own.get("CASES"),
             own.get("AXES", {}), own.get("RECORDED", (own["FILE"],)), own.get("VARIABLES", ()),
-            own.get("PART", ""),
         )
         for name, own in described(Path(folder) / "figures", "CAPTION").items()
     }  # fmt: skip
@@ -96,11 +94,6 @@ def _sizes(axes: dict[str, int], labels: dict[str, tuple]) -> dict[str, int]:
         if len(own) == 1:
             found[own[0]] = size
     return found
-
-
-def parts_of(figures: dict[str, Drawn]) -> dict[str, tuple[str, ...]]:
-    """Shapes of the parts of flow.nc that suffice for some figures, by name."""
-    return {each.part: each.cases["any"] for each in figures.values() if each.part}
 
 
 def drawable(folder: Path, figures: dict[str, Drawn] = FIGURES) -> list[str]:

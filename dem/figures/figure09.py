@@ -5,7 +5,6 @@ from dem.figures import snapshots, style
 FILE = "flow"
 CAPTION = "Beds of discs, dumbbells and small discs, the granules ahead of the cylinder shaded"
 CASES = {"any": ("c1", "d1", "c2")}
-PART = "round"
 RECORDED = ("snapshots",)
 VARIABLES = ("bed_x",)
 TITLE = "Granules ahead of the cylinder (shaded) are pushed up and aside"

@@ -5,7 +5,6 @@ from dem.figures import snapshots, style
 FILE = "flow"
 CAPTION = "Beds of discs, dumbbells and small discs in layers"
 CASES = {"any": ("c1", "d1", "c2")}
-PART = "round"
 RECORDED = ("snapshots",)
 VARIABLES = ("bed_x",)
 TITLE = "Layers before, half-way through and after the stroke"

@@ -5,7 +5,6 @@ from dem.figures import snapshots, style
 FILE = "flow"
 CAPTION = "Beds of ellipses, the granules ahead of the cylinder shaded"
 CASES = {"any": ("e1", "e2", "e3")}
-PART = "ellipses"
 RECORDED = ("snapshots",)
 VARIABLES = ("bed_x",)
 TITLE = "Ellipses ahead of the cylinder (shaded) are pushed up and aside"

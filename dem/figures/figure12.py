@@ -5,7 +5,6 @@ from dem.figures import snapshots, style
 FILE = "flow"
 CAPTION = "Beds of ellipses in layers"
 CASES = {"any": ("e1", "e2", "e3")}
-PART = "ellipses"
 RECORDED = ("snapshots",)
 VARIABLES = ("bed_x",)
 TITLE = "Layers of ellipses before, half-way through and after the stroke"

@@ -4,7 +4,7 @@ If the runs do not record the measures, they are computed from the snapshots, ch
 """
 
 import json
-from collections.abc import Container, Iterable, Iterator
+from collections.abc import Container, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -105,14 +105,9 @@ def make_flow(work: Work, block: str, progress=lambda share: None) -> None:
     write_flow(work, block, Path(work.folder_of(block)) / "flow.nc")
 
 
-def write_flow(
-    work: Work, block: str, output: Path, progress=lambda share: None, shapes: Iterable[str] = ()
-) -> None:
-    """Write flow.nc of a block from its sources; shapes: of these alone, at the first density, which
-    is what a figure of their beds needs."""
+def write_flow(work: Work, block: str, output: Path, progress=lambda share: None) -> None:
+    """Write flow.nc of a block from its sources."""
     found = work.block(block)
-    if shapes:
-        found = found.part(shapes)
 
     def more(file):
         _describe(file, found)
