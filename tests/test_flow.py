@@ -22,7 +22,7 @@ from dem.cli.app import app
 from dem.experiment import flow_measures as measures
 from dem.experiment.observables import flow as observable
 from dem.figures.export import export
-from dem.figures.film import encoder, film, picture
+from dem.figures.film import film, picture
 from dem.report.info import summary
 
 
@@ -259,7 +259,6 @@ def test_films_and_pictures(motion, tmp_path, color, forces):
     assert_not_blank(tmp_path / "bed.png")
 
 
-@pytest.mark.skipif(encoder() is None, reason="there is no ffmpeg")
 def test_a_film_is_a_film(motion, tmp_path):
     """MP4 where there is an encoder."""
     written = film(motion, tmp_path / "bed.mp4", "cluster", False)
@@ -269,7 +268,8 @@ def test_a_film_is_a_film(motion, tmp_path):
 def test_export_for_paraview(results, tmp_path):
     """Polygons with the granules' areas and numbers, a file a snapshot, and one that lists them."""
     motion = read_motion(results / "drag.nc", ["case=e3"])
-    listed = export(motion, tmp_path / "vtk").read_text()
+    export(motion, tmp_path / "vtk/bed.pvd")
+    listed = (tmp_path / "vtk/bed.pvd").read_text()
     assert listed.count("<DataSet") == 13
     mesh = meshio.read(tmp_path / "vtk/bed0012.vtu")
     corners = mesh.cells[0].data
@@ -284,12 +284,12 @@ def test_export_for_paraview(results, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["film", "DRAG", "case=c1", "-o", "bed.avi"], "bed.avi"),
-        (["film", "none.nc", "-o", "bed.mp4"], "none.nc"),
-        (["film", "DRAG", "case=c1", "-o", "bed.mp4", "--color", "mauve"], "mauve"),
-        (["picture", "DRAG", "case=c1", "-o", "bed.txt"], "bed.txt"),
-        (["picture", "DRAG", "-o", "bed.png"], "case=c1"),
-        (["export", "BED", "-o", "vtk"], "holds no runs"),
+        (["draw", "DRAG", "case=c1", "-o", "bed.avi"], "bed.avi"),
+        (["draw", "none.nc", "-o", "bed.mp4"], "none.nc"),
+        (["draw", "DRAG", "case=c1", "-o", "bed.mp4", "--color", "mauve"], "mauve"),
+        (["draw", "DRAG", "case=c1", "-o", "bed.txt"], "bed.txt"),
+        (["draw", "DRAG", "-o", "bed.png"], "case=c1"),
+        (["draw", "BED", "-o", "vtk.pvd"], "holds no runs"),
     ],
 )
 def test_bad_input_is_one_sentence(results, tmp_path, monkeypatch, arguments, words):
@@ -308,6 +308,6 @@ def test_a_run_of_one_file_is_filmed_by_its_name_alone(results, tmp_path):
     (chunk,) = (tmp_path / "results/chunks").glob("*.nc")
     for number, words in enumerate(([chunk], [results / "drag.nc", "case=e3", "seed=1"])):
         output = tmp_path / f"bed{number}.png"
-        ran = CliRunner().invoke(app, ["picture", *map(str, words), "-o", str(output)])
+        ran = CliRunner().invoke(app, ["draw", *map(str, words), "-o", str(output)])
         assert ran.exit_code == 0, ran.output
         assert_not_blank(output)

@@ -1,6 +1,6 @@
 """Figure 10: discs, dumbbells and small discs in layers."""
 
-from dem.figures import snapshots, style
+from dem.figures.snapshots import beds
 
 FILE = "flow"
 CAPTION = "Beds of discs, dumbbells and small discs in layers"
@@ -10,7 +10,6 @@ VARIABLES = ("bed_x",)
 TITLE = "Layers before, half-way through and after the stroke"
 
 
-@style.styled
 def plot(dataset):
     """Three displacements of the first seed of each shape; raises InputError without any."""
-    return snapshots.beds(dataset, CASES["any"], "layers", TITLE)
+    return beds(dataset, CASES["any"], "layers", TITLE)

@@ -1,6 +1,6 @@
 """Figure 11: ellipses of three aspect ratios; the cluster ahead of the cylinder is shaded."""
 
-from dem.figures import snapshots, style
+from dem.figures.snapshots import beds
 
 FILE = "flow"
 CAPTION = "Beds of ellipses, the granules ahead of the cylinder shaded"
@@ -10,7 +10,6 @@ VARIABLES = ("bed_x",)
 TITLE = "Ellipses ahead of the cylinder (shaded) are pushed up and aside"
 
 
-@style.styled
 def plot(dataset):
     """Three displacements of the first seed of each shape; raises InputError without any."""
-    return snapshots.beds(dataset, CASES["any"], "cluster", TITLE)
+    return beds(dataset, CASES["any"], "cluster", TITLE)

@@ -1,6 +1,6 @@
 """Figure 12: ellipses of three aspect ratios in layers."""
 
-from dem.figures import snapshots, style
+from dem.figures.snapshots import beds
 
 FILE = "flow"
 CAPTION = "Beds of ellipses in layers"
@@ -10,7 +10,6 @@ VARIABLES = ("bed_x",)
 TITLE = "Layers of ellipses before, half-way through and after the stroke"
 
 
-@style.styled
 def plot(dataset):
     """Three displacements of the first seed of each shape; raises InputError without any."""
-    return snapshots.beds(dataset, CASES["any"], "layers", TITLE)
+    return beds(dataset, CASES["any"], "layers", TITLE)
