@@ -17,7 +17,7 @@ from conftest import assert_alone, assert_not_blank, places_shown
 from dem.analysis.statistics import summarise
 from dem.base.errors import InputError
 from dem.figures.catalogue import draw, drawable
-from dem.figures.sweep import _is_logarithmic
+from dem.figures.sweep import is_logarithmic
 from dem.report.build import build, section
 from dem.report.info import summary
 from dem.sweep.combine import open_combined
@@ -99,10 +99,10 @@ def test_the_table_of_the_report_holds_the_means(page):
         window = data["drag"].sel(displacement=slice(data.window_start, data.window_stop))
         means = window.mean(("displacement", "seed")).to_series()
     body = page.read_text().partition("<tbody>")[2].partition("</tbody>")[0]
-    rows = dict(re.findall(r"<tr><th[^>]*>(\w+)</th>.*?<b>(\d+)</b>", body, flags=re.S))
-    assert {case: round(mean) for case, mean in means.items()} == {
-        k: int(v) for k, v in rows.items()
-    }
+    rows = {case: cells for case, cells in re.findall(r"<tr><td>(\w+)</td>(.*?)</tr>", body)}
+    assert rows.keys() == set(means.index)
+    for case, mean in means.items():
+        assert f"<td>{mean:.0f}</td>" in rows[case]
 
 
 def test_info_prints_the_mean_and_the_runs_of_each_case(page):
@@ -186,8 +186,8 @@ def test_axes_of_a_sweep_have_names_and_units(swept):
             "shape: c1", "shape: d1"]  # fmt: skip
 
 
-def test_an_axis_is_logarithmic_where_the_design_is(swept):
-    """Also over less than a decade and a half; what is uniform has a linear axis."""
+def test_an_axis_is_logarithmic_where_values_are_far_apart(swept):
+    """As those of a design that is logarithmic over a decade."""
     name, folder = swept
     figure, _, _ = figure_of(folder / "drag.nc")
     scales = {axes.get_xlabel().partition(" (")[0]: axes.get_xscale() for axes in figure.axes}
@@ -199,13 +199,13 @@ def test_an_axis_is_logarithmic_where_the_design_is(swept):
 @pytest.mark.parametrize(
     ("values", "logarithmic"),
     [
-        ([0.5, 1.0, 2.0], True), ([1.0, 2.0, 5.0, 10.0], True), ([0.6, 1.2, 2.4, 6.0], True),
+        ([0.5, 1.0, 2.0], False), ([1.0, 2.0, 5.0, 10.0], True), ([0.6, 1.2, 2.4, 6.0], True),
         ([0.1, 0.3, 0.5], False), ([0.82, 0.84, 0.86], False), ([0.0, 0.1, 1.0], False),
-        ([1.0, 10.0], False), ([1.0, 2.0, 3.0, 4.0], False), ([1.0, 100.0], True),
+        ([1.0, 10.0], True), ([1.0, 2.0, 3.0, 4.0], False), ([1.0, 100.0], True),
     ],
 )  # fmt: skip
-def test_a_list_at_equal_ratios_has_a_logarithmic_axis(values, logarithmic):
-    assert _is_logarithmic(np.array(values)) == logarithmic
+def test_a_list_over_more_than_the_fivefold_has_a_logarithmic_axis(values, logarithmic):
+    assert is_logarithmic(np.array(values)) == logarithmic
 
 
 def test_intervals_are_drawn_whole(swept):
@@ -234,7 +234,7 @@ def test_info_prints_the_mean_of_any_sweep(swept):
             ids = {str(run)[:12] for run in data["run_id"].values.ravel()}
         told = console.file.getvalue()
         rows = re.findall(r"(?m)^ *([0-9a-f]{12}) ", told)
-        assert set(rows) <= ids and (rows or "mean drag within the window" in told)
+        assert rows and set(rows) <= ids
 
 
 def test_a_long_table_says_how_much_is_left_out(swept, monkeypatch):

@@ -7,9 +7,9 @@ CAPTION = "Beds of discs, dumbbells and small discs, the granules ahead of the c
 CASES = {"any": ("c1", "d1", "c2")}
 RECORDED = ("snapshots",)
 VARIABLES = ("bed_x",)
-TITLE = "Granules ahead of the cylinder (shaded) are pushed up and aside"
 
 
 def plot(dataset):
     """Three displacements of the first seed of each shape; raises InputError without any."""
-    return beds(dataset, CASES["any"], "cluster", TITLE)
+    title = "Granules ahead of the cylinder (shaded) are pushed up and aside"
+    return beds(dataset, CASES["any"], "cluster", title)

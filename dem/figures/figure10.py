@@ -7,9 +7,9 @@ CAPTION = "Beds of discs, dumbbells and small discs in layers"
 CASES = {"any": ("c1", "d1", "c2")}
 RECORDED = ("snapshots",)
 VARIABLES = ("bed_x",)
-TITLE = "Layers before, half-way through and after the stroke"
 
 
 def plot(dataset):
     """Three displacements of the first seed of each shape; raises InputError without any."""
-    return beds(dataset, CASES["any"], "layers", TITLE)
+    title = "Layers before, half-way through and after the stroke"
+    return beds(dataset, CASES["any"], "layers", title)

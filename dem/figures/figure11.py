@@ -7,9 +7,9 @@ CAPTION = "Beds of ellipses, the granules ahead of the cylinder shaded"
 CASES = {"any": ("e1", "e2", "e3")}
 RECORDED = ("snapshots",)
 VARIABLES = ("bed_x",)
-TITLE = "Ellipses ahead of the cylinder (shaded) are pushed up and aside"
 
 
 def plot(dataset):
     """Three displacements of the first seed of each shape; raises InputError without any."""
-    return beds(dataset, CASES["any"], "cluster", TITLE)
+    title = "Ellipses ahead of the cylinder (shaded) are pushed up and aside"
+    return beds(dataset, CASES["any"], "cluster", title)

@@ -7,9 +7,9 @@ CAPTION = "Beds of ellipses in layers"
 CASES = {"any": ("e1", "e2", "e3")}
 RECORDED = ("snapshots",)
 VARIABLES = ("bed_x",)
-TITLE = "Layers of ellipses before, half-way through and after the stroke"
 
 
 def plot(dataset):
     """Three displacements of the first seed of each shape; raises InputError without any."""
-    return beds(dataset, CASES["any"], "layers", TITLE)
+    title = "Layers of ellipses before, half-way through and after the stroke"
+    return beds(dataset, CASES["any"], "layers", title)

@@ -26,7 +26,9 @@ from dem.figures.frames import Frames, frames_of
 from dem.periodic import nearest_image
 
 FILMS, PICTURES = (".mp4", ".gif"), (".png", ".svg", ".pdf")
-COLORS = ("speed", "force", "layer", "cluster")
+WORDS = {"speed": "speed", "force": "sum of normal forces", "layer": "layers",
+         "cluster": "granules ahead of the cylinder"}  # fmt: skip
+COLORS = tuple(WORDS)
 SIZE, DPI = (12.8, 7.2), 100  # 720p
 MAP = "viridis"
 SECONDS = 10.0  # of a film
@@ -91,7 +93,7 @@ class Scene:
             " ", loc="left", fontsize=13
         )
         if frames.title:
-            self.figure.suptitle(self._title(), fontsize=15)
+            self.figure.suptitle(f"{frames.title}: {WORDS[color]}", fontsize=15)
         self.show(shown[0])
         self.figure.get_layout_engine().set(w_pad=0.12, h_pad=0.12)  # inches
         self.figure.draw_without_rendering()
@@ -103,11 +105,6 @@ class Scene:
         bed = sorted(self.bed.parts, key=Artist.get_zorder)
         over = [] if self.mark is None else [self.mark, self.mark.axes.get_legend()]
         return [each for each in (*bed, *over, self.caption) if each is not None]
-
-    def _title(self):
-        words = {"speed": "speed", "force": "sum of normal forces", "layer": "layers",
-                 "cluster": "granules ahead of the cylinder"}[self.color]  # fmt: skip
-        return f"{self.frames.title}: {words}"
 
     def _largest(self) -> float:
         """Largest force at a contact (N)."""

@@ -67,15 +67,16 @@ def build(drag: Path, output: Path, notes: Path | None = None) -> None:
 
 
 def of_drag(dataset: xr.Dataset) -> dict:
-    """What the page says of drag.nc: its cases, or a table over what else was varied."""
-    found = by_case(dataset)
-    if found is not None:
-        return {"table": None, "cases": cases(found), "densities": densities(found),
-                "chart": Markup(chart(found))}  # fmt: skip
+    """What the page says of drag.nc: its table and, of cases, what density does and the curves."""
     table, more = drag_table(dataset)
     rows = list(zip(*(column.cells for column in table.columns), strict=True))
     head = [str(column.header) for column in table.columns]
-    return {"table": {"head": head, "rows": rows, "more": more}}
+    found = by_case(dataset)
+    return {
+        "table": {"head": head, "rows": rows, "more": more},
+        "densities": [] if found is None else densities(found),
+        "chart": "" if found is None else Markup(chart(found)),
+    }
 
 
 def of_flow(path: Path, moves: xr.Dataset | None) -> dict:
@@ -91,29 +92,6 @@ def _page():
     loader = PackageLoader("dem.report", "page")
     return Environment(loader=loader, autoescape=True, undefined=StrictUndefined,
                        trim_blocks=True, lstrip_blocks=True).get_template("page.html")  # fmt: skip
-
-
-def number(value: float, digits: int = 0) -> str:
-    """A number in words of the table; a dash where there is none."""
-    return f"{value:.{digits}f}" if np.isfinite(value) else "\N{EN DASH}"
-
-
-def cases(dataset: xr.Dataset) -> list[dict]:
-    """Rows of the table of cases."""
-    found, rows = summarise(dataset), []
-    for case in dataset["case"].values:
-        one, about = found.sel(case=case), dataset.sel(case=case)
-        rows.append({
-            "case": str(case), "kind": str(about["kind"].values),
-            "ratio": f"{float(about['aspect_ratio']):g}",
-            "diameter": f"{1e6 * float(about['diameter']):.0f}",
-            "granules": int(about["granules"]), "density": f"{float(about['density']):g}",
-            "mean": number(float(one["mean"])), "half": number(float(one["half_interval"])),
-            "between": number(float(one["sd_between_runs"])),
-            "over": number(float(one["sd_over_run"])),
-            "overlap": number(float(about["max_overlap"].max()), 2),
-        })  # fmt: skip
-    return rows
 
 
 def densities(dataset: xr.Dataset) -> list[str]:
