@@ -30,7 +30,7 @@ from dem.base.sources import code_hash
 from dem.base.yaml_file import read
 from dem.experiment.config import EXPERIMENTS
 from dem.experiment.observables import OBSERVABLES
-from dem.figures.catalogue import FIGURES as OWN_FIGURES, parts_of, possible, wanted
+from dem.figures.catalogue import FIGURES as OWN_FIGURES, possible, wanted
 from dem.io.progress import WorkflowProgress
 from dem.io.results_folder import on_failure, prepare
 from dem.sweep import config as schema

@@ -32,12 +32,8 @@ def pictures_of_results(wildcards):
 
 
 def data_of(wildcards):
-    """The file that a figure is drawn from; of beds, that of their shapes, which is there first."""
-    folder, figure = wildcards.folder, wildcards.figure
-    beds = f"{folder}/flow/{KNOWN_FIGURES[figure].part}.nc"
-    if KNOWN_FIGURES[figure].part and not (ONLY_FIGURES and not Path(beds).is_file()):
-        return beds
-    return f"{folder}/{KNOWN_FIGURES[figure].file}.nc"
+    """The file that a figure is drawn from."""
+    return f"{wildcards.folder}/{KNOWN_FIGURES[wildcards.figure].file}.nc"
 
 
 rule figure:

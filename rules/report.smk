@@ -25,6 +25,10 @@ def studies_there():
     return digest.hexdigest()
 
 
+# of the paper the page tells what it leaves open
+NOTES = ["docs/explanation/open.md"] if CONFIG_FILES == ["config/paper.yaml"] else []
+
+
 localrules:
     report,
 
@@ -40,14 +44,15 @@ rule report_page:
     input:
         combined=COMBINED,
         figures=PICTURES,
-        notes="docs/explanation/open.md",
+        notes=NOTES,
         page=sorted(map(str, Path("dem/report/page").iterdir())),
     output:
         update(RESULTS + "/report.html"),
     params:
         code=code_of("dem.report.build"),
         studies=lambda w: studies_there(),
+        notes=[f"--notes {file}" for file in NOTES],
     log:
         RESULTS + "/logs/report.log",
     shell:
-        "begin {output:q}; dem report {RESULTS}/drag.nc --notes {input.notes} -o {output} 2> {log}; end {output:q}"
+        "begin {output:q}; dem report {RESULTS}/drag.nc {params.notes} -o {output} 2> {log}; end {output:q}"

@@ -166,11 +166,9 @@ GOOD = {
     "flow": {"file": "rep.nc", "-o": "new.nc"},
     "store": {"value": "shape=c1"},
     "info": {"file": "drag.nc", "-o": "new.txt"},
-    "picture": {"file": "rep.nc", "--displacement": "0.001", "--color": "layer", "-o": "new.png"},
-    "export": {"file": "rep.nc", "-o": "new"},
+    "draw": {"file": "rep.nc", "--displacement": "0.001", "--color": "layer", "-o": "new.png"},
     "figure": {"name": "figure13", "file": "drag.nc", "-o": "new"},
-    "report": {"file": "drag.nc", "--flow": "flow.nc", "--notes": "open.md", "-o": "new.html"},
-    "film": {"file": "rep.nc", "--color": "speed", "-o": "new.gif"},
+    "report": {"file": "drag.nc", "--notes": "open.md", "-o": "new.html"},
     "compile": {"--config": "q.yaml", "--shape": "c1"},
 }  # fmt: skip
 
@@ -490,7 +488,7 @@ def odd_path(rng, folder) -> str:
 
 
 PATHS = ("-o", "-o", "--checkpoint", "--bed", "--config", "file", "--flow", "--notes")
-WRITES = {"simulate": 8, "pack": 2, "combine": 3, "flow": 2, "info": 4, "export": 2, "report": 1, "picture": 1, "figure": 1}  # fmt: skip
+WRITES = {"simulate": 8, "pack": 2, "combine": 3, "flow": 2, "info": 4, "report": 1, "draw": 2, "figure": 1}  # fmt: skip
 
 
 def a_path(rng, folder):
@@ -830,7 +828,7 @@ def _relabelled(file):
 def a_tampered_file(rng, folder):
     """A file of results with other text or values in it; a page or a terminal never obeys its text."""
     bring(folder)
-    verb = rng.choice(["info", "info", "figure", "flow", "picture", "export", "report"])
+    verb = rng.choice(["info", "info", "figure", "flow", "draw", "report"])
     options = dict(GOOD[verb])
     if verb == "info":
         options = {"file": rng.choice(["rep.nc", "drag.nc", "flow.nc"])}
@@ -845,8 +843,7 @@ def a_tampered_file(rng, folder):
             _relabelled(folder / name)
     else:
         _edit(
-            folder
-            / (options["file"] if rng.random() < 0.8 or "--flow" not in options else "flow.nc"),
+            folder / (options["file"] if rng.random() < 0.8 or verb != "report" else "flow.nc"),
             rng,
         )
     result = command(folder, words(verb, options), options.get("-o"))

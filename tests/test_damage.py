@@ -249,9 +249,8 @@ def test_a_drag_over_other_dimensions_is_refused(tmp_path, dims):
         assert status == 2 and "its drag is not over case, seed, displacement" in output
 
 
-def test_notes_that_are_no_text_are_refused(made, tmp_path, monkeypatch):
-    """A netCDF file for instance; nothing is written. They are read where the runs are the paper's."""
-    monkeypatch.setattr("dem.report.build.of_paper", lambda *_: True)
+def test_notes_that_are_no_text_are_refused(made, tmp_path):
+    """A netCDF file for instance; nothing is written."""
     with pytest.raises(InputError, match=r"flow.nc: it is not a readable text"):
         build_report(made, tmp_path, made / "flow.nc")
     assert not (tmp_path / "r.html").exists()
@@ -264,7 +263,7 @@ def build_report(made, folder, notes=NOTES):
         shutil.copy(made / name, folder)
     (folder / "figures").mkdir()
     Image.new("RGB", (4, 4)).save(folder / "figures/figure13.png")
-    build(folder / "drag.nc", folder / "flow.nc", notes, folder / "r.html")
+    build(folder / "drag.nc", folder / "r.html", notes)
     return (folder / "r.html").read_text()
 
 

@@ -108,7 +108,7 @@ def test_what_is_shown_of_a_sweep_with_failed_runs_has_no_gaps(tmp_path, monkeyp
     for picture in (tmp_path / "figures").glob("*.png"):
         assert_not_blank(picture)
     assert len(list((tmp_path / "figures").glob("*.png"))) > 3
-    build(drag, flow, CONFIG.parent / "docs/explanation/open.md", tmp_path / "report.html")
+    build(drag, tmp_path / "report.html", CONFIG.parent / "docs/explanation/open.md")
     page = (tmp_path / "report.html").read_text()
     page = re.sub(r"<script.*?</script>", "", page, flags=re.S)
     assert not re.search(r"\bnan\b", page) and re.search(r"\b3 runs\b", page)

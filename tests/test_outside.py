@@ -179,7 +179,7 @@ def test_readers_run_no_code_that_a_sweep_names(swept):
             ROOT / "docs/explanation/open.md",
             cwd=swept,
         )
-        picture = "-m", "dem", "picture", results / "drag.nc", "seed=1", "-o"
+        picture = "-m", "dem", "draw", results / "drag.nc", "seed=1", "-o"
         run(*picture, "plain.png", cwd=swept)
         assert not (folder / "ran").exists() and not (swept / "mine/ran").exists()
         run(*picture, "true.png", "--shapes", "telling", cwd=swept)

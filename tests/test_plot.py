@@ -134,16 +134,21 @@ def test_a_frame_of_a_film_is_the_figure_drawn_as_a_whole(results, name):
     assert np.ptp(found, axis=1).max() > 100  # the frames differ
 
 
-@pytest.mark.skipif(film.encoder() is None, reason="there is no ffmpeg")
 def test_a_film_is_an_mp4(results, tmp_path):
     written = dem.film(results["both"], tmp_path / "discs.mp4", color="force", forces=True)
     assert written == tmp_path / "discs.mp4" and written.read_bytes()[4:8] == b"ftyp"
 
 
-def test_without_an_encoder_a_film_is_a_gif(results, tmp_path, monkeypatch):
-    monkeypatch.setattr(film, "encoder", lambda: None)
-    assert dem.film(results["walls"], tmp_path / "discs.mp4") == tmp_path / "discs.gif"
-    assert [each.name for each in tmp_path.iterdir()] == ["discs.gif"]
+def test_without_an_encoder_a_film_is_refused(results, tmp_path, monkeypatch):
+    """And what can be done is said; nothing is written."""
+
+    def none():
+        raise RuntimeError("No ffmpeg exe could be found.")
+
+    monkeypatch.setattr(film, "get_ffmpeg_exe", none)
+    with pytest.raises(dem.InputError, match=r"install ffmpeg, or name a \.gif file"):
+        dem.film(results["walls"], tmp_path / "discs.mp4")
+    assert not list(tmp_path.iterdir())
 
 
 def test_forces_are_drawn_against_time(results):

@@ -71,14 +71,6 @@ def test_one_command_makes_all_results(finished):
     assert not list(results.rglob("*.part"))
 
 
-@pytest.mark.parametrize(("figure", "chunks"), [("figure12", 1), ("figure09", 2)])
-def test_a_figure_of_beds_waits_for_its_own_cases_alone(copy, figure, chunks):
-    """Of the three chunks one holds the ellipses, and two the discs and dumbbells."""
-    jobs = planned(copy, f"results/smoke/figures/{figure}.svg")
-    assert jobs.pop("kernels") == chunks
-    assert jobs == {"chunk": chunks, "measure_flow": chunks, "beds": 1, "figure": 1}
-
-
 def test_reports_open_without_a_network(finished, browser):
     """The page of results and Snakemake's own report, which it links, ask for no other file."""
     results = finished / "results/smoke"

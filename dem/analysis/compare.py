@@ -8,13 +8,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy.stats import t
+from scipy.special import stdtrit
 
 from dem.analysis.statistics import LEVEL
 
-SUPPORTED, CONTRADICTED, UNDECIDED, UNTESTED = (
-    "supported", "contradicted", "undecided", "not tested",
-)  # fmt: skip
+SUPPORTED, CONTRADICTED, UNDECIDED = "supported", "contradicted", "undecided"
 
 
 class Comparison(NamedTuple):
@@ -72,7 +70,7 @@ class Comparison(NamedTuple):
         if self.is_ratio and not 0.0 < self.estimate < math.inf:
             return -math.inf, math.inf
         error, freedom = self.error()
-        half = float(t.ppf(0.5 + 0.5 * level, freedom)) * error
+        half = float(stdtrit(freedom, 0.5 + 0.5 * level)) * error
         if not self.is_ratio:
             return self.estimate - half, self.estimate + half
         return self.estimate * math.exp(-half), self.estimate * math.exp(half)
@@ -107,65 +105,6 @@ class Comparison(NamedTuple):
         return np.where(np.isfinite(values), there != self.outside, np.nan)
 
 
-class Growth(NamedTuple):
-    """By which factor something grows: from a fit of its logarithm, with standard error and degrees
-    of freedom; low, high: the claim says that the factor is between them."""
-
-    words: str
-    logarithm: float
-    error: float
-    freedom: float
-    low: float
-    high: float
-    outside: bool = False
-    is_ratio: bool = True
-
-    @property
-    def estimate(self) -> float:
-        return math.exp(self.logarithm)
-
-    @property
-    def runs(self) -> int:
-        """Degrees of freedom: the number of independent runs behind the interval."""
-        return int(self.freedom)
-
-    def interval(self, level: float = LEVEL) -> tuple[float, float]:
-        """Confidence interval by Student's t."""
-        half = float(t.ppf(0.5 + 0.5 * level, self.freedom)) * self.error
-        return math.exp(self.logarithm - half), math.exp(self.logarithm + half)
-
-    def verdict(self, level: float) -> str:
-        return judged(self, *self.interval(level))
-
-
-class Prediction(NamedTuple):
-    """What a sweep as small as the paper's gives: draws (d,) of a number from many runs, beside what
-    the paper reports, to its last digit between low and high."""
-
-    words: str
-    draws: np.ndarray
-    runs: int
-    low: float
-    high: float
-    outside: bool = False
-    is_ratio: bool = False
-
-    @property
-    def estimate(self) -> float:
-        """The median."""
-        return float(np.median(self.draws))
-
-    def interval(self, level: float = LEVEL) -> tuple[float, float]:
-        """Range that holds this share of the draws."""
-        low, high = np.quantile(self.draws, [0.5 - 0.5 * level, 0.5 + 0.5 * level])
-        return float(low), float(high)
-
-    def verdict(self, level: float) -> str:
-        """Supported if the report is in the range."""
-        low, high = self.interval(level)
-        return SUPPORTED if low < self.high and high > self.low else CONTRADICTED
-
-
 def judged(claimed, low: float, high: float) -> str:
     """Verdict on an interval, from where `claimed` has it."""
     inside = low > claimed.low and high < claimed.high
@@ -173,20 +112,3 @@ def judged(claimed, low: float, high: float) -> str:
     if claimed.outside:
         inside, apart = apart, inside
     return SUPPORTED if inside else CONTRADICTED if apart else UNDECIDED
-
-
-def together(comparisons: list, level: float) -> str:
-    """Verdict on a claim of several parts: supported if all are, contradicted if one is."""
-    found = {each.verdict(level) for each in comparisons}
-    if not found:
-        return UNTESTED
-    if CONTRADICTED in found:
-        return CONTRADICTED
-    return SUPPORTED if found == {SUPPORTED} else UNDECIDED
-
-
-def simultaneous(compared: list[list]) -> float:
-    """Level of each interval at which all of them hold together at LEVEL; a number that decides
-    several claims counts once."""
-    distinct = {each.words for comparisons in compared for each in comparisons}
-    return 1.0 - (1.0 - LEVEL) / max(len(distinct), 1)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from dem.base.errors import InputError
-from dem.base.hints import choice, is_written, meant
+from dem.base.hints import is_written, meant
 from dem.experiment.config import Replicate, of_values
 from dem.experiment.motion import Motion
 from dem.io.dataset import LABELS, content_of
@@ -63,19 +63,14 @@ def read_run(path: Path, run: str) -> tuple[Replicate, dict]:
 def chunk_of(path: Path, run: str) -> Path:
     """The chunk that holds a run of a combined file; raises InputError where there is none."""
     folder = Path(path).parent
-    for place in (folder / "chunks", folder.parent / "chunks"):
-        for link in sorted(place.glob("*.nc")):
-            file = link.resolve()
-            with_plan = file.is_file() and file.parent.name == "chunks"
-            if with_plan and run in Store(file.parents[1]).read_plan(link.stem).runs:
-                return link
-    if not (folder / "chunks").is_dir() and not (folder.parent / "chunks").is_dir():
-        raise InputError(
-            f"{path}: its runs are in the folder chunks beside the file that the sweep wrote, which "
-            "this copy lacks; name that file, or make the sweep."
-        )
+    for link in sorted([*folder.glob("chunks/*.nc"), *folder.parent.glob("chunks/*.nc")]):
+        file = link.resolve()
+        with_plan = file.is_file() and file.parent.name == "chunks"
+        if with_plan and run in Store(file.parents[1]).read_plan(link.stem).runs:
+            return link
     raise InputError(
-        f"{path}: its run {run[:12]} is in no file of {folder}/chunks; make the sweep again."
+        f"{path}: its run {run[:12]} is in no file of the folder chunks beside it; name the file that the "
+        "sweep wrote, or make the sweep again."
     )
 
 
@@ -131,64 +126,52 @@ def _flat(values: dict, head: str = "") -> dict:
 
 def _chosen(path, columns: list[Column], ids, select: list[str]) -> int:
     """Which run is meant."""
+    known = {column.name.replace(".", "_"): column for column in columns}
     left = np.ones(len(ids), bool)
     for word in select:
         name, there, value = word.partition("=")
         if not there:
             raise InputError(f"{word!r} selects no run; write NAME=VALUE, such as seed=1.")
-        left &= _matches(path, _named(path, columns, name), word, value, left)
+        if (column := known.get(name.replace(".", "_"))) is None:
+            hint = meant(name.replace(".", "_"), known) or f"; they differ in {_varied(columns)}"
+            raise InputError(f"{path}: its runs have no value named {name}{hint}.")
+        found = left & [_is(each, value) for each in column.values]
+        if not found.any():
+            values = list(dict.fromkeys(_words(column.values[left])))
+            words = ", ".join(values[:SHOWN]) + (", ..." if len(values) > SHOWN else "")
+            raise InputError(f"{path}: there is no run with {word}; {column.name} is {words}.")
+        left = found
     if len(set(ids[left].tolist())) == 1:
         return int(np.flatnonzero(left)[0])
     raise InputError(_open(path, columns, ids, left, select))
 
 
-def _named(path, columns: list[Column], name: str) -> Column:
-    known = {column.name.replace(".", "_"): column for column in columns}
-    if (plain := name.replace(".", "_")) in known:
-        return known[plain]
-    varied = [column.name for column in columns if len(set(_words(column.values))) > 1]
-    hint = meant(plain, known) or (
-        f"; its runs differ in {', '.join(varied)}" if varied else choice(plain, known)
+def _is(value, text: str) -> bool:
+    return (
+        is_written(value, text)
+        if isinstance(value, int | float | np.number)
+        else str(value) == text
     )
-    raise InputError(f"{path}: its runs have no value named {name}{hint}.")
 
 
-def _matches(path, column: Column, word: str, value: str, left) -> np.ndarray:
-    """Which runs have a value; raises InputError where none of those left has it."""
-    values = column.values
-    if values.dtype.kind in "iuf":
-        try:
-            wanted = float(value)
-        except ValueError:
-            wanted = np.nan
-        found = np.isclose(values, wanted, rtol=1e-6, atol=0.0)
-        found |= np.array([is_written(each, value) for each in values])
-    else:
-        found = np.array([word == value for word in _words(values)])
-    if (found & left).any():
-        return found
-    there = list(dict.fromkeys(_words(values[left])))
-    if len(there) > SHOWN and values.dtype.kind in "iuf" and np.isfinite(wanted):
-        near = values[left][np.nanargmin(np.abs(values[left] - wanted))]
-        raise InputError(f"{path}: there is no run with {word}; the nearest is {near:.10g}.")
-    words = ", ".join(there[:SHOWN]) + (", ..." if len(there) > SHOWN else "")
-    raise InputError(f"{path}: there is no run with {word}; {column.name} is {words}.")
+def _varied(columns: list[Column]) -> str:
+    return ", ".join(each.name for each in columns if len(set(_words(each.values))) > 1)
 
 
 def _open(path, columns: list[Column], ids, left, select: list[str]) -> str:
     """What is still to be said, with an example: the first run that is left."""
     first, count = int(np.flatnonzero(left)[0]), len(set(ids[left].tolist()))
-    example = []
+    example = {}
     for column in columns:
         words = np.array(_words(column.values))
         same = left & (words == words[first])
         if len(set(ids[same].tolist())) < len(set(ids[left].tolist())):
-            example.append(f"{column.name}={words[first]}")
+            example[column.name] = f"{column.name}={words[first]}"
             left = same
-    names = ", ".join(each.partition("=")[0] for each in example)
     having = f" with {' '.join(select)}" if select else ""
     return (
-        f"{path}: it has {count} runs{having}; choose one by {names}, such as {' '.join(example)}."
+        f"{path}: it has {count} runs{having}; choose one by {', '.join(example)}, such as "
+        f"{' '.join(example.values())}."
     )
 
 

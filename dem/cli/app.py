@@ -7,7 +7,6 @@ import typer
 
 from dem.base.files import ANY
 from dem.cli.flow import VERBS as moving
-from dem.cli.report import report
 from dem.cli.show import draw_figure, print_or_write
 from dem.cli.sweep import VERBS as sweeping
 from dem.cli.terminal import (
@@ -52,7 +51,7 @@ def main(
     """Options without a verb."""
 
 
-for verb in (*sweeping, *moving, report):
+for verb in (*sweeping, *moving):
     app.command()(verb)
 
 ShapeOption = Annotated[
@@ -191,3 +190,23 @@ def info(
 
         found = summary(data)
     print_or_write(found, output)
+
+
+@app.command()
+def report(
+    data: Annotated[Path, typer.Argument(help="drag.nc; the page shows the files next to it.")],
+    output: Annotated[
+        Path, typer.Option("-o", "--output", help="HTML file to write."), Writes(".html")
+    ],
+    notes: Annotated[
+        Path | None, typer.Option(help="Markdown that tells what the paper leaves open.")
+    ] = None,
+):
+    """Write all results as one HTML page, which opens without a network.
+
+    Example: dem report results/drag.nc -o report.html
+    """
+    from dem.report.build import build
+
+    with bar("writing the report"):
+        build(data, output, notes)

@@ -1,12 +1,10 @@
-"""Command line, how beds move: `dem flow`, `dem film`, `dem picture`, `dem export`."""
+"""Command line, how beds move: `dem flow` and `dem draw`."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from dem.base.files import FOLDER
-from dem.base.say import say
 from dem.cli.terminal import PAPER, ConfigOption, OutputOption, Writes, bar, start_lean
 
 RunArgument = Annotated[Path, typer.Argument(metavar="RUN", help="drag.nc, or a file of runs.")]
@@ -41,10 +39,6 @@ def flow(
     block: Annotated[
         str | None, typer.Option(help="Block of the sweep; the first if absent.")
     ] = None,
-    shape: Annotated[
-        list[str] | None,
-        typer.Option(help="Combine this shape alone, at the first density; may be repeated."),
-    ] = None,
     shapes: ShapesOption = None,
 ):
     """Measure how irregularly beds move, for one file of runs or combined for a whole sweep.
@@ -65,83 +59,43 @@ def flow(
 
     work = Work.of(config)
     with bar("combining", 1.0) as update:
-        write_flow(work, block or next(iter(work.sweep.blocks)), output, update, shape or ())
+        write_flow(work, block or next(iter(work.sweep.blocks)), output, update)
 
 
-def film(
+def draw(
     run: RunArgument,
     output: Annotated[
-        Path, typer.Option("-o", "--output", help="Film to write, .mp4 or .gif."), Writes()
-    ],
-    select: SelectArgument = None,
-    color: ColorOption = "speed",
-    forces: ForcesOption = False,
-    shapes: ShapesOption = None,
-):
-    """Film one run, one frame per snapshot; record.snapshots sets how many there are.
-
-    Example: dem film results/drag.nc case=c1 seed=1 -o c1.mp4
-    """
-    start_lean()
-    from dem.analysis.one_run import read_motion
-    from dem.base.target import file_of
-    from dem.figures.film import film as make
-
-    file_of(".mp4", ".gif")("output", str(output))
-    with bar("reading the run"):
-        motion = read_motion(run, select or [], shapes)
-    with bar("film", 1.0) as update:
-        written = make(motion, output, color, forces, update)
-    if written != output:
-        say(f"No encoder for {output.suffix}: wrote {written} (pip install imageio-ffmpeg).")
-
-
-def picture(
-    run: RunArgument,
-    output: Annotated[
-        Path, typer.Option("-o", "--output", help="Picture to write, .png, .svg or .pdf."), Writes()
+        Path, typer.Option("-o", "--output", help="File; its end says what it will be."), Writes()
     ],
     select: SelectArgument = None,
     displacement: Annotated[
         float | None,
-        typer.Option(help="Displacement of the cylinder, m; half the stroke if absent."),
+        typer.Option(help="Displacement of a picture, m; half the stroke if absent."),
     ] = None,
-    color: ColorOption = "layer",
+    color: ColorOption = "speed",
     forces: ForcesOption = False,
     shapes: ShapesOption = None,
 ):
-    """Draw the granules of one run at one displacement.
+    """Draw one run: a film (.mp4, .gif), a picture (.png, .svg, .pdf), or all for ParaView (.pvd).
 
-    Example: dem picture results/drag.nc case=c1 seed=1 -o c1.png
+    Example: dem draw results/drag.nc case=c1 seed=1 -o c1.mp4
     """
     start_lean()
     from dem.analysis.one_run import read_motion
-    from dem.figures.film import picture as make
+    from dem.base.target import file_of
+    from dem.figures.export import export
+    from dem.figures.film import FILMS, PICTURES, film, picture
 
-    with bar("drawing the picture"):
-        make(read_motion(run, select or [], shapes), output, displacement, color, forces)
-
-
-def export(
-    run: RunArgument,
-    output: Annotated[
-        Path, typer.Option("-o", "--output", help="Folder for VTK files."), Writes(FOLDER)
-    ],
-    select: SelectArgument = None,
-    shapes: ShapesOption = None,
-):
-    """Write the snapshots of one run as VTK files for ParaView; open bed.pvd there.
-
-    Example: dem export results/drag.nc case=c1 seed=1 -o vtk
-    """
-    from dem.analysis.one_run import read_motion
-    from dem.figures.export import export as make
-
+    output = file_of(*FILMS, *PICTURES, ".pvd")("output", output)
     with bar("reading the run"):
         motion = read_motion(run, select or [], shapes)
-    with bar("export", 1.0) as update:
-        written = make(motion, output, update)
-    say(str(written))
+    with bar(f"drawing {output}", 1.0) as update:
+        if output.suffix.lower() in FILMS:
+            film(motion, output, color, forces, update)
+        elif output.suffix.lower() in PICTURES:
+            picture(motion, output, displacement, color, forces)
+        else:
+            export(motion, output, update)
 
 
-VERBS = (flow, film, picture, export)
+VERBS = (flow, draw)

@@ -1,30 +1,9 @@
 """Standard streams that are closed, full or of few letters: they end no work and lose no file."""
 
-import codecs
 import errno
 import io
 import os
-import re
 import sys
-import unicodedata
-
-POWER = re.compile("[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+")
-LETTERS = str.maketrans(
-    {"µ": "u", "μ": "u", "±": "+-", "⁻": "-", "\u2212": "-", "\u2013": "-", "\xd7": "x"}
-)
-
-
-def spelled(text: str) -> str:
-    """The text in ASCII: kg/m^3 for kg/m³; what has no such spelling is escaped."""
-    text = POWER.sub(lambda found: f"^{found[0]}", text).translate(LETTERS)
-    for letter in dict.fromkeys(text):
-        simple = unicodedata.normalize("NFKD", letter).encode("ascii", "ignore").decode()
-        text = text.replace(letter, simple or ascii(letter)[1:-1]) if ord(letter) > 127 else text
-    return text
-
-
-SPELLED = "dem.spelled"  # what Python does with letters that an encoding lacks
-codecs.register_error(SPELLED, lambda e: (spelled(e.object[e.start : e.end]), e.end))
 
 
 class Outlet(io.FileIO):
@@ -67,7 +46,7 @@ def _opened(name: str, number: int) -> Outlet | None:
     written = io.TextIOWrapper(
         outlet if type(buffer) is io.FileIO else io.BufferedWriter(outlet),
         stream.encoding,
-        SPELLED,
+        "backslashreplace",  # letters that the encoding lacks
         line_buffering=stream.line_buffering,
         write_through=stream.write_through,
     )

@@ -7,7 +7,7 @@ import signal
 import sys
 import threading
 import time
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from datetime import datetime
 from pathlib import Path
 from typing import Annotated, NamedTuple, get_type_hints
@@ -16,9 +16,9 @@ import typer
 
 from dem.base.errors import InputError, RunError
 from dem.base.files import FOLDER, Place, check_paths
-from dem.base.say import say
+from dem.base.say import say, say_over
 from dem.cli.streams import open_streams, what_was_lost
-from dem.io.progress import PATIENCE, Stage
+from dem.io.progress import Stage
 
 
 class Writes(NamedTuple):
@@ -166,7 +166,7 @@ TICK = 0.2  # s between two looks at work that lasts
 
 @contextmanager
 def bar(label: str, total: float | None = None):
-    """Say on stderr what lasts: a bar on a terminal, a line now and then in a log.
+    """Say on stderr what lasts: on one line of a terminal, on a line now and then in a log.
 
     Short work stays silent. Yields the update function, that of dem.io.progress.Stage. A thread
     speaks, because compiling and packing take minutes without an update.
@@ -176,9 +176,17 @@ def bar(label: str, total: float | None = None):
     stage, over = Stage(plain(label), total), threading.Event()
     alive = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
 
+    def write(words: str) -> None:
+        say(words if alive else f"{datetime.now():%Y-%m-%d %H:%M:%S} {words}")
+
     def speak():
-        with suppress(OSError):  # a closed pipe or a full disk stops no run
-            (_draw if alive else _log)(stage, over)
+        while not over.wait(TICK):
+            if alive and stage.lasts:
+                say_over(f"{stage.label}: {stage.words()}")
+            elif not alive and (line := stage.line()):
+                write(line)
+        if stage.lasts and stage.finished:
+            write(f"{stage.label}: {stage.end()}")
 
     speaker = threading.Thread(target=speak, daemon=True)
     speaker.start()
@@ -188,46 +196,6 @@ def bar(label: str, total: float | None = None):
     finally:
         over.set()
         speaker.join()
-
-
-def _log(stage: Stage, over: threading.Event) -> None:
-    """Write the lines of a stage until it is over."""
-
-    def log(words):
-        say(f"{datetime.now():%Y-%m-%d %H:%M:%S} {words}")
-
-    while not over.wait(TICK):
-        if words := stage.line():
-            log(words)
-    if stage.lasts and stage.finished:
-        log(f"{stage.label}: {stage.end()}")
-
-
-def _draw(stage: Stage, over: threading.Event) -> None:
-    """Draw the bar of a stage until it is over."""
-    if over.wait(PATIENCE):
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn
-
-    columns = (
-        TextColumn("{task.description}", markup=False),
-        BarColumn(),
-        TextColumn("{task.fields[words]}"),
-    )
-    # stdout is for results: rich would send it to stderr.
-    with Progress(
-        *columns, console=Console(stderr=True), auto_refresh=False, redirect_stdout=False
-    ) as shown:
-        task = shown.add_task("", total=stage.total and 1.0, words="")
-
-        def show(words, **values):
-            shown.update(task, description=stage.label, words=words, refresh=True, **values)
-
-        while not over.wait(TICK):
-            show(stage.words(), completed=stage.share)
-        if stage.finished:
-            show(stage.end(), total=1.0, completed=1.0)
 
 
 def start_lean():

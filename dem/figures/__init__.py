@@ -7,9 +7,8 @@ CAPTION    what it shows
 CASES      it needs runs by case, or shape, and seed alone: {} for any; {"any": labels} or {"all": labels} of
            shapes, or {"densities": 2}
 AXES       it needs so many values along these axes: {"cylinder_velocity": 4}
-PART       a part of flow.nc suffices, that of the shapes of CASES, by this name
 RECORDED   observables, one of which runs must record; the one named FILE if absent
-VARIABLES  the file must hold these
+VARIABLES  the file must hold these; drag of a file drag if absent
 """
 
 import lazy_loader

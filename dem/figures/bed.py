@@ -34,28 +34,19 @@ def edges(planes, view) -> tuple[np.ndarray, np.ndarray]:
     corner (m).
     """
     (left, low), (right, high) = view
-    sides = [[-1, 0, -left], [1, 0, right], [0, -1, -low], [0, 1, high]]
-    planes = np.concatenate([planes, sides])
-    normal, offset = planes[:, :2], planes[:, 2]
-    tiny = 1e-9 * (right - left + high - low)
-    found, corners = [], []
-    for wall, (nx, ny, distance) in enumerate(planes):
-        foot, along = distance * np.array([nx, ny]), np.array([-ny, nx])
-        rate, room = normal @ along, offset - normal @ foot
-        beside = np.abs(rate) < 1e-12
-        if (room[beside] < -tiny).any():
-            continue
-        first = (room[rate < -1e-12] / rate[rate < -1e-12]).max()
-        last = (room[rate > 1e-12] / rate[rate > 1e-12]).min()
-        if last - first > tiny:
-            ends = foot + np.array([[first], [last]]) * along
-            corners.append(ends)
-            if wall < len(planes) - len(sides):
-                found.append(ends)
-    around = np.concatenate(corners)
-    turn = around - around.mean(axis=0)
-    around = around[np.argsort(np.arctan2(turn[:, 1], turn[:, 0]))]
-    return np.array(found).reshape(-1, 2, 2), around
+    space = np.array([[left, low], [right, low], [right, high], [left, high]], float)
+    for plane in planes:
+        depth, kept = space @ plane[:2] - plane[2], []
+        for at, here in enumerate(depth):
+            before = depth[at - 1]
+            if here * before < 0.0:
+                kept.append(space[at] + here / (here - before) * (space[at - 1] - space[at]))
+            if here <= 0.0:
+                kept.append(space[at])
+        space = np.array(kept).reshape(-1, 2)
+    sides = np.stack([space, np.roll(space, -1, axis=0)], axis=1)
+    off = np.abs(sides @ planes[:, :2].T - planes[:, 2]).max(axis=1)
+    return sides[(off < 1e-9 * (right - left + high - low)).any(axis=1)], space
 
 
 def images(place, reach, view, periodic):
@@ -80,7 +71,8 @@ class Drawing:
     """Granules, walls and cylinder on axes; lengths in m. What is drawn can be moved, for films.
 
     rings: outlines; view: lower left and upper right corner; diameter: of the cylinder, None without
-    one; periodic: periods as of dem.Scene; hatched: hatch what is solid, and number the axes in mm.
+    one; periodic: periods as of dem.Scene; hatched: hatch what is solid, and number the axes in mm; else draw the
+    box alone.
     """
 
     def __init__(
@@ -105,6 +97,8 @@ class Drawing:
         if hatched:
             self.parts += [axes.add_patch(self.solid), *axes.spines.values()]
             axes.set(xlabel="x (mm)", ylabel="y (mm)")
+        else:
+            axes.set_axis_off()
         if diameter is not None:
             self.parts += [axes.add_patch(each) for each in self.cylinders]
         axes.set(xlim=1e3 * self.view[:, 0], ylim=1e3 * self.view[:, 1], aspect="equal")
@@ -151,23 +145,6 @@ class Drawing:
         self.forces.set_linewidths(4.0 * np.minimum(forces / largest, 1.5))
 
 
-class Bed(Drawing):
-    """A bed of the paper: the box alone, without numbers, and the cylinder in its middle.
-
-    height: of the highest box that is shown (m).
-    """
-
-    def __init__(self, axes, rings, width: float, height: float, cylinder: float, periodic=None):
-        super().__init__(axes, rings, box_view(width, height), cylinder, periodic)
-        self.width = width
-        self.joints.set_visible(False)  # panels of figures are too small for them
-        axes.set_axis_off()
-
-    def move(self, position, angle, cylinder_y: float, height: float) -> None:
-        walls = box_walls(self.width, height, self.periodic)
-        super().move(position, angle, (0.5 * self.width, cylinder_y), walls)
-
-
 def box_walls(width: float, height: float, periodic) -> np.ndarray:
     """Walls (w, 3) of a box with such periods (m)."""
     walls = walls_of(width, height, periodic)
@@ -180,17 +157,11 @@ def box_view(width: float, height: float) -> np.ndarray:
     return np.array([[-edge, -edge], [width + edge, height + edge]])
 
 
-def cluster(start, axis, diameter: float):
-    """Which granules (n,) begin in front of the cylinder: as wide as it is, AHEAD of it."""
-    above = start[:, 1] - axis[1]
-    return (np.abs(start[:, 0] - axis[0]) < 0.5 * diameter) & (
-        (above > 0.0) & (above < (0.5 + AHEAD) * diameter)
-    )
-
-
 def cluster_colors(start, axis, diameter: float) -> np.ndarray:
-    """Colours (n,) that shade the cluster in front of the cylinder."""
-    return np.where(cluster(start, axis, diameter), SHADED, PLAIN)
+    """Colours (n,) that shade what begins in front of the cylinder: as wide as it is, AHEAD of it."""
+    aside, above = np.moveaxis(start - np.asarray(axis), -1, 0)
+    ahead = (above > 0.0) & (above < (0.5 + AHEAD) * diameter)
+    return np.where(ahead & (np.abs(aside) < 0.5 * diameter), SHADED, PLAIN)
 
 
 def layer_colors(start, height: float, layers: int) -> np.ndarray:

@@ -1,6 +1,5 @@
 """Which figures there are, which of them runs or a file suffice for, and how they are drawn."""
 
-import json
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -8,6 +7,7 @@ from typing import NamedTuple
 
 from dem.base.constants import described
 from dem.base.errors import InputError
+from dem.io.lazily import open_lazily, require
 
 BY_CASE = {"case", "seed"}, {"shape", "seed"}  # axes of runs that make cases
 CHECK = "e0"  # ellipse code at aspect ratio 1: a check, and no shape of its own
@@ -24,7 +24,6 @@ class Drawn(NamedTuple):
     axes: dict
     recorded: tuple
     variables: tuple
-    part: str
 
     @property
     def module(self) -> str:
@@ -51,9 +50,9 @@ def figures_of(package: str, folder: Path) -> dict[str, Drawn]:
     """The figures of a package in a folder, by name."""
     return {
         name: Drawn(
-            name, package, own["FILE"], own["CAPTION"], own.get("CASES"),
-            own.get("AXES", {}), own.get("RECORDED", (own["FILE"],)), own.get("VARIABLES", ()),
-            own.get("PART", ""),
+            name, package, own["FILE"], own["CAPTION"], own.get("CASES"), own.get("AXES", {}),
+            own.get("RECORDED", (own["FILE"],)),
+            own.get("VARIABLES", ("drag",) if own["FILE"] == "drag" else ()),
         )
         for name, own in described(Path(folder) / "figures", "CAPTION").items()
     }  # fmt: skip
@@ -98,18 +97,11 @@ def _sizes(axes: dict[str, int], labels: dict[str, tuple]) -> dict[str, int]:
     return found
 
 
-def parts_of(figures: dict[str, Drawn]) -> dict[str, tuple[str, ...]]:
-    """Shapes of the parts of flow.nc that suffice for some figures, by name."""
-    return {each.part: each.cases["any"] for each in figures.values() if each.part}
-
-
 def drawable(folder: Path, figures: dict[str, Drawn] = FIGURES) -> list[str]:
     """Names of the figures that can be drawn from the files in a folder.
 
     Raises InputError where there is no file to draw from, or a damaged one.
     """
-    from dem.io.lazily import open_lazily
-
     found, files = [], list(dict.fromkeys(each.file for each in figures.values()))
     there = {file: data for file in files if (data := Path(folder) / f"{file}.nc").is_file()}
     if not there:
@@ -125,7 +117,6 @@ def drawable(folder: Path, figures: dict[str, Drawn] = FIGURES) -> list[str]:
 def drawable_from(data: Path, dataset, figures: dict[str, Drawn] = FIGURES) -> list[str]:
     """Names of those of some figures that a file suffices for."""
     from dem.analysis.statistics import by_case
-    from dem.io.lazily import require
 
     held, sizes, cases = set(dataset.variables), {}, None
     if any(each.cases is not None or each.axes for each in figures.values()):
@@ -150,23 +141,20 @@ def draw(name: str, data: Path, folder: Path, figures: dict[str, Drawn] = FIGURE
 
     Raises InputError if there is nothing to draw.
     """
-    if name != "all":
-        if name not in figures:
-            raise InputError(f"figure is {name!r}; there are {', '.join(figures)} and all.")
-        return _drawn(figures[name], data, folder)
-    from dem.analysis.statistics import by_case
-    from dem.sweep.combine import open_combined
-
-    require_drag(data, figures)
-    with open_combined(data) as dataset:
-        several = by_case(dataset) is None
+    names = [name]
+    if name == "all":
+        require_drag(data)
+        own = {name: each for name, each in figures.items() if each.file == "drag"}
+        with open_lazily(data) as dataset:
+            names = drawable_from(data, dataset, own) or list(own)
+    elif name not in figures:
+        raise InputError(f"figure is {name!r}; there are {', '.join(figures)} and all.")
     files, faults = [], []
-    for each in figures.values():
-        if each.file == "drag" and several == (each.cases is None):
-            try:
-                files += _drawn(each, data, folder)
-            except InputError as error:
-                faults.append(str(error))
+    for each in names:
+        try:
+            files += _drawn(figures[each], data, folder)
+        except InputError as error:
+            faults.append(str(error))
     if not files:
         raise InputError("\n".join(faults))
     return files
@@ -177,21 +165,15 @@ def _drawn(each: Drawn, data: Path, folder: Path) -> list[Path]:
     from dem.analysis.statistics import by_case
     from dem.analysis.values import along
     from dem.figures.style import save
-    from dem.io.lazily import open_lazily, require
     from dem.sweep.combine import open_combined
 
     of_drag = each.file == "drag"
-    if of_drag:
-        require_drag(data)
-    with (open_combined if of_drag else open_lazily)(data) as dataset:
-        if (
-            not of_drag
-            and Path(data).stem != each.file
-            and not set(each.variables) <= set(dataset.variables)
-        ):
+    with open_lazily(data) as dataset:
+        if absent := [name for name in each.variables if name not in dataset.variables]:
             raise InputError(
-                f"{data}: {each.name} is drawn from {each.file}.nc; {_name_instead(data, each.file)}."
+                f"{data}: it holds no {absent[0]}, and {each.name} is drawn from that; name {each.file}.nc."
             )
+    with (open_combined if of_drag else open_lazily)(data) as dataset:
         if each.cases is not None or each.axes:
             require(dataset, data, {}, ("run_id",))
         whole = dataset if each.cases is None else by_case(dataset)
@@ -201,7 +183,7 @@ def _drawn(each: Drawn, data: Path, folder: Path) -> list[Path]:
                 f"{data}: {each.name} shows runs that differ in case, or shape, and seed alone; these "
                 f"differ in {dims}. Draw sweep."
             )
-        require(whole, data, _layout_of(each), each.variables)
+        require(whole, data, _layout_of(each), ())
         try:
             for dim, least in each.axes.items() if of_drag else ():
                 if (there := along(whole, dim)["run_id"].sizes.get(dim, 0)) < least:
@@ -221,24 +203,8 @@ def _layout_of(each: Drawn) -> dict:
     return import_module(f"{package}.layout").VARIABLES if own else {}
 
 
-def _name_instead(data: Path, file: str) -> str:
-    """Which file to name in place of another; the one beside it, if it is there."""
-    beside = Path(data).with_name(f"{file}.nc")
-    return f"name {beside if beside.is_file() else beside.name} instead"
-
-
-def require_drag(data: Path, figures: dict[str, Drawn] = FIGURES) -> None:
-    """Raise InputError for runs of an experiment that records no drag, with the figures they have."""
-    from dem.io.lazily import open_lazily
-
+def require_drag(data: Path) -> None:
+    """Raise InputError for a file without drag."""
     with open_lazily(data) as dataset:
-        if "drag" in dataset.variables:
-            return
-        experiment = json.loads(dataset.attrs.get("configuration", "{}")).get("experiment", "drag")
-        if experiment == "drag":
-            raise InputError(f"{data}: it holds no drag; {_name_instead(data, 'drag')}.")
-        verbs = [
-            f"dem figure {each.name} {data}" for each in figures.values() if each.file == experiment
-        ]
-        hint = f"; draw them with {' or '.join(verbs)}" if verbs else ""
-        raise InputError(f"{data}: runs of the experiment {experiment} have no drag{hint}.")
+        if "drag" not in dataset.variables:
+            raise InputError(f"{data}: it holds no drag; name drag.nc.")

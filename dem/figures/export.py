@@ -1,6 +1,5 @@
 """Snapshots of one replicate for ParaView: one VTK file each, and a .pvd file that lists them."""
 
-import os
 from pathlib import Path
 
 import meshio
@@ -8,6 +7,7 @@ import numpy as np
 
 from dem.base.files import atomic
 from dem.experiment.motion import Motion
+from dem.figures.bed import placed
 from dem.periodic import wrapped
 
 PVD = """<?xml version="1.0"?>
@@ -17,30 +17,25 @@ PVD = """<?xml version="1.0"?>
 """
 
 
-def export(motion: Motion, folder: Path, progress=lambda done: None) -> Path:
-    """Write the snapshots into a folder; returns its bed.pvd, the file to open.
+def export(motion: Motion, path: Path, progress=lambda done: None) -> None:
+    """Write the snapshots beside a .pvd file, the one to open, with its name and a number.
 
     Granules are polygons with their true outline; data of each: number, volume diameter (m) and
     angle (rad). The cylinder is one polygon more, number -1. Lengths in m; time is the
     displacement. What has left through a periodic side is put back into the box.
     """
-    folder, lines = Path(folder), []
-    folder = Path(os.path.realpath(folder))  # of a link, the folder that it leads to
-    folder.mkdir(parents=True, exist_ok=True)
+    lines = []
     for snapshot, displacement in enumerate(motion.displacement):
-        name = f"bed{snapshot:04d}.vtu"
-        with atomic(folder / name) as part:
+        name = f"{path.stem}{snapshot:04d}.vtu"
+        with atomic(path.with_name(name)) as part:
             meshio.write(part, _mesh(motion, snapshot), file_format="vtu")
         lines.append(f'<DataSet timestep="{displacement:.9g}" file="{name}"/>')
         progress((snapshot + 1) / len(motion.displacement))
-    with atomic(folder / "bed.pvd") as part:
+    with atomic(path) as part:
         part.write_text(PVD.format(lines="\n".join(lines)))
-    return folder / "bed.pvd"
 
 
 def _mesh(motion: Motion, snapshot: int) -> meshio.Mesh:
-    from dem.figures.bed import placed
-
     rings = motion.outlines[:, :, :-1]  # the last point is the first
     place = wrapped(motion.position[snapshot], motion.periodic)
     outlines = 1e-3 * placed(rings, place, motion.angle[snapshot])

@@ -61,11 +61,7 @@ def _panel(axes, case, means, curve) -> None:
     x = style.millimetres(case["displacement"])
     raw, smooth, half = curve
     axes.plot(x, smooth, color=style.CURVE, zorder=3, label=f"running mean of {style.runs(case)}")
-    if np.isfinite(half).all():
-        axes.fill_between(
-            x, smooth - half, smooth + half, color=style.CURVE, alpha=0.22, linewidth=0.0,
-            label="95 % interval of the running mean",
-        )  # fmt: skip
+    style.band(axes, x, smooth, half, style.CURVE, label="95 % interval of the running mean")
     axes.plot(x, raw, label=f"mean of {style.runs(case)} in every bin", **style.RAW)
     axes.set_title(f"{case['case'].values}: {style.describe(case)}", loc="left")
     middle = style.millimetres(0.5 * (case.attrs["window_start"] + case.attrs["window_stop"]))

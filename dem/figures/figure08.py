@@ -4,7 +4,6 @@ The paper gives a standard deviation without saying of what; the deviation over 
 beside it. Runs with the same seed start from the same bed but for rounding: the change is one of pairs.
 """
 
-import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
@@ -57,11 +56,7 @@ def _curve(axes, case, shape) -> None:
         x, mean, color=look.color, linestyle=look.line, linewidth=WIDTHS[shape], zorder=3,
         label=f"{CODES[shape]} ({case['case'].values}), mean of {style.runs(case)}",
     )  # fmt: skip
-    if np.isfinite(half).all():
-        axes.fill_between(
-            x, mean - half, mean + half, color=look.color, alpha=0.22, linewidth=0.0,
-            label="95 % interval of the mean",
-        )  # fmt: skip
+    style.band(axes, x, mean, half, look.color, label="95 % interval of the mean")
 
 
 def _means(axes, numbers, place, paper) -> None:

@@ -1,17 +1,15 @@
 """Figure 9: discs, dumbbells and small discs; the cluster ahead of the cylinder is shaded."""
 
-from dem.figures import snapshots, style
+from dem.figures.snapshots import beds
 
 FILE = "flow"
 CAPTION = "Beds of discs, dumbbells and small discs, the granules ahead of the cylinder shaded"
 CASES = {"any": ("c1", "d1", "c2")}
-PART = "round"
 RECORDED = ("snapshots",)
 VARIABLES = ("bed_x",)
-TITLE = "Granules ahead of the cylinder (shaded) are pushed up and aside"
 
 
-@style.styled
 def plot(dataset):
     """Three displacements of the first seed of each shape; raises InputError without any."""
-    return snapshots.beds(dataset, CASES["any"], "cluster", TITLE)
+    title = "Granules ahead of the cylinder (shaded) are pushed up and aside"
+    return beds(dataset, CASES["any"], "cluster", title)

@@ -1,17 +1,15 @@
 """Figure 10: discs, dumbbells and small discs in layers."""
 
-from dem.figures import snapshots, style
+from dem.figures.snapshots import beds
 
 FILE = "flow"
 CAPTION = "Beds of discs, dumbbells and small discs in layers"
 CASES = {"any": ("c1", "d1", "c2")}
-PART = "round"
 RECORDED = ("snapshots",)
 VARIABLES = ("bed_x",)
-TITLE = "Layers before, half-way through and after the stroke"
 
 
-@style.styled
 def plot(dataset):
     """Three displacements of the first seed of each shape; raises InputError without any."""
-    return snapshots.beds(dataset, CASES["any"], "layers", TITLE)
+    title = "Layers before, half-way through and after the stroke"
+    return beds(dataset, CASES["any"], "layers", title)

@@ -1,17 +1,15 @@
 """Figure 11: ellipses of three aspect ratios; the cluster ahead of the cylinder is shaded."""
 
-from dem.figures import snapshots, style
+from dem.figures.snapshots import beds
 
 FILE = "flow"
 CAPTION = "Beds of ellipses, the granules ahead of the cylinder shaded"
 CASES = {"any": ("e1", "e2", "e3")}
-PART = "ellipses"
 RECORDED = ("snapshots",)
 VARIABLES = ("bed_x",)
-TITLE = "Ellipses ahead of the cylinder (shaded) are pushed up and aside"
 
 
-@style.styled
 def plot(dataset):
     """Three displacements of the first seed of each shape; raises InputError without any."""
-    return snapshots.beds(dataset, CASES["any"], "cluster", TITLE)
+    title = "Ellipses ahead of the cylinder (shaded) are pushed up and aside"
+    return beds(dataset, CASES["any"], "cluster", title)

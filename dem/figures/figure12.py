@@ -1,17 +1,15 @@
 """Figure 12: ellipses of three aspect ratios in layers."""
 
-from dem.figures import snapshots, style
+from dem.figures.snapshots import beds
 
 FILE = "flow"
 CAPTION = "Beds of ellipses in layers"
 CASES = {"any": ("e1", "e2", "e3")}
-PART = "ellipses"
 RECORDED = ("snapshots",)
 VARIABLES = ("bed_x",)
-TITLE = "Layers of ellipses before, half-way through and after the stroke"
 
 
-@style.styled
 def plot(dataset):
     """Three displacements of the first seed of each shape; raises InputError without any."""
-    return snapshots.beds(dataset, CASES["any"], "layers", TITLE)
+    title = "Layers of ellipses before, half-way through and after the stroke"
+    return beds(dataset, CASES["any"], "layers", title)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import matplotlib
 import numpy as np
+from imageio_ffmpeg import get_ffmpeg_exe
 from matplotlib.animation import FFMpegWriter, PillowWriter
 from matplotlib.artist import Artist
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -14,7 +15,7 @@ from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 
 from dem.base.errors import InputError
-from dem.base.files import Place, atomic, check_paths
+from dem.base.files import atomic
 from dem.base.target import file_of
 from dem.base.validate import checked
 from dem.dynamics.result import Result
@@ -24,7 +25,10 @@ from dem.figures import bed, style
 from dem.figures.frames import Frames, frames_of
 from dem.periodic import nearest_image
 
-COLORS = ("speed", "force", "layer", "cluster")
+FILMS, PICTURES = (".mp4", ".gif"), (".png", ".svg", ".pdf")
+WORDS = {"speed": "speed", "force": "sum of normal forces", "layer": "layers",
+         "cluster": "granules ahead of the cylinder"}  # fmt: skip
+COLORS = tuple(WORDS)
 SIZE, DPI = (12.8, 7.2), 100  # 720p
 MAP = "viridis"
 SECONDS = 10.0  # of a film
@@ -80,8 +84,6 @@ class Scene:
         self.bed = bed.Drawing(
             left, frames.rings, frames.view, frames.diameter, frames.periodic, not frames.boxed
         )
-        if frames.boxed:
-            left.set_axis_off()
         self.map = self._scale(left)
         self.mark = None
         if beside:
@@ -91,7 +93,7 @@ class Scene:
             " ", loc="left", fontsize=13
         )
         if frames.title:
-            self.figure.suptitle(self._title(), fontsize=15)
+            self.figure.suptitle(f"{frames.title}: {WORDS[color]}", fontsize=15)
         self.show(shown[0])
         self.figure.get_layout_engine().set(w_pad=0.12, h_pad=0.12)  # inches
         self.figure.draw_without_rendering()
@@ -103,11 +105,6 @@ class Scene:
         bed = sorted(self.bed.parts, key=Artist.get_zorder)
         over = [] if self.mark is None else [self.mark, self.mark.axes.get_legend()]
         return [each for each in (*bed, *over, self.caption) if each is not None]
-
-    def _title(self):
-        words = {"speed": "speed", "force": "sum of normal forces", "layer": "layers",
-                 "cluster": "granules ahead of the cylinder"}[self.color]  # fmt: skip
-        return f"{self.frames.title}: {words}"
 
     def _largest(self) -> float:
         """Largest force at a contact (N)."""
@@ -173,14 +170,10 @@ def _rc():
 def picture(
     motion: Motion, path: Path, displacement: float | None, color: str, forces: bool
 ) -> None:
-    """One snapshot, the nearest to a displacement (m), as PNG, SVG or PDF by the name of the file.
+    """One snapshot, the nearest to a displacement (m), in a file of PICTURES.
 
-    displacement: None for half the stroke. Raises InputError for one beyond the stroke, or for
-    another kind of file.
+    displacement: None for half the stroke. Raises InputError for one beyond the stroke.
     """
-    kind = Path(path).suffix[1:].lower()
-    if kind not in ("png", "svg", "pdf"):
-        raise InputError(f"{path}: a picture is a .png, .svg or .pdf file.")
     stroke = float(motion.displacement[-1])
     displacement = 0.5 * stroke if displacement is None else displacement
     if not 0.0 <= displacement <= stroke:
@@ -191,25 +184,20 @@ def picture(
         scene = Scene(frames_of(motion), color, forces)
         scene.show(motion.nearest(displacement))
         with atomic(path) as part:
-            scene.figure.savefig(part, format=kind)
+            scene.figure.savefig(part, format=path.suffix[1:].lower())
 
 
-def encoder():
-    """Path of an ffmpeg, on this computer or of the package imageio-ffmpeg; None without one."""
-    import shutil
-
-    found = shutil.which("ffmpeg")
-    if found:
-        return found
+def encoder() -> str:
+    """Path of an ffmpeg; raises InputError on a computer without one."""
     try:
-        from imageio_ffmpeg import get_ffmpeg_exe
-
         return get_ffmpeg_exe()
-    except (ImportError, RuntimeError):  # not installed, or without a program for this computer
-        return None
+    except RuntimeError:
+        raise InputError(
+            "there is no encoder for MP4 on this computer; install ffmpeg, or name a .gif file."
+        ) from None
 
 
-@checked(path=file_of(".mp4", ".gif"))
+@checked(path=file_of(*FILMS))
 def film(
     result: Result | Motion,
     path: str | os.PathLike[str],
@@ -226,8 +214,7 @@ def film(
     result : Result
         What dem.simulate returned.
     path : str or path
-        File to write; it ends in .mp4 or .gif. Without an encoder for MP4 a GIF is written, with
-        the same name but for its end.
+        File to write; it ends in .mp4 or .gif.
     color : str
         Colour of granules: "speed" (m/s), "force", the sum of normal forces on a granule (N), or
         "layer", horizontal layers of the first frame.
@@ -259,24 +246,21 @@ def film(
     ...     dem.film(result, folder + "/collision.gif").name
     'collision.gif'
     """
-    path, tool, frames = Path(path), encoder(), frames_of(result)
-    count = len(frames.position)
+    path, frames = Path(path), frames_of(result)
+    count, encoded = len(frames.position), path.suffix.lower() == ".mp4"
     if count < 2:
         raise InputError(f"result has {count} frame; a film needs two: simulate with more frames.")
-    if path.suffix.lower() == ".mp4" and tool is None:
-        path = path.with_suffix(".gif")
-        check_paths([Place("the .gif instead", path)])
     rate = max(2.0, count / SECONDS)
     with _rc():
         scene = Scene(frames, color, forces)
-        if path.suffix.lower() == ".mp4":
-            matplotlib.rcParams["animation.ffmpeg_path"] = tool
+        if encoded:
+            matplotlib.rcParams["animation.ffmpeg_path"] = encoder()
             options = ["-pix_fmt", "yuv420p", "-f", "mp4", "-preset", "veryfast"]
             writer = FFMpegWriter(fps=rate, codec="libx264", extra_args=options)
         else:
             writer = PillowWriter(fps=min(rate, 50.0))
         with atomic(path) as part:
-            target = part if path.suffix.lower() == ".mp4" else part.with_suffix(".gif")
+            target = part if encoded else part.with_suffix(".gif")
             with writer.saving(scene.figure, str(target), DPI):
                 scene.figure.begin(scene.moving)
                 for frame in range(count):

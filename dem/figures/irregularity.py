@@ -37,8 +37,7 @@ def plot(dataset: xr.Dataset) -> Figure:
             told = case in compared_cases or None in compared_cases
             axes.plot(x, mean, linewidth=2.0 if told else 1.0, label=str(case), **look)
             if told:
-                axes.fill_between(x, mean - half, mean + half, color=look["color"], alpha=0.16,
-                                  linewidth=0.0)  # fmt: skip
+                style.band(axes, x, mean, half, look["color"], 0.16)
         axes.set_ylabel(LABELS[name])
         axes.set_title(_reading(dataset, name), loc="left")
         style.from_zero(axes)

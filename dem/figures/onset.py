@@ -1,6 +1,5 @@
 """Where beds jam and on how many contacts, against aspect ratio: by size, and for infinite size."""
 
-import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
@@ -11,7 +10,6 @@ FILE = "onset"
 CAPTION = "Where beds jam and on how many contacts, against aspect ratio"
 AXES = {"granules": 3, "seed": 3}
 VARIABLES = ("onset_fraction", "onset_contacts")
-MARKERS = "sD^vPX"
 ISOSTATIC = {4.0: "isostatic discs, 4", 6.0: "isostatic ellipses, 6"}
 
 
@@ -19,23 +17,26 @@ ISOSTATIC = {4.0: "isostatic discs, 4", 6.0: "isostatic ellipses, 6"}
 def plot(dataset: xr.Dataset) -> Figure:
     """Packing fraction at the onset above, contacts per granule below."""
     found = limits(dataset)
-    figure = Figure(figsize=(style.WIDTH, 7.6))
-    above, below = figure.subplots(2, 1, sharex=True)
+    figure, above, below = style.above_and_below(
+        f"Onset of jamming without friction: means of {found.beds} beds of each size,\n"
+        "and the lines through them at infinite size (95 % intervals)"
+    )
     for axes, means, estimates in (
         (above, found.fractions, found.fraction),
         (below, found.contacts, found.coordination),
     ):
-        for column, (granules, marker) in enumerate(zip(found.granules, MARKERS, strict=False)):
+        for column, (granules, marker) in enumerate(
+            zip(found.granules, style.MARKERS[1:], strict=False)
+        ):
             axes.plot(
                 found.ratio, means[:, column], marker, color="0.15", markersize=5,
                 markerfacecolor=str(0.95 - 0.75 * column / len(found.granules)),
                 label=f"{granules} granules" if axes is above else None,
             )  # fmt: skip
-        value, low, high = np.array(estimates).T
-        axes.errorbar(
-            found.ratio, value, [value - low, high - value], marker="o", color=style.CURVE,
-            capsize=4, label="infinitely many" if axes is above else None,
-        )  # fmt: skip
+        label = "infinitely many" if axes is above else None
+        style.intervals(
+            axes, found.ratio, estimates, marker="o", color=style.CURVE, capsize=4, label=label
+        )
     for level, words in ISOSTATIC.items():
         below.axhline(level, **style.REFERENCE)
         below.annotate(
@@ -46,8 +47,4 @@ def plot(dataset: xr.Dataset) -> Figure:
     below.set_ylabel("Contacts per granule there,\nrattlers left out")
     below.set_xlabel("Aspect ratio")
     style.legend(figure, above, "outside lower center", ncols=3)
-    figure.suptitle(
-        f"Onset of jamming without friction: means of {found.beds} beds of each size,\n"
-        "and the lines through them at infinite size (95 % intervals)"
-    )
     return figure

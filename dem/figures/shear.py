@@ -10,23 +10,21 @@ FILE = "shear"
 CAPTION = "Friction and packing fraction of sheared beds against their inertial number"
 AXES = {"shear_inertial_number": 2}
 VARIABLES = ("lid_shear_stress",)
-MARKERS = "osD^vPX"
 
 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
     """Friction above, packing fraction below, one curve per place on the other axes."""
     found, others = rheology(dataset), axes_of(dataset)
-    figure = Figure(figsize=(style.WIDTH, 7.6))
-    above, below = figure.subplots(2, 1, sharex=True)
+    figure, above, below = style.above_and_below(
+        f"Simple shear: means of {found.blocks} blocks of one strain each, with 95 % intervals"
+    )
     for axes, name in ((above, "friction"), (below, "fraction")):
         for number, (place, curves) in enumerate(found.curves.items()):
             words = ", ".join(f"{dim} {at}" for dim, at in zip(others, place, strict=True))
-            value, low, high = getattr(curves, name).T
-            axes.errorbar(
-                curves.number, value, [value - low, high - value], capsize=3, linewidth=1.0,
-                marker=MARKERS[number % len(MARKERS)], color=style.CASES[number % len(style.CASES)],
-                label=words or "mean",
+            style.intervals(
+                axes, curves.number, getattr(curves, name), capsize=3, linewidth=1.0,
+                label=words or "mean", **style.numbered(number),
             )  # fmt: skip
     above.set_ylabel("Friction of the bed:\nshear over normal stress")
     below.set_ylabel("Packing fraction")
@@ -34,7 +32,4 @@ def plot(dataset: xr.Dataset) -> Figure:
     below.set_xscale("log")
     style.from_zero(above)
     style.legend(figure, above, "outside lower center", ncols=2)
-    figure.suptitle(
-        f"Simple shear: means of {found.blocks} blocks of one strain each, with 95 % intervals"
-    )
     return figure

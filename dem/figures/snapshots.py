@@ -14,6 +14,7 @@ from dem.shapes import outlines
 SHARES = (0.0, 0.5, 1.0)  # of the stroke: displacements that are shown
 
 
+@style.styled
 def beds(dataset: xr.Dataset, shapes: tuple[str, ...], colors: str, title: str) -> Figure:
     """One row per shape, one column per displacement; colors: "cluster" or "layers".
 
@@ -53,8 +54,11 @@ def _row(row, here, snapshots, colors, attrs) -> None:
         else bed.layer_colors(place[0], height[0], int(attrs["layers"]))
     )  # fmt: skip
     for axes, snapshot in zip(row, snapshots, strict=True):
-        drawn = bed.Bed(axes, rings, width, height.max(), diameter, periods)
+        view = bed.box_view(width, height.max())
+        drawn = bed.Drawing(axes, rings, view, diameter, periods)
+        drawn.joints.set_visible(False)  # panels are too small for them
         angle = here["bed_angle"].values[snapshot, known]
-        axis_y = float(here["bed_cylinder_y"][snapshot])
-        drawn.move(place[snapshot], angle, axis_y, height[snapshot])
+        axis = 0.5 * width, float(here["bed_cylinder_y"][snapshot])
+        walls = bed.box_walls(width, height[snapshot], periods)
+        drawn.move(place[snapshot], angle, axis, walls)
         drawn.paint(paint)

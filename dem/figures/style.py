@@ -75,6 +75,7 @@ OTHERS = (
 
 # of any number of cases in turn, where kinds of granules do not suffice
 CASES = ("#2f7fd1", "#b34700", "#5b4a8a", "#6fae8a", "#2f7d4f", "#0f5a30", "black")
+MARKERS = "osD^vPX"
 LAYERS = ("#f3f5f7", "#5d87b0")  # of a bed in turn: far apart in grey
 OUTLINE, STEEL = "0.25", "0.55"  # of granules; the cylinder
 
@@ -141,6 +142,32 @@ def bar(axes, middle: float, width: float, numbers: xr.Dataset, **options) -> fl
         top = max(top, mean + half)
     show_runs(axes, middle, numbers["run_mean"], 0.6 * width)
     return top
+
+
+def numbered(number: int) -> dict[str, str]:
+    """Colour and marker of one of any number of cases."""
+    return {"color": CASES[number % len(CASES)], "marker": MARKERS[number % len(MARKERS)]}
+
+
+def band(axes, x, mean, half, color: str, alpha: float = 0.22, label: str | None = None) -> None:
+    """The interval of a curve, if it has one everywhere."""
+    if np.isfinite(half).all():
+        axes.fill_between(
+            x, mean - half, mean + half, color=color, alpha=alpha, linewidth=0.0, label=label
+        )
+
+
+def intervals(axes, x, estimates, **look) -> None:
+    """Values with their intervals; estimates (k, 3): value and both ends."""
+    value, low, high = np.asarray(estimates).T
+    axes.errorbar(x, value, [value - low, high - value], **look)
+
+
+def above_and_below(title: str):
+    """A figure of two panels over the same axis: it, and both axes."""
+    figure = Figure(figsize=(WIDTH, 7.6))
+    figure.suptitle(title)
+    return figure, *figure.subplots(2, 1, sharex=True)
 
 
 def write_above(axes, middle: float, top: float, text: str) -> None:

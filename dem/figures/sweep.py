@@ -5,7 +5,6 @@ varies) has one line per value, the others one panel per value. A design: one pa
 mark per point.
 """
 
-import json
 import re
 from textwrap import fill
 
@@ -18,17 +17,15 @@ from dem.analysis.statistics import half_interval, over_seeds, summarise
 from dem.base.errors import InputError
 from dem.figures import style
 from dem.io.dataset import LABELS
-from dem.sweep.axis import POINT, name_of
+from dem.sweep.axis import POINT
 
 FILE = "drag"
 CAPTION = "Mean drag over what was varied"
 PANELS = 12  # at most
 COLUMNS = 4  # of panels, at most
-MARKERS = "osD^vPX"
 LINES = ("-", (0, (5, 1.5)), (0, (1, 1)), (0, (3, 1, 1, 1)), (0, (7, 1.5, 1, 1.5)))
-FAR = 30.0  # greatest over least value from which on any axis is logarithmic
-SPREAD = 3.0  # the same of a list whose values follow each other at about equal ratios
-EVEN = 1.5  # greatest over least of these, in logarithms
+FAR = 5.0  # greatest over least value beyond which an axis is logarithmic
+DECADES = 30.0  # the same beyond which powers of ten are ticks enough
 FEW = 6  # values of x that each have their tick
 APART = 0.6, 0.012  # between two lines, so that intervals show: of a category's place; of a range
 BASES = ("shape", "case")  # axes that lines show
@@ -127,7 +124,7 @@ class Roles:
         order = sorted(others, key=lambda d: (d in numeric and sizes[d] > 1, sizes[d]))
         self.x = x or order[-1]
         rest = [dim for dim in dims if dim != self.x and sizes[dim] > 1]
-        rest.sort(key=lambda d: (d not in BASES, sizes[d] > len(MARKERS), -sizes[d]))
+        rest.sort(key=lambda d: (d not in BASES, sizes[d] > len(style.MARKERS), -sizes[d]))
         self.line = rest.pop(0) if rest else None
         self.panels, self.averaged, count = [], [], 1
         for dim in rest:
@@ -167,39 +164,20 @@ def _grid(dataset: xr.Dataset, runs: xr.DataArray) -> Figure:
     return figure
 
 
-def _ranges(dataset: xr.Dataset, dim: str) -> set[str]:
-    """The factors of a design that are uniform in their logarithm, by name."""
-    sweep = json.loads(dataset.attrs["configuration"]).get("sweep", {})
-    designs = [
-        spec for block in (sweep.get("blocks") or {"": sweep}).values()
-        for key, spec in block.items() if name_of(key) == dim and isinstance(spec, dict) and "over" in spec
-    ]  # fmt: skip
-    return {
-        name_of(path) for spec in designs
-        for path, factor in spec["over"].items() if factor.get("scale") == "log"
-    }  # fmt: skip
-
-
-def _is_logarithmic(values: np.ndarray) -> bool:
-    """Whether values are over an axis that is logarithmic: far apart, or a list at equal ratios."""
-    if not values.min() > 0.0:
-        return False
-    different = np.unique(values)
-    steps, ratios = np.diff(different), np.diff(np.log(different))
-    even = len(steps) > 1 and ratios.max() / ratios.min() < min(EVEN, steps.max() / steps.min())
-    far = different[-1] / different[0]
-    return bool(far > FAR or (far >= SPREAD and even))
+def is_logarithmic(values: np.ndarray) -> bool:
+    """Whether values are over an axis that is logarithmic: positive, and far apart."""
+    return bool(values.min() > 0.0 and values.max() > FAR * values.min())
 
 
 def _design(dataset: xr.Dataset, runs: xr.DataArray, dim: str) -> Figure:
     """One panel per factor of a design."""
-    factors, roles, logs = factors_of(runs, dim), Roles(runs, x=dim), _ranges(dataset, dim)
+    factors, roles = factors_of(runs, dim), Roles(runs, x=dim)
     runs = roles.reduced(runs)
     shown = factors[:PANELS]
     columns = min(len(shown), COLUMNS - 1)
     figure, panels = _panels(len(shown), columns, sharey=True)
     for axes, name in zip(panels, shown, strict=True):
-        _lines(axes, runs, roles, runs[name], marks=True, logarithmic=name in logs)
+        _lines(axes, runs, roles, runs[name], marks=True)
         _name(axes, runs[name], columns)
     more = f"; {len(factors) - PANELS} factors more are not shown" if factors[PANELS:] else ""
     _finish(figure, dataset, runs, roles, more)
@@ -219,9 +197,7 @@ def _panels(count: int, columns: int, **shared):
     return figure, panels[:count]
 
 
-def _lines(
-    axes, runs: xr.DataArray, roles: Roles, along: xr.DataArray, marks=False, logarithmic=False
-) -> None:
+def _lines(axes, runs: xr.DataArray, roles: Roles, along: xr.DataArray, marks=False) -> None:
     """Means (x,) with intervals: one line per value, marks for categories and designs."""
     runs = over_seeds(runs)
     numeric = along.dtype.kind in "iuf"
@@ -229,7 +205,7 @@ def _lines(
     names = list(dict.fromkeys(values.tolist()))
     middle = values if numeric else np.array([names.index(value) for value in values.tolist()])
     lines = runs[roles.line].values if roles.line else [None]
-    logarithmic = numeric and (logarithmic or _is_logarithmic(values))
+    logarithmic = numeric and is_logarithmic(values)
     scaled = np.log(values) if logarithmic else middle
     step = APART[1] * float(np.ptp(scaled)) if numeric else APART[0] / len(lines)
     for number, line in enumerate(lines):
@@ -238,7 +214,7 @@ def _lines(
         axes.errorbar(
             np.exp(place) if logarithmic else place, own.mean("seed").values,
             half_interval(own).values,
-            color=style.CASES[number % len(style.CASES)], marker=MARKERS[number % len(MARKERS)],
+            **style.numbered(number),
             markersize=6.5, markerfacecolor="white" if number % 2 else None, capsize=3,
             elinewidth=1.2, linewidth=1.6,
             linestyle=LINES[number % len(LINES)] if numeric and not marks else "none",
@@ -249,7 +225,7 @@ def _lines(
         axes.set_xlim(-0.6, len(names) - 0.4)
         return
     if logarithmic:
-        far = values.max() > FAR * values.min()
+        far = values.max() > DECADES * values.min()
         style.logarithmic(axes, "x", (1.0,) if far else (1.0, 2.0, 5.0))
     if len(names) <= FEW and not marks:
         axes.set_xticks(names, [f"{name:.4g}" for name in names])

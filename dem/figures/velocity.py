@@ -12,8 +12,6 @@ from dem.figures import style
 FILE = "drag"
 CAPTION = "Drag against the velocity of the cylinder, and its quasi-static limit"
 AXES = {"cylinder_velocity": 4, "seed": 3}
-MARKERS = "osD^vPX"
-COLORS = style.CASES
 ALONG = 80  # points of a curve
 
 
@@ -22,16 +20,22 @@ def plot(dataset: xr.Dataset) -> Figure:
     """Drag above, drag over its quasi-static limit below, one curve per place on the other axes."""
     found = rates(dataset)
     others = axes_of(dataset)
-    figure = Figure(figsize=(style.WIDTH, 7.6))
-    above, below = figure.subplots(2, 1, sharex=True)
+    usual = json.loads(dataset.attrs["configuration"])["cylinder"].get("velocity")
+    marked = usual in found.velocity  # else no run has it
+    figure, above, below = style.above_and_below(
+        f"Drag against velocity: means of {found.beds} beds, and the law fitted to them\n"
+        f"(95 % intervals; dotted: limits{f'; grey line: {usual:g} m/s' if marked else ''})"
+    )
     along = np.geomspace(found.velocity[0], found.velocity[-1], ALONG)
     for number, (place, law) in enumerate(found.laws.items()):
         words = ", ".join(f"{dim} {at}" for dim, at in zip(others, place, strict=True))
-        look = {"color": COLORS[number % len(COLORS)], "marker": MARKERS[number % len(MARKERS)]}
+        look = style.numbered(number)
         limit, low, high = found.interval(law.limit)
         look["label"] = f"{words or 'mean'}: limit {limit:.0f} N ({low:.0f} to {high:.0f})"
         for axes, over in ((above, 1.0), (below, limit)):
-            _means(axes, found, found.means[place] / over, **look)
+            means = [found.interval(each) for each in (found.means[place] / over).T]
+            style.intervals(axes, found.velocity, means, linestyle="none", capsize=3,
+                            markersize=6, elinewidth=1.4, **look)  # fmt: skip
             _law(axes, found, along, [law.drag(v) / over for v in along], look["color"])
         above.axhline(limit, **style.REFERENCE | {"color": look["color"]})
     above.set_yscale("log")
@@ -42,25 +46,13 @@ def plot(dataset: xr.Dataset) -> Figure:
     below.set_xscale("log")
     below.set_xticks(found.velocity, [f"{v:.3g}" for v in found.velocity])
     below.set_xticks([], minor=True)
-    usual = json.loads(dataset.attrs["configuration"])["cylinder"].get("velocity")
-    marked = usual in found.velocity  # else no run has it
     for axes in (above, below) if marked else ():
         axes.axvline(usual, **style.RAW | {"linewidth": 1.0})
     if (slow := inertial_number(dataset)) is not None:
         scale = (lambda v: slow * v, lambda i: i / slow)
         above.secondary_xaxis("top", functions=scale).set_xlabel("Inertial number")
     style.legend(figure, above, "outside lower center", ncols=2)
-    figure.suptitle(
-        f"Drag against velocity: means of {found.beds} beds, and the law fitted to them\n"
-        f"(95 % intervals; dotted: limits{f'; grey line: {usual:g} m/s' if marked else ''})"
-    )
     return figure
-
-
-def _means(axes, found, means, **look):
-    value, low, high = np.array([found.interval(each) for each in means.T]).T
-    axes.errorbar(found.velocity, value, [value - low, high - value], linestyle="none", capsize=3,
-                  markersize=6, elinewidth=1.4, **look)  # fmt: skip
 
 
 def _law(axes, found, along, drag, color):

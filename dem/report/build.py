@@ -1,7 +1,7 @@
 """results/report.html from the files of results and the page of assumptions."""
 
 import base64
-import json
+import io
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -11,6 +11,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from jinja2.utils import htmlsafe_json_dumps
 from markdown_it import MarkdownIt
 from markupsafe import Markup
+from PIL import Image
 
 from dem.analysis.flow.layout import ATTRIBUTES, VARIABLES
 from dem.analysis.flow.verdict import sentences
@@ -18,51 +19,46 @@ from dem.analysis.statistics import by_case, change, summarise
 from dem.analysis.statistics import densities as densities_of
 from dem.base.errors import InputError
 from dem.base.files import atomic
-from dem.experiment.config import parse
 from dem.figures.catalogue import drawable_from, require_drag
 from dem.figures.style import percent
 from dem.io.lazily import open_lazily, require
-from dem.report import varied
 from dem.report.info import drag_table
 from dem.report.interactive import beds, chart
-from dem.sweep.axis import OWN
 from dem.sweep.combine import open_combined
-from dem.sweep.config import load
 
 # What the report needs of drag.nc, beside what all readers need.
 NEEDED = (
     "max_overlap", "time_step", "run_time", "steps", "aspect_ratio", "diameter", "granules",
 )  # fmt: skip
 ORIGIN = ("title", "versions", "git_revision", "references", "configuration")
+PIXELS = 1200  # width of a picture
 OPEN = "## What the paper leaves open"  # section of docs/explanation/open.md, shown as it is
 
 
-def build(
-    drag: Path, flow: Path, notes: Path, output: Path, paper: Path = Path("config/paper.yaml")
-) -> None:
+def build(drag: Path, output: Path, notes: Path | None = None) -> None:
     """Write the report of a folder of results, atomically; raises InputError for other files.
 
     It shows the figures and studies beside drag.nc, and flow.nc if it is there. A sweep of values
-    other than cases or shapes has a table over its axes instead. notes: what the paper leaves open,
-    for runs with the values of the file `paper`.
+    other than cases or shapes has a table over its axes instead. notes: a file that tells what the
+    paper leaves open, for its runs.
     """
     folder = Path(drag).parent
+    flow = folder / "flow.nc"
     require_drag(drag)
     with open_combined(drag) as dataset:
         require(dataset, drag, {}, NEEDED, ORIGIN)
         names = drawable_from(drag, dataset)
         parts = {"title": dataset.attrs["title"], "runs": runs(dataset)}
         parts |= of_drag(dataset)
-        told = section(notes, OPEN) if of_paper(dataset, paper) else ""
     parts |= {"irregularity": None, "beds": "", "studies": studies(folder)}
-    if Path(flow).is_file():
+    if flow.is_file():
         with open_lazily(flow) as moves:
             names += drawable_from(flow, moves)
             parts |= of_flow(flow, by_case(moves))
     page = _page().render(
         figures=figures(folder / "figures", names, [name for name, _ in parts["studies"]], drag),
         made=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        open=Markup(told),
+        open=Markup(section(notes, OPEN)) if notes else "",
         provenance="provenance.html" if (folder / "provenance.html").is_file() else "",
         **parts,
     )
@@ -70,34 +66,16 @@ def build(
         part.write_text(page, encoding="utf-8")
 
 
-def of_paper(dataset: xr.Dataset, paper: Path) -> bool:
-    """Whether all runs have the values that the notes on the paper tell: nothing but case, shape,
-    density and seed varies, and all else but what is recorded, and how, is as in the paper's file."""
-    own = json.loads(dataset.attrs["configuration"])
-    if not Path(paper).is_file() or not set(own.get("sweep", {"": None})) <= {"case", *OWN}:
-        return False
-    theirs = load(paper).values()
-    try:
-        own = parse({key: own[key] for key in theirs if key in own}).values()
-    except InputError:  # of another time
-        return False
-    shapes = own.pop("shapes").items() <= theirs.pop("shapes").items()
-    told = theirs.keys() - {"record", "numerics"}
-    return shapes and all(own[key] == theirs[key] for key in told)
-
-
 def of_drag(dataset: xr.Dataset) -> dict:
-    """What the page says of drag.nc: its cases, or a table over what else was varied."""
-    found = by_case(dataset)
-    if found is not None:
-        return {"table": None, "varied": [], "cases": cases(found), "densities": densities(found),
-                "chart": Markup(chart(found))}  # fmt: skip
+    """What the page says of drag.nc: its table and, of cases, what density does and the curves."""
     table, more = drag_table(dataset)
     rows = list(zip(*(column.cells for column in table.columns), strict=True))
     head = [str(column.header) for column in table.columns]
+    found = by_case(dataset)
     return {
         "table": {"head": head, "rows": rows, "more": more},
-        "varied": varied.sentences(dataset),
+        "densities": [] if found is None else densities(found),
+        "chart": "" if found is None else Markup(chart(found)),
     }
 
 
@@ -114,29 +92,6 @@ def _page():
     loader = PackageLoader("dem.report", "page")
     return Environment(loader=loader, autoescape=True, undefined=StrictUndefined,
                        trim_blocks=True, lstrip_blocks=True).get_template("page.html")  # fmt: skip
-
-
-def number(value: float, digits: int = 0) -> str:
-    """A number in words of the table; a dash where there is none."""
-    return f"{value:.{digits}f}" if np.isfinite(value) else "\N{EN DASH}"
-
-
-def cases(dataset: xr.Dataset) -> list[dict]:
-    """Rows of the table of cases."""
-    found, rows = summarise(dataset), []
-    for case in dataset["case"].values:
-        one, about = found.sel(case=case), dataset.sel(case=case)
-        rows.append({
-            "case": str(case), "kind": str(about["kind"].values),
-            "ratio": f"{float(about['aspect_ratio']):g}",
-            "diameter": f"{1e6 * float(about['diameter']):.0f}",
-            "granules": int(about["granules"]), "density": f"{float(about['density']):g}",
-            "mean": number(float(one["mean"])), "half": number(float(one["half_interval"])),
-            "between": number(float(one["sd_between_runs"])),
-            "over": number(float(one["sd_over_run"])),
-            "overlap": number(float(about["max_overlap"].max()), 2),
-        })  # fmt: skip
-    return rows
 
 
 def densities(dataset: xr.Dataset) -> list[str]:
@@ -166,41 +121,23 @@ def figures(folder: Path, names: list[str], studies: list[str], data: Path) -> l
 
 
 def _embedded(file: Path) -> dict:
-    """Name, caption and data of a picture."""
-    from PIL import Image
-
+    """Name, caption and data of a picture: a PNG with a palette, no wider than needed on a screen."""
     with Image.open(file) as picture:
+        size = PIXELS, round(picture.height * PIXELS / picture.width)
+        small = picture.convert("RGB").resize(size, Image.Resampling.LANCZOS)
+        small.quantize(128).save(buffer := io.BytesIO(), "PNG", optimize=True)
         caption = picture.info.get("Title", file.stem)
-    return {
-        "name": file.stem,
-        "caption": caption,
-        "data": base64.b64encode(_smaller(file)).decode(),
-    }
-
-
-def _smaller(file: Path, width: int = 1200) -> bytes:
-    """A PNG with a palette, no wider than needed on a screen."""
-    import io
-
-    from PIL import Image
-
-    with Image.open(file) as picture:
-        height = round(picture.height * width / picture.width)
-        small = picture.convert("RGB").resize((width, height), Image.Resampling.LANCZOS)
-        buffer = io.BytesIO()
-        small.quantize(128).save(buffer, "PNG", optimize=True)
-        return buffer.getvalue()
+    data = base64.b64encode(buffer.getvalue()).decode()
+    return {"name": file.stem, "caption": caption, "data": data}
 
 
 def section(file: Path, heading: str) -> str:
     """One section of a Markdown file, up to the next of its level, as HTML."""
-    text = _text(file)
-    _, found, rest = text.partition(heading + "\n")
+    _, found, rest = _text(file).partition(heading + "\n")
     if not found:
         raise InputError(f"{file}: it has no section {heading!r}.")
-    return (
-        MarkdownIt("commonmark", {"html": False}).enable("table").render(rest.partition("\n## ")[0])
-    )
+    markdown = MarkdownIt("commonmark", {"html": False}).enable("table")
+    return markdown.render(rest.partition("\n## ")[0])
 
 
 def _text(file: Path) -> str:

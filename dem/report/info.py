@@ -39,8 +39,9 @@ OF_DRAG = (
 )  # fmt: skip
 ORIGIN = ("title", "history", "git_revision", "source_hash", "versions")
 WINDOW = ("window_start", "window_stop")
-OF_A_RUN = ("drag", "displacement", "max_overlap", "time_step", "run_time", "steps", "box_height")
+OF_A_RUN = ("drag", "displacement", "max_overlap", "time_step", "run_time", "packing_pressure")
 RUN = ("shape", "density\nkg/m³", "seed")
+RUN_OF_DRAG = ("mean\nN", "sd over\nrun %", "great.\noverlap", "step\nns", "pressure\nMPa")
 VARIED = 4  # values more that runs of a file differ in, at most
 MEANS = 5  # quantities of a file without drag that are shown
 
@@ -122,10 +123,15 @@ def _of_drag(about: xr.Dataset, own: xr.Dataset) -> list[str]:
         _number(own["half_interval"], ".0f"),
         _number(100.0 * own["sd_over_run"] / mean, ".1f"),
         _number(100.0 * own["sd_between_runs"] / mean, ".1f"),
-        _number(about["max_overlap"].max(), ".3f"),
-        _number(1e9 * np.nanmedian(about["time_step"]), ".1f"),
+        *_of_steps(about),
         _number(about["run_time"].mean(), ".1f"),
     ]
+
+
+def _of_steps(about: xr.Dataset) -> list[str]:
+    """Greatest overlap and median time step."""
+    step = 1e9 * np.nanmedian(about["time_step"])
+    return [_number(about["max_overlap"].max(), ".3f"), _number(step, ".1f")]
 
 
 def _sweep(dataset: xr.Dataset) -> Group:
@@ -205,52 +211,38 @@ def _verdict(dataset: xr.Dataset) -> list[str]:
 
 
 def _runs(path: Path, dataset: xr.Dataset) -> Group:
-    """The runs of a chunk, one row each; for a single run all its numbers."""
+    """The runs of a file of runs, one row each."""
     attrs, count = dataset.attrs, dataset.sizes["run"]
     replicates = [replicate_of(path, dataset, row) for row in range(min(count, ROWS))]
-    if count == 1 and not int(dataset["failure"][0]) and "drag" in dataset:
+    of_drag = "drag" in dataset
+    if of_drag:
         require(dataset, path, {}, OF_A_RUN)
-        return _one(dataset.isel(run=0), replicates[0])
     varied = [each for each in columns_of(dataset) if len(set(each.values.tolist())) > 1]
     varied = [each for each in varied if each.name not in LABELS][:VARIED]
     names = (each.name for each in varied)
-    table = numbers("run", *RUN, *names, "mean\nN", "processor\ntime s", "failed")
+    table = numbers(
+        "run", *RUN, *names, *(RUN_OF_DRAG if of_drag else ()), "processor\ntime s", "failed"
+    )
     for row, replicate in enumerate(replicates):
         one = dataset.isel(run=row)
-        mean = _drag_of(one, replicate).mean() if "drag" in one else np.nan
         table.add_row(
             str(one["run_id"].values)[:12], replicate.label, f"{replicate.density:g}",
-            str(replicate.seed), *(_word(each.values[row]) for each in varied), _number(mean, ".0f"), _number(one.get("spent", np.nan), ".1f"),
+            str(replicate.seed), *(_word(each.values[row]) for each in varied),
+            *(_of_one(one, replicate) if of_drag else ()), _number(one.get("spent", np.nan), ".1f"),
             str(one["failure_reason"].values).strip()[:60],
         )  # fmt: skip
     return _told(attrs, _provenance(attrs), table, count - len(replicates))
 
 
-def _drag_of(one: xr.Dataset, replicate: Replicate) -> xr.DataArray:
-    """Drag of a run within its window."""
-    return within(one["drag"], *replicate.configuration.record.window)
-
-
-def _one(one: xr.Dataset, replicate: Replicate) -> Group:
-    """Title, provenance and the numbers of one run."""
-    drag = _drag_of(one, replicate)
-    mean, own = drag.mean(), replicate.configuration
-    values = {
-        "mean drag within the window": f"{_number(mean, '.0f')} N",
-        "standard deviation over the run": f"{_number(100.0 * drag.std() / mean, '.1f')} %",
-        "greatest overlap over the smaller radius": _number(one["max_overlap"].max(), ".3f"),
-        "median time step": f"{1e9 * np.median(one['time_step']):.1f} ns",
-        "steps": str(int(one["steps"])),
-        "processor time": f"{float(one['run_time']):.1f} s",
-        "height of the box": f"{1e3 * float(one['box_height']):.2f} mm",
-        "pressure before the run": f"{1e-6 * float(one['packing_pressure']):.3g} MPa",
-    }
-    window = f"{_millimetres(*own.record.window)} of displacement"
-    lines = _provenance(
-        one.attrs, run=replicate.words(),
-        window=f"{window}, cylinder at {own.cylinder.velocity:g} m/s",
-    )  # fmt: skip
-    return _told(one.attrs, lines, _plain(values))
+def _of_one(one: xr.Dataset, replicate: Replicate) -> list[str]:
+    """Cells in the order of RUN_OF_DRAG."""
+    drag = within(one["drag"], *replicate.configuration.record.window)
+    return [
+        _number(drag.mean(), ".0f"),
+        _number(100.0 * drag.std() / drag.mean(), ".1f"),
+        *_of_steps(one),
+        _number(1e-6 * one["packing_pressure"], ".3g"),
+    ]
 
 
 def _missing(failure: xr.DataArray) -> str:

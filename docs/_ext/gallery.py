@@ -25,19 +25,19 @@ RUNS = {
 PICTURES = {
     "film.mp4": (
         "Ellipses of aspect ratio 1.375: speed and contact forces",
-        "dem film e3.nc --color speed --forces -o film.mp4",
+        "dem draw e3.nc --color speed --forces -o film.mp4",
     ),
     "forces.png": (
         "Discs: the sum of the normal forces on each granule, and the forces between them",
-        "dem picture c1.nc --color force --forces -o forces.png",
+        "dem draw c1.nc --color force --forces -o forces.png",
     ),
     "layers.png": (
         "Dumbbells, coloured in layers before the cylinder moved",
-        "dem picture d1.nc --color layer -o layers.png",
+        "dem draw d1.nc --color layer -o layers.png",
     ),
     "cluster.png": (
         "Ellipses, those that began ahead of the cylinder shaded",
-        "dem picture e3.nc --color cluster -o cluster.png",
+        "dem draw e3.nc --color cluster -o cluster.png",
     ),
 }
 

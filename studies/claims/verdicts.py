@@ -7,11 +7,11 @@ import numpy as np
 import xarray as xr
 from scipy.stats import binomtest
 
-from dem.analysis.compare import simultaneous, together
 from dem.analysis.flow.layout import MEASURES
 from dem.analysis.statistics import LEVEL
 from dem.base.errors import InputError
 from studies.claims.evidence import MARGIN, Evidence, from_study, from_sweep
+from studies.claims.numbers import simultaneous, together
 from studies.claims.sentences import CLAIMS, Claim
 
 

@@ -4,7 +4,7 @@ If the runs do not record the measures, they are computed from the snapshots, ch
 """
 
 import json
-from collections.abc import Container, Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +22,6 @@ from dem.io.dataset import attributes, content_of, global_attributes, read, writ
 from dem.periodic import wrapped
 from dem.sweep.combine import combine, shared
 from dem.sweep.expand import Block
-from dem.sweep.store import Chunk
 from dem.sweep.work import Work
 
 MOVED = "snapshot_displacement"
@@ -58,19 +57,19 @@ def _runs(chunk: Path, values: dict, attrs: dict) -> Iterator[tuple[Replicate, d
         yield replicate, None if values["failure"][row] else own
 
 
-def sources(work: Work, block: str, runs: Container[str]) -> list[Path]:
-    """The files that hold the measures of some runs of a block: its chunks, or what was measured of them beside
+def sources(work: Work, block: str) -> list[Path]:
+    """The files that hold the measures of the runs of a block: its chunks, or what was measured of them beside
     its results; raises InputError where the runs have neither measures nor snapshots, or where they
     are not measured yet."""
     recorded = _recorded(work, block)
     if "flow" in recorded:
-        return [work.store.file_of(each.id) for each in chunks_with(work, block, runs)]
+        return work.files(block)
     if "snapshots" not in recorded:
         raise InputError(
             f"{work.sweep.title}: its runs record neither snapshots nor flow, so how beds move is not "
             "known; add snapshots to record.observables and run again."
         )
-    found = [_measured(work, each.id) for each in chunks_with(work, block, runs)]
+    found = [_measured(work, each.id) for each in work.chunks(block)]
     for path in found:
         if not path.is_file():
             raise InputError(
@@ -78,11 +77,6 @@ def sources(work: Work, block: str, runs: Container[str]) -> list[Path]:
                 "first: dem flow."
             )
     return found
-
-
-def chunks_with(work: Work, block: str, runs: Container[str]) -> list[Chunk]:
-    """The chunks of a block that hold some runs, by their identities."""
-    return [each for each in work.chunks(block) if any(run in runs for run in each.runs)]
 
 
 def _measured(work: Work, chunk: str) -> Path:
@@ -105,14 +99,9 @@ def make_flow(work: Work, block: str, progress=lambda share: None) -> None:
     write_flow(work, block, Path(work.folder_of(block)) / "flow.nc")
 
 
-def write_flow(
-    work: Work, block: str, output: Path, progress=lambda share: None, shapes: Iterable[str] = ()
-) -> None:
-    """Write flow.nc of a block from its sources; shapes: of these alone, at the first density, which
-    is what a figure of their beds needs."""
+def write_flow(work: Work, block: str, output: Path, progress=lambda share: None) -> None:
+    """Write flow.nc of a block from its sources."""
     found = work.block(block)
-    if shapes:
-        found = found.part(shapes)
 
     def more(file):
         _describe(file, found)
@@ -120,8 +109,7 @@ def write_flow(
         if "snapshots" in _recorded(work, block) and base in ({"case"}, {"shape"}):
             _keep_beds(file, work, found, base.pop())
 
-    wanted = sources(work, block, found.places)
-    combine(wanted, work.sweep, found, "flow", output, progress, more, work.file)
+    combine(sources(work, block), work.sweep, found, "flow", output, progress, more, work.file)
 
 
 def _recorded(work: Work, block: str) -> tuple[str, ...]:
@@ -163,18 +151,11 @@ def _keep_beds(file, work: Work, found: Block, base: str) -> None:
     at, kept = found.dims.index(base), set()
     for run in runs:
         row = run.place[at]
-        if row not in kept and not _failed(file, run.place):
+        failed = "failure" in file.variables and bool(file.variables["failure"][run.place])
+        if row not in kept and not failed:
             kept.add(row)
-            _keep_bed(file, row, motion_in(chunks[run.replicate.id], run.replicate.id))
-
-
-def motion_in(chunk: Path, run: str) -> Motion:
-    """The snapshots of a run of a chunk, by its identity."""
-    return motion_of(chunk, *read_run(chunk, run))
-
-
-def _failed(file, place) -> bool:
-    return "failure" in file.variables and bool(file.variables["failure"][place])
+            chunk = chunks[run.replicate.id]
+            _keep_bed(file, row, motion_of(chunk, *read_run(chunk, run.replicate.id)))
 
 
 def _keep_bed(file, row: int, motion: Motion) -> None:

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 from scipy.special import stdtrit
 
+from dem.analysis.compare import Comparison
 from dem.analysis.flow.layout import MEASURES
 from dem.analysis.statistics import LEVEL, find, half_interval
 
@@ -40,18 +41,15 @@ def compared(dataset: xr.Dataset, name: str) -> Ratio | None:
     Runs are independent: Welch's interval, of the logarithm by the delta method.
     """
     cases = [find(dataset, shape) for shape in SHAPES]
-    if None in cases or dataset.sizes["seed"] < 2:
+    if None in cases:
         return None
-    runs = [in_window(dataset, name).sel(case=case).values for case in cases]
-    runs = [run[np.isfinite(run)] for run in runs]
-    if min(map(len, runs)) < 2:
+    runs = (in_window(dataset, name).sel(case=case).values for case in cases)
+    found = Comparison(name, *runs, 1.0, np.inf)
+    if found.runs < 2:
         return None
-    means = [run.mean() for run in runs]
-    parts = [run.var(ddof=1) / len(run) / mean**2 for run, mean in zip(runs, means, strict=True)]
-    freedom = sum(parts) ** 2 / sum(p**2 / (len(r) - 1) for p, r in zip(parts, runs, strict=True))
-    ratio = means[0] / means[1]
-    half = ratio * stdtrit(freedom, 0.5 + 0.5 * LEVEL) * sum(parts) ** 0.5
-    return Ratio(ratio, half, min(map(len, runs)))
+    error, freedom = found.error()
+    half = found.estimate * stdtrit(freedom, 0.5 + 0.5 * LEVEL) * error
+    return Ratio(found.estimate, half, found.runs)
 
 
 def verdict(dataset: xr.Dataset) -> str:

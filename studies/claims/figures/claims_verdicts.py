@@ -7,9 +7,10 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from dem.analysis.compare import CONTRADICTED, SUPPORTED, UNDECIDED, UNTESTED
+from dem.analysis.compare import CONTRADICTED, SUPPORTED, UNDECIDED
 from dem.figures import style
 from studies.claims.evidence import from_study
+from studies.claims.numbers import UNTESTED
 from studies.claims.report import claimed
 from studies.claims.verdicts import judge
 

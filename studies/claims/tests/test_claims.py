@@ -18,9 +18,7 @@ from dem.analysis.compare import (
     CONTRADICTED,
     SUPPORTED,
     UNDECIDED,
-    UNTESTED,
     Comparison,
-    together,
 )
 from dem.base.errors import InputError
 from dem.experiment.kinds.jamming import NOISE, line
@@ -35,6 +33,7 @@ from studies.__main__ import app
 from studies.claims import report
 from studies.claims.evidence import NOTHING, Evidence, from_study
 from studies.claims.influence import influences
+from studies.claims.numbers import UNTESTED, together
 from studies.claims.remains import jamming_in, remaining
 from studies.claims.sentences import CLAIMS
 from studies.claims.table import make
@@ -562,7 +561,7 @@ def test_claims_are_tested_on_no_foreign_file(tmp_path, fault):
     ("arguments", "sentence"),
     [
         (("README.md", "--margin", "nan"), "margin is nan"),
-        (("studies/shear/shear.nc",), "runs of the experiment shear have no drag; draw them with dem figure shear"),
+        (("studies/shear/shear.nc",), "it holds no drag; name drag.nc."),
     ],
 )  # fmt: skip
 def test_what_has_no_claims_is_refused(arguments, sentence):
