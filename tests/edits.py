@@ -39,7 +39,7 @@ KEPT = {
     "a local variable of a kernel": ("dem/contacts/force_law.py", "kept", "held"),
     "a local variable of the reader": ("dem/experiment/config.py", "plain", "bare"),
     "an import for types": ("dem/dynamics/result.py", "if TYPE_CHECKING:\n", "if TYPE_CHECKING:\n    import pandas\n"),
-    "an error's sentence": ("dem/dynamics/simulation.py", "put it inside, or take", "set it inside, or take"),
+    "an error's sentence": ("dem/dynamics/engine.py", "put it inside, or take", "set it inside, or take"),
     "how a value is checked": ("dem/experiment/config.py", 'raise InputError(f"shape is', 'raise ValueError(f"shape is'),
     "a key with a default": (
         "dem/experiment/config.py", "    ellipse: EllipseSection = EllipseSection()\n",

@@ -115,6 +115,12 @@ def behind(walls, bodies):
 
 
 @compiled
+def outside(walls, bodies):
+    """`behind` of walls, if there are any; a kernel, because `run_steps` calls it uncompiled too."""
+    return either(behind(walls, bodies), -1)
+
+
+@compiled
 def nearing(world):
     """Most by which two bodies can have come nearer since the lists were made (m)."""
     one = math.sqrt(either(surface_moved(world.cylinder, world.boundaries), 0.0))
@@ -221,7 +227,7 @@ def run_steps(world, table, rules, schedule, before, record, threads):
     if starts:
         world = rebuild_neighbor_list(world, table)
         forces(world, 0.0, math.inf)
-        granule = either(behind(world.walls, world.bodies), -1)
+        granule = outside(world.walls, world.bodies)
     while True:
         here = by_address(world)
         if granule >= 0:
@@ -270,7 +276,7 @@ def run_steps(world, table, rules, schedule, before, record, threads):
         finished = taken == left
         time = end if finished else later(chosen, taken, dt)
         if not moved <= rules.rebuild_at:
-            granule = either(behind(here.walls, here.bodies), -1)
+            granule = outside(here.walls, here.bodies)
             left = taken
             if not (moved <= rules.list_range or nearing(here) <= 2.0 * rules.list_range):
                 outcome, value = LOST, moved

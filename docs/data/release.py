@@ -26,7 +26,12 @@ from findings import FILES  # noqa: E402
 
 # What decides how granules move. The rest of dem.dynamics drives these kernels and reads them.
 ROOMS = "contacts", "dynamics", "jit", "packing", "shapes"
-DRIVERS = "dynamics/simulation.py", "dynamics/checkpoint.py", "shapes/check.py"
+DRIVERS = (
+    "dynamics/simulation.py",
+    "dynamics/engine.py",
+    "dynamics/checkpoint.py",
+    "shapes/check.py",
+)
 LEFT_OUT = {  # on no page, in no figure
     "drag": ("wall_force", "transverse_force", "kinetic_energy"),
     "velocity": (
