@@ -192,6 +192,10 @@ class Configuration(Section):
             for label, shape in self.shapes.items()
         }
 
+    @cached_property
+    def _known_as_text(self) -> dict[str, str]:
+        return {label: json.dumps(known, sort_keys=True) for label, known in self.known.items()}
+
     def replicate(self, shape: str, density: float, seed: int) -> "Replicate":
         """One run; raises InputError if it is impossible."""
         own = validated(OwnSection, {"shape": shape, "density": density, "seed": seed})
@@ -342,8 +346,7 @@ class Replicate:
         c = self.configuration
         if KINDS_OF_EXPERIMENT[c.experiment].get("BED_ALONE"):
             return f"{c.experiment} {self.bed_key()}"
-        own = c.known[self.label] | {"density": self.density, "seed": self.seed}
-        return json.dumps(own, sort_keys=True)
+        return f"{c._known_as_text[self.label]} {self.density} {self.seed}"
 
     @property
     def modules(self) -> tuple[str, ...]:
