@@ -106,6 +106,18 @@ class Section(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, validate_default=True)
 
 
+def known_by(section: BaseModel, model: type[BaseModel], head: str = "") -> dict[str, Any]:
+    """Values by path that a run is known by: all but those that are as before there was the key."""
+    found = {}
+    for name, field in model.model_fields.items():
+        own, extra = getattr(section, name), field.json_schema_extra or {}
+        if isinstance(own, BaseModel):
+            found |= known_by(own, type(own), f"{head}{name}.")
+        elif own != extra.get("before", NEEDED):
+            found[head + name] = own
+    return found
+
+
 def section_of(annotation) -> type[BaseModel] | None:
     """The section that an annotation is, or has in it."""
     return next((p for p in _parts(annotation) if issubclass(p, BaseModel)), None)

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple, get_origin
 
 import numpy as np
-from pydantic import BaseModel, Field, model_validator
+from pydantic import Field, model_validator
 from pydantic.fields import FieldInfo
 
 from dem.base.constants import described
@@ -21,12 +21,11 @@ from dem.base.errors import InputError
 from dem.base.hints import choice
 from dem.base.provenance import compilers
 from dem.base.schema import (
-    NEEDED,
     Label,
     NotNegative,
     Positive,
     Section,
-    Seed,
+    known_by,
     section_of,
     units_of,
     validated,
@@ -40,6 +39,7 @@ from dem.experiment.sections import (
     FrictionSection,
     MaterialSection,
     NumericsSection,
+    OwnSection,
     PackingSection,
     RecordSection,
     ShapeSection,
@@ -68,18 +68,6 @@ PACKED = "packing.fraction", "packing.friction"
 PRESSED_BY = (
     "packing.pressure", "material.young_modulus", "material.poisson_ratio", "material.thickness",
 )  # fmt: skip
-
-
-def known_by(section: BaseModel, model: type[BaseModel], head: str = "") -> dict[str, Any]:
-    """Values by path that a run is known by: all but those that are as before there was the key."""
-    found = {}
-    for name, field in model.model_fields.items():
-        own, extra = getattr(section, name), field.json_schema_extra or {}
-        if isinstance(own, BaseModel):
-            found |= known_by(own, type(own), f"{head}{name}.")
-        elif own != extra.get("before", NEEDED):
-            found[head + name] = own
-    return found
 
 
 class Configuration(Section):
@@ -192,6 +180,10 @@ class Configuration(Section):
             for label, shape in self.shapes.items()
         }
 
+    @cached_property
+    def _known_as_text(self) -> dict[str, str]:
+        return {label: json.dumps(known, sort_keys=True) for label, known in self.known.items()}
+
     def replicate(self, shape: str, density: float, seed: int) -> "Replicate":
         """One run; raises InputError if it is impossible."""
         own = validated(OwnSection, {"shape": shape, "density": density, "seed": seed})
@@ -245,14 +237,6 @@ class Configuration(Section):
         words = ", ".join(f"{path} {new}" for path, new in changes.items())
         source = f"{shape} with {words}" if changes else shape
         return parse(resolved(data, source), source)
-
-
-class OwnSection(Section):
-    """What a run has beside the values of its configuration."""
-
-    shape: str = value(None, "label of the shape of its granules")
-    density: Positive = value("kg m-3", "density of its granules")
-    seed: Seed = value("1", "seed of its random bed")
 
 
 class Replicate:
@@ -342,8 +326,7 @@ class Replicate:
         c = self.configuration
         if KINDS_OF_EXPERIMENT[c.experiment].get("BED_ALONE"):
             return f"{c.experiment} {self.bed_key()}"
-        own = c.known[self.label] | {"density": self.density, "seed": self.seed}
-        return json.dumps(own, sort_keys=True)
+        return f"{c._known_as_text[self.label]} {self.density} {self.seed}"
 
     @property
     def modules(self) -> tuple[str, ...]:

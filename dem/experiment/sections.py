@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, model_validator
 
 from dem.base.hints import meant
-from dem.base.schema import NotNegative, Number, Positive, Section, Whole, value
+from dem.base.schema import NotNegative, Number, Positive, Section, Seed, Whole, value
 from dem.experiment.observables import OBSERVABLES
 from dem.shapes import KINDS
 from dem.shapes.outside import is_outside
@@ -161,3 +161,11 @@ class ShapeSection(Section):
     def ratio(self) -> float:
         """Length over width."""
         return self.aspect_ratio or KINDS[self.kind].aspect_ratio
+
+
+class OwnSection(Section):
+    """What a run has beside the values of its configuration."""
+
+    shape: str = value(None, "label of the shape of its granules")
+    density: Positive = value("kg m-3", "density of its granules")
+    seed: Seed = value("1", "seed of its random bed")

@@ -23,8 +23,9 @@ from dem.base.schema import (
     value,
 )
 from dem.base.validate import shown
-from dem.experiment.config import Configuration, Entry, OwnSection, entries
+from dem.experiment.config import Configuration, Entry, entries
 from dem.experiment.observables import OBSERVABLES, module_of
+from dem.experiment.sections import OwnSection
 from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE
 from dem.sweep import design
 
