@@ -26,7 +26,6 @@ from dem.base.validate import (
 
 FINITE = f"be finite, up to {MOST:g} in size"
 FORCES = "be two forces (x, y) in N, None for an axis whose velocity is kept"
-MANY = 2**62
 GRANULES = "be numbers of granules, each once, or one truth value per granule"
 
 
@@ -201,15 +200,10 @@ def chosen(name: str, value: Any) -> np.ndarray:
         refuse(name, value, GRANULES)
     if found.dtype == bool and found.any():
         return fixed(found)
-    unique = np.unique(found)
-    if (
-        not 0 < len(unique) == len(found)
-        or found.dtype == bool
-        or unique[0] < 0
-        or unique[-1] > MANY
-    ):
+    numbers = np.unique(found.astype(np.int64))  # beyond 2^63 they are negative
+    if found.dtype == bool or not 0 < len(numbers) == len(found) or numbers[0] < 0:
         refuse(name, value, GRANULES)
-    return fixed(unique.astype(np.int64))
+    return fixed(numbers)
 
 
 @checked("held ", granules=chosen, motion=sliding)
