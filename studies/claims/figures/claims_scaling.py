@@ -6,8 +6,7 @@ from matplotlib.figure import Figure
 
 from dem.base.errors import InputError
 from dem.figures import style
-from studies.claims.evidence import MARGIN, rows
-from studies.claims.report import scaled_ratios
+from studies.claims.evidence import MARGIN, rows, scaled_ratios
 
 FILE = "claims"
 CAPTION = "Drag against the sizes of cylinder and box and against velocity"
@@ -66,7 +65,7 @@ def _curve(axes, found, name, look, line, filled):
     if not found:
         return
     marker, color = look
-    rows = sorted([(x, each.estimate, *each.interval()) for x, each, _ in found] + [(1.0,) * 4])
+    rows = sorted([(x, e.estimate, *e.interval()) for x, e in found.items()] + [(1.0,) * 4])
     x, value, low, high = np.array(rows).T
     axes.errorbar(x, value, [value - low, high - value], marker=marker, linestyle=line, color=color,
                   markerfacecolor=color if filled else "white", capsize=4, markersize=6, label=name)  # fmt: skip

@@ -23,8 +23,9 @@ from studies.__main__ import app
 from studies.catalogue import figures
 from studies.common.table import write_part
 from studies.stability import catalogue, study, table
+from studies.stability.figures.stability_map import title
+from studies.stability.findings import stability
 from studies.stability.layout import VARIABLES
-from studies.stability.report import edges, summary
 from studies.stability.watching import excess, friction_excess, momenta, unlisted
 
 CONFIG = Path(__file__).parents[3] / "config"
@@ -201,7 +202,9 @@ def test_the_study_end_to_end(runs, limits, tmp_path):
     with xr.open_dataset(whole) as dataset:
         assert dataset["paper_case"].values.tolist() == ["c1", "c12"]
         assert float(dataset["paper_residual"].max()) < 1e-3
-    assert "3 of 3 checks passed" in str(summary(xr.load_dataset(whole)).renderables[-1])
+    found = stability.of(xr.load_dataset(whole))
+    assert (found.passed(), found.total()) == (3, 3)
+    assert found.summary().renderables[-1].row_count == 1
     own = {name: each for name, each in figures().items() if each.file == "stability"}
     for name in own:
         vector, pixels = draw(name, whole, tmp_path, own)
@@ -270,10 +273,10 @@ def test_edges_of_the_map_in_words():
         {"map_fraction": [0.5, 1.0, 1.5, 2.0]},
         {"default_fraction": 0.5},
     )
-    assert edges(dataset) == (
-        "Runs break down or are stopped from 2 of the bound, 4.0 times the default; energy is off by 1% from 1"
+    assert title(dataset) == (
+        "Energy is off by 1% from 1 of the bound, 2.0 times the default step; runs break down from 2"
     )
-    assert edges(dataset.isel(map_fraction=[0])) == "Energy adds up at all of these steps"
+    assert title(dataset.isel(map_fraction=[0])) == "Energy adds up at all of these steps"
 
 
 def test_a_shape_that_the_catalogue_has_not_is_refused(tmp_path):
