@@ -7,13 +7,7 @@ import numpy as np
 import xarray as xr
 from rich.table import Table
 
-from dem.analysis.compare import (
-    CONTRADICTED,
-    SUPPORTED,
-    UNDECIDED,
-    UNTESTED,
-    Comparison,
-)
+from dem.analysis.compare import Comparison
 from dem.analysis.statistics import by_case
 from dem.analysis.tables import numbers
 from dem.base.errors import InputError
@@ -89,19 +83,7 @@ class Claims(Findings):
 
     def verdicts(self) -> Table:
         """One row per claim; those that do not hold come first."""
-        order = [CONTRADICTED, UNDECIDED, SUPPORTED, UNTESTED]
-        made = numbers(
-            "claim (section)", "verdict", "numbers", "holds in the\nplausible space, %", words=3
-        )
-        made.columns[2].no_wrap = False  # for a terminal
-        for each in sorted(self.judged.values(), key=lambda each: order.index(each.verdict)):
-            found = "\n".join(
-                f"{part.words}: {_on_one_line(report.span(part))}; claimed {report.claimed(part)}"
-                for part in each.comparisons
-            )
-            title = f"{each.claim.title} ({each.claim.place})"
-            made.add_row(title, f"**{each.verdict}**", found, report.per_cent(each.space))
-        return made
+        return report.claims(list(self.judged.values()))
 
     def readings(self) -> str:
         """One list item per claim: the quotation and how it is read."""
@@ -168,7 +150,7 @@ class Claims(Findings):
             ratio, low, high = each.ratio
             made.add_row(
                 each.shape, each.state, f"{each.fraction:.3f}",
-                _on_one_line(f"{ratio:.2f} ({low:.2f} to {high:.2f})"),
+                report.on_one_line(f"{ratio:.2f} ({low:.2f} to {high:.2f})"),
             )  # fmt: skip
         return made
 
@@ -271,11 +253,7 @@ class Claims(Findings):
 
 def _cell(verdict) -> str:
     parts = (f"{part.words}: {report.span(part)}" for part in verdict.comparisons)
-    return f"**{verdict.verdict}**\n" + "\n".join(map(_on_one_line, parts))
-
-
-def _on_one_line(words: str) -> str:
-    return words.replace(" ", "\N{NO-BREAK SPACE}")
+    return f"**{verdict.verdict}**\n" + "\n".join(map(report.on_one_line, parts))
 
 
 claims = Claims()

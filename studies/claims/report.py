@@ -7,6 +7,7 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
+from dem.analysis.compare import CONTRADICTED, SUPPORTED, UNDECIDED, UNTESTED
 from dem.analysis.statistics import LEVEL
 from dem.analysis.tables import numbers
 from dem.base.errors import InputError
@@ -43,26 +44,31 @@ def per_cent(share: Share | None) -> str:
 
 def legend(found: list[Verdict]) -> str:
     """The table of claims."""
-    level = 100.0 * found[0].level
     return (
-        f"Ratios of means over runs, with 95 % intervals. A verdict takes intervals at {level:.2f} %, so\n"
-        "that all hold together: supported if the whole interval lies where the sentence says,\n"
-        "contradicted if none of it does. Space: at how many points of the plausible space, one bed each,\n"
-        "the claim holds; paper: in how many single beds at the paper's values.\n"
+        f"Intervals are of 95 %; a verdict takes intervals at {100 * found[0].level:.2f} %, so that all hold together.\n"
         "One claim in full: python -m studies claims test FILE --claim NAME"
     )
 
 
 def claims(found: list[Verdict]) -> Table:
-    """One row per comparison, the verdict and the shares on the first of each claim."""
-    made = numbers("claim", "compared", "number, 95 % interval", "runs", "verdict", "space, %", "paper, %", words=2)  # fmt: skip
-    for each in found:
-        last = each.verdict, per_cent(each.space), per_cent(each.paper)
-        for number, part in enumerate(each.comparisons or [None]):
-            middle = ("-",) * 3 if part is None else (part.words, span(part), str(part.runs))
-            ends = (each.claim.title, last) if number == 0 else ("", ("",) * 3)
-            made.add_row(ends[0], *middle, *ends[1])
+    """One row per claim; those that do not hold come first."""
+    order = [CONTRADICTED, UNDECIDED, SUPPORTED, UNTESTED]
+    made = numbers(
+        "claim (section)", "verdict", "numbers", "holds in the\nplausible space, %", words=3
+    )
+    made.columns[2].no_wrap = False  # for a terminal
+    for each in sorted(found, key=lambda each: order.index(each.verdict)):
+        parts = "\n".join(
+            f"{part.words}: {on_one_line(span(part))}; claimed {claimed(part)}"
+            for part in each.comparisons
+        )
+        title = f"{each.claim.title} ({each.claim.place})"
+        made.add_row(title, f"**{each.verdict}**", parts, per_cent(each.space))
     return made
+
+
+def on_one_line(words: str) -> str:
+    return words.replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def claimed(part) -> str:

@@ -13,16 +13,15 @@ from dem.base.errors import InputError
 from dem.experiment.config import Replicate
 from dem.experiment.kinds import drag, jamming
 from dem.experiment.observables.alignment import VARIABLES as ALONG
-from dem.io.dataset import FAILURES, content_of, global_attributes, read, write
-from dem.sweep.combine import PROVENANCE
+from dem.io.dataset import FAILURES, global_attributes, write
 from dem.sweep.design import Choice, Range, parse
 from dem.sweep.expand import Block, Run
 from dem.sweep.work import Work
 from studies.claims.layout import VARIABLES
+from studies.common.table import origin, rows, wanted_of
 
 PARTS = ("replicates", "sensitivity", "jamming")  # without which there is no study
 PLACES = 500  # of the drag along the displacement, at most
-OF_ALL = ("run_id", "spent", "failure", "failure_reason")
 OF_RUNS = (
     "drag", "drag_tangential", "coordination_number", "max_overlap", "packing_pressure",
     "packing_net_force", "run_time", *MEASURES, *ALONG,
@@ -38,26 +37,27 @@ def make(work: Work, output: Path, progress=lambda share: None) -> None:
         if part not in sweep.blocks:
             raise InputError(f"sweep.blocks has no {part}; see studies/claims/sweep.yaml.")
     factors = factors_of(sweep)
-    rows, beds, provenance = [], [], {name: {} for name in PROVENANCE}
+    runs, beds, every = [], [], []
     for done, name in enumerate(sweep.blocks):
         files, block = work.files(name), work.block(name)
+        every += files
         if block.runs[0].replicate.configuration.experiment == "jamming":
-            found = gather(block, files, OF_BEDS, kept, provenance)
+            found = gather(block, files, OF_BEDS, kept)
             beds += [labels_of_bed(block, r) | found[r.replicate.id] for r in block.runs]
         else:
-            found = gather(block, files, OF_RUNS, measured, provenance)
-            rows += [labels(block, r, factors) | found[r.replicate.id] for r in block.runs]
+            found = gather(block, files, OF_RUNS, measured)
+            runs += [labels(block, r, factors) | found[r.replicate.id] for r in block.runs]
         progress((done + 1) / len(sweep.blocks))
     low, high = sweep.record.window
     attrs = global_attributes(
         f"{sweep.title}: which claims hold",
         "python -m studies claims table",
-        **{name: "; ".join(each) for name, each in provenance.items()},
+        **origin(every),
         default_fraction=sweep.numerics.step_fraction,
         window_start=low,
         window_stop=high,
     )
-    values = columns("run", rows) | columns("jam", beds) | shared(sweep, list(factors))
+    values = columns("run", runs) | columns("jam", beds) | shared(sweep, list(factors))
     write(output, values, attrs, VARIABLES)
 
 
@@ -80,18 +80,13 @@ def shared(sweep, factors: list[str]) -> dict:
     }
 
 
-def gather(block: Block, files: list[Path], names, reduced, provenance: dict) -> dict[str, dict]:
+def gather(block: Block, files: list[Path], names, reduced) -> dict[str, dict]:
     """What all runs of a block gave, by their identity: reduced(replicate, values, by name)."""
-    replicates, found = {run.replicate.id: run.replicate for run in block.runs}, {}
-    for path in files:
-        values, attrs = read(path, (*OF_ALL, *names))
-        with content_of(path):
-            for name in PROVENANCE:
-                provenance[name][attrs[name]] = None
-            for row, run in enumerate(values["run_id"].tolist()):
-                if run in replicates:
-                    one = {name: array[row] for name, array in values.items()}
-                    found[run] = reduced(replicates[run], one)
+    wanted, found = wanted_of([block]), {}
+    for ids, values in rows(files, (*names, "spent", "failure"), wanted):
+        for row, run in enumerate(ids):
+            one = {name: array[row] for name, array in values.items()}
+            found[run] = reduced(wanted[run], one)
     return found
 
 

@@ -114,6 +114,10 @@ class Findings:
         with xr.open_dataset(self.path) as dataset:
             return dataset.load()
 
+    def time(self) -> str:
+        """Processor time of all runs, without their beds."""
+        return f"{float(self.dataset['run_time'].sum()) / 60.0:.0f} min"
+
     @cached_property
     def revision(self) -> str:
         """Of the code that made the results; several where files of several revisions were combined."""
