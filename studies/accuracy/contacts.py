@@ -117,7 +117,7 @@ def measure(plan: Plan = USUAL, progress=lambda done: None) -> dict:
     return values | {
         "contact_method": np.array([method.name for method in plan.methods]),
         "contact_kind": np.array([method.kind for method in plan.methods]),
-        "contact_remembers": np.array([method.remembers for method in plan.methods], np.int8),
+        "contact_remembers": np.array([bool(method.doubts) for method in plan.methods], np.int8),
         "contact_aspect_ratio": np.array(plan.ratios),
         "contact_overlap": np.array(plan.overlaps),
         "contact_start": np.array(labels),

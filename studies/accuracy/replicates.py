@@ -12,13 +12,9 @@ TARGET = 0.02  # wanted half-interval over the mean
 
 
 class Replicates(NamedTuple):
-    """mean (N); scatter of one run over it; runs (k,) with half (k,), the expected half-interval
-    over the mean; needed for a half-interval of TARGET; time (s) of one run."""
+    """scatter of one run over the mean; runs needed for a half-interval of TARGET; time (s) of one."""
 
-    mean: float
     scatter: float
-    runs: np.ndarray
-    half: np.ndarray
     needed: int
     time: float
 
@@ -34,11 +30,9 @@ def replicates(dataset: xr.Dataset) -> Replicates:
     """How the interval of the mean shrinks with replicates."""
     means = window_means(dataset, dataset.attrs["window_start"], dataset.attrs["window_stop"])
     scatter = means.std(ddof=1) / means.mean()
-
-    runs = np.arange(2, max(len(means), 10) + 1)
     needed = next(n for n in range(2, 10**6) if not expected(scatter, n) > TARGET)
     time = float(np.median(dataset["replicate_time"]))
-    return Replicates(means.mean(), scatter, runs, expected(scatter, runs), needed, time)
+    return Replicates(scatter, needed, time)
 
 
 def expected(scatter, n):

@@ -44,11 +44,6 @@ def runs_of(sweep: Sweep) -> tuple[dict[str, Replicate], dict[str, Replicate]]:
                 f"sweep.blocks run {label} at numerics.step_fraction {sorted(steps)}; it must be that of "
                 f"the file, {default:g}, and another up to {LARGEST:g}."
             )
-    if sweep.numerics.time_step is not None:
-        raise InputError(
-            f"numerics.time_step is {sweep.numerics.time_step:g} s; it must be left out, because the "
-            "study varies it."
-        )
     return trials, many
 
 

@@ -22,7 +22,7 @@ SHORTEST = 1e-3  # s, of one timing: clock, call and cold caches are then a per 
 class Method(NamedTuple):
     """kind and name; what the kernels take; its definition, from Pairs to Contact.
 
-    doubts: whether it asks for better guesses (True or None). remembers: whether a guess matters.
+    doubts: True for one that starts from a guess and may ask for a better one, else None.
     """
 
     kind: str
@@ -30,14 +30,13 @@ class Method(NamedTuple):
     solver: tuple
     definition: Callable[[Pairs], Contact]
     doubts: bool | None = None
-    remembers: bool = False
 
 
 def common_normal(tolerance: float) -> Method:
     """The kernels' own, to a tolerance in rad."""
     name = f"common normal, {tolerance:.0e} rad".replace("e-0", "e-")
     solver = CommonNormal(tolerance)
-    return Method("common normal", name, solver, definitions.common_normal, True, True)
+    return Method("common normal", name, solver, definitions.common_normal, True)
 
 
 POTENTIAL = Method(

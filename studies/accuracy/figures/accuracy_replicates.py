@@ -30,7 +30,8 @@ def plot(dataset: xr.Dataset) -> Figure:
 def _intervals(axes, dataset) -> None:
     """Half-interval over the mean against the number of runs, with processor time above."""
     found = replicates.replicates(dataset)
-    axes.plot(found.runs, 100 * found.half, color=style.CURVE)
+    runs = np.arange(2, max(dataset.sizes["replicate"], 10) + 1)
+    axes.plot(runs, 100 * replicates.expected(found.scatter, runs), color=style.CURVE)
     axes.axhline(100 * replicates.TARGET, **style.REFERENCE)
     axes.axvline(found.needed, **style.REFERENCE)
     axes.set_xlabel(f"Number of runs ({found.time:.2f} s each)")

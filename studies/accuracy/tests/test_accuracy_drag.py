@@ -203,7 +203,6 @@ def test_the_bins_are_as_wide_as_the_papers():
         ({"steps": [0.1, 1.0]}, {}, r"run c1 at numerics.step_fraction \[0.1, 1.0\]"),
         ({"steps": [0.5, 2.0]}, {}, "another up to 1.2"),
         ({"steps": [0.5, 1.0]}, {"shape": ["c1", "d1"]}, "one shape"),
-        ({"steps": [0.5, 1.0]}, {"time_step": 1e-9}, "numerics.time_step is 1e-09 s"),
     ],
 )
 def test_a_study_that_cannot_be_made_is_refused(blocks, more, sentence):
@@ -213,6 +212,5 @@ def test_a_study_that_cannot_be_made_is_refused(blocks, more, sentence):
     data["sweep"]["blocks"] = {"replicates": many} | {
         name: {"shape": "c1", "numerics.step_fraction": steps} for name, steps in blocks.items()
     }
-    data["numerics"]["time_step"] = more.get("time_step")
     with pytest.raises(dem.InputError, match=sentence):
         table.runs_of(parse(data))
