@@ -54,22 +54,18 @@ def _step(replicate: Replicate) -> float:
 def trials(paths: list[Path], wanted: dict[str, Replicate]) -> dict:
     """Variables over `trial`; a run that failed is NaN and says why: where runs break is part of the
     question."""
-    found = {}
-    names = "drag", "run_time", "failure"
-    for ids, values in rows(paths, names, wanted):
+    found = []
+    for ids, values in rows(paths, ("drag", "run_time", "failure"), wanted):
         for run, force, time, flag in zip(ids, *values.values(), strict=True):
             own = wanted[run]
-            found[run] = (
-                own.label, own.seed, _step(own), force[own.configuration.in_window].mean(),
-                time, FAILURES[int(flag)] if flag else "ran",
-            )  # fmt: skip
+            found.append({
+                "shape": own.label, "fraction": _step(own), "seed": own.seed,
+                "drag": force[own.configuration.in_window].mean(), "time": time,
+                "status": FAILURES[int(flag)] if flag else "ran",
+            })  # fmt: skip
     labels = list(dict.fromkeys(replicate.label for replicate in wanted.values()))
-    ordered = sorted(found.values(), key=lambda row: (labels.index(row[0]), *row[1:3]))
-    columns = "shape", "seed", "fraction", "drag", "time", "status"
-    return {
-        f"trial_{name}": np.array(column)
-        for name, column in zip(columns, zip(*ordered, strict=True), strict=True)
-    }
+    found.sort(key=lambda row: (labels.index(row["shape"]), row["seed"], row["fraction"]))
+    return {f"trial_{name}": np.array([row[name] for row in found]) for name in found[0]}
 
 
 def replicates(paths: list[Path], wanted: dict[str, Replicate]) -> dict:

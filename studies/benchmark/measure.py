@@ -94,11 +94,9 @@ def compare_codes(cases: dict[str, Case], plan: Plan) -> dict:
         "granule_steps_per_second": rates,
         "time_per_contact": step_times / np.where(contacts > 0, contacts, np.nan)[:, None],
         "scene_granules": granules,
-        "scene_contacts": contacts,
         "scene_pairs": np.array(
             [len(Simulation(*c).world.pairs.constituent) for c in cases.values()]
         ),
-        "scene_time_step": np.array([case.time_step for case in cases.values()]),
     }
 
 

@@ -61,8 +61,7 @@ def remaining(dataset: xr.Dataset) -> list[Remaining]:
         if base is None or equal is None:
             continue
         found.append(_one(shape, EQUAL, with_case(replicates, shape), equal, base))
-        slope = growth(xr.concat([with_case(replicates, shape), here], "run", data_vars="minimal",
-                                 coords="minimal", compat="override", join="override"))  # fmt: skip
+        slope = growth(with_case(replicates, shape), here)
         for state in dict.fromkeys(here["run_setting"].values.tolist()):
             some = rows(here, "matched", state)
             there = mean_of(some)
@@ -100,9 +99,11 @@ def standard_error(values: np.ndarray) -> float:
     return float(good.std(ddof=1)) / math.sqrt(len(good)) if len(good) > 1 else 0.0
 
 
-def growth(runs: xr.Dataset) -> float:
-    """How the logarithm of the drag grows with the packing fraction."""
-    drag, fraction = runs["run_drag"].values, runs["run_packing"].values
+def growth(*runs: xr.Dataset) -> float:
+    """How the logarithm of the drag grows with the packing fraction, over all of some runs."""
+    drag, fraction = (
+        np.concatenate([each[f"run_{name}"] for each in runs]) for name in ("drag", "packing")
+    )
     good = np.isfinite(drag) & (drag > 0.0)
     if np.ptp(fraction[good]) < 1e-3:
         return 0.0

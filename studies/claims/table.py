@@ -11,7 +11,7 @@ import numpy as np
 from dem.analysis.flow.layout import MEASURES
 from dem.base.errors import InputError
 from dem.experiment.config import Replicate
-from dem.experiment.kinds import drag, jamming
+from dem.experiment.kinds import drag
 from dem.experiment.observables.alignment import VARIABLES as ALONG
 from dem.io.dataset import FAILURES, global_attributes, write
 from dem.sweep.design import Choice, Range, parse
@@ -22,11 +22,8 @@ from studies.common.table import origin, rows, wanted_of
 
 PARTS = ("replicates", "sensitivity", "jamming")  # without which there is no study
 PLACES = 500  # of the drag along the displacement, at most
-OF_RUNS = (
-    "drag", "drag_tangential", "coordination_number", "max_overlap", "packing_pressure",
-    "packing_net_force", "run_time", *MEASURES, *ALONG,
-)  # fmt: skip
-OF_BEDS = ("jam_fraction", "jam_slope", "jam_load")
+OF_RUNS = ("drag", *MEASURES, *ALONG)
+OF_BEDS = ("jam_fraction", "jam_slope")
 
 
 def make(work: Work, output: Path, progress=lambda share: None) -> None:
@@ -73,7 +70,6 @@ def shared(sweep, factors: list[str]) -> dict:
         "factor": np.array(factors),
         "place": coarse(axes["displacement"]),
         "moment": axes["snapshot_displacement"],
-        "jam_at": jamming.axes(sweep)["jam_at"],
         "reference_shape": np.array(first.shape),
         "reference_density": first.density,
         "reference_packing": sweep.packing.fraction or np.nan,  # none under a pressure
@@ -96,21 +92,12 @@ def gather(block: Block, files: list[Path], names, reduced) -> dict[str, dict]:
 def measured(replicate: Replicate, values: dict) -> dict:
     """The numbers of one run, by name; NaN and the name of the error where it failed."""
     own = replicate.configuration
-    inside, (low, high) = own.in_window, own.record.window
+    low, high = own.record.window
     moved = np.linspace(0.0, own.cylinder.stroke, own.record.snapshots)
     seen = (moved >= low) & (moved <= high)
-    force = values["drag"][inside]
-    thickness = own.material.thickness or replicate.shape.diameter
     return {
         "status": FAILURES[int(values["failure"])] if values["failure"] else "ran",
-        "drag": force.mean(),
-        "scatter": force.std() / force.mean() if force.mean() > 0.0 else np.nan,
-        "tangential": values["drag_tangential"][inside].mean(),
-        "load": float(values["packing_pressure"]) * thickness,
-        "net_force": values["packing_net_force"],
-        "coordination": values["coordination_number"][inside].mean(),
-        "overlap": values["max_overlap"][inside].max(),
-        "time": values["run_time"],
+        "drag": values["drag"][own.in_window].mean(),
         "spent": values["spent"],
         **{name: finite_mean(values[name][seen]) for name in MEASURES},
         "curve": coarse(values["drag"]),
@@ -140,12 +127,13 @@ def labels(block: Block, run: Run, factors: dict[str, Range | Choice]) -> dict:
         "case": at.get("case", alone),
         "shape": own.label,
         "setting": at.get("setting", ""),
-        "x": {"matched": packing, "ratios": own.shape.ratio}.get(part, factor_of(block, at)),
+        "x": {"matched": packing, "ratios": own.shape.ratio}.get(
+            part, float(at.get("factor", np.nan))
+        ),
         "point": at.get("point", -1),
         "seed": own.seed,
         "density": own.density,
         "packing": packing,
-        "ratio": float(own.shape.ratio),
         "factor": place_of(block, run, factors),
     }
 
@@ -157,29 +145,12 @@ def coordinates(block: Block, run: Run) -> dict:
     }
 
 
-def factor_of(block: Block, at: dict) -> float:
-    """The factor on a value of the file that a point is called by; NaN where there is none."""
-    try:
-        return float(at.get("factor", np.nan))
-    except ValueError:
-        raise InputError(
-            f"sweep.blocks.{block.name}.factor has the point {at['factor']!r}; call it by its factor "
-            "on the file's own value, such as 1.5."
-        ) from None
-
-
 # The design
 
 
 def factors_of(sweep) -> dict[str, Range | Choice]:
     """What the design varies, by path; raises InputError where there is no design."""
-    where = "sweep.blocks.sensitivity.point"
-    point = sweep.blocks["sensitivity"].get("point")
-    if not isinstance(point, dict) or "design" not in point:
-        raise InputError(
-            f"{where} is {point!r}; it must be a design, see studies/claims/sweep.yaml."
-        )
-    return parse(point, where).over
+    return parse(sweep.blocks["sensitivity"].get("point"), "sweep.blocks.sensitivity.point").over
 
 
 def place_of(block: Block, run: Run, factors: dict[str, Range | Choice]) -> np.ndarray:
@@ -211,12 +182,11 @@ def labels_of_bed(block: Block, run: Run) -> dict:
     words = own.label
     if "factor" in at:
         setting = block.name.partition("_")[2]
-        words = f"{own.label} {setting} {factor_of(block, at):g}"
+        words = f"{own.label} {setting} {float(at['factor']):g}"
     elif any(name.endswith("_aspect_ratio") for name in at):
         words = f"{own.shape.ratio:g}:1"
     return {
         "shape": words,
-        "ratio": float(own.shape.ratio),
         "diameter": own.shape.diameter,
         "seed": own.seed,
         "friction": own.configuration.packing.friction,

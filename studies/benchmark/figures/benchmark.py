@@ -8,7 +8,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from dem.figures import style
-from studies.benchmark.ratio import times_faster
+from studies.benchmark.findings import times_faster
 
 FILE = "benchmark"
 CAPTION = "Speed beside other codes"

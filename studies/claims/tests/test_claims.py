@@ -327,6 +327,12 @@ def test_a_run_that_failed_is_a_row_with_its_error(whole):
     assert "1 StateError in replicates" in claims.of(dataset).failures()
 
 
+def test_the_findings_of_a_small_study_can_be_shown(whole):
+    """Also with few runs, of which some failed."""
+    _, dataset = whole
+    assert len(claims.of(dataset).summary().renderables) > 10
+
+
 def test_points_of_the_design_have_their_factors(whole):
     """Both cases of a point share its values, a choice is its number; other parts have none."""
     _, dataset = whole
