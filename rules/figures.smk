@@ -63,7 +63,7 @@ rule table:
     output:
         update(RESULTS + "/{study}.txt"),
     params:
-        code=lambda w: code_of(f"studies.{w.study}.report"),
+        code=lambda w: code_of(f"studies.{w.study}.findings"),
     wildcard_constraints:
         study="|".join(REPORTED),
     log:

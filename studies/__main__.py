@@ -24,15 +24,18 @@ def _info(name: str):
         data: Annotated[Path, typer.Argument(help="File of results of the study.")],
         output: TextOption = None,
     ):
-        """Print what the file of the study holds."""
+        """Print all that the file of the study says."""
         from dem.io.lazily import open_lazily, require
+        from studies.common.findings import Findings
 
         with bar(f"reading {data}"), open_lazily(data) as dataset:
-            report = import_module(f"studies.{name}.report")
             layout = import_module(f"studies.{name}.layout").VARIABLES
-            require(dataset, data, layout, report.NEEDS, ("title", *report.ATTRIBUTES))
-            found = report.summary(dataset.load())
-        print_or_write(found, output)
+            module = import_module(f"studies.{name}.findings")
+            every = [each for each in vars(module).values() if isinstance(each, Findings)]
+            found = next(each for each in every if each.name == name)
+            require(dataset, data, layout, found.needs, ("title", *found.attributes))
+            shown = found.of(dataset.load()).summary()
+        print_or_write(shown, output)
 
     return info
 

@@ -13,5 +13,5 @@ def figures() -> dict:
 
 
 def reported() -> tuple[str, ...]:
-    """The studies with a file of results of their own, which their report.py shows."""
-    return tuple(name for name in NAMES if (HERE / name / "report.py").is_file())
+    """The studies with a file of results of their own, in a layout of their own."""
+    return tuple(name for name in NAMES if (HERE / name / "layout.py").is_file())

@@ -36,7 +36,7 @@ RESULTS = {
     "flow.nc": ("dem.analysis.flow.collect", DISC),
     "figure": ("dem.figures.figure13",),
     "claims": ("studies.claims.table",),
-    "claims.txt": ("dem.report.info", "studies.claims.report"),
+    "claims.txt": ("dem.report.info", "studies.claims.findings"),
     "page": ("dem.report.build",),
     "kernel": ("dem.contacts.loops",),
     "accuracy": ("studies.accuracy.contacts", "studies.accuracy.bounces"),

@@ -336,7 +336,7 @@ SWEEPS = [
     CONFIG / "paper.yaml",
     *(
         CONFIG.parent / f"studies/{name}/sweep.yaml"
-        for name in ("onset", "preparation", "pressure", "shear", "velocity")
+        for name in ("calibration", "onset", "preparation", "pressure", "shear", "velocity")
     ),
 ]
 SWEEPS = [path for path in SWEEPS if path.is_file()]

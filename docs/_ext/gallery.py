@@ -51,19 +51,14 @@ def write(docs: Path) -> None:
     for file in FILES:
         of = Path(file.source).stem
         own = {name: each for name, each in figures.items() if each.file == of}
-        own = (
-            own
-            if of != "drag" or file.name == "drag"
-            else {k: own[k] for k in own if k == file.name}
-        )
+        if of == "drag" != file.name:
+            own = {name: each for name, each in own.items() if name == file.name}
         with open_lazily(file.path) as dataset:
             drawn |= {name: file for name in drawable_from(file.path, dataset, own)}
     for name, file in drawn.items():
         if _older(folder / f"{name}.png", max(code, file.path.stat().st_mtime)):
             draw(name, file.path, folder, figures)
-    for file, command in (
-        RUNS | {each: command for each, (_, command) in PICTURES.items()}
-    ).items():
+    for file, command in (RUNS | {each: shown[1] for each, shown in PICTURES.items()}).items():
         if _older(folder / file, code):
             _run(command, folder)
     (folder.parent / "gallery.md").write_text(_page(drawn), encoding="utf-8")

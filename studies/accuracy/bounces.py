@@ -113,7 +113,7 @@ def follow(scene: Scene, state: State, steps: int, numbers):
 
 
 def measure(plan: Plan = USUAL, progress=lambda done: None) -> dict:
-    """Variables of studies.accuracy.layout_contacts; progress gets the share done.
+    """Variables of studies.accuracy.layout; progress gets the share done.
 
     Discs have aspect ratio 1, ellipses all others; NaN for the rest. The first time, kernels of all
     methods are compiled.
@@ -134,6 +134,5 @@ def measure(plan: Plan = USUAL, progress=lambda done: None) -> dict:
         "bounce_number": numbers,
         "bounce_energy": energy,
         "bounce_burst": burst,
-        "bounce_overlap": OVERLAP,
         "bounce_steps": plan.steps,
     }

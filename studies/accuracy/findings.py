@@ -3,11 +3,12 @@
 from functools import cached_property
 
 import numpy as np
+import xarray as xr
 from rich.table import Table
 
 from dem.analysis.tables import numbers
 from studies.accuracy import bias, replicates
-from studies.accuracy import report as accuracy_report
+from studies.accuracy.contacts import in_the_beds
 from studies.common.findings import Findings, clock, interval
 
 __all__ = ["accuracy"]
@@ -17,20 +18,36 @@ class Accuracy(Findings):
     """Error against run time, accuracy.nc."""
 
     name, command = "accuracy", "snakemake -j2 accuracy"
-    SHAPES = "c1", "d1", "e3"
+    needs = "trial_drag", "contact_method", "integrator", "replicate_drag"
+    attributes = "window_start", "window_stop", "default_fraction"
 
     @cached_property
     def biases(self) -> dict:
         return {shape: bias.bias(self.dataset, shape) for shape in bias.shapes_of(self.dataset)}
 
     def steps(self) -> Table:
-        """One row per shape and time step: change of the mean drag."""
-        return accuracy_report.drag(self.dataset)
+        """By shape and time step: change of the mean drag against the default step over the same beds."""
+        made = numbers("shape", "step over critical", "beds", "change", "failed", "s a run")
+        for shape in bias.shapes_of(self.dataset):
+            failed, grid = bias.failures(self.dataset, shape), bias.table(self.dataset, shape)
+            found = bias.change(grid, self._default)
+            for fraction in found["fraction"].values:
+                here = found.sel(fraction=fraction)
+                mine = self.dataset["trial_shape"] == shape
+                mine &= self.dataset["trial_fraction"] == fraction
+                time = float(self.dataset["trial_time"].where(mine).median())
+                value, half = 100 * float(here["value"]), 100 * float(here["half"])
+                made.add_row(
+                    shape, f"{fraction:g}", str(int(mine.sum())),
+                    f"{value:+.1f} +- {half:.1f} %" if np.isfinite(value) else "-",
+                    f"{100 * failed[float(fraction)]:.0f} %", f"{time:.2f}",
+                )  # fmt: skip
+        return made
 
-    def bias(self, shape: str) -> str:
-        """Bias of the mean drag at the default step."""
-        found = self.biases[shape]
-        return interval(100 * found.value, 100 * found.half, "%", 1)
+    @property
+    def _default(self) -> float:
+        """The default step over the bound."""
+        return float(self.dataset.attrs["default_fraction"])
 
     def bias_table(self) -> Table:
         """One row per shape: bias of the default step and of half of it."""
@@ -48,8 +65,8 @@ class Accuracy(Findings):
 
     def change(self, shape: str, fraction: float) -> str:
         """Change of the mean drag at a step, over the bound, against the default."""
-        default = float(self.dataset.attrs["default_fraction"])
-        found = bias.change(bias.table(self.dataset, shape), default).sel(fraction=fraction)
+        grid = bias.table(self.dataset, shape)
+        found = bias.change(grid, self._default).sel(fraction=fraction)
         return interval(100 * float(found["value"]), 100 * float(found["half"]), "%")
 
     def failed(self, shape: str, fraction: float) -> str:
@@ -61,11 +78,11 @@ class Accuracy(Findings):
         return replicates.replicates(self.dataset)
 
     def beds(self) -> int:
-        """How many replicates there are."""
+        """Replicates."""
         return self.dataset.sizes["replicate"]
 
     def scatter(self) -> str:
-        """Of one run about the mean."""
+        """Scatter of one run about the mean."""
         return f"{100 * self.replicates.scatter:.1f} %"
 
     def half(self, runs: int) -> str:
@@ -73,12 +90,12 @@ class Accuracy(Findings):
         return f"± {100 * replicates.expected(self.replicates.scatter, runs):.0f} %"
 
     def needed(self) -> str:
-        """Runs for an interval of ± TARGET, and their processor time."""
+        """Runs that `target` takes, and their processor time."""
         found = self.replicates
         return f"{found.needed} runs ({clock(found.needed * found.time)} of processor time)"
 
     def target(self) -> str:
-        """Half the interval that `needed` is about."""
+        """Half the interval of the mean that is wanted."""
         return f"± {100 * replicates.TARGET:.0f} %"
 
     def long_stroke(self) -> tuple[str, str]:
@@ -87,15 +104,28 @@ class Accuracy(Findings):
         return f"{100 * scatter:.1f} %", f"{100 * replicates.drift(self.dataset):+.0f} %"
 
     def integrators(self) -> Table:
-        """One row per scene and integrator: error at the default step, its time, the order."""
-        return accuracy_report.steps(self.dataset)
+        """By scene and integrator: rms error at the default step, its time, the fitted order."""
+        made = numbers("scene", "integrator", "error at default", "time, µs", "order", words=2)
+        for scene in self.dataset["step_scene"].values:
+            here = self._at_default(scene)
+            for integrator in here["integrator"].values:
+                one = here.sel(integrator=integrator)
+                made.add_row(
+                    str(scene), str(integrator), f"{float(one['step_error']):.1e}",
+                    f"{1e6 * float(one['step_time'].median()):.3g}",
+                    f"{float(one['step_order']):.2f} +- {float(one['step_order_error']):.2f}",
+                )  # fmt: skip
+        return made
+
+    def _at_default(self, scene: str) -> xr.Dataset:
+        """A scene at the default step."""
+        here = self.dataset.sel(step_scene=scene)
+        away = abs(here["step_fraction"].values - float(self.dataset["step_default"]))
+        return here.isel(step_level=int(np.nanargmin(away)))
 
     def error(self, scene: str, integrator: str) -> float:
         """Of an integrator at the default step."""
-        one = self.dataset.sel(step_scene=scene, integrator=integrator)
-        default = float(self.dataset["step_default"])
-        level = int(np.nanargmin(abs(one["step_fraction"].values - default)))
-        return float(one["step_error"][level])
+        return float(self._at_default(scene)["step_error"].sel(integrator=integrator))
 
     def order(self, scene: str) -> str:
         """Fitted order of velocity Verlet."""
@@ -120,8 +150,28 @@ class Accuracy(Findings):
         return made
 
     def contacts(self) -> Table:
-        """One row per method and start: time and errors."""
-        return accuracy_report.contacts(self.dataset)
+        """By method and start, worst of all ellipses in the beds: solver against its own definition,
+        and definition against the common normal."""
+        made = numbers(
+            "contact of two ellipses", "start", "ns", "overlap,\nsolver", "normal,\nsolver",
+            "overlap,\ndefinition", "normal,\ndefinition", "failures", words=2,
+        )  # fmt: skip
+        beds = in_the_beds(self.dataset)
+        for method in beds["contact_method"].values:
+            for start in beds["contact_start"].values:
+                here = beds.sel(contact_method=method, contact_start=start)
+                carries = bool(here["contact_remembers"])
+                if not (carries or start == beds["contact_start"].values[0]):
+                    continue
+                made.add_row(
+                    str(method), str(start) if carries else "any",
+                    f"{1e9 * float(here['contact_time'].median()):.1f}",
+                    *(f"{float(here[f'contact_{name}_error'].max()):.1e}" for name in (
+                        "solver_overlap", "solver_normal", "definition_overlap", "definition_normal",
+                    )),
+                    f"{100 * float(here['contact_failures'].max()):.1f} %",
+                )  # fmt: skip
+        return made
 
     def bounces(self) -> Table:
         """One row per method: greatest change of the energy over all bounces, by aspect ratio."""
@@ -143,7 +193,7 @@ class Accuracy(Findings):
         return int(self.dataset["bounce_steps"])
 
     def bounced(self) -> str:
-        """How many bounces there are."""
+        """Bounces."""
         return f"{int(self.dataset['bounce_number'].max()):,}"
 
     def lammps_ran(self) -> bool:
@@ -153,16 +203,10 @@ class Accuracy(Findings):
     def peers(self) -> Table:
         """One row per scene: error and time of this code and of LAMMPS at the default step."""
         made = numbers("scene", "error", "error, LAMMPS", "time over LAMMPS's")
-        scenes = self.dataset["step_scene"].values.tolist()
-        default = float(self.dataset["step_default"])
         for scene in self.dataset["peer_scene"].values:
-            row = scenes.index(scene)
-            level = int(np.nanargmin(abs(self.dataset["step_fraction"].values[row] - default)))
-            here = self.dataset.sel(peer_scene=scene).isel(step_level=level)
-            errors, times = (
-                here["peer_error"].values,
-                here["peer_time"].median("step_repeat").values,
-            )
+            here = self._at_default(scene).sel(peer_scene=scene)
+            errors = here["peer_error"].values
+            times = here["peer_time"].median("step_repeat").values
             if np.isfinite(errors).all():
                 made.add_row(
                     str(scene), *(f"{x:.2e}" for x in errors), f"{times[0] / times[1]:.2f}"

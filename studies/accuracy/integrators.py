@@ -19,7 +19,7 @@ from dem.dynamics.skin import MARGIN, SKIN
 from dem.dynamics.world import at_full_steps
 from dem.jit.columns import DVX, DVY, DW, VX, VY, W, X, Y
 from dem.jit.compilation import compiled, inlined
-from dem.jit.optional import given, optional, plus
+from dem.jit.optional import given, plus
 from dem.scene import Scene, State
 
 KICK, DRIFT, AHEAD, EVALUATE = range(4)  # columns of a table of stages
@@ -69,31 +69,6 @@ PEFRL = integrator(
 INTEGRATORS = (VERLET, HALF_STEP, SYMPLECTIC_EULER, EXPLICIT_EULER, PEFRL)
 
 
-class Tally(NamedTuple):
-    """Carried from step to step. span (1,): time moved since the forces were evaluated (s); push
-    (2,): last force on the cylinder (N); impulse (2,): its sum over the kicks (N s)."""
-
-    span: np.ndarray
-    push: np.ndarray
-    impulse: np.ndarray
-
-
-@optional
-def weigh(cylinder, sums, span, push):
-    """The force on the cylinder, out of an impulse that counts it over the span (s)."""
-    on = sums[cylinder.first]
-    for c in range(2):
-        push[c] = (on[c] + on[c + 2]) / span
-        on[c] = on[c + 2] = 0.0
-
-
-@inlined
-def count(tally, kick):
-    """Add what the force on the cylinder has done in a kick (s)."""
-    for c in range(2):
-        tally.impulse[c] += kick * tally.push[c]
-
-
 @inlined
 def let_dashpots_see(bodies, full, ahead):
     """full: dem.dynamics.world.at_full_steps."""
@@ -106,12 +81,12 @@ def let_dashpots_see(bodies, full, ahead):
 
 
 @compiled
-def advance(world, stages, tally, dt, steps, room):
+def advance(world, stages, span, dt, steps, room):
     """Take up to `steps` steps of dt (s); stop when a part has moved farther than `room` (m).
 
-    The force on the cylinder counts for as long as it kicks, half at both ends in Verlet's method.
-    Returns the number of steps done and the largest displacement (m); that of granules counts as 0
-    up to `room`.
+    span (1,): time moved since the forces were evaluated (s), carried from call to call. Returns
+    the number of steps done and the largest displacement (m); that of granules counts as 0 up to
+    `room`.
     """
     granules = world.bodies.shape[0]
     kick, done, moved, limit = 0.0, 0, 0.0, room * room
@@ -121,20 +96,17 @@ def advance(world, stages, tally, dt, steps, room):
             move, evaluate = dt * stages[s, DRIFT], stages[s, EVALUATE] > 0.0
             if move == 0.0 and not evaluate:
                 continue  # the next stage makes this kick with its own
-            count(tally, kick)
             drift(world, kick, move, 0, granules)
             move_boundaries(world, kick, move)
             farther = boundaries_moved(world)
-            tally.span[0] += move
+            span[0] += move
             kick = 0.0
             if evaluate:
                 if stages[s, AHEAD] != 1.0:
                     let_dashpots_see(world.bodies, at_full_steps(world), stages[s, AHEAD])
-                moved = greater(farther, forces(world, tally.span[0], limit))
-                weigh(world.cylinder, world.boundaries.sums, tally.span[0], tally.push)
-                tally.span[0] = 0.0
+                moved = greater(farther, forces(world, span[0], limit))
+                span[0] = 0.0
         done += 1
-    count(tally, kick)
     drift(world, kick, 0.0, 0, granules)
     return done, math.sqrt(moved)
 
@@ -152,16 +124,15 @@ class Motion:
         self._stages, self._step = method.stages, float(time_step)
         self.world = assemble(scene, state.checked(scene.granules), self._table)
         self.world = rebuild_neighbor_list(self.world, self._table)
-        self._tally = Tally(np.zeros(1), np.zeros(2), np.zeros(2))
+        self._span = np.zeros(1)
         forces(self.world, INSTANT, math.inf)
-        weigh(self.world.cylinder, self.world.boundaries.sums, INSTANT, self._tally.push)
 
     def advance(self, steps: int) -> bool:
         """Take a number of steps; False where the granules went too far to know their contacts."""
         reach = 0.5 * self._table.skin
         while steps > 0:
             done, moved = advance(
-                self.world, self._stages, self._tally, self._step, steps, MARGIN * reach
+                self.world, self._stages, self._span, self._step, steps, MARGIN * reach
             )
             if not moved <= reach:
                 return False
@@ -177,8 +148,3 @@ class Motion:
         return State(
             bodies[:, [X, Y]], bodies[:, [VX, VY]], self.world.angle.copy(), bodies[:, W].copy()
         )
-
-    @property
-    def impulse(self) -> np.ndarray:
-        """Impulse (2,) on the cylinder since the start, in N s."""
-        return self._tally.impulse.copy()

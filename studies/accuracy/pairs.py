@@ -166,32 +166,3 @@ def starts(rng, pairs: Pairs, off: float):
         return pairs.d / np.sqrt(dot(pairs.d, pairs.d))[:, None]
     right = pairs.truth.normal.astype(float)
     return direction(np.arctan2(right[:, 1], right[:, 0]) + rng.uniform(-off, off, len(right)))
-
-
-def difference(pairs: Pairs, k: int, digits: int = 50):
-    """Difference of the truth of pair k from the truth with `digits` digits: overlap, normal (rad).
-
-    Independent of all the above: distances of tangents written out, their gap scanned over the
-    directions, its maximum found by mpmath's root finder on a numerical derivative.
-    """
-    import mpmath
-
-    def exact(number):
-        return mpmath.mpf(float(number)) + mpmath.mpf(float(number - EXACT(float(number))))
-
-    def gap(angle):
-        nx, ny = mpmath.cos(angle), mpmath.sin(angle)
-        tangents = [
-            mpmath.hypot(a * (c * nx + s * ny), b * (c * ny - s * nx)) for c, s, a, b in both
-        ]
-        return d[0] * nx + d[1] * ny - tangents[0] - tangents[1]
-
-    with mpmath.workdps(digits):
-        d = [exact(x) for x in pairs.d[k]]
-        both = [[exact(x) for x in e[k]] for e in (pairs.own, pairs.other)]
-        scan = [2 * mpmath.pi * i / 720 for i in range(720)]
-        tolerance = mpmath.mpf(10) ** -digits
-        best = mpmath.findroot(lambda x: mpmath.diff(gap, x), max(scan, key=gap), tol=tolerance)
-        nx, ny = (exact(x) for x in pairs.truth.normal[k])
-        tilt = mpmath.cos(best) * ny - mpmath.sin(best) * nx
-        return float(abs(exact(pairs.truth.overlap[k]) + gap(best))), float(abs(tilt))

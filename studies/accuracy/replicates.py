@@ -1,4 +1,4 @@
-"""What a replicate buys, and a longer stroke instead, from the replicates of accuracy.nc."""
+"""What replicates buy, and a longer stroke instead, from accuracy.nc."""
 
 from typing import NamedTuple
 
@@ -12,13 +12,9 @@ TARGET = 0.02  # wanted half-interval over the mean
 
 
 class Replicates(NamedTuple):
-    """mean (N); scatter of one run over it; runs (k,) with half (k,), the expected half-interval
-    over the mean; needed for a half-interval of TARGET; time (s) of one run."""
+    """scatter of one run over the mean; runs needed for a half-interval of TARGET; time (s) of one."""
 
-    mean: float
     scatter: float
-    runs: np.ndarray
-    half: np.ndarray
     needed: int
     time: float
 
@@ -34,54 +30,14 @@ def replicates(dataset: xr.Dataset) -> Replicates:
     """How the interval of the mean shrinks with replicates."""
     means = window_means(dataset, dataset.attrs["window_start"], dataset.attrs["window_stop"])
     scatter = means.std(ddof=1) / means.mean()
-
-    runs = np.arange(2, max(len(means), 10) + 1)
     needed = next(n for n in range(2, 10**6) if not expected(scatter, n) > TARGET)
     time = float(np.median(dataset["replicate_time"]))
-    return Replicates(means.mean(), scatter, runs, expected(scatter, runs), needed, time)
+    return Replicates(scatter, needed, time)
 
 
 def expected(scatter, n):
     """Half the interval of the mean of n runs, over the mean, from the scatter of one."""
     return t.ppf(0.5 + 0.5 * LEVEL, n - 1) * scatter / np.sqrt(n)
-
-
-def subsets(
-    dataset: xr.Dataset, runs: int, seed: int = 0, draws: int = 2000
-) -> tuple[np.ndarray, float]:
-    """Half-intervals (draws,) over the mean of random subsets, and how many hold the mean of all."""
-    means = window_means(dataset, dataset.attrs["window_start"], dataset.attrs["window_stop"])
-    rng = np.random.default_rng(seed)
-    rows = np.array([rng.choice(means, runs, replace=False) for _ in range(draws)])
-    half = t.ppf(0.5 + 0.5 * LEVEL, runs - 1) * rows.std(axis=1, ddof=1) / np.sqrt(runs)
-    covered = np.abs(rows.mean(axis=1) - means.mean()) <= half
-    return half / means.mean(), float(covered.mean())
-
-
-def autocorrelation(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
-    """Lags (m) and autocorrelation of the drag along the stroke, past the window's start.
-
-    The mean over the runs is subtracted at every displacement; the rest is the deviation of each
-    run.
-    """
-    middle = dataset["replicate_displacement"].values
-    drag = dataset["replicate_drag"].values[:, middle >= dataset.attrs["window_start"]]
-    rest = drag - drag.mean(axis=0)
-    count = rest.shape[1] // 2
-    sums = [np.mean(rest[:, : rest.shape[1] - k] * rest[:, k:]) for k in range(count)]
-    return (middle[1] - middle[0]) * np.arange(count), np.array(sums) / sums[0]
-
-
-def correlation_length(dataset: xr.Dataset) -> float:
-    """Integral of the autocorrelation, both sides (m): there is one independent value in so much.
-
-    Up to where the autocorrelation is no longer significant, 2 over the square root of the
-    number of runs.
-    """
-    lags, values = autocorrelation(dataset)
-    below = np.flatnonzero(values <= 2.0 / np.sqrt(dataset.sizes["replicate"]))
-    end = below[0] if len(below) else len(values)
-    return float((lags[1] - lags[0]) * (2.0 * values[:end].sum() - 1.0))
 
 
 def windows(dataset: xr.Dataset, count: int = 24) -> tuple[np.ndarray, np.ndarray]:

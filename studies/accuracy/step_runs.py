@@ -8,7 +8,6 @@ from scipy.stats import linregress
 
 from dem.dynamics.simulation import Simulation
 from dem.scene import State
-from studies.accuracy.collisions import error
 from studies.accuracy.integrators import Integrator, Motion
 from studies.common.peers import lammps
 
@@ -17,24 +16,10 @@ CLEAR = 10.0  # an error counts in a fit if it is so many times its reference's
 
 
 class Outcome(NamedTuple):
-    """values: what the scene reads; impulse (2,) on the cylinder (N s); seconds of processor time.
-
-    NaN where the motion was lost, or what cannot be had.
-    """
+    """values: what the scene reads; seconds of processor time; NaN where the motion was lost."""
 
     values: np.ndarray
-    impulse: np.ndarray
     seconds: float
-
-
-UNKNOWN = np.full(2, np.nan)
-
-
-def errors(found: Outcome, right: Outcome) -> tuple[float, float]:
-    """Error of the values (studies.accuracy.collisions.error) and of the impulse, relative."""
-    with np.errstate(invalid="ignore"):  # without a cylinder, 0 / 0
-        miss = np.linalg.norm(found.impulse - right.impulse) / np.linalg.norm(right.impulse)
-    return error(found.values, right.values), float(miss)
 
 
 # A way to run: a function of the scene, the time step over the critical one, a share (see
@@ -51,8 +36,8 @@ def by_integrator(method: Integrator):
         seconds, whole = _timed(lambda: motion.advance(steps))
         values = scene.read(built, start, motion.state)
         if not whole:
-            return Outcome(np.full_like(values, np.nan), UNKNOWN, np.nan)
-        return Outcome(values, motion.impulse, seconds)
+            return Outcome(np.full_like(values, np.nan), np.nan)
+        return Outcome(values, seconds)
 
     return run
 
@@ -63,7 +48,7 @@ def ours(scene, fraction, share, pairs) -> Outcome:
     built, start = scene.start(time_step, pairs)
     run = Simulation(built, start, time_step, skin=scene.skin)
     seconds, _ = _timed(lambda: run.advance(steps * time_step))
-    return Outcome(scene.read(built, start, run.state), UNKNOWN, seconds)
+    return Outcome(scene.read(built, start, run.state), seconds)
 
 
 def theirs(scene, fraction, share, pairs) -> Outcome:
@@ -73,7 +58,7 @@ def theirs(scene, fraction, share, pairs) -> Outcome:
     with lammps.Run(built, start, time_step) as run:
         seconds, _ = _timed(lambda: run.advance(steps))
         end = State(run.position, run.velocity).checked(built.granules)
-    return Outcome(scene.read(built, start, end), UNKNOWN, seconds)
+    return Outcome(scene.read(built, start, end), seconds)
 
 
 def _timed(work):

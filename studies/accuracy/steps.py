@@ -17,14 +17,7 @@ from dem.dynamics.simulation import STEP_FRACTION
 from dem.sweep.config import Sweep
 from studies.accuracy.collisions import BARE, ELLIPSES, HEAD_ON, Bed, Collision, error, scenes
 from studies.accuracy.integrators import INTEGRATORS, PEFRL, VERLET
-from studies.accuracy.step_runs import (
-    Outcome,
-    by_integrator,
-    errors,
-    fitted_orders,
-    ours,
-    theirs,
-)
+from studies.accuracy.step_runs import by_integrator, fitted_orders, ours, theirs
 from studies.common.peers import lammps
 
 HALVINGS = STEP_FRACTION * 2.0 ** np.arange(1, -9, -1)
@@ -68,39 +61,38 @@ SMOKE_STEPS = tuple(STEP_FRACTION * 2.0 ** np.arange(0, -3, -1))
 SMOKE = Plan(8, 1, SMOKE_STEPS, SMOKE_STEPS, (4e-3, 2e-3), (2e-2, 1e-2))
 
 
-def reference(way, scene: Collision | Bed, plan: Plan) -> tuple[Outcome, tuple[float, float]]:
-    """What is taken as right, and the errors of the same way of running at twice the step.
+def reference(way, scene: Collision | Bed, plan: Plan) -> tuple[np.ndarray, float]:
+    """Values that are taken as right, and the error of the same way of running at twice the step.
 
     Exact values where they are known, else those of the finer of two runs at far smaller steps, of
     collisions the mean over the pairs.
     """
-    coarse, fine = (way(scene, f, 0.0, plan.reference_pairs) for f in plan.references(scene))
+    coarse, fine = (way(scene, f, 0.0, plan.reference_pairs).values for f in plan.references(scene))
     if isinstance(scene, Collision):
-        right = fine.values.mean(axis=0) if scene.exact is None else scene.exact
-        fine = fine._replace(values=right)
-    return fine, errors(coarse, fine)
+        fine = fine.mean(axis=0) if scene.exact is None else scene.exact
+    return fine, error(coarse, fine)
 
 
 def sweep_steps(ways, rights, scene: Collision | Bed, plan: Plan):
     """Run a scene in some ways at all its steps, in turns, a few times.
 
-    rights: what is right for each way. Returns the errors, rms over the repeats, (2, way, level):
-    of values and impulse; and seconds of processor time of a collision or bed (way, level, repeat).
+    rights: what is right for each way. Returns the errors, rms over the repeats, (way, level), and
+    seconds of processor time of a collision or bed (way, level, repeat).
     """
     shape = len(ways), plan.table([scene]).shape[1], plan.repeats
-    wrong, seconds = np.full((2, *shape), np.nan), np.full(shape, np.nan)
+    wrong, seconds = np.full((2, *shape), np.nan)
     count = 1 if isinstance(scene, Bed) else plan.pairs
     for repeat in range(plan.repeats):
         for level, fraction in enumerate(plan.fractions(scene)):
             for row, (way, right) in enumerate(zip(ways, rights, strict=True)):
                 found = way(scene, fraction, repeat / plan.repeats, plan.pairs)
-                wrong[:, row, level, repeat] = errors(found, right)
+                wrong[row, level, repeat] = error(found.values, right)
                 seconds[row, level, repeat] = found.seconds / count
     return np.sqrt(np.mean(wrong**2, axis=-1)), seconds
 
 
 def measure(sweep: Sweep, plan: Plan = USUAL, progress=lambda share: None) -> dict:
-    """Variables of studies.accuracy.layout_steps by name; progress gets the share done.
+    """Variables of studies.accuracy.layout by name; progress gets the share done.
 
     The first time, kernels of all scenes are compiled, which takes minutes.
     """
@@ -121,49 +113,37 @@ def compare_integrators(cases: list, plan: Plan, progress=lambda share: None) ->
         results.append(sweep_steps(ways, [right] * len(ways), scene, plan))
         least.append(doubt)
         progress((done + 1) / len(cases))
-    wrong = np.stack([each[0] for each in results], axis=1)
-    floors = np.repeat(np.array(least).T[..., None], len(ways), axis=-1)
-    order, order_error = fitted_orders(fractions, wrong[0], floors[0])
+    wrong, seconds = map(np.stack, zip(*results, strict=True))
+    floors = np.repeat(np.array(least)[:, None], len(ways), axis=1)
+    order, order_error = fitted_orders(fractions, wrong, floors)
     return {
         "step_scene": np.array([scene.name for scene in cases]),
         "integrator": np.array([method.name for method in INTEGRATORS]),
         "step_default": STEP_FRACTION,
-        "step_critical": np.array([scene.critical_step for scene in cases]),
-        "step_contact_time": np.array([scene.contact_time for scene in cases]),
         "step_fraction": fractions,
-        "step_error": wrong[0],
-        "step_impulse_error": wrong[1],
-        "step_time": np.stack([each[1] for each in results]),
+        "step_error": wrong,
+        "step_time": seconds,
         "step_order": order,
         "step_order_error": order_error,
-        "step_impulse_order": fitted_orders(fractions, wrong[1], floors[1])[0],
-        "step_reference_error": np.array(least)[:, 0],
     }
 
 
 def compare_peers(cases: list, plan: Plan, progress=lambda share: None) -> dict:
     """Ours and LAMMPS, each against a reference of its own, at the same steps; NaN without LAMMPS."""
-    absent, fractions = lammps.available(), plan.table(cases)
-    ways = [ours] if absent else [ours, theirs]
+    ways, fractions = [ours] if lammps.available() else [ours, theirs], plan.table(cases)
     shape = len(cases), len(PEERS), fractions.shape[1]
     wrong, seconds = np.full(shape, np.nan), np.full((*shape, plan.repeats), np.nan)
-    least, apart = np.full(shape[:2], np.nan), np.full(shape[0], np.nan)
+    least = np.full(shape[:2], np.nan)
     for row, scene in enumerate(cases):
         rights, doubts = zip(*(reference(way, scene, plan) for way in ways), strict=True)
-        (wrong[row, : len(ways)], _), seconds[row, : len(ways)] = sweep_steps(
-            ways, rights, scene, plan
-        )
-        least[row, : len(ways)] = [doubt[0] for doubt in doubts]
-        if not absent and scene.exact is None:
-            apart[row] = error(rights[1].values, rights[0].values)
+        there = slice(len(ways))
+        wrong[row, there], seconds[row, there] = sweep_steps(ways, rights, scene, plan)
+        least[row, there] = doubts
         progress((row + 1) / len(cases))
     return {
         "peer": np.array(PEERS),
-        "peer_status": np.array(["run", f"not run: {absent}" if absent else "run"]),
         "peer_scene": np.array([scene.name for scene in cases]),
         "peer_error": wrong,
         "peer_time": seconds,
         "peer_order": fitted_orders(fractions, wrong, least)[0],
-        "peer_reference_error": least,
-        "peer_difference": apart,
     }

@@ -14,9 +14,8 @@ from dem.experiment.kinds import drag
 from dem.io.dataset import FAILURES, global_attributes, write
 from dem.sweep.config import Sweep
 from dem.sweep.work import Work
-from studies.accuracy import layout_contacts, layout_steps
 from studies.accuracy.bias import LARGEST
-from studies.accuracy.layout import VARIABLES
+from studies.accuracy.layout import CONTACTS, STEPS, VARIABLES
 from studies.common.table import origin, parts, rows, wanted_of
 
 REPLICATES = "replicates"
@@ -45,11 +44,6 @@ def runs_of(sweep: Sweep) -> tuple[dict[str, Replicate], dict[str, Replicate]]:
                 f"sweep.blocks run {label} at numerics.step_fraction {sorted(steps)}; it must be that of "
                 f"the file, {default:g}, and another up to {LARGEST:g}."
             )
-    if sweep.numerics.time_step is not None:
-        raise InputError(
-            f"numerics.time_step is {sweep.numerics.time_step:g} s; it must be left out, because the "
-            "study varies it."
-        )
     return trials, many
 
 
@@ -60,22 +54,18 @@ def _step(replicate: Replicate) -> float:
 def trials(paths: list[Path], wanted: dict[str, Replicate]) -> dict:
     """Variables over `trial`; a run that failed is NaN and says why: where runs break is part of the
     question."""
-    found = {}
-    names = "drag", "time_step", "run_time", "failure"
-    for ids, values in rows(paths, names, wanted):
-        for run, force, step, time, flag in zip(ids, *values.values(), strict=True):
+    found = []
+    for ids, values in rows(paths, ("drag", "run_time", "failure"), wanted):
+        for run, force, time, flag in zip(ids, *values.values(), strict=True):
             own = wanted[run]
-            found[run] = (
-                own.label, own.seed, _step(own), force[own.configuration.in_window].mean(),
-                np.median(step), time, FAILURES[int(flag)] if flag else "ran",
-            )  # fmt: skip
+            found.append({
+                "shape": own.label, "fraction": _step(own), "seed": own.seed,
+                "drag": force[own.configuration.in_window].mean(), "time": time,
+                "status": FAILURES[int(flag)] if flag else "ran",
+            })  # fmt: skip
     labels = list(dict.fromkeys(replicate.label for replicate in wanted.values()))
-    ordered = sorted(found.values(), key=lambda row: (labels.index(row[0]), *row[1:3]))
-    columns = "shape", "seed", "fraction", "drag", "time_step", "time", "status"
-    return {
-        f"trial_{name}": np.array(column)
-        for name, column in zip(columns, zip(*ordered, strict=True), strict=True)
-    }
+    found.sort(key=lambda row: (labels.index(row["shape"]), row["seed"], row["fraction"]))
+    return {f"trial_{name}": np.array([row[name] for row in found]) for name in found[0]}
 
 
 def replicates(paths: list[Path], wanted: dict[str, Replicate]) -> dict:
@@ -99,8 +89,8 @@ def write_study(path: Path, work: Work, contacts: Path, steps: Path) -> None:
     chunks = {name: work.files(name) for name in sweep.blocks}
     every = [file for files in chunks.values() for file in files]
     values = (
-        parts([contacts], layout_contacts.VARIABLES)
-        | parts([steps], layout_steps.VARIABLES)
+        parts([contacts], CONTACTS)
+        | parts([steps], STEPS)
         | trials([f for name in chunks if name != REPLICATES for f in chunks[name]], vary)
         | replicates(chunks[REPLICATES], many)
     )

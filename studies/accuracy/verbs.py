@@ -22,14 +22,14 @@ def contacts(output: OutputOption, config: ConfigOption = ACCURACY, smoke: Smoke
     start_lean()
     from dem.sweep.config import load
     from studies.accuracy import bounces, contacts
-    from studies.accuracy.layout_contacts import VARIABLES
+    from studies.accuracy.layout import CONTACTS
     from studies.common.table import write_part
 
     sweep, size = load(config), "SMOKE" if smoke else "USUAL"
     with bar("contacts", 1.0) as update:
         values = contacts.measure(getattr(contacts, size), lambda done: update(0.5 * done))
         values |= bounces.measure(getattr(bounces, size), lambda done: update(0.5 + 0.5 * done))
-    write_part(output, sweep, (f"{HERE}.contacts", f"{HERE}.bounces"), values, VARIABLES)
+    write_part(output, sweep, (f"{HERE}.contacts", f"{HERE}.bounces"), values, CONTACTS)
 
 
 @app.command()
@@ -38,13 +38,13 @@ def steps(output: OutputOption, config: ConfigOption = ACCURACY, smoke: SmokeOpt
     start_lean()
     from dem.sweep.config import load
     from studies.accuracy import steps
-    from studies.accuracy.layout_steps import VARIABLES
+    from studies.accuracy.layout import STEPS
     from studies.common.table import write_part
 
     sweep = load(config)
     with bar("time steps", 1.0) as update:
         values = steps.measure(sweep, steps.SMOKE if smoke else steps.USUAL, update)
-    write_part(output, sweep, (f"{HERE}.steps",), values, VARIABLES)
+    write_part(output, sweep, (f"{HERE}.steps",), values, STEPS)
 
 
 @app.command()

@@ -5,9 +5,7 @@ import xarray as xr
 from rich.table import Table
 
 from dem.analysis.tables import numbers
-from studies.benchmark import report as speed_report
 from studies.benchmark.drag import at_equal_error
-from studies.benchmark.ratio import times_faster
 from studies.benchmark.scenes import FULL
 from studies.common.findings import Findings, span
 
@@ -17,16 +15,23 @@ SMALL, MILLION = 400, 1_000_000  # discs
 SMOOTH = "discs, no friction, no rotation"
 
 
+def times_faster(dataset: xr.Dataset) -> xr.DataArray:
+    """Speed of this code over that of each, of every turn; NaN where a code did not run."""
+    rates = dataset["granule_steps_per_second"]
+    return rates.isel(code=0, drop=True) / rates
+
+
 class Speed(Findings):
     """Speed beside other codes, on one processor."""
 
     command = "snakemake -j1 benchmark"
+    needs, attributes = ("granule_steps_per_second",), ("processor", "codes")
 
     def __init__(self, name: str):
         self.name = name
 
     def codes(self) -> Table:
-        """One row per bed and code that ran."""
+        """By bed and code that ran; damping of LAMMPS and LIGGGHTS has another form, with the same restitution."""
         made = numbers(
             "bed", "code", "10⁶ granule-steps/s", "lowest to highest", "ns a contact", words=2
         )
@@ -81,8 +86,19 @@ class Speed(Findings):
         }
 
     def strokes(self) -> Table:
-        """One row per code: the largest time step at equal error, and what a millimetre costs."""
-        return speed_report.drag(self.dataset)
+        """By code: the largest fixed time step that keeps the mean drag within 1 %, over the bound on the
+        critical step at rest; processor time."""
+        made = numbers(
+            "code", "largest step", "95 % interval", "ns", "steps a second", "seconds a millimetre"
+        )
+        found = at_equal_error(self.dataset)
+        for code in found["drag_code"].values:
+            one = {name: float(value) for name, value in found.sel(drag_code=code).items()}
+            made.add_row(
+                str(code), f"{one['largest']:.2f}", f"{one['low']:.2f}, {one['high']:.2f}",
+                f"{1e9 * one['time_step']:.0f}", f"{one['rate']:,.0f}", f"{1e-3 * one['cost']:.3f}",
+            )  # fmt: skip
+        return made
 
     def beds(self) -> int:
         """Through how many beds each code draws the cylinder, at each time step."""
@@ -99,8 +115,23 @@ class Speed(Findings):
         return f"{float(cost.sel(drag_code=code) / cost[0]):.1f}"
 
     def stages(self) -> Table:
-        """One row per bed and part of a step."""
-        return speed_report.stages(self.dataset)
+        """By bed and part of a step, contacts held as they are: each part runs many times by itself, stages of a
+        pair by leaving out the later ones."""
+        made = numbers(
+            "bed", "part of a step", "µs a step", "lowest, highest", "ns a pair", "ns a granule",
+            words=2,
+        )  # fmt: skip
+        for scene in self.dataset["scene"].values:
+            for stage in self.dataset["stage"].values:
+                here = self.dataset.sel(scene=scene, stage=stage)
+                times = 1e6 * here["stage_time"].values
+                middle = 1e3 * float(np.median(times))
+                made.add_row(
+                    str(scene), str(stage), f"{np.median(times):.2f}",
+                    f"{times.min():.2f}, {times.max():.2f}", f"{middle / float(here['scene_pairs']):.2f}",
+                    f"{middle / float(here['scene_granules']):.1f}",
+                )  # fmt: skip
+        return made
 
     def slow(self) -> str:
         """Time of a square root and of a division."""
@@ -118,16 +149,58 @@ class Speed(Findings):
         return f"{float(self.dataset['load_average']):.1f}"
 
     def scenes(self) -> Table:
-        """One row per scene: what it costs."""
-        return speed_report.scenes(self.dataset)
+        """By scene, contacts held as they are by short time steps; against full: median of what each turn gave;
+        code: machine code of one step."""
+        made = numbers(
+            "scene", "ns a granule-step", "lowest, highest", "against full", "code, bytes"
+        )
+        full = self.dataset["variant_step_time"].sel(variant=FULL)
+        for variant in self.dataset["variant"].values:
+            here = self.dataset.sel(variant=variant)
+            times = 1e9 * here["variant_step_time"].values
+            made.add_row(
+                str(variant), f"{np.median(times):.1f}", f"{times.min():.1f}, {times.max():.1f}",
+                f"{float((here['variant_step_time'] / full).median()):.2f}", str(int(here["variant_code_size"])),
+            )  # fmt: skip
+        return made
 
     def sizes(self) -> Table:
-        """One row per size of bed and number of threads."""
-        return speed_report.sizes(self.dataset)
+        """By size of bed and number of threads: discs in motion in a box without a cylinder, while one list holds.
+
+        Ratios are medians of what each repeat gave; memory is that of all arrays.
+        """
+        made = numbers(
+            "discs", "threads", "ns a granule-step", "lowest, highest", "against\nsmallest",
+            "against\none thread", "separate beds,\nagainst one", "LAMMPS on ranks,\nagainst one",
+            "bytes a granule",
+        )  # fmt: skip
+        times = self.dataset["size_step_time"]
+        ratios = [times / times.isel(size=0)] + [
+            self.dataset[f"{name}_step_time"] / self.dataset[f"{name}_step_time"].isel(threads=0)
+            for name in ("size", "apart", "ranks")
+        ]
+        for size in self.dataset["size"].values:
+            for threads in self.dataset["threads"].values:
+                here = {"size": size, "threads": threads}
+                spent = 1e9 * times.sel(here).values
+                found = [float(ratio.sel(here).median()) for ratio in ratios]
+                made.add_row(
+                    f"{size:,}", str(threads), f"{np.median(spent):.1f}",
+                    f"{spent.min():.1f}, {spent.max():.1f}",
+                    *("" if np.isnan(ratio) else f"{ratio:.2f}" for ratio in found),
+                    f"{float(self.dataset['size_memory'].sel(size=size)):.0f}",
+                )  # fmt: skip
+        return made
 
     def motion(self) -> Table:
-        """One row per bed: how far this code and LAMMPS part."""
-        return speed_report.motion(self.dataset)
+        """How far this code and LAMMPS part: greatest distance of a granule over the mean radius, undamped, from
+        the same start; with friction the arm and the unloading of the tangential spring differ."""
+        steps = self.dataset["comparison_steps"].values
+        made = numbers("undamped bed", *(f"after {count} steps" for count in steps))
+        for name in self.dataset["comparison"].values:
+            apart = self.dataset["trajectory_difference"].sel(comparison=name).values
+            made.add_row(str(name), *(f"{value:.1e}" for value in apart))
+        return made
 
     def machine(self) -> str:
         """The processor."""

@@ -94,11 +94,9 @@ def compare_codes(cases: dict[str, Case], plan: Plan) -> dict:
         "granule_steps_per_second": rates,
         "time_per_contact": step_times / np.where(contacts > 0, contacts, np.nan)[:, None],
         "scene_granules": granules,
-        "scene_contacts": contacts,
         "scene_pairs": np.array(
             [len(Simulation(*c).world.pairs.constituent) for c in cases.values()]
         ),
-        "scene_time_step": np.array([case.time_step for case in cases.values()]),
     }
 
 
@@ -176,13 +174,9 @@ def load_average() -> float:
 def processor() -> str:
     """Name of the processor as the system gives it, where it does with family and model: virtual
     computers give one name to processors of several kinds."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
-    except OSError:
-        lines = []
-    fields = {
-        key.strip(): value.strip() for key, _, value in (line.partition(":") for line in lines)
-    }
+    about = Path("/proc/cpuinfo")
+    lines = about.read_text().splitlines() if about.is_file() else []
+    fields = dict(map(str.strip, line.split(":", 1)) for line in lines if ":" in line)
     if not {"model name", "cpu family", "model"} <= fields.keys():
-        return fields.get("model name") or platform.processor() or platform.machine()
+        return platform.processor() or platform.machine()
     return f"{fields['model name']} (family {fields['cpu family']}, model {fields['model']})"

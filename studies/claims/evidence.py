@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from dem.analysis.compare import Comparison
 from dem.analysis.flow.layout import MEASURES
 from dem.analysis.statistics import summarise, within
 
@@ -114,6 +115,18 @@ def scaled(dataset: xr.Dataset, setting: str, shape: str) -> xr.Dataset:
                      compat="override", join="override")  # fmt: skip
     found = table(both, "run_x")
     return found.sel(case=sorted(found["case"].values.tolist()))
+
+
+def scaled_ratios(dataset: xr.Dataset, setting: str, shape: str) -> dict[float, Comparison]:
+    """Drag over that at factor 1, by factor; only runs that differ in velocity are on the same beds."""
+    drag = scaled(dataset, setting, shape).get("drag")
+    found = {}
+    for x in [] if drag is None else drag["case"].values.tolist():
+        a, b = (drag.sel(case=each).values for each in (x, 1.0))
+        each = Comparison("drag", a, b, 0.0, np.inf, paired=setting == "velocity")
+        if x != 1.0 and each.runs > 1:
+            found[x] = each
+    return found
 
 
 def from_study(dataset: xr.Dataset, margin: float = MARGIN) -> Evidence:

@@ -1,5 +1,6 @@
 """The paper's sentences, tested."""
 
+from collections import Counter
 from functools import cached_property
 
 import numpy as np
@@ -10,8 +11,8 @@ from dem.analysis.compare import Comparison
 from dem.analysis.statistics import by_case
 from dem.analysis.tables import numbers
 from dem.base.errors import InputError
-from studies.claims import report as claims_report
-from studies.claims.evidence import from_study, from_sweep
+from studies.claims import report
+from studies.claims.evidence import from_study, from_sweep, scaled_ratios
 from studies.claims.influence import Influence, influences, responses
 from studies.claims.remains import remaining
 from studies.claims.verdicts import judge
@@ -24,11 +25,19 @@ ABOUT_SHAPE = (
     "slight_ellipses_drop", "longer_ellipses_drop", "shape_matters",
 )  # fmt: skip
 
+OTHER_MARGINS = (0.10, 0.25)
+RANKED = 4  # influences that are listed
+SETTINGS = (
+    "velocity", "diameter", "width", "width, equal distance", "height", "height, equal distance",
+)  # fmt: skip
+
 
 class Claims(Findings):
     """The paper's sentences on the runs of claims.nc."""
 
     name, command = "claims", "snakemake -j2 claims"
+    needs = "run_part", "run_drag", "jam_fraction", "run_factor"
+    attributes = "window_start", "window_stop"
 
     @cached_property
     def judged(self) -> dict:
@@ -46,6 +55,15 @@ class Claims(Findings):
         """Processor time of all runs."""
         return f"{float(self.dataset['run_spent'].sum()) / 3600:.1f} hours"
 
+    def failures(self) -> str:
+        """Runs that failed, of what, in which part of the study."""
+        labels = (self.dataset[f"run_{name}"].values.tolist() for name in ("status", "part"))
+        found = Counter(zip(*labels, strict=True))
+        wrong = [
+            f"{n} {status} in {part}" for (status, part), n in found.items() if status != "ran"
+        ]
+        return ", ".join(wrong) or "none"
+
     def level(self) -> str:
         """Level of the intervals that verdicts use."""
         return f"{100 * next(iter(self.judged.values())).level:.2f} %"
@@ -56,7 +74,7 @@ class Claims(Findings):
 
     def numbers(self, name: str) -> str:
         """What a claim is compared by, with 95 % intervals."""
-        return "; ".join(claims_report.span(each) for each in self.judged[name].comparisons)
+        return "; ".join(report.span(each) for each in self.judged[name].comparisons)
 
     def extremes(self, name: str) -> str:
         """The least and the greatest number of a claim."""
@@ -65,24 +83,12 @@ class Claims(Findings):
 
     def verdicts(self) -> Table:
         """One row per claim; those that do not hold come first."""
-        order = ["contradicted", "undecided", "supported"]
-        made = numbers(
-            "claim (section)", "verdict", "numbers", "holds in the plausible space, %", words=3
-        )
-        for each in sorted(self.judged.values(), key=lambda each: order.index(each.verdict)):
-            found = "<br>".join(
-                f"{part.words}: {_on_one_line(claims_report.span(part))}; "
-                f"claimed {claims_report.claimed(part)}"
-                for part in each.comparisons
-            )
-            title = f"{each.claim.title} ({each.claim.place})"
-            made.add_row(title, f"**{each.verdict}**", found, claims_report.per_cent(each.space))
-        return made
+        return report.claims(list(self.judged.values()))
 
     def readings(self) -> str:
         """One list item per claim: the quotation and how it is read."""
         return "\n".join(
-            f"* **{each.claim.title}** ({claims_report.place(each.claim.place)}): "
+            f"* **{each.claim.title}** ({report.place(each.claim.place)}): "
             f"“{each.claim.quote}”. {each.claim.reading}"
             for each in self.judged.values()
         )
@@ -93,7 +99,16 @@ class Claims(Findings):
 
     def margins(self) -> str:
         """Which verdicts depend on how much "significantly" means."""
-        return "\n".join(f"* {line}" for line in claims_report.margins(self.dataset).splitlines())
+        told = []
+        for margin in OTHER_MARGINS:
+            other = {v.claim.name: v for v in judge(from_study(self.dataset, margin))}
+            moved = [
+                f"{each.claim.title}: {each.verdict}" for name, each in other.items()
+                if each.verdict != self.judged[name].verdict
+            ]  # fmt: skip
+            words = "; ".join(moved) or "the same verdicts"
+            told.append(f"* With a margin of {100 * margin:.0f} %: {words}.")
+        return "\n".join(told)
 
     def single_beds(self, name: str) -> str:
         """Share of single beds at the paper's values in which a claim holds."""
@@ -135,7 +150,7 @@ class Claims(Findings):
             ratio, low, high = each.ratio
             made.add_row(
                 each.shape, each.state, f"{each.fraction:.3f}",
-                _on_one_line(f"{ratio:.2f} ({low:.2f} to {high:.2f})"),
+                report.on_one_line(f"{ratio:.2f} ({low:.2f} to {high:.2f})"),
             )  # fmt: skip
         return made
 
@@ -164,7 +179,7 @@ class Claims(Findings):
             "response", "decided by", "grows over the range by", "share of variance", words=2
         )
         for name, response in responses(points).items():
-            for number, each in enumerate(influences(points, response)[: claims_report.RANKED]):
+            for number, each in enumerate(influences(points, response)[:RANKED]):
                 made.add_row(
                     "" if number else name, f"`{each.factor}`",
                     f"{each.growth:.2f} ({each.low:.2f} to {each.high:.2f})", f"{each.share:.2f}",
@@ -187,15 +202,14 @@ class Claims(Findings):
     def scaling(self) -> Table:
         """One row per setting, shape and factor: drag over that at the paper's value."""
         made = numbers("varied", "shape", "times", "drag over that at 1", "runs", words=2)
-        for setting in claims_report.SETTINGS:
+        for setting in SETTINGS:
             for shape in ("c1", "e3"):
-                for x, drag, _ in claims_report.scaled_ratios(self.dataset, setting, shape):
-                    made.add_row(setting, shape, f"{x:g}", claims_report.span(drag), str(drag.runs))
+                for x, drag in scaled_ratios(self.dataset, setting, shape).items():
+                    made.add_row(setting, shape, f"{x:g}", report.span(drag), str(drag.runs))
         return made
 
     def _scaled(self, setting: str, shape: str, factor: float):
-        found = claims_report.scaled_ratios(self.dataset, setting, shape)
-        return {x: drag for x, drag, _ in found}[factor]
+        return scaled_ratios(self.dataset, setting, shape)[factor]
 
     def scaled(self, setting: str, shape: str, factor: float) -> str:
         """Drag at a factor on one of the paper's values, over that at the paper's."""
@@ -238,12 +252,8 @@ class Claims(Findings):
 
 
 def _cell(verdict) -> str:
-    parts = (f"{part.words}: {claims_report.span(part)}" for part in verdict.comparisons)
-    return f"**{verdict.verdict}**<br>{'<br>'.join(map(_on_one_line, parts))}"
-
-
-def _on_one_line(words: str) -> str:
-    return words.replace(" ", "\N{NO-BREAK SPACE}")
+    parts = (f"{part.words}: {report.span(part)}" for part in verdict.comparisons)
+    return f"**{verdict.verdict}**\n" + "\n".join(map(report.on_one_line, parts))
 
 
 claims = Claims()

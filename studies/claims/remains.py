@@ -16,18 +16,12 @@ EQUAL = "equal fraction"
 
 
 class Remaining(NamedTuple):
-    """A shape at a state: packing fraction; load on the walls before the run (N/m); mean drag over that
-    of the reference with its interval; part: logarithm of that ratio over the logarithm at equal
-    packing fraction, with its interval: 1: all of the effect remains, 0: none, below 0: it is
-    reversed (NaN at equal fraction itself, and where there is no effect there to speak of)."""
+    """A shape at a state: packing fraction; mean drag over that of the reference with its interval."""
 
     shape: str
     state: str
     fraction: float
-    load: float
     ratio: tuple[float, float, float]
-    part: tuple[float, float, float]
-    runs: int
 
 
 class Mean(NamedTuple):
@@ -60,21 +54,20 @@ def remaining(dataset: xr.Dataset) -> list[Remaining]:
     base = mean_of(with_case(replicates, case))
     reference_shape = str(dataset["reference_shape"].values)
     if base is not None:
-        found.append(_one(case, EQUAL, with_case(replicates, case), base, base, base, 0.0))
+        found.append(_one(case, EQUAL, with_case(replicates, case), base, base))
     for shape in dict.fromkeys(matched["run_case"].values.tolist()):
         here = with_case(matched, shape)
         equal = mean_of(with_case(replicates, shape))
         if base is None or equal is None:
             continue
-        found.append(_one(shape, EQUAL, with_case(replicates, shape), equal, base, equal, 0.0))
-        slope = growth(xr.concat([with_case(replicates, shape), here], "run", data_vars="minimal",
-                                 coords="minimal", compat="override", join="override"))  # fmt: skip
+        found.append(_one(shape, EQUAL, with_case(replicates, shape), equal, base))
+        slope = growth(with_case(replicates, shape), here)
         for state in dict.fromkeys(here["run_setting"].values.tolist()):
             some = rows(here, "matched", state)
             there = mean_of(some)
             if there is not None:
                 error = slope * distance_error(dataset, shape, reference_shape, fraction, state)
-                found.append(_one(shape, state, some, there, base, equal, error**2))
+                found.append(_one(shape, state, some, there, base, error))
     return found
 
 
@@ -106,40 +99,21 @@ def standard_error(values: np.ndarray) -> float:
     return float(good.std(ddof=1)) / math.sqrt(len(good)) if len(good) > 1 else 0.0
 
 
-def growth(runs: xr.Dataset) -> float:
-    """How the logarithm of the drag grows with the packing fraction."""
-    drag, fraction = runs["run_drag"].values, runs["run_packing"].values
+def growth(*runs: xr.Dataset) -> float:
+    """How the logarithm of the drag grows with the packing fraction, over all of some runs."""
+    drag, fraction = (
+        np.concatenate([each[f"run_{name}"] for each in runs]) for name in ("drag", "packing")
+    )
     good = np.isfinite(drag) & (drag > 0.0)
     if np.ptp(fraction[good]) < 1e-3:
         return 0.0
     return float(plane(fraction[good, None], np.log(drag[good]))[0][0])
 
 
-def _one(shape, state, runs, there: Mean, base: Mean, equal: Mean, more: float) -> Remaining:
-    """A state of a shape; more: squared error of its logarithm from the distance to jamming."""
-    quantile = float(t.ppf(0.5 + 0.5 * LEVEL, min(there.runs, base.runs, equal.runs) - 1))
-    log, variance = there.log - base.log, there.variance + base.variance + more
-    if there is base:
-        variance = 0.0
-    before, before_variance = equal.log - base.log, equal.variance + base.variance
-    half = quantile * math.sqrt(variance)
-    part = (math.nan,) * 3
-    if state != EQUAL and abs(before) > quantile * math.sqrt(before_variance):
-        value = log / before
-        shared = variance - 2.0 * value * base.variance + value**2 * before_variance
-        wide = quantile * math.sqrt(max(shared, 0.0)) / abs(before)
-        part = value, value - wide, value + wide
-    load = runs["run_load"].values
-    return Remaining(
-        shape, state, float(runs["run_packing"].values[0]), float(np.nanmean(load)),
-        (math.exp(log), math.exp(log - half), math.exp(log + half)), part, there.runs,
-    )  # fmt: skip
-
-
-def words(each: Remaining) -> str:
-    """What remains, in words."""
-    value, low, high = (100.0 * share for share in each.part)
-    if not math.isfinite(value):
-        return "-"
-    told = f"{value:.0f} % ({low:.0f} to {high:.0f})"
-    return f"{told}, reversed" if high < 0.0 else told
+def _one(shape, state, runs, there: Mean, base: Mean, error: float = 0.0) -> Remaining:
+    """A state of a shape; error: of its logarithm from the distance to jamming."""
+    quantile = float(t.ppf(0.5 + 0.5 * LEVEL, min(there.runs, base.runs) - 1))
+    log, variance = there.log - base.log, there.variance + base.variance + error**2
+    half = 0.0 if there is base else quantile * math.sqrt(variance)
+    ratio = math.exp(log), math.exp(log - half), math.exp(log + half)
+    return Remaining(shape, state, float(runs["run_packing"].values[0]), ratio)

@@ -1,52 +1,19 @@
-"""The study of claims as tables for the terminal."""
+"""Claims in words and numbers: one row each, or one of them in full."""
 
 from pathlib import Path
 
 import numpy as np
-import xarray as xr
 from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
-from dem.analysis.compare import Comparison
+from dem.analysis.compare import CONTRADICTED, SUPPORTED, UNDECIDED, UNTESTED
 from dem.analysis.statistics import LEVEL
 from dem.analysis.tables import numbers
 from dem.base.errors import InputError
 from dem.io.dataset import content_of
-from studies.claims.evidence import from_study, rows, scaled
-from studies.claims.influence import influences, responses
-from studies.claims.remains import Remaining, remaining, words
-from studies.claims.sentences import CLAIMS, ratio
+from studies.claims.sentences import CLAIMS
 from studies.claims.verdicts import Share, Verdict, evidence_in, judge
-
-NEEDS = ("run_part", "run_drag", "jam_fraction", "run_factor")  # variables of the file
-ATTRIBUTES = ("window_start", "window_stop")
-
-OTHER_MARGINS = (0.10, 0.25)
-RANKED = 4  # influences that are listed
-UNLOADED = 1.0  # N/m: walls of beds below jamming bear less
-SETTINGS = (
-    "velocity", "diameter", "width", "width, equal distance", "height", "height, equal distance",
-)  # fmt: skip
-
-
-def summary(dataset: xr.Dataset) -> Group:
-    """Renderable summary of claims.nc."""
-    found = judge(from_study(dataset))
-    parts = [
-        Text(dataset.attrs["title"], style="bold"), Text(dataset.attrs.get("versions", "")),
-        Text(failures(dataset)), claims(found), Text(legend(found), style="dim"),
-        Text(margins(dataset)), heading("Where beds jam"), jamming(dataset),
-        heading("Shapes at equal packing fraction, distance from jamming and load"),
-        remains(remaining(dataset)), heading("What decides the drag over the plausible space"),
-        ranking(from_study(dataset).points), heading("Other sizes and velocities"), scaling(dataset),
-        heading("The claims in detail"), *map(detail, found),
-    ]  # fmt: skip
-    return Group(*parts)
-
-
-def heading(text: str) -> Text:
-    return Text(f"\n{text}", style="bold")
 
 
 def verdicts(path: Path, name: str | None = None, margin: float = 0.18) -> Group:
@@ -77,26 +44,31 @@ def per_cent(share: Share | None) -> str:
 
 def legend(found: list[Verdict]) -> str:
     """The table of claims."""
-    level = 100.0 * found[0].level
     return (
-        f"Ratios of means over runs, with 95 % intervals. A verdict takes intervals at {level:.2f} %, so\n"
-        "that all hold together: supported if the whole interval lies where the sentence says,\n"
-        "contradicted if none of it does. Space: at how many points of the plausible space, one bed each,\n"
-        "the claim holds; paper: in how many single beds at the paper's values.\n"
+        f"Intervals are of 95 %; a verdict takes intervals at {100 * found[0].level:.2f} %, so that all hold together.\n"
         "One claim in full: python -m studies claims test FILE --claim NAME"
     )
 
 
 def claims(found: list[Verdict]) -> Table:
-    """One row per comparison, the verdict and the shares on the first of each claim."""
-    made = numbers("claim", "compared", "number, 95 % interval", "runs", "verdict", "space, %", "paper, %", words=2)  # fmt: skip
-    for each in found:
-        last = each.verdict, per_cent(each.space), per_cent(each.paper)
-        for number, part in enumerate(each.comparisons or [None]):
-            middle = ("-",) * 3 if part is None else (part.words, span(part), str(part.runs))
-            ends = (each.claim.title, last) if number == 0 else ("", ("",) * 3)
-            made.add_row(ends[0], *middle, *ends[1])
+    """One row per claim; those that do not hold come first."""
+    order = [CONTRADICTED, UNDECIDED, SUPPORTED, UNTESTED]
+    made = numbers(
+        "claim (section)", "verdict", "numbers", "holds in the\nplausible space, %", words=3
+    )
+    made.columns[2].no_wrap = False  # for a terminal
+    for each in sorted(found, key=lambda each: order.index(each.verdict)):
+        parts = "\n".join(
+            f"{part.words}: {on_one_line(span(part))}; claimed {claimed(part)}"
+            for part in each.comparisons
+        )
+        title = f"{each.claim.title} ({each.claim.place})"
+        made.add_row(title, f"**{each.verdict}**", parts, per_cent(each.space))
     return made
+
+
+def on_one_line(words: str) -> str:
+    return words.replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def claimed(part) -> str:
@@ -126,110 +98,3 @@ def detail(found: Verdict) -> Group:
 def place(where: str) -> str:
     """A place in the paper in words."""
     return where if where[0].isalpha() else f"section {where}"
-
-
-def margins(dataset: xr.Dataset) -> str:
-    """Which verdicts hang on the margin."""
-    usual = {v.claim.name: v.verdict for v in judge(from_study(dataset))}
-    told = []
-    for margin in OTHER_MARGINS:
-        other = judge(from_study(dataset, margin))
-        moved = [f"{v.claim.title}: {v.verdict}" for v in other if v.verdict != usual[v.claim.name]]
-        told.append(
-            f"With a margin of {100 * margin:.0f} %: {'; '.join(moved) or 'the same verdicts'}."
-        )
-    return "\n".join(told)
-
-
-def failures(dataset: xr.Dataset) -> str:
-    """How many runs there are and how many of them failed, and of what."""
-    status, part = dataset["run_status"].values.astype(str), dataset["run_part"].values.astype(str)
-    wrong = [
-        f"{int(((status == each) & (part == name)).sum())} {each} in {name}"
-        for name in dict.fromkeys(part)
-        for each in sorted(set(status[part == name]) - {"ran"})
-    ]
-    spent = float(dataset["run_spent"].sum())
-    return f"{status.size} runs, {spent / 60:.0f} min of processor time; failed: {', '.join(wrong) or 'none'}."  # fmt: skip
-
-
-def jamming(dataset: xr.Dataset) -> Table:
-    """Jamming fractions by shape and friction, with the interval of the mean."""
-    frictions = np.unique(dataset["jam_friction"].values)
-    made = numbers("shape", *(f"friction {mu:g}" for mu in frictions), "beds")
-    for shape in dict.fromkeys(dataset["jam_shape"].values.tolist()):
-        mine = dataset["jam_shape"].values == shape
-        cells = []
-        for mu in frictions:
-            some = dataset["jam_fraction"].values[mine & (dataset["jam_friction"].values == mu)]
-            each = Comparison("", some, None, 0.0, 1.0)
-            low, high = each.interval() if len(some) else (np.nan, np.nan)
-            cells.append(f"{each.estimate:.4f} ({low:.4f} to {high:.4f})" if len(some) else "-")
-        made.add_row(
-            str(shape), *cells, str(int((mine & (dataset["jam_friction"].values == 0)).sum()))
-        )
-    return made
-
-
-def remains(found: list[Remaining]) -> Table:
-    """What is left of the effect of shape."""
-    made = numbers("shape", "state", "V_f", "load, kN/m", "drag over the first case's, 95 %", "part of the effect that remains, 95 %", "runs", words=2)  # fmt: skip
-    for each in found:
-        made.add_row(
-            each.shape, each.state, f"{each.fraction:.4f}", f"{1e-3 * each.load:.3g}",
-            "{:.2f} ({:.2f} to {:.2f})".format(*each.ratio), words(each), str(each.runs),
-        )  # fmt: skip
-    return made
-
-
-def ranking(points: xr.Dataset) -> Table:
-    """What decides the drag and the ratios of drags, the most influential first."""
-    made = numbers(
-        "what", "decided by", "grows over the range by, 95 %", "share of variance", words=2
-    )
-    for name, response in responses(points).items():
-        for number, each in enumerate(influences(points, response)[:RANKED]):
-            grows = f"{each.growth:.2f} ({each.low:.2f} to {each.high:.2f})"
-            made.add_row(name if number == 0 else "", each.factor, grows, f"{each.share:.2f}")
-    return made
-
-
-def scaling(dataset: xr.Dataset) -> Table:
-    """Drag at other sizes and velocities over that at the sweep's own."""
-    made = numbers(
-        "shape",
-        "what",
-        "factor",
-        "drag over that at 1, 95 %",
-        "runs",
-        "load over that at 1",
-        words=2,
-    )
-    for setting in SETTINGS:
-        for shape in dict.fromkeys(rows(dataset, "scaling")["run_case"].values.tolist()):
-            for x, drag, load in scaled_ratios(dataset, setting, shape):
-                made.add_row(
-                    shape,
-                    setting,
-                    f"{x:g}",
-                    span(drag),
-                    str(drag.runs),
-                    f"{load:.2f}" if np.isfinite(load) else "-",
-                )
-    return made
-
-
-def scaled_ratios(dataset: xr.Dataset, setting: str, shape: str) -> list:
-    """Factor, drag over that at factor 1 and load over that at factor 1, factor 1 itself left out;
-    only runs that differ in velocity are on the same beds."""
-    runs = scaled(dataset, setting, shape)
-    found = []
-    for x in runs["case"].values.tolist():
-        if x != 1.0:
-            (drag,) = ratio(runs, "drag", x, 1.0, paired=setting == "velocity") or (None,)
-            load = runs["load"].mean("seed")
-            if drag is not None and drag.runs > 1:
-                base = float(load.sel(case=1.0))
-                there = float(load.sel(case=x)) / base if base > UNLOADED else np.nan
-                found.append((x, drag, there))
-    return found

@@ -79,15 +79,23 @@ def ratio(runs, measure, one, other, low=0.0, high=INFINITE, **how) -> list[Comp
     return [Comparison(f"{measure.replace('_', ' ')}, {one} over {other}", a, b, low, high, **how)]
 
 
-def shapes(found: Evidence, measure, one: str, other: str, low=0.0, high=INFINITE, **how):
-    """The same of two shapes at the density of the first case."""
-    cases = case_of(found, one), case_of(found, other)
-    return ratio(found.runs, measure, *cases, low, high, **how)
+def shapes(found: Evidence, measure, one: str, *others: str, low=0.0, high=INFINITE, **how):
+    """The same of a shape and of each of others, at the density of the first case."""
+    case = case_of(found, one)
+    parts = (
+        ratio(found.runs, measure, case, case_of(found, each), low, high, **how) for each in others
+    )
+    return all_of(*parts)
 
 
 def all_of(*parts: list) -> list:
     """All parts of a claim; none if one of them cannot be tested."""
     return [each for part in parts for each in part] if all(parts) else []
+
+
+def near(share: float) -> dict[str, float]:
+    """Bounds of a ratio that is 1 to within a share."""
+    return {"low": 1.0 - share, "high": 1.0 + share}
 
 
 @claim(
@@ -158,8 +166,7 @@ def drag_falls_with_aspect_ratio(found):
 )
 def codes_agree(found):
     """Mean drag of e0 over that of c1, on the same beds, is 1 to within the margin."""
-    low, high = 1.0 - found.margin, 1.0 + found.margin
-    return shapes(found, "drag", "e0", "c1", low, high, paired=True)
+    return shapes(found, "drag", "e0", "c1", **near(found.margin), paired=True)
 
 
 @claim(
@@ -220,9 +227,8 @@ def _densities(found, within):
     if not found.runs["case"].size:
         return []
     pairs = [(cases[-1], cases[0]) for cases in densities(found.runs).values()]
-    low, high = 1.0 - within, 1.0 + within
-    parts = [ratio(found.runs, "drag", *pair, low, high, paired=True) for pair in pairs]
-    return all_of(*parts) if parts else []
+    parts = (ratio(found.runs, "drag", *pair, **near(within), paired=True) for pair in pairs)
+    return all_of(*parts)
 
 
 @claim("3.4", "there is little effect of velocity on drag behavior")
@@ -230,11 +236,10 @@ def velocity_hardly_matters(found):
     """On the same beds, the mean drag of c1 at all other velocities, up to five times the paper's, is
     that at the paper's to within the margin."""
     speeds = [x for x in found.velocity["case"].values.tolist() if x <= SLOW and x != 1.0]
-    low, high = 1.0 - found.margin, 1.0 + found.margin
-    parts = [ratio(found.velocity, "drag", x, 1.0, low, high, paired=True) for x in speeds]
-    named = all_of(*parts) if parts else []
+    allowed = near(found.margin)
+    parts = (ratio(found.velocity, "drag", x, 1.0, **allowed, paired=True) for x in speeds)
     return [each._replace(words=f"drag, {x:g} times the velocity over 1")
-            for x, each in zip(speeds, named, strict=False)]  # fmt: skip
+            for x, each in zip(speeds, all_of(*parts), strict=False)]  # fmt: skip
 
 
 @claim("3.4", "the compaction forces and friction contribute significantly to the drag force")
@@ -266,8 +271,7 @@ def compaction_and_friction_matter(found):
 def ellipses_flow_irregularly(found):
     """Non-affine motion (D2min over the squared diameter) in e3, the longest, is above that in c1 and
     in d1 by more than the margin."""
-    low = 1.0 + found.margin
-    return all_of(*(shapes(found, "non_affine", "e3", other, low) for other in ("c1", "d1")))
+    return shapes(found, "non_affine", "e3", "c1", "d1", low=1.0 + found.margin)
 
 
 @claim(
@@ -276,8 +280,7 @@ def ellipses_flow_irregularly(found):
 )
 def long_ellipses_flow_irregularly(found):
     """Non-affine motion in e3 is above that in e1 and in e2 by more than the margin."""
-    low = 1.0 + found.margin
-    return all_of(*(shapes(found, "non_affine", "e3", other, low) for other in ("e1", "e2")))
+    return shapes(found, "non_affine", "e3", "e1", "e2", low=1.0 + found.margin)
 
 
 @claim(
@@ -287,8 +290,7 @@ def long_ellipses_flow_irregularly(found):
 def long_ellipses_mix(found):
     """Mixing of layers (share of neighbours of different layers, less that at the start) in e3 is
     above that in c1, e1 and e2, the cases it is compared with, by more than the margin."""
-    low = 1.0 + found.margin
-    return all_of(*(shapes(found, "mixing", "e3", other, low) for other in ("c1", "e1", "e2")))
+    return shapes(found, "mixing", "e3", "c1", "e1", "e2", low=1.0 + found.margin)
 
 
 @claim(
@@ -311,8 +313,8 @@ def ellipses_align(found):
 def shape_matters(found):
     """Mean drags of d1, e1 and e3 over that of c1 differ from 1, in any sense, by more than the margin;
     at equal packing fraction, not at equal distance from jamming."""
-    low, high = 1.0 - found.margin, 1.0 + found.margin
-    parts = [
-        shapes(found, "drag", one, "c1", low, high, outside=True) for one in ("d1", "e1", "e3")
-    ]
+    allowed = near(found.margin)
+    parts = (
+        shapes(found, "drag", one, "c1", **allowed, outside=True) for one in ("d1", "e1", "e3")
+    )
     return all_of(*parts)

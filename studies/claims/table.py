@@ -11,23 +11,19 @@ import numpy as np
 from dem.analysis.flow.layout import MEASURES
 from dem.base.errors import InputError
 from dem.experiment.config import Replicate
-from dem.experiment.kinds import drag, jamming
+from dem.experiment.kinds import drag
 from dem.experiment.observables.alignment import VARIABLES as ALONG
-from dem.io.dataset import FAILURES, content_of, global_attributes, read, write
-from dem.sweep.combine import PROVENANCE
+from dem.io.dataset import FAILURES, global_attributes, write
 from dem.sweep.design import Choice, Range, parse
 from dem.sweep.expand import Block, Run
 from dem.sweep.work import Work
 from studies.claims.layout import VARIABLES
+from studies.common.table import origin, rows, wanted_of
 
 PARTS = ("replicates", "sensitivity", "jamming")  # without which there is no study
 PLACES = 500  # of the drag along the displacement, at most
-OF_ALL = ("run_id", "spent", "failure", "failure_reason")
-OF_RUNS = (
-    "drag", "drag_tangential", "coordination_number", "max_overlap", "packing_pressure",
-    "packing_net_force", "run_time", *MEASURES, *ALONG,
-)  # fmt: skip
-OF_BEDS = ("jam_fraction", "jam_slope", "jam_load")
+OF_RUNS = ("drag", *MEASURES, *ALONG)
+OF_BEDS = ("jam_fraction", "jam_slope")
 
 
 def make(work: Work, output: Path, progress=lambda share: None) -> None:
@@ -38,26 +34,27 @@ def make(work: Work, output: Path, progress=lambda share: None) -> None:
         if part not in sweep.blocks:
             raise InputError(f"sweep.blocks has no {part}; see studies/claims/sweep.yaml.")
     factors = factors_of(sweep)
-    rows, beds, provenance = [], [], {name: {} for name in PROVENANCE}
+    runs, beds, every = [], [], []
     for done, name in enumerate(sweep.blocks):
         files, block = work.files(name), work.block(name)
+        every += files
         if block.runs[0].replicate.configuration.experiment == "jamming":
-            found = gather(block, files, OF_BEDS, kept, provenance)
+            found = gather(block, files, OF_BEDS, kept)
             beds += [labels_of_bed(block, r) | found[r.replicate.id] for r in block.runs]
         else:
-            found = gather(block, files, OF_RUNS, measured, provenance)
-            rows += [labels(block, r, factors) | found[r.replicate.id] for r in block.runs]
+            found = gather(block, files, OF_RUNS, measured)
+            runs += [labels(block, r, factors) | found[r.replicate.id] for r in block.runs]
         progress((done + 1) / len(sweep.blocks))
     low, high = sweep.record.window
     attrs = global_attributes(
         f"{sweep.title}: which claims hold",
         "python -m studies claims table",
-        **{name: "; ".join(each) for name, each in provenance.items()},
+        **origin(every),
         default_fraction=sweep.numerics.step_fraction,
         window_start=low,
         window_stop=high,
     )
-    values = columns("run", rows) | columns("jam", beds) | shared(sweep, list(factors))
+    values = columns("run", runs) | columns("jam", beds) | shared(sweep, list(factors))
     write(output, values, attrs, VARIABLES)
 
 
@@ -73,25 +70,19 @@ def shared(sweep, factors: list[str]) -> dict:
         "factor": np.array(factors),
         "place": coarse(axes["displacement"]),
         "moment": axes["snapshot_displacement"],
-        "jam_at": jamming.axes(sweep)["jam_at"],
         "reference_shape": np.array(first.shape),
         "reference_density": first.density,
         "reference_packing": sweep.packing.fraction or np.nan,  # none under a pressure
     }
 
 
-def gather(block: Block, files: list[Path], names, reduced, provenance: dict) -> dict[str, dict]:
+def gather(block: Block, files: list[Path], names, reduced) -> dict[str, dict]:
     """What all runs of a block gave, by their identity: reduced(replicate, values, by name)."""
-    replicates, found = {run.replicate.id: run.replicate for run in block.runs}, {}
-    for path in files:
-        values, attrs = read(path, (*OF_ALL, *names))
-        with content_of(path):
-            for name in PROVENANCE:
-                provenance[name][attrs[name]] = None
-            for row, run in enumerate(values["run_id"].tolist()):
-                if run in replicates:
-                    one = {name: array[row] for name, array in values.items()}
-                    found[run] = reduced(replicates[run], one)
+    wanted, found = wanted_of([block]), {}
+    for ids, values in rows(files, (*names, "spent", "failure"), wanted):
+        for row, run in enumerate(ids):
+            one = {name: array[row] for name, array in values.items()}
+            found[run] = reduced(wanted[run], one)
     return found
 
 
@@ -101,21 +92,12 @@ def gather(block: Block, files: list[Path], names, reduced, provenance: dict) ->
 def measured(replicate: Replicate, values: dict) -> dict:
     """The numbers of one run, by name; NaN and the name of the error where it failed."""
     own = replicate.configuration
-    inside, (low, high) = own.in_window, own.record.window
+    low, high = own.record.window
     moved = np.linspace(0.0, own.cylinder.stroke, own.record.snapshots)
     seen = (moved >= low) & (moved <= high)
-    force = values["drag"][inside]
-    thickness = own.material.thickness or replicate.shape.diameter
     return {
         "status": FAILURES[int(values["failure"])] if values["failure"] else "ran",
-        "drag": force.mean(),
-        "scatter": force.std() / force.mean() if force.mean() > 0.0 else np.nan,
-        "tangential": values["drag_tangential"][inside].mean(),
-        "load": float(values["packing_pressure"]) * thickness,
-        "net_force": values["packing_net_force"],
-        "coordination": values["coordination_number"][inside].mean(),
-        "overlap": values["max_overlap"][inside].max(),
-        "time": values["run_time"],
+        "drag": values["drag"][own.in_window].mean(),
         "spent": values["spent"],
         **{name: finite_mean(values[name][seen]) for name in MEASURES},
         "curve": coarse(values["drag"]),
@@ -145,12 +127,13 @@ def labels(block: Block, run: Run, factors: dict[str, Range | Choice]) -> dict:
         "case": at.get("case", alone),
         "shape": own.label,
         "setting": at.get("setting", ""),
-        "x": {"matched": packing, "ratios": own.shape.ratio}.get(part, factor_of(block, at)),
+        "x": {"matched": packing, "ratios": own.shape.ratio}.get(
+            part, float(at.get("factor", np.nan))
+        ),
         "point": at.get("point", -1),
         "seed": own.seed,
         "density": own.density,
         "packing": packing,
-        "ratio": float(own.shape.ratio),
         "factor": place_of(block, run, factors),
     }
 
@@ -162,29 +145,12 @@ def coordinates(block: Block, run: Run) -> dict:
     }
 
 
-def factor_of(block: Block, at: dict) -> float:
-    """The factor on a value of the file that a point is called by; NaN where there is none."""
-    try:
-        return float(at.get("factor", np.nan))
-    except ValueError:
-        raise InputError(
-            f"sweep.blocks.{block.name}.factor has the point {at['factor']!r}; call it by its factor "
-            "on the file's own value, such as 1.5."
-        ) from None
-
-
 # The design
 
 
 def factors_of(sweep) -> dict[str, Range | Choice]:
     """What the design varies, by path; raises InputError where there is no design."""
-    where = "sweep.blocks.sensitivity.point"
-    point = sweep.blocks["sensitivity"].get("point")
-    if not isinstance(point, dict) or "design" not in point:
-        raise InputError(
-            f"{where} is {point!r}; it must be a design, see studies/claims/sweep.yaml."
-        )
-    return parse(point, where).over
+    return parse(sweep.blocks["sensitivity"].get("point"), "sweep.blocks.sensitivity.point").over
 
 
 def place_of(block: Block, run: Run, factors: dict[str, Range | Choice]) -> np.ndarray:
@@ -216,12 +182,11 @@ def labels_of_bed(block: Block, run: Run) -> dict:
     words = own.label
     if "factor" in at:
         setting = block.name.partition("_")[2]
-        words = f"{own.label} {setting} {factor_of(block, at):g}"
+        words = f"{own.label} {setting} {float(at['factor']):g}"
     elif any(name.endswith("_aspect_ratio") for name in at):
         words = f"{own.shape.ratio:g}:1"
     return {
         "shape": words,
-        "ratio": float(own.shape.ratio),
         "diameter": own.shape.diameter,
         "seed": own.seed,
         "friction": own.configuration.packing.friction,

@@ -4,7 +4,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import xarray as xr
 from scipy.stats import binomtest
 
 from dem.analysis.flow.layout import MEASURES
@@ -88,18 +87,9 @@ def evidence_in(path: Path, margin: float = MARGIN) -> Evidence:
     same = None
     if flow.is_file():
         with open_lazily(flow) as moves:
-            same = _same(moves, drag)
-            if same is not None:
+            own, others = moves.indexes, drag.indexes
+            if all(name in own and own[name].equals(others[name]) for name in ("case", "seed")):
                 require(moves, flow, FLOW, MEASURES, ("window_start", "window_stop"))
+                same = moves.load()
     with content_of(path):
         return from_sweep(drag, same, margin)
-
-
-def _same(flow: xr.Dataset, drag: xr.Dataset) -> xr.Dataset | None:
-    """flow.nc if it is of the same cases and seeds."""
-    if "non_affine" not in flow or not {"case", "seed"} <= set(flow.variables):
-        return None
-    alike = all(
-        flow[name].values.tolist() == drag[name].values.tolist() for name in ("case", "seed")
-    )
-    return flow.load() if alike else None

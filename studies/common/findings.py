@@ -1,12 +1,15 @@
 """What all findings share: the released file, and how numbers and tables become Markdown."""
 
+import inspect
 import re
 import sys
 from functools import cached_property
 from pathlib import Path
 
 import xarray as xr
+from rich.console import Group
 from rich.table import Table
+from rich.text import Text
 
 from dem.base.errors import InputError
 
@@ -30,9 +33,8 @@ def table(rich: Table) -> str:
 
 
 def _cell(text) -> str:
-    words = (
-        str(text).replace("|", r"\|").replace("+-", "±").replace(" ± nan", "").replace("\n", " ")
-    )
+    words = str(text).replace("|", r"\|").replace("+-", "±").replace(" ± nan", "")
+    words = words.replace("\n", "<br>")
     return re.sub(r"(?<!\w)-(?=\d)|(?<=\de)-(?=\d)", "\N{MINUS SIGN}", words)  # of -0.7 and 1.2e-05
 
 
@@ -55,11 +57,37 @@ def span(low: float, high: float, unit: str = "", digits: int = 2) -> str:
 
 
 class Findings:
-    """What one released file says."""
+    """What one released file says: a method a finding, whose docstring says what it is."""
 
     name: str  # of the file beside the findings, without .nc
     command: str  # that makes it
     folder: Path | None = None  # where the file is not beside the findings
+    needs: tuple[str, ...] = ()  # variables that a file must have to be shown
+    attributes: tuple[str, ...] = ()  # and attributes
+
+    def of(self, dataset: xr.Dataset) -> "Findings":
+        """The same of another file."""
+        other = object.__new__(type(self))
+        other.__dict__ |= {"name": self.name, "dataset": dataset}
+        return other
+
+    def summary(self) -> Group:
+        """All findings that take no argument, for the terminal: what can be said in words, then tables."""
+        lines, tables = [self.dataset.attrs.get("versions", "")], []
+        for name, method in vars(type(self)).items():
+            if name.startswith("_") or not inspect.isfunction(method):
+                continue
+            if len(inspect.signature(method).parameters) > 1:
+                continue
+            about, made = inspect.getdoc(method), method.__annotations__["return"]
+            if made is Table:
+                tables += [Text(f"\n{about}", style="dim"), getattr(self, name)()]
+            elif made in (str, int):
+                told = str(getattr(self, name)())
+                between = ":\n" if "\n" in told else ": "
+                lines.append(about.rstrip(".") + between + told)
+        title = Text(self.dataset.attrs["title"], style="bold")
+        return Group(title, Text("\n".join(lines)), *tables)
 
     @property
     def path(self) -> Path:
@@ -85,6 +113,10 @@ class Findings:
             )
         with xr.open_dataset(self.path) as dataset:
             return dataset.load()
+
+    def time(self) -> str:
+        """Processor time of all runs, without their beds."""
+        return f"{float(self.dataset['run_time'].sum()) / 60.0:.0f} min"
 
     @cached_property
     def revision(self) -> str:

@@ -66,10 +66,6 @@ class Preparation(Findings):
         """Beds of each kind."""
         return f"{self.dataset.sizes['seed']}"
 
-    def time(self) -> str:
-        """Processor time of all runs, without their beds."""
-        return f"{float(self.dataset['run_time'].sum()) / 60.0:.0f} min"
-
     def table(self) -> Table:
         """Drags of both ways, by box and shape."""
         made = numbers("box", "shape", "relaxed, N", "grown, N", "grown over relaxed", words=2)

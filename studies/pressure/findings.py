@@ -42,10 +42,6 @@ class Pressure(Findings):
         """Beds of each kind."""
         return f"{self.dataset.sizes['seed']}"
 
-    def time(self) -> str:
-        """Processor time of all runs, without their beds."""
-        return f"{float(self.dataset['run_time'].sum()) / 60.0:.0f} min"
-
     def held(self) -> str:
         """Mean normal stress on the top wall within the window, least and greatest of all runs."""
         found = 1e-6 * self._top()

@@ -85,9 +85,5 @@ class Shear(Findings):
         modulus = 0.5 * material["young_modulus"] / (1.0 - material["poisson_ratio"] ** 2)
         return f"{modulus / self._asked['pressure']:.0f}"
 
-    def time(self) -> str:
-        """Processor time of all runs."""
-        return f"{float(self.dataset['run_time'].sum()) / 60.0:.0f} min"
-
 
 shear = Shear()

@@ -22,10 +22,9 @@ STABILITY, CATALOGUE = (
 )
 
 
-def _script(part: str, config, catalogue, shape, output, shapes, work) -> None:
-    """Make one part for one shape; work(study, sweep, cases, update) returns its variables."""
+def _part(name: str, shape: str, config: Path, catalogue: Path, output: Path) -> None:
+    """Make one part of the study for one shape."""
     start_lean()
-    from dem.base.hints import meant
     from dem.sweep.config import load
     from studies.common.table import write_part
     from studies.stability import study
@@ -34,11 +33,14 @@ def _script(part: str, config, catalogue, shape, output, shapes, work) -> None:
 
     sweep, cases = load(config), load_catalogue(catalogue)
     study.check(sweep, cases)
-    if shape not in (known := shapes(cases)):
-        names = ", ".join(known)
-        raise InputError(f"shape is {shape!r}; it must be one of {names}{meant(shape, known)}.")
-    with bar(f"{part}, {shape}", 1.0) as update:
-        values = work(study, sweep, cases, update)
+    shapes, work = {
+        "catalogue": (cases.shapes, study.run_catalogue),
+        "limits": (cases.limits.shapes, study.run_limits),
+    }[name]
+    if shape not in shapes:
+        raise InputError(f"shape is {shape!r}; it must be one of {', '.join(shapes)}.")
+    with bar(f"{name}, {shape}", 1.0) as update:
+        values = work(sweep, cases, shape, update)
     write_part(output, sweep, ("studies.stability.study",), values, VARIABLES)
 
 
@@ -48,10 +50,7 @@ def catalogue(
     catalogue: CatalogueOption = CATALOGUE,
 ):  # fmt: skip
     """Run all cases of one shape, each against its limits."""
-    _script(
-        "catalogue", config, catalogue, shape, output, lambda cases: cases.shapes,
-        lambda study, sweep, cases, update: study.run_catalogue(sweep, cases, shape, update),
-    )  # fmt: skip
+    _part("catalogue", shape, config, catalogue, output)
 
 
 @app.command()
@@ -60,10 +59,7 @@ def limits(
     catalogue: CatalogueOption = CATALOGUE,
 ):  # fmt: skip
     """Compare the bound on the critical time step with the true limit, for one shape."""
-    _script(
-        "limits", config, catalogue, shape, output, lambda cases: cases.limits.shapes,
-        lambda study, sweep, cases, update: study.run_limits(sweep, cases, shape),
-    )  # fmt: skip
+    _part("limits", shape, config, catalogue, output)
 
 
 @app.command()

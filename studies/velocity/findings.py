@@ -110,10 +110,6 @@ class Velocity(Findings):
         part, whole = (within(runs[name], *window) for name in ("drag_tangential", "drag"))
         return f"{100.0 * float(part.mean() / whole.mean()):.0f} %"
 
-    def time(self) -> str:
-        """Processor time of all runs."""
-        return f"{float(self.dataset['run_time'].sum()) / 60.0:.0f} min"
-
     def count(self) -> str:
         """Number of velocities."""
         return f"{len(self.rates.velocity)}"

@@ -12,7 +12,7 @@ from dem.analysis.statistics import change, summarise
 from dem.analysis.tables import numbers
 from studies.common.findings import Findings, interval, span
 
-__all__ = ["beds", "drag", "flow"]
+__all__ = ["drag", "flow"]
 
 DATA = Path(__file__).parents[2] / "data"
 PAPER = {"c1": "1295", "e0": "1405"}  # N, section 3.2
@@ -152,6 +152,47 @@ class Drag(Findings):
         """Median processor time of a run."""
         return f"{float(np.nanmedian(self.dataset['run_time'])):.1f} s"
 
+    def beds(self) -> Table:
+        """Means over the seeds before the cylinder moves, per case of one density."""
+        made = numbers(
+            "case", "pressure on the walls (MPa)", "contacts per granule", "greatest overlap"
+        )
+        beds = self.dataset.sel(case=[c for c in self.dataset["case"].values if len(c) == 2])
+        for case in beds["case"].values:
+            one = beds.sel(case=case)
+            pressure = 1e-6 * float(one["packing_pressure"].mean())
+            made.add_row(
+                str(case),
+                f"{pressure:.1f}" if pressure >= 0.001 else "below 0.001",
+                f"{float(one['packing_coordination_number'].mean()):.2f}",
+                f"{float(one['packing_max_overlap'].max()):.1g}",
+            )
+        return made
+
+    def height(self) -> str:
+        """Mean height of the boxes of c1, in mm."""
+        return f"{1e3 * float(self.dataset['box_height'].sel(case='c1').mean()):.1f} mm"
+
+    def scatter_of_mean(self, case: str) -> str:
+        """The same of the mean of all runs at each displacement."""
+        start, stop = self.dataset.attrs["window_start"], self.dataset.attrs["window_stop"]
+        inside = self.dataset["drag"].sel(case=case, displacement=slice(start, stop))
+        curve = inside.mean("seed")
+        return f"{100 * float(curve.std('displacement', ddof=1) / curve.mean()):.0f} %"
+
+    def scatter_between(self, case: str) -> str:
+        """Standard deviation between the mean drags of the runs over their mean."""
+        one = self.summary.sel(case=case)
+        return f"{100 * float(one['sd_between_runs'] / one['mean']):.0f} %"
+
+    def step(self, case: str) -> str:
+        """Median time step of a case, in ns."""
+        return f"{1e9 * float(np.median(self.dataset['time_step'].sel(case=case))):.0f} ns"
+
+    def steps(self, case: str) -> str:
+        """Mean number of time steps of a run."""
+        return f"{float(self.dataset['steps'].sel(case=case).mean()):,.0f}"
+
 
 class Flow(Findings):
     """Measures of the flow of the paper's sweep, flow.nc."""
@@ -206,57 +247,4 @@ class Flow(Findings):
         return any(each.ratio - each.half > 1.0 for each in found)
 
 
-class Beds(Findings):
-    """The beds of the paper's sweep before the cylinder moves, and what is seen along a run."""
-
-    name, command, folder = "drag", "snakemake -j2", DATA
-
-    def table(self) -> Table:
-        """Means over the seeds, per case of one density."""
-        table = Table()
-        table.add_column("case", justify="left")
-        for head in ("pressure on the walls (MPa)", "contacts per granule", "greatest overlap"):
-            table.add_column(head, justify="right")
-        beds = self.dataset.sel(case=[c for c in self.dataset["case"].values if len(c) == 2])
-        for case in beds["case"].values:
-            one = beds.sel(case=case)
-            pressure = 1e-6 * float(one["packing_pressure"].mean())
-            table.add_row(
-                str(case),
-                f"{pressure:.1f}" if pressure >= 0.001 else "below 0.001",
-                f"{float(one['packing_coordination_number'].mean()):.2f}",
-                f"{float(one['packing_max_overlap'].max()):.1g}",
-            )
-        return table
-
-    def height(self) -> str:
-        """Mean height of the boxes of c1, in mm."""
-        return f"{1e3 * float(self.dataset['box_height'].sel(case='c1').mean()):.1f} mm"
-
-    def scatter_along(self, case: str) -> str:
-        """Standard deviation of the drag along a run over its mean."""
-        one = summarise(self.dataset).sel(case=case)
-        return f"{100 * float(one['sd_over_run'] / one['mean']):.0f} %"
-
-    def scatter_of_mean(self, case: str) -> str:
-        """The same of the mean of all runs at each displacement."""
-        start, stop = self.dataset.attrs["window_start"], self.dataset.attrs["window_stop"]
-        inside = self.dataset["drag"].sel(case=case, displacement=slice(start, stop))
-        curve = inside.mean("seed")
-        return f"{100 * float(curve.std('displacement', ddof=1) / curve.mean()):.0f} %"
-
-    def scatter_between(self, case: str) -> str:
-        """Standard deviation between the mean drags of the runs over their mean."""
-        one = summarise(self.dataset).sel(case=case)
-        return f"{100 * float(one['sd_between_runs'] / one['mean']):.0f} %"
-
-    def step(self, case: str) -> str:
-        """Median time step of a case, in ns."""
-        return f"{1e9 * float(np.median(self.dataset['time_step'].sel(case=case))):.0f} ns"
-
-    def steps(self, case: str) -> str:
-        """Mean number of time steps of a run."""
-        return f"{float(self.dataset['steps'].sel(case=case).mean()):,.0f}"
-
-
-drag, flow, beds = Drag(), Flow(), Beds()
+drag, flow = Drag(), Flow()

@@ -45,12 +45,9 @@ class Ensembles(Measured):
 
     def commands(self) -> Table:
         """Time and memory of each command, a row per number of runs."""
-        found = Table()
-        found.add_column("runs", justify="right")
         heads = {"plan": "planning, 100 runs a job", "plan_each": "planning, a job each",
                  "combine": "combining", "figure": "Figure 13", "flow": "`flow.nc`"}  # fmt: skip
-        for head in heads.values():
-            found.add_column(head, justify="right")
+        found = numbers("runs", *heads.values(), words=0)
         for count in self.dataset["runs"].values:
             one = self.dataset.sel(runs=count)
             cells = [self._cell(one, name) for name in heads]
@@ -99,9 +96,7 @@ class Overhead(Measured):
 
     def parts(self) -> Table:
         """Where the time of the workflow goes."""
-        found = Table()
-        found.add_column("part", justify="left")
-        found.add_column("processor time", justify="right")
+        found = numbers("part", "processor time")
         d = {name: float(value) for name, value in self.dataset.data_vars.items()}
         rows = {
             "packing the beds": d["packing"],

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
+from scipy.stats import t
 
 import dem
 from dem.sweep import chunk
@@ -13,8 +14,9 @@ from dem.sweep.config import load, parse
 from dem.sweep.store import Store
 from dem.sweep.work import Work
 from studies.accuracy import bias as biases
-from studies.accuracy import layout_contacts, layout_steps, replicates, table
+from studies.accuracy import replicates, table
 from studies.accuracy.bias import bias, change, failures
+from studies.accuracy.layout import CONTACTS, STEPS
 from studies.common.table import rows, write_part
 
 CONFIG = Path(__file__).parents[3] / "config"
@@ -97,11 +99,6 @@ def series(length, runs=400, bins=1000, width=1e-5, seed=1):
     )
 
 
-def test_the_correlation_length_of_a_known_process():
-    """An exponential memory of length l has an integral of 2 l."""
-    assert replicates.correlation_length(series(0.2e-3)) == pytest.approx(0.4e-3, rel=0.1)
-
-
 def test_longer_windows_scatter_as_independent_pieces_do():
     """Far beyond the memory, four times the window halves the scatter."""
     lengths, scatter = replicates.windows(series(0.05e-3))
@@ -113,9 +110,12 @@ def test_needed_replicates_reach_the_target_interval():
     """With as many runs as are said to be needed, random groups reach the interval asked for."""
     dataset = series(0.2e-3)
     found = replicates.replicates(dataset)
-    half, covered = replicates.subsets(dataset, found.needed)
-    assert np.median(half) == pytest.approx(replicates.TARGET, rel=0.15)
-    assert covered > 0.93
+    means = replicates.window_means(dataset, 1e-3, 5e-3)
+    rng, count = np.random.default_rng(0), found.needed
+    groups = np.array([rng.choice(means, count, replace=False) for _ in range(2000)])
+    half = t.ppf(0.975, count - 1) * groups.std(axis=1, ddof=1) / np.sqrt(count)
+    assert np.median(half) / means.mean() == pytest.approx(replicates.TARGET, rel=0.15)
+    assert np.mean(np.abs(groups.mean(axis=1) - means.mean()) <= half) > 0.93
 
 
 @pytest.fixture(scope="module")
@@ -170,17 +170,17 @@ def test_replicates_must_all_have_run(runs):
 def test_scripts_and_runs_make_one_file(runs, tmp_path):
     """What scripts wrote is in accuracy.nc as it was; another file in their place is refused."""
     few = {
-        "bounce_overlap": (0.05, layout_contacts),
-        "peer": (np.array(["dem", "LAMMPS"]), layout_steps),
+        "bounce_steps": (200, CONTACTS),
+        "peer": (np.array(["dem", "LAMMPS"]), STEPS),
     }
     files = [tmp_path / f"{name}.nc" for name in few]
     for file, (name, (value, layout)) in zip(files, few.items(), strict=True):
-        write_part(file, runs.sweep, ("studies.accuracy.steps",), {name: value}, layout.VARIABLES)
+        write_part(file, runs.sweep, ("studies.accuracy.steps",), {name: value}, layout)
     whole = tmp_path / "accuracy.nc"
     table.write_study(whole, runs, *files)
     with xr.open_dataset(whole) as dataset:
         assert dataset["peer"].values.tolist() == ["dem", "LAMMPS"]
-        assert float(dataset["bounce_overlap"]) == 0.05
+        assert int(dataset["bounce_steps"]) == 200
         assert dataset.sizes["trial"] == 7 and dataset.attrs["default_fraction"] == 0.5
         assert dataset.attrs["source_hash"].count(";") >= 1
     with pytest.raises(dem.InputError, match="no part of this study"):
@@ -203,7 +203,6 @@ def test_the_bins_are_as_wide_as_the_papers():
         ({"steps": [0.1, 1.0]}, {}, r"run c1 at numerics.step_fraction \[0.1, 1.0\]"),
         ({"steps": [0.5, 2.0]}, {}, "another up to 1.2"),
         ({"steps": [0.5, 1.0]}, {"shape": ["c1", "d1"]}, "one shape"),
-        ({"steps": [0.5, 1.0]}, {"time_step": 1e-9}, "numerics.time_step is 1e-09 s"),
     ],
 )
 def test_a_study_that_cannot_be_made_is_refused(blocks, more, sentence):
@@ -213,6 +212,5 @@ def test_a_study_that_cannot_be_made_is_refused(blocks, more, sentence):
     data["sweep"]["blocks"] = {"replicates": many} | {
         name: {"shape": "c1", "numerics.step_fraction": steps} for name, steps in blocks.items()
     }
-    data["numerics"]["time_step"] = more.get("time_step")
     with pytest.raises(dem.InputError, match=sentence):
         table.runs_of(parse(data))

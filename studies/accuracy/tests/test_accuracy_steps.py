@@ -23,7 +23,7 @@ from studies.accuracy.integrators import (
     VERLET,
     Motion,
 )
-from studies.accuracy.layout_steps import VARIABLES
+from studies.accuracy.layout import STEPS
 from studies.accuracy.step_runs import fitted_order
 from studies.common.peers import lammps
 
@@ -82,8 +82,6 @@ def test_verlet_in_stages_is_the_one_of_the_package(small_bed):
     assert_allclose(
         motion.state.angular_velocity, ours.state.angular_velocity, atol=1e-10 * speed / size
     )
-    pushed = ours.collect_impulses()[0].sum(axis=0)  # counts the last force in full, not by half
-    assert_allclose(motion.impulse, pushed, atol=0.01 * np.abs(pushed).max())
 
 
 @pytest.mark.parametrize("method", INTEGRATORS, ids=lambda method: method.name)
@@ -157,7 +155,7 @@ def test_speeds_after_an_elastic_collision_are_of_order_five_halves():
     scene, plan = SCENES[collisions.HEAD_ON], steps.Plan(64, 3, (0.1, 0.05, 0.025, 0.0125))
     ways = [steps.by_integrator(method) for method in (VERLET, PEFRL)]
     right, _ = steps.reference(ways[0], scene, plan)
-    (errors, _), _ = steps.sweep_steps(ways, [right] * 2, scene, plan)
+    errors, _ = steps.sweep_steps(ways, [right] * 2, scene, plan)
     for row in errors:
         order, unconverged = fitted_order(
             np.array(plan.collision_steps), row[: len(plan.collision_steps)], 0.0
@@ -215,7 +213,7 @@ def test_with_friction_only_verlet_converges():
     plan = steps.Plan(8, 1, (0.02, 0.002), reference_pairs=4, collision_references=(4e-4, 2e-4))
     ways = [steps.by_integrator(method) for method in (VERLET, PEFRL)]
     right, _ = steps.reference(ways[0], scene, plan)
-    (errors, _), _ = steps.sweep_steps(ways, [right] * 2, scene, plan)
+    errors, _ = steps.sweep_steps(ways, [right] * 2, scene, plan)
     verlet, fourth = errors[:, :2]
     assert verlet[1] < 0.2 * verlet[0]
     assert fourth[1] > 0.5 * fourth[0] and fourth[1] > 10.0 * verlet[1]
@@ -233,12 +231,12 @@ def test_fitted_order_is_the_power_of_what_stands_clear_of_the_reference():
 
 
 def test_the_study_fills_its_file_and_its_figure(tmp_path):
-    """Every scene has its numbers; each title of the figure is made of them; a lost LAMMPS is named."""
+    """Every scene has its numbers; each scene its panel; a lost LAMMPS is left out."""
     shares = []
     values = steps.measure(SWEEP, steps.SMOKE, shares.append)
     assert shares == sorted(shares) and shares[-1] == pytest.approx(1.0)
-    assert values.keys() == VARIABLES.keys()
-    write(tmp_path / "steps.nc", values, {}, VARIABLES)
+    assert values.keys() == STEPS.keys()
+    write(tmp_path / "steps.nc", values, {}, STEPS)
     with xr.open_dataset(tmp_path / "steps.nc") as file:
         found = file.load()
     stable = found["step_error"].sel(integrator=[VERLET.name, HALF_STEP.name, PEFRL.name])
@@ -246,10 +244,9 @@ def test_the_study_fills_its_file_and_its_figure(tmp_path):
     assert (found["step_time"].sel(integrator=VERLET.name) > 0.0).all()
     theirs = found["peer_error"].sel(peer="LAMMPS").values
     if lammps.available() is None:
-        assert (found["peer_status"] == "run").all()
         assert_allclose(theirs, found["peer_error"].sel(peer="dem"), rtol=1e-3)
     else:
-        assert np.isnan(theirs).all() and "not run" in str(found["peer_status"].values[1])
+        assert np.isnan(theirs).all()
     panels = [axes for axes in plot(found).axes if axes.axison]
     assert all(len(places_shown(axes)) >= 4 for axes in panels)
     titles = [axes.get_title(loc="left").lower() for axes in panels]

@@ -1,6 +1,6 @@
 """Speed on one core: beside other codes on the same beds, and of scenes that lack this or that.
 
-Bars are medians, dots the single repeats.
+Bars and lines are medians, dots the single repeats.
 """
 
 import numpy as np
@@ -8,7 +8,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from dem.figures import style
-from studies.benchmark.ratio import times_faster
+from studies.benchmark.findings import times_faster
 
 FILE = "benchmark"
 CAPTION = "Speed beside other codes"
@@ -21,7 +21,6 @@ BARS = {
     "LIGGGHTS": ("#d5eedd", "#0f5a30", "..."),
     "YADE": ("#f3d9e5", "#8a2f5b", "xx"),
 }
-CUT = 2.5  # a bar so much longer than the next is cut
 OTHER = ("#d9d2ea", "#5b4a8a", "++")
 
 
@@ -76,29 +75,21 @@ def _codes(axes, rates) -> None:
 
 
 def _scenes(axes, times) -> None:
-    """One bar per scene, the full ones on top; one far longer than all others is cut."""
-    medians = times.median("repeat")
-    most, next_most = np.sort(times.max("repeat"))[[-1, -2]]
-    limit = 1.15 * (most if most < CUT * next_most else 1.2 * next_most)
+    """One row per scene, the full ones on top: single repeats and their median."""
     for place, variant in enumerate(times["variant"].values):
-        values, median = times.sel(variant=variant).values, float(medians[place])
-        axes.barh(
-            place, median, 0.66, color=BARS[OURS][0] if place == 0 else "#a9c8ea",
-            edgecolor=BARS[OURS][1], linewidth=1.2,
-        )  # fmt: skip
-        inside = median < limit
-        if inside:
-            axes.plot(values, place + np.linspace(-0.2, 0.2, len(values)), **style.RUN)
-        axes.annotate(
-            f"{median:.1f}" if inside else f"{median:.0f}, beyond the axis",
-            (values.max() if inside else limit, place), (7 if inside else -7, 0),
-            textcoords="offset points", va="center", ha="left" if inside else "right",
-        )  # fmt: skip
+        values = times.sel(variant=variant).values
+        middle = float(np.median(values))
+        axes.plot(values, place + np.linspace(-0.2, 0.2, len(values)), **style.RUN)
+        axes.plot(
+            middle, place, "|", color=BARS[OURS][1], markersize=15, markeredgewidth=2.5, zorder=6
+        )
+        axes.annotate(f"{middle:.1f}", (values.max(), place), (7, 0), textcoords="offset points",
+                      va="center")  # fmt: skip
+    style.logarithmic(axes, "x")
     axes.set_yticks(range(times.sizes["variant"]), times["variant"].values)
     axes.tick_params(axis="y", length=0)
     axes.invert_yaxis()
-    axes.grid(axis="y", visible=False)
     axes.grid(axis="x", visible=True)
-    axes.set_xlim(0.0, limit)
+    axes.margins(x=0.1)
     axes.set_xlabel("Time of one step of one granule (ns)")
-    axes.set_title("This code, with more and with less in the scene", loc="left")
+    axes.set_title("This code, with more and with less in the scene (lines: medians)", loc="left")

@@ -147,7 +147,9 @@ def test_the_benchmark_fills_its_file(small_bed, tmp_path):
     path = tmp_path / "benchmark.nc"
     write_benchmark(path, load(CONFIG), values)
     run = subprocess.run(
-        [sys.executable, "-m", "dem", "info", str(path)], text=True, capture_output=True
+        [sys.executable, "-m", "studies", "benchmark", "info", str(path)],
+        text=True,
+        capture_output=True,
     )
     assert run.returncode == 0, run.stderr
     for word in ("LAMMPS", FULL, "force law", "a millimetre"):

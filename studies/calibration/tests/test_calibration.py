@@ -2,13 +2,15 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 from typer.testing import CliRunner
 
-from dem.base.errors import RunError
+import dem
+from dem.sweep.config import load
 from studies.__main__ import app
-from studies.calibration.calibrate import MODULI, fit
+from studies.calibration.calibrate import calibrate, fit
 
-SMOKE = ("--config", "config/smoke.yaml")
+MODULI = (0.8, 0.9, 1.0, 1.1, 1.2)
 
 
 def drags(seeds, scatter, exponent=0.96):
@@ -34,28 +36,50 @@ def test_the_interval_of_the_modulus_is_positive_and_holds_it():
 @pytest.mark.parametrize(
     ("means", "target", "sentence"),
     [
-        (drags(3, 1.5), 1295.0, "wider than a factor of 10: take more seeds than 3"),
+        (drags(3, 1.5), 1295.0, "wider than a factor of 10, with 3 seeds: take more seeds"),
         (drags(10, 0.1, -0.5), 1295.0, "drag does not rise with the modulus"),
-        (drags(10, 0.1, 0.01), 1e300, "no modulus gives this drag"),
-        ((drags(3, 0.1)[0], -drags(3, 0.1)[1]), 1295.0, "drag does not rise with the modulus"),
+        ((drags(3, 0.1)[0], -drags(3, 0.1)[1]), 1295.0, "the mean drag of 3 beds is not positive"),
     ],
 )
 def test_a_calibration_that_says_nothing_fails(means, target, sentence):
-    with pytest.raises(RunError, match=sentence):
+    with pytest.raises(dem.InputError, match=sentence):
         fit(*means, target)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        ((*SMOKE, "--target", "nan"), "target is nan"),
-        ((*SMOKE, "--target", "inf"), "target is inf"),
-        ((*SMOKE, "--target", "0"), "target is 0.0"),
-        ((*SMOKE, "--target", "-1"), "target is -1.0"),
-        ((*SMOKE, "--shape", "zz"), "shape is 'zz'"),
-        ((*SMOKE, "--density", "nan"), "density is nan"),
-    ],
-)
-def test_what_cannot_be_fitted_to_is_refused(arguments, sentence):
-    run = CliRunner().invoke(app, ["calibration", "fit", *arguments])
-    assert run.exit_code == 2 and sentence in run.stderr
+def runs(seeds, failed=()):
+    """The same as a file of runs, some of which failed."""
+    moduli, means = drags(seeds, 0.1)
+    means[list(failed), 0] = np.nan
+    dims = "material_young_modulus", "seed"
+    return xr.Dataset(
+        {"drag": ((*dims, "displacement"), np.repeat(means.T[..., None], 3, axis=-1))},
+        {"material_young_modulus": moduli, "seed": np.arange(seeds),
+         "displacement": [1e-3, 2e-3, 3e-3]},
+        {"window_start": 0.5e-3, "window_stop": 3.5e-3},
+    )  # fmt: skip
+
+
+def test_a_bed_of_which_a_run_failed_is_left_out():
+    assert calibrate(runs(20), 1295.0).runs == 100
+    assert calibrate(runs(20, failed=[3, 7]), 1295.0).runs == 90
+
+
+@pytest.mark.parametrize("target", [np.nan, np.inf, 0.0, -1.0])
+def test_a_target_that_is_no_drag_is_refused(target):
+    with pytest.raises(dem.InputError, match="target is"):
+        calibrate(runs(4), target)
+
+
+def test_other_runs_are_refused():
+    run = CliRunner().invoke(app, ["calibration", "fit", "docs/data/drag.nc"])
+    assert run.exit_code == 2 and "docs/data/drag.nc: its runs are over case, seed" in run.stderr
+
+
+def test_the_beds_are_none_of_the_papers_sweep():
+    """Each is drawn at all moduli, about the one of the configuration."""
+    paper, own = load("config/paper.yaml"), load("studies/calibration/sweep.yaml").block("drag")
+    seeds = {run.replicate.seed for run in own.runs}
+    assert not seeds & {run.replicate.seed for run in paper.block("drag").runs}
+    moduli = {run.replicate.configuration.material.young_modulus for run in own.runs}
+    assert len(own.runs) == len(seeds) * len(moduli) == 500
+    assert min(moduli) < paper.material.young_modulus < max(moduli)

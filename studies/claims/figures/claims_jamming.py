@@ -9,6 +9,7 @@ from dem.base.errors import InputError
 from dem.figures import style
 from studies.claims.evidence import reference
 from studies.claims.remains import EQUAL, remaining
+from studies.common.marks import marks
 
 FILE = "claims"
 CAPTION = "Shapes at equal packing fraction, at equal distance from jamming and at equal load"
@@ -34,32 +35,19 @@ def plot(dataset: xr.Dataset) -> Figure:
     left, right = figure.subplots(1, 2, width_ratios=[1.0, 1.9])
     _jamming(left, dataset, [str(dataset["reference_shape"].values), *shapes], fraction)
     _drags(right, found, shapes, case)
-    figure.suptitle(title(found, case), fontsize=12.5)
+    figure.suptitle(CAPTION, fontsize=12.5)
     return figure
-
-
-def title(found, case) -> str:
-    """What becomes of the drag of e1, or of the last shape, in words."""
-    shape = "e1" if any(each.shape == "e1" for each in found) else found[-1].shape
-    told = [
-        f"{each.ratio[0]:.2f} at {STATES[each.state][0]}"
-        for each in found
-        if each.shape == shape and each.state in (EQUAL, "equal distance")
-    ]
-    return f"Drag of {shape} over that of {case}: " + ", ".join(told)
 
 
 def _jamming(axes, dataset, shapes, fraction):
     for friction, (marker, color) in zip(np.unique(dataset["jam_friction"]), GRIPS, strict=False):
-        for place, shape in enumerate(shapes):
-            here = (dataset["jam_shape"].values == shape) & (
-                dataset["jam_friction"].values == friction
-            )
+        found = []
+        for shape in shapes:
+            here = (dataset["jam_shape"] == shape) & (dataset["jam_friction"] == friction)
             each = Comparison("", dataset["jam_fraction"].values[here], None, 0.0, 1.0)
-            low, high = each.interval()
-            axes.errorbar(place, each.estimate, [[each.estimate - low], [high - each.estimate]],
-                          marker=marker, color="0.15", markerfacecolor=color, markersize=7, capsize=4,
-                          linestyle="none", label=f"friction {friction:g}" if place == 0 else None)  # fmt: skip
+            found.append((each.estimate, *each.interval()))
+        marks(axes, range(len(shapes)), found, marker=marker, color="0.15", markerfacecolor=color,
+              label=f"friction {friction:g}")  # fmt: skip
     axes.axhline(fraction, **style.REFERENCE, label=f"packing fraction of the runs, {fraction:g}")
     axes.set_xticks(range(len(shapes)), shapes)
     axes.set_ylabel("Packing fraction at which beds jam")
@@ -69,14 +57,14 @@ def _jamming(axes, dataset, shapes, fraction):
 def _drags(axes, found, shapes, case):
     states = [state for state in STATES if any(each.state == state for each in found)]
     width = 0.8 / len(states)
-    for each in sorted(found, key=lambda each: states.index(each.state)):
-        number, place = states.index(each.state), shapes.index(each.shape)
-        name, color, hatch = STATES[each.state]
-        value, low, high = each.ratio
-        x = place + (number - 0.5 * (len(states) - 1)) * width
-        axes.bar(x, value, width, color=color, hatch=hatch, edgecolor="0.15", linewidth=0.8,
-                 label=name if place == 0 else None)  # fmt: skip
-        axes.errorbar(x, value, [[value - low], [high - value]], **style.INTERVAL | {"capsize": 3})
+    for number, state in enumerate(states):
+        here = [each for each in found if each.state == state]
+        name, color, hatch = STATES[state]
+        place = np.array([shapes.index(each.shape) for each in here])
+        x, ratios = place + (number - 0.5 * (len(states) - 1)) * width, [e.ratio for e in here]
+        axes.bar(x, [value for value, *_ in ratios], width, color=color, hatch=hatch, label=name,
+                 edgecolor="0.15", linewidth=0.8)  # fmt: skip
+        marks(axes, x, ratios, **style.INTERVAL | {"capsize": 3})
     axes.axhline(1.0, color="0.3", linewidth=1.0)
     axes.set_xticks(range(len(shapes)), shapes)
     axes.tick_params(axis="x", length=0)

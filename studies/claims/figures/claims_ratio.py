@@ -8,6 +8,7 @@ from dem.analysis.compare import Comparison
 from dem.base.errors import InputError
 from dem.figures import style
 from studies.claims.evidence import rows, table, with_case
+from studies.common.marks import marks
 
 FILE = "claims"
 CAPTION = "Ellipses from round to twice as long as wide: drag and alignment with the flow"
@@ -30,8 +31,8 @@ def plot(dataset: xr.Dataset) -> Figure:
     for setting, (name, marker, line, color) in SETTINGS.items():
         runs = table(rows(dataset, "ratios", setting), "run_x")
         x = sorted(runs["case"].values.tolist())
-        mean, half = np.array([_mean(runs["drag"].sel(case=each).values) for each in x]).T
-        left.errorbar(x, mean, half, marker=marker, linestyle=line, color=color, capsize=4, markersize=6, label=name)  # fmt: skip
+        means = [_mean(runs["drag"].sel(case=each).values) for each in x]
+        marks(left, x, means, marker=marker, linestyle=line, color=color, label=name)
     left.set_xlabel("Aspect ratio of the ellipses")
     left.set_ylabel("Mean drag (N), 95 % interval")
     left.set_ylim(0.0, 1.3 * left.get_ylim()[1])
@@ -44,10 +45,9 @@ def plot(dataset: xr.Dataset) -> Figure:
 
 
 def _mean(values):
-    """Mean over runs and half its interval; NaN for fewer than two."""
+    """Mean over runs and the ends of its interval."""
     each = Comparison("", values, None, 0.0, 1.0)
-    low, high = each.interval() if each.runs > 1 else (np.nan, np.nan)
-    return (each.estimate if each.runs else np.nan), 0.5 * (high - low)
+    return each.estimate, *each.interval()
 
 
 def _alignment(axes, dataset):
@@ -56,14 +56,12 @@ def _alignment(axes, dataset):
         some = with_case(part, shape)
         for name, (words, width) in KINDS.items() if some.sizes["run"] else ():
             gained = (some[f"run_{name}"] - some[f"run_{name}_start"]).values[:, 1:]
-            mean, half = np.array([_mean(column) for column in gained.T]).T
+            mean, low, high = np.transpose([_mean(column) for column in gained.T])
             axes.plot(
                 moved, mean, linestyle=line, color=color, linewidth=width, label=f"{shape}, {words}"
             )
             if width > 2.0:
-                axes.fill_between(
-                    moved, mean - half, mean + half, color=color, alpha=0.2, linewidth=0
-                )
+                axes.fill_between(moved, low, high, color=color, alpha=0.2, linewidth=0)
     axes.axhline(0.0, **style.REFERENCE)
     axes.set_xlabel("Displacement of the cylinder (mm)")
     axes.set_ylabel(

@@ -6,8 +6,8 @@ from matplotlib.figure import Figure
 
 from dem.base.errors import InputError
 from dem.figures import style
-from studies.claims.evidence import MARGIN, rows
-from studies.claims.report import scaled_ratios
+from studies.claims.evidence import MARGIN, rows, scaled_ratios
+from studies.common.marks import marks
 
 FILE = "claims"
 CAPTION = "Drag against the sizes of cylinder and box and against velocity"
@@ -38,12 +38,13 @@ def plot(dataset: xr.Dataset) -> Figure:
         axes.axhspan(1.0 - MARGIN, 1.0 + MARGIN, **style.WINDOW)
         axes.axhline(1.0, **style.REFERENCE)
         axes.set_xscale("log")
-        axes.set_yscale("log")
+        style.logarithmic(axes)
         factors = np.unique([1.0, *rows(dataset, "scaling", setting)["run_x"].values])
         axes.set_xticks(factors, [f"{x:g}" for x in factors])
         axes.set_xticks([], minor=True)
         axes.set_xlabel(f"{name}, over the paper's")
-    _ticks(panels)
+    for axes in panels[:, 0]:
+        axes.set_ylabel("Mean drag over that\nat the paper's value")
     style.legend(figure, panels[1, 0], "outside lower center", ncols=2)
     figure.suptitle(
         "Is the drag slow, and is the box large enough?\n(grey: within 18 %; 95 % intervals)",
@@ -52,21 +53,12 @@ def plot(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def _ticks(panels):
-    low, high = panels[0, 0].get_ylim()
-    shown = [tick for tick in (0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0) if low <= tick <= high]
-    for axes in panels[:, 0]:
-        axes.set_yticks(shown, [f"{tick:g}" for tick in shown])
-        axes.set_yticks([], minor=True)
-        axes.set_ylabel("Mean drag over that\nat the paper's value")
-
-
 def _curve(axes, found, name, look, line, filled):
     """Points with intervals and the paper's own, at (1, 1), on one line."""
     if not found:
         return
     marker, color = look
-    rows = sorted([(x, each.estimate, *each.interval()) for x, each, _ in found] + [(1.0,) * 4])
-    x, value, low, high = np.array(rows).T
-    axes.errorbar(x, value, [value - low, high - value], marker=marker, linestyle=line, color=color,
-                  markerfacecolor=color if filled else "white", capsize=4, markersize=6, label=name)  # fmt: skip
+    points = sorted([(x, e.estimate, *e.interval()) for x, e in found.items()] + [(1.0,) * 4])
+    x, *ratios = np.transpose(points)
+    marks(axes, x, np.transpose(ratios), marker=marker, linestyle=line, color=color, label=name,
+          markerfacecolor=color if filled else "white")  # fmt: skip

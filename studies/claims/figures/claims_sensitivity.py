@@ -11,22 +11,13 @@ from dem.figures import style
 from studies.claims.evidence import from_study
 from studies.claims.influence import influences, responses
 from studies.claims.verdicts import judge
+from studies.common.marks import marks
 
 FILE = "claims"
 CAPTION = "What decides the drag, and in how much of the plausible space claims hold"
 VARIABLES = ("run_factor",)
 SHOWN = 10  # factors
 BARS = (("drag of c1", "o", "#17457d"), ("e1 over c1", "D", "white"), ("e3 over c1", "s", "0.75"))
-WORDS = {
-    "packing.fraction": "packing fraction", "packing.friction": "friction in packing",
-    "packing.preparation": "grown over relaxed beds",
-    "friction.granule": "friction of granules", "friction.wall": "friction of walls",
-    "friction.cylinder": "friction of the cylinder", "friction.stiffness": "tangential stiffness",
-    "shapes.c2.granules": "number of granules of c2", "material.thickness": "thickness (mass)",
-    "material.young_modulus": "Young's modulus", "material.poisson_ratio": "Poisson's ratio",
-    "ellipse.contact": "contact of ellipses", "ellipse.curvature": "curvature of ellipses",
-    "cylinder.start": "start of the cylinder", "material.restitution": "restitution",
-}  # fmt: skip
 
 
 @style.styled
@@ -42,23 +33,9 @@ def plot(dataset: xr.Dataset) -> Figure:
     left, right = figure.subplots(1, 2, width_ratios=[1.0, 1.05])
     _factors(left, ranked)
     _claims(right, judged)
-    figure.suptitle(
-        f"{_title(ranked)} ({points.sizes['seed']} points of the plausible space, one bed each)",
-        fontsize=12,
-    )
+    count = points.sizes["seed"]
+    figure.suptitle(f"{CAPTION}\n({count} points of it, one bed each)", fontsize=12)
     return figure
-
-
-def _title(ranked):
-    """The two most influential factors of the drag, if they differ from none."""
-    first = [
-        WORDS.get(each.factor, each.factor)
-        for each in ranked.get("drag of c1", [])[:2]
-        if each.decides
-    ]
-    if not first:
-        return "No factor is told from chance"
-    return f"{' and '.join(first)} decide the drag most".capitalize().replace("young", "Young")
 
 
 def _factors(axes, ranked):
@@ -68,19 +45,16 @@ def _factors(axes, ranked):
     every = [each.factor for each in ranked.get(BARS[0][0], [])]
     order = sorted(every, key=lambda factor: factor not in decide)[:SHOWN]
     for number, (name, mark, color) in enumerate(BARS):
-        rows = {each.factor: each for each in ranked.get(name, [])}
-        for place, factor in enumerate(order if rows else []):
-            each, y = rows[factor], -place + 0.24 - 0.24 * number
-            axes.errorbar(each.growth, y, xerr=[[each.growth - each.low], [each.high - each.growth]],
-                          marker=mark, color="0.15", markerfacecolor=color, capsize=3, markersize=7,
-                          linestyle="none", label=name if place == 0 else None)  # fmt: skip
+        found = {each.factor: (each.growth, each.low, each.high) for each in ranked.get(name, [])}
+        if found:
+            y = 0.24 - 0.24 * number - np.arange(len(order))
+            marks(axes, y, [found[factor] for factor in order], across=True, marker=mark, color="0.15",
+                  markerfacecolor=color, label=name)  # fmt: skip
     axes.axvline(1.0, color="0.4", linewidth=0.8)
-    axes.set_yticks([-p for p in range(len(order))], [fill(WORDS.get(f, f), 16) for f in order])
-    axes.set_xscale("log")
-    low, high = axes.get_xlim()
-    ticks = [tick for tick in (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0) if low <= tick <= high]
-    axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
-    axes.set_xticks([], minor=True)
+    axes.set_yticks(
+        [-p for p in range(len(order))], [factor.replace(".", ".\n") for factor in order]
+    )
+    style.logarithmic(axes, "x")
     axes.grid(visible=False)
     axes.set_xlabel("At the high end of the range over that at the\nlow end (95 % interval)")
     if order:
@@ -88,17 +62,14 @@ def _factors(axes, ranked):
 
 
 def _claims(axes, judged):
-    for place, each in enumerate(judged):
-        share, ends = each.space, None
-        ends = 100.0 * np.abs([[share.share - share.low], [share.high - share.share]])
-        axes.barh(-place, 100.0 * share.share, 0.62, color="0.78", edgecolor="0.2", linewidth=0.8,
-                  label="plausible space, 95 % interval" if place == 0 else None)  # fmt: skip
-        axes.errorbar(
-            100.0 * share.share, -place, xerr=ends, ecolor="black", capsize=3, elinewidth=1.2
-        )
-        if each.paper:
-            axes.plot(100.0 * each.paper.share, -place, "D", color="0.15", markerfacecolor="white",
-                      markersize=7, label="single beds at the paper's values" if place == 0 else None)  # fmt: skip
+    y = -np.arange(len(judged))
+    space = 100.0 * np.array([each.space[:3] for each in judged])
+    single = [100.0 * each.paper.share if each.paper else np.nan for each in judged]
+    axes.barh(y, space[:, 0], 0.62, color="0.78", edgecolor="0.2", linewidth=0.8,
+              label="plausible space, 95 % interval")  # fmt: skip
+    marks(axes, y, space, across=True, ecolor="black")
+    axes.plot(single, y, "D", color="0.15", markerfacecolor="white", markersize=7,
+              label="single beds at the paper's values")  # fmt: skip
     axes.set_yticks(
         [-p for p in range(len(judged))], [fill(each.claim.title, 24) for each in judged]
     )

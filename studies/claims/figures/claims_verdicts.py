@@ -31,11 +31,8 @@ def plot(dataset: xr.Dataset) -> Figure:
     axes = figure.subplots()
     for row, each in enumerate(found):
         _row(axes, -row, each)
-    axes.set_xscale("log")
+    style.logarithmic(axes, "x")
     axes.set_xlim(*RANGE)
-    ticks = [0.2, 0.5, 1.0, 2.0, 5.0]
-    axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
-    axes.set_xticks([], minor=True)
     axes.axvline(1.0, color="0.4", linewidth=0.8, zorder=1)
     axes.set_yticks([-row for row in range(len(found))], [fill(v.claim.title, 28) for v in found])
     axes.tick_params(axis="y", length=0, labelsize=11.5)

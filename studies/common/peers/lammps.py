@@ -24,7 +24,7 @@ from pathlib import Path
 import numpy as np
 
 from dem.base.errors import InputError, RunError
-from dem.scene import Scene, State, box
+from dem.scene import Scene, State
 from dem.shapes.disc import Disc
 from dem.shapes.dumbbell import Dumbbell
 from studies.common.peers.material import hertz
@@ -208,14 +208,8 @@ def parts(scene: Scene, state: State):
 def _check(scene):
     if not isinstance(scene.shape, Disc | Dumbbell):
         raise InputError(f"LAMMPS has no {type(scene.shape).__name__.lower()} with Hertz's law.")
-    if scene.gravity is not None:
-        raise InputError("gravity is not handed on to LAMMPS.")
-    if scene.periodic is not None:
-        raise InputError("periodic sides are not handed on to LAMMPS.")
-    if scene.walls is not None:
-        _, width, _, height = np.asarray(scene.walls)[:, 2] if len(scene.walls) == 4 else [0.0] * 4
-        if not (width > 0.0 < height and np.array_equal(scene.walls, box(width, height))):
-            raise InputError("walls are not those of dem.box; no others are handed on to LAMMPS.")
+    if scene.gravity is not None or scene.periodic is not None:
+        raise InputError("gravity and periodic sides are not handed on to LAMMPS.")
 
 
 def _space(scene, state, per):

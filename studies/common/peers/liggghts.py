@@ -6,8 +6,6 @@ disc HEAVY times denser with a prescribed velocity: LIGGGHTS has no moving cylin
 """
 
 import re
-import shutil
-import subprocess
 import tempfile
 from pathlib import Path
 
@@ -15,9 +13,11 @@ import numpy as np
 
 from dem.base.errors import RunError
 from dem.scene import Scene, State
-from studies.common.peers.material import RIGID, check_discs
+from studies.common.peers.material import RIGID
+from studies.common.peers.program import absent, last_lines, output
 
 PROGRAM = "liggghts"
+COMMAND = PROGRAM, "-log", "none"
 SKIN = 0.3  # of the mean radius
 HEAVY = 1e9
 MODEL = "model hertz tangential history"
@@ -25,36 +25,27 @@ MODEL = "model hertz tangential history"
 
 def available() -> str | None:
     """None if LIGGGHTS can be used, else one sentence that says why not."""
-    return None if shutil.which(PROGRAM) else f"there is no program {PROGRAM}."
+    return absent(PROGRAM)
 
 
 def version() -> str:
     """Release as the program itself names it."""
     with tempfile.TemporaryDirectory() as folder:
-        found = re.search(r"LIGGGHTS-\S+ [\d.]+", _output("", folder))
+        found = re.search(r"LIGGGHTS-\S+ [\d.]+", output(*COMMAND, folder=folder, text="\n"))
     return found[0] if found else "unknown"
 
 
 def seconds(scene: Scene, state: State, time_step: float, warm: int, steps: int) -> float:
     """Time (s) that a number of steps takes after `warm` others, without starting and ending."""
-    check_discs(scene, "LIGGGHTS")
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "bed").write_text(_bed(scene, state.checked(scene.granules)))
-        said = _output("\n".join(_input(scene, time_step, warm, steps)), folder)
+        said = output(
+            *COMMAND, folder=folder, text="\n".join((*_input(scene, time_step, warm, steps), ""))
+        )
     times = re.findall(r"^Loop time of (\S+) ", said, re.M)
     if len(times) != 2:
-        raise RunError("LIGGGHTS stopped: " + " ".join(said.split("\n")[-3:]))
+        raise RunError(f"LIGGGHTS stopped: {last_lines(said)}")
     return float(times[1])
-
-
-def _output(text, folder):
-    """What the program prints for an input; it puts errors in the last lines or nowhere."""
-    command = [PROGRAM, "-log", "none"]
-    run = subprocess.run(
-        command, cwd=folder, input=text + "\n", text=True, check=False,
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-    )  # fmt: skip
-    return run.stdout
 
 
 def _bed(scene, state):

@@ -7,11 +7,9 @@ from typing import NamedTuple
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from dem.base.errors import InputError
 from dem.contacts.force_law import effective_modulus, effective_shear_modulus
 from dem.dynamics.assembly import partners
 from dem.scene import Scene
-from dem.shapes.disc import Disc
 
 RIGID = 1e6  # modulus of walls and cylinder over the granules', in codes without rigid bodies
 SPEED = 1.0  # m/s, at which a central collision has the wanted coefficient of restitution
@@ -29,17 +27,6 @@ class Hertz(NamedTuple):
     damping: float
     shear_damping: float
     friction: float
-
-
-def check_discs(scene: Scene, code: str) -> None:
-    """Raise InputError for a scene that is not what the programs without a Python module get."""
-    apart = scene.gravity, scene.boundary, scene.periodic
-    if not isinstance(scene.shape, Disc) or any(each is not None for each in apart):
-        raise InputError(
-            f"only discs between rigid walls, without gravity and periodic sides, go to {code}."
-        )
-    if scene.walls is None or scene.cylinder is None or scene.friction is None:
-        raise InputError(f"only scenes with walls, cylinder and friction go to {code}.")
 
 
 def hertz(scene: Scene, kind: str) -> Hertz:

@@ -7,8 +7,6 @@ plane and get our masses. Walls and cylinder are of a material RIGID times stiff
 import json
 import math
 import re
-import shutil
-import subprocess
 import tempfile
 from pathlib import Path
 
@@ -16,7 +14,8 @@ import numpy as np
 
 from dem.base.errors import RunError
 from dem.scene import Scene, State
-from studies.common.peers.material import RIGID, check_discs
+from studies.common.peers.material import RIGID
+from studies.common.peers.program import absent, last_lines, output
 
 PROGRAM = "yade"
 SKIN = 0.3  # of the mean radius; timings are flat about it
@@ -70,36 +69,27 @@ print("seconds", time.perf_counter() - started, flush=True)
 
 def available() -> str | None:
     """None if YADE can be used, else one sentence that says why not."""
-    return None if shutil.which(PROGRAM) else f"there is no program {PROGRAM}."
+    return absent(PROGRAM)
 
 
 def version() -> str:
     """Release as the program itself names it."""
-    found = re.search(r"version: (\S+)", _output("--version"))
+    found = re.search(r"version: (\S+)", output(PROGRAM, "--version"))
     return found[1] if found else "unknown"
 
 
 def seconds(scene: Scene, state: State, time_step: float, warm: int, steps: int) -> float:
     """Time (s) that a number of steps takes after `warm` others, without starting and ending."""
-    check_discs(scene, "YADE")
     with tempfile.TemporaryDirectory() as folder:
         values = _values(scene, state.checked(scene.granules))
         values |= {"time_step": time_step, "warm": warm, "steps": steps}
         (Path(folder) / "scene").write_text(json.dumps(values))
         (Path(folder) / "run.py").write_text(SCRIPT)
-        said = _output("-n", "-x", "-j1", "run.py", folder=folder)
+        said = output(PROGRAM, "-n", "-x", "-j1", "run.py", folder=folder)
     found = re.search(r"^seconds (\S+)", said, re.M)
     if found is None:
-        raise RunError("YADE stopped: " + " ".join(said.split("\n")[-3:]))
+        raise RunError(f"YADE stopped: {last_lines(said)}")
     return float(found[1])
-
-
-def _output(*options, folder=None):
-    run = subprocess.run(
-        [PROGRAM, *options], cwd=folder, text=True, check=False,
-        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-    )  # fmt: skip
-    return run.stdout
 
 
 def _values(scene, state):

@@ -11,6 +11,7 @@ from dem.analysis.statistics import summarise
 from dem.analysis.values import along
 from dem.figures import style
 from dem.figures.sweep import heading
+from studies.common.marks import marks
 
 FILE = "drag"
 CAPTION = "Drag of shapes in beds that were made in several ways"
@@ -40,10 +41,10 @@ def plot(dataset: xr.Dataset) -> Figure:
                     "marker": MARKERS[number % len(MARKERS)],
                     "markerfacecolor": "white" if number % 2 else None}  # fmt: skip
             x = np.arange(len(shapes)) + APART * (number - 0.5 * (len(ways) - 1))
-            _marks(above, x, [_compared(each) for each in drags], look)
+            marks(above, x, [_compared(each) for each in drags], **look)
             if number:
                 ratios = [_compared(*pair) for pair in zip(drags, here[0], strict=True)]
-                _marks(below, x, ratios, look)
+                marks(below, x, ratios, **look)
         below.axhline(1.0, **style.REFERENCE)
         below.set_xticks(range(len(shapes)), shapes)
         for axes in (above, below):
@@ -57,13 +58,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def _compared(drags, over=None) -> Comparison:
-    """Mean drag of some runs, or its ratio to that of others of the same seeds."""
-    return Comparison("", drags, over, 0.0, np.inf, paired=True)
-
-
-def _marks(axes, x, found, look):
-    value = np.array([each.estimate for each in found])
-    low, high = np.array([each.interval() for each in found]).T
-    axes.errorbar(x, value, [value - low, high - value], linestyle="none", capsize=4,
-                  markersize=6.5, elinewidth=1.4, **look)  # fmt: skip
+def _compared(drags, over=None) -> tuple[float, float, float]:
+    """Mean drag of some runs, or its ratio to that of others of the same seeds, with its interval."""
+    found = Comparison("", drags, over, 0.0, np.inf, paired=True)
+    return found.estimate, *found.interval()

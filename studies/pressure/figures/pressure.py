@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from dem.figures import style
 from dem.figures.sweep import heading
+from studies.common.marks import marks
 from studies.pressure.widths import Widths
 
 FILE = "drag"
@@ -63,15 +64,12 @@ def _over(line, base):
 def _points(axes, found, shift, values, limit, curve, look):
     """Means in the boxes that differ in width alone, the limit, and the line through them."""
     x = 1.0 / found.width[found.along]
-    middle, low, high = np.array(values).T
-    options = {"linestyle": "none", "capsize": 3, "markersize": 6, "elinewidth": 1.4}
-    axes.errorbar(x + shift, middle, [middle - low, high - middle], **options, **look)
+    marks(axes, x + shift, values, **look)
     if limit.low > 0.0 and limit.high < np.inf:
-        axes.errorbar(
-            [shift], [limit.value], [[limit.value - limit.low], [limit.high - limit.value]],
-            markerfacecolor="white", **options, **look | {"label": None},
-        )  # fmt: skip
+        marks(axes, [shift], limit, markerfacecolor="white", **look | {"label": None})
     along = np.geomspace(0.5 * x.min(), x.max(), 50)
     y = np.array([curve(1.0 / each)[0] for each in along])
-    shown = y > 0.5 * low.min()  # a line that falls to zero would take all of a logarithmic scale
+    shown = y > 0.5 * min(
+        each.low for each in values
+    )  # a line that falls to zero would take all of a logarithmic scale
     axes.plot(along[shown] + shift, y[shown], color=look["color"], linewidth=1.2)

@@ -5,6 +5,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from dem.figures import style
+from studies.stability.catalogue import QUANTITIES
 
 FILE = "stability"
 CAPTION = "Stiff and extreme cases, each against its limits"
@@ -70,18 +71,11 @@ def _catalogue(axes, dataset, rows) -> None:
     axes.legend(loc="lower right", ncols=len(shapes), bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1)
 
 
-SHORT = ("residual", "friction", "kinetic", "change of the force", "momentum", "overlapping",
-         "distance", "energy gained", "critical")  # fmt: skip
-WORDS = ("energy residual", "friction beyond mu N", "kinetic energy", "unsteady force", "momentum",
-         "pairs not listed", "distance", "energy gained", "critical step")  # fmt: skip
-
-
 def _label(case: str, quantity: str) -> str:
-    """Name of a case, and what is measured in few words."""
-    for short, words in zip(SHORT, WORDS, strict=True):
-        if short in quantity and not quantity.startswith("refused"):
-            return f"{case.replace('_', ' ')}: {words}"
-    return case.replace("_", " ")
+    """Name of a case, and what is measured in a word."""
+    words = {long: short for short, long in QUANTITIES.items()}
+    measured = f": {words[quantity]}" if quantity in words else ""
+    return case.replace("_", " ") + measured
 
 
 def _paper(axes, dataset) -> None:

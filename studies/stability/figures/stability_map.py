@@ -8,7 +8,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from dem.figures import style
-from studies.stability.report import BROKEN, OFF, edges
+from studies.stability.findings import BROKEN, OFF, edge
 
 FILE = "stability"
 CAPTION = "Where energy stops adding up: time step, restitution, stiffness, shape"
@@ -34,11 +34,23 @@ def plot(dataset: xr.Dataset) -> Figure:
     bar = figure.colorbar(image, ax=grid, label="Worst residual of the energy ledger", shrink=0.8)
     bar.ax.axhline(OFF, color="white", linewidth=1.5)
     figure.suptitle(
-        fill(edges(dataset), 66)
+        fill(title(dataset), 66)
         + "\n(cross: broken; dot: energy off; solid line: default; dotted: bound)",
         fontsize=11.5,
     )
     return figure
+
+
+def title(dataset: xr.Dataset) -> str:
+    """Where energy is off and where runs break down, beside the default."""
+    off, broken = edge(dataset, OFF), edge(dataset, BROKEN)
+    if np.isinf(off):
+        return "Energy adds up at all of these steps"
+    times = off / float(dataset.attrs["default_fraction"])
+    words = (
+        f"Energy is off by {OFF:.0%} from {off:g} of the bound, {times:.1f} times the default step"
+    )
+    return words if np.isinf(broken) else f"{words}; runs break down from {broken:g}"
 
 
 def _panel(axes, here, default):
