@@ -45,10 +45,8 @@ def table(dataset: xr.Dataset, shape: str) -> xr.DataArray:
 def failures(dataset: xr.Dataset, shape: str) -> dict[float, float]:
     """Share of the runs that failed, by step over the critical one."""
     mine = dataset["trial_shape"].values == shape
-    fractions, failed = (
-        dataset["trial_fraction"].values[mine],
-        np.isnan(dataset["trial_drag"].values[mine]),
-    )
+    fractions = dataset["trial_fraction"].values[mine]
+    failed = np.isnan(dataset["trial_drag"].values[mine])
     return {float(f): float(failed[fractions == f].mean()) for f in np.unique(fractions)}
 
 

@@ -7,14 +7,7 @@ studies.accuracy.pairs.
 
 import numpy as np
 
-from studies.accuracy.pairs import (
-    EXACT,
-    Contact,
-    Pairs,
-    dot,
-    inner,
-    outer,
-)
+from studies.accuracy.pairs import EXACT, Contact, Pairs, dot, inner, outer
 
 PI = 4.0 * np.arctan(EXACT(1.0))
 SCAN = 512  # directions
