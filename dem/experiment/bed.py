@@ -60,33 +60,41 @@ def thickness(replicate: Replicate) -> float:
     return replicate.configuration.material.thickness or replicate.shape.diameter
 
 
+def room_of(replicate: Replicate) -> tuple:
+    """What a bed is packed in, as dem.pack takes it: granules, width and height (m), cylinder."""
+    own, sizes = replicate.configuration, diameters(replicate)
+    height = height_of_box(own, sizes)
+    return shaped(replicate, sizes), own.box_width, height, cylinder(replicate, height)
+
+
+def packed(configuration, *room) -> Bed:
+    """The bed in a room, with its seed, at the packing fraction of the room."""
+    friction = configuration.packing.friction
+    prepare, periodic = PREPARATIONS[configuration.packing.preparation], configuration.periodic
+    if friction > 0.0:
+        return compact(*room, friction, periodic, prepare)
+    return prepare(*room, periodic)
+
+
 def make_bed(replicate: Replicate) -> Bed:
     """Pack the bed; ellipses always by common normal, which alone has an energy to minimise.
 
     Under a pressure the top wall comes down on a loose bed. Raises PackingError where no bed is found,
     or where it leaves no room for the stroke.
     """
-    sizes, own = diameters(replicate), replicate.configuration
-    shape = shaped(replicate, sizes)
-    height = height_of_box(own, sizes)
-    at = cylinder(replicate, height)
-    if own.packing.pressure is not None:
-        loose = height * NOMINAL / START
-        load = own.packing.pressure * thickness(replicate) / effective_modulus(*2 * [own.material])
-        room = shape, own.box_width, loose, at, replicate.seed
-        bed = pack_under(*room, load, own.periodic)
-        top = at.position[1] + own.cylinder.stroke + 0.5 * at.diameter
-        if top > bed.height:
-            raise PackingError(
-                f"under {own.packing.pressure:g} Pa the box is {bed.height:.4g} m high, and the cylinder "
-                f"would leave it during its stroke; at most {own.cylinder.stroke + bed.height - top:.3g} m fit."
-            )
-        return bed
-    room = shape, own.box_width, height, at, replicate.seed
-    friction, prepare = own.packing.friction, PREPARATIONS[own.packing.preparation]
-    if friction > 0.0:
-        return compact(*room, friction, own.periodic, prepare)
-    return prepare(*room, own.periodic)
+    own, (shape, width, height, at) = replicate.configuration, room_of(replicate)
+    if own.packing.pressure is None:
+        return packed(own, shape, width, height, at, replicate.seed)
+    loose = height * NOMINAL / START
+    load = own.packing.pressure * thickness(replicate) / effective_modulus(*2 * [own.material])
+    bed = pack_under(shape, width, loose, at, replicate.seed, load, own.periodic)
+    top = at.position[1] + own.cylinder.stroke + 0.5 * at.diameter
+    if top > bed.height:
+        raise PackingError(
+            f"under {own.packing.pressure:g} Pa the box is {bed.height:.4g} m high, and the cylinder "
+            f"would leave it during its stroke; at most {own.cylinder.stroke + bed.height - top:.3g} m fit."
+        )
+    return bed
 
 
 WRITTEN = (

@@ -10,7 +10,6 @@ import math
 from collections.abc import Iterable
 from difflib import get_close_matches
 from functools import cached_property
-from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin
 
@@ -18,8 +17,8 @@ import numpy as np
 from pydantic import BaseModel, BeforeValidator, Field, ValidationError, model_validator
 from pydantic_core import PydanticKnownError
 
-from dem.base.constants import described
 from dem.base.errors import InputError
+from dem.base.outside import is_outside
 from dem.base.provenance import compilers
 from dem.base.schema import (
     SEEDS,
@@ -34,20 +33,30 @@ from dem.base.schema import (
 )
 from dem.base.sources import code_hash
 from dem.experiment.fit import check_room
-from dem.experiment.observables import OBSERVABLES
+from dem.experiment.kinds import EXPERIMENTS, Experiment
+from dem.experiment.observables import OBSERVABLES, place_of
 from dem.shapes import KINDS, Kind, kind_of
-from dem.shapes.outside import is_outside, resolved
 
 NO_BITS = "reads values, which are part of what a run is known by"
 
 LAYOUT = 1  # of the files of runs: raise it where a variable comes, goes or has another meaning
-KINDS_OF_EXPERIMENT = described(Path(__file__).parent / "kinds", "SECTIONS")
-EXPERIMENTS = tuple(KINDS_OF_EXPERIMENT)
 # sections that only some experiments read, by these
 SECTIONS = {
-    name: tuple(kind for kind, own in KINDS_OF_EXPERIMENT.items() if name in own["SECTIONS"])
+    name: tuple(kind for kind, own in EXPERIMENTS.items() if name in own["SECTIONS"])
     for name in ("cylinder", "record", "shear")
 }
+
+
+def or_file(known: Iterable[str]) -> BeforeValidator:
+    """A name of the package, or of a file of a user's own, which is looked up where a file is read."""
+
+    def check(name):
+        if name in tuple(known) or is_outside(name):
+            return name
+        *others, last = map(repr, known)
+        raise PydanticKnownError("literal_error", {"expected": f"{', '.join(others)} or {last}"})
+
+    return BeforeValidator(check)
 
 
 NEEDED = object()
@@ -165,10 +174,9 @@ class EllipseSection(Section):
 
 
 def _observables(names):
-    """Each name once, in the order of the registry, so that the order makes no other run."""
-    if isinstance(names, list | tuple) and all(name in OBSERVABLES for name in names):
-        return tuple(name for name in OBSERVABLES if name in names)
-    return names
+    """Each name once, in order, so that the order makes no other run."""
+    named = isinstance(names, list | tuple) and all(isinstance(name, str) for name in names)
+    return tuple(sorted(set(names))) if named else names
 
 
 class RecordSection(Section):
@@ -178,7 +186,7 @@ class RecordSection(Section):
     ]
     snapshots: Annotated[Whole, value("1", "snapshots of all granules", ge=2, le=10_000)]
     observables: Annotated[
-        tuple[Literal[tuple(OBSERVABLES)], ...],
+        tuple[Annotated[str, or_file(OBSERVABLES)], ...],
         BeforeValidator(_observables),
         value(None, "what is recorded", min_length=1),
     ] = ("drag", "snapshots")
@@ -217,18 +225,10 @@ class NumericsSection(Section):
         return self
 
 
-def _kind(name):
-    """A kind of the package, or the class of a file, which is looked up where a file is read."""
-    if name in tuple(KINDS) or is_outside(name):
-        return name
-    *others, last = map(repr, KINDS)
-    raise PydanticKnownError("literal_error", {"expected": f"{', '.join(others)} or {last}"})
-
-
 class ShapeSection(Section):
     kind: Annotated[
         str,
-        BeforeValidator(_kind),
+        or_file(KINDS),
         value(None, "kind of granule, or file and class of your own, such as stones.Stone"),
     ]
     diameter: Annotated[Positive, value("m", "mean volume diameter of the granules")]
@@ -258,7 +258,9 @@ class ShapeSection(Section):
 class Configuration(Section):
     """All values that a run can read."""
 
-    experiment: Annotated[Literal[EXPERIMENTS], value(None, "what is done with the bed")] = "drag"
+    experiment: Annotated[
+        str, or_file(EXPERIMENTS), value(None, "what is done with the bed, or a file of your own")
+    ] = "drag"
     box_width: Annotated[
         Positive,
         value(
@@ -278,17 +280,17 @@ class Configuration(Section):
     gravity: Annotated[NotNegative, value("m s-2", "gravity, downwards")] = 0.0
     ellipse: EllipseSection = EllipseSection()
     shapes: Annotated[dict[Label, ShapeSection], Field(min_length=1)]
-    beside: Annotated[
-        str | None, value(None, "folder of the files of shapes of your own; that of this file")
-    ] = None
+    beside: Annotated[str | None, value(None, "folder of files of your own; that of this file")] = (
+        None
+    )
     record: Annotated[RecordSection | None, value(None, "what is recorded", None)] = None
     shear: Annotated[ShearSection | None, value(None, "how the bed is sheared", None)] = None
     numerics: NumericsSection = NumericsSection()
 
     @model_validator(mode="after")
     def _check_sections(self):
-        kind = KINDS_OF_EXPERIMENT[self.experiment]
-        for name in SECTIONS:
+        kind = self.module.says
+        for name in SECTIONS if "SECTIONS" in kind else ():
             given, needed = getattr(self, name) is not None, kind["SECTIONS"].get(name)
             if needed and not given:
                 raise ValueError(f"{name} is missing; the experiment {self.experiment} needs it")
@@ -348,8 +350,8 @@ class Configuration(Section):
     @property
     def recorded(self) -> tuple[str, ...]:
         """What runs record: observables, or what an experiment of its own gives."""
-        named = KINDS_OF_EXPERIMENT[self.experiment].get("OBSERVED")
-        return self.observables if named else (self.experiment,)
+        names = self.observables if self.module.observed else (self.experiment,)
+        return tuple(name.removesuffix(".py") for name in names)
 
     def values(self) -> dict:
         """The values of a run as plain groups, without the other keys of a file."""
@@ -405,12 +407,17 @@ class Configuration(Section):
         return found
 
     @property
-    def module(self):
-        """The module of the experiment.
+    def module(self) -> Experiment:
+        """The experiment. Its code is loaded on use, so that reading results does not depend on the code
+        that made them."""
+        return Experiment(self.experiment, self.beside)
 
-        Loaded on use, so that reading results does not depend on the code that made them.
-        """
-        return import_module(f"dem.experiment.kinds.{self.experiment}")
+    def checked(self):
+        """These values; raises InputError where a file of a user's own that they name cannot be used."""
+        for label in self.shapes:
+            self.kind_of(label)
+        self.module.check(self)
+        return self
 
     def code_of(self, *modules: str, shapes: Iterable[str]) -> str:
         """SHA-256 of the code that modules and some shapes depend on."""
@@ -436,7 +443,7 @@ class Configuration(Section):
             if last in at:
                 at[last] = new
         source = f"{shape} with {words_of(changes)}" if changes else shape
-        return parse(resolved(data, source), source)
+        return parse(data, source).checked()
 
 
 def words_of(changes: dict) -> str:
@@ -510,7 +517,7 @@ class Replicate:
         """The values that select the machine code of the run, as text: of each motion that it computes,
         its own and those of its bed."""
         c = self.configuration
-        motions = set(c.module.motions(self))
+        motions = c.module.motions(self)
         if c.packing.friction > 0:
             motions.add(PRESSED)
         if c.packing.preparation == "grown":
@@ -534,7 +541,7 @@ class Replicate:
     def run_key(self) -> str:
         """All that the run depends on, as text."""
         c = self.configuration
-        if KINDS_OF_EXPERIMENT[c.experiment].get("BED_ALONE"):
+        if c.module.says.get("BED_ALONE"):
             return f"{c.experiment} {self.bed_key()}"
         ellipse = c.ellipse if self.shape.kind == "ellipse" else ""
         own = c._granules[self.label], c._read_by_all, ellipse, self.density, self.seed
@@ -544,9 +551,8 @@ class Replicate:
     def modules(self) -> tuple[str, ...]:
         """The modules that make the run: experiment, observables and shape."""
         c = self.configuration
-        observables = c.observables if c.recorded == c.observables else ()
-        observed = (f"dem.experiment.observables.{name}" for name in observables)
-        return f"dem.experiment.kinds.{c.experiment}", *observed, self.kind.module
+        observables = c.observables if c.module.observed else ()
+        return c.module.place, *(place_of(name, c.beside) for name in observables), self.kind.module
 
     @property
     def source_hash(self) -> str:

@@ -12,13 +12,13 @@ from pydantic import Field, model_validator
 
 from dem.base.errors import InputError
 from dem.base.files import atomic
+from dem.base.outside import placed
 from dem.base.schema import Folder, Label, Number, Positive, Section, Whole
 from dem.base.sources import ROOT
 from dem.base.validate import shown
 from dem.base.yaml_file import read
 from dem.experiment.config import Configuration
 from dem.experiment.config import parse as parse_values
-from dem.shapes.outside import placed, resolved
 from dem.sweep.axis import check_label
 from dem.sweep.expand import Block, Derived, expand
 from dem.sweep.hints import meant, remedies
@@ -148,7 +148,7 @@ class Sweep(Configuration):
 def parse(data, source: str = "configuration") -> Sweep:
     """Sweep from the content of a file; raises InputError with one sentence per fault."""
     with remedies(source, Sweep):
-        return parse_values(resolved(extended(data, source), source), source, Sweep)
+        return parse_values(extended(data, source), source, Sweep)
 
 
 def extended(data, source: str, above: tuple = ()):
