@@ -12,7 +12,7 @@ from dem.experiment.bed import cylinder, diameters, make_bed, thickness
 from dem.experiment.config import Configuration, Replicate
 from dem.experiment.motion import Motion
 from dem.experiment.observables import module_of
-from dem.experiment.resume import Going, read_checkpoint, stacked, write_checkpoint
+from dem.experiment.resume import Going, resumed, stacked, write_checkpoint
 from dem.experiment.scene import start
 from dem.io.dataset import WALLS
 from dem.packing.random import Bed
@@ -97,9 +97,8 @@ def run(
         return {k: v for each in looking for k, v in each.look(simulation).items()}
 
     looking = [module for module in observables if hasattr(module, "look")]
-    going = Going([], [simulation.state], [look()], 0.0)
-    if checkpoint is not None and (saved := read_checkpoint(checkpoint, replicate, bed)):
-        going = saved.restore(simulation)
+    begun = Going([], [simulation.state], [look()], 0.0)
+    going = (checkpoint and resumed(checkpoint, replicate, bed, simulation)) or begun
     done, saved_at = going.bins, time.monotonic()
     while done < record.bins:
         started = time.process_time()
