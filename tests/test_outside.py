@@ -299,11 +299,7 @@ def test_an_experiment_in_a_file_of_ones_own_is_swept(tmp_path):
         TELLING + FILES["rest.py"].replace("bed.pressure", "2.0 * bed.pressure")
     )
     assert "8 runs, of which 0 are there" in run(*dry, cwd=tmp_path)
-    for words in (
-        ["info", "results/rest/rest.nc"],
-        ["store"],
-        ["figure", "all", "results/rest/rest.nc"],
-    ):
+    for words in (["info", "results/rest/rest.nc"], ["store"]):
         run("-m", "dem", *words, cwd=tmp_path)
     assert not (folder / "ran").exists()
 
