@@ -94,6 +94,7 @@ try:
 except InputError as error:
     refuse(error)
 SWEEP, STORE = MAIN.sweep, MAIN.store
+RECORDED = {each for name in SWEEP.blocks for each in MAIN.observables(name)}  # also by files of a user's own
 WITH_SWEEPS = [name for name in STUDY_NAMES if (STUDIES / name / "rules.smk").is_file() and (STUDIES / name / SWEEP.studies).is_file()]
 
 # Snakemake puts the file of `update` back when a job fails, but notes the job as finished, and would do nothing

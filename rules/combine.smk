@@ -39,7 +39,7 @@ checkpoint combine:
         block=lambda w: place_of(w.folder)[1],
         config=lambda w: f"{place_of(w.folder)[0].sweep.results}/config.yaml",
     wildcard_constraints:
-        observable="|".join(sorted({*OBSERVABLES, *EXPERIMENTS} - {"snapshots", "flow"})),
+        observable="|".join(sorted({*OBSERVABLES, *EXPERIMENTS, *RECORDED} - {"snapshots", "flow"})),
     log:
         "{folder}/logs/combine/{observable}.log",
     benchmark:

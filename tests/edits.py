@@ -18,7 +18,7 @@ LINE = "\nEDITED = True\n"
 
 AGAIN = {
     "the order of a sum": ("dem/packing/minimise.py", "vx * vx + vy * vy + g2 * w * w", "g2 * w * w + (vx * vx + vy * vy)"),
-    "the order of a product": ("dem/contacts/force_law.py", "stiffness * 0.5 * (sqrt_overlap", "0.5 * slip * stiffness / slip * (sqrt_overlap"),
+    "the order of a product": ("dem/contacts/force_law.py", "(sqrt_overlap + kept * last_sqrt_overlap) * slip", "(slip * sqrt_overlap + slip * kept * last_sqrt_overlap)"),
     "a constant of the law": ("dem/contacts/force_law.py", "zeta = alpha / math.sqrt(5.0)", "zeta = alpha / math.sqrt(5.1)"),
     "less for at most": ("dem/packing/minimise.py", "push > 0.0 else 0.0", "push >= 0.0 else 0.0"),
     "a constant of packing": ("dem/packing/minimise.py", "MIXING = 0.25", "MIXING = 0.26"),

@@ -700,10 +700,11 @@ def a_checkpoint(rng, folder):
     file = folder / "run.npz"
     damage = rng.choice(["array", "array", "cut", "flip", "header", "garbage"])
     if damage == "array":
-        with np.load(file) as opened, contextlib.suppress(TypeError, ValueError):
-            np.savez(folder / "other.npz", **tampered(dict(opened), rng))
-        if (folder / "other.npz").exists():
-            (folder / "other.npz").replace(file)
+        with file.open("rb") as raw, (folder / "other.npz").open("wb") as other:
+            other.write(raw.readline())
+            with np.load(raw) as opened, contextlib.suppress(TypeError, ValueError):
+                np.savez(other, **tampered(dict(opened), rng))
+        (folder / "other.npz").replace(file)
     elif damage == "cut":
         file.write_bytes(file.read_bytes()[: rng.randrange(file.stat().st_size)])
     elif damage == "header":
@@ -712,7 +713,7 @@ def a_checkpoint(rng, folder):
         )
     elif damage == "garbage":
         file.write_bytes(
-            rng.choice([b"", b"PK\x03\x04", b"\x93NUMPY", b"\x80\x04"])
+            rng.choice([b"", b"PK\x03\x04", b"\x93NUMPY", b"\x80\x04", b"dem checkpoint "])
             + rng.randbytes(rng.choice([0, 50]))
         )
     else:

@@ -1,6 +1,7 @@
-"""Shapes in files of a user's own: swept, cached, known by their code, and run only to make runs.
+"""Shapes, observables and experiments in files of a user's own: swept, cached, known by their code, and run
+only to make runs.
 
-The recipes of docs/howto/shape.md, followed to the letter, outside of the package and inside.
+The recipes of docs/howto/shape.md and docs/howto/experiment.md, followed to the letter.
 """
 
 import os
@@ -11,6 +12,7 @@ import sys
 from pathlib import Path
 
 import pytest
+import xarray as xr
 from forked import snakemake
 
 import dem
@@ -23,7 +25,12 @@ from dem.sweep.work import Work
 PAGE = (ROOT / "docs/howto/shape.md").read_text()
 SHAPE, LIBRARY, SHORT_LINE = re.findall(r"```python\n(.*?)```", PAGE, re.S)
 (SWEEP,) = re.findall(r"```yaml\n(.*?)```", PAGE, re.S)
+FILES = re.findall(
+    r"```(?:python|yaml)\n# (\S+)\n(.*?)```", (ROOT / "docs/howto/experiment.md").read_text(), re.S
+)
+FILES = dict(FILES)  # rotation.py, rotation.yaml, rest.py and rest.yaml
 SWEEP = SWEEP.replace("seed: 1 to 5", "seed: [1, 2]") + "chunk: 1\n"  # fewer runs, in two processes
+SWEEP += "record: {observables: [drag, snapshots, rotation.py]}\n"
 TELLING = "from pathlib import Path\nPath(__file__).with_name('ran').touch()\n"
 
 
@@ -31,6 +38,7 @@ def write(folder: Path, shape: str = SHAPE, sweep: str = SWEEP) -> Path:
     """A folder with a shape and a sweep of it; returns the file of the sweep."""
     folder.mkdir()
     (folder / "pebbles.py").write_text(shape)
+    (folder / "rotation.py").write_text(FILES["rotation.py"])
     (folder / "sweep.yaml").write_text(sweep)
     return folder / "sweep.yaml"
 
@@ -57,9 +65,9 @@ def swept(tmp_path_factory):
 
 def test_a_shape_in_a_file_of_ones_own_is_swept(swept):
     """Beds, runs, how they move: all is there, and nothing was written beside the sweep file."""
-    for name in ("drag.nc", "flow.nc"):
+    for name in ("drag.nc", "flow.nc", "rotation.nc"):
         assert (swept / "results/pebbles" / name).is_file()
-    assert sorted(each.name for each in (swept / "mine").iterdir()) == ["pebbles.py", "sweep.yaml"]
+    assert len(list((swept / "mine").iterdir())) == 3
 
 
 ASK = """
@@ -103,7 +111,9 @@ EDITS = {  # file, what is there, what is put instead; whether runs are made aga
     "a comment": ("pebbles.py", "import numpy as np", "import numpy as np  # arrays", False),
     "a local name": ("pebbles.py", "    cosine, sine = nx * (4 * nx * nx - 3), ny * (3 - 4 * ny * ny)\n    h, q = r * (1 + e * cosine), -3 * r * e * sine", "    cosine, s = nx * (4 * nx * nx - 3), ny * (3 - 4 * ny * ny)\n    h, q = r * (1 + e * cosine), -3 * r * e * s", False),
     "a constant": ("pebbles.py", "0.08", "0.07", True),
-    "the aspect ratio": ("pebbles.py", "ASPECT_RATIO = 1.0", "ASPECT_RATIO = 1.1", True),
+    "the aspect ratio": ("sweep.yaml", "aspect_ratio: 1.0", "aspect_ratio: 1.1", True),
+    "what an observable measures": ("rotation.py", "angle - angle[0]", "angle[0] - angle", True),
+    "a docstring of an observable": ("rotation.py", "Values of VARIABLES", "Values", False),
     "what it imports": ("lengths.py", "0.5", "0.50001", True),
     "what that imports": ("more/units.py", "1.0", "1.5", True),
     "what it does not import": ("other.py", "1", "2", False),
@@ -158,14 +168,17 @@ def test_readers_run_no_code_that_a_sweep_names(swept):
     """A dry run, compiled nothing: the files of shapes are read, and only those who make runs run them."""
     folder = swept / "telling"
     write(folder, TELLING + SHAPE)
+    (folder / "rotation.py").write_text(TELLING + FILES["rotation.py"])
     sweep = folder / "sweep.yaml"
     sweep.write_text(sweep.read_text().replace("results/pebbles", "results/telling"))
-    with (swept / "mine/pebbles.py").open("a") as file:  # that of the results
-        file.write(f"\n{TELLING}")
+    for name in ("pebbles.py", "rotation.py"):  # those of the results
+        with (swept / "mine" / name).open("a") as file:
+            file.write(f"\n{TELLING}")
     results = swept / "results/pebbles"
     try:
         run("-m", "dem", "sweep", "telling/sweep.yaml", "-n", cwd=swept)
-        run("-m", "dem", "info", results / "drag.nc", cwd=swept)
+        for name in ("drag.nc", "rotation.nc"):
+            run("-m", "dem", "info", results / name, cwd=swept)
         run("-m", "dem", "store", "shape=pebble", cwd=swept)
         run("-m", "dem", "figure", "all", results / "drag.nc", cwd=swept)
         run(
@@ -186,6 +199,7 @@ def test_readers_run_no_code_that_a_sweep_names(swept):
         assert (folder / "ran").exists() and not (swept / "mine/ran").exists()
     finally:
         (swept / "mine/pebbles.py").write_text(SHAPE)
+        (swept / "mine/rotation.py").write_text(FILES["rotation.py"])
 
 
 WRONG = {
@@ -193,11 +207,10 @@ WRONG = {
     "pebbles.Peble": "has no class Peble; it has Pebble, Bare.",
     "pebbles.Bare": "its class has no of_size; give it",
     "broken.Stone": "cannot be read (",
-    "../mine/pebbles.Pebble": "it must be one of disc, dumbbell, ellipse, superellipse, or file and class",
-    "/etc/passwd.X": "it must be one of disc",
+    "../mine/pebbles.Pebble": "it must be 'disc', 'dumbbell', 'ellipse' or 'superellipse'",
+    "/etc/passwd.X": "it must be 'disc'",
     "os.system": "there is no file",
     "dem.shapes.disc.Disc": "there is no file",
-    "lean.Stone": "ASPECT_RATIO of",
     "pebble": "it must be 'disc', 'dumbbell', 'ellipse' or 'superellipse'",
 }
 BARE = "\n\nclass Bare:\n    pass\n"
@@ -207,9 +220,6 @@ BARE = "\n\nclass Bare:\n    pass\n"
 def test_a_kind_that_is_none_gets_one_sentence(tmp_path, kind):
     write(tmp_path / "mine", TELLING + SHAPE + BARE, SWEEP.replace("pebbles.Pebble", kind))
     (tmp_path / "mine/broken.py").write_text("def\n")
-    (tmp_path / "mine/lean.py").write_text(
-        "ASPECT_RATIO = 0.5\nclass Stone:\n    def of_size(): pass\n"
-    )
     with pytest.raises(dem.InputError) as error:
         load(tmp_path / "mine/sweep.yaml")
     said = str(error.value)
@@ -230,18 +240,68 @@ def test_what_is_wrong_with_a_file_of_a_shape_ends_with_status_2(tmp_path):
     assert "Pebble is no shape; decorate it with smooth" in said and "Traceback" not in said
 
 
-def test_an_aspect_ratio_that_a_file_fixes_is_no_other(tmp_path):
-    with pytest.raises(
-        dem.InputError, match=r"aspect_ratio is 1.5; a pebbles.Pebble always has 1, "
-    ):
-        load(
-            write(
-                tmp_path / "mine", SHAPE, SWEEP.replace("granules", "aspect_ratio: 1.5, granules")
-            )
-        )
-    path = write(tmp_path / "free", SHAPE.replace("ASPECT_RATIO = 1.0", "RATIO = 1.0"))
-    with pytest.raises(dem.InputError, match="aspect_ratio is missing; kind pebbles"):
-        load(path)
+WRONG_FILES = {  # what a sweep says: which file is there, and what is told
+    "experiment: rests.py": ("", "experiment is 'rests.py'; there is no file"),
+    "experiment: rests": ("", "experiment is 'rests'; it must be 'drag'"),
+    "experiment: mine.rest": ("", "experiment is 'mine.rest'; it must be one of drag"),
+    "experiment: rest.py": ("VARIABLES = {}\n", "rest.py has no function run."),
+    "experiment: drag.py": ("", "drag is a name of this package"),
+    "record: {observables: [drags]}": ("", "record.observables.0 is 'drags'; it must be 'alignment'"),
+    "record: {observables: [turns.py]}": ("", "record.observables is 'turns.py'; there is no file"),
+    "record: {observables: [rest.py]}": ("def look(it):\n    pass\n", "rest.py must give VARIABLES as plain values"),
+    "record: {observables: [drag, rest.py]}": (
+        "VARIABLES = {'drag': ((), 'N', 'force')}\ndef look(it):\n    pass\n",
+        "record.observables has 'rest.py'; runs have a variable drag without it",
+    ),
+    "record: {observables: [drag, json.py]}": ("", "json is a module of Python"),
+    "record: {observables: [rest.py, drag]}": (
+        "VARIABLES = {'turn': (('snap',), 'N', 'force')}\ndef look(it):\n    pass\n",
+        "the variable turn is over snap; its dimensions may be bound, displacement",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("words", WRONG_FILES)
+def test_what_is_wrong_with_a_file_of_an_experiment_is_one_sentence(tmp_path, words):
+    """Which comes without running it."""
+    text, told = WRONG_FILES[words]
+    for name in ("rest.py", "json.py", "drag.py"):
+        (tmp_path / name).write_text(TELLING + text)
+    (tmp_path / "sweep.yaml").write_text(
+        f"extends: config/smoke.yaml\nresults: results/mine\n{words}\nsweep: {{shape: c1, density: 3900, seed: 1}}\n"
+    )
+    with pytest.raises(dem.InputError) as error:
+        load(tmp_path / "sweep.yaml")
+    said = str(error.value)
+    assert told in said and said.endswith(".") and "\n" not in said
+    assert not (tmp_path / "ran").exists()
+
+
+def test_an_experiment_in_a_file_of_ones_own_is_swept(tmp_path):
+    """As the page has it; it is known by its code and not by its folder, and read by all but who makes runs."""
+    folder = tmp_path / "mine"
+    folder.mkdir()
+    for name in ("rest.py", "rest.yaml"):
+        (folder / name).write_text(FILES[name])
+    dry = "-m", "dem", "sweep", "mine/rest.yaml", "-n"
+    (folder / "rest.py").write_text(TELLING + FILES["rest.py"])
+    assert "8 runs, of which 0 are there" in run(*dry, cwd=tmp_path)
+    assert not (folder / "ran").exists()
+    (folder / "rest.py").write_text(FILES["rest.py"])
+    run("-m", "dem", "sweep", "mine/rest.yaml", cwd=tmp_path)
+    with xr.open_dataset(tmp_path / "results/rest/rest.nc") as made:
+        assert dict(made["rest_load"].sizes) == {"shape": 2, "packing_fraction": 2, "seed": 2}
+        assert made["rest_contacts"].notnull().all()
+    folder = folder.rename(tmp_path / "moved")
+    dry = *dry[:3], "moved/rest.yaml", "-n"
+    assert "8 runs, of which 8 are there" in run(*dry, cwd=tmp_path)
+    (folder / "rest.py").write_text(
+        TELLING + FILES["rest.py"].replace("bed.pressure", "2.0 * bed.pressure")
+    )
+    assert "8 runs, of which 0 are there" in run(*dry, cwd=tmp_path)
+    for words in (["info", "results/rest/rest.nc"], ["store"]):
+        run("-m", "dem", *words, cwd=tmp_path)
+    assert not (folder / "ran").exists()
 
 
 def test_beside_names_another_folder(tmp_path):
@@ -264,7 +324,7 @@ def test_a_shape_in_a_file_of_ones_own_is_swept_by_the_workflow(swept, tmp_path)
     targets = "all", "results/pebbles/flow.nc"
     ran = snakemake(tmp_path, *targets, "-c2", configfile="mine/sweep.yaml")
     assert ran.returncode == 0, ran.stderr
-    for name in ("drag.nc", "flow.nc"):
+    for name in ("drag.nc", "flow.nc", "rotation.nc"):
         assert (tmp_path / "results/pebbles" / name).is_file()
     plans = [sorted(each.name for each in (place / "results/store/plans").iterdir()) for place in (swept, tmp_path)]  # fmt: skip
     assert plans[0] == plans[1]

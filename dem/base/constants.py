@@ -19,8 +19,19 @@ def constants(path: Path) -> dict:
     for node in ast.parse(Path(path).read_bytes(), str(path)).body:
         if isinstance(node, ast.Assign) and isinstance(name := node.targets[0], ast.Name):
             with suppress(ValueError):  # computed, so nothing that is said here
-                found[name.id] = ast.literal_eval(node.value)
+                found[name.id] = ast.literal_eval(_Filled(found).visit(node.value))
     return found
+
+
+class _Filled(ast.NodeTransformer):
+    """A syntax tree with the values of constants in place of their names."""
+
+    def __init__(self, known: dict):
+        self.known = known
+
+    def visit_Name(self, node):
+        known = node.id in self.known
+        return ast.parse(repr(self.known[node.id]), mode="eval").body if known else node
 
 
 @cache

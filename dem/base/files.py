@@ -106,7 +106,10 @@ def check_own(target: Place) -> str:
     if found not in ("", wanted):
         raise InputError(f"{target.words}; it is {found}, and must be {wanted}.")
     if target.kind != FOLDER and target.path.is_symlink():
-        raise InputError(f"{target.words}; {_about_link(target.path)}")
+        raise InputError(
+            f"{target.words}; it is a link to {target.path.readlink()}, and must be a file: remove the link "
+            "or name another file."
+        )
     if found == "a file":
         _check_kind(target)
     return found
@@ -148,10 +151,6 @@ def _check_kind(target: Place) -> None:
         )
 
 
-def _about_link(path: Path) -> str:
-    return f"it is a link to {Path(path).readlink()}, and must be a file: remove the link or name another file."
-
-
 @contextmanager
 def atomic(path: Path):
     """A path to write to beside `path`; it takes the place of `path` only when all went well.
@@ -160,11 +159,7 @@ def atomic(path: Path):
     link leads to, and the link itself, are somebody's; OSError, with what to do, where the file cannot
     be written.
     """
-    found = _kind_of(Place("the file to write", Path(path)))
-    if found not in ("", "a file"):
-        raise InputError(f"{path}: it is {found}, and must be a file.")
-    if Path(path).is_symlink():
-        raise InputError(f"{path}: {_about_link(path)}")
+    check_own(Place("the file to write", Path(path), ANY))
     path = Path(os.path.realpath(path))
     part = _part_of(path)
     try:
@@ -174,7 +169,8 @@ def atomic(path: Path):
     except (OSError, RuntimeError) as error:
         if not _of_disk(error, path):
             raise
-        raise OSError(_cannot(path, _why(path, error))) from None
+        why = "the disk is full" if is_full(path.parent) else _words(error)
+        raise OSError(_cannot(path, why)) from None
     finally:
         with suppress(OSError):
             part.unlink(missing_ok=True)
@@ -218,11 +214,6 @@ def is_full(folder: Path) -> bool:
         return False
     except OSError as error:
         return error.errno in (errno.ENOSPC, errno.EDQUOT)
-
-
-def _why(path: Path, error: Exception) -> str:
-    """Why a file cannot be written, as far as the system says."""
-    return "the disk is full" if is_full(path.parent) else _words(error)
 
 
 def _words(error: Exception) -> str:

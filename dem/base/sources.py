@@ -52,12 +52,12 @@ def closure(*modules: str, bits: bool = False) -> tuple[str, ...]:
     not have, OSError and SyntaxError for one that cannot be read.
     """
     for module in modules:
-        if _file(module) is None:
+        if file_of(module) is None:
             raise ValueError(f"module is {module!r}; it must be one of {', '.join(ROOTS)}")
     found, left = set(), list(modules)
     while left:
         name = left.pop()
-        if name not in found and not (bits and _read(_file(name)).no_bits and is_ours(name)):
+        if name not in found and not (bits and _read(file_of(name)).no_bits and is_ours(name)):
             found.add(name)
             left += _needed(name)
     return tuple(sorted(found, key=plain))
@@ -67,7 +67,7 @@ def _needed(module: str) -> Iterator[str]:
     """The modules that a module imports, and the package that contains it, as far as they count."""
     folder = module.rpartition(":")[0]
     for name in (*_names(module), plain(module).rpartition(".")[0]):
-        if _file(name):
+        if file_of(name):
             yield name
         elif folder and name in _published():
             yield _published()[name]
@@ -77,7 +77,7 @@ def _needed(module: str) -> Iterator[str]:
 
 def _names(module: str) -> Iterator[str]:
     """What a module imports, in full."""
-    own, path = plain(module), _file(module)
+    own, path = plain(module), file_of(module)
     package = own if path.name == "__init__.py" else own.rpartition(".")[0]
     for name in _read(path).imports:
         if not name.startswith("."):
@@ -95,7 +95,7 @@ def _is_beside(module: str, name: str) -> bool:
     first = name.partition(".")[0]
     near = first == own.partition(".")[0] or not INSTALLED & set(Path(folder).parts)
     own_name = first not in sys.stdlib_module_names and first not in ROOTS
-    return near and own_name and _file(f"{folder}:{name}") is not None
+    return near and own_name and file_of(f"{folder}:{name}") is not None
 
 
 @cache
@@ -105,7 +105,7 @@ def _published() -> dict[str, str]:
     for node in ast.parse((ROOTS["dem"] / "__init__.pyi").read_bytes()).body:
         for each in node.names if isinstance(node, ast.ImportFrom) else ():
             inner = f"dem.{node.module}.{each.name}"
-            found[f"dem.{each.name}"] = inner if _file(inner) else f"dem.{node.module}"
+            found[f"dem.{each.name}"] = inner if file_of(inner) else f"dem.{node.module}"
     return found
 
 
@@ -126,13 +126,13 @@ def address(module: str, file) -> str | None:
     if list(stem.parts[-len(parts) :]) != parts:
         return None
     found = f"{stem.parents[len(parts) - 1].resolve()}:{module}"
-    return found if _file(found) else None
+    return found if file_of(found) else None
 
 
 def own_files(module: str) -> dict[str, Path]:
     """Files of those modules of a user that a module depends on, by their names."""
     found = closure(module, bits=True)
-    return {plain(each): _file(each) for each in found if not is_ours(each)}
+    return {plain(each): file_of(each) for each in found if not is_ours(each)}
 
 
 def is_current(module: str) -> bool:
@@ -166,11 +166,11 @@ def code_hash(*modules: str, bits: bool = False) -> str:
 
 def codes(*modules: str, bits: bool = False) -> dict[str, str]:
     """SHA-256 of the code of each module of a closure, by name."""
-    return {plain(name): _read(_file(name)).code for name in closure(*modules, bits=bits)}
+    return {plain(name): _read(file_of(name)).code for name in closure(*modules, bits=bits)}
 
 
 @cache
-def _file(module: str) -> Path | None:
+def file_of(module: str) -> Path | None:
     """Source of a module, or None if neither a package of ROOTS nor the folder that it names has it."""
     folder, _, own = module.rpartition(":")
     name, *rest = own.split(".")
@@ -183,7 +183,7 @@ def _file(module: str) -> Path | None:
 
 def is_ours(module: str) -> bool:
     """Whether a module is of a package of ROOTS."""
-    return ":" not in module and _file(module) is not None
+    return ":" not in module and file_of(module) is not None
 
 
 def cache_folder() -> Path:
@@ -192,8 +192,8 @@ def cache_folder() -> Path:
 
 
 class Source(NamedTuple):
-    """Names that a file imports, as written, the SHA-256 of its code, whether it says NO_BITS, and the
-    classes at its top.
+    """Names that a file imports, as written, the SHA-256 of its code, whether it says NO_BITS, and what
+    is defined at its top.
 
     Some names are not modules but members of one.
     """
@@ -201,12 +201,12 @@ class Source(NamedTuple):
     imports: tuple[str, ...]
     code: str
     no_bits: bool
-    classes: dict[str, list[str]]  # by name: their functions
+    defined: dict[str, list[str]]  # classes and functions by name: the functions in it
 
 
-def classes_of(module: str) -> dict[str, list[str]]:
-    """The classes at the top of a module by name, each with the names of its functions."""
-    return _read(_file(module)).classes
+def defined_in(module: str) -> dict[str, list[str]]:
+    """The classes and functions at the top of a module by name, each class with those of its functions."""
+    return _read(file_of(module)).defined
 
 
 _SEEN: dict[Path, str] = {}  # digests of the files that were read
@@ -240,13 +240,13 @@ def _digest(content: bytes) -> str:
 def _parse(content: bytes, path: Path) -> Source:
     tree = ast.parse(content, str(path))
     tree.body = [each for each in tree.body if not _is_for_types(each)]
-    classes = {
+    defined = {
         each.name: [own.name for own in each.body if isinstance(own, ast.FunctionDef)]
         for each in tree.body
-        if isinstance(each, ast.ClassDef)
+        if isinstance(each, ast.ClassDef | ast.FunctionDef)
     }
     code = _digest(_code(tree).encode())
-    return Source(_imported(tree), code, b"\nNO_BITS = " in content, classes)
+    return Source(_imported(tree), code, b"\nNO_BITS = " in content, defined)
 
 
 def _is_for_types(node) -> bool:

@@ -60,32 +60,43 @@ def thickness(replicate: Replicate) -> float:
     return replicate.configuration.material.thickness or replicate.shape.diameter
 
 
+def room_of(replicate: Replicate) -> tuple:
+    """The granules of a bed, and the room in which they are packed."""
+    own, sizes = replicate.configuration, diameters(replicate)
+    height = height_of_box(own, sizes)
+    at = cylinder(replicate, height)
+    room = Room(own.box_width, height, at, replicate.seed, own.periodic)
+    return shaped(replicate, sizes), room
+
+
+def packed(configuration, shape, room: Room) -> Bed:
+    """The bed in a room, at the packing fraction of the room."""
+    friction, prepare = (
+        configuration.packing.friction,
+        PREPARATIONS[configuration.packing.preparation],
+    )
+    return compact(shape, room, friction, prepare) if friction > 0.0 else prepare(shape, *room)
+
+
 def make_bed(replicate: Replicate) -> Bed:
     """Pack the bed; ellipses always by common normal, which alone has an energy to minimise.
 
     Under a pressure the top wall comes down on a loose bed. Raises PackingError where no bed is found,
     or where it leaves no room for the stroke.
     """
-    sizes, own = diameters(replicate), replicate.configuration
-    shape = shaped(replicate, sizes)
-    height = height_of_box(own, sizes)
-    at = cylinder(replicate, height)
-    room = Room(own.box_width, height, at, replicate.seed, own.periodic)
-    if own.packing.pressure is not None:
-        loose = room._replace(height=height * NOMINAL / START)
-        load = own.packing.pressure * thickness(replicate) / effective_modulus(*2 * [own.material])
-        bed = pack_under(shape, loose, load)
-        top = at.position[1] + own.cylinder.stroke + 0.5 * at.diameter
-        if top > bed.height:
-            raise PackingError(
-                f"under {own.packing.pressure:g} Pa the box is {bed.height:.4g} m high, and the cylinder "
-                f"would leave it during its stroke; at most {own.cylinder.stroke + bed.height - top:.3g} m fit."
-            )
-        return bed
-    friction, prepare = own.packing.friction, PREPARATIONS[own.packing.preparation]
-    if friction > 0.0:
-        return compact(shape, room, friction, prepare)
-    return prepare(shape, *room)
+    own, (shape, room) = replicate.configuration, room_of(replicate)
+    if own.packing.pressure is None:
+        return packed(own, shape, room)
+    loose = room._replace(height=room.height * NOMINAL / START)
+    load = own.packing.pressure * thickness(replicate) / effective_modulus(*2 * [own.material])
+    bed = pack_under(shape, loose, load)
+    top = room.cylinder.position[1] + own.cylinder.stroke + 0.5 * room.cylinder.diameter
+    if top > bed.height:
+        raise PackingError(
+            f"under {own.packing.pressure:g} Pa the box is {bed.height:.4g} m high, and the cylinder "
+            f"would leave it during its stroke; at most {own.cylinder.stroke + bed.height - top:.3g} m fit."
+        )
+    return bed
 
 
 WRITTEN = (

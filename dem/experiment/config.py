@@ -8,15 +8,13 @@ import hashlib
 import json
 from collections.abc import Iterable
 from functools import cached_property
-from importlib import import_module
 from pathlib import Path
-from typing import Any, Literal, NamedTuple, get_origin
+from typing import Annotated, Any, Literal, NamedTuple, get_origin
 
 import numpy as np
 from pydantic import Field, model_validator
 from pydantic.fields import FieldInfo
 
-from dem.base.constants import described
 from dem.base.errors import InputError
 from dem.base.hints import choice
 from dem.base.provenance import compilers
@@ -33,6 +31,8 @@ from dem.base.schema import (
 )
 from dem.base.sources import code_hash
 from dem.experiment.fit import check_room
+from dem.experiment.kinds import EXPERIMENTS, Experiment
+from dem.experiment.observables import place_of
 from dem.experiment.sections import (
     CylinderSection,
     EllipseSection,
@@ -44,18 +44,16 @@ from dem.experiment.sections import (
     RecordSection,
     ShapeSection,
     ShearSection,
+    or_file,
 )
 from dem.shapes import Kind, kind_of
-from dem.shapes.outside import resolved
 
 NO_BITS = "reads values, which are part of what a run is known by"
 
 LAYOUT = 1  # of the files of runs: raise it where a variable comes, goes or has another meaning
-KINDS_OF_EXPERIMENT = described(Path(__file__).parent / "kinds", "SECTIONS")
-EXPERIMENTS = tuple(KINDS_OF_EXPERIMENT)
 # sections that only some experiments read, by these
 SECTIONS = {
-    name: tuple(kind for kind, own in KINDS_OF_EXPERIMENT.items() if name in own["SECTIONS"])
+    name: tuple(kind for kind, own in EXPERIMENTS.items() if name in own["SECTIONS"])
     for name in ("cylinder", "record", "shear")
 }
 UNREAD = ("beside", "shapes", "record.window")  # by runs; of the shapes, each reads its own
@@ -73,7 +71,9 @@ PRESSED_BY = (
 class Configuration(Section):
     """All values that a run can read."""
 
-    experiment: Literal[EXPERIMENTS] = value(None, "what is done with the bed", "drag")
+    experiment: Annotated[str, or_file(EXPERIMENTS)] = value(
+        None, "what is done with the bed, or a file of your own", "drag"
+    )
     box_width: Positive = value(
         "m", "width of the box; its height follows from packing.fraction or packing.pressure"
     )
@@ -87,17 +87,15 @@ class Configuration(Section):
     gravity: NotNegative = value("m s-2", "gravity, downwards", 0.0)
     ellipse: EllipseSection = EllipseSection()
     shapes: dict[Label, ShapeSection] = Field(min_length=1)
-    beside: str | None = value(
-        None, "folder of the files of shapes of your own; that of this file", None
-    )
+    beside: str | None = value(None, "folder of files of your own; that of this file", None)
     record: RecordSection | None = value(None, "what is recorded", None, None)
     shear: ShearSection | None = value(None, "how the bed is sheared", None, None)
     numerics: NumericsSection = NumericsSection()
 
     @model_validator(mode="after")
     def _check_sections(self):
-        kind = KINDS_OF_EXPERIMENT[self.experiment]
-        for name in SECTIONS:
+        kind = self.module.says
+        for name in SECTIONS if "SECTIONS" in kind else ():
             given, needed = getattr(self, name) is not None, kind["SECTIONS"].get(name)
             if needed and not given:
                 raise ValueError(f"{name} is missing; the experiment {self.experiment} needs it")
@@ -152,8 +150,8 @@ class Configuration(Section):
     @property
     def recorded(self) -> tuple[str, ...]:
         """What runs record: observables, or what an experiment of its own gives."""
-        named = KINDS_OF_EXPERIMENT[self.experiment].get("OBSERVED")
-        return self.observables if named else (self.experiment,)
+        names = self.observables if self.module.observed else (self.experiment,)
+        return tuple(name.removesuffix(".py") for name in names)
 
     def values(self) -> dict:
         """The values of a run as plain groups, without the other keys of a file."""
@@ -204,12 +202,17 @@ class Configuration(Section):
         return found
 
     @property
-    def module(self):
-        """The module of the experiment.
+    def module(self) -> Experiment:
+        """The experiment. Its code is loaded on use, so that reading results does not depend on the code
+        that made them."""
+        return Experiment(self.experiment, self.beside)
 
-        Loaded on use, so that reading results does not depend on the code that made them.
-        """
-        return import_module(f"dem.experiment.kinds.{self.experiment}")
+    def checked(self):
+        """These values; raises InputError where a file of a user's own that they name cannot be used."""
+        for label in self.shapes:
+            self.kind_of(label)
+        self.module.check(self)
+        return self
 
     def code_of(self, *modules: str, shapes: Iterable[str]) -> str:
         """SHA-256 of the code that modules and some shapes depend on."""
@@ -236,7 +239,7 @@ class Configuration(Section):
                 at[last] = new
         words = ", ".join(f"{path} {new}" for path, new in changes.items())
         source = f"{shape} with {words}" if changes else shape
-        return parse(resolved(data, source), source)
+        return parse(data, source).checked()
 
 
 class Replicate:
@@ -297,7 +300,7 @@ class Replicate:
         """The values that select the machine code of the run, as text: of each motion that it computes,
         its own and those of its bed."""
         c = self.configuration
-        motions = set(c.module.motions(self))
+        motions = c.module.motions(self)
         if c.packing.friction > 0:
             motions.add(PRESSED)
         if c.packing.preparation == "grown":
@@ -324,7 +327,7 @@ class Replicate:
     def run_key(self) -> str:
         """All that the run depends on, as text."""
         c = self.configuration
-        if KINDS_OF_EXPERIMENT[c.experiment].get("BED_ALONE"):
+        if c.module.says.get("BED_ALONE"):
             return f"{c.experiment} {self.bed_key()}"
         return f"{c._known_as_text[self.label]} {self.density} {self.seed}"
 
@@ -332,9 +335,8 @@ class Replicate:
     def modules(self) -> tuple[str, ...]:
         """The modules that make the run: experiment, observables and shape."""
         c = self.configuration
-        observables = c.observables if c.recorded == c.observables else ()
-        observed = (f"dem.experiment.observables.{name}" for name in observables)
-        return f"dem.experiment.kinds.{c.experiment}", *observed, self.kind.module
+        observables = c.observables if c.module.observed else ()
+        return c.module.place, *(place_of(name, c.beside) for name in observables), self.kind.module
 
     @property
     def source_hash(self) -> str:

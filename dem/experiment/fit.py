@@ -82,15 +82,12 @@ def _check_cylinder(configuration, height: float, where: str, turns: list[bool])
             f"cylinder.diameter is {cylinder.diameter:g} m; it must be less than box_width, "
             f"{configuration.box_width:g} m"
         )
-    if bottom < 0 and not turns[1]:
-        raise ValueError(
-            f"cylinder.start is {cylinder.start:g}: {where}, and the cylinder would begin below "
-            "its floor"
-        )
-    if top - cylinder.stroke > height and not turns[1]:
-        raise ValueError(
-            f"cylinder.start is {cylinder.start:g}: {where}, and the cylinder would begin above its top"
-        )
+    beyond = {"below its floor": bottom < 0, "above its top": top - cylinder.stroke > height}
+    for side, out in beyond.items():
+        if out and not turns[1]:
+            raise ValueError(
+                f"cylinder.start is {cylinder.start:g}: {where}, and the cylinder would begin {side}"
+            )
     if top > height and not turns[1]:
         raise ValueError(
             f"cylinder.stroke is {cylinder.stroke:g} m: {where}, and the cylinder would leave it "

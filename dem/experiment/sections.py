@@ -1,16 +1,29 @@
 """The sections of a configuration: what each value is, its units, limits and default."""
 
+from collections.abc import Iterable
 from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, model_validator
 
 from dem.base.hints import meant
+from dem.base.outside import is_outside
 from dem.base.schema import NotNegative, Number, Positive, Section, Seed, Whole, value
 from dem.experiment.observables import OBSERVABLES
 from dem.shapes import KINDS
-from dem.shapes.outside import is_outside
 
 NO_BITS = "describes values, which are part of what a run is known by"
+
+
+def or_file(known: Iterable[str]) -> BeforeValidator:
+    """A name of the package, or of a file of a user's own, which is looked up where a file is read."""
+
+    def check(name):
+        if name in tuple(known) or is_outside(name):
+            return name
+        *others, last = map(repr, known)
+        raise ValueError(f"it must be {', '.join(others)} or {last}{meant(name, known)}")
+
+    return BeforeValidator(check)
 
 
 class CylinderSection(Section):
@@ -87,10 +100,9 @@ class EllipseSection(Section):
 
 
 def _observables(names):
-    """Each name once, in the order of the registry, so that the order makes no other run."""
-    if isinstance(names, list | tuple) and all(name in OBSERVABLES for name in names):
-        return tuple(name for name in OBSERVABLES if name in names)
-    return names
+    """Each name once, in order, so that the order makes no other run."""
+    named = isinstance(names, list | tuple) and all(isinstance(name, str) for name in names)
+    return tuple(sorted(set(names))) if named else names
 
 
 class RecordSection(Section):
@@ -98,7 +110,7 @@ class RecordSection(Section):
     window: tuple[NotNegative, Positive] = value("m", "displacements of the mean drag's window")
     snapshots: Whole = value("1", "snapshots of all granules", ge=2, le=10_000)
     observables: Annotated[
-        tuple[Literal[tuple(OBSERVABLES)], ...], BeforeValidator(_observables)
+        tuple[Annotated[str, or_file(OBSERVABLES)], ...], BeforeValidator(_observables)
     ] = value(None, "what is recorded", ("drag", "snapshots"), min_length=1)
 
     @model_validator(mode="after")
@@ -129,16 +141,8 @@ class NumericsSection(Section):
         return self
 
 
-def _kind(name):
-    """A kind of the package, or the class of a file, which is looked up where a file is read."""
-    if name not in tuple(KINDS) and not is_outside(name):
-        *others, last = map(repr, KINDS)
-        raise ValueError(f"it must be {', '.join(others)} or {last}{meant(name, KINDS)}")
-    return name
-
-
 class ShapeSection(Section):
-    kind: Annotated[str, BeforeValidator(_kind)] = value(
+    kind: Annotated[str, or_file(KINDS)] = value(
         None, "kind of granule, or file and class of your own, such as stones.Stone"
     )
     diameter: Positive = value("m", "mean volume diameter of the granules")

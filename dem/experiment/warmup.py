@@ -3,11 +3,10 @@
 from dataclasses import replace
 
 from dem.dynamics.simulation import Simulation
-from dem.experiment.bed import PREPARATIONS, diameters, shaped
+from dem.experiment.bed import diameters, packed, shaped
 from dem.experiment.config import Replicate
 from dem.experiment.observables import module_of
 from dem.experiment.scene import make_scene
-from dem.packing.pressed import compact
 from dem.packing.random import Room
 from dem.scene import Cylinder
 
@@ -19,8 +18,8 @@ def compile_kernels(replicate: Replicate) -> None:
     rough walls is its own, for an instant too.
     """
     own, label = replicate.configuration, replicate.label
-    if hasattr(own.module, "warm_up"):
-        own.module.warm_up(replicate)
+    if hasattr(own.module.code, "warm_up"):
+        own.module.code.warm_up(replicate)
         return
     few = replicate.shape.model_copy(update={"granules": 3})
     own = own.model_copy(update={"shapes": {label: few}})
@@ -34,12 +33,8 @@ def compile_kernels(replicate: Replicate) -> None:
     if drawn:  # in a box that is much too high for three granules
         at = 0.5 * own.box_width, drawn.start * height
         cylinder = Cylinder(drawn.diameter, at, (0.0, drawn.velocity))
-    prepare = PREPARATIONS[own.packing.preparation]
-    room = Room(own.box_width, height, cylinder, 0, own.periodic)
-    # a bed that jams is pressed with friction in other runs of the variant, and drawn in most sweeps
-    friction = 1.0 if hasattr(own.module, "PRESSES") else own.packing.friction
-    bed = compact(shape, room, friction, prepare) if friction > 0.0 else prepare(shape, *room)
-    if cylinder is None:  # the bed is packed, and no more
+    bed = packed(own, shape, Room(own.box_width, height, cylinder, 0, own.periodic))
+    if not own.module.observed:  # the bed is packed, and no more
         return
     ledger = "ledger" in own.record.observables
     scene = replace(make_scene(replicate, bed), cylinder=cylinder)
@@ -47,7 +42,7 @@ def compile_kernels(replicate: Replicate) -> None:
     run.check_duration(1e-9)
     run.record(1e-9, 1)
     for name in own.record.observables:
-        if hasattr(module_of(name), "look"):
-            module_of(name).look(run)
+        if hasattr(module := module_of(name, own.beside), "look"):
+            module.look(run)
     if "snapshots" in own.record.observables:
         run.contacts()  # of snapshots, which the measures of flow ask for

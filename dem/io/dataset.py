@@ -74,9 +74,17 @@ FLAGS = {
 AGAIN = "delete it and run again"
 COMPRESSED = 8192  # bytes of an array from which compressing it makes the file smaller
 WALLS = ("left", "right", "bottom", "top")
-MEANS = ("drag", "drag_normal", "drag_tangential", "transverse_force", "wall_force")
 UNITLESS = ("displacement_bounds", "failure")  # numbers whose attributes say more than a unit
-SEEDS = ("seed", "trial_seed", "replicate")
+MORE = {  # attributes of CF beside name and units
+    "failure": FLAGS,
+    "replicate_drag": {"cell_methods": "replicate_displacement: mean"},
+    "time_step": {"cell_methods": "displacement: minimum"},
+    **{key: {"standard_name": "realization"} for key in ("seed", "trial_seed", "replicate")},
+    **{
+        key: {"cell_methods": "displacement: mean"}
+        for key in ("drag", "drag_normal", "drag_tangential", "transverse_force", "wall_force")
+    },
+}
 
 
 def is_text(name: str, layout: dict) -> bool:
@@ -87,19 +95,9 @@ def is_text(name: str, layout: dict) -> bool:
 def attributes(name: str, layout: dict) -> dict:
     """CF attributes of a variable."""
     _, units, long_name = layout[name]
-    found = {"long_name": long_name, "units": units}
-    if name == "failure":
-        found |= FLAGS
-    elif name == "displacement" and "displacement_bounds" in layout:
+    found = {"long_name": long_name, "units": units} | MORE.get(name, {})
+    if name == "displacement" and "displacement_bounds" in layout:
         found["bounds"] = "displacement_bounds"
-    elif name in SEEDS:
-        found["standard_name"] = "realization"
-    elif name in MEANS:
-        found["cell_methods"] = "displacement: mean"
-    elif name == "replicate_drag":
-        found["cell_methods"] = "replicate_displacement: mean"
-    elif name == "time_step":
-        found["cell_methods"] = "displacement: minimum"
     return {key: value for key, value in found.items() if value is not None}
 
 

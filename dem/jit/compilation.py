@@ -32,8 +32,8 @@ from dem.base.sources import (
     UNREADABLE,
     address,
     cache_folder,
-    classes_of,
     code_hash,
+    defined_in,
     from_elsewhere,
     is_current,
     is_ours,
@@ -72,7 +72,7 @@ def remember(cls: type) -> None:
     if found is None or is_ours(found):
         return
     try:
-        whole = cls.__qualname__ in classes_of(found) and not from_elsewhere(found)
+        whole = cls.__qualname__ in defined_in(found) and not from_elsewhere(found)
         if whole and is_current(found):
             OUTSIDE[cls] = code_hash(found, bits=True)
     except UNREADABLE:

@@ -4,16 +4,19 @@ length over width, where that is given by nature. A new shape is a new file.
 In: sizes of granules (m). Out: what dem.shapes.protocol lists, for the kernels and for Python. A
 smooth convex shape is its support function (see superellipse.py); `dem.check_shape` says what is
 wrong with a shape. Here you may add a shape, or a way to find a contact. Shapes in files of a user's
-own: dem.shapes.outside.
+own: dem.base.outside.
 """
 
-from importlib import import_module
 from pathlib import Path
 from typing import NamedTuple
 
 from dem.base.constants import described
+from dem.base.errors import InputError
+from dem.base.outside import found, loaded
+from dem.base.sources import defined_in, file_of
 
 NO_BITS = "finds the file of a shape"
+HOW = "docs/howto/shape.md"
 
 
 class Kind(NamedTuple):
@@ -29,12 +32,14 @@ class Kind(NamedTuple):
 
     @property
     def shape(self) -> type:
-        """The class; the file of a user's own runs here, and nowhere else."""
-        if ":" in self.module:
-            from dem.shapes.outside import loaded
-
-            return loaded(self.module, self.name)
-        return getattr(import_module(self.module), self.name)
+        """The class; the file of a user's own runs here, and nowhere else. Raises InputError."""
+        made = getattr(loaded(self.module), self.name)
+        if not hasattr(made, "lists_sizes"):  # which dem.shapes.protocol gives to each shape
+            path = file_of(self.module)
+            raise InputError(
+                f"{path}: {self.name} is no shape; decorate it with smooth, see {HOW}."
+            )
+        return made
 
 
 KINDS = {
@@ -47,9 +52,19 @@ def kind_of(name: str, beside: str | None = None) -> Kind:
     """The kind of this name, of the package or of a file in the folder `beside`; raises InputError."""
     if name in KINDS:
         return KINDS[name]
-    from dem.shapes.outside import found
-
-    return found(name, beside)
+    module, _, last = name.rpartition(".")
+    where = found("kind", name, module, beside, tuple(KINDS))
+    classes, said = defined_in(where), f"kind is {name!r}; "
+    if last not in classes:
+        raise InputError(
+            f"{said}{file_of(where)} has no class {last}; it has {', '.join(classes) or 'none'}."
+        )
+    if "of_size" not in classes[last]:
+        raise InputError(
+            f"{said}its class has no of_size; give it a class method of_size(diameter, aspect_ratio), "
+            f"see {HOW}."
+        )
+    return Kind(where, last)
 
 
 def outlines(kind: str, diameters, ratio: float, beside: str | None = None):

@@ -24,7 +24,7 @@ from dem.base.schema import (
 )
 from dem.base.validate import shown
 from dem.experiment.config import Configuration, Entry, entries
-from dem.experiment.observables import OBSERVABLES, module_of
+from dem.experiment.observables import OBSERVABLES, variables_of
 from dem.experiment.sections import OwnSection
 from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE
 from dem.sweep import design
@@ -119,7 +119,7 @@ def name_of(path: str) -> str:
     """The name of a value in files of results, with a suffix if what runs record has that name."""
     name = path.replace(".", "_")
     taken = {"run", "bound", "snapshot", "granule", "shear_strain", *OBSERVABLES}
-    for table in (AXES, LABELS, OF_RUN, OF_STORE, *(module_of(n).VARIABLES for n in OBSERVABLES)):
+    for table in (AXES, LABELS, OF_RUN, OF_STORE, *map(variables_of, OBSERVABLES)):
         taken |= set(table)
     return f"{name}_swept" if name in taken else name
 

@@ -17,7 +17,7 @@ from dem.base.sources import codes
 from dem.experiment import resume
 from dem.experiment.bed import make_bed, periods
 from dem.experiment.config import Replicate
-from dem.io.dataset import AXES, FAILURES, LABELS, OF_STORE, WHOLE, global_attributes, read, write
+from dem.io.dataset import FAILURES, LABELS, OF_STORE, WHOLE, global_attributes, read, write
 from dem.io.results_folder import lock_of
 from dem.packing.random import Bed
 from dem.sweep.store import Store
@@ -78,7 +78,7 @@ def _row(store: Store, replicate: Replicate, progress) -> dict:
 
 def _run(store: Store, replicate: Replicate, progress) -> dict:
     experiment = replicate.configuration.module
-    if not getattr(experiment, "OBSERVED", False):
+    if not experiment.observed:
         return experiment.run(replicate)
     found = store.bed(replicate, make_bed)
     numbers = [float(found[name]) for name in Bed._fields[2:-1]]
@@ -93,8 +93,9 @@ def layout_of(replicate: Replicate) -> dict:
     """The variables of a chunk of such runs, as in dem.io.dataset."""
     experiment = replicate.configuration.module
     of_run = experiment.layout(replicate.configuration) | LABELS | OF_STORE
-    axes = getattr(experiment, "AXIS", AXES)
-    return axes | {name: (("run", *dims), *rest) for name, (dims, *rest) in of_run.items()}
+    return experiment.AXIS | {
+        name: (("run", *dims), *rest) for name, (dims, *rest) in of_run.items()
+    }
 
 
 def write_chunk(path: Path, replicates: list[Replicate], rows: list[dict]) -> None:

@@ -18,9 +18,7 @@ from dem.base.errors import InputError, RunError
 from dem.experiment.config import Entry
 from dem.io.dataset import (
     AGAIN,
-    AXES,
     LABELS,
-    OF_RUN,
     OF_STORE,
     OF_SWEEP,
     attributes,
@@ -106,12 +104,7 @@ def layout_of(block: Block, observable: str) -> tuple[dict, list[str]]:
     """Layout of the combined file, and the names of what its runs give."""
     first = block.runs[0].replicate
     experiment = first.configuration.module
-    if getattr(experiment, "OBSERVED", False):  # flow too, which is measured of snapshots
-        from dem.experiment.observables import module_of
-
-        of_run, axes = module_of(observable).VARIABLES | OF_RUN, AXES
-    else:
-        of_run, axes = experiment.VARIABLES, getattr(experiment, "AXIS", {})
+    of_run, axes = experiment.variables(first.configuration, observable), experiment.AXIS
     own = {name: entry for name, entry in of_run.items() if "granule" not in entry[0]}
     store = {name: OF_STORE[name] for name in ("run_id", "bed_family", "failure")}
     layout = {name: ((*block.dims, *dims), *rest) for name, (dims, *rest) in (own | store).items()}

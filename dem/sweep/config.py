@@ -14,11 +14,11 @@ from pydantic import AfterValidator, Field, model_validator
 from dem.base.errors import InputError
 from dem.base.files import atomic
 from dem.base.hints import choice, meant
+from dem.base.outside import placed
 from dem.base.schema import Label, NotNegative, Positive, Section, Whole, validated, value
 from dem.base.sources import ROOT
 from dem.base.yaml_file import read
 from dem.experiment.config import Configuration
-from dem.shapes.outside import placed, resolved
 from dem.sweep.expand import Block, Derived, expand
 
 DISTRIBUTION = "granular-drag"
@@ -166,7 +166,7 @@ class Sweep(Configuration):
 
 def parse(data, source: str = "configuration") -> Sweep:
     """Sweep from the content of a file; raises InputError with one sentence per fault."""
-    sweep = validated(Sweep, resolved(extended(data, source), source), source)
+    sweep = validated(Sweep, extended(data, source), source)
     try:
         sweep.check()
     except InputError as error:

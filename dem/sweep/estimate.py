@@ -154,10 +154,9 @@ def advice(sweep: Sweep) -> list[str]:
 def _effort(replicate: Replicate) -> float:
     """How much there is to do, but for a factor: granules times steps, without their bed."""
     own, shape = replicate.configuration, replicate.shape
-    if not hasattr(own.module, "duration"):  # it prepares beds, and simulates no set time
+    if (duration := own.module.duration(replicate)) is None:
         return 1e5 * shape.granules
     speed = np.sqrt(own.material.young_modulus / replicate.density)
-    duration = own.module.duration(replicate)
     return shape.granules * duration * speed / shape.diameter / own.numerics.step_fraction
 
 

@@ -7,9 +7,9 @@ import numpy as np
 import xarray as xr
 
 from dem.base.errors import InputError
+from dem.base.outside import placed
 from dem.experiment.config import of_values
-from dem.io.dataset import AXES, LABELS, attributes, global_attributes
-from dem.shapes.outside import placed, resolved
+from dem.io.dataset import LABELS, attributes, global_attributes
 from dem.sweep.config import extended, load
 
 
@@ -79,12 +79,11 @@ def run_experiment(values: dict) -> xr.Dataset:
     >>> found["drag"].dims, found["drag"].attrs["units"]
     (('displacement',), 'N')
     """
-    replicate = of_values(resolved(placed(_whole(values), Path()), "values"))
-    own = replicate.configuration
+    replicate = of_values(placed(_whole(values), Path()))
+    own = replicate.configuration.checked()
     experiment = own.module
     found = experiment.run(replicate)
-    axes = getattr(experiment, "AXIS", AXES)
-    layout = experiment.layout(own) | axes | LABELS
+    layout = experiment.layout(own) | experiment.AXIS | LABELS
     coordinates = experiment.axes(own) | replicate.labels()
     used = {dim for name in found for dim in layout[name][0]}
     dataset = xr.Dataset({name: (layout[name][0], value) for name, value in found.items()})

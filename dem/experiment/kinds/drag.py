@@ -12,14 +12,14 @@ from dem.experiment.bed import cylinder, diameters, make_bed, thickness
 from dem.experiment.config import Configuration, Replicate
 from dem.experiment.motion import Motion
 from dem.experiment.observables import module_of
-from dem.experiment.resume import Going, read_checkpoint, stacked, write_checkpoint
+from dem.experiment.resume import Going, resumed, stacked, write_checkpoint
 from dem.experiment.scene import start
-from dem.experiment.sections import EllipseSection
-from dem.io.dataset import OF_RUN, WALLS
+from dem.io.dataset import WALLS
 from dem.packing.random import Bed
 
 SECTIONS = {"cylinder": True, "record": True}
 OBSERVED = True
+SIZES = {"displacement": "record.bins", "snapshot": "record.snapshots", "bound": 2, "wall": 4}
 BINS_A_CALL = 20  # between two signs of progress
 SAVED_EVERY = 60.0  # s between two checkpoints
 
@@ -59,16 +59,6 @@ class Seen(NamedTuple):
         return found
 
 
-def layout(configuration: Configuration) -> dict:
-    """The variables of a run, as in dem.io.dataset."""
-    found = dict(OF_RUN)
-    for name in configuration.record.observables:
-        found |= module_of(name).VARIABLES
-    if configuration.packing.pressure is None:  # all walls are at rest
-        found.pop("top_y", None)
-    return found
-
-
 def axes(configuration: Configuration) -> dict:
     """Values along the dimensions that all runs of a configuration share, by the names of AXES."""
     stroke, record = configuration.cylinder.stroke, configuration.record
@@ -79,15 +69,6 @@ def axes(configuration: Configuration) -> dict:
         "wall": np.array(WALLS),
         "snapshot_displacement": np.linspace(0.0, stroke, record.snapshots),
     }
-
-
-def sizes(replicate: Replicate) -> dict[str, int]:
-    """Length of every dimension of a run."""
-    record = replicate.configuration.record
-    return {
-        "displacement": record.bins, "bound": 2, "wall": len(WALLS),
-        "snapshot": record.snapshots, "granule": replicate.shape.granules,
-    }  # fmt: skip
 
 
 def run(
@@ -104,7 +85,8 @@ def run(
     to remove once the result is on disk. Raises RunError where the run fails.
     """
     bed, own = bed or make_bed(replicate), replicate.configuration
-    record, observables = own.record, [module_of(name) for name in own.record.observables]
+    record = own.record
+    observables = [module_of(name, own.beside) for name in record.observables]
     ledger = any(getattr(module, "LEDGER", False) for module in observables)
     simulation = start(replicate, bed, threads=threads, ledger=ledger)
     interval = own.cylinder.stroke / own.cylinder.velocity / record.bins
@@ -115,9 +97,8 @@ def run(
         return {k: v for each in looking for k, v in each.look(simulation).items()}
 
     looking = [module for module in observables if hasattr(module, "look")]
-    going = Going([], [simulation.state], [look()], 0.0)
-    if checkpoint is not None and (saved := read_checkpoint(checkpoint, replicate, bed)):
-        going = saved.restore(simulation)
+    begun = Going([], [simulation.state], [look()], 0.0)
+    going = (checkpoint and resumed(checkpoint, replicate, bed, simulation)) or begun
     done, saved_at = going.bins, time.monotonic()
     while done < record.bins:
         started = time.process_time()
@@ -152,16 +133,6 @@ def _of_bed(replicate: Replicate, bed: Bed) -> dict:
         "packing_net_force": bed.net_force,
         "packing_max_overlap": bed.max_overlap,
     }
-
-
-def motions(replicate: Replicate) -> set:
-    """Has the motion friction, damping, gravity, a ledger; does a wall hold a pressure; how are contacts
-    of ellipses found?"""
-    c = replicate.configuration
-    rough = any((c.friction.granule, c.friction.wall, c.friction.cylinder))
-    ellipse = c.ellipse if replicate.shape.kind == "ellipse" else EllipseSection()
-    has = c.gravity > 0, "ledger" in c.observables, c.packing.pressure is not None
-    return {(rough, c.material.restitution < 1, *has, str(ellipse))}
 
 
 def duration(replicate: Replicate) -> float:

@@ -11,11 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.base.errors import PackingError
-from dem.experiment.bed import PREPARATIONS, cylinder, diameters, shaped
-from dem.experiment.config import PRESSED, Configuration, Replicate
-from dem.experiment.fit import height_of_box
+from dem.experiment.bed import PREPARATIONS, room_of
+from dem.experiment.config import Configuration, Replicate
 from dem.packing.pressed import START, Press
-from dem.packing.random import Room
 
 VARIABLES = {
     "jam_fraction": ((), "1", "packing fraction at which the bed jams"),
@@ -26,10 +24,10 @@ VARIABLES = {
 SECTIONS = {"cylinder": False, "record": True}
 ASKS = {"packing.pressure": (None, "the bed is compressed")}
 BED_ALONE = True
-PRESSES = True  # with friction, somewhere in most sweeps
 AXIS = {"jam_at": (("jam_at",), "1", "packing fraction")}
 STEP = 0.005  # of the packing fraction
 STEPS = 50  # at most
+SIZES = {"jam_at": STEPS}
 # load: mean normal force on the walls per length, over E* and the mean diameter
 NOISE = 5e-5  # a bed under less load may be at rest without being jammed
 ENOUGH = 1.1e-3  # here the line is long enough
@@ -47,15 +45,11 @@ class Path(NamedTuple):
 
 def compress(replicate: Replicate) -> Path:
     """Grow the granules of a run until the bed is well above jamming; NaN where no bed is found."""
-    sizes, own = diameters(replicate), replicate.configuration
-    height, friction = height_of_box(own, sizes), own.packing.friction
-    shape = shaped(replicate, sizes)
-    at = cylinder(replicate, height)
-    room = Room(own.box_width, height, at, replicate.seed, own.periodic)
+    own = replicate.configuration
+    prepare = PREPARATIONS[own.packing.preparation]
     fractions, loads = [], []
     try:
-        prepare = PREPARATIONS[own.packing.preparation]
-        press = Press(shape, room, friction, prepare)
+        press = Press(*room_of(replicate), own.packing.friction, prepare)
         for fraction in START + STEP * np.arange(STEPS):
             loads.append(press.press(fraction) / replicate.shape.diameter)
             fractions.append(fraction)
@@ -76,24 +70,9 @@ def line(fraction: np.ndarray, load: np.ndarray) -> Path:
     return Path(fraction, load, -height / slope, slope)
 
 
-def layout(configuration: Configuration) -> dict:
-    """The variables of a run, as in dem.io.dataset."""
-    return VARIABLES
-
-
 def axes(configuration: Configuration) -> dict:
     """Values along the dimensions that all runs share."""
     return {"jam_at": START + STEP * np.arange(STEPS)}
-
-
-def sizes(replicate: Replicate) -> dict[str, int]:
-    """Length of every dimension of a run."""
-    return {"jam_at": STEPS}
-
-
-def motions(replicate: Replicate) -> set:
-    """That of a bed pressed with friction, which other runs of the sweep have."""
-    return {PRESSED}
 
 
 def run(replicate: Replicate, bed=None, progress=lambda done: None) -> dict:

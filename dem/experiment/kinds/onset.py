@@ -12,11 +12,9 @@ import numpy as np
 
 from dem.base.errors import PackingError
 from dem.dynamics.contact_list import ContactList
-from dem.experiment.bed import cylinder, diameters, shaped
-from dem.experiment.config import Configuration, Replicate
-from dem.experiment.fit import height_of_box
+from dem.experiment.bed import room_of
+from dem.experiment.config import Replicate
 from dem.packing.pressed import Press
-from dem.packing.random import Room
 
 VARIABLES = {
     "onset_fraction": ((), "1", "packing fraction at the onset of jamming"),
@@ -56,11 +54,7 @@ class Onset(NamedTuple):
 
 def find(replicate: Replicate) -> Onset:
     """The onset of jamming of the bed of a run; raises PackingError where none is found."""
-    sizes, own = diameters(replicate), replicate.configuration
-    height = height_of_box(own, sizes)
-    shape = shaped(replicate, sizes)
-    at = cylinder(replicate, height)
-    press = Press(shape, Room(own.box_width, height, at, replicate.seed, own.periodic))
+    press = Press(*room_of(replicate))
     unit = replicate.shape.diameter
     for _ in range(STEPS):
         load = press.press(press.fraction + STEP, GROWN, PATIENCE) / unit
@@ -73,7 +67,7 @@ def find(replicate: Replicate) -> Onset:
     contacts = press.contacts()
     holds = contacts.force > press.net_force * press.unit  # others are not at rest
     contacts = ContactList(*(column[holds] for column in contacts))
-    firm = backbone(contacts, len(sizes))
+    firm = backbone(contacts, replicate.shape.granules)
     between = firm[contacts.granule] & firm[contacts.partner] & (contacts.partner >= 0)
     return Onset(fraction, press.pressure / unit, int(between.sum()), int((~firm).sum()))
 
@@ -108,26 +102,6 @@ def backbone(contacts: ContactList, granules: int) -> np.ndarray:
         if (kept == firm).all():
             return firm
         firm = kept
-
-
-def layout(configuration: Configuration) -> dict:
-    """The variables of a run, as in dem.io.dataset."""
-    return VARIABLES
-
-
-def axes(configuration: Configuration) -> dict:
-    """Values along the dimensions that all runs share."""
-    return {}
-
-
-def sizes(replicate: Replicate) -> dict[str, int]:
-    """Length of every dimension of a run."""
-    return {}
-
-
-def motions(replicate: Replicate) -> set:
-    """None: the energy is minimised."""
-    return set()
 
 
 def run(replicate: Replicate, bed=None, progress=lambda done: None) -> dict:

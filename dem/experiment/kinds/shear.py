@@ -35,9 +35,10 @@ AXIS = {
     "shear_strain": (
         ("shear_strain",),
         "1",
-        "strain since the first sample, as the lid's velocity asks for",
-    )
+        "strain since the first sample, by the lid's velocity",
+    ),
 }
+SIZES = {"shear_strain": "shear.samples"}
 SECTIONS = {"shear": True}
 ASKS = {
     "packing.pressure": (None, "the lid is pressed"),
@@ -115,13 +116,6 @@ def brief(replicate: Replicate) -> Replicate:
     return Replicate(own, replicate.label, replicate.density, replicate.seed)
 
 
-def motions(replicate: Replicate) -> set:
-    """Friction and damping between granules that are held and others."""
-    c = replicate.configuration
-    rough = any((c.friction.granule, c.friction.wall, c.friction.cylinder))
-    return {("held", rough, c.material.restitution < 1)}
-
-
 def warm_up(replicate: Replicate) -> None:
     """The same for an instant."""
     run(brief(replicate))
@@ -181,17 +175,7 @@ def _below(line, height: np.ndarray, radius: np.ndarray) -> np.ndarray:
     return radius**2 * (0.5 * np.pi + np.arcsin(over) + over * np.sqrt(1.0 - over**2))
 
 
-def layout(configuration: Configuration) -> dict:
-    """The variables of a run, as in dem.io.dataset."""
-    return VARIABLES
-
-
 def axes(configuration: Configuration) -> dict:
     """Values along the dimensions that all runs share."""
     own = configuration.shear
     return {"shear_strain": own.strain * np.arange(1, own.samples + 1) / own.samples}
-
-
-def sizes(replicate: Replicate) -> dict[str, int]:
-    """Length of every dimension of a run."""
-    return {"shear_strain": replicate.configuration.shear.samples}

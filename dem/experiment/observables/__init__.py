@@ -1,18 +1,38 @@
 """What a run records, by name: one module each, loaded when it is asked for.
 
-A new observable is a file here. It has VARIABLES, a layout (name: dimensions, units, long name),
-and one or both of two functions that return values by these names: `look(simulation)` at each
-snapshot, one number a variable, and `measure(seen)` at the end, from what the run saw
-(dem.experiment.kinds.drag.Seen). It has LEDGER = True if the simulation must keep an energy ledger.
+A new observable is a file here, or beside a sweep file. It has VARIABLES, a layout (name: dimensions, units,
+long name) that is read without running the file, and one or both of two functions that return values by
+these names: `look(simulation)` at each snapshot, one number a variable, and `measure(seen)` at the end,
+from what the run saw (dem.experiment.kinds.drag.Seen). It has LEDGER = True if the simulation must keep an
+energy ledger.
 """
 
-from importlib import import_module
+from pathlib import Path
 from pkgutil import iter_modules
 
+from dem.base.outside import file_found, loaded, said_in
+
+NO_BITS = "finds observables"
 # Found and not listed, so that a new one does not change the code of runs without it.
 OBSERVABLES = tuple(sorted(module.name for module in iter_modules(__path__)))
+KINDS = tuple(
+    sorted(path.stem for path in (Path(__file__).parent.parent / "kinds").glob("[a-z]*.py"))
+)
 
 
-def module_of(name: str):
-    """The module of an observable."""
-    return import_module(f"{__name__}.{name}")
+def place_of(name: str, beside: str | None = None) -> str:
+    """The module of an observable, as dem.base.sources names it; raises InputError."""
+    if name in OBSERVABLES:
+        return f"{__name__}.{name}"
+    known = OBSERVABLES + KINDS  # whose files of results have these names
+    return file_found("record.observables", name, beside, known, "measure", "look")
+
+
+def variables_of(name: str, beside: str | None = None) -> dict:
+    """The variables of an observable; its file is not run."""
+    return said_in(place_of(name, beside))["VARIABLES"]
+
+
+def module_of(name: str, beside: str | None = None):
+    """The module of an observable, which runs its file."""
+    return loaded(place_of(name, beside))

@@ -1,0 +1,165 @@
+"""Files of a user's own beside a sweep file: shapes, observables and kinds of experiment.
+
+`kind: stones.Stone` is the class Stone of stones.py in the folder of the sweep file; `experiment: rest.py`
+and `observables: [drag, rotation.py]` are files there. What a configuration needs of a file is read without
+running it. Only `loaded` runs one, for who makes runs, or asks to draw shapes as they are.
+"""
+
+import importlib
+import re
+import sys
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+from types import ModuleType
+
+from dem.base.constants import constants
+from dem.base.errors import InputError
+from dem.base.sources import (
+    UNREADABLE,
+    address,
+    code_hash,
+    defined_in,
+    file_of,
+    from_elsewhere,
+    is_current,
+    own_files,
+)
+
+NO_BITS = "finds files of a user's own"
+KEYS = "kind", "observables", "experiment"  # of configurations, that may name a file
+
+
+def is_outside(word) -> bool:
+    """Whether a word names something in a file of a user's own, such as stones.Stone or rest.py."""
+    return isinstance(word, str) and bool(
+        re.fullmatch(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)+", word, re.ASCII)
+    )
+
+
+def placed(data, folder: Path):
+    """Values of a file; `beside`, where files of a user's own are, is its folder if it names some."""
+    if not isinstance(data, dict):
+        return data
+    if isinstance(own := data.get("beside"), str):
+        return data | {"beside": str((folder / own).resolve())}
+    if data.get("beside") is None and any(map(is_outside, _words(data))):
+        return data | {"beside": str(folder.resolve())}
+    return data
+
+
+def _words(data, key: str = ""):
+    """All values of the keys that may name a file."""
+    if isinstance(data, dict):
+        for path, value in data.items():
+            yield from _words(value, str(path).rpartition(".")[2])
+    elif isinstance(data, list | tuple):
+        for value in data:
+            yield from _words(value, key)
+    elif key in KEYS:
+        yield data
+
+
+@cache
+def found(key: str, word: str, module: str, beside: str | None, known: tuple[str, ...]) -> str:
+    """How dem.base.sources names the module that the word of a key means; its file is read and not run.
+
+    known: names of what this package has. Raises InputError where the file cannot be used.
+    """
+    said = f"{key} is {word!r}; "
+    if not is_outside(word):
+        raise InputError(f"{said}it must be one of {', '.join(known)}, or of a file of your own.")
+    if beside is None:
+        raise InputError(
+            f"{said}the folder of its file is not known here; name it (beside in a configuration, "
+            "--shapes on the command line)."
+        )
+    where = f"{beside}:{module}"
+    path = Path(beside, *module.split(".")).with_suffix(".py")
+    if not path.is_file():
+        raise InputError(f"{said}there is no file {path}.")
+    try:
+        code_hash(where, bits=True)
+        elsewhere = from_elsewhere(where)
+    except UNREADABLE as error:
+        raise InputError(f"{said}{path} cannot be read ({' '.join(str(error).split())}).") from None
+    for other, origin in elsewhere.items():
+        raise InputError(
+            f"{said}{path} imports {other} from {origin}, where edits are not noticed; put it beside "
+            f"{path.name}, or install it."
+        )
+    return where
+
+
+def file_found(
+    key: str, word: str, beside: str | None, known: tuple[str, ...], *functions: str
+) -> str:
+    """The same for a file of VARIABLES and at least one of some functions, such as rest.py."""
+    stem, _, suffix = word.rpartition(".")
+    if suffix != "py" or "." in stem:
+        raise InputError(
+            f"{key} is {word!r}; it must be one of {', '.join(known)}, or a file of your own, such as rest.py."
+        )
+    where = found(key, word, stem, beside, known)
+    table = said_in(where).get("VARIABLES")
+    if not isinstance(table, dict) or not all(map(_is_entry, table.values())):
+        raise InputError(
+            f"{key} is {word!r}; {file_of(where)} must give VARIABLES as plain values, name: (dimensions, "
+            "units, words)."
+        )
+    if not defined_in(where).keys() & set(functions):
+        raise InputError(
+            f"{key} is {word!r}; {file_of(where)} has no function {' or '.join(functions)}."
+        )
+    return where
+
+
+def _is_entry(entry) -> bool:
+    match entry:
+        case (tuple(), str() | None, str() | None):
+            return True
+    return False
+
+
+def said_in(where: str) -> dict:
+    """The constants at the top of a module."""
+    return constants(file_of(where))
+
+
+@cache
+def loaded(where: str) -> ModuleType:
+    """A module, of this package or a file of a user's own, which is run; raises InputError."""
+    folder, _, module = where.rpartition(":")
+    if not folder:
+        return importlib.import_module(module)
+    path = file_of(where)
+    if folder not in sys.path:
+        sys.path.append(folder)  # last, so that it hides nothing
+    importlib.invalidate_caches()
+    writes, sys.dont_write_bytecode = sys.dont_write_bytecode, True  # nothing beside a sweep file
+    try:
+        for own, file in own_files(where).items():
+            _check_place(own.partition(".")[0], folder, file)
+        made = importlib.import_module(module)
+    except InputError:
+        raise
+    except Exception as error:
+        words = " ".join(f"{type(error).__name__}: {error}".split())
+        raise InputError(f"{path}: it cannot be imported ({words}).") from error
+    finally:
+        sys.dont_write_bytecode = writes
+    if not is_current(where):
+        raise InputError(f"{path}: it has changed while it was used; start again.")
+    return made
+
+
+def _check_place(name: str, folder: str, file: Path) -> None:
+    """Raise InputError where Python takes another module of this name than that in a folder."""
+    there = sys.modules.get(name)
+    taken = there.__file__ if there else getattr(find_spec(name), "origin", None)
+    if taken is None or Path(taken).resolve().is_relative_to(Path(folder).resolve()):
+        return
+    at = address(name, taken) if there else None
+    if at and code_hash(at, bits=True) == code_hash(f"{folder}:{name}", bits=True):
+        return  # a copy of the same code
+    raise InputError(f"{file}: Python takes {taken} for {name}; give your file another name.")
