@@ -204,7 +204,7 @@ def test_readers_run_no_code_that_a_sweep_names(swept):
 
 WRONG = {
     "stone.Pebble": "there is no file",
-    "pebbles.Peble": "has no class Peble; it has Pebble, Bare.",
+    "pebbles.Peble": "has no class Peble; it defines support, Pebble, Bare.",
     "pebbles.Bare": "its class has no of_size; give it",
     "broken.Stone": "cannot be read (",
     "../mine/pebbles.Pebble": "it must be 'disc', 'dumbbell', 'ellipse' or 'superellipse'",

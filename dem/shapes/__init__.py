@@ -57,7 +57,7 @@ def kind_of(name: str, beside: str | None = None) -> Kind:
     classes, said = defined_in(where), f"kind is {name!r}; "
     if last not in classes:
         raise InputError(
-            f"{said}{file_of(where)} has no class {last}; it has {', '.join(classes) or 'none'}."
+            f"{said}{file_of(where)} has no class {last}; it defines {', '.join(classes) or 'none'}."
         )
     if "of_size" not in classes[last]:
         raise InputError(
