@@ -253,7 +253,6 @@ WRONG_FILES = {  # what a sweep says: which file is there, and what is told
         "VARIABLES = {'drag': ((), 'N', 'force')}\ndef look(it):\n    pass\n",
         "record.observables has 'rest.py'; runs have a variable drag without it",
     ),
-    "record: {observables: [drag, json.py]}": ("", "json is a module of Python"),
     "record: {observables: [rest.py, drag]}": (
         "VARIABLES = {'turn': (('snap',), 'N', 'force')}\ndef look(it):\n    pass\n",
         "the variable turn is over snap; its dimensions may be bound, displacement",
@@ -265,7 +264,7 @@ WRONG_FILES = {  # what a sweep says: which file is there, and what is told
 def test_what_is_wrong_with_a_file_of_an_experiment_is_one_sentence(tmp_path, words):
     """Which comes without running it."""
     text, told = WRONG_FILES[words]
-    for name in ("rest.py", "json.py", "drag.py"):
+    for name in ("rest.py", "drag.py"):
         (tmp_path / name).write_text(TELLING + text)
     (tmp_path / "sweep.yaml").write_text(
         f"extends: config/smoke.yaml\nresults: results/mine\n{words}\nsweep: {{shape: c1, density: 3900, seed: 1}}\n"

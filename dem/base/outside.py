@@ -76,6 +76,8 @@ def found(key: str, word: str, module: str, beside: str | None, known: tuple[str
         )
     where = f"{beside}:{module}"
     path = Path(beside, *module.split(".")).with_suffix(".py")
+    if module in known:
+        raise InputError(f"{said}{module} is a name of this package; give your file another name.")
     if not path.is_file():
         raise InputError(f"{said}there is no file {path}.")
     try:
