@@ -13,17 +13,6 @@ OUTPUTS
     {RESULTS}/report.html
 """
 
-def studies_there():
-    """Digest of the results of studies next to those of the sweep."""
-    from hashlib import sha256
-
-    digest = sha256()
-    for text in sorted(Path(RESULTS).glob("*.txt")):
-        for file in (text, *sorted(Path(RESULTS).glob(f"figures/{text.stem}*.png"))):
-            digest.update(file.read_bytes())
-    digest.update(bytes([Path(f"{RESULTS}/provenance.html").is_file()]))
-    return digest.hexdigest()
-
 
 localrules:
     report,
@@ -31,7 +20,7 @@ localrules:
 
 rule report:
     input:
-        RESULTS + "/report.html",
+        f"{RESULTS}/report.html",
 
 
 rule report_page:
@@ -40,14 +29,16 @@ rule report_page:
     input:
         combined=COMBINED,
         figures=PICTURES,
-        notes="docs/explanation/open.md",
-        page=sorted(map(str, Path("dem/report/page").iterdir())),
     output:
-        update(RESULTS + "/report.html"),
+        f"{RESULTS}/report.html",
     params:
         code=code_of("dem.report.build"),
-        studies=lambda w: studies_there(),
+        notes=os.path.relpath(HERE / "docs/explanation/open.md"),
+        studies=lambda w: {
+            path.name: path.stat().st_mtime for name in ("*.txt", "provenance.html") for path in sorted(SWEEP.results.glob(name))
+        },
+        drag=lambda w, input: input.combined[0],
     log:
-        RESULTS + "/logs/report.log",
+        f"{RESULTS}/logs/report.log",
     shell:
-        "begin {output:q}; dem report {RESULTS}/drag.nc --notes {input.notes} -o {output} 2> {log}; end {output:q}"
+        "dem report {params.drag} --notes {params.notes} -o {output} 2> {log}"

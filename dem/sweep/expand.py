@@ -33,13 +33,10 @@ class Run(NamedTuple):
 
 class Block:
     """All runs of a block: axes, and runs in their order; fixed: paths of values that all its runs
-    share, and that may be others than those of the file; whole: runs of the block that this is a part of."""
+    share, and that may be others than those of the file."""
 
-    def __init__(
-        self, name: str, axes: list[Axis], runs: list[Run], fixed: Iterable[str] = (), whole: int = 0
-    ):  # fmt: skip
+    def __init__(self, name: str, axes: list[Axis], runs: list[Run], fixed: Iterable[str] = ()):
         self.name, self.axes, self.runs, self.fixed = name, axes, runs, tuple(fixed)
-        self.whole = whole or len(runs)
 
     @property
     def dims(self) -> tuple[str, ...]:
@@ -66,39 +63,6 @@ class Block:
             if run.replicate.id not in seen:
                 seen.add(run.replicate.id)
                 yield run.replicate
-
-    def part(self, shapes: Iterable[str]) -> "Block":
-        """The runs of some shapes at the density of the first run, of a block over cases, or shapes,
-        and seeds."""
-        base = next((at for at, dim in enumerate(self.dims) if dim in ("case", "shape")), None)
-        if base is None:
-            raise InputError(
-                f"the block {self.name} varies neither case nor shape; leave shape out."
-            )
-        first = self.runs[0].replicate.density
-        kept = {
-            run.place[base]: None for run in self.runs
-            if run.replicate.label in shapes and run.replicate.density == first
-        }  # fmt: skip
-        if not kept:
-            known = dict.fromkeys(
-                run.replicate.label for run in self.runs if run.replicate.density == first
-            )
-            raise InputError(
-                f"shape is {', '.join(shapes)}; the runs at {first:g} kg/m3 have {', '.join(known)}."
-            )
-        order = {at: number for number, at in enumerate(kept)}
-        axis = self.axes[base]
-        points, coordinate = (
-            [given[at] for at in kept] for given in (axis.points, axis.coordinate)
-        )
-        axes = list(self.axes)
-        axes[base] = axis._replace(points=points, coordinate=coordinate)
-        runs = [
-            Run((*run.place[:base], order[at], *run.place[base + 1 :]), run.replicate)
-            for run in self.runs if (at := run.place[base]) in kept
-        ]  # fmt: skip
-        return Block(self.name, axes, runs, self.fixed, self.whole)
 
     def labels(self) -> dict[str, tuple[Entry, tuple[str, ...], np.ndarray]]:
         """Labels of the runs beside the axes: units and words, dimensions, values."""

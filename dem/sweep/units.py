@@ -2,19 +2,19 @@
 
 import numpy as np
 
-from dem.sweep.work import Work
+from dem.sweep.campaign import Campaign
 
 FASTEST = 0.1  # of the velocity of sound, beyond which a bed is shocked rather than sheared
 SPARSEST = 1.0  # inertial number, beyond which a bed is no dense flow
 
 
-def unusual(work: Work) -> list[str]:
+def unusual(campaign: Campaign) -> list[str]:
     """Velocities so high that another unit was probably meant, one sentence each: of the fastest run
     over the velocity of sound, and of the highest inertial number where the pressure is known."""
     sound, inertia = (0.0, ""), (0.0, "")
     for replicate in {
         (id(run.replicate.configuration), run.replicate.density): run.replicate
-        for name in work.sweep.blocks for run in work.block(name).runs
+        for name in campaign.sweep.blocks for run in campaign.block(name).runs
     }.values():  # fmt: skip
         own, density = replicate.configuration, replicate.density
         if own.experiment == "shear":

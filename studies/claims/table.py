@@ -1,6 +1,6 @@
 """claims.nc: one row per run of the sweep, and one per bed that was grown until it jams.
 
-In: the chunks of all blocks of the sweep, read one after another. Out: what claims are about, by
+In: the batches of all blocks of the sweep, read one after another. Out: what claims are about, by
 the names of layout.py. The first word of a block's name is the part of the study.
 """
 
@@ -14,10 +14,10 @@ from dem.experiment.config import Replicate
 from dem.experiment.kinds import drag, jamming
 from dem.experiment.observables.alignment import VARIABLES as ALONG
 from dem.io.dataset import FAILURES, content_of, global_attributes, read, write
+from dem.sweep.campaign import Campaign
 from dem.sweep.combine import PROVENANCE
 from dem.sweep.design import Choice, Range, parse
 from dem.sweep.expand import Block, Run
-from dem.sweep.work import Work
 from studies.claims.layout import VARIABLES
 
 PARTS = ("replicates", "sensitivity", "jamming")  # without which there is no study
@@ -30,17 +30,17 @@ OF_RUNS = (
 OF_BEDS = ("jam_fraction", "jam_slope", "jam_load")
 
 
-def make(work: Work, output: Path, progress=lambda share: None) -> None:
+def make(campaign: Campaign, output: Path, progress=lambda share: None) -> None:
     """Write claims.nc; raises InputError for a sweep that is none of this study, and for runs that
     are not made yet."""
-    sweep = work.sweep
+    sweep = campaign.sweep
     for part in PARTS:
         if part not in sweep.blocks:
             raise InputError(f"sweep.blocks has no {part}; see studies/claims/sweep.yaml.")
     factors = factors_of(sweep)
     rows, beds, provenance = [], [], {name: {} for name in PROVENANCE}
     for done, name in enumerate(sweep.blocks):
-        files, block = work.files(name), work.block(name)
+        files, block = campaign.files(name), campaign.block(name)
         if block.runs[0].replicate.configuration.experiment == "jamming":
             found = gather(block, files, OF_BEDS, kept, provenance)
             beds += [labels_of_bed(block, r) | found[r.replicate.id] for r in block.runs]

@@ -99,3 +99,12 @@ def load(path: Path) -> Catalogue:
         return Catalogue.model_validate(read(path))
     except ValidationError as error:
         raise InputError(sentences(str(path), error)) from None
+
+
+def parts(path: Path) -> list[tuple[str, str]]:
+    """The scripts that a catalogue asks for, each with a shape."""
+    cases = load(path)
+    return [
+        *(("catalogue", shape) for shape in cases.shapes),
+        *(("limits", shape) for shape in cases.limits.shapes),
+    ]
