@@ -98,11 +98,6 @@ def _sizes(axes: dict[str, int], labels: dict[str, tuple]) -> dict[str, int]:
     return found
 
 
-def parts_of(figures: dict[str, Drawn]) -> dict[str, tuple[str, ...]]:
-    """Shapes of the parts of flow.nc that suffice for some figures, by name."""
-    return {each.part: each.cases["any"] for each in figures.values() if each.part}
-
-
 def drawable(folder: Path, figures: dict[str, Drawn] = FIGURES) -> list[str]:
     """Names of the figures that can be drawn from the files in a folder.
 
