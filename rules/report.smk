@@ -13,20 +13,9 @@ OUTPUTS
     {RESULTS}/report.html
 """
 
-def studies_there():
-    """Digest of the results of studies next to those of the sweep."""
-    from hashlib import sha256
-
-    digest = sha256()
-    for text in sorted(Path(RESULTS).glob("*.txt")):
-        for file in (text, *sorted(Path(RESULTS).glob(f"figures/{text.stem}*.png"))):
-            digest.update(file.read_bytes())
-    digest.update(bytes([Path(f"{RESULTS}/provenance.html").is_file()]))
-    return digest.hexdigest()
-
 
 # of the paper the page tells what it leaves open
-NOTES = ["docs/explanation/open.md"] if CONFIG_FILES == ["config/paper.yaml"] else []
+NOTES = [os.path.relpath(HERE / "docs/explanation/open.md")] if SWEEP.file == "config/paper.yaml" else []
 
 
 localrules:
@@ -35,7 +24,7 @@ localrules:
 
 rule report:
     input:
-        RESULTS + "/report.html",
+        f"{RESULTS}/report.html",
 
 
 rule report_page:
@@ -45,14 +34,16 @@ rule report_page:
         combined=COMBINED,
         figures=PICTURES,
         notes=NOTES,
-        page=sorted(map(str, Path("dem/report/page").iterdir())),
     output:
-        update(RESULTS + "/report.html"),
+        f"{RESULTS}/report.html",
     params:
         code=code_of("dem.report.build"),
-        studies=lambda w: studies_there(),
         notes=[f"--notes {file}" for file in NOTES],
+        studies=lambda w: {
+            path.name: path.stat().st_mtime for name in ("*.txt", "provenance.html") for path in sorted(SWEEP.results.glob(name))
+        },
+        drag=lambda w, input: input.combined[0],
     log:
-        RESULTS + "/logs/report.log",
+        f"{RESULTS}/logs/report.log",
     shell:
-        "begin {output:q}; dem report {RESULTS}/drag.nc {params.notes} -o {output} 2> {log}; end {output:q}"
+        "dem report {params.drag} {params.notes} -o {output} 2> {log}"

@@ -17,9 +17,9 @@ from measured import arguments, report
 
 from dem.experiment.bed import make_bed
 from dem.experiment.kinds import drag
-from dem.sweep.chunk import write_chunk
+from dem.sweep.batch import write_batch
+from dem.sweep.campaign import Campaign
 from dem.sweep.config import load
-from dem.sweep.work import Work, link
 
 MEASURED = """
 import resource, subprocess, sys
@@ -48,15 +48,14 @@ FLOW = 1000  # runs up to which their flow is measured too, which takes long
 def copies(place: Place, config: str, row: dict) -> None:
     """Write all chunks of a sweep, each run as if it had given this row."""
     with contextlib.chdir(place.folder):
-        work = Work(load(Path(config)))
+        work = Campaign(load(Path(config)))
         runs = {run.id: run for run in work.sweep.block("drag").unique()}
-        chunks = work.chunks("drag")
-        work.settle()
+        chunks = work.batches("drag")
+        work.begin("drag")
         for chunk in chunks:
             if not work.store.file_of(chunk.id).exists():
                 mine = [runs[name] for name in chunk.runs]
-                write_chunk(work.store.file_of(chunk.id), mine, [row] * len(mine))
-        link(work.store, chunks, work.sweep.results)
+                write_batch(work.store.file_of(chunk.id), mine, [row] * len(mine))
 
 
 def measured(place: Place, *command) -> tuple[float, float]:

@@ -29,8 +29,7 @@ CLOCKS = {"run_time", "spent"}
 # away so that it has something to do
 STAGES = {
     "planning": ("", 2.5, ()),
-    "kernels": ("Compile", 3.0, ("store/kernels", "store/chunks", "store/beds")),
-    "simulate": ("Simulate", 2.0, ("store/chunks", "store/beds")),
+    "simulate": ("Simulate", 2.0, ("store/batches", "store/beds")),
     "combine": ("Combine", 2.5, ("drag.nc",)),
     "flow": ("Measure", 3.5, ("flow.nc", "flow")),
     "figures": ("Draw", 3.0, ("figures",)),
@@ -117,8 +116,8 @@ def lost_and_differing(whole: Path, other: Path) -> tuple[int, int]:
 
 
 def finished(store: Path) -> dict[Path, int]:
-    """Files of chunks under their own names, and when they were written."""
-    return {path: path.stat().st_mtime_ns for path in (store / "chunks").glob("[!.]*.nc")}
+    """Files of batches under their own names, and when they were written."""
+    return {path: path.stat().st_mtime_ns for path in (store / "batches").glob("[!.]*.nc")}
 
 
 def unreadable(results: Path) -> list[Path]:
@@ -157,7 +156,7 @@ def take_away(results: Path, names) -> None:
 
 
 def kills(place: Place, count: int, rng: random.Random) -> str:
-    """The workflow killed at random moments of random stages, one run a chunk and two."""
+    """The workflow killed at random moments of random stages, one run a batch and two."""
     stages, remade, gone, broken = Counter(), 0, 0, 0
     names = {"killed": 1, "killed_pairs": 2}
     log = place.folder / "kill.log"
@@ -189,7 +188,7 @@ def kills(place: Place, count: int, rng: random.Random) -> str:
         lost, differing = lost + one, differing + two
     told = ", ".join(f"{n} {stage}" for stage, n in sorted(stages.items()))
     found = (
-        f"{count} ({told}): {gone} finished chunks gone, {remade} made again, {broken} half-written ones; in "
+        f"{count} ({told}): {gone} finished batches gone, {remade} made again, {broken} half-written ones; in "
         f"the end {lost} missing, {differing} differing"
     )
     # what runs when Snakemake is killed is not noted as finished and made again: two jobs at most
@@ -270,7 +269,7 @@ def half(path: Path) -> None:
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
 
 
-def a_spoiled_chunk(place: Place, name: str, spoil, words: str) -> str:
+def a_spoiled_batch(place: Place, name: str, spoil, words: str) -> str:
     config = place.sweep(name)
     place.forget()
     place.finish(name)
@@ -284,14 +283,14 @@ def a_spoiled_chunk(place: Place, name: str, spoil, words: str) -> str:
 
 
 def truncated(place: Place) -> str:
-    """A chunk that is half as long as it was."""
-    return a_spoiled_chunk(place, "truncated", half, r"delete it and run again|is it another file")
+    """A batch that is half as long as it was."""
+    return a_spoiled_batch(place, "truncated", half, r"delete it and run again|is it another file")
 
 
 def foreign(place: Place) -> str:
-    """Another result in the place of a chunk."""
+    """Another result in the place of a batch."""
     other = place.results("whole") / "drag.nc"
-    return a_spoiled_chunk(place, "foreign", lambda p: shutil.copyfile(other, p), "another file")
+    return a_spoiled_batch(place, "foreign", lambda p: shutil.copyfile(other, p), "another file")
 
 
 def two_at_once(place: Place) -> str:
@@ -304,22 +303,6 @@ def two_at_once(place: Place) -> str:
         said = sentence(place.run([*WORKFLOW, config]), "another run")
         assert first.wait() == 0, log.read_text()
     return f"{said}\n    {same_as_whole(place, 'twice')}"
-
-
-def clock_back(place: Place) -> str:
-    """drag.nc is dated an hour after now."""
-    config = place.sweep("clock")
-    place.finish("clock")
-    later = time.time() + 3600
-    os.utime(place.results("clock") / "drag.nc", (later, later))
-    run = place.run([*WORKFLOW, config])
-    assert run.returncode == 0, run.stderr
-    # a file whose content is as it was makes Snakemake do nothing, and then there is nothing to be said
-    told = (line for line in run.stderr.splitlines() if re.search("after now|Nothing", line))
-    said = next(told)
-    again = place.run([*WORKFLOW, config])
-    assert "Nothing to be done" in again.stderr + again.stdout
-    return f"{said}\n    {same_as_whole(place, 'clock')}; a second start does nothing"
 
 
 def interrupted(place: Place) -> str:
@@ -402,7 +385,7 @@ def read_only(place: Place) -> str:
 
 
 FAULTS = (
-    two_at_once, clock_back, interrupted, truncated, foreign, disk_full, disk_full_everywhere,
+    two_at_once, interrupted, truncated, foreign, disk_full, disk_full_everywhere,
     read_only,
 )  # fmt: skip
 

@@ -127,16 +127,16 @@ def good_files() -> Path:
 
 def _make_sweep():
     """The store of the sweep with its only run, drag.nc and flow.nc."""
-    from dem.analysis.flow.collect import measure_chunk, write_flow
-    from dem.sweep import chunk as making
-    from dem.sweep.work import Work
+    from dem.analysis.flow.collect import measure_batch, write_flow
+    from dem.sweep import batch as making
+    from dem.sweep.campaign import Campaign
 
-    work = Work(load(Path("q.yaml")))
-    (chunk,) = work.chunks("drag")
-    work.settle()
+    work = Campaign(load(Path("q.yaml")))
+    (chunk,) = work.batches("drag")
+    work.begin("drag")
     made = making.make(work.store, chunk.id)
     work.combine("drag", "drag", Path("drag.nc"))
-    measure_chunk(made, Path(f"results/flow/{chunk.id}.nc"))
+    measure_batch(made, Path(f"results/flow/{chunk.id}.nc"))
     write_flow(work, "drag", Path("flow.nc"))
 
 
@@ -762,7 +762,7 @@ def a_flip(rng, folder):
         ("read", "rep.nc"), ("read", "bed.nc"), ("info", "rep.nc"), ("combine", CHUNK), ("flow", "rep.nc"),
         ("simulate", "bed.nc"), ("info", "drag.nc"),
     ])  # fmt: skip
-    file = next((folder / "results/store/chunks").glob("*.nc")) if name is CHUNK else folder / name
+    file = next((folder / "results/store/batches").glob("*.nc")) if name is CHUNK else folder / name
     flip(file, rng, rng.choice([1, 1, 1, 10]))
     wanted, found = answer(verb, name), _answer(verb, folder, name)
     if found is not None:

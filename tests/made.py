@@ -3,33 +3,32 @@
 from contextlib import chdir
 from pathlib import Path
 
-from dem.analysis.flow.collect import measure_chunk, write_flow
+from dem.analysis.flow.collect import measure_batch, write_flow
 from dem.figures.catalogue import FIGURES, draw, possible
-from dem.sweep import chunk
+from dem.sweep import batch as making
+from dem.sweep.campaign import Campaign
 from dem.sweep.config import parse
-from dem.sweep.work import Work, link
 
 SMOKE = Path(__file__).parent.parent / "config/smoke.yaml"
 
 
-def made(folder: Path, flow: bool = False, **values) -> Work:
+def made(folder: Path, flow: bool = False, **values) -> Campaign:
     """A sweep of config/smoke.yaml with other values, made in `folder`/results, with its figures.
 
     flow: whether flow.nc is made too, of the snapshots.
     """
     with chdir(folder):
-        work = Work(parse({"extends": str(SMOKE), "results": "results", **values}))
+        work = Campaign(parse({"extends": str(SMOKE), "results": "results", **values}))
         (block,) = work.sweep.blocks
-        chunks = work.chunks(block)
-        work.settle()
+        chunks = work.batches(block)
+        work.begin(block)
         for each in chunks:
-            chunk.make(work.store, each.id)
-        link(work.store, chunks, work.sweep.results)
+            making.make(work.store, each.id)
         for name in work.observables(block):
             work.combine(block, name, Path(f"results/{name}.nc"))
         if flow:
             for each in work.files(block):
-                measure_chunk(each, Path("results/flow") / each.name)
+                measure_batch(each, Path("results/flow") / each.name)
             write_flow(work, block, Path("results/flow.nc"))
             for name in possible(work.block(block)):
                 if FIGURES[name].file == "flow":

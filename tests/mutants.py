@@ -118,8 +118,8 @@ MUTANTS = (
     # sweeps, their store, files and numbers
     Mutant("sweep/store.py", "comparison", "if some and len(some) + len(bed) > size:", "if some and len(some) + len(bed) >= size:", SWEEP),
     Mutant("sweep/store.py", "index", 'kept = {name: before[name] for name in before if name in set(parts)}', 'kept = {}', SWEEP),
-    Mutant("sweep/chunk.py", "missing call", "    store.keep(replicate.id, found)\n", "", STORE),
-    Mutant("sweep/chunk.py", "comparison", 'return values["run_id"].tolist() == [', 'return values["run_id"].tolist() != [', STORE),
+    Mutant("sweep/batch.py", "missing call", "    store.keep(replicate.id, found)\n", "", STORE),
+    Mutant("sweep/batch.py", "comparison", 'return values["run_id"].tolist() == [', 'return values["run_id"].tolist() != [', STORE),
     Mutant("io/checksums.py", "comparison", "if stored != _checksum(file, size):", "if stored == mark:", "tests/test_damage.py"),
     Mutant("io/results_folder.py", "condition", "else late:\n", "else not late:\n", STORE),
     Mutant("analysis/statistics.py", "constant", "0.5 + 0.5 * LEVEL)\n    return runs", "LEVEL)\n    return runs", "tests/test_statistics.py"),

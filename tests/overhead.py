@@ -21,7 +21,7 @@ from dem.experiment.bed import make_bed
 from dem.experiment.kinds import drag
 from dem.jit.compilation import spare_blas
 from dem.sweep import store as stores
-from dem.sweep.chunk import write_chunk
+from dem.sweep.batch import write_batch
 from dem.sweep.config import load
 
 CASES = ("c1", "d1", "e0", "e3", "c12")
@@ -62,7 +62,7 @@ def kernels(config: Path) -> tuple[float, float, float]:
         began = time.process_time()
         for number in range(50):
             stores._save(Path(folder) / f"{number}.npz", row)
-        write_chunk(Path(folder) / "chunk.nc", [replicate] * 50, [row] * 50)
+        write_batch(Path(folder) / "chunk.nc", [replicate] * 50, [row] * 50)
         return packing, running, (time.process_time() - began) / 50
 
 
@@ -95,7 +95,7 @@ def main() -> None:
         combining = timed(place, "dem", "combine", "--config", config, "-o", "again.nc")
         with netCDF4.Dataset(place.results("many") / "drag.nc") as file:
             failure = file["failure"][...]
-        jobs = len(list((place.results("many") / "chunks").glob("*.nc")))
+        jobs = len(list((place.results("many").parent / "store/batches").glob("*.nc")))
     made = int((failure == 0).sum())
     values = {
         "runs": failure.size,

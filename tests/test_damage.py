@@ -13,7 +13,7 @@ from test_stopping import combined, planned, smoke
 from typer.testing import CliRunner
 
 from conftest import CONFIG
-from dem.analysis.flow.collect import measure_chunk, write_flow
+from dem.analysis.flow.collect import measure_batch, write_flow
 from dem.analysis.flow.layout import VARIABLES as FLOW
 from dem.base.errors import InputError
 from dem.base.plain import plain
@@ -24,7 +24,7 @@ from dem.io.checksums import LENGTH, is_sealed, seal
 from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP, is_text, read
 from dem.io.lazily import open_lazily
 from dem.report.build import build
-from dem.sweep import chunk as making
+from dem.sweep import batch as making
 
 NOTES = CONFIG.parent / "docs/explanation/open.md"
 HOSTILE = "</script><script>alert(1)</script>"
@@ -42,7 +42,7 @@ def made(tmp_path_factory):
         replicate = work.store.replicates(chunk)[0]
         write_bed(folder / "bed.nc", replicate, make_bed(replicate))
         combined(work, folder)
-        measure_chunk(folder / "runs.nc", folder / f"results/flow/{chunk}.nc")
+        measure_batch(folder / "runs.nc", folder / f"results/flow/{chunk}.nc")
         write_flow(work, "drag", folder / "flow.nc")
     return folder
 

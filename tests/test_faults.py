@@ -1,7 +1,6 @@
 """What goes wrong around a sweep: runs that fail, a folder that others use, clocks, Ctrl-C."""
 
 import io
-import os
 import re
 import signal
 import subprocess
@@ -18,7 +17,7 @@ from test_stopping import Killed, combined, discs, killed_at, planned, smoke
 from typer.testing import CliRunner
 
 from conftest import CONFIG, assert_not_blank, posix
-from dem.analysis.flow.collect import measure_chunk, write_flow
+from dem.analysis.flow.collect import measure_batch, write_flow
 from dem.analysis.statistics import change, summarise
 from dem.base.errors import InputError, OverlapError, PackingError, RunError
 from dem.cli.app import app
@@ -27,16 +26,16 @@ from dem.experiment.kinds import drag
 from dem.figures.catalogue import draw
 from dem.io.dataset import read
 from dem.io.progress import TimeLeft, span
-from dem.io.results_folder import hold, redate
+from dem.io.results_folder import hold
 from dem.report.build import build
 from dem.report.info import summary
-from dem.sweep import chunk as making
-from dem.sweep import work as working
+from dem.sweep import batch as making
+from dem.sweep import campaign as working
+from dem.sweep.campaign import Campaign
 from dem.sweep.combine import open_combined
 from dem.sweep.config import load, save
 from dem.sweep.estimate import retried
 from dem.sweep.estimate import summary as estimated
-from dem.sweep.work import Work
 
 
 @pytest.fixture
@@ -96,8 +95,8 @@ def test_what_is_shown_of_a_sweep_with_failed_runs_has_no_gaps(tmp_path, monkeyp
     monkeypatch.chdir(tmp_path)
     work = done(discs([1, 2, 3], failures=0.5, results="results"), tmp_path)
     drag, flow = combined(work, tmp_path), tmp_path / "flow.nc"
-    for chunk in work.chunks("drag"):
-        measure_chunk(work.store.file_of(chunk.id), tmp_path / f"results/flow/{chunk.id}.nc")
+    for chunk in work.batches("drag"):
+        measure_batch(work.store.file_of(chunk.id), tmp_path / f"results/flow/{chunk.id}.nc")
     write_flow(work, "drag", flow)
     with netCDF4.Dataset(drag) as one, netCDF4.Dataset(flow) as two:
         gaps = one["failure"][:] != 0
@@ -163,7 +162,7 @@ def test_a_dry_run_counts_failed_runs_of_a_chunk_under_way(tmp_path, two_fail):
     """Apart from those that are there."""
     work, chunk = planned(discs([1, 2]), tmp_path)
     with pytest.raises(Killed):
-        making.make(work.store, chunk, progress=killed_at(0.75))
+        making.make(work.store, chunk, progress=killed_at(3))
     assert "4 runs, of which 2 are there and 1 failed" in estimated(work, 1)
     made = making.make(work.store, chunk)
     assert "4 runs, of which 2 are there and 2 failed" in estimated(work, 1)
@@ -178,7 +177,7 @@ def test_the_command_ends_with_1_where_runs_failed_and_tries_them_again(tmp_path
     sweep = discs([1, 2], results="results/few")
     save(sweep, tmp_path / "few.yaml")
     arguments = ["sweep", "few.yaml", "-j", "1"]
-    monkeypatch.setattr(working, "make_chunks", in_this_process)
+    monkeypatch.setattr(working, "make_batches", in_this_process)
     monkeypatch.setattr(making, "make_bed", failing)
     result = CliRunner().invoke(app, arguments)
     assert result.exit_code == 1, (result.output, result.exception)
@@ -200,7 +199,7 @@ def test_the_command_ends_with_1_where_runs_failed_and_tries_them_again(tmp_path
 def one_sweep(tmp_path, monkeypatch):
     """A folder with the results of one.yaml: three runs of one case, and drag.nc alone."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(working, "make_chunks", in_this_process)
+    monkeypatch.setattr(working, "make_batches", in_this_process)
     write_sweep("one.yaml", [1, 2, 3])
     assert swept("one.yaml")[0] == 0
     return Path("results/few")
@@ -251,14 +250,14 @@ def test_a_sweep_is_known_where_its_file_or_its_folder_was_moved(one_sweep, tmp_
     Path("link.yaml").symlink_to("one.yaml")
     for name, allowed in (("one.yaml", True), (place / "one.yaml", True), ("link.yaml", True),
                           ("other.yaml", False)):  # fmt: skip
-        assert checked(Work.of(name)) == allowed, name
-    assert checked(Work(load("one.yaml"), file=""))
-    assert not checked(Work(load("other.yaml"), file=""))
+        assert checked(Campaign.of(name)) == allowed, name
+    assert checked(Campaign(load("one.yaml"), file=""))
+    assert not checked(Campaign(load("other.yaml"), file=""))
     Path("one.yaml").rename("sub/renamed.yaml")
-    assert checked(Work.of("sub/renamed.yaml")) and not checked(Work.of("other.yaml"))
+    assert checked(Campaign.of("sub/renamed.yaml")) and not checked(Campaign.of("other.yaml"))
     with netCDF4.Dataset(one_sweep / "drag.nc", "a") as file:
         file.delncattr("sweep_file")
-    assert checked(Work.of("other.yaml"))
+    assert checked(Campaign.of("other.yaml"))
 
 
 def checked(work):
@@ -292,8 +291,8 @@ def test_no_sweep_writes_through_a_link_or_replaces_it(one_sweep, name, aim):
 
 def test_a_damaged_chunk_leaves_the_good_result(one_sweep, monkeypatch):
     """It is there, and so it is not made; the sentence says what to do."""
-    monkeypatch.setattr(working, "make_chunks", lambda *_: None)
-    (chunk,) = Path("results/store/chunks").glob("*.nc")
+    monkeypatch.setattr(working, "make_batches", lambda *_: None)
+    (chunk,) = Path("results/store/batches").glob("*.nc")
     chunk.write_bytes(chunk.read_bytes()[:20000])
     good = (one_sweep / "drag.nc").read_bytes()
     status, told = swept("one.yaml")
@@ -322,18 +321,6 @@ def test_a_folder_is_held_until_its_process_ends(tmp_path):
     process.kill()
     process.communicate()
     hold(tmp_path).release()
-
-
-def test_files_from_the_future_are_dated_now_in_their_order(tmp_path):
-    now, names = time.time(), ("drag.nc", "bed.nc", "replicate.nc")
-    for name, ahead in zip(names, (-100.0, 3600.0, 7200.0), strict=True):
-        (tmp_path / name).touch()
-        os.utime(tmp_path / name, (now + ahead, now + ahead))
-    count, ahead = redate(tmp_path)
-    assert count == 2 and ahead == pytest.approx(7200.0, abs=5.0)
-    stamps = [(tmp_path / name).stat().st_mtime for name in names]
-    assert stamps == sorted(stamps) and stamps[-1] < time.time()
-    assert redate(tmp_path) == (0, 0.0)
 
 
 def test_time_left_of_a_steady_job():

@@ -18,9 +18,9 @@ from forked import snakemake
 import dem
 from conftest import posix
 from dem.base.sources import ROOT
+from dem.sweep.campaign import Campaign
 from dem.sweep.config import load, parse
 from dem.sweep.store import Store
-from dem.sweep.work import Work
 
 PAGE = (ROOT / "docs/howto/shape.md").read_text()
 SHAPE, LIBRARY, SHORT_LINE = re.findall(r"```python\n(.*?)```", PAGE, re.S)
@@ -154,9 +154,9 @@ def test_a_plan_finds_shapes_that_were_moved_since(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     store, places = Store(tmp_path / "store"), []
     for name in ("one", "two"):
-        work = Work(load(write(tmp_path / name)), store)
-        places.append({chunk.id for chunk in work.chunks("drag")})
-        work.settle()
+        work = Campaign(load(write(tmp_path / name)), store)
+        places.append({chunk.id for chunk in work.batches("drag")})
+        work.begin("drag")
         for chunk in places[-1]:
             (replicate,) = store.replicates(chunk)
             assert replicate.configuration.beside == str(tmp_path / name)

@@ -63,7 +63,7 @@ EDITS = {
     "a line of an observable": ("dem/experiment/observables/ledger.py", LINE, {"ledger run"}),
     "a line of growing beds": ("dem/experiment/kinds/jamming.py", LINE, {"claims", "jamming"}),
     "a line of the store": ("dem/sweep/store.py", LINE, MADE | {"claims.txt", "page"}),
-    "a line of a chunk": ("dem/sweep/chunk.py", LINE, MADE),
+    "a line of a batch": ("dem/sweep/batch.py", LINE, MADE),
     "a line of the sweep": ("dem/sweep/combine.py", LINE, MADE | {"drag.nc", "claims.txt", "page"}),
     "a line of statistics": (
         "dem/analysis/statistics.py", LINE, {"figure", "page", "claims.txt"},

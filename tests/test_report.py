@@ -227,7 +227,7 @@ def test_info_prints_the_mean_of_any_sweep(swept):
     _, _, found = figure_of(folder / "drag.nc")
     for mean in found["mean"].values.ravel():
         assert re.search(rf"\b{mean:.0f}\b", text)
-    for chunk in (folder / "chunks").glob("*.nc"):
+    for chunk in (folder.parent / "results/store/batches").glob("*.nc"):
         console = Console(width=200, file=io.StringIO())
         console.print(summary(chunk))
         with open_combined(folder / "drag.nc") as data:

@@ -42,7 +42,7 @@ def again(folder, configfile=SMOKE) -> dict[str, int]:
     return {rule: count for rule, count in jobs.items() if rule not in TARGETS}
 
 
-RUNS = {"kernels", "chunk"}
+RUNS = {"batch"}
 SCRIPTS = {"accuracy_contacts", "accuracy_steps", "stability_part", "measure"}
 TABLES = {"claims_table", "accuracy_table", "stability_table", "table"}
 RESULTS = {"combine", "measure_flow", "flow", "figure"}
@@ -118,11 +118,11 @@ SHOWN = {
 SWEEP = {"combine", "flow", "measure_flow", "figure"}
 VALUES = {
     "a title": ((SMOKE, "title: Smoke", "title: Some"), SHOWN, 0),
-    "one more seed": ((SMOKE, "seed: [1, 2]", "seed: [1, 2, 3]"), SWEEP | {"chunk"}, 3),
+    "one more seed": ((SMOKE, "seed: [1, 2]", "seed: [1, 2, 3]"), SWEEP | {"batch"}, 3),
     "window": ((SMOKE, "window: [0.4e-3,", "window: [0.5e-3,"), SHOWN - {"stability_table"}, 0),
     "another study's sweep": (
         ("studies/accuracy/smoke.yaml", "seed: 1001 to 1003", "seed: 1001 to 1004"),
-        {"chunk", "accuracy_table", "table", "figure"}, None,
+        {"batch", "accuracy_table", "table", "figure"}, None,
     ),
 }  # fmt: skip
 
@@ -133,4 +133,4 @@ def test_a_value_makes_again_what_reads_it(made, value):
     with edited(made, [(name, tuple(change))]):
         jobs = again(made)
     assert set(jobs) == rules
-    assert chunks is None or jobs.get("chunk", 0) == chunks
+    assert chunks is None or jobs.get("batch", 0) == chunks

@@ -29,10 +29,10 @@ from dem.experiment.config import Replicate
 from dem.experiment.kinds import drag
 from dem.io.dataset import read
 from dem.io.results_folder import clear_parts
-from dem.sweep import chunk as making
+from dem.sweep import batch as making
+from dem.sweep.campaign import Campaign
 from dem.sweep.config import load, parse
 from dem.sweep.store import Store
-from dem.sweep.work import Work
 
 CLOCKS = ("run_time",)
 
@@ -48,9 +48,9 @@ def discs(seeds, **changes):
 
 def planned(sweep, folder):
     """A sweep at work with a store in a folder, its plan written; and its only chunk."""
-    work = Work(sweep, Store(folder / "store"))
-    (chunk,) = work.chunks("drag")
-    work.settle()
+    work = Campaign(sweep, Store(folder / "store"), root=folder)
+    (chunk,) = work.batches("drag")
+    work.begin("drag")
     return work, chunk.id
 
 
@@ -74,7 +74,7 @@ class Killed(BaseException):
 def killed_at(share):
     """A progress that ends what is under way where so much of it is done."""
 
-    def progress(done):
+    def progress(done, *_):
         if done >= share:
             raise Killed
 
@@ -225,7 +225,7 @@ def test_a_chunk_that_is_stopped_goes_on_with_the_run_under_way(tmp_path, tried)
     assert again == chunk
     tried.clear()
     with pytest.raises(Killed):
-        making.make(work.store, chunk, progress=killed_at(0.375))
+        making.make(work.store, chunk, progress=killed_at(1.5))
     first, second = (key for *key, _ in tried)
     assert not work.store.file_of(chunk).exists()
     tried.clear()
@@ -264,7 +264,8 @@ def test_a_chunk_that_is_there_is_left_alone(tmp_path, tried):
     making.make(work.store, chunk)
     assert len(tried) == 2
     read(path, ("drag",))
-    making.make(work.store, chunk, again=True)
+    path.unlink()
+    making.make(work.store, chunk)
     assert len(tried) == 4
 
 
@@ -277,7 +278,7 @@ def test_a_damaged_file_of_the_store_is_made_again(tmp_path, tried, what, damage
     making.make(whole.store, chunk)
     work, _ = planned(sweep, tmp_path / "stopped")
     with pytest.raises(Killed):
-        making.make(work.store, chunk, progress=killed_at(0.7))
+        making.make(work.store, chunk, progress=killed_at(1.4))
     files = (work.store.folder / what).rglob("[!.]*.npz")
     (file,) = (path for path in files if "checkpoint" not in path.name)
     file.write_bytes(DAMAGE[damage](file.read_bytes()))
@@ -291,7 +292,7 @@ def test_a_plan_of_other_code_is_refused(tmp_path, monkeypatch):
     """In one sentence, before any run: its runs would be called what they are not."""
     work, chunk = planned(discs([1]), tmp_path)
     monkeypatch.setattr(Replicate, "source_hash", "other")
-    with pytest.raises(InputError, match="planned for other code; start the sweep again"):
+    with pytest.raises(InputError, match="no plan of a batch for this version of the code; start"):
         making.make(work.store, chunk)
 
 
@@ -303,11 +304,10 @@ def test_a_damaged_plan_is_refused(tmp_path, content):
     sweep = discs([1])
     work, chunk = planned(sweep, tmp_path)
     work.store.plan_of(chunk).write_text(content)
-    with pytest.raises(InputError, match=f"{chunk}.json: it is no plan of a chunk"):
-        work.store.replicates(chunk)
-    work.store.plan_of(chunk).unlink()
-    with pytest.raises(InputError, match="there is no such plan; start the sweep again"):
-        work.store.replicates(chunk)
+    for _ in range(2):
+        with pytest.raises(InputError, match=f"{chunk}.json: it is no plan of a batch"):
+            work.store.replicates(chunk)
+        work.store.plan_of(chunk).unlink(missing_ok=True)
     work.store.plan_of(chunk).write_text(content)
     assert planned(sweep, tmp_path)[0].store.replicates(chunk)
 
@@ -335,10 +335,10 @@ def test_memory_of_combining_does_not_grow_with_the_runs(tmp_path):
     row, peaks = {name: value[0] for name, value in values.items() if len(value) == 2}, []
     for count in (5, 50):
         sweep = discs(f"1 to {count}", chunk=10, record=record)
-        many = Work(sweep, Store(tmp_path / f"store{count}"))
-        for each in many.chunks("drag"):
+        many = Campaign(sweep, Store(tmp_path / f"store{count}"), root=tmp_path)
+        for each in many.batches("drag"):
             runs = [run for run in sweep.block("drag").unique() if run.id in each.runs]
-            making.write_chunk(many.store.file_of(each.id), runs, [row] * len(runs))
+            making.write_batch(many.store.file_of(each.id), runs, [row] * len(runs))
         tracemalloc.start()
         combined(many, tmp_path)
         peaks.append(tracemalloc.get_traced_memory()[1])

@@ -22,14 +22,16 @@ from dem.base.errors import InputError, RunError
 from dem.base.yaml_file import read
 from dem.cli.app import app
 from dem.experiment.config import Replicate, entries
+from dem.io.dataset import read as read_runs
 from dem.io.results_folder import hold
-from dem.sweep import chunk as making
+from dem.sweep import batch as making
 from dem.sweep import store as stores
 from dem.sweep.axis import changes_of_words
+from dem.sweep.campaign import Campaign
 from dem.sweep.combine import about
 from dem.sweep.config import load, merged, parse, save
+from dem.sweep.prune import prune
 from dem.sweep.units import unusual
-from dem.sweep.work import Work
 
 FEW = {"c1": {"kind": "disc", "diameter": 1092e-6, "granules": 30}}
 SMALL = {
@@ -55,10 +57,10 @@ def ids(sweep, block="drag"):
 
 def done(sweep, folder, jobs=1):
     """A sweep at work, all runs made."""
-    work = Work(sweep, stores.Store(folder / "store"))
+    work = Campaign(sweep, stores.Store(folder / "store"), root=folder)
     for block in sweep.blocks:
-        chunks = work.chunks(block)
-        work.settle()
+        chunks = work.batches(block)
+        work.begin(block)
         for chunk in chunks:
             making.make(work.store, chunk.id)
     return work
@@ -148,14 +150,14 @@ def test_what_varies_is_no_attribute_of_flow():
 )  # fmt: skip
 def test_a_velocity_in_another_unit_is_noticed(values, words):
     """One sentence, of the fastest run, however many there are."""
-    found = unusual(Work(small({"shape": ["c1"], "seed": "1 to 3"} | values)))
+    found = unusual(Campaign(small({"shape": ["c1"], "seed": "1 to 3"} | values)))
     assert len(found) == bool(words) and all(words in sentence for sentence in found)
 
 
 @pytest.mark.parametrize("file", sorted(CONFIG.glob("*.yaml")), ids=lambda path: path.stem)
 def test_no_file_that_comes_with_the_code_is_warned_of(file):
     if "sweep" in read(file):
-        assert unusual(Work(load(file))) == []
+        assert unusual(Campaign(load(file))) == []
 
 
 def test_a_dry_run_warns_once_of_a_velocity_in_another_unit(tmp_path):
@@ -405,18 +407,8 @@ def test_chunks_are_filled_and_runs_of_one_bed_stay_together(tmp_path):
     """Two beds of two runs are one chunk of four, and two chunks of at most three."""
     block = small({"shape": "c1", "seed": [1, 2], "friction.granule": [0.1, 0.2]}).block("drag")
     for size, runs in ((5, [4]), (4, [4]), (3, [2, 2]), (1, [1, 1, 1, 1])):
-        chunks, _ = stores.plan(stores.Store(tmp_path), block.unique(), size, "results")
+        chunks, _ = stores.plan((), block.unique(), size, "results")
         assert [len(chunk.runs) for chunk in chunks] == runs
-
-
-def test_a_sweep_needs_the_chunks_of_all_its_blocks(tmp_path):
-    """A plan of one block forgets no other, but for those that the sweep has no more."""
-    store, results = stores.Store(tmp_path / "store"), str(tmp_path)
-    store.register(results, "a", ["1"], ["a", "b"])
-    store.register(results, "b", ["2", "3"], ["a", "b"])
-    assert store.needed() == {results: {"1", "2", "3"}}
-    store.register(results, "b", ["2"], ["b"])
-    assert store.needed() == {results: {"2"}}
 
 
 # What is there is not made again
@@ -428,11 +420,11 @@ def test_a_value_that_is_added_makes_only_its_runs(tmp_path):
     chunks = {path: path.stat().st_mtime_ns for path in work.files("drag")}
     beds = list((tmp_path / "store/beds").rglob("*.npz"))
     assert len(beds) == 2
-    more = Work(
+    more = Campaign(
         small({"seed": [2, 1], "friction.granule": [0.5, 0.1, 0.3], "shape": "c1"}, chunk=1),
         work.store,
     )
-    new = [chunk for chunk in more.chunks("drag") if not more.store.file_of(chunk.id).exists()]
+    new = [chunk for chunk in more.batches("drag") if not more.store.file_of(chunk.id).exists()]
     assert [len(chunk.runs) for chunk in new] == [1, 1]
     done(more.sweep, tmp_path)
     assert chunks == {path: path.stat().st_mtime_ns for path in chunks}
@@ -468,15 +460,17 @@ def test_a_truth_value_can_vary(tmp_path):
 
 
 def test_two_sweeps_at_once_make_a_run_once(tmp_path):
-    """Two processes with the same runs: four rows in all, none of them twice."""
+    """Two processes with the same runs: where both have a row of a run, it is of one making."""
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(2, mp_context=context) as pool:
         for future in [pool.submit(_together, tmp_path, name) for name in "ab"]:
             future.result()
-    store = stores.Store(tmp_path / "store")
-    runs = [run for chunk in store.planned().values() for run in chunk.runs]
-    assert len(runs) == len(set(runs)) == 4
-    assert len(list((tmp_path / "store/chunks").glob("*.nc"))) == 2
+    spent = {}
+    for path in (tmp_path / "store/batches").glob("*.nc"):
+        values, _ = read_runs(path, ("run_id", "spent"))
+        for run, time in zip(values["run_id"].tolist(), values["spent"], strict=True):
+            spent.setdefault(run, set()).add(float(time))
+    assert len(spent) == 4 and all(len(times) == 1 for times in spent.values())
 
 
 def test_a_failed_run_is_a_row_with_its_reason(tmp_path):
@@ -485,7 +479,7 @@ def test_a_failed_run_is_a_row_with_its_reason(tmp_path):
     work = done(small(sweep), tmp_path)
     with pytest.raises(RunError, match="2 of 4 runs could not be made; failures allows 0"):
         combined(work, tmp_path)
-    allowed = combined(Work(small(sweep, failures=0.5), work.store), tmp_path)
+    allowed = combined(Campaign(small(sweep, failures=0.5), work.store), tmp_path)
     assert allowed["failure"].values.tolist() == [[[0, 0], [2, 2]]]
     assert (
         np.isnan(allowed["drag"].values[0, 1]).all()
@@ -495,12 +489,13 @@ def test_a_failed_run_is_a_row_with_its_reason(tmp_path):
     with xr.open_dataset(path) as dataset:
         reasons = dataset["failure_reason"].values.tolist()
     assert sum(bool(re.match("granule .* overlaps by", reason)) for reason in reasons) == 2
-    before = {run: work.store.kept(run) for run in work.chunks("drag")[0].runs}
+    before = {run: work.store.kept(run) for run in work.batches("drag")[0].runs}
     assert not any(before.values())
-    assert making.retry(work.store, path.stem) == 2 and not path.exists()
+    runs = work.store.replicates(path.stem)
+    assert making.retry(work.store, path.stem, runs) == 2 and not path.exists()
     assert sum(work.store.kept(run) is not None for run in before) == 2
     making.make(work.store, path.stem)
-    again = combined(Work(small(sweep, failures=0.5), work.store), tmp_path)
+    again = combined(Campaign(small(sweep, failures=0.5), work.store), tmp_path)
     xr.testing.assert_identical(again["drag"], allowed["drag"])
 
 
@@ -513,18 +508,17 @@ def test_failed_runs_have_the_same_gaps_whichever_chunk_comes_first(tmp_path):
 
 
 def test_prune_removes_what_no_sweep_needs(tmp_path, monkeypatch):
-    """Chunks of a value that was taken out, with their beds; nothing of a sweep that is there."""
+    """Batches of a value that was taken out, with their beds; nothing of a sweep that is there."""
     monkeypatch.chdir(tmp_path)
-    Path("results/small").mkdir(parents=True)
     work = done(small({"shape": "c1", "packing.fraction": [0.8, 0.84]}, chunk=1), tmp_path)
-    assert work.store.prune() == ([], 0)
+    assert prune(work.store) == ([], 0)
     left = done(small({"shape": "c1", "packing.fraction": [0.84]}, chunk=1), tmp_path)
-    gone, size = left.store.prune()
-    assert {path.parts[-2 if path.parent.name in ("plans", "chunks") else -3] for path in gone} == {
-        "plans", "chunks", "beds",
-    }  # fmt: skip
-    assert len(gone) == 3 and size > 0
-    assert combined(left, tmp_path)["drag"].shape == (1, 1, 1, 8)
+    gone, size = prune(left.store)
+    assert sorted(path.suffix for path in gone) == [".json", ".nc", ".npz"] and size > 0
+    combine = tmp_path / "results/small"
+    assert combined(left, combine)["drag"].shape == (1, 1, 1, 8)
+    (combine / "config.yaml").unlink()
+    assert all(path.suffix == ".npz" for path in prune(left.store)[0])  # drag.nc names its runs
 
 
 # The store, when something is wrong with it
@@ -535,171 +529,117 @@ def listed(folder):
     return {path: path.read_bytes() if path.is_file() else None for path in Path(folder).rglob("*")}
 
 
-def deep(depth=100_000):
-    return "[" * depth + "]" * depth
-
-
-RECORDS = {
-    "empty": lambda text: "",
-    "cut": lambda text: text[: len(text) // 2],
-    "a list": lambda text: "[]",
-    "nothing": lambda text: "{}",
-    "parts in a list": lambda text: '{"results": "results/small", "parts": []}',
-    "no results": lambda text: '{"parts": {"drag": []}}',
-    "a number as results": lambda text: '{"results": 5, "parts": {"drag": []}}',
-    "an empty name as results": lambda text: '{"results": "", "parts": {"drag": []}}',
-    "a null byte": lambda text: '{"results": "results/a\\u0000b", "parts": {"drag": []}}',
-    "a text as part": lambda text: '{"results": "results/small", "parts": {"drag": "abc"}}',
-    "numbers as chunks": lambda text: '{"results": "results/small", "parts": {"drag": [1, [2]]}}',
-    "no parts": lambda text: '{"results": "results/small", "parts": {}}',
-    "no chunks": lambda text: '{"results": "results/small", "parts": {"drag": []}}',
-    "nested": lambda text: deep(),
-    "nested in it": lambda text: '{"results": "results/small", "parts": {"a": ' + deep(900) + "}}",
-    "bytes": lambda text: "\udcff\udcfe",
-    "changed": lambda text: text.replace('"drag": ["', '"drag": ["0123456789abcdef", "'),
-    "a chunk less": lambda text: re.sub(r'"drag": \["\w+", ', '"drag": [', text),
-}
-
-
-@pytest.fixture
-def pruned(tmp_path, monkeypatch):
-    """A sweep of two chunks as if they were made, its only record, and a chunk that no sweep needs."""
-    monkeypatch.chdir(tmp_path)
-    work = Work(small({"shape": "c1", "seed": [1, 2]}, chunk=1))
-    Path(work.sweep.results).mkdir(parents=True)
-    chunks = work.chunks("drag")
-    work.settle()
-    for chunk in chunks:
-        work.store.file_of(chunk.id).parent.mkdir(exist_ok=True)
-        work.store.file_of(chunk.id).write_bytes(b"\x89HDF\r\n\x1a\n runs")
+def as_if_made(work):
+    """Write the plans of a sweep, and files in the places of what they ask for."""
+    work.begin("drag")
+    for path in work.files("drag"):
+        path.write_bytes(b"\x89HDF\r\n\x1a\n runs")
     for run in (run.replicate for run in work.sweep.block("drag").runs):
         for file in (work.store.file_of_bed(run), work.store.run_of(run.id)):
             file.parent.mkdir(parents=True, exist_ok=True)
             file.write_bytes(b"a bed, or a run")
-    work.store.file_of("f" * 16).write_bytes(b"needed by nobody")
-    (record,) = (work.store.folder / "sweeps").iterdir()
-    return work, record
 
 
-def prune():
+@pytest.fixture
+def pruned(tmp_path, monkeypatch):
+    """A sweep of two batches as if they were made, and one of a sweep whose folder was deleted."""
+    monkeypatch.chdir(tmp_path)
+    work = Campaign(small({"shape": "c1", "seed": [1, 2]}, chunk=1))
+    as_if_made(work)
+    as_if_made(Campaign(small({"shape": "c1", "seed": [3]}, results="results/gone")))
+    shutil.rmtree("results/gone")
+    return work
+
+
+def pruning():
     return CliRunner().invoke(app, ["store", "--prune"])
 
 
-def refused(words, before):
+def refused(words):
     """That pruning says so, in sentences, and that nothing is removed."""
-    found = prune()
+    before = listed("results")
+    found = pruning()
     assert found.exit_code == 2 and words in found.stderr, (found.output, found.exception)
     assert "nothing was removed" in found.stderr and listed("results") == before
 
 
-@pytest.mark.parametrize("damage", RECORDS)
-def test_prune_removes_nothing_while_the_record_of_a_sweep_cannot_be_read(pruned, damage):
-    """What the sweep needs is unknown then. When the sweep starts again, the record is whole again."""
-    work, record = pruned
-    text = record.read_text()
-    record.write_text(RECORDS[damage](text), errors="surrogateescape")
-    assert record.read_bytes() != text.encode()
-    refused(f"{record}: it is no record of a sweep", listed("results"))
-    again = Work(work.sweep)
-    assert len(again.chunks("drag")) == 2
-    again.settle()
-    found = prune()
-    assert found.exit_code == 0 and "1 files removed" in found.stdout, found.output
-    assert all(path.is_file() for path in work.files("drag"))
+CONFIGS = {
+    "empty": "",
+    "cut": "results: results/small\nsweep:",
+    "a list": "[]",
+    "nested": "[" * 100_000 + "]" * 100_000,
+    "bytes": "\udcff\udcfe",
+}
+
+
+@pytest.mark.parametrize("damage", CONFIGS)
+def test_prune_removes_nothing_while_a_sweep_cannot_be_read(pruned, damage):
+    """What the sweep needs is unknown then. When the sweep starts again, it is whole again."""
+    config = Path("results/small/config.yaml")
+    config.write_text(CONFIGS[damage], errors="surrogateescape")
+    refused(str(config))
+    Campaign(pruned.sweep).begin("drag")
+    found = pruning()
+    assert found.exit_code == 0 and "4 files removed" in found.stdout, found.output
+    assert all(path.is_file() for path in pruned.files("drag"))
+
+
+def test_prune_removes_nothing_of_a_sweep_whose_folder_is_away(pruned):
+    """Its disk may be away for a moment. Who deleted the folder for good deletes the link too."""
+    results = Path(pruned.sweep.results)
+    results.rename("away")
+    results.symlink_to("../away")
+    assert pruning().exit_code == 0 and all(path.is_file() for path in pruned.files("drag"))
+    Path("away").rename("further")
+    refused(f"{results}: it is a link to what is not there")
+
+
+def test_prune_removes_nothing_where_there_is_no_sweep(pruned):
+    """Who wants none of the runs deletes the folder."""
+    shutil.rmtree(pruned.sweep.results)
+    refused("delete the folder results/store")
+
+
+def test_prune_removes_nothing_whose_runs_are_unknown(pruned):
+    """Nor what the store does not write: a note that somebody put there is theirs."""
+    unknown = pruned.store.file_of("f" * 16)
+    notes = [
+        pruned.store.folder / name for name in ("batches/notes.txt", "batches/mine.nc", "beds/a/b")
+    ]
+    for note in (unknown, *notes):
+        note.parent.mkdir(parents=True, exist_ok=True)
+        note.write_text("mine")
+    assert pruning().exit_code == 0 and all(note.is_file() for note in (unknown, *notes))
 
 
 @posix
 @pytest.mark.parametrize("kind", ["pipe", "folder"])
-@pytest.mark.parametrize("what", ["record", "plan"])
-def test_what_is_no_file_in_the_store_is_one_sentence(pruned, what, kind):
-    """Neither pruning nor the next sweep waits for a pipe; both say what to remove."""
-    work, record = pruned
-    place = record if what == "record" else work.store.plan_of(work.chunks("drag")[0].id)
+def test_what_is_no_file_in_the_store_is_one_sentence(pruned, kind):
+    """Neither pruning nor the next sweep waits for a pipe; the sweep says what to remove."""
+    place = pruned.store.plan_of(pruned.batches("drag")[0].id)
     place.unlink()
+    pruned.store.file_of(place.stem).unlink()
     os.mkfifo(place) if kind == "pipe" else place.mkdir()
-    refused(str(place), listed("results"))
+    again = Campaign(pruned.sweep)
     with pytest.raises(InputError, match=rf"{place}: it is a .*must be a file"):
-        again = Work(work.sweep)
-        again.chunks("drag")
-        again.settle()
-    assert CliRunner().invoke(app, ["store"]).exit_code == 0
+        again.begin("drag")
+    for words in (["store"], ["store", "--prune"]):
+        assert CliRunner().invoke(app, words).exit_code == 0
 
 
-def test_prune_removes_nothing_of_a_sweep_whose_folder_is_away(pruned):
-    """Its disk may be away for a moment. Who deleted it for good deletes its record as well."""
-    work, record = pruned
-    results = Path(work.sweep.results)
-    results.rename("away")
-    refused(f"delete {record}", before := listed("results"))
-    results.symlink_to("disk that is away")
-    refused(str(results), before | {results: None})
-    other = Work(small({"shape": "c1", "seed": [3]}, results="results/other"))
-    other.chunks("drag")
-    other.settle()
-    Path("results/other").mkdir()
-    results.unlink()
-    record.unlink()
-    assert prune().exit_code == 0
-    assert not any(path.exists() for path in work.files("drag"))
-
-
-@pytest.mark.parametrize("away", ["deleted", "empty", "a link to nothing", "a file"])
-def test_prune_removes_nothing_where_no_sweep_is_recorded(pruned, away):
-    """A store without its records is damaged; who wants none of it deletes the folder."""
-    _, record = pruned
-    shutil.rmtree(record.parent)
-    if away == "empty":
-        record.parent.mkdir()
-    elif away == "a file":
-        record.parent.touch()
-    elif away == "a link to nothing":
-        record.parent.symlink_to("nowhere")
-    broken = away in ("a file", "a link to nothing")
-    found, before = prune(), listed("results")
-    words = "it is no folder" if broken else "delete the folder results/store"
-    assert found.exit_code == 2 and words in found.stderr, found.output
-    assert listed("results") == before
-
-
-@pytest.mark.parametrize("folder", ["", "chunks", "plans", "runs", "beds", "sweeps"])
+@pytest.mark.parametrize("folder", ["", "batches", "runs", "beds"])
 @pytest.mark.parametrize("kind", ["a link to nothing", "a file"])
 def test_a_folder_of_the_store_that_is_away_is_one_sentence(pruned, folder, kind):
     """All its runs would be made again, and Python would say that the file exists."""
-    work, _ = pruned
-    Path("small.yaml").write_text(yaml.safe_dump(work.sweep.dump()))
-    place = work.store.folder / folder
-    shutil.rmtree(place) if place.exists() else None
+    Path("small.yaml").write_text(yaml.safe_dump(pruned.sweep.dump()))
+    place = pruned.store.folder / folder
+    shutil.rmtree(place)
     place.touch() if kind == "a file" else place.symlink_to("nowhere")
     before = listed("results")
     for words in (["store", "--prune"], ["store"], ["sweep", "small.yaml", "-n"], ["sweep", "small.yaml"]):  # fmt: skip
         found = CliRunner().invoke(app, words)
         assert found.exit_code == 2 and f"{place}: it is no folder" in found.stderr, found.output
         assert listed("results") == before
-
-
-@pytest.mark.parametrize("damage", ["", "{}", "[]", "{", '{"runs": 5, "kernels": "a"}'])
-def test_prune_removes_nothing_while_a_plan_that_is_needed_cannot_be_read(pruned, damage):
-    """Which finished runs and beds are its own is unknown then."""
-    work, _ = pruned
-    plan = work.store.plan_of(work.chunks("drag")[0].id)
-    plan.write_text(damage)
-    refused(str(plan), listed("results"))
-    plan.unlink()
-    refused(str(plan), listed("results"))
-    again = Work(work.sweep)
-    again.chunks("drag")
-    again.settle()
-    assert prune().exit_code == 0
-
-
-def test_prune_removes_only_what_the_store_writes(pruned):
-    """A note that somebody put there is theirs."""
-    work, _ = pruned
-    notes = [work.store.folder / name for name in ("chunks/notes.txt", "plans/mine.nc", "beds/a/b")]
-    for note in notes:
-        note.parent.mkdir(parents=True, exist_ok=True)
-        note.write_text("mine")
-    assert prune().exit_code == 0 and all(note.is_file() for note in notes)
 
 
 def test_a_command_about_the_store_says_where_there_is_none(tmp_path, monkeypatch):
@@ -713,59 +653,51 @@ def test_a_command_about_the_store_says_where_there_is_none(tmp_path, monkeypatc
 
 def test_a_plan_that_was_changed_is_written_again(pruned):
     """By the next start of its sweep, which then makes the runs that it says."""
-    work, _ = pruned
-    chunk = work.chunks("drag")[0].id
-    work.store.file_of(chunk).unlink()
-    path = work.store.plan_of(chunk)
+    batch = pruned.batches("drag")[0].id
+    pruned.store.file_of(batch).unlink()
+    path = pruned.store.plan_of(batch)
     before = path.read_text()
     path.write_text(re.sub(r'"fraction": 0\.\d+', '"fraction": 0.77', before))
     assert path.read_text() != before
-    refused(str(path), listed("results"))
     with pytest.raises(InputError, match="start the sweep again"):
-        work.store.replicates(chunk)
-    again = Work(work.sweep)
-    again.chunks("drag")
-    again.settle()
-    assert path.read_text() == before and len(work.store.replicates(chunk)) == 1
+        pruned.store.replicates(batch)
+    Campaign(pruned.sweep).begin("drag")
+    assert path.read_text() == before and len(pruned.store.replicates(batch)) == 1
 
 
 @pytest.mark.parametrize("through", ["", "a link", "dots", "hole"])
-def test_a_chunk_is_not_replaced_by_a_link_to_itself(pruned, through):
-    """Nor is any other file of the store; the runs would be gone."""
-    work, _ = pruned
-    one, two = work.files("drag")
-    Path("link").symlink_to("results/store/chunks")
+def test_no_command_writes_into_the_store(pruned, through):
+    """The runs would be gone."""
+    Path("link").symlink_to("results/store/batches")
+    one = pruned.files("drag")[0]
     place = {
-        "": one, "a link": Path("link") / one.name, "dots": Path("results/../results/store/chunks") / one.name,
+        "": one, "a link": Path("link") / one.name, "dots": Path("results/../results/store/batches") / one.name,
         "hole": one.with_name("new.nc"),
     }[through]  # fmt: skip
+    Path("small.yaml").write_text(yaml.safe_dump(pruned.sweep.dump()))
     before = listed("results")
-    for words in (["chunk", one.stem], ["chunk", two.stem]):
-        found = CliRunner().invoke(app, [*words, "-o", str(place)])
-        assert found.exit_code == 2 and "the store is there" in found.stderr, found.output
-    assert listed("results") == before
-    with pytest.raises(InputError, match="the store is there"):
-        stores.link_to(one, place)
+    found = CliRunner().invoke(app, ["combine", "--config", "small.yaml", "-o", str(place)])
+    assert found.exit_code == 2 and "the store is there" in found.stderr, found.output
     assert listed("results") == before
 
 
 @posix
 @pytest.mark.parametrize("kind", ["folder", "link", "pipe"])
-@pytest.mark.parametrize("place", ["results/small", "results/store", "chunk", "bed"])
+@pytest.mark.parametrize("place", ["results/small", "run", "bed"])
 def test_a_lock_that_is_no_file_is_one_sentence(pruned, place, kind):
     """That says what is there and what to do."""
-    work, _ = pruned
-    chunk = work.chunks("drag")[0].id
-    run = work.store.replicates(chunk)[0]
-    work.store.file_of(chunk).unlink()
-    work.store.file_of_bed(run).unlink()
-    work.store.run_of(run.id).unlink()
+    batch = pruned.batches("drag")[0].id
+    run = pruned.store.replicates(batch)[0]
+    for path in (
+        pruned.store.file_of(batch),
+        pruned.store.file_of_bed(run),
+        pruned.store.run_of(run.id),
+    ):
+        path.unlink()
     lock = {
-        "chunk": work.store.file_of(chunk).with_name(f".{chunk}.lock"),
-        "bed": work.store.file_of_bed(run).with_name(".lock"),
+        "run": pruned.store.run_of(run.id, ".lock"),
+        "bed": pruned.store.file_of_bed(run).with_name(".lock"),
     }.get(place, Path(place) / ".lock")
-    if lock.exists():
-        lock.unlink()
     if kind == "pipe":
         os.mkfifo(lock)
     elif kind == "folder":
@@ -773,23 +705,19 @@ def test_a_lock_that_is_no_file_is_one_sentence(pruned, place, kind):
     else:
         lock.symlink_to("config")
     with pytest.raises(InputError, match=rf"{lock}: it is a .*must be a file"):
-        if place == "results/small":
-            hold(Path(place))
-        Work(work.sweep).settle()
-        with work.store.locked():
-            making.make(work.store, chunk)
+        hold(Path("results/small"))
+        making.make(pruned.store, batch)
 
 
 @posix
-@pytest.mark.parametrize("what", ["chunk", "bed", "run"])
+@pytest.mark.parametrize("what", ["batch", "bed", "run"])
 def test_a_pipe_in_the_store_is_refused_before_any_run(pruned, what, monkeypatch):
     """Not after, when what was made cannot be written."""
-    work, _ = pruned
-    chunk = work.chunks("drag")[0].id
-    run = work.store.replicates(chunk)[0]
+    batch = pruned.batches("drag")[0].id
+    run = pruned.store.replicates(batch)[0]
     places = {
-        "chunk": work.store.file_of(chunk), "bed": work.store.file_of_bed(run),
-        "run": work.store.run_of(run.id),
+        "batch": pruned.store.file_of(batch), "bed": pruned.store.file_of_bed(run),
+        "run": pruned.store.run_of(run.id),
     }  # fmt: skip
     for name, place in places.items():
         place.unlink()
@@ -797,15 +725,16 @@ def test_a_pipe_in_the_store_is_refused_before_any_run(pruned, what, monkeypatch
             os.mkfifo(place)
     monkeypatch.setattr(making, "make_bed", lambda replicate: pytest.fail("a bed is packed"))
     with pytest.raises(InputError, match=rf"{places[what]}: it is a .*must be a file"):
-        making.make(work.store, chunk)
+        making.make(pruned.store, batch)
 
 
 @posix
 def test_a_sweep_does_not_wait_for_a_pipe_as_config_yaml(pruned):
-    work, _ = pruned
-    os.mkfifo(place := Path(work.sweep.results) / "config.yaml")
+    place = Path(pruned.sweep.results) / "config.yaml"
+    place.unlink()
+    os.mkfifo(place)
     with pytest.raises(InputError, match=r"config\.yaml: it is a .*must be a file"):
-        save(work.sweep, place)
+        save(pruned.sweep, place)
 
 
 def test_a_sweep_says_where_a_new_store_begins(tmp_path, monkeypatch):

@@ -1,7 +1,7 @@
 """One run of a file of results, found by its values: `case=c1 seed=1`.
 
-The file is one of runs (a chunk of the store, or what `dem simulate` writes), or the combined file
-of a sweep, whose runs are in the chunks linked beside it.
+The file is one of runs (a batch of the store, or what `dem simulate` writes), or the combined file
+of a sweep, whose runs are in the store.
 """
 
 from __future__ import annotations
@@ -51,31 +51,30 @@ def open_run(path: Path, select: list[str]) -> tuple[Replicate, dict]:
         if dataset["run_id"].dims == ("run",):
             return _row(path, dataset, row)
         run = str(ids[row])
-    return read_run(chunk_of(path, run), run)
+    return read_run(batch_of(path, run), run)
 
 
 def read_run(path: Path, run: str) -> tuple[Replicate, dict]:
-    """A run of a chunk by its identity, and its variables by name."""
+    """A run of a batch by its identity, and its variables by name."""
     with open_lazily(path) as dataset:
         return _row(path, dataset, dataset["run_id"].values.tolist().index(run))
 
 
-def chunk_of(path: Path, run: str) -> Path:
-    """The chunk that holds a run of a combined file; raises InputError where there is none."""
-    folder = Path(path).parent
-    for link in sorted([*folder.glob("chunks/*.nc"), *folder.parent.glob("chunks/*.nc")]):
-        file = link.resolve()
-        with_plan = file.is_file() and file.parent.name == "chunks"
-        if with_plan and run in Store(file.parents[1]).read_plan(link.stem).runs:
-            return link
+def batch_of(path: Path, run: str) -> Path:
+    """The file of the store that holds a run of a combined file; raises InputError where there is none."""
+    for folder in Path(path).resolve().parents:
+        store = Store(folder / "store")
+        for batch in store.sealed().values():
+            if run in batch.runs:
+                return store.file_of(batch.id)
     raise InputError(
-        f"{path}: its run {run[:12]} is in no file of the folder chunks beside it; name the file that the "
-        "sweep wrote, or make the sweep again."
+        f"{path}: its run {run[:12]} is in no folder store beside it or above it; name the file where the "
+        "sweep wrote it, or make the sweep again."
     )
 
 
 def replicate_of(path: Path, dataset: xr.Dataset, row: int) -> Replicate:
-    """What a run of a chunk is."""
+    """What a run of a batch is."""
     with content_of(path):
         try:
             return of_values(json.loads(dataset.attrs["values"])[row], str(path))

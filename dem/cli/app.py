@@ -137,7 +137,7 @@ def simulate(
     from dem.experiment import resume
     from dem.experiment.bed import make_bed, read_bed
     from dem.experiment.kinds import drag
-    from dem.sweep.chunk import write_one
+    from dem.sweep.batch import write_one
 
     replicate = _replicate(config, shape, density, seed, values)
     if (experiment := replicate.configuration.experiment) != "drag":

@@ -32,7 +32,7 @@ ShapesOption = Annotated[
 
 def flow(
     output: OutputOption,
-    chunk: Annotated[
+    batch: Annotated[
         Path | None, typer.Argument(help="File of runs to measure; if absent, combine all.")
     ] = None,
     config: ConfigOption = PAPER,
@@ -46,20 +46,20 @@ def flow(
     The combined file also holds the snapshots of one run per case.
     """
     start_lean()
-    from dem.analysis.flow.collect import measure_chunk, write_flow
+    from dem.analysis.flow.collect import measure_batch, write_flow
     from dem.sweep.config import load
 
-    if chunk is not None:
+    if batch is not None:
         if shapes is None and config != PAPER:
             shapes = load(config).beside
         with bar("measuring the flow", 1.0) as update:
-            measure_chunk(chunk, output, update, shapes)
+            measure_batch(batch, output, update, shapes)
         return
-    from dem.sweep.work import Work
+    from dem.sweep.campaign import Campaign
 
-    work = Work.of(config)
+    campaign = Campaign.of(config)
     with bar("combining", 1.0) as update:
-        write_flow(work, block or next(iter(work.sweep.blocks)), output, update)
+        write_flow(campaign, block or next(iter(campaign.sweep.blocks)), output, update)
 
 
 def draw(

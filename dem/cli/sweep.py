@@ -1,6 +1,5 @@
-"""Command line, a sweep and its store: `dem sweep`, `compile`, `chunk`, `combine`, `store`."""
+"""Command line, a sweep and its store: `dem sweep`, `compile`, `batch`, `combine`, `store`."""
 
-import os
 import shlex
 import sys
 from pathlib import Path
@@ -9,11 +8,19 @@ from typing import Annotated
 import typer
 
 from dem.base.say import say
-from dem.cli.terminal import PAPER, ConfigOption, OutputOption, Stopped, bar, show, start_lean
+from dem.cli.terminal import (
+    PAPER,
+    ConfigOption,
+    OutputOption,
+    Stopped,
+    Writes,
+    bar,
+    show,
+    start_lean,
+)
 
 FileArgument = Annotated[Path, typer.Argument(help="Configuration file of a sweep (YAML).")]
 JobsOption = Annotated[int, typer.Option("-j", "--jobs", min=1, help="Number of processes.")]
-AGAIN = "DEM_AGAIN"  # the workflow sets it to make existing runs again
 
 
 def sweep(
@@ -29,49 +36,49 @@ def sweep(
     Example: dem sweep config/smoke.yaml -j 2
     """
     start_lean()
-    from dem.sweep.config import CONFIG, save
-    from dem.sweep.estimate import advice, counted, kept, outcome, retried, summary
+    from dem.sweep.campaign import Campaign, of_new_store
+    from dem.sweep.estimate import advice, kept, outcome, retried, summary
     from dem.sweep.units import unusual
-    from dem.sweep.work import Work, of_new_store
 
-    work = Work.of(file)
-    gone = work.check()
-    if sentence := of_new_store(work.store, file):
+    campaign = Campaign.of(file)
+    gone = campaign.check()
+    if sentence := of_new_store(campaign.store, file):
         say(sentence)
-    for sentence in unusual(work):
+    for sentence in unusual(campaign):
         say(sentence)
     if dry_run:
         with bar("estimating"):
-            found = summary(work, jobs, retry)
+            found = summary(campaign, jobs, retry)
         show("\n".join((found, *gone)))
         return
     from dem.analysis.flow.collect import make_flow
     from dem.io.results_folder import prepare
 
-    held, said = prepare(Path(work.sweep.results))
-    for sentence in (*said, *advice(work.sweep)):
+    held, said = prepare(campaign.results, campaign.store.folder)
+    for sentence in (*said, *advice(campaign.sweep)):
         say(sentence)
     try:
-        save(work.sweep, Path(work.sweep.results) / CONFIG, work.file)
         if retry:
-            say(f"{retried(work)} failed runs are tried again.")
-        there, _ = counted(work)
-        order = list(work.sweep.blocks)
-        with bar("making runs", float(len(order))) as update:
+            say(f"{retried(campaign)} failed runs are tried again.")
+        there, total = campaign.counts()
+        with bar("making runs", float(total)) as update:
 
-            def made(block, share, compiles):
+            def made(done, failed, compiles):
                 words = "making runs, the first ones compile" if compiles else "making runs"
-                update(order.index(block) + share, not compiles, words)
+                update(done, not compiles, words + (f", {failed} failed" if failed else ""))
 
-            work.make(jobs, made)
+            campaign.make(jobs, made)
+        order = list(campaign.sweep.blocks)
         with bar("measuring flow", float(len(order))) as update:
             for number, block in enumerate(order):
-                make_flow(work, block, lambda share, n=number: update(n + share))
-        for sentence in (*gone, *work.said):
+                make_flow(campaign, block, lambda share, n=number: update(n + share))
+        for sentence in (*gone, *campaign.said):
             say(sentence)
-        say(outcome(work, counted(work)[0] - there))
+        say(outcome(campaign, campaign.counts()[0] - there))
     except Stopped as stop:
-        stop.kept = kept(work, shlex.join(["dem", "sweep", str(file), "-j", str(jobs)]))
+        stop.kept = kept(
+            campaign, f"to go on, type: {shlex.join(['dem', 'sweep', str(file), '-j', str(jobs)])}"
+        )
         raise
     finally:
         held.release()
@@ -82,39 +89,45 @@ def compile(
     shape: Annotated[
         str | None, typer.Option("--shape", help="Label of a shape; all shapes if absent.")
     ] = None,
-    kernels: Annotated[
-        str | None,
-        typer.Option("--kernels", help="Name of the kernels of planned chunks.", hidden=True),
-    ] = None,
 ):
     """Compile the kernels that the runs of a sweep need, and keep them on disk."""
     start_lean()
     from dem.experiment.warmup import compile_kernels
-    from dem.sweep.work import kinds_of
+    from dem.sweep.config import load
+    from dem.sweep.store import kernels_of
 
-    kinds = list(kinds_of(config, shape, kernels))
+    sweep, kinds = load(config), {}
+    for block in sweep.blocks:
+        for replicate in sweep.block(block).unique():
+            if shape in (None, replicate.label):
+                kinds.setdefault(kernels_of(replicate), replicate)
+    if shape is not None and not kinds:
+        kinds[shape] = sweep.replicate(shape, sweep.density_of(shape), 0)
     with bar("compiling", float(len(kinds))) as update:
-        for done, replicate in enumerate(kinds):
+        for done, replicate in enumerate(kinds.values()):
             update(done, label=f"compiling for {replicate.label}, {done + 1} of {len(kinds)}")
             compile_kernels(replicate)
         update(len(kinds))
 
 
-def chunk(
-    name: Annotated[
-        str, typer.Argument(help="Identity of a planned chunk, 16 hexadecimal digits.")
+def batch(
+    file: Annotated[
+        Path, typer.Argument(help="File of the store, results/store/batches/....nc."), Writes(".nc")
     ],
-    output: OutputOption,
 ):
-    """Make the runs of one chunk in the store, and link the output to it."""
+    """Make the runs of one batch of the store, as the file of its name that ends in .json says."""
     start_lean()
-    from dem.sweep.chunk import make
-    from dem.sweep.store import Store, check_place, link_to
+    from dem.sweep.batch import make
+    from dem.sweep.store import Store
 
-    check_place(output)
-    with bar(f"chunk {name}", 1.0) as update:
-        made = make(Store(), name, bool(os.environ.get(AGAIN)), update)
-    link_to(made, output)
+    store = Store(file.parents[1])
+    with bar(f"batch {file.stem}", float(len(store.replicates(file.stem)))) as update:
+
+        def made(done, failed, compiles=False):
+            words = f"batch {file.stem}" + (f", {failed} failed" if failed else "")
+            update(done, not compiles, words)
+
+        make(store, file.stem, made)
 
 
 def combine(
@@ -131,14 +144,14 @@ def combine(
 
     Example: dem combine --config config/smoke.yaml -o drag.nc
     """
+    from dem.sweep.campaign import Campaign
     from dem.sweep.store import check_place
-    from dem.sweep.work import Work
 
-    check_place(output)
-    work = Work.of(config)
+    campaign = Campaign.of(config)
+    check_place(output, campaign.store.folder)
     with bar("combining", 1.0) as update:
-        work.combine(block or next(iter(work.sweep.blocks)), observable, output, update)
-    for sentence in work.said:
+        campaign.combine(block or next(iter(campaign.sweep.blocks)), observable, output, update)
+    for sentence in campaign.said:
         typer.echo(sentence, err=True)
 
 
@@ -161,6 +174,7 @@ def store(
     from dem.base.errors import InputError
     from dem.base.plain import PlainConsole
     from dem.sweep.estimate import listing, wanted_of
+    from dem.sweep.prune import prune as pruned
     from dem.sweep.store import Store
 
     found, wanted = Store(), [wanted_of(word) for word in values or ()]
@@ -170,7 +184,7 @@ def store(
         )
     if prune:
         with bar("pruning the store"):
-            gone, size = found.prune()
+            gone, size = pruned(found)
         show(f"{len(gone)} files removed, {1e-6 * size:.1f} MB.")
         return
     with bar("reading the store"):
@@ -181,4 +195,4 @@ def store(
     PlainConsole(width=None if sys.stdout.isatty() else 160).print(table)
 
 
-VERBS = (sweep, compile, chunk, combine, store)
+VERBS = (sweep, compile, batch, combine, store)

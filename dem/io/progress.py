@@ -110,13 +110,18 @@ def span(seconds: float) -> str:
 
 
 class WorkflowProgress(logging.Handler):
-    """Adds the time left to the steps that Snakemake counts, as if all took the same time."""
+    """Adds to the steps that Snakemake counts how many runs are there, and the time left.
 
-    def __init__(self, every: float = EVERY):
+    counts: gives the number of runs that are there, and of all.
+    """
+
+    def __init__(self, counts, every: float = EVERY):
         super().__init__()
-        self.time_left = TimeLeft(every)
+        self.counts, self.time_left = counts, TimeLeft(every)
 
     def emit(self, record: logging.LogRecord) -> None:
-        done, total = getattr(record, "done", None), getattr(record, "total", None)
-        if done is not None and total and (words := self.time_left.words(done / total)):
-            say(words)
+        if getattr(record, "done", None) is None:
+            return
+        there, total = self.counts()
+        if words := self.time_left.words(there / total):
+            say(f"{there} of {total} runs: {words}")

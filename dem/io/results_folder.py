@@ -1,9 +1,5 @@
-"""Prepare a folder of results for a workflow: lock it, and remove what killed processes left.
+"""Prepare a folder of results for a workflow: lock it, and remove what killed processes left."""
 
-No file may have a date in the future, because Snakemake would make all that follows from it again.
-"""
-
-import os
 import socket
 import time
 from contextlib import suppress
@@ -13,30 +9,19 @@ from filelock import FileLock, Timeout
 
 from dem.base.errors import InputError, RunError
 from dem.base.files import PART, check_file, is_full
-from dem.io.progress import span
 
 DAY = 86400.0  # s
-SOON = 2.0  # s that the clocks of two computers may differ by
-FOLLOWS = os.utime not in os.supports_follow_symlinks  # Windows dates only what a link leads to
 
 
-def prepare(folder: Path) -> tuple[FileLock, list[str]]:
-    """Make a folder ready; returns the lock that holds it, and sentences to show.
+def prepare(folder: Path, store: Path) -> tuple[FileLock, list[str]]:
+    """Make a folder and its store ready; returns the lock that holds it, and sentences to show.
 
     The folder is held until the process ends, however it ends: no lock is left behind by a run that
     was killed. Raises RunError where another run works in it, OSError where it cannot be written.
     """
-    held = hold(folder)
-    said = []
-    if gone := clear_parts(folder):
-        said.append(f"{folder}: {gone} half-written files of killed processes are cleared away.")
-    count, ahead = redate(folder)
-    if count:
-        said.append(
-            f"{folder}: {count} files are dated up to {span(ahead)} after now (did the clock go "
-            "back?); they are dated now, in the same order. Some runs may be made again."
-        )
-    return held, said
+    held, gone = hold(folder), clear_parts(folder) + clear_parts(store)
+    words = f"{folder}: {gone} half-written files of killed processes are cleared away."
+    return held, [words] if gone else []
 
 
 def lock_of(path: Path, timeout: float = -1) -> FileLock:
@@ -92,24 +77,3 @@ def clear_parts(folder: Path) -> int:
                 part.unlink()
                 gone += 1
     return gone
-
-
-def redate(folder: Path) -> tuple[int, float]:
-    """Set the dates of files from the future to now, in their order.
-
-    Returns how many there are and how far (s) the last is ahead. Otherwise all that is made from
-    them would look outdated, and be made again each time.
-    """
-    now = time.time()
-    late = []
-    for file in Path(folder).rglob("*"):
-        with suppress(OSError):
-            status = file.lstat()
-            if status.st_mtime > now + SOON and file.is_file():
-                late.append((status.st_mtime, file))
-    late.sort()
-    for place, (_, file) in enumerate(late):
-        stamp = now - 1e-3 * (len(late) - place)
-        with suppress(OSError):
-            os.utime(file, (stamp, stamp), follow_symlinks=FOLLOWS)
-    return len(late), late[-1][0] - now if late else 0.0

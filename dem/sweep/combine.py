@@ -1,8 +1,8 @@
 """The runs of a block in one file, over its axes: drag.nc over (case, seed, displacement).
 
-Chunks are read one after another (netCDF4 is not safe with threads) and written at once: at any
-moment one chunk, and the few blocks of the file that are not full yet, are in memory, however many
-there are. What has a value for every granule stays in the chunks.
+Batches are read one after another (netCDF4 is not safe with threads) and written at once: at any
+moment one batch, and the few blocks of the file that are not full yet, are in memory, however many
+there are. What has a value for every granule stays in the batches.
 """
 
 import json
@@ -43,7 +43,7 @@ def combine(
 ) -> None:  # fmt: skip
     """Write what an observable gave for all runs of a block.
 
-    paths: files of chunks, or of what was measured of them, in any order; runs of other sweeps in
+    paths: files of batches, or of what was measured of them, in any order; runs of other sweeps in
     them are left out. The attributes tell the provenance of the runs, all of it where they differ.
     The file is written atomically and without loss. Where the sweep allows failures, those are gaps
     (NaN) and `failure` tells why. more: adds to the file, a netCDF4.Dataset, what else it shall
@@ -229,7 +229,7 @@ def _check(sweep: Sweep, block: Block, failed) -> None:
                 f"{group}: none of its {count} runs could be made ({failed[0][2]}); take it out of "
                 "the configuration, or change its values."
             )
-    if len(failed) > sweep.failures * block.whole + 1e-9:  # 0.29 * 100 is a little less than 29
+    if len(failed) > sweep.failures * len(runs) + 1e-9:  # 0.29 * 100 is a little less than 29
         first = next(run for run in runs if run.place == failed[0][0]).replicate
         raise RunError(
             f"{len(failed)} of {len(runs)} runs could not be made; failures allows "
@@ -239,7 +239,7 @@ def _check(sweep: Sweep, block: Block, failed) -> None:
 
 
 def about(
-    sweep: Sweep, block: Block, provenance: dict, source: str = "dem chunk, dem combine"
+    sweep: Sweep, block: Block, provenance: dict, source: str = "dem batch, dem combine"
 ) -> dict:
     """Attributes of the file. The averaging window is among them, so that figures need nothing
     else, and the cylinder's velocity where all runs have the same."""

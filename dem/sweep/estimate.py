@@ -2,7 +2,6 @@
 
 import json
 import shlex
-from collections.abc import Collection
 from itertools import islice
 from pathlib import Path
 
@@ -14,48 +13,49 @@ from dem.base.hints import is_number, is_written, meant
 from dem.experiment.config import Replicate, entries, of_values
 from dem.io.dataset import read
 from dem.io.progress import span
-from dem.sweep import chunk as making
 from dem.sweep import design
 from dem.sweep.axis import OWN
+from dem.sweep.batch import retry
+from dem.sweep.campaign import Campaign
 from dem.sweep.config import Sweep
+from dem.sweep.prune import sweeps
 from dem.sweep.store import Store
 from dem.sweep.why import reasons
-from dem.sweep.work import Work
 
 GUESS = 1e-7  # s a granule and step, where no run was made yet: of a usual processor
-LISTED = 40  # runs, or chunks, that are shown
+LISTED = 40  # runs, or batches, that are shown
 
 
-def summary(work: Work, jobs: int, retry: bool = False) -> str:
+def summary(campaign: Campaign, jobs: int, again: bool = False) -> str:
     """Runs and beds of a sweep, how many there are already, and an estimate for the others.
 
-    retry: whether runs that failed are made again.
+    again: whether runs that failed are made again.
     """
     lines, seconds, size, first = [], 0.0, 0, None
-    speeds = speeds_of(work.store)
-    for name in work.sweep.blocks:
-        block = work.block(name)
+    speeds = speeds_of(campaign.store)
+    for name in campaign.sweep.blocks:
+        block = campaign.block(name)
         runs = list(block.unique())
-        there, failed = made(work, name)
-        left = [run for run in runs if run.id not in (there if retry else there | failed)]
-        beds = {run.bed_id for run in left if not work.store.file_of_bed(run).is_file()}
+        there, failed = made(campaign, name)
+        left = [run for run in runs if run.id not in (there if again else there | failed)]
+        beds = {run.bed_id for run in left if not campaign.store.file_of_bed(run).is_file()}
         seconds += sum(seconds_of(run, speeds) for run in left)
         size += sum(bytes_of(run) for run in left)
         axes = ", ".join(f"{axis.name} {len(axis.points)}" for axis in block.axes)
         first = first or (left or runs)[0]
-        again = "these are made again" if retry else "dem sweep --retry makes these again"
+        words = "these are made again" if again else "dem sweep --retry makes these again"
         lines.append(
-            f"{work.folder_of(name)}: {len(block.runs)} places ({axes}), {len(runs)} runs, of which "
-            f"{len(there)} are there{f' and {len(failed)} failed ({again})' if failed else ''}; "
+            f"{campaign.folder_of(name)}: {len(block.runs)} places ({axes}), {len(runs)} runs, of which "
+            f"{len(there)} are there{f' and {len(failed)} failed ({words})' if failed else ''}; "
             f"{len(beds)} beds to pack."
         )
         lines += [f"  {run.words()}{_values(block, run)}" for run in islice(left, LISTED)]
         if len(left) > LISTED:
             lines.append(f"  and {len(left) - LISTED} more.")
         lines += [
-            f"  {n} because {why}." for why, n in reasons(work.store, left).most_common(LISTED)
+            f"  {n} because {why}." for why, n in reasons(campaign.store, left).most_common(LISTED)
         ]
-    lines += advice(work.sweep)
+    lines += advice(campaign.sweep)
     if not seconds:
         return "\n".join(lines)
     how = "as runs like these took" if speeds else "a guess: no run was made here yet"
@@ -77,41 +77,29 @@ def _values(block, replicate: Replicate) -> str:
     return ", " + ", ".join(words) if words else ""
 
 
-def made(work: Work, block: str) -> tuple[set[str], set[str]]:
+def made(campaign: Campaign, block: str) -> tuple[set[str], set[str]]:
     """Identities of the runs of a block that are in the store, and of those that failed."""
-    return _made(work, set(work.block(block).places))
-
-
-def _made(work: Work, wanted: Collection[str]) -> tuple[set[str], set[str]]:
-    wanted, found = set(wanted), {False: set(), True: set()}  # by whether they failed
-    for chunk in work.store.planned().values():
-        if not wanted & set(chunk.runs):
-            continue
-        if (path := work.store.file_of(chunk.id)).is_file():
-            values, _ = read(path, ("run_id", "failure"))
-            flags = zip(values["run_id"].tolist(), values["failure"], strict=True)
-        else:
-            kept = ((run, work.store.kept(run)) for run in chunk.runs)
-            flags = ((run, row["failure"]) for run, row in kept if row is not None)
-        for run, flag in flags:
-            if run in wanted:
+    store, wanted = campaign.store, set(campaign.block(block).places)
+    found = {False: set(), True: set()}  # by whether they failed
+    for batch in store.sealed().values():
+        if wanted.intersection(batch.runs):
+            values, _ = read(store.file_of(batch.id), ("run_id", "failure"))
+            for run, flag in zip(values["run_id"].tolist(), values["failure"], strict=True):
                 found[bool(flag)].add(run)
-    return found[False], found[True] - found[False]
+    for run in wanted - found[False] - found[True]:
+        if (row := store.kept(run)) is not None:
+            found[bool(row["failure"])].add(run)
+    there = found[False] & wanted
+    return there, (found[True] & wanted) - there
 
 
-def counted(work: Work) -> tuple[int, int]:
-    """How many runs of a sweep are in the store, and how many it has."""
-    wanted = {run for block in work.sweep.blocks for run in work.block(block).places}
-    return len(set().union(*_made(work, wanted))), len(wanted)
-
-
-def kept(work: Work, command: str) -> str:
+def kept(campaign: Campaign, how: str = "run the same command to go on") -> str:
     """What a sweep has that is stopped, and how it goes on."""
-    there, total = counted(work)
-    return f"{there} of {total} runs are kept; to go on, type: {command}"
+    there, total = campaign.counts()
+    return f"{there} of {total} runs are kept; {how}"
 
 
-def outcome(work: Work, new: int | None = None, draws: str = "dem figure all {}") -> str:
+def outcome(campaign: Campaign, new: int | None = None, draws: str = "dem figure all {}") -> str:
     """Which file holds the runs of a sweep that is done, and what to do with it.
 
     new: how many of them were just made, None where that is unknown; draws: the command that draws
@@ -119,15 +107,17 @@ def outcome(work: Work, new: int | None = None, draws: str = "dem figure all {}"
     """
     first, *others = (
         f"{folder}/{observable}.nc"
-        for folder, block in work.folders.items()
-        for observable in work.observables(block)
+        for folder, block in campaign.folders.items()
+        for observable in campaign.observables(block)
     )
     failed = 0
-    if work.sweep.failures:
-        combined = (f"{folder}/{work.observables(b)[0]}.nc" for folder, b in work.folders.items())
+    if campaign.sweep.failures:
+        combined = (
+            f"{folder}/{campaign.observables(b)[0]}.nc" for folder, b in campaign.folders.items()
+        )
         failed = sum(int((read(Path(c), ("failure",))[0]["failure"] != 0).sum()) for c in combined)
-    more = f" and {len(others)} more files in {work.sweep.results}" if others else ""
-    many, (_, total) = bool(others), counted(work)
+    more = f" and {len(others)} more files in {campaign.sweep.results}" if others else ""
+    many, (_, total) = bool(others), campaign.counts()
     holds = f"{first}{more} {'hold' if many else 'holds'}"
     if new == 0:
         said = f"Nothing was to be made: {holds} all {total} runs"
@@ -163,7 +153,7 @@ def _effort(replicate: Replicate) -> float:
 def speeds_of(store: Store) -> dict[str, float]:
     """Processor time (s) over effort, by kind of granule, of some runs that are there."""
     found = {}
-    for path in islice(sorted((store.folder / "chunks").glob("*.nc")), LISTED):
+    for path in islice(sorted((store.folder / "batches").glob("*.nc")), LISTED):
         try:
             values, attrs = read(path, ("spent", "failure"))
             runs = [of_values(each) for each in json.loads(attrs["values"])]
@@ -185,7 +175,7 @@ def seconds_of(replicate: Replicate, speeds: dict[str, float]) -> float:
 
 
 def bytes_of(replicate: Replicate) -> int:
-    """Bytes that a run takes in its chunk; compressing gains a quarter."""
+    """Bytes that a run takes in its batch; compressing gains a quarter."""
     own = replicate.configuration
     experiment = own.module
     sizes = experiment.sizes(replicate)
@@ -196,19 +186,20 @@ def bytes_of(replicate: Replicate) -> int:
     return 6 * count + 24 * replicate.shape.granules
 
 
-def retried(work: Work) -> int:
+def retried(campaign: Campaign) -> int:
     """Let the failed runs of a sweep be made again; returns how many there are."""
-    known = [b for b in work.sweep.blocks if all(path.is_file() for path in work.needed(b))]
-    chunks = [chunk for block in known for chunk in work.chunks(block)]
-    work.settle()
-    return sum(making.retry(work.store, chunk.id) for chunk in chunks)
+    known = [block for block in campaign.sweep.blocks if campaign.is_known(block)]
+    campaign.begin(*known)
+    batches = dict.fromkeys(batch.id for block in known for batch in campaign.batches(block))
+    store = campaign.store
+    return sum(retry(store, batch, store.replicates(batch)) for batch in batches)
 
 
 def listing(store: Store, wanted: list[tuple[str, str]]) -> Table:
-    """Chunks of the store: how many runs of which values, and which sweeps need them."""
+    """Batches of the store: how many runs of which values, and which sweeps need them."""
     table = Table()
     for name in (
-        "chunk",
+        "batch",
         "runs",
         "failed",
         "shape",
@@ -218,29 +209,29 @@ def listing(store: Store, wanted: list[tuple[str, str]]) -> Table:
         "needed by",
     ):
         table.add_column(name, overflow="fold")
-    needed = store.needed()
-    for name, chunk in store.planned().items():
+    users = list(sweeps(store))
+    for batch in store.known():
         try:
-            runs = store.as_planned(name)
-        except InputError:  # planned for another schema
+            runs = store.replicates(batch.id)
+        except InputError:  # of another version of the code
             runs = None
         mine = [run for run in runs or () if all(_matches(run, *each) for each in wanted)]
         if not mine and (runs is not None or wanted):
             continue
-        users = [results for results, chunks in needed.items() if name in chunks]
+        needed = [str(folder) for folder, ids, _ in users if ids.intersection(batch.runs)]
         table.add_row(
-            name, f"{len(mine)} of {len(chunk.runs)}", _failed(store, name),
+            batch.id, f"{len(mine)} of {len(batch.runs)}", _failed(store, batch.id),
             _few(run.label for run in mine), _few(f"{run.density:g}" for run in mine),
             _few(str(run.seed) for run in mine),
-            differing(mine) if runs is not None else "of other code", ", ".join(users) or "no sweep",
+            differing(mine) if runs is not None else "of other code", ", ".join(needed) or "no sweep",
         )  # fmt: skip
     return table
 
 
-def _failed(store: Store, chunk: str) -> str:
-    """How many runs of a chunk failed, in words."""
+def _failed(store: Store, batch: str) -> str:
+    """How many runs of a batch failed, in words."""
     try:
-        values, _ = read(store.file_of(chunk), ("failure",))
+        values, _ = read(store.file_of(batch), ("failure",))
     except InputError:
         return "not made"
     return str(int((values["failure"] != 0).sum()))

@@ -33,13 +33,10 @@ class Run(NamedTuple):
 
 class Block:
     """All runs of a block: axes, and runs in their order; fixed: paths of values that all its runs
-    share, and that may be others than those of the file; whole: runs of the block that this is a part of."""
+    share, and that may be others than those of the file."""
 
-    def __init__(
-        self, name: str, axes: list[Axis], runs: list[Run], fixed: Iterable[str] = (), whole: int = 0
-    ):  # fmt: skip
+    def __init__(self, name: str, axes: list[Axis], runs: list[Run], fixed: Iterable[str] = ()):
         self.name, self.axes, self.runs, self.fixed = name, axes, runs, tuple(fixed)
-        self.whole = whole or len(runs)
 
     @property
     def dims(self) -> tuple[str, ...]:

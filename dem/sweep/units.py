@@ -2,15 +2,17 @@
 
 import math
 
-from dem.sweep.work import Work
+from dem.sweep.campaign import Campaign
 
 FASTEST = 0.1  # of the velocity of sound, beyond which a bed is shocked rather than sheared
 
 
-def unusual(work: Work) -> list[str]:
+def unusual(campaign: Campaign) -> list[str]:
     """A sentence of the fastest run, where its cylinder is so fast that another unit was probably meant."""
     found = {}
-    for run in (run.replicate for name in work.sweep.blocks for run in work.block(name).runs):
+    for run in (
+        run.replicate for name in campaign.sweep.blocks for run in campaign.block(name).runs
+    ):
         own = run.configuration
         if own.experiment == "drag":
             sound = math.sqrt(own.material.young_modulus / run.density)

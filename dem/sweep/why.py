@@ -34,7 +34,7 @@ def reasons(store: Store, runs: Iterable[Replicate]) -> Counter:
 
 def made(store: Store) -> Iterator[Made]:
     """The runs that the newest files of the store hold."""
-    files = sorted((store.folder / "chunks").glob("*.nc"), key=lambda path: path.stat().st_mtime)
+    files = sorted((store.folder / "batches").glob("*.nc"), key=lambda path: path.stat().st_mtime)
     for path in files[-LOOKED_AT:]:
         try:
             _, attrs = read(path, ())

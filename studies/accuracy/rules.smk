@@ -5,26 +5,14 @@
 What is timed runs alone on the computer, the rest side by side.
 
 REQUIRED INPUTS
-    the chunks of the sweep that the configuration names as studies.accuracy
+    the batches of the sweep that the configuration names as studies.accuracy
 OUTPUTS
     {RESULTS}/accuracy/contacts.nc, {RESULTS}/accuracy/steps.nc
     {RESULTS}/accuracy.nc, {RESULTS}/accuracy.txt
     {RESULTS}/figures/accuracy_{figure}.svg, {RESULTS}/figures/accuracy_{figure}.png
 """
 
-
-def accuracy_chunks(wildcards):
-    """The chunks of all runs."""
-    from studies.accuracy.table import runs_of
-
-    try:
-        runs_of(study("accuracy").sweep)
-    except InputError as error:
-        refuse(error)
-    return study_chunks("accuracy")
-
-
-SMOKE = "--smoke" if SWEEP.studies == "smoke.yaml" else ""
+SMOKE = "--smoke" if SWEEP.sweep.studies == "smoke.yaml" else ""
 
 
 localrules:
@@ -33,7 +21,7 @@ localrules:
 
 rule accuracy:
     input:
-        RESULTS + "/accuracy.txt",
+        f"{RESULTS}/accuracy.txt",
         pictures_of("accuracy"),
 
 
@@ -41,50 +29,50 @@ rule accuracy_contacts:
     message:
         "Contacts of ellipses: error against time, alone on the computer"
     output:
-        update(RESULTS + "/accuracy/contacts.nc"),
+        f"{RESULTS}/accuracy/contacts.nc",
     params:
         code=code_of("studies.accuracy.contacts", "studies.accuracy.bounces"),
         smoke=SMOKE,
-        config=lambda w: study_config("accuracy"),
-    threads: workflow.cores
+        config=lambda w: config_of(study("accuracy")),
+    threads: lambda w: workflow.cores
     log:
-        RESULTS + "/logs/accuracy/contacts.log",
+        f"{RESULTS}/logs/accuracy/contacts.log",
     shell:
-        "begin {output:q}; study accuracy contacts --config {params.config} {params.smoke} -o {output} 2> {log}; end {output:q}"
+        "python -P -m studies accuracy contacts --config {params.config} {params.smoke} -o {output} 2> {log}"
 
 
 rule accuracy_steps:
     message:
         "Time steps and integrators: error against time, alone on the computer"
     output:
-        update(RESULTS + "/accuracy/steps.nc"),
+        f"{RESULTS}/accuracy/steps.nc",
     params:
         code=code_of("studies.accuracy.steps"),
-        sweep=lambda w: values_of(study("accuracy").sweep, "record", "sweep", *SHOWN),
+        sweep=lambda w: study("accuracy").text(None, "record", "sweep", "title", "failures"),
         smoke=SMOKE,
-        config=lambda w: study_config("accuracy"),
-    threads: workflow.cores
+        config=lambda w: config_of(study("accuracy")),
+    threads: lambda w: workflow.cores
     log:
-        RESULTS + "/logs/accuracy/steps.log",
+        f"{RESULTS}/logs/accuracy/steps.log",
     shell:
-        "begin {output:q}; study accuracy steps --config {params.config} {params.smoke} -o {output} 2> {log}; end {output:q}"
+        "python -P -m studies accuracy steps --config {params.config} {params.smoke} -o {output} 2> {log}"
 
 
 rule accuracy_table:
     message:
         "Gather the study into {output}"
     input:
-        contacts=RESULTS + "/accuracy/contacts.nc",
-        steps=RESULTS + "/accuracy/steps.nc",
-        chunks=accuracy_chunks,
+        contacts=f"{RESULTS}/accuracy/contacts.nc",
+        steps=f"{RESULTS}/accuracy/steps.nc",
+        batches=lambda w: study_batches("accuracy"),
     output:
-        update(RESULTS + "/accuracy.nc"),
+        f"{RESULTS}/accuracy.nc",
     params:
         code=code_of("studies.accuracy.table"),
-        sweep=lambda w: values_of(study("accuracy").sweep, *UNREAD),
-        config=lambda w: study_config("accuracy"),
+        sweep=lambda w: study("accuracy").text(),
+        config=lambda w: config_of(study("accuracy")),
     log:
-        RESULTS + "/logs/accuracy/table.log",
+        f"{RESULTS}/logs/accuracy/table.log",
     shell:
-        "begin {output:q}; study accuracy table --config {params.config} --contacts {input.contacts} --steps {input.steps}"
-        " -o {output} 2> {log}; end {output:q}"
+        "python -P -m studies accuracy table --config {params.config} --contacts {input.contacts} --steps {input.steps}"
+        " -o {output} 2> {log}"

@@ -12,8 +12,8 @@ from dem.base.errors import InputError
 from dem.experiment.config import Replicate
 from dem.experiment.kinds import drag
 from dem.io.dataset import FAILURES, global_attributes, write
+from dem.sweep.campaign import Campaign
 from dem.sweep.config import Sweep
-from dem.sweep.work import Work
 from studies.accuracy.bias import LARGEST
 from studies.accuracy.layout import CONTACTS, STEPS, VARIABLES
 from studies.common.table import origin, parts, rows, wanted_of
@@ -82,17 +82,17 @@ def replicates(paths: list[Path], wanted: dict[str, Replicate]) -> dict:
     }
 
 
-def write_study(path: Path, work: Work, contacts: Path, steps: Path) -> None:
-    """Write accuracy.nc from the chunks of a sweep and the files of both scripts."""
-    sweep = work.sweep
+def write_study(path: Path, campaign: Campaign, contacts: Path, steps: Path) -> None:
+    """Write accuracy.nc from the batches of a sweep and the files of both scripts."""
+    sweep = campaign.sweep
     vary, many = runs_of(sweep)
-    chunks = {name: work.files(name) for name in sweep.blocks}
-    every = [file for files in chunks.values() for file in files]
+    batches = {name: campaign.files(name) for name in sweep.blocks}
+    every = [file for files in batches.values() for file in files]
     values = (
         parts([contacts], CONTACTS)
         | parts([steps], STEPS)
-        | trials([f for name in chunks if name != REPLICATES for f in chunks[name]], vary)
-        | replicates(chunks[REPLICATES], many)
+        | trials([f for name in batches if name != REPLICATES for f in batches[name]], vary)
+        | replicates(batches[REPLICATES], many)
     )
     attrs = global_attributes(
         f"{sweep.title}: error against run time",

@@ -60,9 +60,8 @@ def table(
     config: ConfigOption = ACCURACY,
 ):
     """Write the runs of the sweep and both files into accuracy.nc."""
-    from dem.sweep.config import load
-    from dem.sweep.work import Work
+    from dem.sweep.campaign import Campaign
     from studies.accuracy.table import write_study
 
     with bar("accuracy"):
-        write_study(output, Work(load(config)), contacts, steps)
+        write_study(output, Campaign.of(config), contacts, steps)

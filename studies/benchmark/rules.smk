@@ -18,7 +18,7 @@ localrules:
 
 rule benchmark:
     input:
-        RESULTS + "/benchmark.txt",
+        f"{RESULTS}/benchmark.txt",
         pictures_of("benchmark"),
 
 
@@ -26,12 +26,13 @@ rule measure:
     message:
         "Time this code and others, alone on the computer"
     output:
-        update(RESULTS + "/benchmark.nc"),
+        f"{RESULTS}/benchmark.nc",
     params:
-        code=code_of("studies.benchmark.measure", shapes=SWEEP.shapes),
-        sweep=values_of(SWEEP, "record", "sweep", *SHOWN),
-    threads: workflow.cores
+        code=code_of("studies.benchmark.measure", shapes=SWEEP.sweep.shapes),
+        sweep=SWEEP.text(None, "record", "sweep", "title", "failures"),
+        config=lambda w: config_of(SWEEP),
+    threads: lambda w: workflow.cores
     log:
-        RESULTS + "/logs/benchmark.log",
+        f"{RESULTS}/logs/benchmark.log",
     shell:
-        "begin {output:q}; study benchmark measure --config {CONFIG} -o {output} 2> {log}; end {output:q}"
+        "python -P -m studies benchmark measure --config {params.config} -o {output} 2> {log}"

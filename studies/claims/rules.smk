@@ -3,7 +3,7 @@
     snakemake -j2 claims
 
 REQUIRED INPUTS
-    the chunks of the sweep that the configuration names as studies.claims
+    the batches of the sweep that the configuration names as studies.claims
 OUTPUTS
     {RESULTS}/claims.nc, {RESULTS}/claims.txt
     {RESULTS}/figures/claims_{figure}.svg, {RESULTS}/figures/claims_{figure}.png
@@ -16,7 +16,7 @@ localrules:
 
 rule claims:
     input:
-        RESULTS + "/claims.txt",
+        f"{RESULTS}/claims.txt",
         pictures_of("claims"),
 
 
@@ -24,16 +24,21 @@ rule claims_table:
     message:
         "Gather what claims are about into {output}"
     input:
-        needed=lambda w: study_needed("claims"),
-        chunks=lambda w: study_chunks("claims"),
-        derived=lambda w: study_chunks("claims", derived=True),
+        needed=lambda w: [
+            f"{study('claims').folder_of(name)}/{observable}.nc"
+            for block in study("claims").sweep.blocks
+            for name in study("claims").sweep.needed(block)
+            for observable in study("claims").observables(name)
+        ],
+        batches=lambda w: study_batches("claims"),
+        derived=lambda w: study_batches("claims", derived=True),
     output:
-        update(RESULTS + "/claims.nc"),
+        f"{RESULTS}/claims.nc",
     params:
         code=code_of("studies.claims.table"),
-        sweep=lambda w: values_of(study("claims").sweep, *UNREAD),
-        config=lambda w: study_config("claims"),
+        sweep=lambda w: study("claims").text(),
+        config=lambda w: config_of(study("claims")),
     log:
-        RESULTS + "/logs/claims/table.log",
+        f"{RESULTS}/logs/claims/table.log",
     shell:
-        "begin {output:q}; study claims table --config {params.config} -o {output} 2> {log}; end {output:q}"
+        "python -P -m studies claims table --config {params.config} -o {output} 2> {log}"

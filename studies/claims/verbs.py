@@ -17,12 +17,11 @@ app = Verbs(help="Study of which of the paper's claims hold.", no_args_is_help=T
 def table(output: OutputOption, config: ConfigOption = CLAIMS):
     """Write the numbers that the claims are about, for all runs of the study, into one file."""
     start_lean()
-    from dem.sweep.config import load
-    from dem.sweep.work import Work
+    from dem.sweep.campaign import Campaign
     from studies.claims.table import make
 
     with bar("claims", 1.0) as update:
-        make(Work(load(config)), output, update)
+        make(Campaign.of(config), output, update)
 
 
 @app.command()

@@ -1,6 +1,6 @@
 """What a study makes of runs: tables over runs of any blocks, joined with files that scripts made.
 
-The files of the chunks of a block are `Work.files(block)`.
+The files of the batches of a block are `Campaign.files(block)`.
 """
 
 from collections.abc import Iterable, Iterator
@@ -27,9 +27,9 @@ def wanted_of(blocks: Iterable[Block]) -> dict[str, Replicate]:
 def rows(
     paths: Iterable[Path], names: tuple[str, ...], wanted: dict[str, Replicate]
 ) -> Iterator[tuple[list[str], dict[str, np.ndarray]]]:
-    """What runs gave, chunk by chunk, so that one chunk at a time is in memory.
+    """What runs gave, batch by batch, so that one batch at a time is in memory.
 
-    paths: files of chunks, in any order; names: variables over `run`; wanted: runs by identity, see
+    paths: files of batches, in any order; names: variables over `run`; wanted: runs by identity, see
     `wanted_of`; others are left out. Yields identities (n,) and values (n, ...) by name. A run that
     failed is NaN or -1, and a RunError unless `failure` is one of names. Raises InputError for a
     file that is damaged and, in the end, for a run that no file holds.

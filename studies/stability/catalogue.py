@@ -95,3 +95,12 @@ class Catalogue(Section):
 def load(path: Path) -> Catalogue:
     """The catalogue in a YAML file; raises InputError."""
     return validated(Catalogue, read(path), str(path))
+
+
+def parts(path: Path) -> list[tuple[str, str]]:
+    """The scripts that a catalogue asks for, each with a shape."""
+    cases = load(path)
+    return [
+        *(("catalogue", shape) for shape in cases.shapes),
+        *(("limits", shape) for shape in cases.limits.shapes),
+    ]

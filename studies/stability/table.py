@@ -9,9 +9,9 @@ import numpy as np
 
 from dem.base.errors import InputError
 from dem.io.dataset import global_attributes, write
+from dem.sweep.campaign import Campaign
 from dem.sweep.config import Sweep
 from dem.sweep.expand import Block
-from dem.sweep.work import Work
 from studies.common.table import origin, parts, rows, wanted_of
 from studies.stability.layout import MAP, VARIABLES
 
@@ -70,14 +70,14 @@ def paper(paths: list[Path], block: Block) -> dict:
     }
 
 
-def write_study(path: Path, work: Work, files: list[Path]) -> None:
-    """Write stability.nc from the chunks of a sweep and what the catalogue and the limits wrote."""
-    sweep, blocks = work.sweep, blocks_of(work.sweep)
-    chunks = {name: work.files(name) for name in blocks}
+def write_study(path: Path, campaign: Campaign, files: list[Path]) -> None:
+    """Write stability.nc from the batches of a sweep and what the catalogue and the limits wrote."""
+    sweep, blocks = campaign.sweep, blocks_of(campaign.sweep)
+    batches = {name: campaign.files(name) for name in blocks}
     values = (
         parts(files, VARIABLES)
-        | energy_map(chunks["map"], blocks["map"], sweep.material.young_modulus)
-        | paper(chunks["paper"], blocks["paper"])
+        | energy_map(batches["map"], blocks["map"], sweep.material.young_modulus)
+        | paper(batches["paper"], blocks["paper"])
     )
     absent = [name for name in VARIABLES if name not in values]
     if absent:
@@ -85,7 +85,7 @@ def write_study(path: Path, work: Work, files: list[Path]) -> None:
     attrs = global_attributes(
         f"{sweep.title}: stiff and extreme cases",
         "python -m studies stability table",
-        **origin([*files, *chunks["map"], *chunks["paper"]]),
+        **origin([*files, *batches["map"], *batches["paper"]]),
         default_fraction=sweep.numerics.step_fraction,
     )
     write(path, values, attrs, VARIABLES)

@@ -69,9 +69,8 @@ def table(
     config: ConfigOption = STABILITY,
 ):
     """Write the runs of the sweep and all parts into stability.nc."""
-    from dem.sweep.config import load
-    from dem.sweep.work import Work
+    from dem.sweep.campaign import Campaign
     from studies.stability.table import write_study
 
     with bar("stability"):
-        write_study(output, Work(load(config)), files)
+        write_study(output, Campaign.of(config), files)

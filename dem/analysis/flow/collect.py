@@ -1,6 +1,6 @@
 """flow.nc: how all beds of a block move, and the snapshots of one run a case.
 
-If the runs do not record the measures, they are computed from the snapshots, chunk by chunk.
+If the runs do not record the measures, they are computed from the snapshots, batch by batch.
 """
 
 import json
@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from dem.analysis.flow.layout import BEDS, OF_CHUNK
+from dem.analysis.flow.layout import BEDS, OF_BATCH
 from dem.analysis.one_run import motion_of, names_of, read_run
 from dem.base import provenance
 from dem.base.errors import InputError
@@ -20,100 +20,93 @@ from dem.experiment.observables.flow import VARIABLES as MEASURED
 from dem.experiment.observables.flow import lag_of, measured
 from dem.io.dataset import attributes, content_of, global_attributes, read, write
 from dem.periodic import wrapped
+from dem.sweep.campaign import Campaign
 from dem.sweep.combine import combine, shared
 from dem.sweep.expand import Block
-from dem.sweep.work import Work
 
 MOVED = "snapshot_displacement"
 
 
-def measure_chunk(
-    chunk: Path, output: Path, progress=lambda share: None, shapes: Path | str | None = None
+def measure_batch(
+    batch: Path, output: Path, progress=lambda share: None, shapes: Path | str | None = None
 ) -> None:
-    """Write the measures of all runs of a chunk, NaN for those that failed; shapes: folder of the files
+    """Write the measures of all runs of a batch, NaN for those that failed; shapes: folder of the files
     of shapes of a user's own."""
-    values, attrs = read(chunk, (MOVED, "run_id", "failure", "failure_reason"))
+    values, attrs = read(batch, (MOVED, "run_id", "failure", "failure_reason"))
     count, snapshots = len(values["run_id"]), len(values[MOVED])
     found = {name: np.full((count, snapshots), np.nan) for name in MEASURED}
-    for row, (replicate, own) in enumerate(_runs(chunk, values, attrs)):
+    for row, (replicate, own) in enumerate(_runs(batch, values, attrs)):
         if own is not None:
-            motion = motion_of(chunk, replicate.with_shapes(shapes), own)
+            motion = motion_of(batch, replicate.with_shapes(shapes), own)
             for name, each in measured(motion).items():
                 found[name][row] = each
         progress((row + 1) / count)
     told = {name: attrs[name] for name in ("git_revision", "source_hash", "values")}
     about = global_attributes("how beds move", "dem flow", **told, versions=provenance.versions())
-    write(output, values | found, about, OF_CHUNK)
+    write(output, values | found, about, OF_BATCH)
 
 
-def _runs(chunk: Path, values: dict, attrs: dict) -> Iterator[tuple[Replicate, dict | None]]:
-    """All runs of a chunk and their snapshots; None where a run failed."""
-    with content_of(chunk):
-        replicates = [of_values(each, str(chunk)) for each in json.loads(attrs["values"])]
+def _runs(batch: Path, values: dict, attrs: dict) -> Iterator[tuple[Replicate, dict | None]]:
+    """All runs of a batch and their snapshots; None where a run failed."""
+    with content_of(batch):
+        replicates = [of_values(each, str(batch)) for each in json.loads(attrs["values"])]
         names = tuple(name for name in names_of(replicates[0]) if name != MOVED)
-    kept, _ = read(chunk, names)
+    kept, _ = read(batch, names)
     for row, replicate in enumerate(replicates):
         own = {name: kept[name][row] for name in names} | {MOVED: values[MOVED]}
         yield replicate, None if values["failure"][row] else own
 
 
-def sources(work: Work, block: str) -> list[Path]:
-    """The files that hold the measures of the runs of a block: its chunks, or what was measured of them beside
-    its results; raises InputError where the runs have neither measures nor snapshots, or where they
-    are not measured yet."""
-    recorded = _recorded(work, block)
+def sources(campaign: Campaign, block: str) -> list[Path]:
+    """The files that hold the measures of the runs of a block: its batches, or what was measured of them
+    beside its results; raises InputError where the runs have neither measures nor snapshots, or where
+    they are not measured yet."""
+    recorded, batches = _recorded(campaign, block), campaign.files(block)
     if "flow" in recorded:
-        return work.files(block)
+        return batches
     if "snapshots" not in recorded:
         raise InputError(
-            f"{work.sweep.title}: its runs record neither snapshots nor flow, so how beds move is not "
+            f"{campaign.sweep.title}: its runs record neither snapshots nor flow, so how beds move is not "
             "known; add snapshots to record.observables and run again."
         )
-    found = [_measured(work, each.id) for each in work.chunks(block)]
-    for path in found:
+    found = [campaign.results / "flow" / batch.name for batch in batches]
+    for path, batch in zip(found, batches, strict=True):
         if not path.is_file():
-            raise InputError(
-                f"{path}: it is missing; make it from {work.sweep.results}/chunks/{path.name} "
-                "first: dem flow."
-            )
+            raise InputError(f"{path}: it is missing; make it from {batch} first: dem flow.")
     return found
 
 
-def _measured(work: Work, chunk: str) -> Path:
-    """Where the measures of a chunk are."""
-    return Path(work.sweep.results) / "flow" / f"{chunk}.nc"
-
-
-def make_flow(work: Work, block: str, progress=lambda share: None) -> None:
-    """Measure the chunks of a block that are not measured yet, and write its flow.nc; nothing where
+def make_flow(campaign: Campaign, block: str, progress=lambda share: None) -> None:
+    """Measure the batches of a block that are not measured yet, and write its flow.nc; nothing where
     its runs are of another experiment, or record neither measures nor snapshots."""
-    recorded = _recorded(work, block)
+    recorded = _recorded(campaign, block)
     if not {"flow", "snapshots"} & set(recorded):
         return
-    chunks = work.chunks(block) if "flow" not in recorded else []
-    for number, chunk in enumerate(chunks):
-        measured = _measured(work, chunk.id)
+    batches = campaign.files(block) if "flow" not in recorded else []
+    for number, batch in enumerate(batches):
+        measured = campaign.results / "flow" / batch.name
         if not measured.is_file():
-            measure_chunk(work.store.file_of(chunk.id), measured, shapes=work.sweep.beside)
-        progress((number + 1) / len(chunks))
-    write_flow(work, block, Path(work.folder_of(block)) / "flow.nc")
+            measure_batch(batch, measured, shapes=campaign.sweep.beside)
+        progress((number + 1) / len(batches))
+    write_flow(campaign, block, campaign.root / campaign.folder_of(block) / "flow.nc")
 
 
-def write_flow(work: Work, block: str, output: Path, progress=lambda share: None) -> None:
+def write_flow(campaign: Campaign, block: str, output: Path, progress=lambda share: None) -> None:
     """Write flow.nc of a block from its sources."""
-    found = work.block(block)
+    found = campaign.block(block)
 
     def more(file):
         _describe(file, found)
         base = set(found.dims) - {"seed"}
-        if "snapshots" in _recorded(work, block) and base in ({"case"}, {"shape"}):
-            _keep_beds(file, work, found, base.pop())
+        if "snapshots" in _recorded(campaign, block) and base in ({"case"}, {"shape"}):
+            _keep_beds(file, campaign, found, base.pop())
 
-    combine(sources(work, block), work.sweep, found, "flow", output, progress, more, work.file)
+    wanted = sources(campaign, block)
+    combine(wanted, campaign.sweep, found, "flow", output, progress, more, campaign.file)
 
 
-def _recorded(work: Work, block: str) -> tuple[str, ...]:
-    return work.block(block).runs[0].replicate.configuration.recorded
+def _recorded(campaign: Campaign, block: str) -> tuple[str, ...]:
+    return campaign.block(block).runs[0].replicate.configuration.recorded
 
 
 def _describe(file, block: Block) -> None:
@@ -131,11 +124,10 @@ def _describe(file, block: Block) -> None:
     file.setncatts(own)
 
 
-def _keep_beds(file, work: Work, found: Block, base: str) -> None:
+def _keep_beds(file, campaign: Campaign, found: Block, base: str) -> None:
     """Add the snapshots of the run of the lowest seed of each case that did not fail."""
-    chunks = {
-        run: work.store.file_of(each.id) for each in work.chunks(found.name) for run in each.runs
-    }
+    batches = campaign.batches(found.name)
+    files = {run: campaign.store.file_of(each.id) for each in batches for run in each.runs}
     runs = sorted(found.runs, key=lambda run: run.replicate.seed)
     granules = max(run.replicate.shape.granules for run in runs)
     file.createDimension("granule", granules)
@@ -154,8 +146,8 @@ def _keep_beds(file, work: Work, found: Block, base: str) -> None:
         failed = "failure" in file.variables and bool(file.variables["failure"][run.place])
         if row not in kept and not failed:
             kept.add(row)
-            chunk = chunks[run.replicate.id]
-            _keep_bed(file, row, motion_of(chunk, *read_run(chunk, run.replicate.id)))
+            batch = files[run.replicate.id]
+            _keep_bed(file, row, motion_of(batch, *read_run(batch, run.replicate.id)))
 
 
 def _keep_bed(file, row: int, motion: Motion) -> None:

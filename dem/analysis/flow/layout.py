@@ -36,8 +36,8 @@ def heights(bed):
     return np.full(bed.sizes["snapshot"], float(bed["bed_height"]))
 
 
-# of the measures of some runs, a chunk: name of the file of the chunk
-OF_CHUNK = {
+# of the measures of some runs, a batch
+OF_BATCH = {
     "snapshot_displacement": AXES["snapshot_displacement"],
     **{name: (("run", *dims), *rest) for name, (dims, *rest) in MEASURED.items()},
     **{name: (("run",), *OF_STORE[name][1:]) for name in ("run_id", "failure", "failure_reason")},

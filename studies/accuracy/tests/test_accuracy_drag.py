@@ -9,10 +9,10 @@ import yaml
 from scipy.stats import t
 
 import dem
-from dem.sweep import chunk
+from dem.sweep import batch as making
+from dem.sweep.campaign import Campaign
 from dem.sweep.config import load, parse
 from dem.sweep.store import Store
-from dem.sweep.work import Work
 from studies.accuracy import bias as biases
 from studies.accuracy import replicates, table
 from studies.accuracy.bias import bias, change, failures
@@ -128,12 +128,14 @@ def runs(tmp_path_factory):
         "fine": {"shape": "c1", "numerics.step_fraction": 0.25, "seed": 1001},
         "replicates": data["sweep"]["blocks"]["replicates"] | {"seed": seeds},
     }
-    work = Work(parse(data), Store(tmp_path_factory.mktemp("store")))
-    chunks = {name: work.chunks(name) for name in work.sweep.blocks}
-    work.settle()
+    work = Campaign(
+        parse(data), Store(tmp_path_factory.mktemp("store")), root=tmp_path_factory.mktemp("root")
+    )
+    chunks = {name: work.batches(name) for name in work.sweep.blocks}
+    work.begin(*work.sweep.blocks)
     for each in chunks.values():
         for one in each:
-            chunk.make(work.store, one.id)
+            making.make(work.store, one.id)
     return work
 
 

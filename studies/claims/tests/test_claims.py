@@ -26,9 +26,9 @@ from dem.experiment.observables.alignment import alignment
 from dem.packing.pressed import Press
 from dem.packing.random import Room
 from dem.sweep import design
-from dem.sweep.chunk import write_chunk
+from dem.sweep.batch import write_batch
+from dem.sweep.campaign import Campaign
 from dem.sweep.config import load, parse
-from dem.sweep.work import Work
 from studies.__main__ import app
 from studies.claims import report
 from studies.claims.evidence import NOTHING, Evidence, from_study
@@ -282,15 +282,15 @@ def whole(tmp_path_factory):
     """The small study with numbers that are made up, and claims.nc of it."""
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(tmp_path_factory.mktemp("study"))
-        work = Work(parse(smoke()))
+        work = Campaign(parse(smoke()))
         for name in work.sweep.blocks:
-            chunks = work.chunks(name)
-            work.settle()
+            chunks = work.batches(name)
+            work.begin(name)
             for chunk in chunks:
                 replicates = work.store.replicates(chunk.id)
                 path = work.store.file_of(chunk.id)
                 path.parent.mkdir(parents=True, exist_ok=True)
-                write_chunk(path, replicates, list(map(made_up, replicates)))
+                write_batch(path, replicates, list(map(made_up, replicates)))
             if name.startswith("jamming"):
                 output = Path(work.folder_of(name)) / "jamming.nc"
                 output.parent.mkdir(parents=True)
@@ -373,7 +373,7 @@ def test_derived_fractions_are_those_of_the_beds_in_the_file(whole):
 
 def test_a_sweep_without_the_study_is_refused(tmp_path):
     with pytest.raises(InputError, match="has no replicates; see studies"):
-        make(Work(load(CONFIG / "smoke.yaml")), tmp_path / "claims.nc")
+        make(Campaign(load(CONFIG / "smoke.yaml")), tmp_path / "claims.nc")
 
 
 # What decides

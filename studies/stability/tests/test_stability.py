@@ -15,10 +15,10 @@ from dem.dynamics.checkpoint import writable
 from dem.dynamics.forces import forces
 from dem.figures.catalogue import draw
 from dem.shapes import KINDS
-from dem.sweep import chunk
+from dem.sweep import batch as making
+from dem.sweep.campaign import Campaign
 from dem.sweep.config import load, parse
 from dem.sweep.store import Store
-from dem.sweep.work import Work
 from studies.__main__ import app
 from studies.catalogue import figures
 from studies.common.table import write_part
@@ -63,11 +63,13 @@ def sweep():
 @pytest.fixture(scope="module")
 def runs(sweep, tmp_path_factory):
     """Its runs."""
-    work = Work(sweep, Store(tmp_path_factory.mktemp("store")))
-    chunks = [each for name in sweep.blocks for each in work.chunks(name)]
-    work.settle()
+    work = Campaign(
+        sweep, Store(tmp_path_factory.mktemp("store")), root=tmp_path_factory.mktemp("root")
+    )
+    chunks = [each for name in sweep.blocks for each in work.batches(name)]
+    work.begin(*work.sweep.blocks)
     for each in chunks:
-        chunk.make(work.store, each.id)
+        making.make(work.store, each.id)
     return work
 
 

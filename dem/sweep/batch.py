@@ -1,6 +1,6 @@
-"""Make the runs of a chunk in one process, one after another, into one file.
+"""Make the runs of a batch in one process, one after another, into one file.
 
-A run that is finished is on disk at once, so that a chunk that is stopped loses at most what its
+A run that is finished is on disk at once, so that a batch that is stopped loses at most what its
 last run did since its checkpoint. A run that fails is a row with its reason.
 """
 
@@ -17,35 +17,48 @@ from dem.base.sources import codes
 from dem.experiment import resume
 from dem.experiment.bed import make_bed, periods
 from dem.experiment.config import Replicate
+from dem.experiment.warmup import compile_kernels
 from dem.io.dataset import FAILURES, LABELS, OF_STORE, WHOLE, global_attributes, read, write
-from dem.io.results_folder import lock_of
 from dem.packing.random import Bed
-from dem.sweep.store import Store
+from dem.sweep.store import Store, kernels_of
 
 
-def make(store: Store, chunk: str, again: bool = False, progress=lambda share: None) -> Path:
-    """The file of a chunk, made if it is not there; returns its path.
+def make(store: Store, batch: str, progress=lambda done, failed, compiles=False: None) -> Path:
+    """The file of a batch, made if it is not there; returns its path.
 
-    Two processes that want the same chunk do not make it twice: the second waits. again: make all
-    runs again. progress is called with the share that is done.
+    Two processes that want the same runs do not make them twice: the second waits. progress is called
+    with how many runs are done, of these how many failed, and whether kernels are compiled first.
     """
-    path, replicates = store.file_of(chunk), store.replicates(chunk)
+    path, replicates = store.file_of(batch), store.replicates(batch)
     check_file(path)  # not when its runs are made
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with lock_of(path.with_name(f".{chunk}.lock")) as lock:
-        if again:
-            path.unlink(missing_ok=True)
-            store.forget(replicate.id for replicate in replicates)
-            store.forget_beds(replicates)
-        if not is_whole(path, replicates):
-            rows, total = [], len(replicates)
-            for replicate in replicates:
-                rows.append(_row(store, replicate, lambda s: progress((len(rows) + s) / total)))
-                progress(len(rows) / total)
-            write_chunk(path, replicates, rows)
-        store.forget(replicate.id for replicate in replicates)
-    Path(lock.lock_file).unlink(missing_ok=True)
+    if is_whole(path, replicates):
+        return path
+    rows, failed = [], 0
+    for replicate in replicates:
+        with store.locked(store.run_of(replicate.id, ".lock")):
+            if (row := _made(store, replicate)) is None:
+                done = len(rows)
+                _compile(store, replicate, lambda d=done, f=failed: progress(d, f, True))
+                row = _row(store, replicate, lambda s, d=done, f=failed: progress(d + s, f))
+        rows.append(row)
+        failed += int(row["failure"]) != 0
+        progress(len(rows), failed)
+    if not is_whole(path, replicates):  # another process may have been faster
+        write_batch(path, replicates, rows)
+    store.forget(replicate.id for replicate in replicates)
     return path
+
+
+def _compile(store: Store, replicate: Replicate, told) -> None:
+    """Compile the kernels of a run, once for all processes; told is called before. Where other processes
+    have not, but the cache is another, the run itself compiles."""
+    mark = store.folder / "kernels" / kernels_of(replicate)
+    if not mark.exists():
+        told()
+        with store.locked(mark.with_suffix(".lock")):
+            if not mark.exists():
+                compile_kernels(replicate)
+                mark.touch()
 
 
 def is_whole(path: Path, replicates: list[Replicate]) -> bool:
@@ -57,10 +70,35 @@ def is_whole(path: Path, replicates: list[Replicate]) -> bool:
     return values["run_id"].tolist() == [replicate.id for replicate in replicates]
 
 
-def _row(store: Store, replicate: Replicate, progress) -> dict:
-    """What a run gives; as it is kept in the store, or made and kept there."""
+def _made(store: Store, replicate: Replicate) -> dict | None:
+    """What a run gave that is kept, or that is in another batch and did not fail there."""
     if (found := store.kept(replicate.id)) is not None:
         return found
+    for batch in store.sealed().values():
+        if replicate.id in batch.runs:
+            rows = rows_of(store.file_of(batch.id), [replicate])
+            if rows and rows[replicate.id]["failure"] == 0:
+                return rows[replicate.id]
+    return None
+
+
+def rows_of(path: Path, replicates: list[Replicate]) -> dict[str, dict]:
+    """What some runs gave, by their identity; none of a file that is damaged."""
+    own = replicates[0].configuration.module.layout(replicates[0].configuration)
+    wanted = {replicate.id for replicate in replicates}
+    try:
+        values, _ = read(path, (*own, "run_id", "failure", "failure_reason", "spent"))
+    except InputError:
+        return {}
+    ids = values.pop("run_id").tolist()
+    return {
+        run: {name: array[row] for name, array in values.items()}
+        for row, run in enumerate(ids) if run in wanted
+    }  # fmt: skip
+
+
+def _row(store: Store, replicate: Replicate, progress) -> dict:
+    """What a run gives, made and kept in the store."""
     started = time.process_time()
     try:
         found = _run(store, replicate, progress) | {"failure": 0, "failure_reason": ""}
@@ -90,7 +128,7 @@ def _run(store: Store, replicate: Replicate, progress) -> dict:
 
 
 def layout_of(replicate: Replicate) -> dict:
-    """The variables of a chunk of such runs, as in dem.io.dataset."""
+    """The variables of a batch of such runs, as in dem.io.dataset."""
     experiment = replicate.configuration.module
     of_run = experiment.layout(replicate.configuration) | LABELS | OF_STORE
     return experiment.AXIS | {
@@ -98,8 +136,8 @@ def layout_of(replicate: Replicate) -> dict:
     }
 
 
-def write_chunk(path: Path, replicates: list[Replicate], rows: list[dict]) -> None:
-    """Write the runs of a chunk; what a failed run lacks is NaN, or -1."""
+def write_batch(path: Path, replicates: list[Replicate], rows: list[dict]) -> None:
+    """Write the runs of a batch; what a failed run lacks is NaN, or -1."""
     first = replicates[0]
     experiment, layout = first.configuration.module, layout_of(first)
     sizes, values = experiment.sizes(first), experiment.axes(first.configuration)
@@ -118,7 +156,7 @@ def write_chunk(path: Path, replicates: list[Replicate], rows: list[dict]) -> No
     }
     attrs = global_attributes(
         f"{len(rows)} runs of the experiment {first.configuration.experiment}",
-        "dem chunk",
+        "dem batch",
         values=json.dumps([replicate.values(beside=False) for replicate in replicates]),
         source_hash=first.source_hash,
         code=json.dumps(codes(*first.modules, bits=True)),
@@ -131,24 +169,17 @@ def write_chunk(path: Path, replicates: list[Replicate], rows: list[dict]) -> No
 def write_one(path: Path, replicate: Replicate, values: dict) -> None:
     """Write a file of a single run."""
     ran = {"failure": 0, "failure_reason": "", "spent": values["run_time"]}
-    write_chunk(path, [replicate], [values | ran])
+    write_batch(path, [replicate], [values | ran])
 
 
-def retry(store: Store, chunk: str) -> int:
-    """Open a chunk again for its failed runs; returns how many there are. The others are kept."""
-    path, replicates = store.file_of(chunk), store.replicates(chunk)
-    if not is_whole(path, replicates):
-        kept = {each.id: store.kept(each.id) for each in replicates}
-        failed = [run for run, row in kept.items() if row is not None and row["failure"] != 0]
-        store.forget(failed)
-        return len(failed)
-    own = replicates[0].configuration.module.layout(replicates[0].configuration)
-    values, _ = read(path, (*own, "failure", "spent"))
-    failed = int((values["failure"] != 0).sum())
-    for row, replicate in enumerate(replicates if failed else ()):
-        if values["failure"][row] == 0:
-            ran = {"failure": 0, "failure_reason": "", "spent": values["spent"][row]}
-            store.keep(replicate.id, {name: values[name][row] for name in own} | ran)
-    if failed:
+def retry(store: Store, batch: str, replicates: list[Replicate]) -> int:
+    """Open a batch again for its failed runs; returns how many there are. The others are kept."""
+    path = store.file_of(batch)
+    rows = rows_of(path, replicates) or {each.id: store.kept(each.id) for each in replicates}
+    failed = [run for run, row in rows.items() if row is not None and row["failure"] != 0]
+    if failed and path.exists():
+        for run in rows.keys() - set(failed):
+            store.keep(run, rows[run])
         path.unlink()
-    return failed
+    store.forget(failed)
+    return len(failed)

@@ -1,0 +1,80 @@
+"""Which sweeps there are, and what of the store none of them needs.
+
+Nothing is registered: a sweep is a folder with the configuration that it was started with, and its
+combined files name their runs.
+"""
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+from dem.base.errors import InputError
+from dem.sweep.campaign import Campaign
+from dem.sweep.config import CONFIG, FOLDERS
+from dem.sweep.earlier import read_earlier
+from dem.sweep.store import Store
+
+NOTHING = "So nothing was removed."
+
+
+def sweeps(store: Store) -> Iterator[tuple[Path, set[str], set[str]]]:
+    """Folders of results beside a store: each with the runs, and the beds, that it needs.
+
+    Raises InputError where that cannot be known: a configuration that cannot be read, or a folder that
+    is a link to what is away.
+    """
+    for place, folders, files in os.walk(store.folder.parent, followlinks=True):
+        here = Path(place)
+        folders[:] = sorted(set(folders) - set(FOLDERS))
+        for path in (here / name for name in files):
+            if path.is_symlink() and not path.exists():
+                raise InputError(
+                    f"{path}: it is a link to what is not there; connect its disk, or delete the link if "
+                    "you deleted the folder for good."
+                )
+        runs = {
+            run
+            for path in here.glob("*.nc")
+            if (earlier := read_earlier(path))
+            for run in earlier.runs
+        }
+        beds = set()
+        if CONFIG in files:
+            campaign = Campaign.of(here / CONFIG)
+            for name in campaign.sweep.blocks:
+                for run in campaign.block(name).unique():
+                    runs.add(run.id)
+                    beds.add(run.bed_id)
+        if runs:
+            yield here, runs, beds
+
+
+def prune(store: Store) -> tuple[list[Path], int]:
+    """Remove what no sweep needs; returns the files and their bytes.
+
+    Raises InputError, and removes nothing, where it cannot be known what a sweep needs.
+    """
+    runs, beds = set(), set()
+    try:
+        for _, wanted, used in sweeps(store):
+            runs |= wanted
+            beds |= used
+        if not runs and next(store.files(), None):
+            raise InputError(
+                f"{store.folder.parent}: no sweep is here; start the sweeps again whose runs you want to "
+                f"keep, or delete the folder {store.folder} if you want none of them."
+            )
+    except InputError as error:
+        raise InputError(f"{error}\n{NOTHING}") from None
+    needed = (
+        runs
+        | beds
+        | {batch.id for batch in store.known() if not batch.runs or runs.intersection(batch.runs)}
+    )
+    gone, size = [], 0
+    for path in store.files():
+        if path.name.partition(".")[0] not in needed:
+            size += path.stat().st_size
+            path.unlink()
+            gone.append(path)
+    return gone, size
