@@ -34,7 +34,7 @@ from dem.figures.catalogue import FIGURES as OWN_FIGURES, possible, wanted
 from dem.io.progress import WorkflowProgress
 from dem.io.results_folder import on_failure, prepare
 from dem.sweep import config as schema
-from dem.sweep.estimate import advice, kept, outcome
+from dem.sweep.estimate import kept, outcome
 from dem.sweep.units import unusual
 from dem.sweep.work import Work
 
@@ -271,7 +271,7 @@ onstart:
     except (InputError, RunError, OSError) as error:
         say(error)
         sys.exit(1)
-    for sentence in (*said, *advice(SWEEP)):
+    for sentence in said:
         say(sentence)
     logging.raiseExceptions = False  # that Snakemake's log cannot grow on a full disk is said once
     logging.getLogger("snakemake.logging").addHandler(WorkflowProgress())

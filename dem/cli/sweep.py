@@ -30,7 +30,7 @@ def sweep(
     """
     start_lean()
     from dem.sweep.config import CONFIG, save
-    from dem.sweep.estimate import advice, counted, kept, outcome, retried, summary
+    from dem.sweep.estimate import counted, kept, outcome, retried, summary
     from dem.sweep.units import unusual
     from dem.sweep.work import Work, of_new_store
 
@@ -49,7 +49,7 @@ def sweep(
     from dem.io.results_folder import prepare
 
     held, said = prepare(Path(work.sweep.results))
-    for sentence in (*said, *advice(work.sweep)):
+    for sentence in said:
         say(sentence)
     try:
         save(work.sweep, Path(work.sweep.results) / CONFIG, work.file)

@@ -15,9 +15,7 @@ from dem.experiment.config import Replicate, entries, of_values
 from dem.io.dataset import read
 from dem.io.progress import span
 from dem.sweep import chunk as making
-from dem.sweep import design
 from dem.sweep.axis import OWN
-from dem.sweep.config import Sweep
 from dem.sweep.store import Store
 from dem.sweep.why import reasons
 from dem.sweep.work import Work
@@ -55,7 +53,6 @@ def summary(work: Work, jobs: int, retry: bool = False) -> str:
         lines += [
             f"  {n} because {why}." for why, n in reasons(work.store, left).most_common(LISTED)
         ]
-    lines += advice(work.sweep)
     if not seconds:
         return "\n".join(lines)
     how = "as runs like these took" if speeds else "a guess: no run was made here yet"
@@ -137,18 +134,6 @@ def outcome(work: Work, new: int | None = None, draws: str = "dem figure all {}"
     word = shlex.quote(first)
     after = [f"dem info {word}", *([draws.format(word)] if first.endswith("/drag.nc") else [])]
     return f"{said} Next: {' or '.join(after)}"
-
-
-def advice(sweep: Sweep) -> list[str]:
-    """What is allowed in a sweep, and seldom meant."""
-    return [
-        sentence
-        for name, block in sweep.blocks.items()
-        for key, spec in block.items()
-        for sentence in design.uneven(
-            spec, f"sweep.{key}" if block is sweep.sweep else f"sweep.blocks.{name}.{key}"
-        )
-    ]
 
 
 def _effort(replicate: Replicate) -> float:
