@@ -200,7 +200,6 @@ MISTAKES = {
     "'common_normal' or 'geometric_potential'": lambda: ellipse(contact="geometric"),
     "dem.State(...)": lambda: simulate(state=PLACES),
     "the nearest is friction": lambda: dem.run_experiment(SMOKE | {"frction": {"granule": 0.1}}),
-    "`friction: {granule: ...}`": lambda: dem.run_experiment(SMOKE | {"friction.granule": 0.1}),
     "the nearest is c1": lambda: dem.run_experiment(SMOKE | {"shape": "C1"}),
     "it must be a number, in m": lambda: dem.run_experiment(SMOKE | {"box_width": "8 mm"}),
     "the nearest is config/smoke.yaml": lambda: dem.load_sweep("config/smoek.yaml"),

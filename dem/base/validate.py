@@ -2,7 +2,7 @@
 
 A kind is a function of a name and a value. It returns the value as the code wants it (float, int,
 tuple of floats, float64 array) or raises InputError with one sentence that names the argument. A
-public class or function lists the kinds of its arguments once, with `checked`.
+public class or function names the kinds of its arguments once, in their annotations, and is `checked`.
 """
 
 import functools
@@ -24,7 +24,8 @@ LEAST, MOST = 1e-20, 1e20
 
 
 def checked(prefix: str = "", /, **kinds: Kind) -> Callable[[Target], Target]:
-    """Decorator of a class or a function: its arguments are of these kinds, by their names.
+    """Decorator of a class or a function: its arguments are of the kinds in their annotations, such as
+    `Annotated[float, positive("m")]`, or of these kinds, by their names.
 
     The class or function gets the values that the kinds return. prefix: goes before names in
     sentences.
@@ -36,12 +37,17 @@ def checked(prefix: str = "", /, **kinds: Kind) -> Callable[[Target], Target]:
             setattr(target, maker, check(getattr(target, maker)))
             return target
         signature = inspect.signature(target)
+        noted = {
+            name: kind
+            for name, each in signature.parameters.items()
+            for kind in getattr(each.annotation, "__metadata__", ())
+        } | kinds
 
         @functools.wraps(target)
         def call(*given: Any, **named: Any) -> Any:
             bound = signature.bind(*given, **named)
             values = bound.arguments
-            for name, kind in kinds.items():
+            for name, kind in noted.items():
                 if name in values:
                     values[name] = kind(prefix + name, values[name])
             return target(*bound.args, **bound.kwargs)
