@@ -106,7 +106,10 @@ def check_own(target: Place) -> str:
     if found not in ("", wanted):
         raise InputError(f"{target.words}; it is {found}, and must be {wanted}.")
     if target.kind != FOLDER and target.path.is_symlink():
-        raise InputError(f"{target.words}; {_about_link(target.path)}")
+        raise InputError(
+            f"{target.words}; it is a link to {target.path.readlink()}, and must be a file: remove the "
+            "link or name another file."
+        )
     if found == "a file":
         _check_kind(target)
     return found
@@ -116,12 +119,7 @@ def _check_target(target: Place) -> None:
     found = check_own(target)
     path = Path(os.path.realpath(target.path))
     if target.kind != FOLDER:
-        try:
-            os.lstat(_part_of(path))
-        except (FileNotFoundError, NotADirectoryError):
-            pass
-        except OSError as error:
-            raise InputError(f"{target.words}; it cannot be written ({_words(error)}).") from None
+        _kind_of(target._replace(path=_part_of(path)))  # a name may be too long for that alone
     there = path if found == "a folder" else next(p for p in path.parents if os.path.lexists(p))
     if not there.is_dir():
         raise InputError(f"{target.words}; {there} is a file, and must be a folder.")
@@ -148,10 +146,6 @@ def _check_kind(target: Place) -> None:
         )
 
 
-def _about_link(path: Path) -> str:
-    return f"it is a link to {Path(path).readlink()}, and must be a file: remove the link or name another file."
-
-
 @contextmanager
 def atomic(path: Path):
     """A path to write to beside `path`; it takes the place of `path` only when all went well.
@@ -160,11 +154,7 @@ def atomic(path: Path):
     link leads to, and the link itself, are somebody's; OSError, with what to do, where the file cannot
     be written.
     """
-    found = _kind_of(Place("the file to write", Path(path)))
-    if found not in ("", "a file"):
-        raise InputError(f"{path}: it is {found}, and must be a file.")
-    if Path(path).is_symlink():
-        raise InputError(f"{path}: {_about_link(path)}")
+    check_own(Place("the file to write", Path(path), ANY))
     path = Path(os.path.realpath(path))
     part = _part_of(path)
     try:
