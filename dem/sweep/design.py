@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from dem.base.schema import Number, Section, Seed, Whole, number, validated
+from dem.base.schema import Number, Section, Seed, Whole, number
 
 DRAWS = 20  # hypercubes, of which the one of the lowest discrepancy is taken
 MANY = 5_000  # points from which that takes too long, and one is drawn
@@ -84,11 +84,6 @@ class Design(Section):
                 f"{below} or {2 * below}"
             )
         return self
-
-
-def parse(spec: dict, where: str) -> Design:
-    """A design as a file says it; raises InputError."""
-    return validated(Design, spec, at=where)
 
 
 def points(wanted: Design) -> list[dict]:
