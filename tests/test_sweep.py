@@ -804,7 +804,7 @@ def test_a_pipe_in_the_store_is_refused_before_any_run(pruned, what, monkeypatch
 def test_a_sweep_does_not_wait_for_a_pipe_as_config_yaml(pruned):
     work, _ = pruned
     os.mkfifo(place := Path(work.sweep.results) / "config.yaml")
-    with pytest.raises(InputError, match=r"config\.yaml: it is a .*must be a file"):
+    with pytest.raises(InputError, match=r"config\.yaml'; it is a .*must be a file"):
         save(work.sweep, place)
 
 
