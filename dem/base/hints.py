@@ -15,12 +15,6 @@ NO_BITS = "words sentences"
 
 LISTED = 20  # names that a hint lists
 PRINTED = 6  # digits of a number as a dry run prints it
-# keys that people look for, and what to write instead
-ELSEWHERE = {
-    **dict.fromkeys(("seed", "seeds"), "; write `seed: 1 to 5` under `sweep:`"),
-    "density": "; write it in a case, or `density: [3900]` under `sweep:`",
-    "box_height": "; leave it out: the height follows from packing.fraction or packing.pressure",
-}
 
 
 def meant(word: object, words: Iterable[object]) -> str:
@@ -30,7 +24,7 @@ def meant(word: object, words: Iterable[object]) -> str:
     inside = {
         _plain(name).rpartition(".")[2]: name
         for name in names
-        if group and _plain(name).startswith(f"{group}.")
+        if "." in str(word) and _plain(name).startswith(f"{group}.")
     }
     if inside:
         close = get_close_matches(last, inside, 1, 0.6)

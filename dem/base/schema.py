@@ -18,7 +18,7 @@ from pydantic import (
 from pydantic.fields import FieldInfo
 
 from dem.base.errors import InputError
-from dem.base.hints import ELSEWHERE, choice, meant
+from dem.base.hints import choice, meant
 from dem.base.validate import shown
 
 NO_BITS = "checks values, which are part of what a run is known by"
@@ -182,9 +182,7 @@ def _sentence(fault, at: str, section, field: FieldInfo | None) -> str:
     if kind == "missing":
         return f"{key} is missing{_about(field)}."
     if kind == "extra_forbidden":
-        keys, last = section.model_fields, place[-1]
-        hint = (ELSEWHERE.get(last) if "sweep" in keys else "") or choice(last, keys)
-        return f"{key} is not a known key{hint}."
+        return f"{key} is not a known key{choice(place[-1], section.model_fields)}."
     if kind == "value_error" and isinstance(given, dict | BaseModel) and inner:
         return f"{key + ': ' if key else ''}{limits['error']}."
     said = f"{key or 'the whole'} is {shown(given)}"

@@ -72,14 +72,7 @@ def shown(value: Any) -> str:
 
 def refuse(name: str, value: Any, words: str) -> NoReturn:
     """Raise InputError: what the value is, and what it must do."""
-    raise InputError(  # the class is named, so that 0.3 becomes dem.Friction(0.3)
-        f"{name} is {shown(value)}; it must {words}"
-        + (f", such as {words[5:].partition(' ')[0]}(...)" if words.startswith("be a dem.") else "")
-        + (" in a list or an array" if words == "hold real numbers" else "")
-        + (", without quotes" if isinstance(value, str) and "number" in words else "")
-        + (", such as (0, -9.81)" if name == "gravity" else "")
-        + "."
-    )
+    raise InputError(f"{name} is {shown(value)}; it must {words}.")
 
 
 def _scalar(value: Any, types: tuple[type, ...]) -> Any:
@@ -179,17 +172,12 @@ def reals(*shape: int | None) -> Kind:
     def take(name: str, value: Any) -> np.ndarray:
         found = _reals(value)
         if found is None:
-            refuse(name, value, "hold real numbers")
+            refuse(name, value, "hold real numbers in a list or an array")
         if found.ndim != len(shape) or any(
             have != want and (want or not have)
             for have, want in zip(found.shape, shape, strict=True)
         ):
-            raise InputError(
-                f"{name} has shape {found.shape}; it must have shape {wanted}"
-                + ("; dem.box(width, height) makes walls" if name == "walls" else "")
-                + (", one row per granule of the shape" if len(shape) == 2 and shape[0] else "")
-                + "."
-            )
+            raise InputError(f"{name} has shape {found.shape}; it must have shape {wanted}.")
         return found
 
     return take
