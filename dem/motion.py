@@ -6,7 +6,7 @@ in rad, anticlockwise.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -42,7 +42,7 @@ def rows(*shape: int | None) -> Any:
     return lambda name, value: fixed(take(name, value))
 
 
-@checked("path ", time=rows(None), velocity=rows(None, 2), spin=or_none(rows(None)))
+@checked("path ")
 @dataclass(frozen=True, eq=False)
 class PrescribedMotion:
     """Velocity of a boundary that is given over time, whatever it meets.
@@ -81,9 +81,9 @@ class PrescribedMotion:
     (33, 2)
     """
 
-    time: np.ndarray
-    velocity: np.ndarray
-    spin: np.ndarray | None = None
+    time: Annotated[np.ndarray, rows(None)]
+    velocity: Annotated[np.ndarray, rows(None, 2)]
+    spin: Annotated[np.ndarray | None, or_none(rows(None))] = None
 
     def __post_init__(self) -> None:
         for name in ("velocity", "spin"):
@@ -116,13 +116,7 @@ def sides(kind: Kind, words: str) -> Kind:
     return pair
 
 
-@checked(
-    "drive ",
-    force=sides(number(FINITE), FORCES),
-    mass=positive("kg"),
-    damping=not_negative("N s/m"),
-    velocity=vector("m/s"),
-)
+@checked("drive ")
 @dataclass(frozen=True)
 class Drive:
     """A boundary that moves as the forces on it say.
@@ -162,10 +156,10 @@ class Drive:
     (0.0, 0.0)
     """
 
-    force: tuple[float | None, float | None]
-    mass: float
-    damping: float = 0.0
-    velocity: tuple[float, float] = (0.0, 0.0)
+    force: Annotated[tuple[float | None, float | None], sides(number(FINITE), FORCES)]
+    mass: Annotated[float, positive("kg")]
+    damping: Annotated[float, not_negative("N s/m")] = 0.0
+    velocity: Annotated[tuple[float, float], vector("m/s")] = (0.0, 0.0)
 
 
 Motion = tuple[float, float] | PrescribedMotion | Drive
@@ -206,7 +200,7 @@ def chosen(name: str, value: Any) -> np.ndarray:
     return fixed(numbers)
 
 
-@checked("held ", granules=chosen, motion=sliding)
+@checked("held ")
 @dataclass(frozen=True, eq=False)
 class Held:
     """Granules that move together as a boundary: a rough wall, or a body of any form.
@@ -242,8 +236,8 @@ class Held:
     array([0, 1])
     """
 
-    granules: np.ndarray
-    motion: Motion = (0.0, 0.0)
+    granules: Annotated[np.ndarray, chosen]
+    motion: Annotated[Motion, sliding] = (0.0, 0.0)
 
 
 def wall_motions(name: str, value: Any) -> tuple[Motion | None, ...]:

@@ -6,7 +6,7 @@ SI units throughout. Angles in rad, anticlockwise; x to the right, y upwards.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -38,13 +38,10 @@ from dem.motion import (
 )
 from dem.periodic import ROOM, Periods, walled
 
+POISSON = number("lie above -1 and up to 0.5", math.nextafter(-1.0, 0.0), 0.5)
 
-@checked(
-    density=positive("kg/m3"),
-    young_modulus=positive("Pa"),
-    poisson_ratio=number("lie above -1 and up to 0.5", math.nextafter(-1.0, 0.0), 0.5),
-    restitution=number("lie in 0.001 to 1", 1e-3, 1.0),
-)
+
+@checked()
 @dataclass(frozen=True)
 class Material:
     """Elastic material with a coefficient of restitution.
@@ -84,19 +81,13 @@ class Material:
     0.5
     """
 
-    density: float = 3.9e3
-    young_modulus: float = 70e9
-    poisson_ratio: float = 0.22
-    restitution: float = 0.5
+    density: Annotated[float, positive("kg/m3")] = 3.9e3
+    young_modulus: Annotated[float, positive("Pa")] = 70e9
+    poisson_ratio: Annotated[float, POISSON] = 0.22
+    restitution: Annotated[float, number("lie in 0.001 to 1", 1e-3, 1.0)] = 0.5
 
 
-@checked(
-    "friction ",
-    granule=not_negative(),
-    wall=not_negative(),
-    cylinder=not_negative(),
-    stiffness=positive("over Mindlin's"),
-)
+@checked("friction ")
 @dataclass(frozen=True)
 class Friction:
     """Coulomb friction of granules with each other, with walls and with the cylinder.
@@ -132,19 +123,13 @@ class Friction:
     Friction(granule=0.5, wall=0.3, cylinder=0.0, stiffness=1.0)
     """
 
-    granule: float = 0.3
-    wall: float = 0.3
-    cylinder: float = 0.3
-    stiffness: float = 1.0
+    granule: Annotated[float, not_negative()] = 0.3
+    wall: Annotated[float, not_negative()] = 0.3
+    cylinder: Annotated[float, not_negative()] = 0.3
+    stiffness: Annotated[float, positive("over Mindlin's")] = 1.0
 
 
-@checked(
-    "cylinder ",
-    diameter=positive("m"),
-    position=vector("m"),
-    velocity=motion,
-    spin=number(FINITE),
-)
+@checked("cylinder ")
 @dataclass(frozen=True)
 class Cylinder:
     """Cylinder that moves as it is told, or as the forces on it say.
@@ -180,10 +165,10 @@ class Cylinder:
     (0.0, 2.0)
     """
 
-    diameter: float
-    position: tuple[float, float]
-    velocity: Motion = (0.0, 0.0)
-    spin: float = 0.0
+    diameter: Annotated[float, positive("m")]
+    position: Annotated[tuple[float, float], vector("m")]
+    velocity: Annotated[Motion, motion] = (0.0, 0.0)
+    spin: Annotated[float, number(FINITE)] = 0.0
 
     def __post_init__(self) -> None:
         if (
@@ -196,8 +181,10 @@ class Cylinder:
             )
 
 
-@checked("box ", width=positive("m"), height=positive("m"))
-def box(width: float, height: float) -> np.ndarray:
+@checked("box ")
+def box(
+    width: Annotated[float, positive("m")], height: Annotated[float, positive("m")]
+) -> np.ndarray:
     """Four walls of a box with its lower left corner at the origin.
 
     Parameters
@@ -273,19 +260,7 @@ def periods(name: str, value: Any) -> Periods:
     return None if found == (None, None) else found
 
 
-@checked(
-    shape=granules,
-    material=one_of(Material),
-    friction=or_none(one_of(Friction)),
-    walls=or_none(planes),
-    cylinder=or_none(one_of(Cylinder)),
-    gravity=or_none(vector("m/s2")),
-    thickness=or_none(positive("m")),
-    boundary=or_none(one_of(Material)),
-    periodic=or_none(periods),
-    wall_motion=or_none(wall_motions),
-    held=groups,
-)
+@checked()
 @dataclass(frozen=True)
 class Scene:
     """Everything about a system that does not change during a run.
@@ -365,17 +340,18 @@ class Scene:
     array([1])
     """
 
-    shape: Any
-    material: Material = field(default_factory=Material)
-    friction: Friction | None = None
-    walls: np.ndarray | None = None
-    cylinder: Cylinder | None = None
-    gravity: tuple[float, float] | None = None
-    thickness: float = None  # type: ignore[assignment]  # a number once the scene is made
-    boundary: Material | None = None
-    periodic: Periods = None
-    wall_motion: Sequence[Motion | None] | None = None
-    held: Sequence[Held] = ()
+    shape: Annotated[Any, granules]
+    material: Annotated[Material, one_of(Material)] = field(default_factory=Material)
+    friction: Annotated[Friction | None, or_none(one_of(Friction))] = None
+    walls: Annotated[np.ndarray | None, or_none(planes)] = None
+    cylinder: Annotated[Cylinder | None, or_none(one_of(Cylinder))] = None
+    gravity: Annotated[tuple[float, float] | None, or_none(vector("m/s2"))] = None
+    # a number once the scene is made
+    thickness: Annotated[float, or_none(positive("m"))] = None  # type: ignore[assignment]
+    boundary: Annotated[Material | None, or_none(one_of(Material))] = None
+    periodic: Annotated[Periods, or_none(periods)] = None
+    wall_motion: Annotated[Sequence[Motion | None] | None, or_none(wall_motions)] = None
+    held: Annotated[Sequence[Held], groups] = ()
 
     def __post_init__(self) -> None:
         for axis, period in enumerate(self.periodic or ()):

@@ -18,7 +18,7 @@ from dem.figures.catalogue import FIGURES, wanted
 from dem.io.progress import WorkflowProgress
 from dem.io.results_folder import on_failure, prepare
 from dem.sweep.campaign import Campaign
-from dem.sweep.estimate import advice, kept, outcome
+from dem.sweep.estimate import kept, outcome
 from dem.sweep.units import unusual
 
 HERE = Path(str(workflow.current_basedir)).parent
@@ -121,7 +121,7 @@ def begin():
     """Hold the folder of results until the process ends, and say what is unusual."""
     held, said = prepare(SWEEP.results, SWEEP.store.folder)
     HELD.append(held)
-    for sentence in (*said, *unusual(SWEEP), *advice(SWEEP.sweep)):
+    for sentence in (*said, *unusual(SWEEP)):
         say(sentence)
     logging.raiseExceptions = False  # that Snakemake's log cannot grow on a full disk is said once
     logging.getLogger("snakemake.logging").addHandler(WorkflowProgress(SWEEP.counts))

@@ -189,20 +189,19 @@ def test_a_value_that_cannot_be_used_is_refused_in_a_sentence(argument):
 
 
 MISTAKES = {
-    "dem.Friction(...)": lambda: scene(friction=0.3),
-    "dem.Cylinder(...)": lambda: scene(cylinder=(5e-3, 5e-3)),
-    "dem.Material(...)": lambda: scene(material=76.6e9),
-    "dem.box(width, height) makes walls": lambda: scene(walls=(1e-2, 1e-2)),
-    "such as (0, -9.81)": lambda: scene(gravity=9.81),
+    "it must be a dem.Friction": lambda: scene(friction=0.3),
+    "it must be a dem.Cylinder": lambda: scene(cylinder=(5e-3, 5e-3)),
+    "it must be a dem.Material": lambda: scene(material=76.6e9),
+    "must have shape (n, 3)": lambda: scene(walls=(1e-2, 1e-2)),
+    "two finite numbers (m/s2)": lambda: scene(gravity=9.81),
     "hold real numbers in a list or an array": lambda: dem.Disc(1e-3),
-    "without quotes": lambda: dem.Material(young_modulus="76.6e9"),
-    "must have shape (2, 2), one row per granule": lambda: state(position=[*PLACES, [8e-3, 2e-3]]),
+    "be a positive number (Pa)": lambda: dem.Material(young_modulus="76.6e9"),
+    "must have shape (2, 2)": lambda: state(position=[*PLACES, [8e-3, 2e-3]]),
     "'common_normal' or 'geometric_potential'": lambda: ellipse(contact="geometric"),
-    "dem.State(...)": lambda: simulate(state=PLACES),
+    "it must be a dem.State": lambda: simulate(state=PLACES),
     "the nearest is friction": lambda: dem.run_experiment(SMOKE | {"frction": {"granule": 0.1}}),
-    "`friction: {granule: ...}`": lambda: dem.run_experiment(SMOKE | {"friction.granule": 0.1}),
     "the nearest is c1": lambda: dem.run_experiment(SMOKE | {"shape": "C1"}),
-    "write 0.008, in m": lambda: dem.run_experiment(SMOKE | {"box_width": "8 mm"}),
+    "it must be a number, in m": lambda: dem.run_experiment(SMOKE | {"box_width": "8 mm"}),
     "the nearest is config/smoke.yaml": lambda: dem.load_sweep("config/smoek.yaml"),
 }
 SMOKE = {"extends": "config/smoke.yaml", "shape": "c1"}

@@ -733,7 +733,7 @@ def test_a_sweep_does_not_wait_for_a_pipe_as_config_yaml(pruned):
     place = Path(pruned.sweep.results) / "config.yaml"
     place.unlink()
     os.mkfifo(place)
-    with pytest.raises(InputError, match=r"config\.yaml: it is a .*must be a file"):
+    with pytest.raises(InputError, match=r"config\.yaml'; it is a .*must be a file"):
         save(pruned.sweep, place)
 
 

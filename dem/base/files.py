@@ -119,12 +119,7 @@ def _check_target(target: Place) -> None:
     found = check_own(target)
     path = Path(os.path.realpath(target.path))
     if target.kind != FOLDER:
-        try:
-            os.lstat(_part_of(path))
-        except (FileNotFoundError, NotADirectoryError):
-            pass
-        except OSError as error:
-            raise InputError(f"{target.words}; it cannot be written ({_words(error)}).") from None
+        _kind_of(target._replace(path=_part_of(path)))  # a name may be too long for that alone
     there = path if found == "a folder" else next(p for p in path.parents if os.path.lexists(p))
     if not there.is_dir():
         raise InputError(f"{target.words}; {there} is a file, and must be a folder.")

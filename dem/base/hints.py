@@ -1,6 +1,6 @@
-"""What a user probably meant: ends of sentences that refuse a name, a value or a file.
+"""What a user probably meant: ends of sentences that refuse a name or a file.
 
-Every hint is words such as "; write 0.02, in m", or "" where nothing can be guessed.
+Every hint is words such as "; the nearest is gravity", or "" where nothing can be guessed.
 """
 
 import math
@@ -15,13 +15,6 @@ NO_BITS = "words sentences"
 
 LISTED = 20  # names that a hint lists
 PRINTED = 6  # digits of a number as a dry run prints it
-PREFIXES = {"": 1.0, "n": 1e-9, "u": 1e-6, "m": 1e-3, "c": 1e-2, "k": 1e3, "M": 1e6, "G": 1e9}
-# keys that people look for, and what to write instead
-ELSEWHERE = {
-    **dict.fromkeys(("seed", "seeds"), "; write `seed: 1 to 5` under `sweep:`"),
-    "density": "; write it in a case, or `density: [3900]` under `sweep:`",
-    "box_height": "; leave it out: the height follows from packing.fraction or packing.pressure",
-}
 
 
 def meant(word: object, words: Iterable[object]) -> str:
@@ -31,7 +24,7 @@ def meant(word: object, words: Iterable[object]) -> str:
     inside = {
         _plain(name).rpartition(".")[2]: name
         for name in names
-        if group and _plain(name).startswith(f"{group}.")
+        if "." in str(word) and _plain(name).startswith(f"{group}.")
     }
     if inside:
         close = get_close_matches(last, inside, 1, 0.6)
@@ -58,31 +51,6 @@ def choice(word: object, words: Iterable[object]) -> str:
     """The name that was probably meant, or those that there are."""
     known = list(map(str, words))
     return meant(word, known) or _listed(known)
-
-
-def of_number(value: object, units: str) -> str:
-    """The number that is meant by text such as 20 mm or 84 %, in some units ("1": none)."""
-    where = "" if units == "1" else f", in {units}"
-    if not isinstance(value, str):
-        return ""
-    decimal = re.sub(r"^(\s*[-+]?\d+),(\d)", r"\1.\2", value)  # 0,84 is 0.84
-    found = re.fullmatch(r"\s*([-+]?\d+\.?\d*(?:[eE][-+]?\d+)?)\s*(\D.*)?", decimal)
-    if not found:
-        return ""
-    factor = _factor((found[2] or "").strip(), units)
-    if factor is None:
-        return f"; write the number alone{where}"
-    number = float(found[1]) * factor
-    return f"; write {number:.10g}{where}" if math.isfinite(number) else ""
-
-
-def _factor(unit: str, units: str) -> float | None:
-    """How many of some units a unit is, or None: 1e-3 for mm/s in m s-1."""
-    if unit in ("", "%"):
-        return 1e-2 if unit else 1.0
-    plain = unit.translate(str.maketrans({"µ": "u", "μ": "u", "²": "2", "³": "3", "^": None}))
-    plain = re.sub(r"\s*/\s*([a-z]+)(\d?)$", lambda m: f" {m[1]}-{m[2] or 1}", plain)
-    return PREFIXES.get(plain.removesuffix(units)) if plain.endswith(units) else None
 
 
 def of_missing_file(path: Path) -> str:

@@ -18,7 +18,7 @@ from pydantic import (
 from pydantic.fields import FieldInfo
 
 from dem.base.errors import InputError
-from dem.base.hints import ELSEWHERE, choice, meant, of_number
+from dem.base.hints import choice, meant
 from dem.base.validate import shown
 
 NO_BITS = "checks values, which are part of what a run is known by"
@@ -182,16 +182,13 @@ def _sentence(fault, at: str, section, field: FieldInfo | None) -> str:
     if kind == "missing":
         return f"{key} is missing{_about(field)}."
     if kind == "extra_forbidden":
-        keys, (group, _, last) = section.model_fields, place[-1].partition(".")
-        hint = (ELSEWHERE.get(group) if "sweep" in keys else "") or choice(group, keys)
-        if last and group in keys:
-            hint = f"; write it in its group, `{group}: {{{last}: ...}}`"
-        return f"{key} is not a known key{hint}."
+        return f"{key} is not a known key{choice(place[-1], section.model_fields)}."
     if kind == "value_error" and isinstance(given, dict | BaseModel) and inner:
         return f"{key + ': ' if key else ''}{limits['error']}."
     said = f"{key or 'the whole'} is {shown(given)}"
     if kind == "value_error":
-        return f"{said}; {limits['error']}{_instead(given, field, '' if at else key)}."
+        units = units_of(field) if field else None
+        return f"{said}; {limits['error']}{f', in {units}' if units not in (None, '1') else ''}."
     if kind in MUST:
         must = MUST[kind].format(**limits)
     else:
@@ -201,8 +198,6 @@ def _sentence(fault, at: str, section, field: FieldInfo | None) -> str:
         must = "not be empty"
     elif kind == "greater_than_equal" and limits["ge"] == LEAST_POSITIVE:
         must = f"be positive, at least {LEAST_POSITIVE:g}"
-    elif kind == "less_than" and limits["lt"] == 1 and isinstance(given, int | float):
-        hint = f"; write {given / 100:.10g} for {given:g} %" if 1 < given <= 100 else ""
     elif kind == "literal_error" and field:
         hint = meant(given, _parts(field.annotation, str))
     elif kind == "model_type" and inner:
@@ -222,12 +217,3 @@ def units_of(field: FieldInfo) -> str | None:
     """Units of a value, "1" for none; None of what is no number."""
     extra = field.json_schema_extra
     return extra.get("units") if isinstance(extra, dict) else None
-
-
-def _instead(given, field: FieldInfo | None, key: str) -> str:
-    """How to write a number that is given in another way."""
-    if not field or not (units := units_of(field)):
-        return ""
-    if isinstance(given, list) and key:
-        return f"; to vary it, write `{key}: {shown(given)}` under `sweep:`"
-    return of_number(given, units)

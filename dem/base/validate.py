@@ -2,7 +2,7 @@
 
 A kind is a function of a name and a value. It returns the value as the code wants it (float, int,
 tuple of floats, float64 array) or raises InputError with one sentence that names the argument. A
-public class or function lists the kinds of its arguments once, with `checked`.
+public class or function names the kinds of its arguments once, in their annotations, and is `checked`.
 """
 
 import functools
@@ -24,7 +24,8 @@ LEAST, MOST = 1e-20, 1e20
 
 
 def checked(prefix: str = "", /, **kinds: Kind) -> Callable[[Target], Target]:
-    """Decorator of a class or a function: its arguments are of these kinds, by their names.
+    """Decorator of a class or a function: its arguments are of the kinds in their annotations, such as
+    `Annotated[float, positive("m")]`, or of these kinds, by their names.
 
     The class or function gets the values that the kinds return. prefix: goes before names in
     sentences.
@@ -36,12 +37,17 @@ def checked(prefix: str = "", /, **kinds: Kind) -> Callable[[Target], Target]:
             setattr(target, maker, check(getattr(target, maker)))
             return target
         signature = inspect.signature(target)
+        noted = {
+            name: kind
+            for name, each in signature.parameters.items()
+            for kind in getattr(each.annotation, "__metadata__", ())
+        } | kinds
 
         @functools.wraps(target)
         def call(*given: Any, **named: Any) -> Any:
             bound = signature.bind(*given, **named)
             values = bound.arguments
-            for name, kind in kinds.items():
+            for name, kind in noted.items():
                 if name in values:
                     values[name] = kind(prefix + name, values[name])
             return target(*bound.args, **bound.kwargs)
@@ -66,14 +72,7 @@ def shown(value: Any) -> str:
 
 def refuse(name: str, value: Any, words: str) -> NoReturn:
     """Raise InputError: what the value is, and what it must do."""
-    raise InputError(  # the class is named, so that 0.3 becomes dem.Friction(0.3)
-        f"{name} is {shown(value)}; it must {words}"
-        + (f", such as {words[5:].partition(' ')[0]}(...)" if words.startswith("be a dem.") else "")
-        + (" in a list or an array" if words == "hold real numbers" else "")
-        + (", without quotes" if isinstance(value, str) and "number" in words else "")
-        + (", such as (0, -9.81)" if name == "gravity" else "")
-        + "."
-    )
+    raise InputError(f"{name} is {shown(value)}; it must {words}.")
 
 
 def _scalar(value: Any, types: tuple[type, ...]) -> Any:
@@ -173,17 +172,12 @@ def reals(*shape: int | None) -> Kind:
     def take(name: str, value: Any) -> np.ndarray:
         found = _reals(value)
         if found is None:
-            refuse(name, value, "hold real numbers")
+            refuse(name, value, "hold real numbers in a list or an array")
         if found.ndim != len(shape) or any(
             have != want and (want or not have)
             for have, want in zip(found.shape, shape, strict=True)
         ):
-            raise InputError(
-                f"{name} has shape {found.shape}; it must have shape {wanted}"
-                + ("; dem.box(width, height) makes walls" if name == "walls" else "")
-                + (", one row per granule of the shape" if len(shape) == 2 and shape[0] else "")
-                + "."
-            )
+            raise InputError(f"{name} has shape {found.shape}; it must have shape {wanted}.")
         return found
 
     return take

@@ -11,7 +11,6 @@ from dem.base.hints import of_missing_file
 LARGEST = 2_000_000  # bytes of a file
 DEEPEST = 20  # groups and lists within each other
 REPEATED = 10_000  # values that aliases may repeat; ten aliases ten deep would be 10^10
-LONGEST = 100  # characters of a number
 TOO_DEEP = f"values are nested more than {DEEPEST} deep, or an alias contains itself"
 
 
@@ -52,8 +51,6 @@ def _text(path: Path) -> str:
         raise InputError(f"{path}: cannot read it ({why.lower()}){hint}.") from None
     if not stat.S_ISREG(status.st_mode):
         raise InputError(f"{path}: it is not a regular file; name a YAML file.")
-    if path.suffix == ".nc":
-        raise InputError(f"{path}: it is a file of results; name a YAML file.")
     if not whole:
         size = f"{status.st_size:,}"
         raise InputError(f"{path}: it has {size} bytes; it must have at most {LARGEST:,}.")
@@ -92,9 +89,6 @@ def _check(node: yaml.Node, path, loader: yaml.SafeLoader, left: list[int], dept
 def _construct(node: yaml.ScalarNode, path, loader: yaml.SafeLoader):
     """The value of a node that holds no others."""
     line, kind = node.start_mark.line + 1, node.tag.rpartition(":")[2]
-    if kind in ("int", "float") and len(node.value) > LONGEST:
-        words = f"a number has {len(node.value):,} characters, more than {LONGEST}"
-        raise _fault(path, line, words)
     if kind == "merge":
         return node.value
     try:

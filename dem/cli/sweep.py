@@ -37,7 +37,7 @@ def sweep(
     """
     start_lean()
     from dem.sweep.campaign import Campaign, of_new_store
-    from dem.sweep.estimate import advice, kept, outcome, retried, summary
+    from dem.sweep.estimate import kept, outcome, retried, summary
     from dem.sweep.units import unusual
 
     campaign = Campaign.of(file)
@@ -55,7 +55,7 @@ def sweep(
     from dem.io.results_folder import prepare
 
     held, said = prepare(campaign.results, campaign.store.folder)
-    for sentence in (*said, *advice(campaign.sweep)):
+    for sentence in said:
         say(sentence)
     try:
         if retry:

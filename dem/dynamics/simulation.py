@@ -3,6 +3,7 @@
 import math
 import os
 from collections.abc import Mapping
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -129,28 +130,18 @@ class Simulation(Engine):
     0.0002 s
     """
 
-    @checked(
-        scene=one_of(Scene),
-        state=one_of(State),
-        time_step=or_none(positive("s")),
-        step_fraction=FRACTION,
-        max_overlap=up_to(1.5),
-        skin=up_to(100.0),
-        threads=whole(1, MOST_THREADS),
-        ledger=flag,
-        allow_unstable=flag,
-    )
+    @checked()
     def __init__(
         self,
-        scene: Scene,
-        state: State,
-        time_step: float | None = None,
-        step_fraction: float = STEP_FRACTION,
-        max_overlap: float = LARGEST_OVERLAP,
-        skin: float = SKIN,
-        threads: int = 1,
-        ledger: bool = False,
-        allow_unstable: bool = False,
+        scene: Annotated[Scene, one_of(Scene)],
+        state: Annotated[State, one_of(State)],
+        time_step: Annotated[float | None, or_none(positive("s"))] = None,
+        step_fraction: Annotated[float, FRACTION] = STEP_FRACTION,
+        max_overlap: Annotated[float, up_to(1.5)] = LARGEST_OVERLAP,
+        skin: Annotated[float, up_to(100.0)] = SKIN,
+        threads: Annotated[int, whole(1, MOST_THREADS)] = 1,
+        ledger: Annotated[bool, flag] = False,
+        allow_unstable: Annotated[bool, flag] = False,
     ):
         if step_fraction > 1.0 and not allow_unstable:
             refuse("step_fraction", step_fraction, STABLE)

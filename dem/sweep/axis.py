@@ -8,7 +8,7 @@ that change together, or a design over ranges.
 from contextlib import suppress
 from typing import Annotated, Any, Literal, NamedTuple, NoReturn
 
-from pydantic import TypeAdapter
+from pydantic import BeforeValidator, TypeAdapter
 
 from dem.base.errors import InputError
 from dem.base.hints import choice, meant
@@ -71,10 +71,7 @@ class Place(NamedTuple):
 
 def place_in(sweep: Configuration, where: str) -> Place:
     """The top of what a file says of a sweep."""
-    paths = entries(sweep.shapes)
-    if sweep.cylinder is None:
-        paths = {path: entry for path, entry in paths.items() if not path.startswith("cylinder.")}
-    return Place(sweep, paths, where)
+    return Place(sweep, entries(sweep.shapes), where)
 
 
 def axis_of(key: str, spec, place: Place) -> Axis:
@@ -106,7 +103,7 @@ def _is_points(spec: dict) -> bool:
 
 def _design(key: str, spec: dict, here: Place) -> Axis:
     """Points that fill a space of values, each with a seed if the design has a first one."""
-    wanted = design.parse(spec, here.where)
+    wanted = validated(design.Design, spec, at=here.where)
     for path in wanted.over:
         _known(path, here.paths, here.at("over"))
     points = design.points(wanted)
@@ -196,7 +193,7 @@ def _values(spec, entry: Entry, here: Place) -> list:
         given = spec["times"] if isinstance(spec["times"], list) else [spec["times"]]
         given = [validated(factors, each, at=here.where) * base for each in given]
     elif entry.path == "seed" and isinstance(spec, str):
-        given = _seeds(spec, here)
+        given = validated(Annotated[Any, BeforeValidator(seeds_of)], spec, at=here.where)
     else:
         given = spec if isinstance(spec, list) else [spec]
     if not given or (isinstance(spec, dict) and given == [spec]):
@@ -212,13 +209,6 @@ def _values(spec, entry: Entry, here: Place) -> list:
             )
     _once(found, here)
     return sorted(found) if entry.path == "seed" else found
-
-
-def _seeds(words: str, here: Place) -> list[int]:
-    try:
-        return seeds_of(words)
-    except ValueError as error:
-        here.refuse(f"is {words!r}; {error}")
 
 
 def _once(values: list, here: Place) -> None:

@@ -1,11 +1,10 @@
 """Space-filling designs over ranges of values: Latin hypercubes and Sobol sequences, by scipy."""
 
-import warnings
 from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from dem.base.schema import Number, Section, Seed, Whole, number, validated
+from dem.base.schema import Number, Section, Seed, Whole, number
 
 DRAWS = 20  # hypercubes, of which the one of the lowest discrepancy is taken
 MANY = 5_000  # points from which that takes too long, and one is drawn
@@ -76,10 +75,15 @@ class Design(Section):
         dict[str, Annotated[Range | Choice, BeforeValidator(_factor)]], Field(min_length=1)
     ]
 
-
-def parse(spec: dict, where: str) -> Design:
-    """A design as a file says it; raises InputError."""
-    return validated(Design, spec, at=where)
+    @model_validator(mode="after")
+    def _check(self):
+        below = 1 << self.points.bit_length() - 1
+        if self.design == "sobol" and self.points != below:
+            raise ValueError(
+                f"points is {self.points}; a Sobol sequence is even only if it is a power of two: take "
+                f"{below} or {2 * below}"
+            )
+        return self
 
 
 def points(wanted: Design) -> list[dict]:
@@ -89,9 +93,7 @@ def points(wanted: Design) -> list[dict]:
     size = len(wanted.over)
     seed = wanted.draw if wanted.draw is not None else wanted.first_seed or 0
     if wanted.design == "sobol":
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", UserWarning)  # `uneven` says it, without a path
-            unit = qmc.Sobol(size, rng=seed).random(wanted.points)
+        unit = qmc.Sobol(size, rng=seed).random(wanted.points)
     else:
         drawn = qmc.LatinHypercube(size, rng=seed)
         hypercubes = [
@@ -101,18 +103,4 @@ def points(wanted: Design) -> list[dict]:
     return [
         {path: factor.at(u) for (path, factor), u in zip(wanted.over.items(), row, strict=True)}
         for row in unit
-    ]
-
-
-def uneven(spec, where: str) -> list[str]:
-    """A sentence if a design has a number of points that its sequence does not spread evenly."""
-    if not isinstance(spec, dict) or spec.get("design") != "sobol":
-        return []
-    count = parse(spec, where).points
-    below = 1 << count.bit_length() - 1
-    if count == below:
-        return []
-    return [
-        f"{where}.points is {count}; a Sobol sequence is even only if this is a power of two: "
-        f"take {below} or {2 * below}."
     ]

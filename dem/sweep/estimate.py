@@ -13,11 +13,9 @@ from dem.base.hints import is_number, is_written, meant
 from dem.experiment.config import Replicate, entries, of_values
 from dem.io.dataset import read
 from dem.io.progress import span
-from dem.sweep import design
 from dem.sweep.axis import OWN
 from dem.sweep.batch import retry
 from dem.sweep.campaign import Campaign
-from dem.sweep.config import Sweep
 from dem.sweep.prune import sweeps
 from dem.sweep.store import Store
 from dem.sweep.why import reasons
@@ -55,7 +53,6 @@ def summary(campaign: Campaign, jobs: int, again: bool = False) -> str:
         lines += [
             f"  {n} because {why}." for why, n in reasons(campaign.store, left).most_common(LISTED)
         ]
-    lines += advice(campaign.sweep)
     if not seconds:
         return "\n".join(lines)
     how = "as runs like these took" if speeds else "a guess: no run was made here yet"
@@ -127,18 +124,6 @@ def outcome(campaign: Campaign, new: int | None = None, draws: str = "dem figure
     word = shlex.quote(first)
     after = [f"dem info {word}", *([draws.format(word)] if first.endswith("/drag.nc") else [])]
     return f"{said} Next: {' or '.join(after)}"
-
-
-def advice(sweep: Sweep) -> list[str]:
-    """What is allowed in a sweep, and seldom meant."""
-    return [
-        sentence
-        for name, block in sweep.blocks.items()
-        for key, spec in block.items()
-        for sentence in design.uneven(
-            spec, f"sweep.{key}" if block is sweep.sweep else f"sweep.blocks.{name}.{key}"
-        )
-    ]
 
 
 def _effort(replicate: Replicate) -> float:

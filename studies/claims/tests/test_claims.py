@@ -226,7 +226,7 @@ FACTORS = {
 def points(seed):
     """Forty points of a Latin hypercube over the factors."""
     spec = {"design": "latin_hypercube", "points": 40, "draw": seed, "over": FACTORS}
-    return design.points(design.parse(spec, "point"))
+    return design.points(design.Design(**spec))
 
 
 def test_design_fills_every_range():
