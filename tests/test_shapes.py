@@ -184,10 +184,10 @@ WRONG = {
     "must have shape": lambda patch: like_round(patch, area=property(lambda shape: 1.0)),
     "must be finite": lambda patch: like_round(patch, area=property(lambda s: np.nan * s.radius)),
     "does not grow": lambda patch: like_round(patch, scaled=lambda shape, factor: shape),
-    "not closed": lambda patch: like_round(patch, polygons=open_polygons),
+    "not closed and convex": lambda patch: like_round(patch, polygons=open_polygons),
     "not convex": lambda patch: new(dented)(SIZES),
     "centre of mass": lambda patch: new(oval(shift=0.1))(SIZES),
-    "the radius of curvature of granule": lambda patch: new(oval(curvature=1.05))(SIZES),
+    "the radius of curvature is": lambda patch: new(oval(curvature=1.05))(SIZES),
     "is the third number that the support function returns": lambda patch: new(oval(curvature=0.9))(SIZES),
     "differ": lambda patch: like_round(
         patch, polygons=lambda s, points=64: smooth.polygons(s, points)[..., ::-1] * [1, -1]

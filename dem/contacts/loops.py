@@ -18,62 +18,16 @@ from dem.jit.address import local
 from dem.jit.block_memory import BLOCK, EIGHT, FORCE_X, FORCE_Y, NX, NY, TORQUE_2, WORK
 from dem.jit.columns import DVX, DVY, DW, FX, FY, VX, VY, W
 from dem.jit.compilation import compiled
-from dem.jit.instructions import fetch_share, prefetch
+from dem.jit.instructions import prefetch
 from dem.jit.optional import given, optional, plus, times
-
-AHEAD = 1024  # constituents: what they need fits into the second-level cache with those at work
-
-
-@optional
-def fetch(numbers, p):
-    prefetch(numbers, p)
-
-
-@optional
-def fetch_sizes(sizes, p):
-    numbers, step = sizes.reshape(-1), sizes.shape[1]
-    for row in range(sizes.shape[0]):
-        prefetch(numbers, row * step + p)
-
-
-@optional
-def fetch_columns(patches, contacts, start, end):
-    """Ask for the rows of the list that the block after the next needs."""
-    far = start + 2 * BLOCK
-    for p in range(far, min(far + BLOCK, end), 8):
-        prefetch(contacts.constituent, p)
-        prefetch(contacts.partner, p)
-        prefetch(contacts.force_row, p)
-        prefetch(contacts.stiffness, p)
-        fetch(contacts.damping, p)
-        fetch(contacts.tangential_force, p)
-        fetch(contacts.sqrt_overlap, p)
-        fetch(contacts.normal_x, p)
-        fetch(contacts.normal_y, p)
-        fetch(contacts.shift_x, p)
-        fetch(contacts.shift_y, p)
-        fetch_sizes(contacts.sizes, p)
 
 
 @optional
 def fetch_partners(patches, rows, contacts, start, end):
-    """Ask for the motion of the partners in the next block."""
+    """Ask for the motion of the partners in the next block; all else is read in order."""
     near = start + BLOCK
     for p in range(near, min(near + BLOCK, end)):
         prefetch(rows, EIGHT * contacts.partner[p])
-
-
-@optional
-def fetch_constituents(patches, world, force, contacts, start, stop):
-    """Ask for what constituents farther on will need, as many as this block has of its own."""
-    motion, count = world.constituents, world.constituents.shape[0]
-    low = min(np.int64(contacts.constituent[start]) + AHEAD, count)
-    high = min(np.int64(contacts.constituent[stop - 1]) + AHEAD + 1, count)
-    fetch_share(motion, low, high, count)
-    fetch_share(world.shape, low, high, count)
-    fetch_share(world.frame, low, high, count)
-    for i in range(low, high, 2):
-        prefetch(force, 4 * i)
 
 
 @compiled
@@ -84,14 +38,12 @@ def pair_contacts(world, dt, begin, end):
     rows, flat = world.constituents.reshape(-1), world.constituent_force.reshape(-1)
     for start in range(begin, end, BLOCK):
         stop = min(start + BLOCK, end)
-        fetch_columns(patches, contacts, start, end)
         gather(turns, rows, rows, contacts, start, stop, lanes)
         gather_pairs(shape, frame, contacts, start, stop, lanes.values)
         fetch_partners(patches, rows, contacts, start, end)
         find_contacts(shape, turns, contacts, start, stop, lanes)
         contact_forces(contacts.friction, shape, turns, contacts, start, stop, dt, lanes)
         add_losses(lanes.account, contacts, start, stop, lanes.values)
-        fetch_constituents(patches, world, flat, contacts, start, stop)
         accumulate(contacts, start, stop, lanes.values, turns, flat)
 
 

@@ -16,13 +16,9 @@ from dem.shapes.protocol import resized
 
 def _spread(number):
     """A zero between any two bits of numbers below 2^32."""
-    number = number.astype(np.uint64)
-    for shift, mask in (
-        (16, 0x0000FFFF0000FFFF), (8, 0x00FF00FF00FF00FF), (4, 0x0F0F0F0F0F0F0F0F),
-        (2, 0x3333333333333333), (1, 0x5555555555555555),
-    ):  # fmt: skip
-        number = (number | (number << np.uint64(shift))) & np.uint64(mask)
-    return number
+    bit, one, two = np.arange(32, dtype=np.uint64), np.uint64(1), np.uint64(2)
+    bits = number.astype(np.uint64)[:, None] >> bit & one
+    return (bits << two * bit).sum(axis=1)
 
 
 def order_of(scene: Scene, state: State) -> np.ndarray:

@@ -6,11 +6,8 @@ added in one move of a vector unit, because a store costs more than a sum.
 
 from llvmlite import ir
 from numba import types
-from numba.extending import intrinsic, overload
+from numba.extending import intrinsic
 
-from dem.jit.compilation import INLINED
-
-LINE = 8  # numbers to a cache line
 ALIGNED = 8  # bytes
 NUMBER = ir.IntType(32)
 
@@ -39,30 +36,6 @@ def prefetch(typing, array, index):
         return context.get_dummy_value()
 
     return types.none(array, index), generate
-
-
-def fetch_share(tree, low, high, count):
-    """Prefetch entries low to high, out of `count`, of every array in a tree of tuples."""
-
-
-@overload(fetch_share, jit_options=INLINED)
-def _fetch_share(tree, low, high, count):
-    if isinstance(tree, types.Array):
-        return _fetch_entries
-    if not isinstance(tree, types.BaseTuple) or len(tree) == 0:
-        return lambda tree, low, high, count: None
-
-    def each(tree, low, high, count):
-        fetch_share(tree[0], low, high, count)
-        fetch_share(tree[1:], low, high, count)
-
-    return each
-
-
-def _fetch_entries(tree, low, high, count):
-    numbers = tree.reshape(-1)
-    for k in range(low * numbers.size // count, high * numbers.size // count, LINE):
-        prefetch(numbers, k)
 
 
 def _changing(operation):

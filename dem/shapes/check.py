@@ -40,7 +40,7 @@ NEAR = 1e-3  # relative error of what is compared with a polygon of POINTS corne
 POINTS = 1025
 DIRECTIONS = 4096  # at which the outline is felt
 FINE = 2**18  # at which it is felt for jumps of the lever: one of 0.03 sizes is beyond BEND
-STEEP = 100.0  # over size: change of the lever with the angle beyond which it may be a jump
+TURN = 2.1  # rad
 LOOSE = 1.2  # bounding circle over the outline's own
 BEND = 1e3  # over size: at overlaps of a thousandth it turns a granule as the longest lever does
 
@@ -49,8 +49,7 @@ BEND = 1e3  # over size: at overlaps of a thousandth it turns a granule as the l
 def _pair(shape, frame, bodies, constituents, order, found, pushed, force):
     """Contacts of granules order[0] and order[1], and the forces of a potential.
 
-    Rows of `found`: overlap, nx, ny, n1, t1, n2, t2. `force` (m2) is minus the gradient of half the
-    sum of the squared overlaps.
+    `found` gets the overlaps (m). `force` (m2) is minus the gradient of half the sum of the squared overlaps.
     """
     place(shape, bodies, frame, constituents, 0, len(bodies))
     pushed[:] = 0.0
@@ -65,9 +64,7 @@ def _pair(shape, frame, bodies, constituents, order, found, pushed, force):
             guess = (dx / apart, dy / apart) if apart > 0.0 else (1.0, 0.0)
             c = solve_contact(shape, dx, dy, own, other, guess)
             t1, t2 = either(c.t1, 0.0), either(c.t2, 0.0)
-            row, push = found[i * per + j], max(c.overlap, 0.0)
-            row[0], row[1], row[2] = c.overlap, c.nx, c.ny
-            row[3], row[4], row[5], row[6] = c.n1, t1, c.n2, t2
+            found[i * per + j], push = c.overlap, max(c.overlap, 0.0)
             pushed[a, FX] -= push * c.nx
             pushed[a, FY] -= push * c.ny
             pushed[a, TAU] += push * t1
@@ -106,9 +103,9 @@ class Two:
         return np.column_stack([np.cos(angle), np.sin(angle)]), bodies, constituents
 
     def pair(self, at, order=(0, 1)):
-        """Contacts (per^2, 7) of the first granule, at zero, with the second, and forces (2, 3); at:
-        place (x, y) in m of the second, angles (rad) of both."""
-        found, force = np.zeros((self.per**2, 7)), rows(2, 4)
+        """Overlaps (per^2,) in m of the first granule, at zero, with the second, and forces (2, 4); at:
+        place (x, y) in m of the second, angles (rad) of both; order: which of them is asked first."""
+        found, force = np.zeros(self.per**2), rows(2, 4)
         pushed = force if self.per == 1 else rows(2 * self.per, 4)
         arrays = self._arrays([[0.0, 0.0], at[:2]], at[2:])
         _pair(self.shape, *arrays, np.array(order), found, pushed, force)
@@ -168,17 +165,13 @@ def check_shape(shape) -> None:
         words = "be granules of a shape, such as dem.Disc, or of a class that dem.shapes.smooth.smooth decorates"
         refuse("shape", shape, words)
     name = type(shape).__name__
-    # what breaks one law breaks the later ones too, in worse words
-    for law in (_derivative_faults, lambda shape: [shape.fault or ""], _wrong_numbers):
-        _refuse(name, law(shape))
+    _refuse(name, [shape.fault or ""])
+    _refuse(name, _wrong_numbers(shape))
     pairs = _pairs(shape)
     for numbers in pairs:
         two = Two(resized(shape, lambda size, numbers=numbers: size[numbers]))
         those = f", granules {' and '.join(map(str, numbers))}" if len(pairs) > 1 else ""
-        for law in (
-            _compile_faults, _list_faults, _lever_faults, _outline_faults, _boundary_faults,
-            _contact_faults,
-        ):  # fmt: skip
+        for law in LAWS:
             _refuse(name + those, law(two))
 
 
@@ -194,34 +187,6 @@ def _pairs(shape):
     other = np.unique(np.round(sizes, ALIKE), axis=0, return_index=True)[1]
     numbers = np.union1d(np.arange(min(2, len(sizes))), other)
     return np.resize(numbers, (-(-len(numbers) // 2), 2))
-
-
-def _derivative_faults(shape):
-    """Of a support function: q and the radius of curvature follow from h, for all granules."""
-    if not smooth.is_smooth(type(shape)):
-        return []
-    angle, h, q, rho = smooth.sampled(shape)
-    size = np.hypot(h, q).max(axis=-1, keepdims=True)
-    for values, told in ((h, q), (q, rho - h)):
-        after, following = (np.roll(each, -1, axis=-1) for each in (values, told))
-        slope = (after - values) / (angle[1] - angle[0])
-        # between the values at the ends, or beyond by as much as these differ
-        off = np.abs(slope - 0.5 * (told + following)) - 1.5 * np.abs(following - told)
-        off -= NEAR * size
-        wrong = (off > 0.0) & (np.abs(slope).max(axis=-1, keepdims=True) < STEEP * size)
-        if wrong.any():
-            g, at = np.unravel_index(np.argmax(np.where(wrong, off / size, 0.0)), off.shape)
-            where = f"of granule {g}, where the normal is at {np.degrees(angle[at]):.0f} degrees"
-            if values is h:
-                return [
-                    f"q of support is not dh/d(angle): {where}, q is {q[g, at]:.4g} m and dh/d(angle) "
-                    f"{slope[g, at]:.4g} m; torques would be wrong."
-                ]
-            return [
-                f"the radius of curvature {where}, is {rho[g, at]:.4g} m; it must be h + dq/d(angle), "
-                f"{h[g, at] + slope[g, at]:.4g} m. It is the third number that the support function returns."
-            ]
-    return []
 
 
 POWERS = {"area": 2, "gyration_squared": 2, "bounding_radius": 1, "constituent_radius": 1,
@@ -263,7 +228,7 @@ def _compile_faults(two):
 def _list_faults(two):
     """Outlines must fit into the lanes of a block, and what a list holds of them must not change."""
     for constituent in range(2 * two.per):
-        (own, circle, _), (turned, *_) = (two.tell(constituent, angle) for angle in (0.0, 2.1))
+        (own, circle, _), (turned, *_) = (two.tell(constituent, angle) for angle in (0.0, TURN))
         if not len(own) == len(circle) <= OUTLINE:
             return [
                 f"outline has {len(own)} numbers and circle {len(circle)}; both must have as many, and at "
@@ -289,8 +254,8 @@ def _lever_faults(two):
         h, q, lever, _ = two.feel_granule(g, 0.0, directions)
         slope, bend = (np.diff(each) / np.diff(turn) for each in (h, lever))
         low, high = np.sort([q[:, 1:], q[:, :-1]], axis=0)  # a mean is between the ends
-        size, bend, most = two.size[g], bend.max(), np.abs(lever).max()
-        steepest = max(shape.normal_bend[g], bend) / size
+        size, greatest, most = two.size[g], bend.max(), np.abs(lever).max()
+        steepest = max(shape.normal_bend[g], greatest) / size
         if np.maximum(low - slope, slope - high).max() > NEAR * size:
             return ["q of support is not dh/d(angle): torques would be wrong."]
         if not steepest <= BEND:
@@ -298,13 +263,15 @@ def _lever_faults(two):
                 f"the outline is too flat: its radius of curvature is {steepest:.3g} times its bounding "
                 f"radius, more than {BEND:g}, and no time step is short enough; round its flat sides."
             ]
+        if smooth.is_smooth(type(shape)) and (wrong := _curvature_fault(shape, g, bend[0], size)):
+            return [wrong]
         if most > shape.normal_lever[g] * (1.0 + NEAR) + SAME * size:
             said.append(
                 f"normal_lever is {shape.normal_lever[g]:g} m; normal forces have levers up to {most:g} m."
             )
-        if bend > shape.normal_bend[g] * (1.0 + NEAR) + NEAR * size:
+        if greatest > shape.normal_bend[g] * (1.0 + NEAR) + NEAR * size:
             said.append(
-                f"normal_bend is {shape.normal_bend[g]:g} m; the outline bends by up to {bend:g} m, "
+                f"normal_bend is {shape.normal_bend[g]:g} m; the outline bends by up to {greatest:g} m, "
                 "and the step of time would be too long."
             )
         if not shape.needs_angle and most > SAME * size:
@@ -312,8 +279,28 @@ def _lever_faults(two):
     return said
 
 
+def _curvature_fault(shape, g, bend, size):
+    """Of a support function: the radius of curvature follows from h and the bend, at FINE angles."""
+    _, h, _, rho = smooth.sampled(shape)
+    every = FINE // smooth.ANGLES
+    before, after = np.roll(bend, 1)[::every], bend[::every]
+    follows = h[g] + 0.5 * (before + after)
+    off = np.abs(rho[g] - follows) - np.abs(after - before)
+    off -= NEAR * np.maximum(size, follows)
+    at = off.argmax()
+    if off[at] <= 0.0:
+        return None
+    return (
+        f"the radius of curvature is {rho[g, at]:.4g} m where the normal is at {360.0 * at / smooth.ANGLES:.0f} "
+        f"degrees; it must be h + dq/d(angle), {follows[at]:.4g} m. It is the third number that the "
+        "support function returns."
+    )
+
+
 def _outline_faults(two):
     """Polygons must be closed, convex, about the centroid, with the stated area and inertia."""
+    from scipy.spatial import ConvexHull
+
     shape, said = two.shape, []
     rings = np.asarray(shape.polygons(POINTS))
     if rings.ndim != 4 or rings.shape[0] != 2 or rings.shape[2:] != (POINTS, 2):
@@ -323,14 +310,13 @@ def _outline_faults(two):
     for own, size, told, spread in zip(
         rings, two.size, shape.area, shape.gyration_squared, strict=True
     ):
-        if not np.abs(own[:, 0] - own[:, -1]).max() <= NEAR * size:
-            return ["the outline is not closed: the last point of polygons is not the first."]
-        if not all(_convex(ring, size) for ring in own):
-            said.append(
-                "the outline of a constituent is not convex, and contacts are found for convex ones: "
-                "its radius of curvature must be positive everywhere."
-            )
-        area, (x, y), moment = _moments(own)
+        areas, (x, y), moment = _moments(own)
+        area = areas.sum()
+        if not np.allclose(areas, [ConvexHull(ring).volume for ring in own], rtol=NEAR):
+            return [
+                "the outline of a constituent is not closed and convex: the last point of polygons must be the "
+                "first, and the radius of curvature positive everywhere."
+            ]
         if not np.isclose(area, told, rtol=NEAR):
             said.append(f"area is {told:g} m2; its outline has {area:g} m2.")
         if math.hypot(x, y) > NEAR * size:
@@ -349,48 +335,35 @@ def _outline_faults(two):
     return said
 
 
-def _convex(ring, size):
-    """Whether a closed ring turns one way, and once."""
-    edges = np.diff(ring, axis=0)
-    edges = edges[np.hypot(*edges.T) > SAME * size * 1e-3]
-    after = np.roll(edges, -1, axis=0)
-    turn = np.arctan2(
-        edges[:, 0] * after[:, 1] - edges[:, 1] * after[:, 0], (edges * after).sum(axis=1)
-    )
-    return turn.min() > -1e-6 and abs(turn.sum() - 2.0 * np.pi) < 1e-3
-
-
 def _moments(rings):
-    """Area (m2), centroid (m) and second moment of area about the centre (m4), of all rings."""
+    """Areas (rings,) in m2; centroid (m) and second moment of area about the centre (m4) of all rings."""
     a, b = rings[:, :-1], rings[:, 1:]
     triangle = 0.5 * (a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
-    area = triangle.sum()
+    areas = triangle.sum(axis=1)
     first = (triangle[..., None] * (a + b) / 3.0).sum(axis=(0, 1))
     second = (triangle * (a * a + a * b + b * b).sum(axis=-1)).sum() / 6.0
-    return area, first / area, second
+    return areas, first / areas.sum(), second
 
 
 def _boundary_faults(two):
-    """Walls and the cylinder: support must agree with the polygon, in any orientation."""
+    """Walls and the cylinder: support must agree with the polygon, also of a granule that has turned."""
     directions, said = _directions(DIRECTIONS)[1], []
     rings = two.shape.polygons(POINTS)
     holds = two.shape.constituent_bounding_radius.reshape(2, two.per).max(axis=1)
     for g in range(2):
-        for angle in (0.0, 2.1):
-            h, q, _, reach = two.feel_granule(g, angle, directions)
-            c, s = math.cos(angle), math.sin(angle)
-            turned = rings[g].reshape(-1, 2) @ [[c, s], [-s, c]]
-            apart = reach.max(axis=0) - (directions @ turned.T).max(axis=1)
-            if np.abs(apart).max() > NEAR * two.size[g]:
-                said.append(
-                    "support and the outline of polygons differ, at angle "
-                    f"{angle:g} rad: walls would touch elsewhere than pictures show."
-                )
-            if np.hypot(h, q).max() > holds[g] * (1.0 + SAME):
-                said.append(
-                    "constituent_bounding_radius does not hold the constituent: contacts would be "
-                    "missed."
-                )
+        h, q, _, reach = two.feel_granule(g, TURN, directions)
+        c, s = math.cos(TURN), math.sin(TURN)
+        turned = rings[g].reshape(-1, 2) @ [[c, s], [-s, c]]
+        apart = reach.max(axis=0) - (directions @ turned.T).max(axis=1)
+        if np.abs(apart).max() > NEAR * two.size[g]:
+            said.append(
+                f"support and the outline of polygons differ, at angle {TURN:g} rad: walls would touch elsewhere "
+                "than pictures show."
+            )
+        if np.hypot(h, q).max() > holds[g] * (1.0 + SAME):
+            said.append(
+                "constituent_bounding_radius does not hold the constituent: contacts would be missed."
+            )
     radius = 0.37 * two.size[0]
     h, q = two.feel(two.tell(0, 0.0, radius)[1], directions)
     if not np.allclose([h - radius, q], 0.0, atol=SAME * radius):
@@ -405,7 +378,7 @@ def _contact_faults(two):
         at = _touching(two, rng.uniform(0.0, 2.0 * np.pi, 2), rng.uniform(0.0, 2.0 * np.pi))
         if at is None:
             return ["two granules never touch, however near their centres are."]
-        said += _swap_faults(two, at) + _force_faults(two, at)
+        said += _force_faults(two, at)
     return said
 
 
@@ -419,7 +392,7 @@ def _touching(two, angles, away):
         return np.array([distance * math.cos(away), distance * math.sin(away), *angles])
 
     def excess(distance):
-        return two.pair(at(distance))[0][:, 0].max() - want
+        return two.pair(at(distance))[0].max() - want
 
     steps = reach * np.linspace(1.0, 0.02, 50)
     inside = next((k for k, distance in enumerate(steps) if excess(distance) > 0.0), None)
@@ -428,32 +401,24 @@ def _touching(two, angles, away):
     return at(bisect(excess, steps[inside], steps[inside - 1], xtol=1e-14 * reach))
 
 
-def _swap_faults(two, at):
-    """The contact of 1 with 2 is the same as the contact of 2 with 1, seen from the other side."""
-    first, _ = two.pair(at)
-    second, _ = two.pair(at, (1, 0))
-    other = second.reshape(two.per, two.per, 7).swapaxes(0, 1).reshape(-1, 7)
-    mirrored = other[:, [0, 1, 2, 5, 6, 3, 4]] * [1.0, -1.0, -1.0, 1.0, -1.0, 1.0, -1.0]
-    touch, size = first[:, 0] > 0.0, two.size.min()
-    scale = np.array([1.0, size, size, 1.0, 1.0, 1.0, 1.0])
-    if np.abs((first - mirrored) * scale)[touch].max(initial=0.0) > SAME * size:
-        return ["a contact depends on which of two granules is asked: swapping them changes it."]
-    return []
-
-
 def _force_faults(two, at):
-    """Forces and torques are minus the gradient of a potential of the overlaps."""
-    contacts, force = two.pair(at)
-    size, depth = two.size.min(), contacts[:, 0].max()
+    """Forces and torques are minus the gradient of a potential of the overlaps, and alike from both sides."""
+    overlaps, force = two.pair(at)
+    size, depth = two.size.min(), overlaps.max()
 
     def potential(place):
-        return 0.5 * (np.maximum(two.pair(place)[0][:, 0], 0.0) ** 2).sum()
+        return 0.5 * (np.maximum(two.pair(place)[0], 0.0) ** 2).sum()
 
     unit = np.array([size, size, 1.0, 1.0])
     found = [potential(at - step) - potential(at + step) for step in np.diag(STEP * unit)]
     told = np.array([force[1, FX], force[1, FY], force[0, TAU], force[1, TAU]])
     wrong = np.abs(told * unit - np.array(found) / (2.0 * STEP)) > CLOSE * depth * size
     said = []
+    change = np.abs(force - two.pair(at, (1, 0))[1])
+    if (change > NEAR * depth * np.array([1.0, 1.0, size, 1.0])).any():
+        said.append(
+            "a contact depends on which of two granules is asked: swapping them changes it."
+        )
     if wrong[:2].any():
         said.append(
             "the normal of a contact is not the gradient of its overlap with the position: "
@@ -465,3 +430,9 @@ def _force_faults(two, at):
             "bounces would make or lose energy."
         )
     return said
+
+
+# what breaks one breaks the later ones too, in worse words
+LAWS = (
+    _compile_faults, _list_faults, _lever_faults, _outline_faults, _boundary_faults, _contact_faults,
+)  # fmt: skip

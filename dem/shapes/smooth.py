@@ -32,29 +32,18 @@ ROOM = 1.0 + 1e-4  # of the bounding circle, for the outline between two of thes
 
 
 def _sizes(fields, g):
-    """Sizes of granule g, a tuple: entries of arrays, and plain numbers as they are."""
+    """Sizes of granule g, a tuple: entries of arrays, ones if g is None, and plain numbers as they are."""
 
 
 @overload(_sizes, jit_options=INLINED)
 def _choose_sizes(fields, g):
     if len(fields) == 0:
         return lambda fields, g: ()
-    if isinstance(fields[0], types.Array):
-        return lambda fields, g: (fields[0][g],) + _sizes(fields[1:], g)
-    return lambda fields, g: (fields[0],) + _sizes(fields[1:], g)
-
-
-def _any_sizes(fields):
-    """Sizes of no granule: ones for lengths, and plain numbers as they are."""
-
-
-@overload(_any_sizes, jit_options=INLINED)
-def _choose_any_sizes(fields):
-    if len(fields) == 0:
-        return lambda fields: ()
-    if isinstance(fields[0], types.Array):
-        return lambda fields: (1.0,) + _any_sizes(fields[1:])
-    return lambda fields: (fields[0],) + _any_sizes(fields[1:])
+    if not isinstance(fields[0], types.Array):
+        return lambda fields, g: (fields[0],) + _sizes(fields[1:], g)
+    if g is types.none:
+        return lambda fields, g: (1.0,) + _sizes(fields[1:], g)
+    return lambda fields, g: (fields[0][g],) + _sizes(fields[1:], g)
 
 
 def support_of(shape, nx, ny, sizes):
@@ -85,7 +74,7 @@ def outline(shape, constituent, frame):
 
 
 def circle(shape, radius):
-    return (1.0, 0.0, 0.0, radius) + _any_sizes(shape)
+    return (1.0, 0.0, 0.0, radius) + _sizes(shape, None)
 
 
 @inlined
