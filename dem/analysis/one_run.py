@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -28,13 +28,6 @@ SNAPSHOTS = (
     "snapshot_displacement", "cylinder_y", "granule_x", "granule_y", "granule_angle",
     "granule_diameter", "box_height",
 )  # fmt: skip
-
-
-class Column(NamedTuple):
-    """A value that tells runs apart: its name, and what it is in every run (runs,)."""
-
-    name: str
-    values: np.ndarray
 
 
 def open_run(path: Path, select: list[str]) -> tuple[Replicate, dict]:
@@ -93,23 +86,22 @@ def _row(path: Path, dataset: xr.Dataset, row: int) -> tuple[Replicate, dict]:
     return replicate, {str(name): one[name].values for name in one.variables}
 
 
-def columns_of(dataset: xr.Dataset) -> list[Column]:
-    """All values that tell the runs apart, axes and labels first."""
+def columns_of(dataset: xr.Dataset) -> dict[str, np.ndarray]:
+    """What tells the runs apart, axes and labels first: values (runs,) by name."""
     dims = dataset["run_id"].dims
     if dims == ("run",):
-        names = [name for name in LABELS if name in dataset.variables]
+        found = {name: dataset[name].values for name in LABELS if name in dataset.variables}
         rows = [_flat(each) for each in json.loads(dataset.attrs.get("values", "[]"))]
-        paths = dict.fromkeys(path for each in rows for path in each if path not in names)
-        more = [Column(path, np.array([each.get(path) for each in rows])) for path in paths]
-        return [Column(name, dataset[name].values) for name in names] + more
-    labels = [name for name in dataset.coords if set(dataset[name].dims) <= set(dims)]
-    names = [*dims, *(str(name) for name in labels if name not in dims)]
+        paths = dict.fromkeys(path for each in rows for path in each)
+        more = {path: np.array([each.get(path) for each in rows]) for path in paths}
+        return found | more | found  # a label is no other value of the configuration
+    labels = [str(name) for name in dataset.coords if set(dataset[name].dims) <= set(dims)]
     like = dataset["run_id"]
-    return [
-        Column(name, dataset[name].broadcast_like(like).transpose(*dims).values.ravel())
-        for name in names
+    return {
+        name: dataset[name].broadcast_like(like).transpose(*dims).values.ravel()
+        for name in dict.fromkeys([*dims, *labels])
         if name in dataset.variables
-    ]
+    }
 
 
 def _flat(values: dict, head: str = "") -> dict:
@@ -123,26 +115,38 @@ def _flat(values: dict, head: str = "") -> dict:
     return found
 
 
-def _chosen(path, columns: list[Column], ids, select: list[str]) -> int:
+def _chosen(path, columns: dict[str, np.ndarray], ids, select: list[str]) -> int:
     """Which run is meant."""
-    known = {column.name.replace(".", "_"): column for column in columns}
+    known = {name.replace(".", "_"): name for name in columns}
     left = np.ones(len(ids), bool)
     for word in select:
         name, there, value = word.partition("=")
         if not there:
             raise InputError(f"{word!r} selects no run; write NAME=VALUE, such as seed=1.")
         if (column := known.get(name.replace(".", "_"))) is None:
-            hint = meant(name.replace(".", "_"), known) or f"; they differ in {_varied(columns)}"
+            varied = ", ".join(each for each in columns if len(set(_words(columns[each]))) > 1)
+            hint = meant(name.replace(".", "_"), known) or f"; they differ in {varied}"
             raise InputError(f"{path}: its runs have no value named {name}{hint}.")
-        found = left & [_is(each, value) for each in column.values]
+        found = left & [_is(each, value) for each in columns[column]]
         if not found.any():
-            values = list(dict.fromkeys(_words(column.values[left])))
+            values = list(dict.fromkeys(_words(columns[column][left])))
             words = ", ".join(values[:SHOWN]) + (", ..." if len(values) > SHOWN else "")
-            raise InputError(f"{path}: there is no run with {word}; {column.name} is {words}.")
+            raise InputError(f"{path}: there is no run with {word}; {column} is {words}.")
         left = found
-    if len(set(ids[left].tolist())) == 1:
+    if (count := len(set(ids[left].tolist()))) == 1:
         return int(np.flatnonzero(left)[0])
-    raise InputError(_open(path, columns, ids, left, select))
+    having = f" with {' '.join(select)}" if select else ""
+    first, example = np.flatnonzero(left)[0], {}
+    for name, values in columns.items():
+        words = np.array(_words(values))
+        same = left & (words == words[first])
+        if same.sum() < left.sum():
+            example[name] = f"{name}={words[first]}"
+            left = same
+    raise InputError(
+        f"{path}: it has {count} runs{having}; choose one by {', '.join(example)}, such as "
+        f"{' '.join(example.values())}."
+    )
 
 
 def _is(value, text: str) -> bool:
@@ -150,27 +154,6 @@ def _is(value, text: str) -> bool:
         is_written(value, text)
         if isinstance(value, int | float | np.number)
         else str(value) == text
-    )
-
-
-def _varied(columns: list[Column]) -> str:
-    return ", ".join(each.name for each in columns if len(set(_words(each.values))) > 1)
-
-
-def _open(path, columns: list[Column], ids, left, select: list[str]) -> str:
-    """What is still to be said, with an example: the first run that is left."""
-    first, count = int(np.flatnonzero(left)[0]), len(set(ids[left].tolist()))
-    example = {}
-    for column in columns:
-        words = np.array(_words(column.values))
-        same = left & (words == words[first])
-        if len(set(ids[same].tolist())) < len(set(ids[left].tolist())):
-            example[column.name] = f"{column.name}={words[first]}"
-            left = same
-    having = f" with {' '.join(select)}" if select else ""
-    return (
-        f"{path}: it has {count} runs{having}; choose one by {', '.join(example)}, such as "
-        f"{' '.join(example.values())}."
     )
 
 

@@ -16,7 +16,7 @@ import numpy as np
 import xarray as xr
 
 from dem.analysis.statistics import LEVEL, over_seeds
-from dem.analysis.values import along, value_of
+from dem.analysis.values import along, axes_beside, value_of
 from dem.base.errors import InputError
 
 AXIS = "shear_inertial_number"
@@ -51,12 +51,6 @@ class Rheology(NamedTuple):
     correlation: tuple[float, float]
 
 
-def axes_of(dataset: xr.Dataset) -> list[str]:
-    """Axes with more than one value, beside inertial number and seed."""
-    sizes = along(dataset, AXIS)["run_id"].sizes
-    return [str(dim) for dim in sizes if dim not in (AXIS, "seed") and sizes[dim] > 1]
-
-
 def rheology(dataset: xr.Dataset) -> Rheology:
     """Curves of all places. Raises InputError where there are too few inertial numbers or blocks."""
     dataset = along(dataset, AXIS)
@@ -69,7 +63,7 @@ def rheology(dataset: xr.Dataset) -> Rheology:
             f"it has {blocks} strains in all runs of a place; an interval takes {FEWEST}."
         )
     samples = dataset.sizes["shear_strain"] // whole * whole
-    others = axes_of(dataset)
+    others = axes_beside(dataset, AXIS)
     rows = {
         name: _blocks(dataset[name], others, whole, samples)
         for name in (

@@ -27,6 +27,12 @@ def value_of(dataset: xr.Dataset, path: str) -> xr.DataArray:
     return found
 
 
+def axes_beside(dataset: xr.Dataset, name: str) -> list[str]:
+    """Axes with more than one value, beside that of a value and the seed."""
+    sizes = along(dataset, name)["run_id"].sizes
+    return [str(dim) for dim in sizes if dim not in (name, "seed") and sizes[dim] > 1]
+
+
 def along(dataset: xr.Dataset, name: str) -> xr.Dataset:
     """The dataset with the axis of a value, also where it varies over named points or a design.
 

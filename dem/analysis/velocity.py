@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 
 from dem.analysis.statistics import Estimate, bootstrapped, over_seeds, summarise
-from dem.analysis.values import along, value_of
+from dem.analysis.values import along, axes_beside, value_of
 from dem.base.errors import InputError
 
 AXIS = "cylinder_velocity"
@@ -63,12 +63,6 @@ class Rates(NamedTuple):
         return bootstrapped(samples, self.beds)
 
 
-def axes_of(dataset: xr.Dataset) -> list[str]:
-    """Axes with more than one value, beside velocity and seed."""
-    sizes = along(dataset, AXIS)["run_id"].sizes
-    return [str(dim) for dim in sizes if dim not in LEAST and sizes[dim] > 1]
-
-
 def rates(dataset: xr.Dataset) -> Rates:
     """Means and laws of all places; only beds that were drawn at all velocities and places count.
 
@@ -87,7 +81,7 @@ def rates(dataset: xr.Dataset) -> Rates:
     rng = np.random.default_rng(1)
     drawn = rng.multinomial(beds, np.full(beds, 1.0 / beds), RESAMPLES)
     weights = np.vstack([np.ones(beds), drawn]) / beds
-    others = axes_of(dataset)
+    others = axes_beside(dataset, AXIS)
     runs = runs.squeeze([dim for dim in runs.dims if dim not in (*LEAST, *others)])
     places = product(*(runs[dim].values.astype(str).tolist() for dim in others))
     rows = runs.transpose(*others, AXIS, "seed").values.reshape(-1, len(velocity), beds)

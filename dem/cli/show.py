@@ -3,7 +3,6 @@
 import sys
 from pathlib import Path
 
-from dem.base.errors import InputError
 from dem.base.files import FOLDER, Place, atomic, check_paths
 from dem.base.plain import PlainConsole
 from dem.cli.terminal import bar
@@ -11,13 +10,8 @@ from dem.cli.terminal import bar
 
 def draw_figure(name: str, data: Path, output: Path | None, figures: dict) -> None:
     """Draw one of some figures into a folder, figures/ beside the data if none is given."""
-    from dem.base.hints import meant
     from dem.figures.catalogue import draw
 
-    names = [*sorted(figures), "all"]
-    if name not in names:
-        hint = meant(name, names) or f"; the names are {', '.join(names)}"
-        raise InputError(f"figure is {name!r}; there is no such figure{hint}.")
     folder = output or data.parent / "figures"
     check_paths([Place("output", folder, FOLDER)])
     with bar(f"drawing {name}"):

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from dem.base.constants import described
 from dem.base.errors import InputError
+from dem.base.hints import meant
 from dem.io.lazily import open_lazily, require
 
 BY_CASE = {"case", "seed"}, {"shape", "seed"}  # axes of runs that make cases
@@ -139,16 +140,17 @@ def drawable_from(data: Path, dataset, figures: dict[str, Drawn] = FIGURES) -> l
 def draw(name: str, data: Path, folder: Path, figures: dict[str, Drawn] = FIGURES) -> list[Path]:
     """Draw a figure, or "all" that drag.nc suffices for, into a folder; returns the files, SVG and PNG.
 
-    Raises InputError if there is nothing to draw.
+    Raises InputError if there is nothing to draw, or no such figure.
     """
+    if name not in (known := [*sorted(figures), "all"]):
+        hint = meant(name, known) or f"; the names are {', '.join(known)}"
+        raise InputError(f"figure is {name!r}; there is no such figure{hint}.")
     names = [name]
     if name == "all":
         require_drag(data)
         own = {name: each for name, each in figures.items() if each.file == "drag"}
         with open_lazily(data) as dataset:
             names = drawable_from(data, dataset, own) or list(own)
-    elif name not in figures:
-        raise InputError(f"figure is {name!r}; there are {', '.join(figures)} and all.")
     files, faults = [], []
     for each in names:
         try:
@@ -163,7 +165,6 @@ def draw(name: str, data: Path, folder: Path, figures: dict[str, Drawn] = FIGURE
 def _drawn(each: Drawn, data: Path, folder: Path) -> list[Path]:
     """Draw one figure."""
     from dem.analysis.statistics import by_case
-    from dem.analysis.values import along
     from dem.figures.style import save
     from dem.sweep.combine import open_combined
 
@@ -185,11 +186,6 @@ def _drawn(each: Drawn, data: Path, folder: Path) -> list[Path]:
             )
         require(whole, data, _layout_of(each), ())
         try:
-            for dim, least in each.axes.items() if of_drag else ():
-                if (there := along(whole, dim)["run_id"].sizes.get(dim, 0)) < least:
-                    raise InputError(
-                        f"the runs have {there} values of {dim}; it takes {least} or more."
-                    )
             figure = import_module(each.module).plot(whole if of_drag else whole.load())
         except InputError as error:
             raise InputError(f"{data}: {each.name} cannot be drawn: {error}") from None

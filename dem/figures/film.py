@@ -19,7 +19,6 @@ from dem.base.files import atomic
 from dem.base.target import file_of
 from dem.base.validate import checked
 from dem.dynamics.result import Result
-from dem.experiment.flow_measures import LAYERS
 from dem.experiment.motion import Motion
 from dem.figures import bed, style
 from dem.figures.frames import Frames, frames_of
@@ -28,7 +27,6 @@ from dem.periodic import nearest_image
 FILMS, PICTURES = (".mp4", ".gif"), (".png", ".svg", ".pdf")
 WORDS = {"speed": "speed", "force": "sum of normal forces", "layer": "layers",
          "cluster": "granules ahead of the cylinder"}  # fmt: skip
-COLORS = tuple(WORDS)
 SIZE, DPI = (12.8, 7.2), 100  # 720p
 MAP = "viridis"
 SECONDS = 10.0  # of a film
@@ -68,7 +66,7 @@ class Scene:
     def __init__(
         self, frames: Frames, color: str, forces: bool, shown=None, beside=True, size=SIZE
     ):  # fmt: skip
-        known = COLORS if frames.cluster is not None else COLORS[:-1]
+        known = "speed", "force", *frames.paints
         if color not in known:
             raise InputError(f"color is {color!r}; it must be one of {', '.join(known)}.")
         self.frames, self.color, self.forces = frames, color, forces
@@ -140,11 +138,8 @@ class Scene:
 
     def _paint(self, frame):
         frames = self.frames
-        if self.color == "layer":
-            low, height = frames.layers
-            return bed.layer_colors(frames.position[0] - [0.0, low], height, LAYERS)
-        if self.color == "cluster":
-            return frames.cluster
+        if self.color in frames.paints:
+            return frames.paints[self.color]
         return self.map.to_rgba(
             frames.speed(frame) if self.color == "speed" else self.contacts[frame][2]
         )

@@ -9,6 +9,7 @@ import numpy as np
 from dem.base.validate import one_of
 from dem.dynamics.contact_list import ContactList
 from dem.dynamics.result import Result
+from dem.experiment.flow_measures import LAYERS
 from dem.experiment.motion import Motion
 from dem.figures import bed, style
 from dem.periodic import Periods
@@ -24,8 +25,7 @@ class Frames(NamedTuple):
 
     title: None for none. speed(frame) (n,) and contacts(frame) are asked for when they are drawn.
     walls (f, w, 3): planes as of dem.Scene; view: as of bed.Drawing. cylinder (f, 2): its places, None without one.
-    fastest: top of the scale of speeds. layers: height of the lowest layer, and of all together.
-    cluster (n,): colours, None without one. captions: of the frames. boxed: draw the box alone,
+    fastest: top of the scale of speeds. paints (n,): colours that stay, by what they show. captions: of the frames. boxed: draw the box alone,
     without numbers. record(axes): draws curves beside the bed, None without any; marks (f,): where
     on their horizontal axis a frame is. periodic: periods as of dem.Scene.
     """
@@ -41,8 +41,7 @@ class Frames(NamedTuple):
     speed: Callable[[int], np.ndarray]
     contacts: Callable[[int], ContactList]
     fastest: float
-    layers: tuple[float, float]
-    cluster: np.ndarray | None
+    paints: dict[str, np.ndarray]
     captions: list[str]
     boxed: bool
     record: Callable | None
@@ -82,8 +81,12 @@ def of_motion(motion: Motion) -> Frames:
         walls=np.array([bed.box_walls(width, each, motion.periodic) for each in motion.height]),
         view=bed.box_view(width, motion.height.max()),
         cylinder=axis, diameter=size, speed=speed, contacts=motion.contacts, fastest=velocity,
-        layers=(0.0, motion.height[0]), captions=[f"{float(each):.2f} mm" for each in moved],
-        cluster=bed.cluster_colors(motion.position[0], axis[0], size), boxed=True,
+        paints={
+            "layer": bed.layer_colors(motion.position[0], motion.height[0], LAYERS),
+            "cluster": bed.cluster_colors(motion.position[0], axis[0], size),
+        },
+        captions=[f"{float(each):.2f} mm" for each in moved],
+        boxed=True,
         record=record, marks=moved, periodic=motion.periodic,
     )  # fmt: skip
 
@@ -103,7 +106,7 @@ def of_result(result: Result) -> Frames:
         walls=result.walls, view=_view(result), cylinder=cylinder,
         diameter=None if scene.cylinder is None else scene.cylinder.diameter,
         speed=speed.__getitem__, contacts=result.contacts, fastest=float(speed.max()) or 1.0,
-        layers=(low, high - low or 1.0), cluster=None,
+        paints={"layer": bed.layer_colors(result.position[0] - [0.0, low], high - low or 1.0, LAYERS)},
         captions=[f"t = {each:.{digits}f} {unit}" for each in time], boxed=False,
         record=(lambda axes: draw_forces(axes, result, groups[0])) if groups else None, marks=time,
         periodic=scene.periodic,

@@ -3,7 +3,8 @@
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.analysis.shear import axes_of, rheology
+from dem.analysis.shear import AXIS, rheology
+from dem.analysis.values import axes_beside
 from dem.figures import style
 
 FILE = "shear"
@@ -15,7 +16,7 @@ VARIABLES = ("lid_shear_stress",)
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
     """Friction above, packing fraction below, one curve per place on the other axes."""
-    found, others = rheology(dataset), axes_of(dataset)
+    found, others = rheology(dataset), axes_beside(dataset, AXIS)
     figure, above, below = style.above_and_below(
         f"Simple shear: means of {found.blocks} blocks of one strain each, with 95 % intervals"
     )

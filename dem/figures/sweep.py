@@ -6,6 +6,7 @@ mark per point.
 """
 
 import re
+from itertools import product
 from textwrap import fill
 
 import numpy as np
@@ -146,16 +147,14 @@ def _grid(dataset: xr.Dataset, runs: xr.DataArray) -> Figure:
     """Panels with the same axes."""
     roles = Roles(runs)
     runs = roles.reduced(runs)
-    values = [runs[dim].values for dim in roles.panels]
-    places = [()] if not values else [(a,) for a in values[0]]
-    if len(values) == 2:
-        places = [(a, b) for b in values[1] for a in values[0]]
-    columns = len(values[0]) if len(values) == 2 else min(len(places), COLUMNS - 1)
+    places = list(product(*(runs[dim].values for dim in roles.panels[::-1])))
+    two = len(roles.panels) == 2
+    columns = runs.sizes[roles.panels[0]] if two else min(len(places), COLUMNS - 1)
     figure, panels = _panels(len(places), columns, sharex=True, sharey=True)
     for axes, place in zip(panels, places, strict=True):
-        here = runs.sel(dict(zip(roles.panels, place, strict=True)))
+        at = dict(zip(roles.panels, place[::-1], strict=True))
+        here = runs.sel(at)
         _lines(axes, here, roles, here[roles.x])
-        at = dict(zip(roles.panels, place, strict=True))
         axes.set_title(heading(runs, at, columns), loc="left")
     for axes in panels[-columns:]:
         axes.tick_params(labelbottom=True)

@@ -6,7 +6,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.analysis.velocity import axes_of, inertial_number, rates
+from dem.analysis.values import axes_beside
+from dem.analysis.velocity import AXIS, inertial_number, rates
 from dem.figures import style
 
 FILE = "drag"
@@ -19,7 +20,7 @@ ALONG = 80  # points of a curve
 def plot(dataset: xr.Dataset) -> Figure:
     """Drag above, drag over its quasi-static limit below, one curve per place on the other axes."""
     found = rates(dataset)
-    others = axes_of(dataset)
+    others = axes_beside(dataset, AXIS)
     usual = json.loads(dataset.attrs["configuration"])["cylinder"].get("velocity")
     marked = usual in found.velocity  # else no run has it
     figure, above, below = style.above_and_below(

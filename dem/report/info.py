@@ -16,13 +16,11 @@ from dem.analysis.statistics import (
     half_interval,
     over_seeds,
     summarise,
-    within,
 )
 from dem.analysis.tables import numbers
 from dem.analysis.values import value_of
 from dem.base.errors import InputError
 from dem.base.schema import seed_words
-from dem.experiment.config import Replicate
 from dem.io.dataset import LABELS
 from dem.io.lazily import open_lazily, require
 from dem.sweep.combine import open_combined
@@ -32,16 +30,10 @@ LEGEND = """\
 mean drag within the window; 95 % interval of the mean by Student's t over the runs; standard
 deviation of the drag over a run and of the means between runs, both over the mean drag; greatest
 overlap over the smaller granule radius; median time step; mean processor time of a run"""
-OF_CASES = ("kind", "ratio", "D_g\nµm", "density\nkg/m³")  # beside the case
-OF_DRAG = (
-    "runs", "mean\nN", "95 %\n± N", "sd over\nrun %", "sd betw.\nruns %", "great.\noverlap", "step\nns",
-    "run\ntime s",
-)  # fmt: skip
 ORIGIN = ("title", "history", "git_revision", "source_hash", "versions")
 WINDOW = ("window_start", "window_stop")
-OF_A_RUN = ("drag", "displacement", "max_overlap", "time_step", "run_time", "packing_pressure")
-RUN = ("shape", "density\nkg/m³", "seed")
-RUN_OF_DRAG = ("mean\nN", "sd over\nrun %", "great.\noverlap", "step\nns", "pressure\nMPa")
+OF_A_RUN = ("drag", "displacement", "max_overlap", "time_step", "run_time")
+BETWEEN = ("runs", "95 %\n± N", "sd betw.\nruns %")  # columns that take several runs
 VARIED = 4  # values more that runs of a file differ in, at most
 MEANS = 5  # quantities of a file without drag that are shown
 
@@ -73,65 +65,60 @@ def drag_table(dataset: xr.Dataset) -> tuple[Table, int]:
     """Mean drag and scatter, one row per place on the axes, and the number of rows left out."""
     cases = by_case(dataset)
     dataset = dataset if cases is None else cases
-    found, axes = summarise(dataset), _axes(dataset)
-    table = numbers(*axes, *(OF_CASES if cases is not None else ()), *OF_DRAG)
-    for place in islice(_places(dataset, axes), ROWS):
-        about, own = dataset.isel(place), found.isel(place)
-        labels = [_word(own[axis]) for axis in axes]
-        labels += _of_case(about) if cases is not None else []
-        table.add_row(*labels, *_of_drag(about, own))
-    return table, max(0, _count(dataset, axes) - ROWS)
+    columns = {}
+    if cases is not None:
+        columns = {
+            "kind": (dataset["kind"], ""),
+            "ratio": (dataset["aspect_ratio"], "g"),
+            "D_g\nµm": (1e6 * dataset["diameter"], ".4g"),
+            "density\nkg/m³": (dataset["density"], "g"),
+        }
+    return _table(dataset, columns | _of_drag(dataset))
 
 
-def _axes(dataset: xr.Dataset) -> list[str]:
-    """What the rows of a table differ in."""
-    return [str(dim) for dim in dataset["run_id"].dims if dim != "seed"]
+def _of_drag(dataset: xr.Dataset) -> dict[str, tuple[xr.DataArray, str]]:
+    """Columns of drag as _table has them; those of BETWEEN say nothing of a single run."""
+    found = summarise(dataset)
+    mean, overlap, step = found["mean"], dataset["max_overlap"], dataset["time_step"]
+    spent = dataset["run_time"]
+    return {
+        "runs": (found["run_mean"].count("seed"), ""),
+        "mean\nN": (mean, ".0f"),
+        "95 %\n± N": (found["half_interval"], ".0f"),
+        "sd over\nrun %": (100.0 * found["sd_over_run"] / mean, ".1f"),
+        "sd betw.\nruns %": (100.0 * found["sd_between_runs"] / mean, ".1f"),
+        "great.\noverlap": (overlap.max(set(overlap.dims) - set(mean.dims)), ".3f"),
+        "step\nns": (1e9 * step.median(set(step.dims) - set(mean.dims)), ".1f"),
+        "run\ntime s": (spent.mean(set(spent.dims) - set(mean.dims)), ".1f"),
+    }
 
 
-def _places(dataset: xr.Dataset, axes: list[str]):
-    """Places on some axes, the last one fastest."""
-    return (
-        dict(zip(axes, at, strict=True)) for at in np.ndindex(*(dataset.sizes[a] for a in axes))
-    )
+def _table(dataset: xr.Dataset, columns: dict[str, tuple[xr.DataArray, str]]) -> tuple[Table, int]:
+    """One row per place on the axes, the last one fastest, and the number of rows left out.
 
-
-def _count(dataset: xr.Dataset, axes: list[str]) -> int:
-    return int(np.prod([dataset.sizes[axis] for axis in axes]))
-
-
-def _word(value) -> str:
-    """A value of an axis."""
-    value = np.asarray(value).item()
-    return f"{value:.5g}" if isinstance(value, float) else str(value)
-
-
-def _of_case(about: xr.Dataset) -> list[str]:
-    return [
-        str(about["kind"].values),
-        _number(about["aspect_ratio"], "g"),
-        _number(1e6 * about["diameter"], ".4g"),
-        _number(about["density"], "g"),
+    columns: values over some of the axes by heading, and the format of their numbers.
+    """
+    places = over_seeds(dataset["run_id"]).isel(seed=0)
+    axes = {str(dim): (dataset[dim], ".5g") for dim in places.dims if dim != "run"}
+    cells = [
+        [_text(each, form) for each in _by_place(values, places)[:ROWS].tolist()]
+        for values, form in (axes | columns).values()
     ]
+    table = numbers(*axes, *columns)
+    for row in zip(*cells, strict=True):
+        table.add_row(*row)
+    return table, max(0, places.size - ROWS)
 
 
-def _of_drag(about: xr.Dataset, own: xr.Dataset) -> list[str]:
-    """Cells in the order of OF_DRAG."""
-    mean = own["mean"]
-    return [
-        str(int(own["run_mean"].count())),
-        _number(mean, ".0f"),
-        _number(own["half_interval"], ".0f"),
-        _number(100.0 * own["sd_over_run"] / mean, ".1f"),
-        _number(100.0 * own["sd_between_runs"] / mean, ".1f"),
-        *_of_steps(about),
-        _number(about["run_time"].mean(), ".1f"),
-    ]
+def _by_place(values: xr.DataArray, places: xr.DataArray) -> np.ndarray:
+    return values.broadcast_like(places).transpose(*places.dims).values.ravel()
 
 
-def _of_steps(about: xr.Dataset) -> list[str]:
-    """Greatest overlap and median time step."""
-    step = 1e9 * np.nanmedian(about["time_step"])
-    return [_number(about["max_overlap"].max(), ".3f"), _number(step, ".1f")]
+def _text(value, form: str) -> str:
+    """A value as text, a dash where there is no number."""
+    if not isinstance(value, float):
+        return str(value)
+    return format(value, form) if np.isfinite(value) else "-"
 
 
 def _sweep(dataset: xr.Dataset) -> Group:
@@ -167,8 +154,7 @@ def _told(attrs: dict, lines: Table, table: Table, more: int = 0, legend: str = 
 
 def _means(path: Path, dataset: xr.Dataset) -> Group:
     """Means of the first quantities of a combined file without drag, over the runs."""
-    axes, attrs = _axes(dataset), dataset.attrs
-    dims = set(dataset["run_id"].dims)
+    attrs, dims = dataset.attrs, set(dataset["run_id"].dims)
     names = [
         str(name) for name, values in dataset.data_vars.items()
         if dims <= set(values.dims) and values.dtype.kind == "f"
@@ -183,21 +169,23 @@ def _means(path: Path, dataset: xr.Dataset) -> Group:
         name: over_seeds(inside[name].mean(set(inside[name].dims) - dims).compute())
         for name in names
     }
-    table = numbers(*axes, "runs", *(f"{name}\n± {LEVEL:.0%}" for name in names))
-    halves = {name: half_interval(values) for name, values in runs.items()}
-    for place in islice(_places(dataset, axes), ROWS):
-        cells = [
-            f"{_number(values.isel(place).mean(), '.4g')} ± {_number(halves[name].isel(place), '.2g')}"
-            for name, values in runs.items()
-        ]
-        count = max((int(values.isel(place).count()) for values in runs.values()), default=0)
-        table.add_row(
-            *(_word(dataset[axis].values[place[axis]]) for axis in axes), str(count), *cells
-        )
-    told = [Text(each) for each in _verdict(dataset)]
-    more = max(0, _count(dataset, axes) - ROWS)
-    group = _told(attrs, _provenance(attrs, seeds=_seeds(dataset)), table, more)
-    return Group(group, *told)
+    counts = xr.Dataset(runs).count("seed").to_array().max("variable")
+    columns = {"runs": (counts, "")} | {
+        f"{name}\n± {LEVEL:.0%}": (_with_interval(values), "") for name, values in runs.items()
+    }
+    group = _told(attrs, _provenance(attrs, seeds=_seeds(dataset)), *_table(dataset, columns))
+    return Group(group, *(Text(each) for each in _verdict(dataset)))
+
+
+def _with_interval(sample: xr.DataArray) -> xr.DataArray:
+    """Mean over the runs and half its interval as text."""
+
+    def words(mean, half):
+        return f"{_text(mean, '.4g')} ± {_text(half, '.2g')}"
+
+    return xr.apply_ufunc(
+        words, sample.mean("seed"), half_interval(sample), vectorize=True, output_dtypes=[object]
+    )
 
 
 def _verdict(dataset: xr.Dataset) -> list[str]:
@@ -212,37 +200,33 @@ def _verdict(dataset: xr.Dataset) -> list[str]:
 
 def _runs(path: Path, dataset: xr.Dataset) -> Group:
     """The runs of a file of runs, one row each."""
-    attrs, count = dataset.attrs, dataset.sizes["run"]
-    replicates = [replicate_of(path, dataset, row) for row in range(min(count, ROWS))]
-    of_drag = "drag" in dataset
-    if of_drag:
+    attrs, whole = dataset.attrs, dataset
+    dataset = dataset.isel(run=slice(ROWS))
+    replicates = [replicate_of(path, dataset, row) for row in range(dataset.sizes["run"])]
+    varied = {
+        name: values[:ROWS] for name, values in columns_of(whole).items()
+        if name not in LABELS and len(set(values.tolist())) > 1
+    }  # fmt: skip
+    told = {
+        "run": [run[:12] for run in dataset["run_id"].values.tolist()],
+        "shape": [each.label for each in replicates],
+        "density\nkg/m³": [f"{each.density:g}" for each in replicates],
+        "seed": [each.seed for each in replicates],
+        **dict(islice(varied.items(), VARIED)),
+    }
+    columns = {name: (xr.DataArray(values, dims="run"), ".5g") for name, values in told.items()}
+    if "drag" in dataset:
         require(dataset, path, {}, OF_A_RUN)
-    varied = [each for each in columns_of(dataset) if len(set(each.values.tolist())) > 1]
-    varied = [each for each in varied if each.name not in LABELS][:VARIED]
-    names = (each.name for each in varied)
-    table = numbers(
-        "run", *RUN, *names, *(RUN_OF_DRAG if of_drag else ()), "processor\ntime s", "failed"
-    )
-    for row, replicate in enumerate(replicates):
-        one = dataset.isel(run=row)
-        table.add_row(
-            str(one["run_id"].values)[:12], replicate.label, f"{replicate.density:g}",
-            str(replicate.seed), *(_word(each.values[row]) for each in varied),
-            *(_of_one(one, replicate) if of_drag else ()), _number(one.get("spent", np.nan), ".1f"),
-            str(one["failure_reason"].values).strip()[:60],
-        )  # fmt: skip
-    return _told(attrs, _provenance(attrs), table, count - len(replicates))
-
-
-def _of_one(one: xr.Dataset, replicate: Replicate) -> list[str]:
-    """Cells in the order of RUN_OF_DRAG."""
-    drag = within(one["drag"], *replicate.configuration.record.window)
-    return [
-        _number(drag.mean(), ".0f"),
-        _number(100.0 * drag.std() / drag.mean(), ".1f"),
-        *_of_steps(one),
-        _number(1e-6 * one["packing_pressure"], ".3g"),
-    ]
+        window = dict(zip(WINDOW, replicates[0].configuration.record.window, strict=True))
+        own = _of_drag(dataset.assign_attrs(window))
+        columns |= {name: own[name] for name in own if name not in BETWEEN}
+    failed = [each.strip()[:60] for each in dataset["failure_reason"].values.tolist()]
+    columns |= {
+        "processor\ntime s": (dataset["spent"], ".1f"),
+        "failed": (xr.DataArray(failed, dims="run"), ""),
+    }
+    table, _ = _table(dataset, columns)
+    return _told(attrs, _provenance(attrs), table, whole.sizes["run"] - len(replicates))
 
 
 def _missing(failure: xr.DataArray) -> str:
@@ -275,9 +259,3 @@ def _plain(lines: dict[str, str]) -> Table:
 def _millimetres(start: float, stop: float) -> str:
     """A range of lengths, given in m."""
     return f"{1e3 * start:g} mm to {1e3 * stop:g} mm"
-
-
-def _number(value, form: str) -> str:
-    """A number as text, a dash where there is none."""
-    value = float(value)
-    return format(value, form) if np.isfinite(value) else "-"
