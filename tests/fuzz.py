@@ -114,7 +114,7 @@ def good_files() -> Path:
     (folder / "figures").mkdir()
     from PIL import Image
 
-    Image.new("RGB", (40, 30)).save(folder / "figures" / "irregularity.png")
+    Image.new("RGB", (40, 30)).save(folder / "figures" / "figure10.png")
     with contextlib.chdir(folder):
         for verb, output in (("pack", "bed.nc"), ("simulate", "rep.nc")):
             options = {k: v for k, v in GOOD[verb].items() if k != "--checkpoint"}

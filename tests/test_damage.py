@@ -205,7 +205,7 @@ ATTRS = {
 VERBS = {
     "info": lambda file, out: ("info", file),
     "figure": lambda file, out: ("figure", "all", file, "-o", out),
-    "flow": lambda file, out: ("figure", "irregularity", file, "-o", out),
+    "flow": lambda file, out: ("figure", "figure10", file, "-o", out),
     "report": lambda file, out: ("report", file, "-o", out / "r.html", "--notes", NOTES),
 }
 FOREIGN = {

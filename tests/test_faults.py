@@ -102,7 +102,7 @@ def test_what_is_shown_of_a_sweep_with_failed_runs_has_no_gaps(tmp_path, monkeyp
         gaps = one["failure"][:] != 0
         mixing = np.ma.filled(two["mixing"][:], np.nan)
         np.testing.assert_array_equal(np.isnan(mixing).all(axis=-1), gaps)
-    for name in ("all", "figure09", "irregularity"):
+    for name in ("all", "figure09", "figure10"):
         draw(name, drag if name == "all" else flow, tmp_path / "figures")
     for picture in (tmp_path / "figures").glob("*.png"):
         assert_not_blank(picture)

@@ -15,7 +15,6 @@ from typer.testing import CliRunner
 import dem
 from conftest import STIFF, assert_not_blank
 from dem.analysis.flow.collect import write_flow
-from dem.analysis.flow.verdict import compared
 from dem.analysis.one_run import open_run, read_motion
 from dem.base.errors import InputError
 from dem.cli.app import app
@@ -23,7 +22,6 @@ from dem.experiment import flow_measures as measures
 from dem.experiment.observables import flow as observable
 from dem.figures.export import export
 from dem.figures.film import film, picture
-from dem.report.info import summary
 
 
 @pytest.fixture(scope="module")
@@ -135,7 +133,6 @@ def test_flow_nc(results, motion):
         np.testing.assert_array_equal(flow["bed_x"].sel(case="c1"), motion.position[..., 0])
         for name, wanted in observable.measured(motion).items():
             np.testing.assert_array_equal(flow[name].sel(case="c1", seed=1), wanted)
-    assert "Irregularity" in str(summary(results / "flow.nc").renderables[1])  # one run: no verdict
 
 
 def test_a_recorded_flow_is_that_of_the_snapshots(results, tmp_path):
@@ -217,25 +214,6 @@ def test_a_run_that_is_gone_or_was_not_watched_is_named(swept, tmp_path):
     made(tmp_path, sweep={"case": ["c1"], "seed": 1}, record={"observables": ["drag"]})
     with pytest.raises(InputError, match="add snapshots to record"):
         read_motion(tmp_path / "results/drag.nc", [])
-
-
-def test_verdicts_of_known_flows():
-    """Twice as irregular is found to be so, with an interval that covers it."""
-    rng = np.random.default_rng(3)
-    runs = np.array([[1.0], [2.0]]) * rng.normal(1.0, 0.1, (2, 40))
-    dataset = xr.Dataset(
-        {"mixing": (("case", "seed", "snapshot"), runs[..., None] * np.ones(4))},
-        {
-            "case": ["round", "long"],
-            "shape": ("case", ["c1", "e3"]),
-            "density": ("case", [1.0, 1.0]),
-            "snapshot_displacement": ("snapshot", [0.0, 1e-3, 2e-3, 9e-3]),
-        },
-        {"window_start": 1e-3, "window_stop": 5e-3},
-    )
-    found = compared(dataset, "mixing")
-    assert abs(found.ratio - 2.0) < found.half < 0.2 and found.runs == 40
-    assert compared(dataset.sel(case=["round"]), "mixing") is None
 
 
 @pytest.mark.parametrize(("color", "forces"), [("speed", False), ("force", True), ("layer", True)])

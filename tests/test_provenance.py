@@ -144,12 +144,12 @@ def test_each_room_has_an_edit():
 def test_a_figure_depends_on_its_own_file_and_not_on_another():
     for name in FIGURES:
         assert {f"dem.figures.{name}", "dem.figures.style"} <= set(closure(f"dem.figures.{name}"))
-    assert "dem.analysis.flow.verdict" in closure("dem.figures.irregularity")
+    assert "dem.analysis.onset" in closure("dem.figures.onset")
     assert "dem.figures.figure08" not in closure("dem.figures.figure07")
 
 
 @pytest.mark.parametrize(
-    "name", ["dem.figures.irregularity", "studies.claims.verdicts", "dem.experiment.kinds.drag"]
+    "name", ["dem.figures.figure09", "studies.claims.verdicts", "dem.experiment.kinds.drag"]
 )
 def test_all_that_python_loads_is_found(name):
     """What importing a module loads of the package is in its closure."""

@@ -66,7 +66,6 @@ def test_one_command_makes_all_results(finished):
         "figure12",
         "figure13",
         "figure14",
-        "irregularity",
     ):
         assert (results / f"figures/{figure}.svg").is_file()
         assert_not_blank(results / f"figures/{figure}.png")

@@ -14,7 +14,6 @@ from markupsafe import Markup
 from PIL import Image
 
 from dem.analysis.flow.layout import ATTRIBUTES, VARIABLES
-from dem.analysis.flow.verdict import sentences
 from dem.analysis.statistics import by_case, change, summarise
 from dem.analysis.statistics import densities as densities_of
 from dem.base.errors import InputError
@@ -50,7 +49,7 @@ def build(drag: Path, output: Path, notes: Path | None = None) -> None:
         names = drawable_from(drag, dataset)
         parts = {"title": dataset.attrs["title"], "runs": runs(dataset)}
         parts |= of_drag(dataset)
-    parts |= {"irregularity": None, "beds": "", "studies": studies(folder)}
+    parts |= {"beds": "", "studies": studies(folder)}
     if flow.is_file():
         with open_lazily(flow) as moves:
             names += drawable_from(flow, moves)
@@ -80,12 +79,11 @@ def of_drag(dataset: xr.Dataset) -> dict:
 
 
 def of_flow(path: Path, moves: xr.Dataset | None) -> dict:
-    """What the page says of flow.nc: the verdict and the beds, where runs are by case."""
-    if moves is None:
+    """What the page shows of flow.nc: the beds, where runs are by case."""
+    if moves is None or "bed_x" not in moves:
         return {}
     require(moves, path, VARIABLES, ("non_affine",), ATTRIBUTES)
-    found = {"irregularity": sentences(moves) or None}
-    return found | ({"beds": htmlsafe_json_dumps(beds(moves))} if "bed_x" in moves else {})
+    return {"beds": htmlsafe_json_dumps(beds(moves))}
 
 
 def _page():

@@ -173,8 +173,7 @@ def _means(path: Path, dataset: xr.Dataset) -> Group:
     columns = {"runs": (counts, "")} | {
         f"{name}\n± {LEVEL:.0%}": (_with_interval(values), "") for name, values in runs.items()
     }
-    group = _told(attrs, _provenance(attrs, seeds=_seeds(dataset)), *_table(dataset, columns))
-    return Group(group, *(Text(each) for each in _verdict(dataset)))
+    return _told(attrs, _provenance(attrs, seeds=_seeds(dataset)), *_table(dataset, columns))
 
 
 def _with_interval(sample: xr.DataArray) -> xr.DataArray:
@@ -186,16 +185,6 @@ def _with_interval(sample: xr.DataArray) -> xr.DataArray:
     return xr.apply_ufunc(
         words, sample.mean("seed"), half_interval(sample), vectorize=True, output_dtypes=[object]
     )
-
-
-def _verdict(dataset: xr.Dataset) -> list[str]:
-    """What flow.nc says of the paper's sentence on irregularity."""
-    cases = by_case(dataset)
-    if cases is None or "non_affine" not in dataset:
-        return []
-    from dem.analysis.flow.verdict import sentences, verdict
-
-    return [verdict(cases), *sentences(cases)]
 
 
 def _runs(path: Path, dataset: xr.Dataset) -> Group:

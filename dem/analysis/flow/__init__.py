@@ -1,1 +1,1 @@
-"""How beds move: the motion of a replicate, measures of it, verdicts on them, flow.nc."""
+"""How beds move: the motion of a replicate, measures of it, flow.nc."""

@@ -7,7 +7,6 @@ import numpy as np
 import xarray as xr
 from rich.table import Table
 
-from dem.analysis.flow.verdict import compared
 from dem.analysis.statistics import change, summarise
 from dem.analysis.tables import numbers
 from studies.common.findings import Findings, interval, span
@@ -203,9 +202,14 @@ class Flow(Findings):
         """One row per measure: mean of e3 over that of c1."""
         made = numbers("measure of irregularity", "e3 over c1")
         for name, words in MEASURES.items():
-            found = compared(self.dataset, name)
+            found = self._compared(name)
             made.add_row(words, interval(found.ratio, found.half, digits=2))
         return made
+
+    def _compared(self, name: str):
+        from studies.claims.irregularity import compared  # the pages that ask need this study
+
+        return compared(self.dataset, name)
 
     @cached_property
     def _ahead(self) -> np.ndarray:
@@ -243,7 +247,7 @@ class Flow(Findings):
 
     def more_irregular(self) -> bool:
         """Whether any measure of e3 is above that of c1, interval included."""
-        found = [compared(self.dataset, name) for name in MEASURES]
+        found = [self._compared(name) for name in MEASURES]
         return any(each.ratio - each.half > 1.0 for each in found)
 
 

@@ -4,9 +4,9 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from dem.analysis.flow.layout import MEASURES
-from dem.analysis.flow.verdict import SHAPES, compared, mean_and_half, verdict
 from dem.analysis.statistics import find, table1
 from dem.figures import style
+from studies.claims.irregularity import SHAPES, compared, mean_and_half, verdict
 
 FILE = "flow"
 CAPTION = "How irregular the flow is, by shape: four measures against displacement"
