@@ -94,12 +94,7 @@ class Comparison(NamedTuple):
 
     def verdict(self, level: float) -> str:
         """Supported if the whole interval is where the claim says, contradicted if no part is."""
-        low, high = self.interval(level)
-        inside = low > self.low and high < self.high
-        apart = low >= self.high or high <= self.low
-        if self.outside:
-            inside, apart = apart, inside
-        return SUPPORTED if inside else CONTRADICTED if apart else UNDECIDED
+        return judged(self, *self.interval(level))
 
     def holds(self) -> np.ndarray:
         """Run by run (runs,): 1 where the number of a single pair is where the claim says, 0 where
@@ -108,3 +103,12 @@ class Comparison(NamedTuple):
             values = self.a if self.b is None else self.a / self.b
         there = (values > self.low) & (values < self.high)
         return np.where(np.isfinite(values), there != self.outside, np.nan)
+
+
+def judged(claimed, low: float, high: float) -> str:
+    """Verdict on an interval, from where `claimed` has it."""
+    inside = low > claimed.low and high < claimed.high
+    apart = low >= claimed.high or high <= claimed.low
+    if claimed.outside:
+        inside, apart = apart, inside
+    return SUPPORTED if inside else CONTRADICTED if apart else UNDECIDED
