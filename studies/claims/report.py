@@ -7,11 +7,12 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
-from dem.analysis.compare import CONTRADICTED, SUPPORTED, UNDECIDED, UNTESTED
+from dem.analysis.compare import CONTRADICTED, SUPPORTED, UNDECIDED
 from dem.analysis.statistics import LEVEL
 from dem.analysis.tables import numbers
 from dem.base.errors import InputError
 from dem.io.dataset import content_of
+from studies.claims.numbers import UNTESTED
 from studies.claims.sentences import CLAIMS
 from studies.claims.verdicts import Share, Verdict, evidence_in, judge
 
