@@ -325,7 +325,7 @@ def test_a_shape_in_a_file_of_ones_own_is_swept_by_the_workflow(swept, tmp_path)
     assert ran.returncode == 0, ran.stderr
     for name in ("drag.nc", "flow.nc", "rotation.nc"):
         assert (tmp_path / "results/pebbles" / name).is_file()
-    plans = [sorted(each.name for each in (place / "results/store/plans").iterdir()) for place in (swept, tmp_path)]  # fmt: skip
+    plans = [sorted(each.name for each in (place / "results/store/batches").glob("*.nc")) for place in (swept, tmp_path)]  # fmt: skip
     assert plans[0] == plans[1]
     shutil.move(tmp_path / "mine", tmp_path / "elsewhere")
     again = snakemake(tmp_path, *targets, "-n", configfile="elsewhere/sweep.yaml")

@@ -61,7 +61,7 @@ EDITS = {
     "a line of the layout": ("dem/io/dataset.py", LINE, MOVING | {"drag.nc"}),
     "a line of the experiment": ("dem/experiment/kinds/drag.py", LINE, RUNS | {"claims"}),
     "a line of an observable": ("dem/experiment/observables/ledger.py", LINE, {"ledger run"}),
-    "a line of growing beds": ("dem/experiment/kinds/jamming.py", LINE, {"claims", "jamming"}),
+    "a line of growing beds": ("dem/experiment/kinds/jamming.py", LINE, {"jamming"}),
     "a line of the store": ("dem/sweep/store.py", LINE, MADE | {"claims.txt", "page"}),
     "a line of a batch": ("dem/sweep/batch.py", LINE, MADE),
     "a line of the sweep": ("dem/sweep/combine.py", LINE, MADE | {"drag.nc", "claims.txt", "page"}),
@@ -80,13 +80,13 @@ EDITS = {
         "dem/experiment/scene.py", ('"""The scene of the run."""', '"""Another word."""'), set(),
     ),
     "an error sentence": (
-        "dem/experiment/config.py", ("it must not be negative.", "it must be positive or zero."),
+        "dem/experiment/config.py", ("has no such shape", "knows no such shape"),
         set(),
     ),
     "an annotation": (
         "dem/experiment/kinds/drag.py", ("threads: int = 1,", "threads: float = 1,"), set(),
     ),
-    "another error": ("dem/experiment/config.py", ('raise InputError(f"seed is', 'raise ValueError(f"seed is'), MOVING | {"drag.nc"}),
+    "another error": ("dem/experiment/config.py", ('raise InputError(f"shape is', 'raise ValueError(f"shape is'), MOVING | {"drag.nc"}),
     "a default": ("dem/experiment/kinds/drag.py", ("SAVED_EVERY = 60.0", "SAVED_EVERY = 61.0"), RUNS | {"claims"}),
 }  # fmt: skip
 

@@ -194,7 +194,11 @@ def listing(store: Store, wanted: list[tuple[str, str]]) -> Table:
         "needed by",
     ):
         table.add_column(name, overflow="fold")
-    users = list(sweeps(store))
+    users, unknown = [], "no sweep"
+    try:
+        users += sweeps(store)
+    except InputError:  # a configuration whose files are away
+        unknown = "not known"
     for batch in store.known():
         try:
             runs = store.replicates(batch.id)
@@ -208,7 +212,7 @@ def listing(store: Store, wanted: list[tuple[str, str]]) -> Table:
             batch.id, f"{len(mine)} of {len(batch.runs)}", _failed(store, batch.id),
             _few(run.label for run in mine), _few(f"{run.density:g}" for run in mine),
             _few(str(run.seed) for run in mine),
-            differing(mine) if runs is not None else "of other code", ", ".join(needed) or "no sweep",
+            differing(mine) if runs is not None else "of other code", ", ".join(needed) or unknown,
         )  # fmt: skip
     return table
 

@@ -10,12 +10,13 @@ import numpy as np
 
 from dem.analysis.flow.layout import MEASURES
 from dem.base.errors import InputError
+from dem.base.schema import validated
 from dem.experiment.config import Replicate
 from dem.experiment.kinds import drag
 from dem.experiment.observables.alignment import VARIABLES as ALONG
 from dem.io.dataset import FAILURES, global_attributes, write
 from dem.sweep.campaign import Campaign
-from dem.sweep.design import Choice, Range, parse
+from dem.sweep.design import Choice, Design, Range
 from dem.sweep.expand import Block, Run
 from studies.claims.layout import VARIABLES
 from studies.common.table import origin, rows, wanted_of
@@ -150,7 +151,8 @@ def coordinates(block: Block, run: Run) -> dict:
 
 def factors_of(sweep) -> dict[str, Range | Choice]:
     """What the design varies, by path; raises InputError where there is no design."""
-    return parse(sweep.blocks["sensitivity"].get("point"), "sweep.blocks.sensitivity.point").over
+    spec = sweep.blocks["sensitivity"].get("point")
+    return validated(Design, spec, at="sweep.blocks.sensitivity.point").over
 
 
 def place_of(block: Block, run: Run, factors: dict[str, Range | Choice]) -> np.ndarray:
