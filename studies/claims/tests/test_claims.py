@@ -273,6 +273,7 @@ def made_up(replicate):
     }
     if "jam_fraction" in values:
         values["jam_fraction"] = 0.81 + 0.01 * values["jam_fraction"]
+        values["jam_slope"] = 1.0 + 0.1 * values["jam_slope"]
         values["jam_friction"] = replicate.configuration.packing.friction
     return values | {"failure": 0, "failure_reason": "", "spent": 1.0}
 
