@@ -37,6 +37,7 @@ rule all:
 rule figures:
     input:
         PICTURES,
+        [pictures_of(name) for name in REPORTED if os.path.exists(f"{RESULTS}/{name}.nc")],
 
 
 include: "rules/batch.smk"

@@ -171,7 +171,9 @@ def test_what_is_forced_is_made_again(finished, tmp_path):
     assert [path for path, at in files.items() if path.stat().st_mtime_ns > at] == [one]
     run = snakemake(folder, "results/smoke/drag.nc", "-j2", "--forceall")
     assert run.returncode == 0, run.stderr
-    assert all(path.stat().st_mtime_ns > at for path, at in files.items())
+    assert (
+        sum(path.stat().st_mtime_ns > at for path, at in files.items()) == 3
+    )  # those of this sweep
     for name, values in contents(folder / "results/smoke/drag.nc").items():
         np.testing.assert_array_equal(values, before[name], err_msg=name)
     assert planned(folder, "results/smoke/drag.nc") == {}

@@ -535,10 +535,10 @@ def test_impossible_runs_are_refused_before_any_is_made():
 @pytest.mark.parametrize(
     ("value", "words"),
     [
-        ({"derive": "equal_pressure"}, "it must be derive"),
-        ({"derive": "equal_load", "shape": "z9"}, "shape is 'z9'"),
+        ({"derive": "equal_pressure"}, "it must be 'equal_distance' or"),
+        ({"derive": "equal_load", "shape": "z9"}, "has the shape 'z9'"),
         ({"derive": "equal_distance", "friction": -0.1}, "friction is -0.1"),
-        ({"derive": "equal_distance", "of": "c1"}, "it must be derive"),
+        ({"derive": "equal_distance", "of": "c1"}, "of is not a known key"),
     ],
 )
 def test_what_cannot_be_derived_is_refused(value, words):
