@@ -114,10 +114,10 @@ MUTANTS = (
     Mutant("experiment/observables/drag.py", "sign", '"drag": -total[:, 1]', '"drag": total[:, 1]', RUN),
     Mutant("experiment/kinds/jamming.py", "constant", "load[start:] ** (2.0 / 3.0)", "load[start:] ** (3.0 / 2.0)", "studies/claims/tests/test_claims.py::test_line_finds_where_pressure_begins"),
     Mutant("experiment/kinds/onset.py", "constant", "HOLDING = 3", "HOLDING = 2", "tests/test_onset.py"),
-    Mutant("experiment/config.py", "missing term", "{packing.fraction} {packing.friction} {self.seed}", "{packing.fraction} {self.seed}", SWEEP),
+    Mutant("experiment/config.py", "missing term", 'PACKED = "packing.fraction", "packing.friction"', 'PACKED = ("packing.fraction",)', SWEEP),
     # sweeps, their store, files and numbers
     Mutant("sweep/store.py", "comparison", "if some and len(some) + len(bed) > size:", "if some and len(some) + len(bed) >= size:", SWEEP),
-    Mutant("sweep/store.py", "index", 'kept = {name: before[name] for name in before if name in set(parts)}', 'kept = {}', SWEEP),
+    Mutant("sweep/store.py", "index", "for run in mine:\n", "for run in mine[1:]:\n", SWEEP),
     Mutant("sweep/batch.py", "missing call", "    store.keep(replicate.id, found)\n", "", STORE),
     Mutant("sweep/batch.py", "comparison", 'return values["run_id"].tolist() == [', 'return values["run_id"].tolist() != [', STORE),
     Mutant("io/checksums.py", "comparison", "if stored != _checksum(file, size):", "if stored == mark:", "tests/test_damage.py"),
