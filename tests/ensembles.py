@@ -2,7 +2,7 @@
 
     python tests/ensembles.py 100 1000 10000 -o docs/data/ensembles.nc
 
-One smoke run is simulated; the chunks of the others hold it over and over, under their names, so that
+One smoke run is simulated; the batches of the others hold it over and over, under their names, so that
 it is the files that are measured. Each command runs in a process of its own; memory is its peak.
 """
 
@@ -46,7 +46,7 @@ FLOW = 1000  # runs up to which their flow is measured too, which takes long
 
 
 def copies(place: Place, config: str, row: dict) -> None:
-    """Write all chunks of a sweep, each run as if it had given this row."""
+    """Write all batches of a sweep, each run as if it had given this row."""
     with contextlib.chdir(place.folder):
         work = Campaign(load(Path(config)))
         runs = {run.id: run for run in work.sweep.block("drag").unique()}
@@ -73,10 +73,10 @@ def commands(place: Place, count: int, row: dict):
     # before there are runs: all jobs are planned
     for name, size in {"plan": SIZE, "plan_each": 1}.items():
         if size > 1 or count <= EACH:
-            config = place.sweep("plan", sweep=runs, chunk=size, gravity=count)
+            config = place.sweep("plan", sweep=runs, batch=size, gravity=count)
             plan = "snakemake", "-n", "results/plan/drag.nc", "--configfile", config
             yield name, measured(place, *plan)
-    config = place.sweep("many", sweep=runs, chunk=SIZE)
+    config = place.sweep("many", sweep=runs, batch=SIZE)
     copies(place, config, row)
     yield "combine", measured(place, "dem", "combine", "--config", config, "-o", data)
     yield "figure", measured(place, "dem", "figure", "figure13", data)

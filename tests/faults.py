@@ -163,7 +163,7 @@ def kills(place: Place, count: int, rng: random.Random) -> str:
     place.forget()
     while sum(stages.values()) < count:
         name, stage = rng.choice(list(names)), rng.choice(list(STAGES))
-        config, results = place.sweep(name, chunk=names[name]), place.results(name)
+        config, results = place.sweep(name, batch=names[name]), place.results(name)
         words, longest, removed = STAGES[stage]
         take_away(results, removed)
         before = finished(place.store)
@@ -394,7 +394,7 @@ def main(count: int = 100, seed: int = 0) -> int:
     """Number of faults that ended otherwise than they should."""
     rng, failed = random.Random(seed), 0
     with tempfile.TemporaryDirectory() as name:
-        place = Place(Path(name), sweep=varied([1, 2]), chunk=2)
+        place = Place(Path(name), sweep=varied([1, 2]), batch=2)
         place.sweep("whole")
         place.finish("whole")
         tenth = count // 10

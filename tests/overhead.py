@@ -78,13 +78,13 @@ def main() -> None:
     given = arguments(
         __doc__,
         seeds={"nargs": "?", "default": 200, "help": "seeds of each of the five cases"},
-        chunk={"nargs": "?", "default": 100, "help": "runs a job"},
+        batch={"nargs": "?", "default": 100, "help": "runs a job"},
     )
     many = varied(f"1 to {given.seeds}", CASES)
     spare_blas()
     with tempfile.TemporaryDirectory() as name:
         place = Place(Path(name))
-        config = place.sweep("many", sweep=many, chunk=given.chunk, failures=0.05)
+        config = place.sweep("many", sweep=many, batch=given.batch, failures=0.05)
         first = place.sweep("first", sweep=varied([1, 2], CASES))
         for path in (first, config):  # the first loads what is compiled
             packing, running, writing = kernels(place.folder / path)

@@ -71,7 +71,7 @@ sinfo -h -o %T | grep -q idle || { echo "The node does not come up; see $LOGS/sl
 # the same sweep twice: through SLURM, with seeds that nobody has made yet, and all again here
 FIRST=$((1000 * RANDOM))
 for place in slurm local; do
-    sed -e "s#results/smoke#results/${place}_smoke#" -e "s/^  seed: .*/  seed: $FIRST to $((FIRST + 11))\n\nchunk: 6\nfailures: 0.1/" \
+    sed -e "s#results/smoke#results/${place}_smoke#" -e "s/^  seed: .*/  seed: $FIRST to $((FIRST + 11))\n\nbatch: 6\nfailures: 0.1/" \
         config/smoke.yaml >"$HOME_OF/$place.yaml"
     rm -rf "results/${place}_smoke"
 done
@@ -82,8 +82,8 @@ through_slurm() {
         --slurm-init-seconds-before-status-checks 2 --seconds-between-status-checks 2 --latency-wait 20 \
         --slurm-keep-successful-logs
 }
-# Chunk jobs that run, by their number in SLURM; another one than the first argument.
-running() { squeue -h -r -t RUNNING -o "%A %k" | awk -v other="${1:-}" '/rule_chunk/ && $1 != other {print $1; exit}'; }
+# Batch jobs that run, by their number in SLURM; another one than the first argument.
+running() { squeue -h -r -t RUNNING -o "%A %k" | awk -v other="${1:-}" '/rule_batch/ && $1 != other {print $1; exit}'; }
 until_running() {
     local found
     for _ in $(seq 600); do
@@ -92,7 +92,7 @@ until_running() {
         kill -0 "$WORKFLOW" 2>/dev/null || break
         sleep 0.2
     done
-    echo "No job of a chunk runs; see $LOGS/snakemake.log" >&2
+    echo "No job of a batch runs; see $LOGS/snakemake.log" >&2
     return 1
 }
 
@@ -115,7 +115,7 @@ squeue -r
 
 # the same command goes on
 (through_slurm) 2>&1 | tee "$LOGS/again.log"
-python -m snakemake results/local_smoke/drag.nc -j2 -R chunk --configfile "$HOME_OF/local.yaml" -q all
+python -m snakemake results/local_smoke/drag.nc -j2 -R batch --configfile "$HOME_OF/local.yaml" -q all
 python - <<'PY'
 import sys
 

@@ -137,7 +137,7 @@ SENTENCES = [
     ("sweep", {"blocks": {"../x": {"case": "all"}}}, f"sweep.blocks.../x is '../x'; {A_LABEL}"),
     ("sweep", {"blocks": {"a": 3}}, "sweep.blocks.a is 3; it must be a group of keys."),
     ("sweep", {"blocks": {"a": {"needs": "b"}}}, "sweep.blocks.a.needs is 'b'; it must be a block before it: there is none."),
-    ("chunk", 0, "chunk is 0; it must be at least 1."),
+    ("batch", 0, "batch is 0; it must be at least 1."),
     ("gravity", float("nan"), "gravity is nan; it must be a finite number, in m s-2."),
     ("gravity", -(10**5000), "gravity is a value of type int; its magnitude must be at most 1e+15, in m s-2."),
     ("gravity", -1, "gravity is -1; it must be at least 0."),

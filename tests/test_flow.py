@@ -152,7 +152,7 @@ def test_flow_of_runs_that_are_not_measured_is_one_sentence(tmp_path):
     work = made(tmp_path, sweep={"case": ["c1"], "seed": 1}, record={"snapshots": 13})
     with (
         chdir(tmp_path),
-        pytest.raises(InputError, match="is missing; make it from results/chunks"),
+        pytest.raises(InputError, match="is missing; make it from results/store/batches"),
     ):
         write_flow(work, "drag", tmp_path / "flow.nc")
     assert not (tmp_path / "flow.nc").exists()
@@ -170,7 +170,7 @@ def test_a_run_is_found_by_its_values(swept):
         np.testing.assert_array_equal(values["drag"], data["drag"].sel(place))
     by_label = ["shape=d1", "friction_granule=0.3", "box_width=0.01", "seed=2"]
     assert open_run(swept / "drag.nc", by_label)[0].id == replicate.id
-    for chunk in (swept / "chunks").glob("*.nc"):
+    for chunk in (swept / "store/batches").glob("*.nc"):
         try:
             found = open_run(chunk, [*words[:2], "box_width=0.01", "seed=2"])[0]
         except InputError:
@@ -209,7 +209,7 @@ def test_a_run_that_is_gone_or_was_not_watched_is_named(swept, tmp_path):
     """A copy without its chunks; a run in none of them; runs without snapshots."""
     shutil.copy(swept / "drag.nc", tmp_path / "drag.nc")
     words = ["shape=d1", "friction.granule=0.3", "box=wide", "seed=2"]
-    with pytest.raises(InputError, match="is in no file of the folder chunks"):
+    with pytest.raises(InputError, match="is in no folder store"):
         read_motion(tmp_path / "drag.nc", words)
     made(tmp_path, sweep={"case": ["c1"], "seed": 1}, record={"observables": ["drag"]})
     with pytest.raises(InputError, match="add snapshots to record"):
@@ -279,8 +279,8 @@ def test_bad_input_is_one_sentence(results, tmp_path, monkeypatch, arguments, wo
 
 def test_a_run_of_one_file_is_filmed_by_its_name_alone(results, tmp_path):
     """Verbs take the file of a single run, and drag.nc with what selects one."""
-    made(tmp_path, sweep={"case": ["c1"], "seed": 1}, chunk=1)
-    (chunk,) = (tmp_path / "results/chunks").glob("*.nc")
+    made(tmp_path, sweep={"case": ["c1"], "seed": 1}, batch=1)
+    (chunk,) = (tmp_path / "results/store/batches").glob("*.nc")
     for number, words in enumerate(([chunk], [results / "drag.nc", "case=e3", "seed=1"])):
         output = tmp_path / f"bed{number}.png"
         ran = CliRunner().invoke(app, ["draw", *map(str, words), "-o", str(output)])

@@ -29,7 +29,7 @@ FILES = re.findall(
     r"```(?:python|yaml)\n# (\S+)\n(.*?)```", (ROOT / "docs/howto/experiment.md").read_text(), re.S
 )
 FILES = dict(FILES)  # rotation.py, rotation.yaml, rest.py and rest.yaml
-SWEEP = SWEEP.replace("seed: 1 to 5", "seed: [1, 2]") + "chunk: 1\n"  # fewer runs, in two processes
+SWEEP = SWEEP.replace("seed: 1 to 5", "seed: [1, 2]") + "batch: 1\n"  # fewer runs, in two processes
 SWEEP += "record: {observables: [drag, snapshots, rotation.py]}\n"
 TELLING = "from pathlib import Path\nPath(__file__).with_name('ran').touch()\n"
 

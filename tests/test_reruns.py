@@ -56,7 +56,7 @@ HARMLESS = {
     "one more shape": ("dem/shapes/triangle.py", 'SHAPE = "Triangle"\n'),
     "one more observable": ("dem/experiment/observables/heat.py", "VARIABLES = {}\n"),
     "the command line": ("dem/cli/app.py", LINE),
-    "runs a chunk": (SMOKE, ("title: Smoke", "chunk: 3\ntitle: Smoke")),
+    "runs a batch": (SMOKE, ("title: Smoke", "batch: 3\ntitle: Smoke")),
     "order of keys": (
         SMOKE, ("  fraction: 0.84\n  size_spread: 0.2", "  size_spread: 0.2\n  fraction: 0.84"),
     ),

@@ -43,7 +43,7 @@ def smoke(**changes):
 
 def discs(seeds, **changes):
     """The smoke sweep's discs at both densities, all runs in one chunk."""
-    return smoke(**{"chunk": 100, "sweep": {"case": ["c1", "c12"], "seed": seeds}} | changes)
+    return smoke(**{"batch": 100, "sweep": {"case": ["c1", "c12"], "seed": seeds}} | changes)
 
 
 def planned(sweep, folder):
@@ -334,7 +334,7 @@ def test_memory_of_combining_does_not_grow_with_the_runs(tmp_path):
     values, _ = read(making.make(work.store, chunk), names)
     row, peaks = {name: value[0] for name, value in values.items() if len(value) == 2}, []
     for count in (5, 50):
-        sweep = discs(f"1 to {count}", chunk=10, record=record)
+        sweep = discs(f"1 to {count}", batch=10, record=record)
         many = Campaign(sweep, Store(tmp_path / f"store{count}"), root=tmp_path)
         for each in many.batches("drag"):
             runs = [run for run in sweep.block("drag").unique() if run.id in each.runs]

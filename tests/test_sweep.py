@@ -306,7 +306,7 @@ def test_what_a_run_does_not_read_makes_no_other_run():
     sweep = {"shape": "c1", "seed": [1]}
     first = ids(small(sweep))
     same = [
-        small(sweep, title="other", chunk=3, failures=0.5),
+        small(sweep, title="other", batch=3, failures=0.5),
         small({"seed": "1 to 3", "shape": ["c1"]}),
         small(sweep, record=SMALL["record"] | {"window": [0.2e-3, 0.3e-3]}),
         small(sweep, ellipse={"contact": "geometric_potential"}),
@@ -420,7 +420,7 @@ def test_a_value_that_is_added_makes_only_its_runs(tmp_path):
     beds = list((tmp_path / "store/beds").rglob("*.npz"))
     assert len(beds) == 2
     more = Campaign(
-        small({"seed": [2, 1], "friction.granule": [0.5, 0.1, 0.3], "shape": "c1"}, chunk=1),
+        small({"seed": [2, 1], "friction.granule": [0.5, 0.1, 0.3], "shape": "c1"}, batch=1),
         work.store,
     )
     new = [chunk for chunk in more.batches("drag") if not more.store.file_of(chunk.id).exists()]
@@ -430,11 +430,11 @@ def test_a_value_that_is_added_makes_only_its_runs(tmp_path):
     assert list((tmp_path / "store/beds").rglob("*.npz")) == beds
 
 
-@pytest.mark.parametrize("chunk", [3, 10])
-def test_an_n_dimensional_file_holds_every_run(tmp_path, chunk):
-    """At its place, with the bits of the run made alone; also where seeds lie side by side in a chunk."""
+@pytest.mark.parametrize("batch", [3, 10])
+def test_an_n_dimensional_file_holds_every_run(tmp_path, batch):
+    """At its place, with the bits of the run made alone; also where seeds lie side by side in a batch."""
     sweep = small(
-        {"shape": ["c1", "d1"], "friction.granule": [0.3, 0.1], "seed": [1, 2]}, chunk=chunk,
+        {"shape": ["c1", "d1"], "friction.granule": [0.3, 0.1], "seed": [1, 2]}, batch=batch,
         shapes={"d1": {"kind": "dumbbell", "diameter": 1092e-6, "granules": 30}},
     )  # fmt: skip
     dataset = combined(done(sweep, tmp_path), tmp_path)
@@ -447,7 +447,7 @@ def test_an_n_dimensional_file_holds_every_run(tmp_path, chunk):
 
 
 def _together(folder, name):
-    done(small({"shape": "c1", "seed": "1 to 4"}, results=f"results/{name}", chunk=2), folder)
+    done(small({"shape": "c1", "seed": "1 to 4"}, results=f"results/{name}", batch=2), folder)
 
 
 def test_a_truth_value_can_vary(tmp_path):
@@ -501,7 +501,7 @@ def test_a_failed_run_is_a_row_with_its_reason(tmp_path):
 def test_failed_runs_have_the_same_gaps_whichever_chunk_comes_first(tmp_path):
     """NaN, and -1 for the number of steps."""
     sweep = {"shape": "c1", "numerics.max_overlap": [1e-6, 1.2], "seed": [1, 2]}
-    found = combined(done(small(sweep, chunk=1, failures=0.9), tmp_path), tmp_path)
+    found = combined(done(small(sweep, batch=1, failures=0.9), tmp_path), tmp_path)
     steps = found["steps"].fillna(-1).values[0]
     assert (steps[0] == -1).all() and (steps[1] > 0).all()
 
@@ -509,9 +509,9 @@ def test_failed_runs_have_the_same_gaps_whichever_chunk_comes_first(tmp_path):
 def test_prune_removes_what_no_sweep_needs(tmp_path, monkeypatch):
     """Batches of a value that was taken out, with their beds; nothing of a sweep that is there."""
     monkeypatch.chdir(tmp_path)
-    work = done(small({"shape": "c1", "packing.fraction": [0.8, 0.84]}, chunk=1), tmp_path)
+    work = done(small({"shape": "c1", "packing.fraction": [0.8, 0.84]}, batch=1), tmp_path)
     assert prune(work.store) == ([], 0)
-    left = done(small({"shape": "c1", "packing.fraction": [0.84]}, chunk=1), tmp_path)
+    left = done(small({"shape": "c1", "packing.fraction": [0.84]}, batch=1), tmp_path)
     gone, size = prune(left.store)
     assert sorted(path.suffix for path in gone) == [".json", ".nc", ".npz"] and size > 0
     combine = tmp_path / "results/small"
@@ -543,7 +543,7 @@ def as_if_made(work):
 def pruned(tmp_path, monkeypatch):
     """A sweep of two batches as if they were made, and one of a sweep whose folder was deleted."""
     monkeypatch.chdir(tmp_path)
-    work = Campaign(small({"shape": "c1", "seed": [1, 2]}, chunk=1))
+    work = Campaign(small({"shape": "c1", "seed": [1, 2]}, batch=1))
     as_if_made(work)
     as_if_made(Campaign(small({"shape": "c1", "seed": [3]}, results="results/gone")))
     shutil.rmtree("results/gone")

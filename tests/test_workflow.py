@@ -128,7 +128,7 @@ def test_bits_do_not_depend_on_chunks_or_processes(finished, tmp_path):
     folder = tmp_path / "alone"
     shutil.copytree(finished, folder, ignore=shutil.ignore_patterns("results", ".snakemake"))
     text = (folder / SMOKE).read_text().replace("case: all", "case: [c1, e3]")
-    text = text.replace("seed: [1, 2]", "seed: 2") + "\nchunk: 1\n"
+    text = text.replace("seed: [1, 2]", "seed: 2") + "\nbatch: 1\n"
     (folder / "config/alone.yaml").write_text(text)
     assert planned(folder, configfile="config/alone.yaml")["batch"] == 2
     run = snakemake(folder, "results/smoke/drag.nc", "-j1", configfile="config/alone.yaml")
@@ -143,7 +143,7 @@ def test_bits_do_not_depend_on_chunks_or_processes(finished, tmp_path):
 def test_another_sweep_takes_what_is_there(finished):
     """Batches of the store are taken: another file, folder, order and size of batches of the same runs."""
     text = (
-        "extends: config/smoke.yaml\nresults: results/again\nchunk: 1\nsweep: {case: [c12, c1]}\n"
+        "extends: config/smoke.yaml\nresults: results/again\nbatch: 1\nsweep: {case: [c12, c1]}\n"
     )
     (finished / "config/again.yaml").write_text(text)
     chunks = {

@@ -19,7 +19,7 @@ from dem.sweep.expand import Block
 from dem.sweep.store import FOLDER, Batch, Store, plan
 
 LOOK = 0.5  # s between two looks at what processes have done
-UNREAD = "chunk", "figures", "results", "studies", "beside"  # nothing that is computed reads them
+UNREAD = "batch", "figures", "results", "studies", "beside"  # nothing that is computed reads them
 
 
 class Campaign:
@@ -125,7 +125,7 @@ class Campaign:
                 own = {each.id: each for batches, _ in self._plans.values() for each in batches}
                 there = (self.store.sealed() | own).values()
                 found = self.block(name).unique()
-                self._plans[name] = plan(there, found, self.sweep.chunk, self.sweep.results)
+                self._plans[name] = plan(there, found, self.sweep.batch, self.sweep.results)
         return self._plans[block][0]
 
     def files(self, block: str) -> list[Path]:

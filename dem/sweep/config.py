@@ -22,13 +22,11 @@ from dem.experiment.config import Configuration
 from dem.sweep.expand import Block, Derived, expand
 
 DISTRIBUTION = "granular-drag"
-FOLDERS = ("store", "chunks", "flow", "figures", "logs", "benchmarks")  # of results
+FOLDERS = ("store", "flow", "figures", "logs")  # of results
 CONFIG = "config.yaml"  # of results, as resolved
 LONGEST_CHAIN = 20  # files that extend one another
 REPLACED = ("sweep",)  # whole, by a file that extends another
-PART = (
-    r"(?!(?:store|chunks)(?:/|$))[A-Za-z0-9][A-Za-z0-9._-]*"  # of the name of a folder of results
-)
+PART = r"(?!store(?:/|$))[A-Za-z0-9][A-Za-z0-9._-]*"  # of the name of a folder of results
 
 
 def _folder(name: str) -> str:
@@ -72,7 +70,7 @@ class Sweep(Configuration):
     results: Annotated[str, AfterValidator(_folder)] = value(
         None, "folder of all results, such as results/mine"
     )
-    chunk: Whole = value("1", "runs per file of the store", 10, ge=1, le=10_000)
+    batch: Whole = value("1", "runs per file of the store", 10, ge=1, le=10_000)
     failures: NotNegative = value("1", "share of runs that may fail", 0.0, lt=1)
     cases: dict[Label, CaseSection] = value(None, "shapes with a density, by label", {})
     sweep: dict[str, Any] = value(None, "what varies, by key", min_length=1)

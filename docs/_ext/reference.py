@@ -53,7 +53,7 @@ HEADS = ("key", "what it is", "unit", "default")
 CONFIGURATION = """\
 A configuration is a YAML file in SI units. These are the values that one run reads. Each of them but
 `record.window` and `record.observables` can vary in a sweep, by its key. [How do I sweep my own values?](../howto/sweep.md) explains the rest of
-the file: `title`, `results`, `extends`, `cases`, `sweep`, `chunk`, `failures`, `studies`.
+the file: `title`, `results`, `extends`, `cases`, `sweep`, `batch`, `failures`, `studies`.
 """
 
 

@@ -522,7 +522,7 @@ def test_impossible_runs_are_refused_before_any_is_made():
         parse(data, "claims.yaml")
     for key, value, words in (
         ("cylinder.speed", {"low": 1.0, "high": 2.0}, "no value that can vary"),
-        ("sweep.chunk", {"low": 1.0, "high": 2.0}, "no value that can vary"),
+        ("sweep.batch", {"low": 1.0, "high": 2.0}, "no value that can vary"),
         ("friction", {"low": 1.0, "high": 2.0}, "no value that can vary"),
         ("friction.wall", {"low": 2.0, "high": 1.0}, "must be less than high"),
     ):
