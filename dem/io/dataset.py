@@ -134,19 +134,32 @@ def write(path: Path, values: dict, attrs: dict, layout: dict) -> None:
             for dim, size in zip(dims, array.shape, strict=True):
                 if dim not in file.dimensions:
                     file.createDimension(dim, size)
-            kind = str if array.dtype.kind == "U" else array.dtype
-            large = kind is not str and array.nbytes > COMPRESSED
-            options = {"zlib": True, "shuffle": True} if large else {}
-            if dims and kind is not str:  # any program that reads the file then notices damage
+            options = {"zlib": True, "shuffle": True} if array.nbytes > COMPRESSED else {}
+            if dims:  # any program that reads the file then notices damage
                 options["fletcher32"] = True
-            if kind is str and dims:  # labels of an axis are characters: CF keeps strings off it
-                file.createDimension(f"{name}_length", array.dtype.itemsize // 4)
-                kind, dims = "S1", (*dims, f"{name}_length")
-            variable = file.createVariable(name, kind, dims, **options)
-            variable.setncatts(attributes(name, layout))
-            if kind == "S1":
-                variable._Encoding = "utf-8"
-            variable[...] = str(array) if kind is str else array
+            add(file, name, dims, array, attributes(name, layout), bool(dims), **options)
+
+
+def add(
+    file, name: str, dims: tuple, values: np.ndarray, attrs: dict, characters: bool, **options
+) -> None:
+    """Add a variable to a file; characters: whether texts are such, because CF keeps strings off an
+    axis. options: of createVariable, for numbers."""
+    kind = values.dtype
+    if kind.kind == "U":
+        kind, options = str, {}
+        if characters:
+            values = np.char.encode(values, "utf-8")
+            width = values.dtype.itemsize
+            file.createDimension(f"{name}_length", width)
+            kind, dims = "S1", (*dims, f"{name}_length")
+            values = values.view("S1").reshape(*values.shape, width)
+    made = file.createVariable(name, kind, dims, **options)
+    made.setncatts(attrs)
+    if kind == "S1":
+        made._Encoding = "utf-8"
+        made.set_auto_chartostring(False)
+    made[...] = values.astype(object) if kind is str else values
 
 
 def read(path: Path, names: tuple[str, ...]) -> tuple[dict, dict]:

@@ -21,6 +21,7 @@ from dem.io.dataset import (
     LABELS,
     OF_STORE,
     OF_SWEEP,
+    add,
     attributes,
     content_of,
     create,
@@ -175,22 +176,10 @@ def _write(
         )
     if values.dtype == bool:  # netCDF has no truth values
         values = values.astype("i1")
-    kind, options, dims = values.dtype, {"fill_value": False}, tuple(dims)
-    if kind.kind in "OU":
+    if values.dtype == object:
         values = values.astype(str)
-        kind, options, values = str, {}, values.astype(object)
-        if name in file.dimensions or len(dims) > 1 or name in OF_STORE:
-            width = max(map(len, values.ravel()))
-            file.createDimension(f"{name}_length", width)
-            dims, kind = (*dims, f"{name}_length"), "S1"
-            values = np.char.encode(values.astype(str), "utf-8").astype(f"S{width}")
-            values = values.view("S1").reshape(*values.shape, width)
-    made = file.createVariable(name, kind, dims, **options)
-    made.setncatts(about)
-    if kind == "S1":
-        made._Encoding = "utf-8"
-        made.set_auto_chartostring(False)
-    made[...] = values
+    characters = name in file.dimensions or len(dims) > 1 or name in OF_STORE
+    add(file, name, tuple(dims), values, about, characters, fill_value=False)
 
 
 def _fill(file, values: dict, places: list[tuple[tuple[int, ...], int]]) -> None:

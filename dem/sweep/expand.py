@@ -67,37 +67,21 @@ class Block:
     def labels(self) -> dict[str, tuple[Entry, tuple[str, ...], np.ndarray]]:
         """Labels of the runs beside the axes: units and words, dimensions, values."""
         base = [axis.name for axis in self.axes if axis.name in ("case", "shape")]
-        of = {
-            "shape": lambda r: r.label,
-            "kind": lambda r: r.shape.kind,
-            "aspect_ratio": lambda r: float(r.shape.ratio),
-            "density": lambda r: r.density,
-            "diameter": lambda r: r.shape.diameter,
-            "granules": lambda r: r.shape.granules,
-            "seed": lambda r: r.seed,
-        }
-        found = {}
-        for name, get in of.items():
+        replicates, found = [run.replicate for run in self.runs], {}
+        labels = [replicate.labels() for replicate in replicates]
+        for name in labels[0]:
             if name not in self.dims:
                 forced = base if name != "seed" else []
-                found[name] = (None, *self._along(list(map(get, self._replicates)), forced))
-        known = {entry.path: entry for entry in self._entries.values()}
+                found[name] = (None, *self._along([each[name] for each in labels], forced))
+        known = entries(dict.fromkeys(replicate.label for replicate in replicates))
         varied = (path for axis in self.axes for point in axis.points for path in point)
         for path in dict.fromkeys((*varied, *self.fixed)):
             name = name_of(path)
             if path in known and name not in self.dims and not path.startswith("shapes."):
-                of_runs = [r.configuration.at(path) for r in self._replicates]
+                of_runs = [r.configuration.at(path) for r in replicates]
                 values = self._along([np.nan if v is None else v for v in of_runs], [])
                 found[name] = (known[path], *values)
         return found
-
-    @property
-    def _replicates(self):
-        return [run.replicate for run in self.runs]
-
-    @cached_property
-    def _entries(self) -> dict[str, Entry]:
-        return entries(dict.fromkeys(r.label for r in self._replicates))
 
     def _along(self, values: list, forced) -> tuple[tuple[str, ...], np.ndarray]:
         """Values of all runs, along those axes only along which they vary."""
