@@ -1,7 +1,6 @@
 """Command line, a sweep and its store: `dem sweep`, `compile`, `batch`, `combine`, `store`."""
 
 import shlex
-import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -172,7 +171,7 @@ def store(
     Example: dem store shape=c1 friction.granule=0.3
     """
     from dem.base.errors import InputError
-    from dem.base.plain import PlainConsole
+    from dem.cli.show import print_or_write
     from dem.sweep.estimate import listing, wanted_of
     from dem.sweep.prune import prune as pruned
     from dem.sweep.store import Store
@@ -192,7 +191,7 @@ def store(
     if values and not table.rows:
         say(f"No stored run has {' and '.join(values)}.")
         return
-    PlainConsole(width=None if sys.stdout.isatty() else 160).print(table)
+    print_or_write(table, None)
 
 
 VERBS = (sweep, compile, batch, combine, store)

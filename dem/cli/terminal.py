@@ -142,12 +142,9 @@ def reported():
     before = {each: signal.signal(each, stop) for each in STOPS} if main else {}
     try:
         yield
-    except InputError as error:
-        _tell(str(error))
-        raise typer.Exit(2) from None
-    except (RunError, OSError) as error:
+    except (InputError, RunError, OSError) as error:
         _tell(sentence_of(error))
-        raise typer.Exit(1) from None
+        raise typer.Exit(2 if isinstance(error, InputError) else 1) from None
     except (Stopped, Exception) as error:
         # LLVM calls back while it compiles, and swallows what is raised there: it fails later.
         if not asked:

@@ -6,7 +6,7 @@ from itertools import islice
 from pathlib import Path
 
 import numpy as np
-from rich.table import Table
+from rich.table import Column, Table
 
 from dem.base.errors import InputError
 from dem.base.hints import is_number, is_written, meant
@@ -22,6 +22,8 @@ from dem.sweep.why import reasons
 
 GUESS = 1e-7  # s a granule and step, where no run was made yet: of a usual processor
 LISTED = 40  # runs, or batches, that are shown
+# of the list of batches
+COLUMNS = "batch", "runs", "failed", "shape", "density kg/m3", "seeds", "values", "needed by"
 
 
 def summary(campaign: Campaign, jobs: int, again: bool = False) -> str:
@@ -37,7 +39,7 @@ def summary(campaign: Campaign, jobs: int, again: bool = False) -> str:
         there, failed = made(campaign, name)
         left = [run for run in runs if run.id not in (there if again else there | failed)]
         beds = {run.bed_id for run in left if not campaign.store.file_of_bed(run).is_file()}
-        seconds += sum(seconds_of(run, speeds) for run in left)
+        seconds += sum(_effort(run) * speeds.get(_kind(run), GUESS) for run in left)
         size += sum(bytes_of(run) for run in left)
         axes = ", ".join(f"{axis.name} {len(axis.points)}" for axis in block.axes)
         first = first or (left or runs)[0]
@@ -154,11 +156,6 @@ def _kind(replicate: Replicate) -> str:
     return f"{replicate.configuration.experiment} {replicate.shape.kind}"
 
 
-def seconds_of(replicate: Replicate, speeds: dict[str, float]) -> float:
-    """Processor time (s) that a run may take."""
-    return _effort(replicate) * speeds.get(_kind(replicate), GUESS)
-
-
 def bytes_of(replicate: Replicate) -> int:
     """Bytes that a run takes in its batch; compressing gains a quarter."""
     own = replicate.configuration
@@ -182,18 +179,7 @@ def retried(campaign: Campaign) -> int:
 
 def listing(store: Store, wanted: list[tuple[str, str]]) -> Table:
     """Batches of the store: how many runs of which values, and which sweeps need them."""
-    table = Table()
-    for name in (
-        "batch",
-        "runs",
-        "failed",
-        "shape",
-        "density kg/m3",
-        "seeds",
-        "values",
-        "needed by",
-    ):
-        table.add_column(name, overflow="fold")
+    table = Table(*(Column(name, overflow="fold") for name in COLUMNS))
     users, unknown = [], "no sweep"
     try:
         users += sweeps(store)
