@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from dem.cli.terminal import PAPER, ConfigOption, OutputOption, Writes, bar, start_lean
+from dem.cli.terminal import PAPER, BlockOption, ConfigOption, OutputOption, Writes, bar, start_lean
 
 RunArgument = Annotated[Path, typer.Argument(metavar="RUN", help="drag.nc, or a file of runs.")]
 SelectArgument = Annotated[
@@ -36,9 +36,7 @@ def flow(
         Path | None, typer.Argument(help="File of runs to measure; if absent, combine all.")
     ] = None,
     config: ConfigOption = PAPER,
-    block: Annotated[
-        str | None, typer.Option(help="Block of the sweep; the first if absent.")
-    ] = None,
+    block: BlockOption = None,
     shapes: ShapesOption = None,
 ):
     """Measure how irregularly beds move, for one file of runs or combined for a whole sweep.

@@ -9,6 +9,7 @@ import typer
 from dem.base.say import say
 from dem.cli.terminal import (
     PAPER,
+    BlockOption,
     ConfigOption,
     OutputOption,
     Stopped,
@@ -132,9 +133,7 @@ def batch(
 def combine(
     output: OutputOption,
     config: ConfigOption = PAPER,
-    block: Annotated[
-        str | None, typer.Option("--block", help="Block of the sweep; the first if absent.")
-    ] = None,
+    block: BlockOption = None,
     observable: Annotated[
         str, typer.Option("--observable", help="Recorded observable, such as drag or snapshots.")
     ] = "drag",

@@ -39,6 +39,9 @@ FolderOption = Annotated[
     typer.Option("-o", "--output", help="Folder; figures/ next to the data if absent."),
     Writes(FOLDER),
 ]
+BlockOption = Annotated[
+    str | None, typer.Option("--block", help="Block of the sweep; the first if absent.")
+]
 TextOption = Annotated[
     Path | None,
     typer.Option("-o", "--output", help="Text file (.txt); the terminal if absent."),
