@@ -161,7 +161,7 @@ class Campaign:
             for observable in dict.fromkeys((*self.observables(name), "flow")):
                 yield name, self.root / folder / f"{observable}.nc"
 
-    def _first(self, block: str) -> Path:
+    def first(self, block: str) -> Path:
         """The combined file whose runs are compared; they are known early but for what is derived."""
         return self.root / self.folder_of(block) / f"{self.observables(block)[0]}.nc"
 
@@ -175,7 +175,7 @@ class Campaign:
             check_own(Place("the file to write", path))
             found = read_earlier(path)
             refuse_other(path, found, self.sweep, self.file)
-            if path == self._first(name) and not self.sweep.needed(name):
+            if path == self.first(name) and not self.sweep.needed(name):
                 said += replaced(path, found, self.block(name).places)
         return said
 
@@ -189,7 +189,7 @@ class Campaign:
 
         found, before, own = self.block(block), read_earlier(output), self.file
         combine(self.files(block), self.sweep, found, observable, output, progress, of=own)
-        if output == self._first(block) and self.sweep.needed(block):
+        if output == self.first(block) and self.sweep.needed(block):
             self.said += replaced(output, before, found.places)
 
     def make(self, jobs: int, progress=lambda done, failed, compiles: None) -> None:
@@ -206,7 +206,7 @@ class Campaign:
             )
             for observable in self.observables(name):
                 if observable != "flow":
-                    self.combine(name, observable, Path(self._first(name).with_stem(observable)))
+                    self.combine(name, observable, Path(self.first(name).with_stem(observable)))
 
 
 def make_batches(store: Store, batches: list[Batch], jobs: int, progress) -> None:

@@ -3,7 +3,6 @@
 import json
 import shlex
 from itertools import islice
-from pathlib import Path
 
 import numpy as np
 from rich.table import Column, Table
@@ -111,10 +110,8 @@ def outcome(campaign: Campaign, new: int | None = None, draws: str = "dem figure
     )
     failed = 0
     if campaign.sweep.failures:
-        combined = (
-            f"{folder}/{campaign.observables(b)[0]}.nc" for folder, b in campaign.folders.items()
-        )
-        failed = sum(int((read(Path(c), ("failure",))[0]["failure"] != 0).sum()) for c in combined)
+        combined = map(campaign.first, campaign.sweep.blocks)
+        failed = sum(int((read(path, ("failure",))[0]["failure"] != 0).sum()) for path in combined)
     more = f" and {len(others)} more files in {campaign.sweep.results}" if others else ""
     many, (_, total) = bool(others), campaign.counts()
     holds = f"{first}{more} {'hold' if many else 'holds'}"
