@@ -32,13 +32,8 @@ def sweeps(store: Store) -> Iterator[tuple[Path, set[str], set[str]]]:
                     f"{path}: it is a link to what is not there; connect its disk, or delete the link if "
                     "you deleted the folder for good."
                 )
-        runs = {
-            run
-            for path in here.glob("*.nc")
-            if (earlier := read_earlier(path))
-            for run in earlier.runs
-        }
-        beds = set()
+        earlier = filter(None, map(read_earlier, here.glob("*.nc")))
+        runs, beds = {run for each in earlier for run in each.runs}, set()
         if CONFIG in files:
             campaign = Campaign.of(here / CONFIG)
             for name in campaign.sweep.blocks:
@@ -66,11 +61,8 @@ def prune(store: Store) -> tuple[list[Path], int]:
             )
     except InputError as error:
         raise InputError(f"{error}\n{NOTHING}") from None
-    needed = (
-        runs
-        | beds
-        | {batch.id for batch in store.known() if not batch.runs or runs.intersection(batch.runs)}
-    )
+    used = (batch for batch in store.known() if not batch.runs or runs.intersection(batch.runs))
+    needed = runs.union(beds, (batch.id for batch in used))
     gone, size = [], 0
     for path in store.files():
         if path.name.partition(".")[0] not in needed:

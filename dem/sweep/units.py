@@ -10,9 +10,8 @@ FASTEST = 0.1  # of the velocity of sound, beyond which a bed is shocked rather 
 def unusual(campaign: Campaign) -> list[str]:
     """A sentence of the fastest run, where its cylinder is so fast that another unit was probably meant."""
     found = {}
-    for run in (
-        run.replicate for name in campaign.sweep.blocks for run in campaign.block(name).runs
-    ):
+    blocks = map(campaign.block, campaign.sweep.blocks)
+    for run in (run.replicate for block in blocks for run in block.runs):
         own = run.configuration
         if own.experiment == "drag":
             sound = math.sqrt(own.material.young_modulus / run.density)
