@@ -24,13 +24,10 @@ def compile_kernels(replicate: Replicate) -> None:
     few = replicate.shape.model_copy(update={"granules": 3})
     own = own.model_copy(update={"shapes": {label: few}})
     replicate = Replicate(own, label, replicate.density, replicate.seed)
-    if drawn := own.cylinder:
-        height = 4.0 * (drawn.diameter + few.diameter) / min(drawn.start, 1.0 - drawn.start)
-    else:
-        height = own.box_width
     shape = shaped(replicate, diameters(replicate))
-    cylinder = None
-    if drawn:  # in a box that is much too high for three granules
+    height, cylinder = own.box_width, None
+    if drawn := own.cylinder:  # in a box that is much too high for three granules
+        height = 4.0 * (drawn.diameter + few.diameter) / min(drawn.start, 1.0 - drawn.start)
         at = 0.5 * own.box_width, drawn.start * height
         cylinder = Cylinder(drawn.diameter, at, (0.0, drawn.velocity))
     bed = packed(own, shape, Room(own.box_width, height, cylinder, 0, own.periodic))
