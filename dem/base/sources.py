@@ -239,7 +239,11 @@ def _digest(content: bytes) -> str:
 
 def _parse(content: bytes, path: Path) -> Source:
     tree = ast.parse(content, str(path))
-    tree.body = [each for each in tree.body if not _is_for_types(each)]
+    tree.body = [  # what is for types never runs
+        each
+        for each in tree.body
+        if not (isinstance(each, ast.If) and ast.unparse(each.test) == "TYPE_CHECKING")
+    ]
     defined = {
         each.name: [own.name for own in each.body if isinstance(own, ast.FunctionDef)]
         for each in tree.body
@@ -247,15 +251,6 @@ def _parse(content: bytes, path: Path) -> Source:
     }
     code = _digest(_code(tree).encode())
     return Source(_imported(tree), code, b"\nNO_BITS = " in content, defined)
-
-
-def _is_for_types(node) -> bool:
-    """Whether a statement is `if TYPE_CHECKING:`, which never runs."""
-    return (
-        isinstance(node, ast.If)
-        and isinstance(node.test, ast.Name)
-        and node.test.id == "TYPE_CHECKING"
-    )
 
 
 def _imported(tree: ast.Module) -> tuple[str, ...]:

@@ -67,16 +67,15 @@ OF_SWEEP = {"case": ((), None, "case: a shape at a density, labels of Tables 1 a
 
 # Why a run failed, and the attributes of the variable `failure` that say so (CF, section 3.5).
 FAILURES = ("none", PackingError.__name__, OverlapError.__name__, StateError.__name__, "other")
-FLAGS = {
-    "flag_values": np.arange(len(FAILURES), dtype="i1"),
-    "flag_meanings": " ".join(FAILURES),
-}
 AGAIN = "delete it and run again"
 COMPRESSED = 8192  # bytes of an array from which compressing it makes the file smaller
 WALLS = ("left", "right", "bottom", "top")
 UNITLESS = ("displacement_bounds", "failure")  # numbers whose attributes say more than a unit
 MORE = {  # attributes of CF beside name and units
-    "failure": FLAGS,
+    "failure": {
+        "flag_values": np.arange(len(FAILURES), dtype="i1"),
+        "flag_meanings": " ".join(FAILURES),
+    },
     "replicate_drag": {"cell_methods": "replicate_displacement: mean"},
     "time_step": {"cell_methods": "displacement: minimum"},
     **{key: {"standard_name": "realization"} for key in ("seed", "trial_seed", "replicate")},

@@ -71,10 +71,9 @@ def require(dataset: xr.Dataset, path: Path, layout: dict, variables, attributes
             )
     for name in attributes:
         value = dataset.attrs[name]
-        if name not in NUMBERS and not isinstance(value, str):
-            raise InputError(f"{path}: its attribute {name} is {value}; it must be a text.")
-        if name in NUMBERS and not _is_number(value):
-            raise InputError(f"{path}: its attribute {name} is {value}; it must be a number.")
+        if not (_is_number(value) if name in NUMBERS else isinstance(value, str)):
+            kind = "number" if name in NUMBERS else "text"
+            raise InputError(f"{path}: its attribute {name} is {value}; it must be a {kind}.")
 
 
 def _is_number(value) -> bool:
