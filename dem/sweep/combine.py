@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import netCDF4
 import numpy as np
 
 from dem.base.errors import InputError, RunError
@@ -57,7 +58,8 @@ def combine(
     with create(output) as file:
         made = False
         for done, path in enumerate(sorted(paths, key=lambda path: str(path))):
-            present = [name for name in names if name in _variables(path)]
+            with content_of(path, AGAIN), netCDF4.Dataset(path) as batch:
+                present = [name for name in names if name in batch.variables]
             values, attrs = read(path, (*present, "run_id", "failure", "failure_reason"))
             rows = [row for row, run in enumerate(values["run_id"].tolist()) if run in left]
             ids = [str(values["run_id"][row]) for row in rows]
@@ -91,14 +93,6 @@ def combine(
         if of is not None:
             file.setncattr_string(OWNER, of)
         more(file)
-
-
-def _variables(path: Path) -> set[str]:
-    """Names of the variables of a file that is known to be whole."""
-    import netCDF4
-
-    with content_of(path, AGAIN), netCDF4.Dataset(path) as file:
-        return set(file.variables)
 
 
 def layout_of(block: Block, observable: str) -> tuple[dict, list[str]]:
