@@ -28,9 +28,8 @@ def compilers() -> str:
 @cache
 def git_revision() -> str:
     """Revision of the checkout, "-dirty" if edited, "unknown" outside a repository."""
-    if not (
-        PACKAGE.parent / ".git"
-    ).exists():  # a parent folder may be another project's repository
+    # a parent folder may be another project's repository
+    if not (PACKAGE.parent / ".git").exists():
         return "unknown"
     command = ["git", "-C", str(PACKAGE), "describe", "--always", "--dirty", "--abbrev=12"]
     try:
