@@ -98,23 +98,6 @@ def _sizes(axes: dict[str, int], labels: dict[str, tuple]) -> dict[str, int]:
     return found
 
 
-def drawable(folder: Path, figures: dict[str, Drawn] = FIGURES) -> list[str]:
-    """Names of the figures that can be drawn from the files in a folder.
-
-    Raises InputError where there is no file to draw from, or a damaged one.
-    """
-    found, files = [], list(dict.fromkeys(each.file for each in figures.values()))
-    there = {file: data for file in files if (data := Path(folder) / f"{file}.nc").is_file()}
-    if not there:
-        data = Path(folder) / "drag.nc"
-        raise InputError(f"{data}: it is not there to draw from; make it first: snakemake -j2")
-    for file, data in there.items():
-        own = {name: each for name, each in figures.items() if each.file == file}
-        with open_lazily(data) as dataset:
-            found += drawable_from(data, dataset, own)
-    return found
-
-
 def drawable_from(data: Path, dataset, figures: dict[str, Drawn] = FIGURES) -> list[str]:
     """Names of those of some figures that a file suffices for."""
     from dem.analysis.statistics import by_case
