@@ -152,7 +152,7 @@ def test_flow_of_runs_that_are_not_measured_is_one_sentence(tmp_path):
     work = made(tmp_path, sweep={"case": ["c1"], "seed": 1}, record={"snapshots": 13})
     with (
         chdir(tmp_path),
-        pytest.raises(InputError, match="is missing; make it from results/chunks"),
+        pytest.raises(InputError, match="is missing; make it from results/store/batches"),
     ):
         write_flow(work, "drag", tmp_path / "flow.nc")
     assert not (tmp_path / "flow.nc").exists()
