@@ -11,6 +11,9 @@ from dem.base.hints import meant
 from dem.io.lazily import open_lazily, require
 
 BY_CASE = {"case", "seed"}, {"shape", "seed"}  # axes of runs that make cases
+# by file: observables one of which runs must record, and what the file must hold, if a figure says neither
+USUAL = {"flow": ("snapshots",)}
+HELD = {"drag": ("drag",), "flow": ("bed_x",)}
 CHECK = "e0"  # ellipse code at aspect ratio 1: a check, and no shape of its own
 
 
@@ -52,8 +55,8 @@ def figures_of(package: str, folder: Path) -> dict[str, Drawn]:
     return {
         name: Drawn(
             name, package, own["FILE"], own["CAPTION"], own.get("CASES"), own.get("AXES", {}),
-            own.get("RECORDED", (own["FILE"],)),
-            own.get("VARIABLES", ("drag",) if own["FILE"] == "drag" else ()),
+            own.get("RECORDED", USUAL.get(own["FILE"], (own["FILE"],))),
+            own.get("VARIABLES", HELD.get(own["FILE"], ())),
         )
         for name, own in described(Path(folder) / "figures", "CAPTION").items()
     }  # fmt: skip
