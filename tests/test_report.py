@@ -16,8 +16,9 @@ from rich.console import Console
 from conftest import assert_alone, assert_not_blank, places_shown
 from dem.analysis.statistics import summarise
 from dem.base.errors import InputError
-from dem.figures.catalogue import draw, drawable
+from dem.figures.catalogue import draw, drawable_from
 from dem.figures.sweep import is_logarithmic
+from dem.io.lazily import open_lazily
 from dem.report.build import build, section
 from dem.report.info import summary
 from dem.sweep.combine import open_combined
@@ -149,6 +150,15 @@ def figure_of(data):
     with open_combined(data) as dataset:
         figure = import_module("dem.figures.sweep").plot(dataset)
         return figure, dataset.load(), summarise(dataset)
+
+
+def drawable(folder):
+    """Names of the figures that the files in a folder suffice for."""
+    names = []
+    for data in folder.glob("*.nc"):
+        with open_lazily(data) as dataset:
+            names += drawable_from(data, dataset)
+    return names
 
 
 def test_every_mean_of_a_sweep_is_drawn(swept):

@@ -150,11 +150,8 @@ def _chosen(path, columns: dict[str, np.ndarray], ids, select: list[str]) -> int
 
 
 def _is(value, text: str) -> bool:
-    return (
-        is_written(value, text)
-        if isinstance(value, int | float | np.number)
-        else str(value) == text
-    )
+    number = isinstance(value, int | float | np.number)
+    return is_written(value, text) if number else str(value) == text
 
 
 def _words(values) -> list[str]:

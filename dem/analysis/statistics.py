@@ -27,6 +27,12 @@ def within(drag: xr.DataArray, start: float, stop: float) -> xr.DataArray:
     return drag.isel(displacement=inside)
 
 
+def window_text(dataset: xr.Dataset) -> str:
+    """The averaging window in words: "1 mm to 5 mm"."""
+    start, stop = dataset.attrs["window_start"], dataset.attrs["window_stop"]
+    return f"{1e3 * start:g} mm to {1e3 * stop:g} mm"
+
+
 def by_case(dataset: xr.Dataset) -> xr.Dataset | None:
     """The dataset over (case, seed), where its runs differ in case, or shape, and seed alone; None
     for any other. A shape of a sweep without cases is its own case."""
@@ -176,9 +182,5 @@ def densities(dataset: xr.Dataset) -> dict[str, list[str]]:
 
 def _cases(dataset) -> list[tuple[str, str, float]]:
     """Label, shape and density (kg/m3) of every case."""
-    return [
-        (str(label), str(shape), float(density))
-        for label, shape, density in zip(
-            dataset["case"].values, dataset["shape"].values, dataset["density"].values, strict=True
-        )
-    ]
+    columns = (dataset[name].values.tolist() for name in ("case", "shape", "density"))
+    return list(zip(*columns, strict=True))

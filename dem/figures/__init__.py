@@ -7,8 +7,8 @@ CAPTION    what it shows
 CASES      it needs runs by case, or shape, and seed alone: {} for any; {"any": labels} or {"all": labels} of
            shapes, or {"densities": 2}
 AXES       it needs so many values along these axes: {"cylinder_velocity": 4}
-RECORDED   observables, one of which runs must record; the one named FILE if absent
-VARIABLES  the file must hold these; drag of a file drag if absent
+RECORDED   observables, one of which runs must record; if absent the one named FILE, snapshots for flow
+VARIABLES  the file must hold these; if absent drag of a file drag, the beds of a file flow
 """
 
 import lazy_loader

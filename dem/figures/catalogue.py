@@ -11,6 +11,9 @@ from dem.base.hints import meant
 from dem.io.lazily import open_lazily, require
 
 BY_CASE = {"case", "seed"}, {"shape", "seed"}  # axes of runs that make cases
+# by file: observables one of which runs must record, and what the file must hold, if a figure says neither
+USUAL = {"flow": ("snapshots",)}
+HELD = {"drag": ("drag",), "flow": ("bed_x",)}
 CHECK = "e0"  # ellipse code at aspect ratio 1: a check, and no shape of its own
 
 
@@ -52,8 +55,8 @@ def figures_of(package: str, folder: Path) -> dict[str, Drawn]:
     return {
         name: Drawn(
             name, package, own["FILE"], own["CAPTION"], own.get("CASES"), own.get("AXES", {}),
-            own.get("RECORDED", (own["FILE"],)),
-            own.get("VARIABLES", ("drag",) if own["FILE"] == "drag" else ()),
+            own.get("RECORDED", USUAL.get(own["FILE"], (own["FILE"],))),
+            own.get("VARIABLES", HELD.get(own["FILE"], ())),
         )
         for name, own in described(Path(folder) / "figures", "CAPTION").items()
     }  # fmt: skip
@@ -95,23 +98,6 @@ def _sizes(axes: dict[str, int], labels: dict[str, tuple]) -> dict[str, int]:
         own = [name for name, dims in labels.items() if axis in dims and name != axis]
         if len(own) == 1:
             found[own[0]] = size
-    return found
-
-
-def drawable(folder: Path, figures: dict[str, Drawn] = FIGURES) -> list[str]:
-    """Names of the figures that can be drawn from the files in a folder.
-
-    Raises InputError where there is no file to draw from, or a damaged one.
-    """
-    found, files = [], list(dict.fromkeys(each.file for each in figures.values()))
-    there = {file: data for file in files if (data := Path(folder) / f"{file}.nc").is_file()}
-    if not there:
-        data = Path(folder) / "drag.nc"
-        raise InputError(f"{data}: it is not there to draw from; make it first: snakemake -j2")
-    for file, data in there.items():
-        own = {name: each for name, each in figures.items() if each.file == file}
-        with open_lazily(data) as dataset:
-            found += drawable_from(data, dataset, own)
     return found
 
 

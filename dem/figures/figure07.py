@@ -28,21 +28,18 @@ def plot(dataset: xr.Dataset) -> Figure:
     if not labels:
         raise InputError("there is no case of Table 1 in the data.")
     columns = min(COLUMNS, len(labels))
-    rows = -(-len(labels) // columns)
-    figure = Figure(figsize=(style.WIDTH, 1.5 + 2.5 * rows))
-    panels = list(figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).flat)
+    figure, panels = style.panels(len(labels), columns, 1.5, 2.5, sharex=True, sharey=True)
     means = summarise(dataset)
     curves = {label: _curve(dataset, label) for label in labels}
-    for axes, label in zip(panels, labels, strict=False):
+    for axes, label in zip(panels, labels, strict=True):
         _panel(axes, dataset.sel(case=label), means.sel(case=label), curves[label])
         if label != labels[0]:
-            _compare(axes, dataset, curves[labels[0]], labels[0])
+            x, (_, smooth, _) = style.millimetres(dataset["displacement"]), curves[labels[0]]
+            axes.plot(x, smooth, label=f"running mean of {labels[0]}", **style.REFERENCE)
         style.mark_window(axes, dataset)
     for axes in panels[::columns]:
         axes.set_ylabel(f"Drag (N), running\nmean over {1e3 * style.SMOOTHING:g} mm")
-    for axes in panels[len(labels) :]:
-        axes.remove()
-    for axes in panels[max(0, len(labels) - columns) : len(labels)]:
+    for axes in panels[-columns:]:
         axes.tick_params(labelbottom=True)
         axes.set_xlabel("Displacement (mm)")
     _finish(figure, dataset, curves)
@@ -69,12 +66,6 @@ def _panel(axes, case, means, curve) -> None:
         middle, 0.97, f"mean {float(means['mean']):.0f} N", ha="center", va="top",
         transform=axes.get_xaxis_transform(), bbox={"color": "white", "alpha": 0.7, "pad": 2.0},
     )  # fmt: skip
-
-
-def _compare(axes, dataset, curve, label) -> None:
-    """The smoothed curve of another case."""
-    x = style.millimetres(dataset["displacement"])
-    axes.plot(x, curve[1], label=f"running mean of {label}", **style.REFERENCE)
 
 
 def _finish(figure, dataset, curves) -> None:

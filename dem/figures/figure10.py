@@ -5,8 +5,6 @@ from dem.figures.snapshots import beds
 FILE = "flow"
 CAPTION = "Beds of discs, dumbbells and small discs in layers"
 CASES = {"any": ("c1", "d1", "c2")}
-RECORDED = ("snapshots",)
-VARIABLES = ("bed_x",)
 
 
 def plot(dataset):

@@ -5,8 +5,6 @@ from dem.figures.snapshots import beds
 FILE = "flow"
 CAPTION = "Beds of ellipses in layers"
 CASES = {"any": ("e1", "e2", "e3")}
-RECORDED = ("snapshots",)
-VARIABLES = ("bed_x",)
 
 
 def plot(dataset):

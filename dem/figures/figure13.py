@@ -25,21 +25,17 @@ def plot(dataset: xr.Dataset) -> Figure:
     figure = Figure(figsize=(style.WIDTH, 5.2))
     axes = figure.subplots()
     for place, label in enumerate(labels):
-        _bar(axes, place, numbers.sel(case=label))
+        own = numbers.sel(case=label)
+        look = style.look(own)  # by the kind of its granules
+        top = style.bar(
+            axes, place, 0.62, own, color=look.fill, edgecolor=look.color, hatch=look.hatch,
+            label=f"mean of {style.runs(own)}",
+        )  # fmt: skip
+        value = style.value(float(own["mean"]), float(own["half_interval"]), "N")
+        style.write_above(axes, place, top, value)
     ticks = [f"{label}\n" + style.describe(numbers.sel(case=label), "\n") for label in labels]
     style.finish_bars(axes, ticks, dataset)
     axes.set_title(f"Above each bar: mean drag{style.its_interval(dataset)}", loc="left")
     figure.suptitle("Mean drag by shape of the granules")
     style.legend(figure, axes, "outside lower center", grey="mean", ncols=3)
     return figure
-
-
-def _bar(axes, place, numbers) -> None:
-    """One case, coloured and hatched by the kind of its granules."""
-    look, name = style.look(numbers), f"mean of {style.runs(numbers)}"
-    top = style.bar(
-        axes, place, 0.62, numbers,
-        color=look.fill, edgecolor=look.color, hatch=look.hatch, label=name,
-    )  # fmt: skip
-    value = style.value(float(numbers["mean"]), float(numbers["half_interval"]), "N")
-    style.write_above(axes, place, top, value)

@@ -57,11 +57,8 @@ def _group(axes, place, labels, numbers) -> None:
         fill, hatch = FILLS[min(number, len(FILLS) - 1)]
         own = numbers.sel(case=label)
         name = f"mean of {style.runs(own)} at {float(own['density']):g} kg/m³"
-        tops.append(
-            style.bar(
-                axes, middle, width, own, color=fill, edgecolor="black", hatch=hatch, label=name
-            )
-        )
+        look = {"color": fill, "edgecolor": "black", "hatch": hatch, "label": name}
+        tops.append(style.bar(axes, middle, width, own, **look))
     changes = [change(numbers["run_mean"], labels[0], label) for label in labels[1:]]
     text = "\n".join(style.percent(*each) for each in changes)
     style.write_above(axes, place, max(tops), text)

@@ -74,6 +74,8 @@ class Scene:
         self.contacts = (
             {each: _contacts(frames, each) for each in shown} if forces or color == "force" else {}
         )
+        pushing = (each.max(initial=0.0) for _, each, _ in self.contacts.values())
+        self.largest = max(pushing, default=0.0) or 1.0  # force at a contact (N)
         self.figure = Stage(figsize=size, dpi=DPI)
         beside = beside and frames.record is not None
         left, *right = self.figure.subplots(
@@ -104,17 +106,13 @@ class Scene:
         over = [] if self.mark is None else [self.mark, self.mark.axes.get_legend()]
         return [each for each in (*bed, *over, self.caption) if each is not None]
 
-    def _largest(self) -> float:
-        """Largest force at a contact (N)."""
-        return max(forces.max(initial=0.0) for _, forces, _ in self.contacts.values()) or 1.0
-
     def _scale(self, axes):
         """Colour scale of speeds or forces, None for layers and cluster."""
         if self.color == "speed":
             scale, words = Normalize(0.0, self.frames.fastest), "Speed (m/s)"
         elif self.color == "force":
-            largest = self._largest()
-            scale, words = LogNorm(1e-3 * largest, 2.0 * largest), "Sum of normal forces (N)"
+            scale = LogNorm(1e-3 * self.largest, 2.0 * self.largest)
+            words = "Sum of normal forces (N)"
             words += "" if self.frames.boxed else "; white: none"
         else:
             return None
@@ -128,21 +126,16 @@ class Scene:
         cylinder = None if frames.cylinder is None else frames.cylinder[frame]
         walls = frames.walls[frame]
         self.bed.move(frames.position[frame], frames.angle[frame], cylinder, walls)
-        self.bed.paint(self._paint(frame))
+        if (colors := frames.paints.get(self.color)) is None:
+            moved = self.color == "speed"
+            colors = self.map.to_rgba(frames.speed(frame) if moved else self.contacts[frame][2])
+        self.bed.paint(colors)
         if self.forces:
             segments, forces, _ = self.contacts[frame]
-            self.bed.push(segments, forces, self._largest())
+            self.bed.push(segments, forces, self.largest)
         if self.mark is not None:
             self.mark.set_xdata([frames.marks[frame]] * 2)
         self.caption.set_text(frames.captions[frame])
-
-    def _paint(self, frame):
-        frames = self.frames
-        if self.color in frames.paints:
-            return frames.paints[self.color]
-        return self.map.to_rgba(
-            frames.speed(frame) if self.color == "speed" else self.contacts[frame][2]
-        )
 
 
 def _contacts(frames: Frames, frame: int):

@@ -17,6 +17,7 @@ from dem.periodic import Periods
 MARGIN = 0.05  # of the view of a result, around what it shows
 CURVES = ((style.CURVE, "-"), ("#b34700", (0, (5, 1.5))), ("#5b4a8a", (0, (1, 1))),
           ("0.45", "-"), ("#6fae8a", (0, (3, 1, 1, 1))))  # fmt: skip
+SIDES = {(-1, 0): " (left)", (1, 0): " (right)", (0, -1): " (bottom)", (0, 1): " (top)"}
 UNITS = ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns"))
 
 
@@ -147,16 +148,14 @@ def forces_of(result: Result) -> list[tuple[str, dict[str, np.ndarray]]]:
         x, y = result.cylinder_force.T
         found.append(("Force on the cylinder (N)", {"horizontal": x, "vertical": y}))
     if result.scene.walls is not None:
-        names = [_wall(*each) for each in enumerate(result.scene.walls)]
+        names = [
+            f"wall {number}{SIDES.get((x, y), '')}"
+            for number, (x, y, _) in enumerate(result.scene.walls)
+        ]
         found.append(
             ("Normal force on walls (N)", dict(zip(names, result.wall_force.T, strict=True)))
         )
     return found
-
-
-def _wall(number: int, plane) -> str:
-    sides = {(-1, 0): " (left)", (1, 0): " (right)", (0, -1): " (bottom)", (0, 1): " (top)"}
-    return f"wall {number}" + sides.get((plane[0], plane[1]), "")
 
 
 def draw_forces(axes, result: Result, group) -> None:

@@ -7,9 +7,9 @@ import matplotlib
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullLocator
 
+from dem.analysis.statistics import window_text
 from dem.base.files import atomic
 from dem.shapes import KINDS
 
@@ -113,23 +113,17 @@ def millimetres(lengths) -> np.ndarray:
     return 1e3 * np.asarray(lengths)
 
 
-def window_text(dataset: xr.Dataset) -> str:
-    """The averaging window in words: "1 mm to 5 mm"."""
-    start, stop = dataset.attrs["window_start"], dataset.attrs["window_stop"]
-    return f"{1e3 * start:g} mm to {1e3 * stop:g} mm"
-
-
-def mark_window(axes, dataset: xr.Dataset):
-    """Shade the averaging window; returns the patch for a legend."""
+def mark_window(axes, dataset: xr.Dataset) -> None:
+    """Shade the averaging window."""
     edges = millimetres([dataset.attrs["window_start"], dataset.attrs["window_stop"]])
-    return axes.axvspan(*edges, label=f"averaging window, {window_text(dataset)}", **WINDOW)
+    axes.axvspan(*edges, label=f"averaging window, {window_text(dataset)}", **WINDOW)
 
 
-def show_runs(axes, middle: float, values, width: float) -> Line2D:
-    """One dot per run (seed,), side by side about `middle`; returns the dots for a legend."""
+def show_runs(axes, middle: float, values, width: float) -> None:
+    """One dot per run (seed,), side by side about `middle`."""
     values = np.ravel(values)
     offsets = np.linspace(-0.5, 0.5, len(values)) * width if len(values) > 1 else np.zeros(1)
-    return axes.plot(middle + offsets, values, label="single runs", **RUN)[0]
+    axes.plot(middle + offsets, values, label="single runs", **RUN)
 
 
 def bar(axes, middle: float, width: float, numbers: xr.Dataset, **options) -> float:
@@ -168,6 +162,16 @@ def above_and_below(title: str):
     figure = Figure(figsize=(WIDTH, 7.6))
     figure.suptitle(title)
     return figure, *figure.subplots(2, 1, sharex=True)
+
+
+def panels(count: int, columns: int, around: float, row: float, **shared):
+    """A figure of panels in rows, and their axes; heights in inches: around the rows, and of one."""
+    rows = -(-count // columns)
+    figure = Figure(figsize=(WIDTH, around + row * rows))
+    grid = list(figure.subplots(rows, columns, squeeze=False, **shared).flat)
+    for axes in grid[count:]:
+        axes.remove()
+    return figure, grid[:count]
 
 
 def write_above(axes, middle: float, top: float, text: str) -> None:

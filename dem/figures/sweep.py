@@ -188,12 +188,7 @@ def _name(axes, along: xr.DataArray, columns: int) -> None:
 
 
 def _panels(count: int, columns: int, **shared):
-    rows = -(-count // columns)
-    figure = Figure(figsize=(style.WIDTH, 1.6 + (4.0 if rows == 1 and columns < 3 else 2.6) * rows))
-    panels = list(figure.subplots(rows, columns, squeeze=False, **shared).flat)
-    for axes in panels[count:]:
-        axes.remove()
-    return figure, panels[:count]
+    return style.panels(count, columns, 1.6, 4.0 if count <= columns < 3 else 2.6, **shared)
 
 
 def _lines(axes, runs: xr.DataArray, roles: Roles, along: xr.DataArray, marks=False) -> None:

@@ -54,7 +54,10 @@ def build(drag: Path, output: Path, notes: Path | None = None) -> None:
         with open_lazily(flow) as moves:
             names += drawable_from(flow, moves)
             parts |= of_flow(flow, by_case(moves))
-    page = _page().render(
+    loader = PackageLoader("dem.report", "page")
+    pages = Environment(loader=loader, autoescape=True, undefined=StrictUndefined,
+                        trim_blocks=True, lstrip_blocks=True)  # fmt: skip
+    page = pages.get_template("page.html").render(
         figures=figures(folder / "figures", names, [name for name, _ in parts["studies"]], drag),
         made=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         open=Markup(section(notes, OPEN)) if notes else "",
@@ -84,12 +87,6 @@ def of_flow(path: Path, moves: xr.Dataset | None) -> dict:
         return {}
     require(moves, path, VARIABLES, ("non_affine",), ATTRIBUTES)
     return {"beds": htmlsafe_json_dumps(beds(moves))}
-
-
-def _page():
-    loader = PackageLoader("dem.report", "page")
-    return Environment(loader=loader, autoescape=True, undefined=StrictUndefined,
-                       trim_blocks=True, lstrip_blocks=True).get_template("page.html")  # fmt: skip
 
 
 def densities(dataset: xr.Dataset) -> list[str]:

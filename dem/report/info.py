@@ -16,6 +16,7 @@ from dem.analysis.statistics import (
     half_interval,
     over_seeds,
     summarise,
+    window_text,
 )
 from dem.analysis.tables import numbers
 from dem.analysis.values import value_of
@@ -125,11 +126,9 @@ def _sweep(dataset: xr.Dataset) -> Group:
     """Title, provenance and the table of drag.nc."""
     attrs = dataset.attrs
     table, more = drag_table(dataset)
-    window = f"{_millimetres(*(attrs[name] for name in WINDOW))} of displacement"
-    lines = _provenance(
-        attrs, seeds=_seeds(dataset),
-        window=f"{window}, cylinder at {_range(value_of(dataset, 'cylinder.velocity'))} m/s",
-    )  # fmt: skip
+    speed = _range(value_of(dataset, "cylinder.velocity"))
+    window = f"{window_text(dataset)} of displacement, cylinder at {speed} m/s"
+    lines = _provenance(attrs, seeds=_seeds(dataset), window=window)
     if "failure" in dataset and (missing := _missing(dataset["failure"])):
         lines.add_row("missing", missing)
     return _told(attrs, lines, table, more, LEGEND)
@@ -228,23 +227,14 @@ def _missing(failure: xr.DataArray) -> str:
 
 def _provenance(attrs: dict, **more: str) -> Table:
     """Where the numbers come from, one line each; more than one source hash where runs differ."""
-    return _plain({
+    lines = {
         "written": attrs["history"],
         "revision": attrs["git_revision"],
         "sources": ", ".join(each[:16] for each in attrs["source_hash"].split("; ")),
         "versions": attrs["versions"],
         **more,
-    })  # fmt: skip
-
-
-def _plain(lines: dict[str, str]) -> Table:
-    """Names and texts without headings."""
+    }
     table = Table(box=None, padding=(0, 2, 0, 0), pad_edge=False, show_header=False)
     for name, line in lines.items():
         table.add_row(name, Text(line))
     return table
-
-
-def _millimetres(start: float, stop: float) -> str:
-    """A range of lengths, given in m."""
-    return f"{1e3 * start:g} mm to {1e3 * stop:g} mm"

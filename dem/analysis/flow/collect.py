@@ -4,7 +4,6 @@ If the runs do not record the measures, they are computed from the snapshots, ba
 """
 
 import json
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +12,7 @@ from dem.analysis.flow.layout import BEDS, OF_BATCH
 from dem.analysis.one_run import motion_of, names_of, read_run
 from dem.base import provenance
 from dem.base.errors import InputError
-from dem.experiment.config import Replicate, of_values
+from dem.experiment.config import of_values
 from dem.experiment.flow_measures import LAYERS
 from dem.experiment.motion import Motion
 from dem.experiment.observables.flow import VARIABLES as MEASURED
@@ -33,10 +32,15 @@ def measure_batch(
     """Write the measures of all runs of a batch, NaN for those that failed; shapes: folder of the files
     of shapes of a user's own."""
     values, attrs = read(batch, (MOVED, "run_id", "failure", "failure_reason"))
+    with content_of(batch):
+        replicates = [of_values(each, str(batch)) for each in json.loads(attrs["values"])]
+        names = tuple(name for name in names_of(replicates[0]) if name != MOVED)
+    kept, _ = read(batch, names)
     count, snapshots = len(values["run_id"]), len(values[MOVED])
     found = {name: np.full((count, snapshots), np.nan) for name in MEASURED}
-    for row, (replicate, own) in enumerate(_runs(batch, values, attrs)):
-        if own is not None:
+    for row, replicate in enumerate(replicates):
+        if not values["failure"][row]:
+            own = {name: kept[name][row] for name in names} | {MOVED: values[MOVED]}
             motion = motion_of(batch, replicate.with_shapes(shapes), own)
             for name, each in measured(motion).items():
                 found[name][row] = each
@@ -44,17 +48,6 @@ def measure_batch(
     told = {name: attrs[name] for name in ("git_revision", "source_hash", "values")}
     about = global_attributes("how beds move", "dem flow", **told, versions=provenance.versions())
     write(output, values | found, about, OF_BATCH)
-
-
-def _runs(batch: Path, values: dict, attrs: dict) -> Iterator[tuple[Replicate, dict | None]]:
-    """All runs of a batch and their snapshots; None where a run failed."""
-    with content_of(batch):
-        replicates = [of_values(each, str(batch)) for each in json.loads(attrs["values"])]
-        names = tuple(name for name in names_of(replicates[0]) if name != MOVED)
-    kept, _ = read(batch, names)
-    for row, replicate in enumerate(replicates):
-        own = {name: kept[name][row] for name in names} | {MOVED: values[MOVED]}
-        yield replicate, None if values["failure"][row] else own
 
 
 def sources(campaign: Campaign, block: str) -> list[Path]:
