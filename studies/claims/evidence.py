@@ -149,7 +149,7 @@ def from_sweep(dataset: xr.Dataset, flow: xr.Dataset | None = None, margin=MARGI
     runs = xr.Dataset({"drag": summarise(dataset)["run_mean"], "curve": curve})
     runs.attrs |= {"window_start": low, "window_stop": high}
     if flow is not None:
-        from dem.analysis.flow.verdict import in_window
+        from studies.claims.irregularity import in_window
 
         for name in MEASURES:
             runs[name] = in_window(flow, name)
