@@ -42,9 +42,20 @@ def rows(*shape: int | None) -> Any:
     return lambda name, value: fixed(take(name, value))
 
 
+class Kept:
+    """Arrays that cannot be written cannot be written after pickling or copying either."""
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        for value in state.values():
+            for each in value if isinstance(value, tuple) else (value,):
+                if isinstance(each, np.ndarray):
+                    each.flags.writeable = False
+        vars(self).update(state)
+
+
 @checked("path ")
 @dataclass(frozen=True, eq=False)
-class PrescribedMotion:
+class PrescribedMotion(Kept):
     """Velocity of a boundary that is given over time, whatever it meets.
 
     The velocity is linear in time between the rows, and constant before the first and after the last.
@@ -202,7 +213,7 @@ def chosen(name: str, value: Any) -> np.ndarray:
 
 @checked("held ")
 @dataclass(frozen=True, eq=False)
-class Held:
+class Held(Kept):
     """Granules that move together as a boundary: a rough wall, or a body of any form.
 
     Parameters

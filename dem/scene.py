@@ -27,6 +27,7 @@ from dem.base.validate import (
 from dem.motion import (
     FINITE,
     Held,
+    Kept,
     Motion,
     PrescribedMotion,
     fixed,
@@ -262,7 +263,7 @@ def periods(name: str, value: Any) -> Periods:
 
 @checked()
 @dataclass(frozen=True)
-class Scene:
+class Scene(Kept):
     """Everything about a system that does not change during a run.
 
     The kernels are compiled for the scene: what is None costs nothing.

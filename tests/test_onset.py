@@ -117,7 +117,9 @@ def test_the_onset_is_that_of_beds_without_friction():
 def test_a_cylinder_that_is_not_there_cannot_vary():
     data = SWEEP.dump()
     data["sweep"] = {"shape": "e", "cylinder.diameter": [1e-3, 2e-3]}
-    with pytest.raises(InputError, match=r"cylinder\.diameter is no value that can vary"):
+    with pytest.raises(
+        InputError, match=r"cylinder\.diameter cannot vary; the experiment onset has no cylinder"
+    ):
         parse_sweep(data)
 
 

@@ -49,9 +49,9 @@ RESULTS = {"combine", "measure_flow", "flow", "figure"}
 HARMLESS = {
     "a comment": ("dem/contacts/loops.py", "\n# edited\n"),
     "an error sentence": (
-        "dem/experiment/config.py", ("it must not be negative.", "it must be positive or zero."),
+        "dem/experiment/config.py", ("has no such shape", "knows no such shape"),
     ),
-    "what a value is": ("dem/experiment/config.py", ("friction at the walls", "wall friction")),
+    "what a value is": ("dem/experiment/sections.py", ("friction at the walls", "wall friction")),
     "a shape that the sweep has not": ("dem/shapes/superellipse.py", LINE),
     "one more shape": ("dem/shapes/triangle.py", 'SHAPE = "Triangle"\n'),
     "one more observable": ("dem/experiment/observables/heat.py", "VARIABLES = {}\n"),

@@ -43,7 +43,7 @@ def test_the_rules_of_studies_call_verbs_that_exist():
         path = studies.HERE / name / "rules.smk"
         if path.is_file():
             verbs = get_command(app).commands[name].commands
-            called = re.findall(rf"\bstudy {name} (\w+)", path.read_text())
+            called = re.findall(rf"-m studies {name} (\w+)", path.read_text())
             assert called and {word for word in called if word != "{wildcards"} <= set(verbs)
 
 

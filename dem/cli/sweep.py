@@ -111,7 +111,7 @@ def compile(
 
 
 def batch(
-    file: Annotated[
+    output: Annotated[
         Path, typer.Argument(help="File of the store, results/store/batches/....nc."), Writes(".nc")
     ],
 ):
@@ -120,14 +120,14 @@ def batch(
     from dem.sweep.batch import make
     from dem.sweep.store import Store
 
-    store = Store(file.parents[1])
-    with bar(f"batch {file.stem}", float(len(store.replicates(file.stem)))) as update:
+    store = Store(output.parents[1])
+    with bar(f"batch {output.stem}", float(len(store.replicates(output.stem)))) as update:
 
         def made(done, failed, compiles=False):
-            words = f"batch {file.stem}" + (f", {failed} failed" if failed else "")
+            words = f"batch {output.stem}" + (f", {failed} failed" if failed else "")
             update(done, not compiles, words)
 
-        make(store, file.stem, made)
+        make(store, output.stem, made)
 
 
 def combine(
