@@ -51,7 +51,6 @@ HARMLESS = {
     "an error sentence": (
         "dem/experiment/config.py", ("has no such shape", "knows no such shape"),
     ),
-    "what a value is": ("dem/experiment/sections.py", ("friction at the walls", "wall friction")),
     "a shape that the sweep has not": ("dem/shapes/superellipse.py", LINE),
     "one more shape": ("dem/shapes/triangle.py", 'SHAPE = "Triangle"\n'),
     "one more observable": ("dem/experiment/observables/heat.py", "VARIABLES = {}\n"),
