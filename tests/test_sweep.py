@@ -265,7 +265,7 @@ def test_a_value_of_the_command_line_is_the_number_that_a_file_would_give():
         ({"shape": "c1", "friction.granule": [0, -0.0]}, "twice; list each once"),
         ({"shape": "c1", "gravity": [0], "friction.wall": [1], "friction_wall": {"a": {"box_width": 0.01}}}, "two dimensions named friction_wall"),
         ({"shape": "c1", "friction_wall": {"a": {"friction.wall": 0.1}}}, "has the dimension friction_wall and the value friction.wall, which have one name in files; rename the dimension"),
-        ({"blocks": {"chunks": {"shape": "c1"}}}, "it must be no folder of results"),
+        ({"blocks": {"flow": {"shape": "c1"}}}, "it must be no folder of results"),
         ({"blocks": {"a": {"shape": "c1"}, "b": {"needs": "a", "shape": "c1", "s": {"x": {"packing.fraction": {"derive": "equal_load", "friction": 0.3}}}}}}, "leave friction out"),
         ({"blocks": {"a": {"shape": "c1", "needs": "b"}}}, "it must be a block before it"),
         ({"blocks": {"a": {"shape": "c1"}}, "shape": "c1"}, "has blocks and shape"),
