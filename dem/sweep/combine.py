@@ -84,7 +84,7 @@ def combine(
         if left:
             missing = next(run for run in block.runs if run.replicate.id in left).replicate
             raise InputError(f"{missing.words()} is in none of the {len(paths)} files; run again.")
-        _check(sweep, block, failed)
+        _check(sweep, block, sorted(failed))
         if sweep.failures:
             for place, flag, _ in failed:
                 file.variables["failure"][place] = flag
