@@ -342,7 +342,7 @@ def test_a_stopped_command_says_one_sentence(tmp_path, verb, asked):
     """Of a job that ignores signals until it can answer, as the workflow starts its jobs."""
     command = [sys.executable, "-m", "dem", verb, "--config", CONFIG / "smoke.yaml", "--shape", "c1", "--seed", "1",
                "-o", tmp_path / "out.nc", *(["--density", "3900"] if verb == "simulate" else []),
-               "shapes.c1.granules=1000", "box_width=0.03"]  # so that it lasts  # fmt: skip
+               "shapes.c1.granules=10000", "box_width=0.1"]  # so that it lasts  # fmt: skip
     process = subprocess.Popen(
         command, stderr=subprocess.PIPE, text=True,
         preexec_fn=lambda: signal.signal(asked, signal.SIG_IGN),
