@@ -431,16 +431,19 @@ rule both:
 
 
 def test_a_workflow_uses_two_sweeps_as_modules(finished, tmp_path):
-    """From another working folder, with Snakemake's own defaults; the second time nothing is made."""
+    """From another working folder, with Snakemake's own defaults; nothing is made twice, and reported."""
     (tmp_path / "Snakefile").write_text(MODULES.format(finished))
-    for words in ("3 of 3 steps", "Nothing to be done"):
+    for options, words in (
+        (["-j2"], "steps (100%) done"),
+        (["-j2"], "Nothing to be done"),
+        (["--report", "report.html"], "Report created"),
+    ):
         run = subprocess.run(
-            [sys.executable, "-m", "snakemake", "-j2"], cwd=tmp_path, text=True, capture_output=True,
+            [sys.executable, "-m", "snakemake", *options], cwd=tmp_path, text=True, capture_output=True,
             env=environment(finished),
         )  # fmt: skip
-        assert run.returncode == 0, run.stdout + run.stderr
-        if words.startswith("Nothing"):
-            assert words in run.stdout + run.stderr
+        assert run.returncode == 0 and words in run.stdout + run.stderr, run.stdout + run.stderr
+    assert FIGURES["figure13"].caption in (tmp_path / "report.html").read_text()
     one, whole = (
         contents(path / "drag.nc")
         for path in (tmp_path / "a/results/one", finished / "results/smoke")
