@@ -136,6 +136,11 @@ def kill(process: subprocess.Popen) -> None:
     """SIGKILL to the whole group; ends when none of it lives."""
     os.killpg(process.pid, signal.SIGKILL)
     process.wait()
+    wait_for_group(process)
+
+
+def wait_for_group(process: subprocess.Popen) -> None:
+    """Wait until none of what a process started lives."""
     while subprocess.run(["pgrep", "-g", str(process.pid)], capture_output=True).stdout:
         time.sleep(0.01)
 
@@ -305,6 +310,23 @@ def two_at_once(place: Place) -> str:
     return f"{said}\n    {same_as_whole(place, 'twice')}"
 
 
+def alone(place: Place) -> str:
+    """Snakemake killed without its jobs: what these finish is not made again."""
+    config, log = place.sweep("alone"), place.folder / "alone.log"
+    place.forget()
+    with log.open("w") as out:
+        process = place.start([*WORKFLOW, config], out)
+        assert wait_for("Simulate", log, process)
+        process.kill()
+        process.wait()
+    wait_for_group(process)
+    before = finished(place.store)
+    place.finish("alone")
+    remade = sum(finished(place.store)[path] != stamp for path, stamp in before.items())
+    assert before and not remade, f"{remade} of {len(before)} batches are made again"
+    return f"{len(before)} batches ended without it, none is made again\n    {same_as_whole(place, 'alone')}"
+
+
 def interrupted(place: Place) -> str:
     """Ctrl-C, which a terminal sends to the whole group, at several moments of the jobs."""
     config, log = place.sweep("interrupted"), place.folder / "interrupted.log"
@@ -320,7 +342,7 @@ def interrupted(place: Place) -> str:
         said = log.read_text()
         assert "Traceback" not in said, said
         assert not list(place.results("interrupted").rglob(".*.part"))
-        told += [line for line in said.splitlines() if "What is finished" in line]
+        told += [line for line in said.splitlines() if "run the same command to go on" in line]
     assert len(told) == 4, said
     place.finish("interrupted")
     return f"{told[0]}\n    {same_as_whole(place, 'interrupted')}"
@@ -385,7 +407,7 @@ def read_only(place: Place) -> str:
 
 
 FAULTS = (
-    two_at_once, interrupted, truncated, foreign, disk_full, disk_full_everywhere,
+    two_at_once, alone, interrupted, truncated, foreign, disk_full, disk_full_everywhere,
     read_only,
 )  # fmt: skip
 
