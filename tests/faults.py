@@ -316,7 +316,9 @@ def alone(place: Place) -> str:
     place.forget()
     with log.open("w") as out:
         process = place.start([*WORKFLOW, config], out)
-        assert wait_for("Simulate", log, process)
+        while not list((place.results("alone") / "logs/batches").glob("*.log")):
+            assert process.poll() is None, log.read_text()
+            time.sleep(0.05)
         process.kill()
         process.wait()
     wait_for_group(process)

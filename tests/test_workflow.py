@@ -303,8 +303,10 @@ def test_what_jobs_finish_after_snakemake_is_killed_is_kept(finished):
         [sys.executable, "-m", "snakemake", target, "-j2", "--configfile", "config/alone.yaml"],
         cwd=finished, env=environment(finished), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
     )  # fmt: skip
-    while b"Simulate" not in victim.stderr.readline():
+    logs = finished / "results/alone/logs/batches"
+    while not list(logs.glob("*.log")):  # until a job has begun
         assert victim.poll() is None
+        time.sleep(0.05)
     victim.kill()
     victim.wait()
     victim.stderr.read()  # until its jobs have ended, which have it too
