@@ -1,6 +1,6 @@
 """Processor time and memory of planning, combining and drawing thousands of runs on one computer.
 
-    python tests/ensembles.py 100 1000 10000 -o docs/data/ensembles.nc
+    python tests/ensembles.py 100 1000 10000 100000 -o docs/data/ensembles.nc
 
 One smoke run is simulated; the batches of the others hold it over and over, under their names, so that
 it is the files that are measured. Each command runs in a process of its own; memory is its peak.
