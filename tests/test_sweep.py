@@ -410,6 +410,15 @@ def test_chunks_are_filled_and_runs_of_one_bed_stay_together(tmp_path):
         assert [len(chunk.runs) for chunk in chunks] == runs
 
 
+def test_a_sweep_keeps_to_its_batches_while_another_makes_their_runs():
+    """All its jobs find the same ones, however many the other puts together."""
+    runs = list(small({"shape": "c1", "seed": [1, 2, 3, 4]}).block("drag").unique())
+    mine, _ = stores.plan((), runs, 1, "results/mine")
+    others, _ = stores.plan((), runs, 4, "results/other")
+    found, new = stores.plan(others + mine, runs, 1, "results/mine")
+    assert set(found) == set(mine) and not new
+
+
 # What is there is not made again
 
 
