@@ -84,8 +84,9 @@ def batches_in(folder):
 def keep_whole(files):
     """Let batches be kept whose jobs ended when Snakemake did not live any more: it would take them for
     half-written, delete them and make their runs again."""
-    for file in (IOFile(str(path)) for path in files if path.exists()):
-        if workflow.persistence.metadata(file) is None:
+    for path in filter(Path.exists, files):
+        noted = workflow.persistence.metadata(file := IOFile(str(path)))
+        if noted is None or noted.endtime < path.stat().st_mtime:
             workflow.persistence.cleanup_metadata(file)
 
 
