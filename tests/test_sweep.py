@@ -30,7 +30,7 @@ from dem.sweep.axis import changes_of_words
 from dem.sweep.campaign import Campaign
 from dem.sweep.combine import about, combine
 from dem.sweep.config import load, merged, parse, save
-from dem.sweep.prune import prune
+from dem.sweep.prune import prune, sweeps
 from dem.sweep.units import unusual
 
 FEW = {"c1": {"kind": "disc", "diameter": 1092e-6, "granules": 30}}
@@ -538,6 +538,21 @@ def test_prune_removes_what_no_sweep_needs(tmp_path, monkeypatch):
     assert combined(left, combine)["drag"].shape == (1, 1, 1, 8)
     (combine / "config.yaml").unlink()
     assert all(path.suffix == ".npz" for path in prune(left.store)[0])  # drag.nc names its runs
+
+
+def test_prune_leaves_the_plans_of_a_sweep_that_starts_meanwhile(tmp_path, monkeypatch):
+    """Of which it does not know when it has looked at all folders."""
+    monkeypatch.chdir(tmp_path)
+    work = done(small({"shape": "c1"}), tmp_path)
+    late = Campaign(small({"shape": "c1", "seed": [9]}, results="results/late"), work.store)
+
+    def looked(store):
+        yield from sweeps(store)
+        late.begin("drag")
+
+    monkeypatch.setattr("dem.sweep.prune.sweeps", looked)
+    assert prune(work.store) == ([], 0)
+    assert all(work.store.plan_of(each.id).is_file() for each in late.batches("drag"))
 
 
 # The store, when something is wrong with it
