@@ -331,6 +331,8 @@ def shared(place: Place) -> str:
     made = twice = 0
     for command in (WORKFLOW, SWEEP):
         place.forget()
+        for name in ("one", "other"):
+            shutil.rmtree(place.results(name), ignore_errors=True)
         with (place.folder / "shared.log").open("w") as log:
             both = [
                 place.start([*by, place.sweep(name, batch=size)], log)
