@@ -411,9 +411,9 @@ def alone(place: Place) -> str:
 def interrupted(place: Place) -> str:
     """Ctrl-C, which a terminal sends to the whole group, at several moments of the jobs."""
     config, log = place.sweep("interrupted"), place.folder / "interrupted.log"
-    place.forget()
     told = []
     for delay in (0.0, 0.2, 0.5, 1.0):
+        place.forget()  # else all may be there before the last
         with log.open("w") as out:
             process = place.start([*WORKFLOW, config], out)
             assert wait_for("Simulate", log, process)
