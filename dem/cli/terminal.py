@@ -85,14 +85,12 @@ def places(hints: dict, values: dict) -> tuple[list[Place], list[Place]]:
     """Paths that a verb writes and those that it reads, by its annotations and values."""
     targets, sources = [], []
     for name, value in values.items():
-        paths = value if isinstance(value, list) else [value]
         marks = getattr(hints.get(name), "__metadata__", ())
         writes = next((mark for mark in marks if isinstance(mark, Writes)), None)
-        for path in paths:
-            if isinstance(path, Path) and writes is None:
-                sources.append(Place(name, path))
-            elif isinstance(path, Path):
-                targets.append(Place(name, path, writes.kind))
+        for path in value if isinstance(value, list) else [value]:
+            if isinstance(path, Path):
+                place = Place(name, path, writes.kind if writes else "")
+                (targets if writes else sources).append(place)
     return targets, sources
 
 

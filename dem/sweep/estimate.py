@@ -114,13 +114,9 @@ def outcome(campaign: Campaign, new: int | None = None, draws: str = "dem figure
     if campaign.sweep.failures:
         combined = map(campaign.first, campaign.sweep.blocks)
         failed = sum(int((read(path, ("failure",))[0]["failure"] != 0).sum()) for path in combined)
-    more = f" and {len(others)} more files in {campaign.sweep.results}" if others else ""
-    many, (_, total) = bool(others), campaign.counts()
-    holds = f"{first}{more} {'hold' if many else 'holds'}"
-    if new == 0:
-        said = f"Nothing was to be made: {holds} all {total} runs"
-    else:
-        said = f"{holds} {total} runs{'' if new is None else f', {new} of them new'}"
+    more = f", as {len(others)} more files in {campaign.sweep.results} do" if others else ""
+    said = f"{first} holds {campaign.counts()[1]} runs{more}"
+    said += "" if new is None else f", {new} of them new"
     said += f"; {failed} of them failed." if failed else "."
     word = shlex.quote(first)
     after = [f"dem info {word}", *([draws.format(word)] if first.endswith("/drag.nc") else [])]
