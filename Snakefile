@@ -6,6 +6,7 @@
     snakemake -j1 benchmark                               time the kernels, beside other codes
     snakemake -j2 accuracy                                error against run time
     snakemake -j2 stability                               stiff and extreme cases
+    snakemake -j2 verification                            known cases against what is expected
     snakemake -j2 claims                                  which of the paper's claims hold
     snakemake -j2 report                                  one page of everything
 

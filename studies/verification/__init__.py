@@ -1,0 +1,1 @@
+"""Verification: known cases of the field, each against a closed form or a published value."""

@@ -1,0 +1,85 @@
+"""Known cases against what is expected."""
+
+import numpy as np
+from rich.table import Table
+
+from dem.analysis.tables import numbers
+from studies.common.findings import Findings, clock
+from studies.verification.row import Row
+
+__all__ = ["verification"]
+
+
+class Verification(Findings):
+    """Known cases of the field, verification.nc."""
+
+    name, command = "verification", "snakemake -j2 verification"
+    needs = "case", "row_case", "row_value", "row_passed"
+
+    def total(self) -> int:
+        """How many numbers are compared."""
+        return self.dataset.sizes["row"]
+
+    def cases(self) -> int:
+        """How many cases there are."""
+        return self.dataset.sizes["case"]
+
+    def failed(self) -> int:
+        """How many numbers are farther off than the tolerance."""
+        return int((self.dataset["row_passed"] == 0).sum())
+
+    def lasts(self) -> str:
+        """Time of all cases, one after another."""
+        return clock(float(self.dataset["case_time"].sum()))
+
+    def rows_of(self, case: str) -> list[Row]:
+        """The numbers of one case."""
+        one = self.dataset.isel(row=np.flatnonzero(self.dataset["row_case"].values == case))
+        columns = (one[f"row_{field}"].values.tolist() for field in Row._fields)
+        return [Row(*each) for each in zip(*columns, strict=True)]
+
+    def title_of(self, case: str) -> str:
+        """What a case is about."""
+        return str(self.dataset["case_title"].values[self.dataset["case"].values == case][0])
+
+    def overview(self) -> Table:
+        """By case: how many numbers are compared, how many pass, and the largest error over its tolerance."""
+        made = numbers(
+            "case", "source", "numbers", "passed", "largest error over tolerance", words=2
+        )
+        for name, source in zip(
+            self.dataset["case"].values, self.dataset["case_source"].values, strict=True
+        ):
+            rows = self.rows_of(name)
+            worst = max(abs(row.value - row.expected) / row.tolerance for row in rows)
+            passed = str(sum(row.passed for row in rows))
+            made.add_row(self.title_of(name), str(source), str(len(rows)), passed, f"{worst:.2g}")
+        return made
+
+    def rows(self) -> Table:
+        """Every number."""
+        heads = (
+            "case",
+            "quantity",
+            "at",
+            "value",
+            "expected",
+            "error",
+            "tolerance",
+            "units",
+            "verdict",
+        )
+        made = numbers(*heads, words=2)
+        for name in self.dataset["case"].values:
+            title = self.title_of(name)
+            for row in self.rows_of(name):
+                made.add_row(
+                    title, row.name, "" if np.isnan(row.x) else f"{row.x:.4g}", f"{row.value:.6g}",
+                    f"{row.expected:.6g}", f"{row.value - row.expected:.1e}", f"{row.tolerance:.1e}",
+                    row.units, "passed" if row.passed else "FAILED",
+                )  # fmt: skip
+                title = ""
+        return made
+
+
+verification = Verification()
