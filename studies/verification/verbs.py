@@ -28,8 +28,8 @@ def check(
 ):
     """Run cases and print every number of them; the status is 1 if one fails."""
     import xarray as xr
-    from rich.console import Console
 
+    from dem.cli.show import print_or_write
     from studies.verification.cases import NAMES
     from studies.verification.findings import verification
     from studies.verification.layout import VARIABLES
@@ -42,5 +42,5 @@ def check(
     found = verification.of(
         xr.Dataset({name: (VARIABLES[name][0], each) for name, each in values.items()})
     )
-    Console().print(found.rows())
+    print_or_write(found.rows(), None)
     raise typer.Exit(int(found.failed() > 0))

@@ -12,7 +12,6 @@ time. In all: 4 d / r of a speed; 4 d / r + (4 mu d / v0 + 2 steps) / time of th
 import numpy as np
 
 import dem
-
 from studies.verification.row import Row, named
 from studies.verification.scenes import LEAST_RATIO, G, Sphere, hertz, scene
 
