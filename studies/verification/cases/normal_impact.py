@@ -1,0 +1,79 @@
+"""Do head-on elastic impacts follow Hertz: greatest overlap, greatest force, duration, speed afterwards?
+
+Overlap d = (15 m* v^2 / (16 E* sqrt(R*)))^(2/5), force 4/3 E* sqrt(R*) d^1.5, duration 2.9432 d / v, for the
+materials and speeds of Chung and Ooi's tests 1 (two spheres) and 2 (a sphere and a rigid plane), as other codes
+repeat them (Yade's examples). The spheres move in a plane, which changes nothing head-on.
+
+Tolerance: a frame lasts 1/500 of the impact and bounds the step: 0.16 (2.94 / 500)^2 by the scenes' bound. The sampled
+peak misses at most 2.94^2 1.25 / 2 of 1/1000^2. Twice the sum; forces follow the 3/2 power of the overlap, and are
+means over a frame: twice that.
+"""
+
+import numpy as np
+
+import dem
+from studies.verification.row import Row
+from studies.verification.scenes import Sphere, hertz, on_floor, scene
+
+TITLE = "Hertz: overlap, force, duration"
+SOURCE = "Hertz (1882); Chung and Ooi (2011), tests 1 and 2"
+FRAMES = 600  # over 1.2 durations
+PAIRS = {"glass": (2800.0, 4.8e10, 0.20), "limestone": (2500.0, 2.0e10, 0.25)}
+PLANES = {"aluminium alloy": (2699.0, 7.0e10, 0.30), "magnesium alloy": (1800.0, 4.0e10, 0.35)}
+NEAR = 2.0 * (0.16 * (2.94 / 500.0) ** 2 + 5.4e-6)
+
+
+def measure() -> list[Row]:
+    rows = []
+    for name, material in PAIRS.items():
+        material = dem.Material(*material, 1.0)
+        radius, speed = 0.01, 10.0
+        made = scene(Sphere([radius, radius]), material)
+        scales = hertz(material, 2, 0.5 * radius, 0.5 * made.mass[0], 2.0 * speed)
+        state = dem.State([[-radius, 1.0], [radius, 1.0]], [[speed, 0.0], [-speed, 0.0]])
+        run = dem.simulate(made, state, 1.2 * scales.duration, frames=FRAMES)
+        overlap = 2.0 * radius - np.diff(run.position[:, :, 0], axis=1)[:, 0]
+        force = -made.mass[0] * np.diff(run.velocity[:, 0, 0]) / np.diff(run.time)
+        rows += compared(
+            f"two spheres of {name}", scales, run, overlap, force, -run.velocity[-1, 0, 0] / speed
+        )
+    for name, material in PLANES.items():
+        scales, run = on_floor(
+            Sphere, 0.1, dem.Material(*material, 1.0), (0.0, -0.2), frames=FRAMES, lasts=1.2
+        )
+        overlap = 0.1 - run.position[:, 0, 1]
+        rows += compared(
+            f"{name} on a plane",
+            scales,
+            run,
+            overlap,
+            run.wall_force[1:, 0],
+            run.velocity[-1, 0, 1] / 0.2,
+        )
+    return rows
+
+
+def compared(name, scales, run, overlap, force, speed) -> list[Row]:
+    """What came out beside Hertz's scales."""
+    last = np.flatnonzero(overlap > 0.0)[-1]
+    over = run.time[last] + np.diff(run.time)[0] * overlap[last] / (
+        overlap[last] - overlap[last + 1]
+    )
+    return [
+        Row(f"{name}: greatest overlap", "m", overlap.max(), scales.overlap, NEAR * scales.overlap),
+        Row(f"{name}: greatest force", "N", force.max(), scales.force, 2.0 * NEAR * scales.force),
+        Row(f"{name}: duration", "s", over, scales.duration, NEAR * scales.duration),
+        Row(f"{name}: speed afterwards over before", "1", speed, 1.0, NEAR),
+    ]  # fmt: skip
+
+
+def plot(axes, rows: list[Row]) -> None:
+    error = [abs(row.value / row.expected - 1.0) for row in rows]
+    allowed = [row.tolerance / row.expected for row in rows]
+    y = np.arange(len(rows))
+    axes.semilogx(error, y, "o", color="0.2", label="relative error")
+    axes.semilogx(allowed, y, "|", color="black", markersize=9, label="tolerance")
+    axes.set_yticks(y, [row.name.replace(": ", ":\n") for row in rows], fontsize=5)
+    axes.set_xlabel("Error over expected value")
+    axes.invert_yaxis()
+    axes.legend(fontsize=8)
