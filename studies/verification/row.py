@@ -1,4 +1,4 @@
-"""One number of a case beside what it must be."""
+"""One number of a case beside what it must be, and how such numbers are drawn."""
 
 import math
 from typing import NamedTuple
@@ -26,3 +26,15 @@ class Row(NamedTuple):
 def named(rows: list[Row], name: str) -> list[Row]:
     """The rows of one name, to draw them over x."""
     return [row for row in rows if row.name == name]
+
+
+def draw(axes, rows: list[Row], labels: dict[str, str], **limits) -> None:
+    """Rows by name over x: what is expected as lines, what came out as marks; labels: by name, for the legend."""
+    for (name, label), marker in zip(labels.items(), "os^Dv", strict=False):
+        found = named(rows, name)
+        x = [row.x for row in found]
+        line = axes.plot(x, [row.expected for row in found], "-", linewidth=1.0)[0]
+        values, look = [row.value for row in found], {"color": line.get_color(), "markersize": 5.0}
+        axes.plot(x, values, marker, label=label, **look)
+    axes.set(**limits)
+    axes.legend(fontsize=8)

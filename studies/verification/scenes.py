@@ -15,6 +15,12 @@ from studies.verification.contact_law import damping_ratio
 
 FLOOR = ((0.0, -1.0, 0.0),)
 G = 9.81  # m/s2
+FRAMES = (
+    600  # of what is sampled, over 1.2 durations of an impact: a frame and its step are 1/500 of it
+)
+# Relative error of a greatest overlap that is sampled so: the step's, see `returned_within`, and a peak between two
+# frames; twice their sum.
+SAMPLED = 2.0 * (0.16 * (2.94 / 500.0) ** 2 + 0.5 * 1.25 * (2.94 / 1000.0) ** 2)
 FINE = 0.05  # step fraction, a tenth of the default: a collision takes a hundred steps
 
 
@@ -47,29 +53,36 @@ def scene(shape, material=None, friction=0.0, gravity=(0.0, 0.0), walls=FLOOR, *
     )  # fmt: skip
 
 
-class Hertz(NamedTuple):
-    """Scales of an elastic impact: k (N m^-1.5), G* (Pa), greatest overlap (m), force (N) and duration (s)."""
+def hertz(material, elastic: int, radius: float) -> float:
+    """k (N m^-1.5) of the force k overlap^1.5 of one elastic body on a rigid one, or of two alike; radius: R* (m)."""
+    modulus = material.young_modulus / (1.0 - material.poisson_ratio**2)
+    return 4.0 / 3.0 * modulus / elastic * math.sqrt(radius)
+
+
+def mindlin(material, elastic: int, radius: float) -> float:
+    """8 G* sqrt(R*) (N m^-1.5) of the same: over the square root of the overlap, the tangential stiffness."""
+    nu = material.poisson_ratio
+    return 4.0 * material.young_modulus / ((2.0 - nu) * (1.0 + nu)) / elastic * math.sqrt(radius)
+
+
+class Impact(NamedTuple):
+    """Scales of an elastic head-on impact: stiffness, greatest overlap (m), greatest force (N), duration (s)."""
 
     stiffness: float
-    shear: float
     overlap: float
     force: float
     duration: float
 
 
-def hertz(material, elastic: int, radius: float, mass: float, speed: float) -> Hertz:
-    """Of one elastic body on a rigid one, or of two alike; radius, mass: R* (m) and m* (kg)."""
-    nu, e = material.poisson_ratio, material.young_modulus
-    modulus, shear = e / (1.0 - nu**2), 0.5 * e / ((2.0 - nu) * (1.0 + nu))
-    stiffness = 4.0 / 3.0 * modulus / elastic * math.sqrt(radius)
+def impact(material, elastic: int, radius: float, mass: float, speed: float) -> Impact:
+    """Hertz's, see `hertz`; mass: m* (kg)."""
+    stiffness = hertz(material, elastic, radius)
     overlap = (1.25 * mass * speed**2 / stiffness) ** 0.4
     lasts = 0.8 * math.sqrt(math.pi) * math.gamma(0.4) / math.gamma(0.9)  # 2.9432
-    return Hertz(
-        stiffness, shear / elastic, overlap, stiffness * overlap**1.5, lasts * overlap / speed
-    )
+    return Impact(stiffness, overlap, stiffness * overlap**1.5, lasts * overlap / speed)
 
 
-def returned_within(e: float, speed: float, scales: Hertz, step: float) -> float:
+def returned_within(e: float, speed: float, scales: Impact, step: float) -> float:
     """How far from e an impact may return, by its time step (s).
 
     With h = v step / overlap: the sum over steps of a dashpot that begins as overlap^(1/4) is wrong by up to
@@ -85,7 +98,7 @@ def on_floor(
 ):
     """One granule that touches the floor and moves into it, through the impact: Hertz's scales and the run."""
     made = scene(kind([radius]), material, friction)
-    scales = hertz(material, 1, radius, made.mass[0], -velocity[1])
+    scales = impact(material, 1, radius, made.mass[0], -velocity[1])
     state = dem.State([[0.0, radius]], [velocity], angular_velocity=[spin])
     run = dem.simulate(made, state, lasts * scales.duration, frames=frames, step_fraction=fraction)
     return scales, run

@@ -10,7 +10,7 @@ Tolerance: the lever is shorter than the radius by half of the overlap d: 2 d / 
 import math
 
 import dem
-from studies.verification.row import Row, named
+from studies.verification.row import Row, draw
 from studies.verification.scenes import RATIO, G, Sphere, hertz, scene
 
 TITLE = "A granule on an incline"
@@ -30,7 +30,7 @@ def released(kind, slope: float):
     angle = math.atan(slope * ratio * FRICTION)
     down, press = G * math.sin(angle), G * math.cos(angle)
     made = scene(kind([RADIUS]), MATERIAL, FRICTION, (down, -press))
-    stiffness = hertz(MATERIAL, 1, RADIUS, made.mass[0], 1.0).stiffness
+    stiffness = hertz(MATERIAL, 1, RADIUS)
     overlap = (made.mass[0] * press / stiffness) ** (2.0 / 3.0)
     run = dem.simulate(made, dem.State([[0.0, RADIUS - overlap]]), 0.02, frames=4)
     lasts = (run.time[-1] - run.time[1]) * down
@@ -43,16 +43,12 @@ def released(kind, slope: float):
 
 
 def plot(axes, rows: list[Row]) -> None:
-    for name, marker in zip(dict.fromkeys(row.name for row in rows), "os^D", strict=True):
-        found = named(rows, name)
-        line = axes.plot([r.x for r in found], [r.expected for r in found], "-", linewidth=1.0)[0]
-        axes.plot(
-            [r.x for r in found],
-            [r.value for r in found],
-            marker,
-            color=line.get_color(),
-            markersize=5,
-            label=name,
-        )
-    axes.set(xlabel="tan(angle) over the limit of rolling", ylabel="Acceleration over g sin")
-    axes.legend(fontsize=7)
+    labels = {row.name: row.name for row in rows}
+    draw(
+        axes,
+        rows,
+        labels,
+        xlabel="tan(angle) over the limit of rolling",
+        ylabel="Over g sin(angle)",
+        ylim=(0.1, 1.4),
+    )

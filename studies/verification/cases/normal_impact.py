@@ -13,14 +13,12 @@ import numpy as np
 
 import dem
 from studies.verification.row import Row
-from studies.verification.scenes import Sphere, hertz, on_floor, scene
+from studies.verification.scenes import FRAMES, SAMPLED, Sphere, impact, on_floor, scene
 
 TITLE = "Hertz: overlap, force, duration"
 SOURCE = "Hertz (1882); Chung and Ooi (2011), tests 1 and 2"
-FRAMES = 600  # over 1.2 durations
 PAIRS = {"glass": (2800.0, 4.8e10, 0.20), "limestone": (2500.0, 2.0e10, 0.25)}
 PLANES = {"aluminium alloy": (2699.0, 7.0e10, 0.30), "magnesium alloy": (1800.0, 4.0e10, 0.35)}
-NEAR = 2.0 * (0.16 * (2.94 / 500.0) ** 2 + 5.4e-6)
 
 
 def measure() -> list[Row]:
@@ -29,7 +27,7 @@ def measure() -> list[Row]:
         material = dem.Material(*material, 1.0)
         radius, speed = 0.01, 10.0
         made = scene(Sphere([radius, radius]), material)
-        scales = hertz(material, 2, 0.5 * radius, 0.5 * made.mass[0], 2.0 * speed)
+        scales = impact(material, 2, 0.5 * radius, 0.5 * made.mass[0], 2.0 * speed)
         state = dem.State([[-radius, 1.0], [radius, 1.0]], [[speed, 0.0], [-speed, 0.0]])
         run = dem.simulate(made, state, 1.2 * scales.duration, frames=FRAMES)
         overlap = 2.0 * radius - np.diff(run.position[:, :, 0], axis=1)[:, 0]
@@ -60,10 +58,10 @@ def compared(name, scales, run, overlap, force, speed) -> list[Row]:
         overlap[last] - overlap[last + 1]
     )
     return [
-        Row(f"{name}: greatest overlap", "m", overlap.max(), scales.overlap, NEAR * scales.overlap),
-        Row(f"{name}: greatest force", "N", force.max(), scales.force, 2.0 * NEAR * scales.force),
-        Row(f"{name}: duration", "s", over, scales.duration, NEAR * scales.duration),
-        Row(f"{name}: speed afterwards over before", "1", speed, 1.0, NEAR),
+        Row(f"{name}: greatest overlap", "m", overlap.max(), scales.overlap, SAMPLED * scales.overlap),
+        Row(f"{name}: greatest force", "N", force.max(), scales.force, 2.0 * SAMPLED * scales.force),
+        Row(f"{name}: duration", "s", over, scales.duration, SAMPLED * scales.duration),
+        Row(f"{name}: speed afterwards over before", "1", speed, 1.0, SAMPLED),
     ]  # fmt: skip
 
 

@@ -19,8 +19,8 @@ import numpy as np
 
 import dem
 from studies.verification.contact_law import Contact, damping_ratio
-from studies.verification.row import Row, named
-from studies.verification.scenes import RATIO, Sphere, on_floor, returned_within, scene
+from studies.verification.row import Row, draw
+from studies.verification.scenes import RATIO, Sphere, mindlin, on_floor, returned_within, scene
 
 TITLE = "Oblique impact with friction"
 SOURCE = "Walton (1993); MFiX DEM05; Chung and Ooi (2011), tests 4 and 5; own ODE"
@@ -72,7 +72,7 @@ def returned(name, kind, radius, material, friction, velocities):
         if along / unit < ratio:
             law = Contact(
                 mass, mass * radius**2 / (ratio - 1.0), radius, scales.stiffness,
-                8.0 * scales.shear * math.sqrt(radius), damping_ratio(e), friction,
+                mindlin(made, 1, radius), damping_ratio(e), friction,
             )  # fmt: skip
             after, _, spins = law.collide((along, down), 0.0)
             impulse, spin = (along - after) / unit, spins * radius / unit
@@ -85,14 +85,8 @@ def returned(name, kind, radius, material, friction, velocities):
 
 
 def plot(axes, rows: list[Row]) -> None:
-    for name, marker in zip(("disc", "sphere, test 4", "sphere, test 5"), "os^", strict=True):
-        found = named(rows, f"{name}: impulse")
-        x = np.array([row.x for row in found])
-        line = axes.plot(x, [row.expected for row in found], "-", linewidth=1.0)[0]
-        axes.plot(x, [row.value for row in found], marker, color=line.get_color(), label=name)
-    axes.set(
-        xlabel="v_t / v_n over the limit of gross sliding",
-        ylabel="Tangential impulse\nover mu times the normal one",
-        xscale="log",
+    labels = {f"{each[0]}: impulse": each[0] for each in impacts()}
+    words = "Tangential impulse over\nmu times the normal one"
+    draw(
+        axes, rows, labels, xlabel="v_t / v_n over the limit of sliding", ylabel=words, xscale="log"
     )
-    axes.legend(fontsize=8)

@@ -12,12 +12,10 @@ turn. The restitution as `returned_within`, by the smaller mass.
 
 import math
 
-import numpy as np
-
 import dem
 from studies.verification.contact_law import damping_ratio, restitution
-from studies.verification.row import Row, named
-from studies.verification.scenes import FINE, hertz, returned_within, scene
+from studies.verification.row import Row, draw
+from studies.verification.scenes import FINE, impact, returned_within, scene
 
 TITLE = "Impact off the centre"
 SOURCE = "impulse of a rigid body; Schwager and Poeschel (2007)"
@@ -47,7 +45,7 @@ def fallen(shape, e: float, angle: float):
     height, lever = support(type(shape), math.radians(angle))
     mass, inertia = made.mass[0], made.inertia[0]
     resists = mass / (1.0 + mass * lever**2 / inertia)
-    scales = hertz(made.material, 1, shape.constituent_radius[0], mass, SPEED)
+    scales = impact(made.material, 1, shape.constituent_radius[0], mass, SPEED)
     state = dem.State([[0.0, height]], [[0.0, -SPEED]], angle=[math.radians(angle)])
     run = dem.simulate(made, state, 2.0 * scales.duration, step_fraction=FINE)
     back = restitution(damping_ratio(e) * math.sqrt(mass / resists)) if e < 1.0 else 1.0
@@ -64,21 +62,7 @@ def fallen(shape, e: float, angle: float):
 
 
 def plot(axes, rows: list[Row]) -> None:
-    names = [name for name in dict.fromkeys(row.name for row in rows) if name.endswith("before")]
-    for name, marker in zip(names, "osD^", strict=True):
-        found = named(rows, name)
-        x = np.array([row.x for row in found])
-        line = axes.plot(x, [row.expected for row in found], "-", linewidth=1.0)[0]
-        axes.plot(
-            x,
-            [row.value for row in found],
-            marker,
-            color=line.get_color(),
-            markersize=5,
-            label=name.partition(":")[0],
-        )
-    axes.set(
-        xlabel="Angle of the long axis to the floor (degrees)",
-        ylabel="Velocity afterwards\nover that before",
-    )
-    axes.legend(fontsize=7)
+    names = [name for name in dict.fromkeys(row.name for row in rows) if "velocity" in name]
+    labels = {name: name.partition(":")[0] for name in names}
+    words = "Velocity afterwards\nover that before"
+    draw(axes, rows, labels, xlabel="Angle of the long axis to the floor (degrees)", ylabel=words)

@@ -13,7 +13,7 @@ of about mu d, and unloads within another, and two steps are its resolution: (4 
 import numpy as np
 
 import dem
-from studies.verification.row import Row, named
+from studies.verification.row import Row, draw
 from studies.verification.scenes import RATIO, G, Sphere, hertz, scene
 
 TITLE = "Slip to roll on a floor"
@@ -35,7 +35,7 @@ def measure() -> list[Row]:
 def thrown(kind, friction: float) -> list[Row]:
     """How long a granule slips, and how fast it rolls."""
     made = scene(kind([RADIUS]), MATERIAL, friction, (0.0, -G))
-    stiffness = hertz(MATERIAL, 1, RADIUS, made.mass[0], SPEED).stiffness
+    stiffness = hertz(MATERIAL, 1, RADIUS)
     overlap = (made.mass[0] * G / stiffness) ** (2.0 / 3.0)
     state = dem.State([[0.0, RADIUS - overlap]], [[SPEED, 0.0]])
     near, name = overlap / RADIUS, kind.__name__.lower()
@@ -56,9 +56,6 @@ def thrown(kind, friction: float) -> list[Row]:
 
 
 def plot(axes, rows: list[Row]) -> None:
-    for name, marker in zip(dict.fromkeys(row.name for row in rows), "os^D", strict=True):
-        found = named(rows, name)
-        axes.plot([r.x for r in found], [r.value for r in found], marker, color="0.2", label=name)
-        axes.axhline(found[0].expected, color="0.5", linewidth=1.0, zorder=0)
-    axes.set(xlabel="Coefficient of friction", ylabel="Time, speed (scaled)", ylim=(0.2, 1.3))
-    axes.legend(fontsize=8)
+    labels = {row.name: row.name for row in rows}
+    words = {"xlabel": "Coefficient of friction", "ylabel": "Time, speed (scaled)"}
+    draw(axes, rows, labels, ylim=(0.2, 1.3), **words)

@@ -8,12 +8,10 @@ other codes repeat them (PySPH). Above 3.5 mu (1 + e) v_n / r = 4.2 rad/s the sp
 Tolerance: as in `oblique`; the lever of a contact is shorter than the radius by half of the overlap.
 """
 
-import math
-
 import dem
 from studies.verification.contact_law import Contact, damping_ratio
-from studies.verification.row import Row, named
-from studies.verification.scenes import FINE, Sphere, hertz, returned_within, scene
+from studies.verification.row import Row, draw
+from studies.verification.scenes import FINE, Sphere, impact, mindlin, returned_within, scene
 
 TITLE = "Spinning spheres"
 SOURCE = "Chung and Ooi (2011), tests 6, 7 and 8; own ODE"
@@ -45,7 +43,7 @@ def hit(name, material, partner, spin):
         place = [[0.0, HIGH + 6.0 * RADIUS]]
     seen = scene(Sphere(count * [RADIUS]), made, FRICTION, **more)
     mass = seen.mass[0]
-    scales = hertz(made, count, curvature, mass / count, count * SPEED)
+    scales = impact(made, count, curvature, mass / count, count * SPEED)
     state = dem.State(place, [[0.0, -SPEED], [0.0, SPEED]][:count], angular_velocity=count * [spin])
     run = dem.simulate(seen, state, 3.0 * scales.duration, step_fraction=FINE)
     slides = FRICTION * (1.0 + RESTITUTION) * SPEED
@@ -55,7 +53,7 @@ def hit(name, material, partner, spin):
     if spin * RADIUS < 3.5 * slides:
         law = Contact(
             mass, 0.4 * mass * RADIUS**2, RADIUS, scales.stiffness,
-            8.0 * scales.shear * math.sqrt(curvature), damping_ratio(RESTITUTION), FRICTION, count,
+            mindlin(made, count, curvature), damping_ratio(RESTITUTION), FRICTION, count,
         )  # fmt: skip
         along, _, turning = law.collide((0.0, -SPEED), spin)
         tolerance = near + 1e-3 * max(1.0, spin * RADIUS / slides)
@@ -66,20 +64,6 @@ def hit(name, material, partner, spin):
 
 
 def plot(axes, rows: list[Row]) -> None:
-    for name, marker in zip(TESTS, "osD^v", strict=True):
-        found = named(rows, f"{name}: velocity")
-        line = axes.plot([r.x for r in found], [-r.expected for r in found], "-", linewidth=1.0)[0]
-        axes.plot(
-            [r.x for r in found],
-            [-r.value for r in found],
-            marker,
-            color=line.get_color(),
-            markersize=5,
-            label=name,
-        )
-    axes.set(
-        xlabel="Spin before (rad/s)",
-        ylabel="Velocity along the plane\nafterwards (m/s)",
-        xscale="log",
-    )
-    axes.legend(fontsize=7)
+    labels = {f"{name}: velocity": name for name in TESTS}
+    words = "Velocity along the plane\nafterwards (m/s)"
+    draw(axes, rows, labels, xlabel="Spin before (rad/s)", ylabel=words, xscale="log")

@@ -17,7 +17,7 @@ from scipy.optimize import root
 
 import dem
 from studies.verification.contact_law import damping_ratio
-from studies.verification.row import Row
+from studies.verification.row import Row, named
 from studies.verification.scenes import FLOOR, G, hertz, scene
 
 TITLE = "Two granules pressed between walls"
@@ -26,75 +26,51 @@ RADII = np.array([5e-3, 8e-3])
 MATERIAL = dem.Material(2500.0, 1e7, 0.22, 0.5)
 LID = 0.98 * 2.0 * RADII.sum()
 START = np.array([0.985 * RADII[0], LID - 0.975 * RADII[1]])
+ERROR = "error after a swing, over the overlap"
 FRACTIONS = (0.4, 0.2, 0.1)
 
 
 def measure() -> list[Row]:
     made = scene(dem.Disc(RADII), MATERIAL, gravity=(0.0, -G), walls=(*FLOOR, (0.0, 1.0, LID)))
     mass, curvature = made.mass, [RADII[0], 1.0 / (1.0 / RADII).sum(), RADII[1]]
-    reduced = [mass[0], 1.0 / (1.0 / mass).sum(), mass[1]]
-    k = np.array(
-        [
-            hertz(MATERIAL, n, r, 1.0, 1.0).stiffness
-            for n, r in zip((1, 2, 1), curvature, strict=True)
-        ]
-    )
-    c = damping_ratio(MATERIAL.restitution) * np.sqrt(5.0 * np.array(reduced) * k)
+    reduced = np.array([mass[0], 1.0 / (1.0 / mass).sum(), mass[1]])
+    k = np.array([hertz(MATERIAL, *each) for each in zip((1, 2, 1), curvature, strict=True)])
+    c = damping_ratio(MATERIAL.restitution) * np.sqrt(5.0 * reduced * k)
 
     def overlaps(y):
         return np.array([RADII[0] - y[0], RADII.sum() - y[1] + y[0], y[1] + RADII[1] - LID])
 
-    def pushes(y, v=(0.0, 0.0)):
-        overlap = overlaps(y)
-        rate = np.array([-v[0], v[0] - v[1], v[1]])
-        return k * overlap**1.5 + c * overlap**0.25 * rate
-
     def pull(t, y):
-        force = pushes(y[:2], y[2:])
-        return [*y[2:], *(-np.diff(force) / mass - G)]
+        overlap, rate = overlaps(y[:2]), np.array([-y[2], y[2] - y[3], y[3]])
+        return [*y[2:], *(-np.diff(k * overlap**1.5 + c * overlap**0.25 * rate) / mass - G)]
 
-    rest = root(lambda y: np.diff(pushes(y)) + mass * G, START, tol=1e-14).x
-    force = pushes(rest)
-    state = dem.State(np.column_stack([[0.0, 0.0], START]))
-    run = dem.simulate(made, state, 0.2, frames=200)
-    last, near = run.position[-1, :, 1], 1e-6 * force[0]
+    rest = overlaps(root(lambda y: pull(0.0, [*y, 0.0, 0.0])[2:], START, tol=1e-14).x)
+    force, start = k * rest**1.5, dem.State(np.column_stack([[0.0, 0.0], START]))
+    run = dem.simulate(made, start, 0.2, frames=200)
+    found, near = overlaps(run.position[-1, :, 1]), 1e-6 * force[0]
+    floor, lid = run.wall_force[-1]
     rows = [
-        Row(f"overlap of the {name}", "m", value, right, 1e-6 * right)
-        for name, value, right in zip(
-            ("floor", "granules", "lid"), overlaps(last), overlaps(rest), strict=True
-        )
+        *(
+            Row(f"overlap {n}, from below", "m", found[n], rest[n], 1e-6 * rest[n])
+            for n in range(3)
+        ),
+        Row("force on the floor", "N", floor, force[0], near),
+        Row("force on the lid", "N", lid, force[2], near),
+        Row("their difference, the weight", "N", floor - lid, mass.sum() * G, near),
     ]
-    rows += [
-        Row("force on the floor", "N", run.wall_force[-1, 0], force[0], near),
-        Row("force on the lid", "N", run.wall_force[-1, 1], force[2], near),
-        Row("their difference", "N", -np.diff(run.wall_force[-1])[0], mass.sum() * G, near),
-    ]
-    time = 2.0 * math.pi * math.sqrt(mass[0] / (3.0 * k[0] * math.sqrt(overlaps(rest)[0])))
-    right = solve_ivp(pull, (0.0, time), [*START, 0.0, 0.0], "DOP853", rtol=1e-12, atol=1e-15).y[
-        :2, -1
-    ]
-    error = []
+    time = 2.0 * math.pi * math.sqrt(mass[0] / (3.0 * k[0] * math.sqrt(rest[0])))
+    exact = solve_ivp(pull, (0.0, time), [*START, 0.0, 0.0], "DOP853", rtol=1e-12, atol=1e-15)
     for fraction in FRACTIONS:
-        run = dem.simulate(made, state, time, step_fraction=fraction)
-        error.append(np.abs(run.position[-1, :, 1] - right).max())
-        rows.append(
-            Row(
-                "error over the overlap",
-                "1",
-                error[-1] / overlaps(rest)[0],
-                0.0,
-                fraction**2,
-                fraction,
-            )
-        )
-    slope = np.polyfit(np.log(FRACTIONS), np.log(error), 1)[0]
+        y = dem.simulate(made, start, time, step_fraction=fraction).position[-1, :, 1]
+        error = np.abs(y - exact.y[:2, -1]).max() / rest[0]
+        rows.append(Row(ERROR, "1", error, 0.0, fraction**2, fraction))
+    slope = np.polyfit(np.log(FRACTIONS), np.log([row.value for row in named(rows, ERROR)]), 1)[0]
     return [*rows, Row("order of the error in the step", "1", slope, 2.0, 0.1)]
 
 
 def plot(axes, rows: list[Row]) -> None:
-    found = [row for row in rows if row.name == "error over the overlap"]
-    x, y = np.array([row.x for row in found]), np.array([row.value for row in found])
-    axes.loglog(x, y, "o", color="0.2", label="error after a swing, over the overlap")
+    x, y = np.array([(row.x, row.value) for row in named(rows, ERROR)]).T
+    axes.loglog(x, y, "o", color="0.2", label=ERROR)
     axes.loglog(x, y[-1] * (x / x[-1]) ** 2, "-", color="0.5", linewidth=1.0, label="order 2")
     axes.set(xlabel="Time step over its bound", ylabel="Error of a position")
     axes.legend(fontsize=8)
