@@ -1,9 +1,12 @@
 """Known cases against what is expected."""
 
+import json
+
 import numpy as np
 from rich.table import Table
 
 from dem.analysis.tables import numbers
+from studies import HERE
 from studies.common.findings import Findings, clock
 from studies.verification.row import Row
 
@@ -80,6 +83,20 @@ class Verification(Findings):
                 )  # fmt: skip
                 title = ""
         return made
+
+    def laws(self) -> Table:
+        """By law that was broken on purpose, and by case of one contact: how many numbers then fail, or the error."""
+        broken = json.loads((HERE / "verification/laws.json").read_text())["laws"]
+        cases = list(dict.fromkeys(case for found in broken.values() for case in found))
+        made = numbers("broken law", *(case.replace("_", " ") for case in cases))
+        for law, found in broken.items():
+            made.add_row(law, *(str(found[case] or "") for case in cases))
+        return made
+
+    def broken(self) -> tuple[int, int]:
+        """How many laws were broken, and how many of them at least one case notices."""
+        laws = json.loads((HERE / "verification/laws.json").read_text())["laws"].values()
+        return len(laws), sum(any(found.values()) for found in laws)
 
 
 verification = Verification()

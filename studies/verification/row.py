@@ -28,13 +28,12 @@ def named(rows: list[Row], name: str) -> list[Row]:
     return [row for row in rows if row.name == name]
 
 
-def draw(axes, rows: list[Row], labels: dict[str, str], **limits) -> None:
-    """Rows by name over x: what is expected as lines, what came out as marks; labels: by name, for the legend."""
+def draw(axes, rows: list[Row], labels: dict[str, str], x: str, y: str, **more) -> None:
+    """Rows by name over x: what is expected as lines, what came out as marks; labels: by name; x, y: of the axes."""
     for (name, label), marker in zip(labels.items(), "os^Dv", strict=False):
         found = named(rows, name)
-        x = [row.x for row in found]
-        line = axes.plot(x, [row.expected for row in found], "-", linewidth=1.0)[0]
-        values, look = [row.value for row in found], {"color": line.get_color(), "markersize": 5.0}
-        axes.plot(x, values, marker, label=label, **look)
-    axes.set(**limits)
+        at, right, value = zip(*((row.x, row.expected, row.value) for row in found), strict=True)
+        line = axes.plot(at, right, "-", linewidth=1.0)[0]
+        axes.plot(at, value, marker, color=line.get_color(), markersize=5.0, label=label)
+    axes.set(xlabel=x, ylabel=y, **more)
     axes.legend(fontsize=8)

@@ -80,12 +80,4 @@ def bounced(e: float):
 
 def plot(axes, rows: list[Row]) -> None:
     labels = {f"{HEIGHTS} {e:g}": f"restitution {e:g}" for e in RESTITUTIONS}
-    draw(
-        axes,
-        rows,
-        labels,
-        xlabel="Bounce",
-        ylabel="Height over the first",
-        yscale="log",
-        xticks=range(1, BOUNCES + 1),
-    )
+    draw(axes, rows, labels, "Bounce", "Height over the first", yscale="log", xticks=(1, 2, 3, 4))

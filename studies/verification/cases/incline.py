@@ -30,8 +30,7 @@ def released(kind, slope: float):
     angle = math.atan(slope * ratio * FRICTION)
     down, press = G * math.sin(angle), G * math.cos(angle)
     made = scene(kind([RADIUS]), MATERIAL, FRICTION, (down, -press))
-    stiffness = hertz(MATERIAL, 1, RADIUS)
-    overlap = (made.mass[0] * press / stiffness) ** (2.0 / 3.0)
+    overlap = (made.mass[0] * press / hertz(MATERIAL, 1, RADIUS)) ** (2.0 / 3.0)
     run = dem.simulate(made, dem.State([[0.0, RADIUS - overlap]]), 0.02, frames=4)
     lasts = (run.time[-1] - run.time[1]) * down
     gains = (run.velocity[-1, 0, 0] - run.velocity[1, 0, 0]) / lasts
@@ -44,11 +43,5 @@ def released(kind, slope: float):
 
 def plot(axes, rows: list[Row]) -> None:
     labels = {row.name: row.name for row in rows}
-    draw(
-        axes,
-        rows,
-        labels,
-        xlabel="tan(angle) over the limit of rolling",
-        ylabel="Over g sin(angle)",
-        ylim=(0.1, 1.4),
-    )
+    words = "tan(angle) over the limit of rolling", "Over g sin(angle)"
+    draw(axes, rows, labels, *words, ylim=(0.1, 1.4))

@@ -22,41 +22,31 @@ PLANES = {"aluminium alloy": (2699.0, 7.0e10, 0.30), "magnesium alloy": (1800.0,
 
 
 def measure() -> list[Row]:
-    rows = []
+    rows, radius, speed = [], 0.01, 10.0
     for name, material in PAIRS.items():
         material = dem.Material(*material, 1.0)
-        radius, speed = 0.01, 10.0
         made = scene(Sphere([radius, radius]), material)
         scales = impact(material, 2, 0.5 * radius, 0.5 * made.mass[0], 2.0 * speed)
         state = dem.State([[-radius, 1.0], [radius, 1.0]], [[speed, 0.0], [-speed, 0.0]])
         run = dem.simulate(made, state, 1.2 * scales.duration, frames=FRAMES)
         overlap = 2.0 * radius - np.diff(run.position[:, :, 0], axis=1)[:, 0]
         force = -made.mass[0] * np.diff(run.velocity[:, 0, 0]) / np.diff(run.time)
-        rows += compared(
-            f"two spheres of {name}", scales, run, overlap, force, -run.velocity[-1, 0, 0] / speed
-        )
+        returned = -run.velocity[-1, 0, 0] / speed
+        rows += compared(f"two spheres of {name}", scales, run.time, overlap, force, returned)
     for name, material in PLANES.items():
-        scales, run = on_floor(
-            Sphere, 0.1, dem.Material(*material, 1.0), (0.0, -0.2), frames=FRAMES, lasts=1.2
-        )
-        overlap = 0.1 - run.position[:, 0, 1]
+        material = dem.Material(*material, 1.0)
+        scales, run = on_floor(Sphere, 0.1, material, (0.0, -0.2), frames=FRAMES, lasts=1.2)
+        overlap, returned = 0.1 - run.position[:, 0, 1], run.velocity[-1, 0, 1] / 0.2
         rows += compared(
-            f"{name} on a plane",
-            scales,
-            run,
-            overlap,
-            run.wall_force[1:, 0],
-            run.velocity[-1, 0, 1] / 0.2,
+            f"{name} on a plane", scales, run.time, overlap, run.wall_force[1:, 0], returned
         )
     return rows
 
 
-def compared(name, scales, run, overlap, force, speed) -> list[Row]:
+def compared(name, scales, time, overlap, force, speed) -> list[Row]:
     """What came out beside Hertz's scales."""
     last = np.flatnonzero(overlap > 0.0)[-1]
-    over = run.time[last] + np.diff(run.time)[0] * overlap[last] / (
-        overlap[last] - overlap[last + 1]
-    )
+    over = np.interp(0.0, -overlap[last : last + 2], time[last : last + 2])
     return [
         Row(f"{name}: greatest overlap", "m", overlap.max(), scales.overlap, SAMPLED * scales.overlap),
         Row(f"{name}: greatest force", "N", force.max(), scales.force, 2.0 * SAMPLED * scales.force),

@@ -54,8 +54,8 @@ def turned() -> Row:
     (x, y), (u, v) = np.moveaxis(run.position, 2, 0), np.moveaxis(run.velocity, 2, 0)
     held = (made.mass * (x * v - y * u) + made.inertia * run.angular_velocity).sum(axis=1)
     moved = made.mass[0] * 2e-3  # the lever of the impact times the momentum before
-    return Row("angular momentum of a pair, change over what the impact moves", "1",
-               (held[-1] - held[0]) / moved, 0.0, 1e-9)  # fmt: skip
+    name = "angular momentum of a pair, change over what the impact moves"
+    return Row(name, "1", (held[-1] - held[0]) / moved, 0.0, 1e-9)
 
 
 def returned(name, kind, radius, material, friction, velocities):
@@ -64,11 +64,8 @@ def returned(name, kind, radius, material, friction, velocities):
     for along, down in velocities:
         scales, run = on_floor(kind, radius, made, (along, down), 0.0, friction)
         unit, mass = -friction * (1.0 + e) * down, run.scene.mass[0]
-        lever, near = (
-            0.5 * scales.overlap / radius,
-            returned_within(e, -down, scales, run.time_step),
-        )
-        impulse, spin, tolerance = 1.0, 1.0 - ratio, near + lever
+        near = returned_within(e, -down, scales, run.time_step)
+        impulse, spin, tolerance = 1.0, 1.0 - ratio, near + 0.5 * scales.overlap / radius
         if along / unit < ratio:
             law = Contact(
                 mass, mass * radius**2 / (ratio - 1.0), radius, scales.stiffness,
@@ -86,7 +83,8 @@ def returned(name, kind, radius, material, friction, velocities):
 
 def plot(axes, rows: list[Row]) -> None:
     labels = {f"{each[0]}: impulse": each[0] for each in impacts()}
-    words = "Tangential impulse over\nmu times the normal one"
-    draw(
-        axes, rows, labels, xlabel="v_t / v_n over the limit of sliding", ylabel=words, xscale="log"
+    words = (
+        "v_t / v_n over the limit of sliding",
+        "Tangential impulse over\nmu times the normal one",
     )
+    draw(axes, rows, labels, *words, xscale="log")

@@ -10,6 +10,7 @@ Tolerance: the granule turns during the contact by up to the spin times its dura
 turn. The restitution as `returned_within`, by the smaller mass.
 """
 
+import itertools
 import math
 
 import dem
@@ -34,9 +35,8 @@ def support(kind, angle: float) -> tuple[float, float]:
 
 def measure() -> list[Row]:
     shapes = dem.Dumbbell([LENGTH]), dem.Ellipse([2.0 * LENGTH], [LENGTH])
-    return [
-        row for shape in shapes for e in (1.0, 0.5) for angle in ANGLES for row in fallen(shape, e, angle)
-    ]  # fmt: skip
+    cases = itertools.product(shapes, (1.0, 0.5), ANGLES)
+    return [row for each in cases for row in fallen(*each)]
 
 
 def fallen(shape, e: float, angle: float):
@@ -53,10 +53,8 @@ def fallen(shape, e: float, angle: float):
     turn = lever * impulse / inertia * scales.duration
     near = returned_within(back, SPEED, scales, run.time_step) + 2.0 * turn
     name = f"{type(shape).__name__.lower()}, restitution {e:g}"
-    value = run.velocity[-1, 0, 1] / SPEED
-    yield Row(
-        f"{name}: velocity over before", "1", value, impulse / mass / SPEED - 1.0, near, angle
-    )
+    value, right = run.velocity[-1, 0, 1] / SPEED, impulse / mass / SPEED - 1.0
+    yield Row(f"{name}: velocity over before", "1", value, right, near, angle)
     value, unit = run.angular_velocity[-1, 0], SPEED / LENGTH
     yield Row(f"{name}: spin", "rad/s", value, -lever * impulse / inertia, near * unit, angle)
 
@@ -64,5 +62,5 @@ def fallen(shape, e: float, angle: float):
 def plot(axes, rows: list[Row]) -> None:
     names = [name for name in dict.fromkeys(row.name for row in rows) if "velocity" in name]
     labels = {name: name.partition(":")[0] for name in names}
-    words = "Velocity afterwards\nover that before"
-    draw(axes, rows, labels, xlabel="Angle of the long axis to the floor (degrees)", ylabel=words)
+    words = "Angle of the long axis to the floor (degrees)", "Velocity afterwards\nover that before"
+    draw(axes, rows, labels, *words)

@@ -25,18 +25,13 @@ FRICTIONS = (0.1, 0.2, 0.3, 0.5, 0.8)
 
 
 def measure() -> list[Row]:
-    rows = []
-    for kind in (dem.Disc, Sphere):
-        for friction in FRICTIONS:
-            rows += thrown(kind, friction)
-    return rows
+    return [row for kind in (dem.Disc, Sphere) for each in FRICTIONS for row in thrown(kind, each)]
 
 
-def thrown(kind, friction: float) -> list[Row]:
+def thrown(kind, friction: float):
     """How long a granule slips, and how fast it rolls."""
     made = scene(kind([RADIUS]), MATERIAL, friction, (0.0, -G))
-    stiffness = hertz(MATERIAL, 1, RADIUS)
-    overlap = (made.mass[0] * G / stiffness) ** (2.0 / 3.0)
+    overlap = (made.mass[0] * G / hertz(MATERIAL, 1, RADIUS)) ** (2.0 / 3.0)
     state = dem.State([[0.0, RADIUS - overlap]], [[SPEED, 0.0]])
     near, name = overlap / RADIUS, kind.__name__.lower()
     ratio = 1.0 + (RATIO[kind] - 1.0) * (1.0 - 0.5 * near) ** 2
@@ -46,16 +41,13 @@ def thrown(kind, friction: float) -> list[Row]:
     slips = (rim > 0.2 * SPEED) & (run.time > 0.0)
     slope, start = np.polyfit(run.time[slips], rim[slips], 1)
     late = (4.0 * friction * overlap / SPEED + 2.0 * run.time_step) / unit
-    rolls = run.velocity[-1, 0, 0] / SPEED
-    return [
-        Row(f"{name}, time of slip over v0 / (mu g)", "1", -start / slope / unit, 1.0 / ratio,
-            late, friction),
-        Row(f"{name}, speed of rolling over v0", "1", rolls, 1.0 - 1.0 / ratio,
-            1e-6 + near**2, friction),
-    ]  # fmt: skip
+    yield Row(
+        f"{name}: time of slip", "v0 / (mu g)", -start / slope / unit, 1.0 / ratio, late, friction
+    )
+    speed, near = run.velocity[-1, 0, 0] / SPEED, 1e-6 + near**2
+    yield Row(f"{name}: speed of rolling", "v0", speed, 1.0 - 1.0 / ratio, near, friction)
 
 
 def plot(axes, rows: list[Row]) -> None:
     labels = {row.name: row.name for row in rows}
-    words = {"xlabel": "Coefficient of friction", "ylabel": "Time, speed (scaled)"}
-    draw(axes, rows, labels, ylim=(0.2, 1.3), **words)
+    draw(axes, rows, labels, "Coefficient of friction", "Time, speed (scaled)", ylim=(0.2, 1.3))

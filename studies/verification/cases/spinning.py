@@ -65,5 +65,5 @@ def hit(name, material, partner, spin):
 
 def plot(axes, rows: list[Row]) -> None:
     labels = {f"{name}: velocity": name for name in TESTS}
-    words = "Velocity along the plane\nafterwards (m/s)"
-    draw(axes, rows, labels, xlabel="Spin before (rad/s)", ylabel=words, xscale="log")
+    words = "Spin before (rad/s)", "Velocity along the plane\nafterwards (m/s)"
+    draw(axes, rows, labels, *words, xscale="log")
