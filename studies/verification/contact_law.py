@@ -87,7 +87,7 @@ class Contact(NamedTuple):
         limit = self.friction * self.forces(y[0], y[1])[0]
         first = -2.0 / 3.0 * self.shear * math.sqrt(small) * slip(y) * small / y[1]
         slides = math.copysign(1.0, first) if abs(first) >= limit else 0.0
-        size = np.array([small, y[1], y[1], y[1] / self.radius, limit])
+        size = np.array([small, y[1], y[1], y[1] / self.radius, self.k * (1e7 * small) ** 1.5])
         y[4], t = slides * limit if slides else first, 0.0
         for _ in range(30):
             found = solve_ivp(
