@@ -25,6 +25,12 @@ def damping_ratio(e: float) -> float:
     return 0.0 if e == 1.0 else brentq(lambda zeta: restitution(zeta) - e, 0.0, 10.0, xtol=1e-14)
 
 
+def depth(zeta: float) -> float:
+    """Greatest overlap over that of an elastic impact: the same oscillator, up to its first turn."""
+    psi = math.asin(zeta)
+    return math.exp(-(0.5 * math.pi - psi) * math.tan(psi)) ** 0.8
+
+
 class Contact(NamedTuple):
     """A granule that meets a rigid wall, or (bodies = 2) its own image in a point: both do the same.
 

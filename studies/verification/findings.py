@@ -10,7 +10,9 @@ from studies import HERE
 from studies.common.findings import Findings, clock
 from studies.verification.row import Row
 
-__all__ = ["verification"]
+__all__ = ["all_noticed", "broken_laws", "verification"]
+
+LAWS = HERE / "verification/laws.json"  # written by tests/laws.py
 
 
 class Verification(Findings):
@@ -84,19 +86,25 @@ class Verification(Findings):
                 title = ""
         return made
 
-    def laws(self) -> Table:
-        """By law that was broken on purpose, and by case of one contact: how many numbers then fail, or the error."""
-        broken = json.loads((HERE / "verification/laws.json").read_text())["laws"]
-        cases = list(dict.fromkeys(case for found in broken.values() for case in found))
-        made = numbers("broken law", *(case.replace("_", " ") for case in cases))
-        for law, found in broken.items():
-            made.add_row(law, *(str(found[case] or "") for case in cases))
-        return made
 
-    def broken(self) -> tuple[int, int]:
-        """How many laws were broken, and how many of them at least one case notices."""
-        laws = json.loads((HERE / "verification/laws.json").read_text())["laws"].values()
-        return len(laws), sum(any(found.values()) for found in laws)
+def _noticed() -> dict[str, dict]:
+    """By broken law and case: how many numbers fail, or the error that ends the case."""
+    return json.loads(LAWS.read_text(encoding="utf-8"))["laws"]
+
+
+def broken_laws() -> Table:
+    """By law that was broken on purpose and case of one contact: how many numbers then fail."""
+    found = _noticed()
+    cases = list(next(iter(found.values())))
+    made = numbers("broken law", *(case.replace("_", " ") for case in cases))
+    for law, failed in found.items():
+        made.add_row(law, *(str(failed[case] or "") for case in cases))
+    return made
+
+
+def all_noticed() -> bool:
+    """Whether each broken law is noticed by at least one case."""
+    return all(any(failed.values()) for failed in _noticed().values())
 
 
 verification = Verification()

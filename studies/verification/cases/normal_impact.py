@@ -56,12 +56,13 @@ def compared(name, scales, time, overlap, force, speed) -> list[Row]:
 
 
 def plot(axes, rows: list[Row]) -> None:
-    error = [abs(row.value / row.expected - 1.0) for row in rows]
-    allowed = [row.tolerance / row.expected for row in rows]
-    y = np.arange(len(rows))
-    axes.semilogx(error, y, "o", color="0.2", label="relative error")
-    axes.semilogx(allowed, y, "|", color="black", markersize=9, label="tolerance")
-    axes.set_yticks(y, [row.name.replace(": ", ":\n") for row in rows], fontsize=5)
-    axes.set_xlabel("Error over expected value")
-    axes.invert_yaxis()
-    axes.legend(fontsize=8)
+    quantities = list(dict.fromkeys(row.name.partition(": ")[2] for row in rows))
+    for number, marker in enumerate("os^D"):
+        found = rows[len(quantities) * number :][: len(quantities)]
+        error = [abs(row.value / row.expected - 1.0) for row in found]
+        axes.semilogx(error, range(len(found)), marker, label=found[0].name.partition(": ")[0])
+    allowed = [row.tolerance / row.expected for row in found]
+    axes.semilogx(allowed, range(len(found)), "|", color="black", markersize=14, label="tolerance")
+    axes.set_yticks(range(len(found)), [each.replace(" after", "\nafter") for each in quantities])
+    axes.set(xlabel="Error over expected value", ylim=(6.5, -0.5))
+    axes.legend(fontsize=7, loc="lower left", ncols=2)

@@ -16,7 +16,7 @@ import math
 import numpy as np
 
 import dem
-from studies.verification.contact_law import damping_ratio
+from studies.verification.contact_law import damping_ratio, depth
 from studies.verification.row import Row, named
 from studies.verification.scenes import FINE, FRAMES, Sphere, on_floor, returned_within, scene
 
@@ -40,14 +40,13 @@ def measure() -> list[Row]:
             value = run.velocity[-1, 0, 1] / SPEED
             near = returned_within(e, SPEED, scales, run.time_step)
             rows.append(Row(f"restitution, {name}", "1", value, e, near, e))
-    return [*rows, depth(0.5), order(0.5)]
+    return [*rows, deepest(0.5), order(0.5)]
 
 
-def depth(e: float) -> Row:
+def deepest(e: float) -> Row:
     """Greatest overlap of a damped impact."""
     scales, run = on_floor(Sphere, RADIUS, oxide(e), (0.0, -SPEED), frames=FRAMES, lasts=1.2)
-    psi, value = math.asin(damping_ratio(e)), RADIUS - run.position[:, 0, 1].min()
-    right = scales.overlap * math.exp(-(0.5 * math.pi - psi) * math.tan(psi)) ** 0.8
+    value, right = RADIUS - run.position[:, 0, 1].min(), scales.overlap * depth(damping_ratio(e))
     near = returned_within(e, SPEED, scales, run.time_step) / e
     return Row("greatest overlap, restitution 0.5", "m", value, right, near * right)
 

@@ -5,13 +5,23 @@ all but rigid: here the cylinder), all with v_n = 0.2 m/s, r = 0.1 m, mu 0.4, e 
 other codes repeat them (PySPH). Above 3.5 mu (1 + e) v_n / r = 4.2 rad/s the spheres slide all the time and get
 0.12 m/s along the plane, at the cost of 3 rad/s; below, the differential equation of the documented law says it.
 
-Tolerance: as in `oblique`; the lever of a contact is shorter than the radius by half of the overlap.
+The greatest overlap with the cylinder is that of R* = 5 r / 6, damped as in `restitution`.
+
+Tolerance: as in `oblique` and `restitution`; the lever of a contact is shorter than the radius by half of the overlap.
 """
 
 import dem
-from studies.verification.contact_law import Contact, damping_ratio
+from studies.verification.contact_law import Contact, damping_ratio, depth
 from studies.verification.row import Row, draw
-from studies.verification.scenes import FINE, Sphere, impact, mindlin, returned_within, scene
+from studies.verification.scenes import (
+    FINE,
+    FRAMES,
+    Sphere,
+    impact,
+    mindlin,
+    returned_within,
+    scene,
+)
 
 TITLE = "Spinning spheres"
 SOURCE = "Chung and Ooi (2011), tests 6, 7 and 8; own ODE"
@@ -27,7 +37,23 @@ TESTS = {
 
 
 def measure() -> list[Row]:
-    return [row for name, test in TESTS.items() for spin in SPINS for row in hit(name, *test, spin)]
+    rows = [row for name, test in TESTS.items() for spin in SPINS for row in hit(name, *test, spin)]
+    return [*rows, pressed()]
+
+
+def pressed() -> Row:
+    """Greatest overlap with the cylinder, which depends on its radius too; the spins do not."""
+    made = dem.Material(*ALLOY, RESTITUTION)
+    seen = scene(
+        Sphere([RADIUS]), made, FRICTION, cylinder=dem.Cylinder(10.0 * RADIUS, (0.0, HIGH))
+    )
+    scales = impact(made, 1, RADIUS * 5.0 / 6.0, seen.mass[0], SPEED)
+    state = dem.State([[0.0, HIGH + 6.0 * RADIUS]], [[0.0, -SPEED]])
+    run = dem.simulate(seen, state, 1.2 * scales.duration, frames=FRAMES)
+    value = HIGH + 6.0 * RADIUS - run.position[:, 0, 1].min()
+    right = scales.overlap * depth(damping_ratio(RESTITUTION))
+    near = returned_within(RESTITUTION, SPEED, scales, run.time_step) / RESTITUTION
+    return Row("test 8, aluminium: greatest overlap", "m", value, right, near * right)
 
 
 def hit(name, material, partner, spin):

@@ -16,6 +16,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import root
 
 import dem
+from dem.figures import style
 from studies.verification.contact_law import damping_ratio
 from studies.verification.row import Row, named
 from studies.verification.scenes import FLOOR, G, hertz, scene
@@ -73,4 +74,6 @@ def plot(axes, rows: list[Row]) -> None:
     axes.loglog(x, y, "o", color="0.2", label=ERROR)
     axes.loglog(x, y[-1] * (x / x[-1]) ** 2, "-", color="0.5", linewidth=1.0, label="order 2")
     axes.set(xlabel="Time step over its bound", ylabel="Error of a position")
+    for along in "xy":
+        style.logarithmic(axes, along)
     axes.legend(fontsize=8)
