@@ -14,8 +14,7 @@ from scipy.optimize import brentq
 def restitution(zeta: float) -> float:
     """Of a contact with this damping ratio that ends when its force does (Schwager and Poeschel 2007)."""
     if zeta < 1.0:
-        psi = math.asin(zeta)
-        return math.exp(-(math.pi - 2.0 * psi) * math.tan(psi))
+        return math.exp(-2.0 * math.acos(zeta) * math.tan(math.asin(zeta)))
     u = math.acosh(zeta)
     return math.exp(-2.0 * u / math.tanh(u))
 
@@ -27,8 +26,7 @@ def damping_ratio(e: float) -> float:
 
 def depth(zeta: float) -> float:
     """Greatest overlap over that of an elastic impact: the same oscillator, up to its first turn."""
-    psi = math.asin(zeta)
-    return math.exp(-(0.5 * math.pi - psi) * math.tan(psi)) ** 0.8
+    return math.exp(-0.8 * math.acos(zeta) * math.tan(math.asin(zeta)))
 
 
 class Contact(NamedTuple):

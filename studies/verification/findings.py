@@ -49,12 +49,10 @@ class Verification(Findings):
 
     def overview(self) -> Table:
         """By case: how many numbers are compared, how many pass, and the largest error over its tolerance."""
-        made = numbers(
-            "case", "source", "numbers", "passed", "largest error over tolerance", words=2
-        )
-        for name, source in zip(
-            self.dataset["case"].values, self.dataset["case_source"].values, strict=True
-        ):
+        heads = "case", "source", "numbers", "passed", "largest error over tolerance"
+        made = numbers(*heads, words=2)
+        both = (self.dataset[name].values for name in ("case", "case_source"))
+        for name, source in zip(*both, strict=True):
             rows = self.rows_of(name)
             worst = max(abs(row.value - row.expected) / row.tolerance for row in rows)
             passed = str(sum(row.passed for row in rows))
@@ -63,7 +61,7 @@ class Verification(Findings):
 
     def rows(self) -> Table:
         """Every number."""
-        heads = (
+        heads = [
             "case",
             "quantity",
             "at",
@@ -73,7 +71,7 @@ class Verification(Findings):
             "tolerance",
             "units",
             "verdict",
-        )
+        ]
         made = numbers(*heads, words=2)
         for name in self.dataset["case"].values:
             title = self.title_of(name)

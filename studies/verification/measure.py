@@ -6,7 +6,6 @@ from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
 from importlib import import_module
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -20,14 +19,6 @@ from studies.verification.layout import VARIABLES
 from studies.verification.row import Row
 
 
-class Measured(NamedTuple):
-    """What a case gave, and how long it took (s)."""
-
-    name: str
-    rows: list[Row]
-    seconds: float
-
-
 def case(name: str):
     """The module of a case; raises InputError where there is none of this name."""
     if name not in cases.NAMES:
@@ -36,33 +27,31 @@ def case(name: str):
     return import_module(f"{cases.__name__}.{name}")
 
 
-def run(name: str) -> Measured:
-    """Run one case."""
-    module, began = case(name), time.perf_counter()
-    rows = module.measure()
-    return Measured(name, rows, time.perf_counter() - began)
+def run(name: str) -> tuple[str, list[Row], float]:
+    """Run one case; returns its name, its rows, and how long it took (s)."""
+    began = time.perf_counter()
+    return name, case(name).measure(), time.perf_counter() - began
 
 
-def measure(names: Iterable[str], jobs: int = 1, progress=lambda done: None) -> list[Measured]:
-    """Run some cases, several side by side; progress gets the share done."""
-    names = list(names)
+def measure(names: Iterable[str], jobs: int = 1, progress=lambda done: None) -> list:
+    """What `run` returns of some cases, several side by side; progress gets the share done."""
+    names, found = list(names), []
     with ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn")) as pool:
-        found = []
         for each in pool.map(run, names):
             found.append(each)
             progress(len(found) / len(names))
     return found
 
 
-def variables(found: list[Measured]) -> dict[str, np.ndarray]:
+def variables(found: list) -> dict[str, np.ndarray]:
     """Variables of studies.verification.layout by name."""
-    modules = [case(each.name) for each in found]
-    rows = [(each.name, row) for each in found for row in each.rows]
+    names, _, seconds = zip(*found, strict=True)
+    rows = [(name, row) for name, some, _ in found for row in some]
     values = {
-        "case": [each.name for each in found],
-        "case_title": [module.TITLE for module in modules],
-        "case_source": [module.SOURCE for module in modules],
-        "case_time": [each.seconds for each in found],
+        "case": names,
+        "case_title": [case(name).TITLE for name in names],
+        "case_source": [case(name).SOURCE for name in names],
+        "case_time": seconds,
         "row_case": [name for name, _ in rows],
         "row_passed": [int(row.passed) for _, row in rows],
     }
@@ -71,7 +60,7 @@ def variables(found: list[Measured]) -> dict[str, np.ndarray]:
     return {name: np.array(each) for name, each in values.items()}
 
 
-def write_verification(path: Path, found: list[Measured]) -> None:
+def write_verification(path: Path, found: list) -> None:
     """Write what `measure` returned."""
     attrs = global_attributes(
         "Verification: known cases",

@@ -18,7 +18,7 @@ G = 9.81  # m/s2
 FRAMES = (
     600  # of what is sampled, over 1.2 durations of an impact: a frame and its step are 1/500 of it
 )
-# Relative error of a greatest overlap that is sampled so: the step's, see `returned_within`, and a peak between two
+# Relative error of a greatest overlap that is sampled so: the step's, see `within`, and a peak between two
 # frames; twice their sum.
 SAMPLED = 2.0 * (0.16 * (2.94 / 500.0) ** 2 + 0.5 * 1.25 * (2.94 / 1000.0) ** 2)
 FINE = 0.05  # step fraction, a tenth of the default: a collision takes a hundred steps
@@ -82,7 +82,7 @@ def impact(material, elastic: int, radius: float, mass: float, speed: float) -> 
     return Impact(stiffness, overlap, stiffness * overlap**1.5, lasts * overlap / speed)
 
 
-def returned_within(e: float, speed: float, scales: Impact, step: float) -> float:
+def within(e: float, speed: float, scales: Impact, step: float) -> float:
     """How far from e an impact may return, by its time step (s).
 
     With h = v step / overlap: the sum over steps of a dashpot that begins as overlap^(1/4) is wrong by up to

@@ -4,7 +4,7 @@ Dropped from a height h above a floor, it meets the floor with sqrt(2 g h), is p
 2/5 k d^(5/2) = m g (h + d) if it is elastic, and rises to h e^(2 n) after n bounces. MFiX has both with a linear
 spring; here it is Hertz's. A sphere in planar motion; nothing differs in two dimensions.
 
-Tolerance: free fall is exact for the integrator, to rounding. A bounce changes e by `returned_within`, so the n-th height
+Tolerance: free fall is exact for the integrator, to rounding. A bounce changes e by `within`, so the n-th height
 by 2 n times that over e; besides, gravity acts during the contact: a share 2 g d / (e v)^2 of the energy of each bounce,
 with its own d and v. The
 frames miss a peak by at most g / 8 of their time squared. The greatest overlap: SAMPLED.
@@ -17,16 +17,7 @@ from scipy.optimize import brentq
 
 import dem
 from studies.verification.row import Row, draw
-from studies.verification.scenes import (
-    FINE,
-    FRAMES,
-    SAMPLED,
-    G,
-    Sphere,
-    impact,
-    returned_within,
-    scene,
-)
+from studies.verification.scenes import FINE, FRAMES, SAMPLED, G, Sphere, impact, scene, within
 
 TITLE = "Fall and bounces"
 SOURCE = "MFiX verification manual, DEM01 and DEM02"
@@ -70,7 +61,7 @@ def bounced(e: float):
     start = dem.State([[0.0, RADIUS + HEIGHT]])
     run = dem.simulate(made, start, ends[-1], frames=8000, step_fraction=FINE)
     height, peak = run.position[:, 0, 1] - RADIUS, G / 8.0 * run.time[1] ** 2 / HEIGHT
-    near, share = returned_within(e, speed, scales, run.time_step) / e, 0.0
+    near, share = within(e, speed, scales, run.time_step) / e, 0.0
     for n in range(1, BOUNCES + 1):
         share += 2.0 * near + 2.0 * G * scales.overlap / (e * speed) ** 2 * e ** (-1.2 * (n - 1))
         found = height[(run.time > ends[n - 1]) & (run.time < ends[n])].max() / HEIGHT

@@ -37,9 +37,8 @@ def measure() -> list[Row]:
         material = dem.Material(*material, 1.0)
         scales, run = on_floor(Sphere, 0.1, material, (0.0, -0.2), frames=FRAMES, lasts=1.2)
         overlap, returned = 0.1 - run.position[:, 0, 1], run.velocity[-1, 0, 1] / 0.2
-        rows += compared(
-            f"{name} on a plane", scales, run.time, overlap, run.wall_force[1:, 0], returned
-        )
+        name, force = f"{name} on a plane", run.wall_force[1:, 0]
+        rows += compared(name, scales, run.time, overlap, force, returned)
     return rows
 
 

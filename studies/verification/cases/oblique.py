@@ -8,7 +8,7 @@ e 1), as other codes repeat them (Yade, PySPH), and MFiX's DEM05 is test 4 with 
 All is in units of mu (1 + e) v_n, so that sliding gives 1. Some impacts are 2 % beside the limit of gross sliding.
 Two discs that meet beside each other's centres keep their angular momentum, because both feel the force at one point.
 
-Tolerance: sliding is exact but for e (`returned_within`) and half of the overlap over the radius in the lever. Below
+Tolerance: sliding is exact but for e (`within`) and half of the overlap over the radius in the lever. Below
 it the rim swings with up to 1.7 times the rate of the normal motion: at a hundred steps an impact the phase is late
 by (1.7 pi / 100)^2 / 24 of some 5 rad, 6e-4, and 1e-3 of v_t is allowed besides. Angular momentum is kept to rounding.
 """
@@ -20,7 +20,7 @@ import numpy as np
 import dem
 from studies.verification.contact_law import Contact, damping_ratio
 from studies.verification.row import Row, draw
-from studies.verification.scenes import RATIO, Sphere, mindlin, on_floor, returned_within, scene
+from studies.verification.scenes import RATIO, Sphere, mindlin, on_floor, scene, within
 
 TITLE = "Oblique impact with friction"
 SOURCE = "Walton (1993); MFiX DEM05; Chung and Ooi (2011), tests 4 and 5; own ODE"
@@ -64,7 +64,7 @@ def returned(name, kind, radius, material, friction, velocities):
     for along, down in velocities:
         scales, run = on_floor(kind, radius, made, (along, down), 0.0, friction)
         unit, mass = -friction * (1.0 + e) * down, run.scene.mass[0]
-        near = returned_within(e, -down, scales, run.time_step)
+        near = within(e, -down, scales, run.time_step)
         impulse, spin, tolerance = 1.0, 1.0 - ratio, near + 0.5 * scales.overlap / radius
         if along / unit < ratio:
             law = Contact(
@@ -83,8 +83,5 @@ def returned(name, kind, radius, material, friction, velocities):
 
 def plot(axes, rows: list[Row]) -> None:
     labels = {f"{each[0]}: impulse": each[0] for each in impacts()}
-    words = (
-        "v_t / v_n over the limit of sliding",
-        "Tangential impulse over\nmu times the normal one",
-    )
+    words = "v_t / v_n over the limit of sliding", "Tangential impulse\nover mu times normal"
     draw(axes, rows, labels, *words, xscale="log")

@@ -7,7 +7,7 @@ sqrt(m / m_c) times that of a central impact, and e_c follows by the formula for
 dimensions; no published case has one that is not round.
 
 Tolerance: the granule turns during the contact by up to the spin times its duration, and q with it: twice that
-turn. The restitution as `returned_within`, by the smaller mass.
+turn. The restitution as `within`, by the smaller mass.
 """
 
 import itertools
@@ -16,7 +16,7 @@ import math
 import dem
 from studies.verification.contact_law import damping_ratio, restitution
 from studies.verification.row import Row, draw
-from studies.verification.scenes import FINE, impact, returned_within, scene
+from studies.verification.scenes import FINE, impact, scene, within
 
 TITLE = "Impact off the centre"
 SOURCE = "impulse of a rigid body; Schwager and Poeschel (2007)"
@@ -51,7 +51,7 @@ def fallen(shape, e: float, angle: float):
     back = restitution(damping_ratio(e) * math.sqrt(mass / resists)) if e < 1.0 else 1.0
     impulse = (1.0 + back) * resists * SPEED
     turn = lever * impulse / inertia * scales.duration
-    near = returned_within(back, SPEED, scales, run.time_step) + 2.0 * turn
+    near = within(back, SPEED, scales, run.time_step) + 2.0 * turn
     name = f"{type(shape).__name__.lower()}, restitution {e:g}"
     value, right = run.velocity[-1, 0, 1] / SPEED, impulse / mass / SPEED - 1.0
     yield Row(f"{name}: velocity over before", "1", value, right, near, angle)

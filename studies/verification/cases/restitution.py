@@ -5,7 +5,7 @@ pulls, so that e comes out at any speed: Chung and Ooi's test 3 (aluminium oxide
 to 1. The greatest overlap is exp(-(pi / 2 - psi) tan psi)^(4/5) of the elastic one, with sin psi the damping ratio. In the
 plane nothing changes, head-on.
 
-Tolerance: `returned_within`, at a tenth of the default step and at the default. It replaces a first one, 2 % of e times
+Tolerance: `within`, at a tenth of the default step and at the default. It replaces a first one, 2 % of e times
 (1/10)^(5/4), which e of 0.2 to 0.6 exceeded by up to a half: the granule touches the plane at the start, the phase of
 the first step with the largest error. The order is the slope of the root-mean-square error over eight phases; the
 smooth part of the error is of order 2 and raises it: 5/4 with 1/4.
@@ -18,7 +18,7 @@ import numpy as np
 import dem
 from studies.verification.contact_law import damping_ratio, depth
 from studies.verification.row import Row, named
-from studies.verification.scenes import FINE, FRAMES, Sphere, on_floor, returned_within, scene
+from studies.verification.scenes import FINE, FRAMES, Sphere, on_floor, scene, within
 
 TITLE = "Restitution of damped impacts"
 SOURCE = "Schwager and Poeschel (2007); Chung and Ooi (2011), test 3"
@@ -38,7 +38,7 @@ def measure() -> list[Row]:
         for e in (0.2, 0.4, 0.6, 0.8, 1.0):
             scales, run = on_floor(Sphere, RADIUS, oxide(e), (0.0, -SPEED), fraction=fraction)
             value = run.velocity[-1, 0, 1] / SPEED
-            near = returned_within(e, SPEED, scales, run.time_step)
+            near = within(e, SPEED, scales, run.time_step)
             rows.append(Row(f"restitution, {name}", "1", value, e, near, e))
     return [*rows, deepest(0.5), order(0.5)]
 
@@ -47,7 +47,7 @@ def deepest(e: float) -> Row:
     """Greatest overlap of a damped impact."""
     scales, run = on_floor(Sphere, RADIUS, oxide(e), (0.0, -SPEED), frames=FRAMES, lasts=1.2)
     value, right = RADIUS - run.position[:, 0, 1].min(), scales.overlap * depth(damping_ratio(e))
-    near = returned_within(e, SPEED, scales, run.time_step) / e
+    near = within(e, SPEED, scales, run.time_step) / e
     return Row("greatest overlap, restitution 0.5", "m", value, right, near * right)
 
 

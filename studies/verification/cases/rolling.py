@@ -41,9 +41,8 @@ def thrown(kind, friction: float):
     slips = (rim > 0.2 * SPEED) & (run.time > 0.0)
     slope, start = np.polyfit(run.time[slips], rim[slips], 1)
     late = (4.0 * friction * overlap / SPEED + 2.0 * run.time_step) / unit
-    yield Row(
-        f"{name}: time of slip", "v0 / (mu g)", -start / slope / unit, 1.0 / ratio, late, friction
-    )
+    lasts, unit = -start / slope / unit, "v0 / (mu g)"
+    yield Row(f"{name}: time of slip", unit, lasts, 1.0 / ratio, late, friction)
     speed, near = run.velocity[-1, 0, 0] / SPEED, 1e-6 + near**2
     yield Row(f"{name}: speed of rolling", "v0", speed, 1.0 - 1.0 / ratio, near, friction)
 

@@ -13,15 +13,7 @@ Tolerance: as in `oblique` and `restitution`; the lever of a contact is shorter 
 import dem
 from studies.verification.contact_law import Contact, damping_ratio, depth
 from studies.verification.row import Row, draw
-from studies.verification.scenes import (
-    FINE,
-    FRAMES,
-    Sphere,
-    impact,
-    mindlin,
-    returned_within,
-    scene,
-)
+from studies.verification.scenes import FINE, FRAMES, Sphere, impact, mindlin, scene, within
 
 TITLE = "Spinning spheres"
 SOURCE = "Chung and Ooi (2011), tests 6, 7 and 8; own ODE"
@@ -29,6 +21,7 @@ RADIUS, SPEED, FRICTION, RESTITUTION = 0.1, 0.2, 0.4, 0.5
 ALLOY, NYLON, COPPER = (2700.0, 7e10, 0.33), (1000.0, 2.5e9, 0.4), (8900.0, 1.2e11, 0.35)
 SPINS = (0.175, 0.5, 1.3, 2.0, 3.0, 4.0, 5.0, 9.0, 22.0)
 HIGH = 10.0  # m, where the floor is far
+LARGE = dem.Cylinder(10.0 * RADIUS, (0.0, HIGH))
 TESTS = {
     "test 6, aluminium": (ALLOY, "plane"), "test 6, nylon": (NYLON, "plane"),
     "test 7, aluminium": (ALLOY, "pair"), "test 7, copper": (COPPER, "pair"),
@@ -44,15 +37,13 @@ def measure() -> list[Row]:
 def pressed() -> Row:
     """Greatest overlap with the cylinder, which depends on its radius too; the spins do not."""
     made = dem.Material(*ALLOY, RESTITUTION)
-    seen = scene(
-        Sphere([RADIUS]), made, FRICTION, cylinder=dem.Cylinder(10.0 * RADIUS, (0.0, HIGH))
-    )
+    seen = scene(Sphere([RADIUS]), made, FRICTION, cylinder=LARGE)
     scales = impact(made, 1, RADIUS * 5.0 / 6.0, seen.mass[0], SPEED)
     state = dem.State([[0.0, HIGH + 6.0 * RADIUS]], [[0.0, -SPEED]])
     run = dem.simulate(seen, state, 1.2 * scales.duration, frames=FRAMES)
     value = HIGH + 6.0 * RADIUS - run.position[:, 0, 1].min()
     right = scales.overlap * depth(damping_ratio(RESTITUTION))
-    near = returned_within(RESTITUTION, SPEED, scales, run.time_step) / RESTITUTION
+    near = within(RESTITUTION, SPEED, scales, run.time_step) / RESTITUTION
     return Row("test 8, aluminium: greatest overlap", "m", value, right, near * right)
 
 
@@ -65,7 +56,7 @@ def hit(name, material, partner, spin):
         place = [[0.0, HIGH + RADIUS], [0.0, HIGH - RADIUS]]
     if partner == "cylinder":
         curvature = RADIUS * 5.0 / 6.0
-        more["cylinder"] = dem.Cylinder(10.0 * RADIUS, (0.0, HIGH))
+        more["cylinder"] = LARGE
         place = [[0.0, HIGH + 6.0 * RADIUS]]
     seen = scene(Sphere(count * [RADIUS]), made, FRICTION, **more)
     mass = seen.mass[0]
@@ -73,7 +64,7 @@ def hit(name, material, partner, spin):
     state = dem.State(place, [[0.0, -SPEED], [0.0, SPEED]][:count], angular_velocity=count * [spin])
     run = dem.simulate(seen, state, 3.0 * scales.duration, step_fraction=FINE)
     slides = FRICTION * (1.0 + RESTITUTION) * SPEED
-    near = returned_within(RESTITUTION, count * SPEED, scales, run.time_step)
+    near = within(RESTITUTION, count * SPEED, scales, run.time_step)
     tolerance = near + 0.5 * scales.overlap / RADIUS
     along, turning = -slides, spin - 2.5 * slides / RADIUS
     if spin * RADIUS < 3.5 * slides:

@@ -50,11 +50,8 @@ def measure() -> list[Row]:
     run = dem.simulate(made, start, 0.2, frames=200)
     found, near = overlaps(run.position[-1, :, 1]), 1e-6 * force[0]
     floor, lid = run.wall_force[-1]
-    rows = [
-        *(
-            Row(f"overlap {n}, from below", "m", found[n], rest[n], 1e-6 * rest[n])
-            for n in range(3)
-        ),
+    rows = [Row(f"overlap {n}", "m", found[n], rest[n], 1e-6 * rest[n]) for n in range(3)]
+    rows += [
         Row("force on the floor", "N", floor, force[0], near),
         Row("force on the lid", "N", lid, force[2], near),
         Row("their difference, the weight", "N", floor - lid, mass.sum() * G, near),

@@ -45,7 +45,7 @@ from studies.verification.measure import run
 found = {}
 for name in sys.argv[1:]:
     try:
-        found[name] = sum(not row.passed for row in run(name).rows)
+        found[name] = sum(not row.passed for row in run(name)[1])
     except Exception as error:
         found[name] = type(error).__name__
 print(json.dumps(found))
