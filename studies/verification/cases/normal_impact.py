@@ -32,7 +32,7 @@ def measure() -> list[Row]:
         overlap = 2.0 * radius - np.diff(run.position[:, :, 0], axis=1)[:, 0]
         force = -made.mass[0] * np.diff(run.velocity[:, 0, 0]) / np.diff(run.time)
         returned = -run.velocity[-1, 0, 0] / speed
-        rows += compared(f"two spheres of {name}", scales, run.time, overlap, force, returned)
+        rows += compared(f"{name} on {name}", scales, run.time, overlap, force, returned)
     for name, material in PLANES.items():
         material = dem.Material(*material, 1.0)
         scales, run = on_floor(Sphere, 0.1, material, (0.0, -0.2), frames=FRAMES, lasts=1.2)
@@ -50,7 +50,7 @@ def compared(name, scales, time, overlap, force, speed) -> list[Row]:
         Row(f"{name}: greatest overlap", "m", overlap.max(), scales.overlap, SAMPLED * scales.overlap),
         Row(f"{name}: greatest force", "N", force.max(), scales.force, 2.0 * SAMPLED * scales.force),
         Row(f"{name}: duration", "s", over, scales.duration, SAMPLED * scales.duration),
-        Row(f"{name}: speed afterwards over before", "1", speed, 1.0, SAMPLED),
+        Row(f"{name}: returned speed", "1", speed, 1.0, SAMPLED),
     ]  # fmt: skip
 
 
@@ -62,6 +62,6 @@ def plot(axes, rows: list[Row]) -> None:
         axes.semilogx(error, range(len(found)), marker, label=found[0].name.partition(": ")[0])
     allowed = [row.tolerance / row.expected for row in found]
     axes.semilogx(allowed, range(len(found)), "|", color="black", markersize=14, label="tolerance")
-    axes.set_yticks(range(len(found)), [each.replace(" after", "\nafter") for each in quantities])
-    axes.set(xlabel="Error over expected value", ylim=(6.5, -0.5))
-    axes.legend(fontsize=7, loc="lower left", ncols=2)
+    axes.set_yticks(range(len(found)), [each.split()[-1] for each in quantities])
+    axes.set(xlabel="Error over expected value", ylim=(7.5, -0.5))
+    axes.legend(fontsize=8, loc="lower left")

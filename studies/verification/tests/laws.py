@@ -74,9 +74,9 @@ def main():
     revision = provenance.git_revision()
     for number in words.parse_args().numbers or range(len(LAWS)):
         found = notices(LAWS[number], *CASES)
-        kept = json.loads(FILE.read_text()) if FILE.exists() else {"laws": {}}
+        kept = json.loads(FILE.read_text()) if FILE.exists() else {"laws": {}, "revisions": {}}
         kept["laws"][LAWS[number].kind] = found
-        kept["revision"] = revision
+        kept["revisions"][LAWS[number].kind] = revision
         FILE.write_text(json.dumps(kept, indent=1) + "\n")
         print(LAWS[number].kind, found, flush=True)
 
