@@ -6,8 +6,8 @@ to 1. The greatest overlap is exp(-(pi / 2 - psi) tan psi)^(4/5) of the elastic 
 plane nothing changes, head-on.
 
 Tolerance: `within`, at a tenth of the default step and at the default. It was corrected after a run: the first one, 2 % of e
-times (1/10)^(5/4), was exceeded for e of 0.2 to 0.6 by up to a half, and so was `within` with a wrong value of zeta(-1/4): the granule touches the plane at the start, the phase of
-the first step with the largest error. The order is the slope of the root-mean-square error over eight phases; the
+times (1/10)^(5/4), was exceeded for e of 0.2 to 0.6 by up to a half, and so was `within` with a wrong value of zeta(-1/4).
+The granule touches the plane at the start, the phase of the first step with the largest error. The order is the slope of the root-mean-square error over eight phases; the
 smooth part of the error is of order 2 and raises it: 5/4 with 1/4.
 """
 
