@@ -117,7 +117,7 @@ def connected(where: str, patience: float):
     own = {"scheduler_file": where} if Path(where).is_file() else {"address": where}
     try:
         client = Client(**own, timeout=CONNECT, set_as_default=False)
-    except (OSError, ValueError, KeyError) as error:
+    except Exception as error:  # of many kinds
         raise InputError(
             f"scheduler is {where!r}; no Dask scheduler answers there ({' '.join(str(error).split())[:100]}); it must be an address "
             "such as tcp://host:8786, or the file that dask scheduler --scheduler-file writes."
