@@ -124,4 +124,4 @@ def begin():
     for sentence in (*said, *unusual(SWEEP)):
         say(sentence)
     logging.raiseExceptions = False  # that Snakemake's log cannot grow on a full disk is said once
-    logging.getLogger("snakemake.logging").addHandler(WorkflowProgress(SWEEP.counts))
+    logging.getLogger("snakemake.logging").addHandler(WorkflowProgress(SWEEP.counts, SWEEP.failed))

@@ -15,10 +15,17 @@ rule figure:
     input:
         data=lambda w: f"{w.folder}/{KNOWN_FIGURES[w.figure].file}.nc",
     output:
-        report("{folder}/figures/{figure}.svg", category="figures"),
+        report(
+            "{folder}/figures/{figure}.svg",
+            caption="caption.rst",
+            category="Figures",
+            subcategory="{folder}",
+            labels=lambda w, params: {"figure": w.figure, "shows": params.caption},
+        ),
         "{folder}/figures/{figure}.png",
     params:
         code=lambda w: code_of(KNOWN_FIGURES[w.figure].module),
+        caption=lambda w: KNOWN_FIGURES[w.figure].caption,
         folder=lambda w, output: os.path.dirname(output[0]),
         by=lambda w: "dem" if w.figure in FIGURES else "python -P -m studies",
     wildcard_constraints:
@@ -35,7 +42,7 @@ rule table:
     input:
         data=f"{RESULTS}/{{study}}.nc",
     output:
-        f"{RESULTS}/{{study}}.txt",
+        report(f"{RESULTS}/{{study}}.txt", category="Tables", labels={"table": "{study}"}),
     params:
         code=lambda w: code_of(f"studies.{w.study}.findings"),
     wildcard_constraints:

@@ -42,8 +42,7 @@ rule report_page:
         studies=lambda w: {
             path.name: path.stat().st_mtime for name in ("*.txt", "provenance.html") for path in sorted(SWEEP.results.glob(name))
         },
-        drag=lambda w, input: input.combined[0],
     log:
         f"{RESULTS}/logs/report.log",
     shell:
-        "dem report {params.drag} {params.notes} -o {output} 2> {log}"
+        "dem report {input.combined[0]:q} {params.notes} -o {output} 2> {log}"

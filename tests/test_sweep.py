@@ -28,7 +28,7 @@ from dem.sweep import batch as making
 from dem.sweep import store as stores
 from dem.sweep.axis import changes_of_words
 from dem.sweep.campaign import Campaign
-from dem.sweep.combine import about
+from dem.sweep.combine import about, combine
 from dem.sweep.config import load, merged, parse, save
 from dem.sweep.prune import prune
 from dem.sweep.units import unusual
@@ -499,11 +499,22 @@ def test_a_failed_run_is_a_row_with_its_reason(tmp_path):
 
 
 def test_failed_runs_have_the_same_gaps_whichever_chunk_comes_first(tmp_path):
-    """NaN, and -1 for the number of steps."""
+    """NaN, and -1 for the number of steps; where too many failed, the first is named by its place."""
     sweep = {"shape": "c1", "numerics.max_overlap": [1e-6, 1.2], "seed": [1, 2]}
-    found = combined(done(small(sweep, batch=1, failures=0.9), tmp_path), tmp_path)
+    watched = Campaign(small(sweep), stores.Store(tmp_path / "store"), root=tmp_path)
+    assert watched.failed() == 0
+    work = done(small(sweep, batch=1, failures=0.9), tmp_path)
+    assert watched.failed() == 2
+    found = combined(work, tmp_path)
     steps = found["steps"].fillna(-1).values[0]
     assert (steps[0] == -1).all() and (steps[1] > 0).all()
+    strict, files = small(sweep), work.files("drag")
+    for order in (files, files[::-1]):
+        named = [shutil.copy(path, tmp_path / f"{n}.nc") for n, path in enumerate(order)]
+        with pytest.raises(
+            RunError, match=r"2 of 4 runs .* The first is c1 at 3900 kg/m3, seed 1:"
+        ):
+            combine(named, strict, strict.block("drag"), "drag", tmp_path / "drag.nc")
 
 
 def test_prune_removes_what_no_sweep_needs(tmp_path, monkeypatch):

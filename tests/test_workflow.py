@@ -18,6 +18,8 @@ from typer.testing import CliRunner
 import dem
 from conftest import assert_alone, assert_not_blank, posix
 from dem.cli.app import app
+from dem.figures.catalogue import FIGURES
+from dem.sweep.campaign import Campaign
 from dem.sweep.config import load
 
 pytestmark = posix
@@ -33,7 +35,7 @@ def planned(folder, *arguments, configfile=SMOKE):
     return {} if table is None else {k: int(n) for k, n in re.findall(r"(\w+) +(\d+)", table[1])}
 
 
-FIGURES = ("--profile", "profiles/figures", "figures")  # and no other option behind them
+REDRAW = ("--profile", "profiles/figures", "figures")  # and no other option behind them
 
 
 def contents(path):
@@ -72,17 +74,34 @@ def test_one_command_makes_all_results(finished):
     assert not list(results.rglob("*.part"))
 
 
-def test_reports_open_without_a_network(finished, browser):
-    """The page of results and Snakemake's own report, which it links, ask for no other file."""
+@pytest.fixture(scope="module")
+def reported(finished):
+    """The folder of results with Snakemake's own report and the page that links it."""
     results = finished / "results/smoke"
     for arguments in (("-j1", "--report", str(results / "provenance.html")), ("-j2", "report")):
         run = snakemake(finished, *arguments)
         assert run.returncode == 0, run.stdout + run.stderr
-    for name in ("provenance.html", "report.html"):
-        browser.get((results / name).as_uri())
-        assert_alone(browser)
-    assert 'href="provenance.html"' in (results / "report.html").read_text()
+    return results
+
+
+def test_the_report_of_snakemake_says_what_each_figure_shows(finished, reported):
+    """In the list of figures and beside each, in the words of its own module."""
+    page = (reported / "provenance.html").read_text()
+    drawn = FIGURES.keys() & {path.stem for path in (reported / "figures").glob("*.svg")}
+    assert len(drawn) >= 6
+    for name in drawn:
+        caption = FIGURES[name].caption
+        assert f'{{"figure": "{name}", "shows": "{caption}"}}' in page
+        assert f"<p>{caption}, drawn from" in page
+    assert 'href="provenance.html"' in (reported / "report.html").read_text()
     assert planned(finished, "report") == {}
+
+
+def test_reports_open_without_a_network(reported, browser):
+    """The page of results and Snakemake's own report ask for no other file."""
+    for name in ("provenance.html", "report.html"):
+        browser.get((reported / name).as_uri())
+        assert_alone(browser)
 
 
 def test_claims_of_small_beds(claimed):
@@ -100,6 +119,14 @@ def test_claims_of_small_beds(claimed):
         failed = int(np.isnan(np.ma.filled(file["run_drag"][:], np.nan)).sum())
         assert failed <= len(parts) // 4
     assert planned(claimed, "claims") == {}
+
+
+def test_a_configuration_of_the_command_line_replaces_that_of_the_paper(finished):
+    """No key of the paper is left; without one, snakemake alone plans the paper."""
+    made, asked = load(finished / "results/smoke/config.yaml"), load(finished / SMOKE)
+    assert made.dump() == asked.dump()
+    paper = Campaign.of(finished / "config/paper.yaml", finished)
+    assert planned(finished, configfile=None)["batch"] == len(paper.batches("drag"))
 
 
 def test_a_second_run_does_nothing(finished):
@@ -158,22 +185,22 @@ def test_another_sweep_takes_what_is_there(finished):
 
 
 def test_what_is_forced_is_made_again(finished, tmp_path):
-    """One file, or all, with the same bits; the same command without it finds them there."""
+    """One file, the jobs of a rule, or all, with the same bits; the same command without it finds them."""
     folder = tmp_path / "forced"
     shutil.copytree(finished, folder, symlinks=True)
     before = contents(folder / "results/smoke/drag.nc")
     files = {
         path: path.stat().st_mtime_ns for path in (folder / "results/store/batches").glob("*.nc")
     }
-    one = next(iter(files))
+    own = Campaign.of(folder / SMOKE, folder).files("drag")  # others are of studies
+    one = own[0]
     run = snakemake(folder, "-j2", "-f", str(one.relative_to(folder)))
     assert run.returncode == 0, run.stderr
     assert [path for path, at in files.items() if path.stat().st_mtime_ns > at] == [one]
-    run = snakemake(folder, "results/smoke/drag.nc", "-j2", "--forceall")
+    assert planned(folder, "results/smoke/drag.nc", "-R", "combine") == {"combine": 1}
+    run = snakemake(folder, "results/smoke/drag.nc", "-j2", "-F")
     assert run.returncode == 0, run.stderr
-    assert (
-        sum(path.stat().st_mtime_ns > at for path, at in files.items()) == 3
-    )  # those of this sweep
+    assert {path for path, at in files.items() if path.stat().st_mtime_ns > at} == set(own)
     for name, values in contents(folder / "results/smoke/drag.nc").items():
         np.testing.assert_array_equal(values, before[name], err_msg=name)
     assert planned(folder, "results/smoke/drag.nc") == {}
@@ -192,10 +219,10 @@ def test_figures_draws_all_again_and_simulates_nothing(finished, tmp_path):
     drawn = {path: path.stat().st_mtime_ns for path in (results / "figures").iterdir()}
     assert planned(folder)["batch"] == 3
     assert len(drawn) >= 18
-    assert planned(folder, *FIGURES) == {"figure": len(drawn) // 2, "figures": 1}
+    assert planned(folder, *REDRAW) == {"figure": len(drawn) // 2, "figures": 1}
     # the dry run names them all; to draw a few of them, as if they were all, is enough
     for arguments in (("--batch", "figures=1/8"), ("--touch",)):
-        run = snakemake(folder, "-j2", *arguments, *FIGURES)
+        run = snakemake(folder, "-j2", *arguments, *REDRAW)
         assert run.returncode == 0, run.stdout + run.stderr
         if "--batch" in arguments:
             new = [path for path, stamp in drawn.items() if path.stat().st_mtime_ns > stamp]
@@ -277,6 +304,34 @@ def own(finished, tmp_path_factory):
 
 
 OWN = "config/own.yaml"
+API = """
+from pathlib import Path
+from snakemake.api import SnakemakeApi
+from snakemake.settings.types import ConfigSettings, DAGSettings, ResourceSettings
+
+with SnakemakeApi() as api:
+    workflow = api.workflow(
+        ResourceSettings(cores=1), ConfigSettings(configfiles=[Path("config/own.yaml")]),
+        snakefile=Path("Snakefile"),
+    )
+    workflow.dag(DAGSettings(targets={"results/own/drag.nc"})).execute_workflow()
+"""
+
+
+def test_python_makes_a_file_by_the_interface_of_snakemake(own):
+    """The file that is its target, and nothing else."""
+    target = own / "results/own/drag.nc"
+    before = contents(target)
+    others = {path: path.stat().st_mtime_ns for path in (own / "results").rglob("*.nc")}
+    target.unlink()
+    run = subprocess.run(
+        [sys.executable, "-c", API], cwd=own, text=True, capture_output=True, env=environment(own)
+    )
+    assert run.returncode == 0, run.stdout + run.stderr
+    for name, values in contents(target).items():
+        np.testing.assert_array_equal(values, before[name], err_msg=name)
+    there = {path: path.stat().st_mtime_ns for path in (own / "results").rglob("*.nc")}
+    assert [path for path in there if there[path] != others.get(path)] == [target]
 
 
 def test_a_job_that_fails_leaves_what_was_good(own):
@@ -341,13 +396,17 @@ def test_the_workflow_writes_through_no_link(own, name):
         kept.rename(place)
 
 
-def test_a_wrong_configuration_writes_nothing(copy):
-    """Bad input: one sentence with key and value before Snakemake's own, no results."""
+def test_a_wrong_configuration_writes_nothing(copy, monkeypatch):
+    """One sentence with key and value: before Snakemake's own lines, and all that dem sweep says."""
     text = (copy / SMOKE).read_text().replace("results/smoke", "results/wrong")
     (copy / "config/wrong.yaml").write_text(text.replace("wall: 0.3", "wall: -0.3"))
     run = snakemake(copy, "-j1", configfile="config/wrong.yaml")
     assert run.returncode == 1
-    assert "config/wrong.yaml: friction.wall is -0.3" in run.stderr
+    sentence = "config/wrong.yaml: friction.wall is -0.3; it must be at least 0.\n"
+    assert 0 < run.stderr.index(sentence) < run.stderr.index("  File ")
+    monkeypatch.chdir(copy)
+    alone = CliRunner().invoke(app, ["sweep", "config/wrong.yaml"])
+    assert (alone.exit_code, alone.stdout, alone.stderr) == (2, "", sentence)
     assert not (copy / "results/wrong").exists()
 
 
@@ -372,16 +431,19 @@ rule both:
 
 
 def test_a_workflow_uses_two_sweeps_as_modules(finished, tmp_path):
-    """From another working folder, with Snakemake's own defaults; the second time nothing is made."""
+    """From another working folder, with Snakemake's own defaults; nothing is made twice, and reported."""
     (tmp_path / "Snakefile").write_text(MODULES.format(finished))
-    for words in ("3 of 3 steps", "Nothing to be done"):
+    for options, words in (
+        (["-j2"], "steps (100%) done"),
+        (["-j2"], "Nothing to be done"),
+        (["--report", "report.html"], "Report created"),
+    ):
         run = subprocess.run(
-            [sys.executable, "-m", "snakemake", "-j2"], cwd=tmp_path, text=True, capture_output=True,
+            [sys.executable, "-m", "snakemake", *options], cwd=tmp_path, text=True, capture_output=True,
             env=environment(finished),
         )  # fmt: skip
-        assert run.returncode == 0, run.stdout + run.stderr
-        if words.startswith("Nothing"):
-            assert words in run.stdout + run.stderr
+        assert run.returncode == 0 and words in run.stdout + run.stderr, run.stdout + run.stderr
+    assert FIGURES["figure13"].caption in (tmp_path / "report.html").read_text()
     one, whole = (
         contents(path / "drag.nc")
         for path in (tmp_path / "a/results/one", finished / "results/smoke")
@@ -391,9 +453,16 @@ def test_a_workflow_uses_two_sweeps_as_modules(finished, tmp_path):
 
 
 def test_the_workflow_is_drawn_and_linted(finished):
-    """By --dag and --lint, which complains of no more than that rules name no conda or container."""
-    drawn = snakemake(finished, "--dag")
-    assert drawn.returncode == 0 and "batch" in drawn.stdout and "digraph" in drawn.stdout
+    """By --dag a box a job, by --rulegraph a box a rule; --lint asks for no more than conda or containers."""
+    batches = {}
+    for option in ("--dag", "--rulegraph"):
+        drawn = snakemake(finished, "results/smoke/drag.nc", option)
+        assert drawn.returncode == 0 and "digraph" in drawn.stdout, drawn.stderr
+        names = dict(re.findall(r'(\d+)\[label = "(\w+)', drawn.stdout))
+        arrows = [(names[a], names[b]) for a, b in re.findall(r"(\d+) -> (\d+)", drawn.stdout)]
+        assert set(arrows) == {("batch", "combine")}
+        batches[option] = len(arrows)
+    assert batches == {"--dag": 3, "--rulegraph": 1}
     said = snakemake(finished, "--lint").stderr
     complaints = re.findall(r"(?m)^ +\* (.*)", said)
     assert set(complaints) <= {"Specify a conda environment or container for each rule.:"}, said

@@ -110,18 +110,21 @@ def span(seconds: float) -> str:
 
 
 class WorkflowProgress(logging.Handler):
-    """Adds to the steps that Snakemake counts how many runs are there, and the time left.
+    """Adds to the steps that Snakemake counts how many runs are there, what failed, and the time left.
 
-    counts: gives the number of runs that are there, and of all.
+    counts: gives the number of runs that are there, and of all; failed: of those that failed since it
+    was first asked, which takes so long that only a line asks.
     """
 
-    def __init__(self, counts, every: float = EVERY):
+    def __init__(self, counts, failed, every: float = EVERY, clock=time.monotonic):
         super().__init__()
-        self.counts, self.time_left = counts, TimeLeft(every)
+        self.counts, self.failed, self.time_left = counts, failed, TimeLeft(every, clock)
+        failed()
 
     def emit(self, record: logging.LogRecord) -> None:
         if getattr(record, "done", None) is None:
             return
         there, total = self.counts()
         if words := self.time_left.words(there / total):
-            say(f"{there} of {total} runs: {words}")
+            failed = self.failed()
+            say(f"{there} of {total} runs{f', {failed} failed' if failed else ''}: {words}")

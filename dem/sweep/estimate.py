@@ -81,9 +81,9 @@ def made(campaign: Campaign, block: str) -> tuple[set[str], set[str]]:
     found = {False: set(), True: set()}  # by whether they failed
     for batch in store.sealed().values():
         if wanted.intersection(batch.runs):
-            values, _ = read(store.file_of(batch.id), ("run_id", "failure"))
-            for run, flag in zip(values["run_id"].tolist(), values["failure"], strict=True):
-                found[bool(flag)].add(run)
+            failed = store.failed(batch.id)
+            found[True] |= failed
+            found[False] |= set(batch.runs) - failed
     for run in wanted - found[False] - found[True]:
         if (row := store.kept(run)) is not None:
             found[bool(row["failure"])].add(run)
@@ -93,8 +93,10 @@ def made(campaign: Campaign, block: str) -> tuple[set[str], set[str]]:
 
 def kept(campaign: Campaign, how: str = "run the same command to go on") -> str:
     """What a sweep has that is stopped, and how it goes on."""
-    there, total = campaign.counts()
-    return f"{there} of {total} runs are kept; {how}"
+    (there, total), failed = campaign.counts(), campaign.failed()
+    return (
+        f"{there} of {total} runs are kept{f', {failed} of them failed' if failed else ''}; {how}"
+    )
 
 
 def outcome(campaign: Campaign, new: int | None = None, draws: str = "dem figure all {}") -> str:
@@ -203,10 +205,9 @@ def listing(store: Store, wanted: list[tuple[str, str]]) -> Table:
 def _failed(store: Store, batch: str) -> str:
     """How many runs of a batch failed, in words."""
     try:
-        values, _ = read(store.file_of(batch), ("failure",))
+        return str(len(store.failed(batch)))
     except InputError:
         return "not made"
-    return str(int((values["failure"] != 0).sum()))
 
 
 def _few(words) -> str:

@@ -103,6 +103,11 @@ class Store:
             self._known[batch] = tuple(runs)
         return self._known[batch]
 
+    def failed(self, batch: str) -> set[str]:
+        """The runs of a batch that failed; raises InputError where it is not there or damaged."""
+        values, _ = read(self.file_of(batch), ("run_id", "failure"))
+        return set(values["run_id"][values["failure"] != 0].tolist())
+
     def replicates(self, batch: str) -> list[Replicate]:
         """What the runs of a batch are; raises InputError where its plan is not of today's code."""
         path = self.plan_of(batch)
