@@ -38,15 +38,22 @@ class Machine:
 
     def start(self, name: str) -> None:
         """Start the scheduler, or a worker of one thread."""
-        kind = name.split()[0]
-        own = f"--port {PORT}" if kind == "scheduler" else f"{SCHEDULER} --nthreads 1 --local-directory local"
+        kind = name.split(maxsplit=1)[0]
+        own = (
+            f"--port {PORT}"
+            if kind == "scheduler"
+            else f"{SCHEDULER} --nthreads 1 --local-directory local"
+        )
         command = (
             f"mount -t tmpfs none {self.hidden}; cd {self.folder}; export NUMBA_CACHE_DIR={self.folder}/cache; "
             f"exec {sys.executable} -m dask {kind} {own} --no-dashboard"
         )
         log = (self.folder / f"{name}.log").open("a")
         self.parts[name] = subprocess.Popen(
-            ["unshare", "--mount", "bash", "-c", command], stdout=log, stderr=log, start_new_session=True
+            ["unshare", "--mount", "bash", "-c", command],
+            stdout=log,
+            stderr=log,
+            start_new_session=True,
         )
 
     def kill(self, name: str) -> None:

@@ -4,7 +4,7 @@ import re
 import shutil
 import socket
 import time
-from concurrent.futures import CancelledError, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -21,7 +21,7 @@ from dem.cli.app import app
 from dem.io.dataset import read
 from dem.sweep import workers
 from dem.sweep.campaign import Campaign
-from dem.sweep.workers import Here, Workers, make_task, task_of
+from dem.sweep.workers import Here, make_task, task_of
 
 SEEDS = [1, 2, 3, 4]
 
@@ -66,7 +66,9 @@ def test_a_cluster_of_dask_leaves_what_this_process_leaves(file, monkeypatch):
     distributed = pytest.importorskip("distributed")
     alone = drag_of(file)
     with (
-        distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as local,
+        distributed.LocalCluster(
+            n_workers=2, threads_per_worker=1, dashboard_address=":0"
+        ) as local,
         distributed.Client(local) as client,
     ):
         for marks in (workers._marks, lambda path: (0, 0)):
@@ -152,7 +154,10 @@ def test_a_sweep_whose_workers_are_gone_keeps_what_is_finished(file):
 
 def test_a_process_makes_one_run_at_a_time(file):
     """An executor of threads is refused, and so is a second batch of a process."""
-    with ThreadPoolExecutor(2) as pool, pytest.raises(InputError, match="takes? processes|threads"):
+    with (
+        ThreadPoolExecutor(2) as pool,
+        pytest.raises(InputError, match="executor is one of threads"),
+    ):
         dem.run_sweep(file, pool)
     assert not (file.parent / "results").exists()
     campaign = Campaign.of(file)
@@ -168,7 +173,9 @@ def test_a_worker_of_other_packages_is_refused_by_name(file, monkeypatch):
     campaign.begin("drag")
     task = task_of(campaign.store, batch)
     old = task._replace(made_with=task.made_with | {"numba": "0.1"})
-    with pytest.raises(InputError, match=r"the worker on \S+ has numba [\d.]+; it must be 0\.1, as here"):
+    with pytest.raises(
+        InputError, match=r"the worker on \S+ has numba [\d.]+; it must be 0\.1, as here"
+    ):
         make_task(old)
     assert campaign.counts() == (0, 4)
 
@@ -202,7 +209,7 @@ def test_a_scheduler_that_cannot_be_used_is_one_sentence(file, idle):
 
 
 def test_an_executor_is_something_that_submits(file):
-    with pytest.raises(InputError, match="executor is 4; it must be one of concurrent.futures"):
+    with pytest.raises(InputError, match="executor is 4; it must be one of"):
         dem.run_sweep(file, 4)
-    with pytest.raises(InputError, match="block is 'wide'; .* has drag"):
+    with pytest.raises(InputError, match="block is .wide.;"):
         dem.run_sweep(file, block="wide")

@@ -105,7 +105,9 @@ def summarise(dataset: xr.Dataset) -> xr.Dataset:
     drag = within(dataset["drag"], dataset.attrs["window_start"], dataset.attrs["window_stop"])
     drag = drag if drag.chunks else drag.compute()  # once, and not for each of these
     along = {"dim": "displacement", "skipna": False}  # a run is there as a whole or not at all
-    runs = xr.Dataset({"mean": drag.mean(**along), "sd": drag.std(**along)}).compute().map(over_seeds)
+    runs = (
+        xr.Dataset({"mean": drag.mean(**along), "sd": drag.std(**along)}).compute().map(over_seeds)
+    )
     found = {
         "run_mean": (runs["mean"], "mean drag of a run within the window"),
         "mean": (runs["mean"].mean("seed"), "mean drag over the runs"),

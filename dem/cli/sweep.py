@@ -32,7 +32,9 @@ def sweep(
     jobs: JobsOption = 2,
     scheduler: Annotated[
         str | None,
-        typer.Option(help="Address or file of a Dask scheduler, whose workers make the runs instead."),
+        typer.Option(
+            help="Address or file of a Dask scheduler, whose workers make the runs instead."
+        ),
     ] = None,
     wait: Annotated[
         float, typer.Option(min=0.0, help="Seconds to wait for the first worker of a scheduler.")

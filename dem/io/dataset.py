@@ -136,7 +136,9 @@ def write(path: Path, values: dict, attrs: dict, layout: dict) -> None:
                     file.createDimension(dim, size)
             options = {}
             if array.nbytes > COMPRESSED:
-                rows = max(1, PIECE // array[0].nbytes)  # so that one run is read without all others
+                rows = max(
+                    1, PIECE // array[0].nbytes
+                )  # so that one run is read without all others
                 sizes = (min(len(array), rows), *array.shape[1:])
                 options = {"zlib": True, "shuffle": True, "chunksizes": sizes}
             if dims:  # any program that reads the file then notices damage

@@ -213,7 +213,10 @@ class Campaign:
             new = [each for each in self.batches(name) if not self.store.file_of(each.id).is_file()]
             kept = sum(self.store.run_of(run).is_file() for each in new for run in each.runs)
             make_batches(
-                self.store, new, workers, lambda done, *more, n=there - kept: progress(n + done, *more)
+                self.store,
+                new,
+                workers,
+                lambda done, *more, n=there - kept: progress(n + done, *more),
             )
             del self._plans[name]  # some runs may have been put into batches of their own
             for observable in self.observables(name):

@@ -7,7 +7,16 @@ from pathlib import Path
 
 from dem.base.errors import InputError, RunError
 from dem.sweep.store import Store
-from dem.sweep.workers import ONE_RUN, Task, Workers, away, forget, made_with, make_task, refuse_other
+from dem.sweep.workers import (
+    ONE_RUN,
+    Task,
+    Workers,
+    away,
+    forget,
+    made_with,
+    make_task,
+    refuse_other,
+)
 
 CONNECT = 5.0  # s that a scheduler may take to answer
 TELL = 0.5  # s between two words of a worker
@@ -28,7 +37,10 @@ class Cluster(Workers):
         from distributed import KilledWorker
 
         self.client, self.store = client, store
-        self.killed, self.gone = (KilledWorker,), f"the scheduler {client.scheduler.address} is gone; start it"
+        self.killed, self.gone = (
+            (KilledWorker,),
+            f"the scheduler {client.scheduler.address} is gone; start it",
+        )
         self.topic, self.under_way = f"granular-drag-{uuid.uuid4().hex}", {}
         super().__init__(client.get_executor(pure=False))
         self._check()
@@ -40,7 +52,9 @@ class Cluster(Workers):
         except Exception as error:
             raise InputError(_told("the scheduler", error)) from None
         if max(threads.values(), default=1) > 1:
-            raise InputError(f"the workers have {max(threads.values())} threads each, but {ONE_RUN}")
+            raise InputError(
+                f"the workers have {max(threads.values())} threads each, but {ONE_RUN}"
+            )
         for where, error in self.client.run(refuse_other, wanted, on_error="return").items():
             if error is not None:
                 raise InputError(_told(f"worker {where}", error))
@@ -60,7 +74,7 @@ class Cluster(Workers):
         self.under_way[batch] = told
 
     def submit(self, task: Task):
-        batch, path = task.plan.stem, task.plan
+        batch = task.plan.stem
         name = self.store.replicates(batch)
         key = f"{name[0].words()} and {len(name) - 1} more-{uuid.uuid4().hex}"
         future = self.executor.submit(_make_there, task, self.topic, key=key)
@@ -71,7 +85,9 @@ class Cluster(Workers):
         return 2 * max(1, sum(self.client.nthreads().values()))
 
     def told(self):
-        done, failed, compiling = map(sum, zip((0, 0, 0), *list(self.under_way.values()), strict=True))
+        done, failed, compiling = map(
+            sum, zip((0, 0, 0), *list(self.under_way.values()), strict=True)
+        )
         return done, failed, compiling > 0
 
 
@@ -113,7 +129,9 @@ def connected(where: str, patience: float):
         raise InputError(
             f"scheduler is {where!r}, and needs the package distributed: pip install 'granular-drag[dask]'."
         ) from None
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what goes wrong is said in a sentence
+    logging.getLogger("distributed").setLevel(
+        logging.CRITICAL
+    )  # what goes wrong is said in a sentence
     own = {"scheduler_file": where} if Path(where).is_file() else {"address": where}
     try:
         client = Client(**own, timeout=CONNECT, set_as_default=False)
@@ -127,5 +145,7 @@ def connected(where: str, patience: float):
             client.wait_for_workers(1, patience)
         except TimeoutError:
             client.close()
-            raise RunError(f"{where} has no worker after {patience:g} s; start one with dask worker {where} --nthreads 1.") from None
+            raise RunError(
+                f"{where} has no worker after {patience:g} s; start one with dask worker {where} --nthreads 1."
+            ) from None
     return client

@@ -86,7 +86,9 @@ def refuse_other(wanted: dict[str, str]) -> None:
             )
 
 
-def make_task(task: Task, tell=lambda done, failed, compiles=False: None) -> tuple[bytes | None, int]:
+def make_task(
+    task: Task, tell=lambda done, failed, compiles=False: None
+) -> tuple[bytes | None, int]:
     """Make a batch, on a worker: its file, None where the client's store has it, and how many of its
     runs failed. tell: as progress of dem.sweep.batch.make."""
     refuse_other(task.made_with)
@@ -197,7 +199,9 @@ class Processes(Workers):
         self.jobs, context = jobs, multiprocessing.get_context("spawn")
         self.shared = context.Array("d", 3)
         self.others = set(multiprocessing.active_children())
-        super().__init__(ProcessPoolExecutor(jobs, context, initializer=_begin, initargs=(self.shared,)))
+        super().__init__(
+            ProcessPoolExecutor(jobs, context, initializer=_begin, initargs=(self.shared,))
+        )
 
     def __exit__(self, kind, error, traceback):
         if kind:
@@ -290,7 +294,9 @@ def make_batches(store: Store, batches: list[Batch], workers: Workers, progress)
                 try:
                     content, fails = future.result()
                 except workers.killed as error:
-                    apart = _apart(store, batch, f"{type(error).__name__}: each worker that ran it died")
+                    apart = _apart(
+                        store, batch, f"{type(error).__name__}: each worker that ran it died"
+                    )
                     left.extend(apart)
                     done, failed = done + (not apart), failed + (not apart)
                     continue
@@ -300,9 +306,7 @@ def make_batches(store: Store, batches: list[Batch], workers: Workers, progress)
             under_way, fails, compiles = workers.told()
             progress(done + under_way, failed + fails, compiles)
     except (BrokenExecutor, CancelledError):
-        raise RunError(
-            f"{workers.gone} and run the same again: finished runs are kept."
-        ) from None
+        raise RunError(f"{workers.gone} and run the same again: finished runs are kept.") from None
     finally:
         for future in pending:
             future.cancel()
