@@ -20,6 +20,7 @@ from dem.io.results_folder import on_failure, prepare
 from dem.sweep.campaign import Campaign
 from dem.sweep.estimate import kept, outcome
 from dem.sweep.units import unusual
+from snakemake.io import IOFile
 
 HERE = Path(str(workflow.current_basedir)).parent
 STUDIES = HERE / "studies"  # may be absent, and each study
@@ -76,7 +77,17 @@ def batches_in(folder):
             checkpoints.combine.get(folder=sweep.folder_of(name), observable=observable)
     if not workflow.dryrun:
         sweep.begin(block)
+        keep_whole(sweep.files(block))
     return [f"results/store/batches/{batch.id}.nc" for batch in sweep.batches(block)]
+
+
+def keep_whole(files):
+    """Let batches be kept whose jobs ended when Snakemake did not live any more: it would take them for
+    half-written, delete them and make their runs again."""
+    for path in filter(Path.exists, files):
+        noted = workflow.persistence.metadata(file := IOFile(str(path)))
+        if noted is None or noted.endtime < path.stat().st_mtime:
+            workflow.persistence.cleanup_metadata(file)
 
 
 def study_batches(name, derived=False):

@@ -1,6 +1,6 @@
 """Processor time and memory of planning, combining and drawing thousands of runs on one computer.
 
-    python tests/ensembles.py 100 1000 10000 -o docs/data/ensembles.nc
+    python tests/ensembles.py 100 1000 10000 100000 -o docs/data/ensembles.nc
 
 One smoke run is simulated; the batches of the others hold it over and over, under their names, so that
 it is the files that are measured. Each command runs in a process of its own; memory is its peak.
@@ -40,6 +40,8 @@ LAYOUT = {"runs": (("runs",), "1", "number of runs")}
 for _name, _words in COMMANDS.items():
     LAYOUT[f"{_name}_time"] = ("runs",), "s", f"processor time of {_words}"
     LAYOUT[f"{_name}_memory"] = ("runs",), "byte", f"peak memory of {_words}"
+LAYOUT["files"] = ("runs",), "1", "number of files of the store"
+LAYOUT["size"] = ("runs",), "byte", "size of the store"
 SIZE = 100  # runs a job
 EACH = 10_000  # runs up to which a job each is planned too
 FLOW = 1000  # runs up to which their flow is measured too, which takes long
@@ -97,6 +99,8 @@ def main() -> None:
         for at, count in enumerate(given.runs):
             for name, (time, memory) in commands(place, count, row):
                 values[f"{name}_time"][at], values[f"{name}_memory"][at] = time, memory
+            sizes = [path.stat().st_size for path in place.store.rglob("*") if path.is_file()]
+            values["files"][at], values["size"][at] = len(sizes), sum(sizes)
     report(values, LAYOUT, "Time and memory of sweeps by their number of runs", given.output)
 
 

@@ -30,7 +30,7 @@ from dem.sweep.axis import changes_of_words
 from dem.sweep.campaign import Campaign
 from dem.sweep.combine import about, combine
 from dem.sweep.config import load, merged, parse, save
-from dem.sweep.prune import prune
+from dem.sweep.prune import prune, sweeps
 from dem.sweep.units import unusual
 
 FEW = {"c1": {"kind": "disc", "diameter": 1092e-6, "granules": 30}}
@@ -263,8 +263,8 @@ def test_a_value_of_the_command_line_is_the_number_that_a_file_would_give():
         ({"shape": "c1", "box": {"a": {"seed": 1.7}}}, "sweep.box.a.seed is 1.7; it must be a whole number"),
         ({"shape": "c1", "box": {1: {}, "1": {}}}, "has '1' twice"),
         ({"shape": "c1", "friction.granule": [0, -0.0]}, "twice; list each once"),
-        ({"shape": "c1", "gravity": [0], "friction.wall": [1], "friction_wall": {"a": {"box_width": 0.01}}}, "two dimensions named friction_wall"),
-        ({"shape": "c1", "friction_wall": {"a": {"friction.wall": 0.1}}}, "has the dimension friction_wall and the value friction.wall, which have one name in files; rename the dimension"),
+        ({"shape": "c1", "gravity": [0], "friction.wall": [1], "friction_wall": {"a": {"box_width": 0.01}}}, "has the dimension friction_wall and another value of this name in files; rename one"),
+        ({"shape": "c1", "friction_wall": {"a": {"friction.wall": 0.1}}}, "has the dimension friction_wall and another value of this name in files; rename one"),
         ({"blocks": {"flow": {"shape": "c1"}}}, "it must be no folder of results"),
         ({"blocks": {"a": {"shape": "c1"}, "b": {"needs": "a", "shape": "c1", "s": {"x": {"packing.fraction": {"derive": "equal_load", "friction": 0.3}}}}}}, "leave friction out"),
         ({"blocks": {"a": {"shape": "c1", "needs": "b"}}}, "it must be a block before it"),
@@ -410,6 +410,15 @@ def test_chunks_are_filled_and_runs_of_one_bed_stay_together(tmp_path):
         assert [len(chunk.runs) for chunk in chunks] == runs
 
 
+def test_a_sweep_keeps_to_its_batches_while_another_makes_their_runs():
+    """All its jobs find the same ones, however many the other puts together."""
+    runs = list(small({"shape": "c1", "seed": [1, 2, 3, 4]}).block("drag").unique())
+    mine, _ = stores.plan((), runs, 1, "results/mine")
+    others, _ = stores.plan((), runs, 4, "results/other")
+    found, new = stores.plan(others + mine, runs, 1, "results/mine")
+    assert set(found) == set(mine) and not new
+
+
 # What is there is not made again
 
 
@@ -529,6 +538,21 @@ def test_prune_removes_what_no_sweep_needs(tmp_path, monkeypatch):
     assert combined(left, combine)["drag"].shape == (1, 1, 1, 8)
     (combine / "config.yaml").unlink()
     assert all(path.suffix == ".npz" for path in prune(left.store)[0])  # drag.nc names its runs
+
+
+def test_prune_leaves_the_plans_of_a_sweep_that_starts_meanwhile(tmp_path, monkeypatch):
+    """Of which it does not know when it has looked at all folders."""
+    monkeypatch.chdir(tmp_path)
+    work = done(small({"shape": "c1"}), tmp_path)
+    late = Campaign(small({"shape": "c1", "seed": [9]}, results="results/late"), work.store)
+
+    def looked(store):
+        yield from sweeps(store)
+        late.begin("drag")
+
+    monkeypatch.setattr("dem.sweep.prune.sweeps", looked)
+    assert prune(work.store) == ([], 0)
+    assert all(work.store.plan_of(each.id).is_file() for each in late.batches("drag"))
 
 
 # The store, when something is wrong with it

@@ -291,6 +291,31 @@ def test_a_killed_run_is_taken_up_again(finished):
         np.testing.assert_array_equal(one["drag"][run.place], alone["drag"].values)
 
 
+def test_what_jobs_finish_after_snakemake_is_killed_is_kept(finished):
+    """They go on without it; the next start takes their batches as they are."""
+    (finished / "config/alone.yaml").write_text(
+        "extends: config/smoke.yaml\nresults: results/alone\npacking: {size_spread: 0.18}\n"
+        "sweep: {case: [c1, d1], seed: [1]}\nbatch: 1\n"
+    )
+    target, batches = "results/alone/drag.nc", finished / "results/store/batches"
+    before = set(batches.glob("*.nc"))
+    victim = subprocess.Popen(
+        [sys.executable, "-m", "snakemake", target, "-j2", "--configfile", "config/alone.yaml"],
+        cwd=finished, env=environment(finished), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+    )  # fmt: skip
+    logs = finished / "results/alone/logs/batches"
+    while not list(logs.glob("*.log")):  # until a job has begun
+        assert victim.poll() is None
+        time.sleep(0.05)
+    victim.kill()
+    victim.wait()
+    victim.stderr.read()  # until its jobs have ended, which have it too
+    kept = {path: path.stat().st_mtime_ns for path in set(batches.glob("*.nc")) - before}
+    run = snakemake(finished, target, "-j2", configfile="config/alone.yaml")
+    assert run.returncode == 0, run.stderr
+    assert kept and kept == {path: path.stat().st_mtime_ns for path in kept}
+
+
 @pytest.fixture(scope="module")
 def own(finished, tmp_path_factory):
     """A copy with a small sweep of runs that are there, in results/own."""

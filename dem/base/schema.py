@@ -2,7 +2,6 @@
 
 import math
 import re
-from collections.abc import Iterator
 from contextlib import suppress
 from typing import Annotated, Any, get_args
 
@@ -18,7 +17,7 @@ from pydantic import (
 from pydantic.fields import FieldInfo
 
 from dem.base.errors import InputError
-from dem.base.hints import choice, meant
+from dem.base.hints import choice
 from dem.base.validate import shown
 
 NO_BITS = "checks values, which are part of what a run is known by"
@@ -120,15 +119,9 @@ def known_by(section: BaseModel, model: type[BaseModel], head: str = "") -> dict
 
 def section_of(annotation) -> type[BaseModel] | None:
     """The section that an annotation is, or has in it."""
-    return next((p for p in _parts(annotation) if issubclass(p, BaseModel)), None)
-
-
-def _parts(annotation, kind: type = type) -> Iterator:
-    """What an annotation is made of, as far as it is of a kind."""
-    if isinstance(annotation, kind) and not get_args(annotation):
-        yield annotation
-    for each in get_args(annotation):
-        yield from _parts(each, kind)
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    return next(filter(None, map(section_of, get_args(annotation))), None)
 
 
 MOST_SENTENCES = 20
@@ -198,8 +191,6 @@ def _sentence(fault, at: str, section, field: FieldInfo | None) -> str:
         must = "not be empty"
     elif kind == "greater_than_equal" and limits["ge"] == LEAST_POSITIVE:
         must = f"be positive, at least {LEAST_POSITIVE:g}"
-    elif kind == "literal_error" and field:
-        hint = meant(given, _parts(field.annotation, str))
     elif kind == "model_type" and inner:
         hint = f"; its keys are {', '.join(inner.model_fields)}"
     return f"{said}; it must {must}{hint}."

@@ -3,9 +3,27 @@
 import sys
 from pathlib import Path
 
+from rich.console import Console
+from rich.segment import Segment
+
 from dem.base.files import FOLDER, Place, atomic, check_paths
-from dem.base.plain import PlainConsole
+from dem.base.plain import plain
 from dem.cli.terminal import bar
+
+
+class PlainConsole(Console):
+    """A console that takes no text for markup and shows no control characters of it.
+
+    Colours stay: rich keeps them apart from the text.
+    """
+
+    def __init__(self, **options):
+        super().__init__(markup=False, emoji=False, **options)
+
+    def render(self, renderable, options=None):
+        """Segments of what is shown, their text made plain."""
+        for text, style, control in super().render(renderable, options):
+            yield Segment(text if control else plain(text), style, control)
 
 
 def draw_figure(name: str, data: Path, output: Path | None, figures: dict) -> None:

@@ -16,6 +16,7 @@ import typer
 
 from dem.base.errors import InputError, RunError
 from dem.base.files import FOLDER, Place, check_paths
+from dem.base.plain import plain
 from dem.base.say import say, say_over
 from dem.cli.streams import open_streams, what_was_lost
 from dem.io.progress import Stage
@@ -84,14 +85,12 @@ def places(hints: dict, values: dict) -> tuple[list[Place], list[Place]]:
     """Paths that a verb writes and those that it reads, by its annotations and values."""
     targets, sources = [], []
     for name, value in values.items():
-        paths = value if isinstance(value, list) else [value]
         marks = getattr(hints.get(name), "__metadata__", ())
         writes = next((mark for mark in marks if isinstance(mark, Writes)), None)
-        for path in paths:
-            if isinstance(path, Path) and writes is None:
-                sources.append(Place(name, path))
-            elif isinstance(path, Path):
-                targets.append(Place(name, path, writes.kind))
+        for path in value if isinstance(value, list) else [value]:
+            if isinstance(path, Path):
+                place = Place(name, path, writes.kind if writes else "")
+                (targets if writes else sources).append(place)
     return targets, sources
 
 
@@ -115,17 +114,8 @@ def sentence_of(error: Exception) -> str:
     return str(error)
 
 
-def _tell(sentence: str) -> None:
-    """Show a sentence; control characters from a file or a path have no effect."""
-    from dem.base.plain import plain
-
-    say(plain(sentence))
-
-
 def show(text: str) -> None:
     """Show a result on standard output."""
-    from dem.base.plain import plain
-
     print(plain(text))
 
 
@@ -146,7 +136,7 @@ def reported():
     try:
         yield
     except (InputError, RunError, OSError) as error:
-        _tell(sentence_of(error))
+        say(plain(sentence_of(error)))  # control characters from a file or a path have no effect
         raise typer.Exit(2 if isinstance(error, InputError) else 1) from None
     except (Stopped, Exception) as error:
         # LLVM calls back while it compiles, and swallows what is raised there: it fails later.
@@ -171,8 +161,6 @@ def bar(label: str, total: float | None = None):
     Short work stays silent. Yields the update function, that of dem.io.progress.Stage. A thread
     speaks, because compiling and packing take minutes without an update.
     """
-    from dem.base.plain import plain
-
     stage, over = Stage(plain(label), total), threading.Event()
     alive = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
 

@@ -5,7 +5,6 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, model_validator
 
-from dem.base.hints import meant
 from dem.base.outside import is_outside
 from dem.base.schema import NotNegative, Number, Positive, Section, Seed, Whole, value
 from dem.experiment.observables import OBSERVABLES
@@ -21,7 +20,7 @@ def or_file(known: Iterable[str]) -> BeforeValidator:
         if name in tuple(known) or is_outside(name):
             return name
         *others, last = map(repr, known)
-        raise ValueError(f"it must be {', '.join(others)} or {last}{meant(name, known)}")
+        raise ValueError(f"it must be {', '.join(others)} or {last}")
 
     return BeforeValidator(check)
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from dem.base.constants import described
 from dem.base.errors import InputError
-from dem.base.hints import meant
+from dem.base.hints import choice
 from dem.io.lazily import open_lazily, require
 
 BY_CASE = {"case", "seed"}, {"shape", "seed"}  # axes of runs that make cases
@@ -70,8 +70,8 @@ def wanted(block, names: list[str] | None, figures: dict[str, Drawn] = FIGURES) 
     found = possible(block, figures)
     for name in names or ():
         if name not in found:
-            there = f"; there are {', '.join(found)}" if found else ""
-            raise InputError(f"figures has {name!r}, for which these runs do not suffice{there}.")
+            hint = choice(name, found)
+            raise InputError(f"figures has {name!r}, for which these runs do not suffice{hint}.")
     return found if names is None else names
 
 
@@ -129,8 +129,7 @@ def draw(name: str, data: Path, folder: Path, figures: dict[str, Drawn] = FIGURE
     Raises InputError if there is nothing to draw, or no such figure.
     """
     if name not in (known := [*sorted(figures), "all"]):
-        hint = meant(name, known) or f"; the names are {', '.join(known)}"
-        raise InputError(f"figure is {name!r}; there is no such figure{hint}.")
+        raise InputError(f"figure is {name!r}; there is no such figure{choice(name, known)}.")
     names = [name]
     if name == "all":
         require_drag(data)

@@ -85,7 +85,8 @@ def axis_of(key: str, spec, place: Place) -> Axis:
         else:
             points = [{key: each} for each in found]
         return Axis(key if key in RUNS else name_of(key), entry, found, points)
-    if not isinstance(spec, dict) or not spec or not _is_points(spec):
+    points = spec.values() if isinstance(spec, dict) and "design" not in spec else ()
+    if not isinstance(spec, dict) or not spec or not all(isinstance(p, dict) for p in points):
         hint = meant(key, [*place.paths, *RUNS])
         raise InputError(f"{place.where}: {key} is no value that can vary{hint}.")
     validated(Label, key, at=f"a name in {place.where}")
@@ -95,10 +96,6 @@ def axis_of(key: str, spec, place: Place) -> Axis:
     _once(names, here)
     points = [changes(point, here.at(name)) for name, point in spec.items()]
     return Axis(name_of(key), Entry(key, None, "values that go together"), names, points)
-
-
-def _is_points(spec: dict) -> bool:
-    return "design" in spec or all(isinstance(point, dict) for point in spec.values())
 
 
 def _design(key: str, spec: dict, here: Place) -> Axis:
@@ -160,11 +157,6 @@ def _derived(path: str, asked: dict, here: Place) -> Derive:
     return found
 
 
-def is_derived(value) -> bool:
-    """Whether a value follows from another result."""
-    return isinstance(value, Derive)
-
-
 def changes_of_words(configuration: Configuration, words: list[str]) -> dict:
     """Values by path from words such as friction.granule=0.3; raises InputError."""
     found = {}
@@ -212,8 +204,6 @@ def _values(spec, entry: Entry, here: Place) -> list:
 
 
 def _once(values: list, here: Place) -> None:
-    seen = set()
-    for each in values:
-        if each in seen:
-            here.refuse(f"has {each!r} twice; list each once")
-        seen.add(each)
+    if len(set(values)) < len(values):
+        twice = next(each for each in values if values.count(each) > 1)
+        here.refuse(f"has {twice!r} twice; list each once")

@@ -8,7 +8,7 @@ import numpy as np
 from rich.table import Column, Table
 
 from dem.base.errors import InputError
-from dem.base.hints import is_number, is_written, meant
+from dem.base.hints import is_written, meant
 from dem.experiment.config import Replicate, entries, of_values
 from dem.io.dataset import read
 from dem.io.progress import span
@@ -114,13 +114,9 @@ def outcome(campaign: Campaign, new: int | None = None, draws: str = "dem figure
     if campaign.sweep.failures:
         combined = map(campaign.first, campaign.sweep.blocks)
         failed = sum(int((read(path, ("failure",))[0]["failure"] != 0).sum()) for path in combined)
-    more = f" and {len(others)} more files in {campaign.sweep.results}" if others else ""
-    many, (_, total) = bool(others), campaign.counts()
-    holds = f"{first}{more} {'hold' if many else 'holds'}"
-    if new == 0:
-        said = f"Nothing was to be made: {holds} all {total} runs"
-    else:
-        said = f"{holds} {total} runs{'' if new is None else f', {new} of them new'}"
+    more = f", as {len(others)} more files in {campaign.sweep.results} do" if others else ""
+    said = f"{first} holds {campaign.counts()[1]} runs{more}"
+    said += "" if new is None else f", {new} of them new"
     said += f"; {failed} of them failed." if failed else "."
     word = shlex.quote(first)
     after = [f"dem info {word}", *([draws.format(word)] if first.endswith("/drag.nc") else [])]
@@ -220,14 +216,10 @@ def wanted_of(word: str) -> tuple[str, str]:
     """Path and value of a word such as friction.granule=0.3; raises InputError."""
     path, equal, value = word.partition("=")
     shape = path.split(".")[1:2] if path.startswith("shapes.") else ()
-    values = entries(shape)
-    known = [*values, *OWN]
+    known = [*entries(shape), *OWN]
     if not equal or path not in known:
         hint = meant(path, known) or ", such as shape=c1 or friction.granule=0.3"
         raise InputError(f"{word!r} names no value of a run; write PATH=VALUE{hint}.")
-    text = path == "shape" or (path in values and values[path].units is None)
-    if not (text or value.lower() in ("none", "true", "false") or is_number(value)):
-        raise InputError(f"{word!r}: {path} is a number; write it as the list of runs does.")
     return path, value
 
 

@@ -12,7 +12,7 @@ from dem.base.errors import InputError
 from dem.base.schema import MOST
 from dem.experiment.config import Configuration, Entry, Replicate, entries
 from dem.experiment.fit import check_rooms
-from dem.sweep.axis import OWN, Axis, axis_of, changes, is_derived, name_of, place_in
+from dem.sweep.axis import OWN, Axis, Derive, axis_of, changes, name_of, place_in
 
 WORDS = ("needs", "values")  # of a block, beside what varies
 MOST_AXES = 24  # dimensions of a sweep; a variable of netCDF-4 has at most 32 with its own
@@ -58,11 +58,10 @@ class Block:
 
     def unique(self) -> Iterator[Replicate]:
         """Every run once."""
-        seen = set()
+        found = {}
         for run in self.runs:
-            if run.replicate.id not in seen:
-                seen.add(run.replicate.id)
-                yield run.replicate
+            found.setdefault(run.replicate.id, run.replicate)
+        yield from found.values()
 
     def labels(self) -> dict[str, tuple[Entry, tuple[str, ...], np.ndarray]]:
         """Labels of the runs beside the axes: units and words, dimensions, values."""
@@ -109,29 +108,25 @@ def expand(sweep, name: str, block: dict, derived: Derived | None) -> Block:
     given = {path for axis in axes for point in axis.points for path in point}
     if "seed" not in given:
         axes.append(axis_of("seed", [fixed.pop("seed", 1)], place))
-    names = [axis.name for axis in axes]
-    if len(set(names)) < len(names):
-        twice = next(name for name in names if names.count(name) > 1)
-        raise InputError(f"{where} has two dimensions named {twice}; rename one.")
     if len(axes) > MOST_AXES:
         raise InputError(
             f"{where} has {len(axes)} dimensions; it must have at most {MOST_AXES}: what has one value "
             "belongs under values, and values that go together under one name."
         )
     given |= set(fixed)
-    for axis in axes:  # a file has one variable of a name
-        if twin := next((p for p in given - {axis.entry.path} if name_of(p) == axis.name), None):
-            raise InputError(
-                f"{where} has the dimension {axis.name} and the value {twin}, which have one name in "
-                "files; rename the dimension."
-            )
+    names = [axis.name for axis in axes]
+    names += map(name_of, given - {axis.entry.path for axis in axes})
+    if twice := [axis.name for axis in axes if names.count(axis.name) > 1]:
+        raise InputError(
+            f"{where} has the dimension {twice[0]} and another value of this name in files; rename one."
+        )
     if "shape" not in given and len(sweep.shapes) > 1:
         raise InputError(f"{where} must vary shape or case; there are {', '.join(sweep.shapes)}.")
     for path in SAME:
         if path in given - set(fixed):
             raise InputError(f"{where} varies {path}, which runs of one block share; use blocks.")
     points = [fixed, *(point for axis in axes for point in axis.points)]
-    if "needs" not in block and any(is_derived(v) for point in points for v in point.values()):
+    if "needs" not in block and any(isinstance(v, Derive) for point in points for v in point.values()):
         raise InputError(
             f"{where} derives values; needs must name the blocks that it takes them from."
         )
@@ -169,9 +164,9 @@ def _runs(sweep, where, fixed, axes, derived) -> list[Run]:
 
 def _resolved(sweep, shape: str, density: float, own: dict, derived) -> Configuration:
     """The configuration of a run; what is derived from another result comes last."""
-    plain = {path: new for path, new in own.items() if not is_derived(new)}
+    asked = {path: new for path, new in own.items() if isinstance(new, Derive)}
+    plain = {path: new for path, new in own.items() if path not in asked}
     found = sweep.changed(plain, shape)
-    asked = {path: new for path, new in own.items() if is_derived(new)}
     if derived is None or not asked:
         return found
     replicate = Replicate(found, shape, density, 0)

@@ -50,21 +50,23 @@ def prune(store: Store) -> tuple[list[Path], int]:
     Raises InputError, and removes nothing, where it cannot be known what a sweep needs.
     """
     runs, beds = set(), set()
+    # first, because a sweep that starts meanwhile writes its configuration before its plans
+    files, known = list(store.files()), list(store.known())
     try:
         for _, wanted, used in sweeps(store):
             runs |= wanted
             beds |= used
-        if not runs and next(store.files(), None):
+        if not runs and files:
             raise InputError(
                 f"{store.folder.parent}: no sweep is here; start the sweeps again whose runs you want to "
                 f"keep, or delete the folder {store.folder} if you want none of them."
             )
     except InputError as error:
         raise InputError(f"{error}\n{NOTHING}") from None
-    used = (batch for batch in store.known() if not batch.runs or runs.intersection(batch.runs))
+    used = (batch for batch in known if not batch.runs or runs.intersection(batch.runs))
     needed = runs.union(beds, (batch.id for batch in used))
     gone, size = [], 0
-    for path in store.files():
+    for path in files:
         if path.name.partition(".")[0] not in needed:
             size += path.stat().st_size
             path.unlink()

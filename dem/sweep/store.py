@@ -246,9 +246,14 @@ def plan(
     there: Iterable[Batch], replicates: Iterable[Replicate], size: int, results: str
 ) -> tuple[list[Batch], dict[str, list[Replicate]]]:
     """The batches that hold some runs: those that there are, and new ones for the rest, with their
-    runs. Nothing is written. Runs of one bed are put together where they fit."""
+    runs. Nothing is written. Runs of one bed are put together where they fit. Its own batches are a
+    sweep's first choice, so that its jobs agree on them while another sweep makes the same runs."""
     left, found, groups = {each.id: each for each in replicates}, [], {}
-    for batch in sorted(there, key=lambda batch: (-len(batch.runs), batch.id)):
+
+    def order(batch):
+        return batch_id(results, *batch.runs) != batch.id, -len(batch.runs), batch.id
+
+    for batch in sorted(there, key=order):
         if mine := [run for run in batch.runs if run in left]:
             found.append(batch)
             for run in mine:

@@ -38,7 +38,7 @@ def test(
     """
     if not 0.0 <= margin <= 1.0:
         raise InputError(f"margin is {margin}; it must be between 0 and 1.")
-    from dem.base.plain import PlainConsole
+    from dem.cli.show import PlainConsole
     from dem.figures.catalogue import require_drag
 
     require_drag(data)

@@ -41,7 +41,7 @@ class Ensembles(Measured):
     """Processor time and peak memory of each command, by the number of runs."""
 
     name = "ensembles"
-    command = "python tests/ensembles.py 100 1000 10000 -o docs/data/ensembles.nc"
+    command = "python tests/ensembles.py 100 1000 10000 100000 -o docs/data/ensembles.nc"
 
     def commands(self) -> Table:
         """Time and memory of each command, a row per number of runs."""
