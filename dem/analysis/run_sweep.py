@@ -10,7 +10,7 @@ from dem.base.errors import InputError
 from dem.io.lazily import open_results
 from dem.io.results_folder import prepare
 from dem.sweep.campaign import Campaign
-from dem.sweep.workers import Workers, workers_of
+from dem.sweep.workers import workers_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -58,19 +58,10 @@ def run_sweep(path: str | Path, executor=None, block: str | None = None) -> xr.D
     workers = workers_of(executor, campaign.store)
     held, _ = prepare(campaign.results, campaign.store.folder)
     try:
-        make_all(campaign, workers)
+        with workers:
+            campaign.make(workers)
+        for each in campaign.sweep.blocks:
+            make_flow(campaign, each)
     finally:
         held.release()
     return open_results(campaign.first(block or next(iter(campaign.sweep.blocks))))
-
-
-def make_all(
-    campaign: Campaign, workers: Workers, runs=lambda done, failed, compiles: None,
-    flow=lambda done: None,
-) -> None:  # fmt: skip
-    """Make all files of a sweep; runs: as progress of Campaign.make; flow: called with how many blocks
-    are measured."""
-    with workers:
-        campaign.make(workers, runs)
-    for number, block in enumerate(campaign.sweep.blocks):
-        make_flow(campaign, block, lambda share, n=number: flow(n + share))

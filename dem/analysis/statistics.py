@@ -144,20 +144,10 @@ def running_mean(drag: xr.DataArray, edges: np.ndarray, length: float) -> xr.Dat
     low = np.clip(middle - 0.5 * length, edges[0], edges[-1])
     high = np.clip(middle + 0.5 * length, edges[0], edges[-1])
 
-    def integral(values, x):
-        """Of values (..., displacement) up to some displacements."""
-        whole = np.cumsum(values * np.diff(edges), axis=-1)
-        whole = np.concatenate([np.zeros_like(whole[..., :1]), whole], axis=-1)
-        bin = np.clip(np.searchsorted(edges, x, "right") - 1, 0, len(edges) - 2)
-        slope = (whole[..., bin + 1] - whole[..., bin]) / np.diff(edges)[bin]
-        return slope * (x - edges[bin]) + whole[..., bin]
-
-    along = ["displacement"]
-    return xr.apply_ufunc(
-        lambda values: (integral(values, high) - integral(values, low)) / (high - low), drag,
-        input_core_dims=[along], output_core_dims=[along], dask="parallelized",
-        output_dtypes=[float], keep_attrs=True,
-    )  # fmt: skip
+    shared = np.minimum(high[:, None], edges[1:]) - np.maximum(low[:, None], edges[:-1])
+    weights = np.clip(shared, 0.0, None) / (high - low)[:, None]
+    along = xr.DataArray(weights, {"displacement": drag["displacement"]}, ("displacement", "bin"))
+    return xr.dot(drag.rename(displacement="bin").drop_vars("bin"), along, dim="bin")
 
 
 def edges_of_bins(dataset: xr.Dataset) -> np.ndarray:

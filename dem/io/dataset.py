@@ -69,7 +69,6 @@ OF_SWEEP = {"case": ((), None, "case: a shape at a density, labels of Tables 1 a
 FAILURES = ("none", PackingError.__name__, OverlapError.__name__, StateError.__name__, "other")
 AGAIN = "delete it and run again"
 COMPRESSED = 8192  # bytes of an array from which compressing it makes the file smaller
-PIECE = 1_000_000  # bytes that are compressed together, along the first axis
 WALLS = ("left", "right", "bottom", "top")
 UNITLESS = ("displacement_bounds", "failure")  # numbers whose attributes say more than a unit
 MORE = {  # attributes of CF beside name and units
@@ -134,13 +133,7 @@ def write(path: Path, values: dict, attrs: dict, layout: dict) -> None:
             for dim, size in zip(dims, array.shape, strict=True):
                 if dim not in file.dimensions:
                     file.createDimension(dim, size)
-            options = {}
-            if array.nbytes > COMPRESSED:
-                rows = max(
-                    1, PIECE // array[0].nbytes
-                )  # so that one run is read without all others
-                sizes = (min(len(array), rows), *array.shape[1:])
-                options = {"zlib": True, "shuffle": True, "chunksizes": sizes}
+            options = {"zlib": True, "shuffle": True} if array.nbytes > COMPRESSED else {}
             if dims:  # any program that reads the file then notices damage
                 options["fletcher32"] = True
             add(file, name, dims, array, attributes(name, layout), bool(dims), **options)

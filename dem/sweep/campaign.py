@@ -206,17 +206,15 @@ class Campaign:
     def make(self, workers: Workers, progress=lambda done, failed, compiles: None) -> None:
         """Make all that is not there yet, on some workers, but flow.nc (dem.analysis.flow); raises
         RunError. progress is called with how many runs are there, how many of the new ones failed, and
-        whether a process compiles."""
+        whether any compiles."""
         for name in self.sweep.blocks:  # a block comes after those that it needs
             self.begin(name)
             there = self.counts()[0]
             new = [each for each in self.batches(name) if not self.store.file_of(each.id).is_file()]
             kept = sum(self.store.run_of(run).is_file() for each in new for run in each.runs)
+            before = there - kept
             make_batches(
-                self.store,
-                new,
-                workers,
-                lambda done, *more, n=there - kept: progress(n + done, *more),
+                self.store, new, workers, lambda n, *more, b=before: progress(b + n, *more)
             )
             del self._plans[name]  # some runs may have been put into batches of their own
             for observable in self.observables(name):

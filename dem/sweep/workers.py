@@ -11,22 +11,15 @@ import multiprocessing
 import platform
 import shutil
 import signal
-import sys
 import threading
 from collections import deque
-from concurrent.futures import (
-    FIRST_COMPLETED,
-    BrokenExecutor,
-    CancelledError,
-    Future,
-    ProcessPoolExecutor,
-    ThreadPoolExecutor,
-    wait,
-)
+from concurrent import futures
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
 from dem.base.errors import InputError, RunError
+from dem.base.files import atomic
 from dem.base.provenance import compilers
 from dem.base.sources import cache_folder, code_hash, own_files
 from dem.sweep.store import Batch, Store, batch_id
@@ -54,14 +47,14 @@ class Task(NamedTuple):
 
 def task_of(store: Store, batch: Batch) -> Task:
     """The task of a batch whose plan is written."""
-    plan = store.plan_of(batch.id).absolute()
-    files = {}
+    plan, files = store.plan_of(batch.id).absolute(), {}
     for module in {each for run in store.replicates(batch.id) for each in run.modules}:
         if folder := module.rpartition(":")[0]:
             for path in own_files(module).values():
                 files[str(path.relative_to(folder))] = path.read_text(encoding="utf-8")
-    text = plan.read_text(encoding="utf-8")
-    return Task(plan, text, _marks(plan), away(store), files, made_with())
+    return Task(
+        plan, plan.read_text(encoding="utf-8"), _marks(plan), away(store), files, made_with()
+    )
 
 
 def away(store: Store) -> str:
@@ -71,9 +64,9 @@ def away(store: Store) -> str:
 
 def made_with() -> dict[str, str]:
     """What must be the same here and on all workers, by name."""
-    version = ".".join(map(str, sys.version_info[:2]))
-    found = {"code of granular-drag": code_hash("dem.sweep.batch")[:16], "Python": version}
-    return found | dict(each.split() for each in compilers().split(", "))
+    python, code = platform.python_version(), code_hash("dem.sweep.batch")[:16]
+    named = dict(each.split() for each in compilers().split(", "))
+    return {"code of granular-drag": code, "Python": python} | named
 
 
 def refuse_other(wanted: dict[str, str]) -> None:
@@ -86,43 +79,34 @@ def refuse_other(wanted: dict[str, str]) -> None:
             )
 
 
-def make_task(
-    task: Task, tell=lambda done, failed, compiles=False: None
-) -> tuple[bytes | None, int]:
-    """Make a batch, on a worker: its file, None where the client's store has it, and how many of its
-    runs failed. tell: as progress of dem.sweep.batch.make."""
+def make_task(task: Task, lasts=lambda *now: None) -> bytes | None:
+    """Make a batch, on a worker; returns its file, None where the client's store has it. lasts: called now
+    and then meanwhile."""
     refuse_other(task.made_with)
     if not BUSY.acquire(blocking=False):
         raise InputError(ONE_RUN)
     try:
         from dem.sweep.batch import make  # not for those who only ask what there is
 
-        failed = [0]
-
-        def told(done, fails, compiles=False):
-            failed[0] = fails
-            tell(done, fails, compiles)
-
         shared = _marks(task.plan) == task.marks
         store = Store(task.plan.parents[1]) if shared else _store_of(task)
-        path = make(store, task.plan.stem, told)
-        return None if shared else path.read_bytes(), failed[0]
+        path = make(store, task.plan.stem, lasts)
+        return None if shared else path.read_bytes()
     finally:
         BUSY.release()
 
 
 def _store_of(task: Task) -> Store:
-    """A store of this machine that has the plan of a batch."""
-    folder = _folder(task.away)
-    head, body = task.text.splitlines()
+    """A store of this machine that has the plan of a batch, and beside it the files of a user's own."""
+    store, (head, body) = Store(_folder(task.away)), task.text.splitlines()
+    beside = store.folder / "beside" / _digest(*task.files, *task.files.values())
     if task.files:
-        beside = folder / "beside" / _digest(*task.files, *task.files.values())
-        for name, text in task.files.items():
-            _put(beside / name, text.encode())
         values, of = json.loads(body)
         body = json.dumps([[each | {"beside": str(beside)} for each in values], of])
-    store = Store(folder)
-    _put(store.plan_of(task.plan.stem), f"{head}\n{body}\n".encode())
+    texts = {beside / name: text for name, text in task.files.items()}
+    for path, text in (texts | {store.plan_of(task.plan.stem): f"{head}\n{body}\n"}).items():
+        with atomic(path) as part:
+            part.write_text(text, encoding="utf-8")
     return store
 
 
@@ -135,22 +119,9 @@ def forget(name: str) -> None:
     shutil.rmtree(_folder(name), ignore_errors=True)
 
 
-def _put(path: Path, content: bytes) -> None:
-    if not path.is_file() or path.read_bytes() != content:
-        from dem.base.files import atomic
-
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with atomic(path) as part:
-            part.write_bytes(content)
-
-
 def _marks(path: Path) -> tuple[int, int] | None:
     """What tells a file from all others, also those of its name on another machine."""
-    try:
-        found = path.stat()
-    except OSError:
-        return None
-    return found.st_ino, found.st_mtime_ns
+    return (path.stat().st_ino, path.stat().st_mtime_ns) if path.is_file() else None
 
 
 def _digest(*texts: str) -> str:
@@ -158,18 +129,25 @@ def _digest(*texts: str) -> str:
 
 
 class Workers:
-    """Any executor of concurrent.futures, whose processes have one thread. It is never shut down.
+    """Any executor of concurrent.futures, whose processes have one thread; this process for None.
 
-    Raises InputError for one of threads.
+    An executor is never shut down. Raises InputError for one of threads, and for anything else.
     """
 
     killed: tuple = ()  # errors of a batch whose workers die, one after another
     gone = "a process of the executor was killed, perhaps because memory was short; make a new executor"
+    window = 100  # batches that wait at the executor, at most
 
-    def __init__(self, executor):
+    def __init__(self, executor=None):
         if isinstance(executor, ThreadPoolExecutor):
             raise InputError(f"executor is one of threads, but {ONE_RUN}")
+        if executor is not None and not hasattr(executor, "submit"):
+            raise InputError(
+                f"executor is {executor!r}; it must be one of concurrent.futures, or a client of Dask."
+            )
         self.executor = executor
+        if executor is None:
+            self.window = 1
 
     def __enter__(self):
         return self
@@ -179,15 +157,24 @@ class Workers:
 
     def submit(self, task: Task) -> Future:
         """The future of what make_task gives."""
-        return self.executor.submit(make_task, task)
+        if self.executor is not None:
+            return self.executor.submit(make_task, task)
+        found = Future()
+        found.set_result(make_task(task))
+        return found
 
-    def window(self) -> int:
-        """How many batches wait at the executor at most."""
-        return 100
+    def told(self, store: Store, runs: list[str]) -> tuple[float, bool]:
+        """How many of the runs under way are done, as far as is known here, and whether any compiles."""
+        return sum(store.run_of(run).is_file() for run in runs), False
 
-    def told(self) -> tuple[float, int, bool]:
-        """Of the batches under way: runs that are done, that failed, whether a process compiles."""
-        return 0.0, 0, False
+
+def workers_of(executor, store: Store) -> Workers:
+    """The workers of an executor, or of a Dask client, for a store; raises InputError."""
+    if not hasattr(executor, "get_executor"):
+        return Workers(executor)
+    from dem.sweep.cluster import Cluster
+
+    return Cluster(executor, store)
 
 
 class Processes(Workers):
@@ -196,30 +183,22 @@ class Processes(Workers):
     gone = "a process of the sweep was killed, perhaps because memory was short; take fewer jobs"
 
     def __init__(self, jobs: int):
-        self.jobs, context = jobs, multiprocessing.get_context("spawn")
-        self.shared = context.Array("d", 3)
+        context = multiprocessing.get_context("spawn")
+        self.window, self.shared = 2 * jobs, context.Array("d", 2)
         self.others = set(multiprocessing.active_children())
-        super().__init__(
-            ProcessPoolExecutor(jobs, context, initializer=_begin, initargs=(self.shared,))
-        )
+        super().__init__(ProcessPoolExecutor(jobs, context, _begin, (self.shared,)))
 
     def __exit__(self, kind, error, traceback):
-        if kind:
-            self.executor.shutdown(wait=False, cancel_futures=True)  # not all the others first
-            for process in set(multiprocessing.active_children()) - self.others:
-                process.terminate()  # what is finished is on disk
-        else:
-            self.executor.shutdown()
+        self.executor.shutdown(wait=kind is None, cancel_futures=True)
+        for process in set(multiprocessing.active_children()) - self.others:
+            process.terminate()  # what is finished is on disk
 
     def submit(self, task):
         return self.executor.submit(_make_here, task)
 
-    def told(self):
-        done, failed, compiling = self.shared[:]
-        return done, int(failed), compiling > 0
-
-    def window(self):
-        return 2 * self.jobs
+    def told(self, store, runs):
+        done, compiling = self.shared[:]
+        return done, compiling > 0
 
 
 def _begin(shared) -> None:
@@ -229,55 +208,25 @@ def _begin(shared) -> None:
     SHARED = shared
 
 
-def _make_here(task: Task) -> tuple[bytes | None, int]:
+def _make_here(task: Task) -> bytes | None:
     """make_task, which adds to the numbers of all processes, and in the end takes its own away."""
-    mine = [0.0, 0.0, 0.0]
+    mine = [0.0, 0.0]
 
-    def tell(*now):
+    def lasts(done, failed, compiles=False):
         with SHARED.get_lock():
-            for at, (new, old) in enumerate(zip(now, mine, strict=True)):
-                SHARED[at] += new - old
-        mine[:] = now
+            for at, now in enumerate((done, compiles)):
+                SHARED[at] += now - mine[at]
+                mine[at] = now
 
     try:
-        return make_task(task, tell)
+        return make_task(task, lasts)
     finally:
-        tell(0.0, 0.0, 0.0)
-
-
-class Here(Workers):
-    """This process, which makes a batch as soon as it gets it."""
-
-    def __init__(self):
-        super().__init__(None)
-
-    def submit(self, task):
-        found = Future()
-        found.set_result(make_task(task))
-        return found
-
-    def window(self):
-        return 1
-
-
-def workers_of(executor, store: Store) -> Workers:
-    """The workers of an executor or of a Dask client, this process for None; raises InputError."""
-    if executor is None:
-        return Here()
-    if hasattr(executor, "get_executor"):
-        from dem.sweep.cluster import Cluster
-
-        return Cluster(executor, store)
-    if not hasattr(executor, "submit"):
-        raise InputError(
-            f"executor is {executor!r}; it must be one of concurrent.futures, or a client of Dask."
-        )
-    return Workers(executor)
+        lasts(0.0, 0)
 
 
 def make_batches(store: Store, batches: list[Batch], workers: Workers, progress) -> None:
-    """Make batches on workers; progress is called with how many of their runs are done, how many failed,
-    and whether a process compiles.
+    """Make batches on workers; progress is called with how many of their runs are done, as far as is
+    known here, how many of those whose batch is done failed, and whether any compiles.
 
     Raises RunError where the workers are gone, InputError where one makes runs with other code. A batch
     whose workers die one after another is made again run by run, so that only the run that kills is a
@@ -286,27 +235,25 @@ def make_batches(store: Store, batches: list[Batch], workers: Workers, progress)
     left, pending, done, failed = deque(batches), {}, 0, 0
     try:
         while left or pending:
-            while left and len(pending) < workers.window():
+            while left and len(pending) < workers.window:
                 batch = left.popleft()
                 pending[workers.submit(task_of(store, batch))] = batch
-            for future in wait(pending, LOOK, FIRST_COMPLETED).done:
+            for future in futures.wait(pending, LOOK, futures.FIRST_COMPLETED).done:
                 batch = pending.pop(future)
                 try:
-                    content, fails = future.result()
+                    if (content := future.result()) is not None:
+                        store.put(batch.id, content)
                 except workers.killed as error:
-                    apart = _apart(
-                        store, batch, f"{type(error).__name__}: each worker that ran it died"
-                    )
-                    left.extend(apart)
-                    done, failed = done + (not apart), failed + (not apart)
-                    continue
-                if content is not None:
-                    store.put(batch.id, content)
-                done, failed = done + len(batch.runs), failed + fails
-            under_way, fails, compiles = workers.told()
-            progress(done + under_way, failed + fails, compiles)
-    except (BrokenExecutor, CancelledError):
-        raise RunError(f"{workers.gone} and run the same again: finished runs are kept.") from None
+                    reason = f"{type(error).__name__}: each worker that ran it died"
+                    if apart := _apart(store, batch, reason):
+                        left.extend(apart)
+                        continue
+                done, failed = done + len(batch.runs), failed + len(store.failed(batch.id))
+            runs = [run for batch in pending.values() for run in batch.runs]
+            under_way, compiles = workers.told(store, runs)
+            progress(done + under_way, failed, compiles)
+    except (futures.BrokenExecutor, futures.CancelledError):
+        raise RunError(f"{workers.gone}, and run the same again: finished runs are kept.") from None
     finally:
         for future in pending:
             future.cancel()
