@@ -146,8 +146,6 @@ class Workers:
                 f"executor is {executor!r}; it must be one of concurrent.futures, or a client of Dask."
             )
         self.executor = executor
-        if executor is None:
-            self.window = 1
 
     def __enter__(self):
         return self
