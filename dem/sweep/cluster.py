@@ -2,6 +2,7 @@
 
 import logging
 import uuid
+import warnings
 from pathlib import Path
 
 from dem.base.errors import InputError, RunError
@@ -43,14 +44,14 @@ class Cluster(Workers):
         try:
             client.run_on_scheduler(refuse_other, made_with())
         except Exception as error:
-            raised["of the scheduler"] = error
+            raised["the scheduler"] = error
         for where, error in raised.items():
-            if isinstance(error, ModuleNotFoundError):
+            if "No module named" in str(error):
                 raise InputError(
-                    f"the worker {where} has no package {error.name}; install granular-drag there, as here."
-                ) from None
+                    f"{where}: granular-drag is not there; install it there as it is here."
+                )
             if error is not None:
-                raise InputError(f"{where}: {error}") from None
+                raise InputError(f"{where}: {error}")
 
     def __exit__(self, kind, error, traceback):
         if kind is None:  # else they have what they are asked for next time
@@ -89,13 +90,14 @@ def connected(where: str, patience: float):
     """
     try:
         from distributed import Client
+        from distributed.versions import VersionMismatchWarning
     except ModuleNotFoundError:
         raise InputError(
             f"scheduler is {where!r}, which needs the package distributed: pip install 'granular-drag[dask]'."
         ) from None
-    logging.getLogger("distributed").setLevel(
-        logging.CRITICAL
-    )  # what goes wrong is said in a sentence
+    # what goes wrong is said in one sentence
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    warnings.simplefilter("ignore", VersionMismatchWarning)
     own = {"scheduler_file": where} if Path(where).is_file() else {"address": where}
     try:
         client = Client(**own, timeout=CONNECT, set_as_default=False)

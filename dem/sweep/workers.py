@@ -74,8 +74,8 @@ def refuse_other(wanted: dict[str, str]) -> None:
     for name, own in made_with().items():
         if own != wanted[name]:
             raise InputError(
-                f"the worker on {platform.node()} has {name} {own}; it must be {wanted[name]}, as here: "
-                "install the same there and start it again."
+                f"{name} on {platform.node()} is {own}; it must be {wanted[name]}, as where the sweep was "
+                "started: install the same and start the worker again."
             )
 
 
