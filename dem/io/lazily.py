@@ -74,12 +74,14 @@ def open_results(path: str | Path) -> xr.Dataset:
                 )
             raise InputError(f"{path}: it is not a readable netCDF file; {why}.") from None
         large = {name: _pieces(v) for name, v in dataset.items() if v.nbytes > 2 * PIECE}
-        return dataset.assign({name: dataset[name].chunk(sizes) for name, sizes in large.items()})
+        found = dataset.assign({name: dataset[name].chunk(sizes) for name, sizes in large.items()})
+        found.set_close(dataset.close)
+        return found
 
 
 def _pieces(variable: xr.DataArray) -> dict[str, int]:
     """Sizes of the pieces of a large variable: many whole chunks of its file, first along the last axes."""
-    sizes = list(variable.encoding.get("chunksizes") or [1] * variable.ndim)
+    sizes = list(variable.encoding.get("chunksizes") or [1] * variable.ndim)[: variable.ndim]
     for axis in reversed(range(variable.ndim)):
         fit = PIECE // (variable.dtype.itemsize * math.prod(sizes))
         sizes[axis] = min(variable.shape[axis], sizes[axis] * max(1, fit))

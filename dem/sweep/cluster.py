@@ -36,6 +36,7 @@ class Cluster(Workers):
 
         # pure: a batch that failed would fail at once again
         super().__init__(client.get_executor(pure=False))
+        self.away = ""
         self.client, self.store, self.killed = client, store, (KilledWorker,)
         self.gone = f"the scheduler {client.scheduler.address} is gone; start it"
         if max(client.nthreads().values(), default=1) > 1:
@@ -54,8 +55,8 @@ class Cluster(Workers):
                 raise InputError(f"{where}: {error}")
 
     def __exit__(self, kind, error, traceback):
-        if kind is None:  # else they have what they are asked for next time
-            self.client.run(forget, away(self.store), on_error="ignore")
+        if kind is None and self.away:  # else they have what they are asked for next time
+            self.client.run(forget, self.away, on_error="ignore")
 
     @property
     def window(self):
@@ -63,6 +64,7 @@ class Cluster(Workers):
         return 2 * max(1, len(self.client.nthreads()))
 
     def submit(self, task: Task):
+        self.away = task.away
         first, *others = self.store.replicates(task.plan.stem)
         name = f"{first.words()} and {len(others)} more"  # for the dashboard
         return self.executor.submit(_make_there, task, key=f"{name}-{uuid.uuid4().hex}")

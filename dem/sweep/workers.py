@@ -52,14 +52,14 @@ def task_of(store: Store, batch: Batch) -> Task:
         if folder := module.rpartition(":")[0]:
             for path in own_files(module).values():
                 files[str(path.relative_to(folder))] = path.read_text(encoding="utf-8")
-    return Task(
-        plan, plan.read_text(encoding="utf-8"), _marks(plan), away(store), files, made_with()
-    )
+    text = plan.read_text(encoding="utf-8")
+    results = json.loads(text.splitlines()[0])[0]
+    return Task(plan, text, _marks(plan), away(store, results), files, made_with())
 
 
-def away(store: Store) -> str:
-    """The name of a store on the machines of workers that do not see it."""
-    return _digest(platform.node(), str(store.folder.absolute()))
+def away(store: Store, results: str) -> str:
+    """The name of a store for a folder of results on the machines of workers that do not see it."""
+    return _digest(platform.node(), str(store.folder.absolute()), results)
 
 
 def made_with() -> dict[str, str]:
@@ -86,10 +86,12 @@ def make_task(task: Task, lasts=lambda *now: None) -> bytes | None:
     if not BUSY.acquire(blocking=False):
         raise InputError(ONE_RUN)
     try:
-        from dem.sweep.batch import make  # not for those who only ask what there is
+        from dem.sweep.batch import make, retry  # not for those who only ask what there is
 
         shared = _marks(task.plan) == task.marks
         store = Store(task.plan.parents[1]) if shared else _store_of(task)
+        if not shared:  # what failed here was perhaps asked for again
+            retry(store, task.plan.stem, store.replicates(task.plan.stem))
         path = make(store, task.plan.stem, lasts)
         return None if shared else path.read_bytes()
     finally:
@@ -230,11 +232,14 @@ def make_batches(store: Store, batches: list[Batch], workers: Workers, progress)
     whose workers die one after another is made again run by run, so that only the run that kills is a
     failed one.
     """
-    left, pending, done, failed = deque(batches), {}, 0, 0
+    left, suspects, pending, alone, done, failed = deque(batches), deque(), {}, False, 0, 0
     try:
-        while left or pending:
+        while left or suspects or pending:
             while left and len(pending) < workers.window:
                 batch = left.popleft()
+                pending[workers.submit(task_of(store, batch))] = batch
+            if not pending:  # what waits behind a run that kills seems to kill too
+                alone, batch = True, suspects.popleft()
                 pending[workers.submit(task_of(store, batch))] = batch
             for future in futures.wait(pending, LOOK, futures.FIRST_COMPLETED).done:
                 batch = pending.pop(future)
@@ -243,8 +248,9 @@ def make_batches(store: Store, batches: list[Batch], workers: Workers, progress)
                         store.put(batch.id, content)
                 except workers.killed as error:
                     reason = f"{type(error).__name__}: each worker that ran it died"
-                    if apart := _apart(store, batch, reason):
-                        left.extend(apart)
+                    again = _apart(store, batch, reason) if alone else [batch]
+                    if again:
+                        suspects.extend(again)
                         continue
                 done, failed = done + len(batch.runs), failed + len(store.failed(batch.id))
             runs = [run for batch in pending.values() for run in batch.runs]
@@ -264,6 +270,7 @@ def _apart(store: Store, batch: Batch, reason: str) -> list[Batch]:
     replicates, plan = store.replicates(batch.id), store.plan_of(batch.id)
     if len(replicates) == 1:
         write_failed(store.file_of(batch.id), replicates[0], reason)
+        store.forget(batch.runs)
         return []
     results = json.loads(plan.read_text(encoding="utf-8").splitlines()[0])[0]
     found = [Batch(batch_id(results, run.id), (run.id,)) for run in replicates]
