@@ -11,7 +11,6 @@ from dem.sweep.workers import (
     ONE_RUN,
     Task,
     Workers,
-    away,
     forget,
     made_with,
     make_task,
