@@ -112,10 +112,17 @@ def main(file: str = "config/smoke.yaml", kills: str = "20", seed: str = "1") ->
     alone, client, worker = (base / name for name in ("alone", "client", "worker"))
     for folder in (alone, client, worker):
         folder.mkdir()
+    more = {
+        "failures": 0.3,
+        "sweep": {"case": ["c1", "d1", "c12"], "seed": "1 to 8"},
+    }  # lasts longer
     for folder in (alone, client):
         shutil.copytree(ROOT / "config", folder / "config")
         (folder / "many.yaml").write_text(
-            yaml.dump({"extends": file, "results": "results/many", "batch": 2})
+            yaml.dump(
+                {"extends": file, "results": "results/many", "batch": 2}
+                | (more if int(kills) else {})
+            )
         )
     machine = Machine(worker, client)
     try:
@@ -139,7 +146,7 @@ def main(file: str = "config/smoke.yaml", kills: str = "20", seed: str = "1") ->
             shutil.rmtree(worker / "cache/stores", ignore_errors=True)
             victim = chance.choice(["worker 1", "worker 2", "scheduler", "client", "Ctrl-C"])
             run = sweep(client, "many.yaml", "--scheduler", SCHEDULER)
-            time.sleep(chance.uniform(1.0, 0.9 * spent["cluster"]))
+            time.sleep(chance.uniform(3.0, 0.9 * spent["cluster"]))  # it takes some to connect
             if victim in machine.parts:
                 machine.kill(victim)
                 time.sleep(1.0)
@@ -160,6 +167,7 @@ def main(file: str = "config/smoke.yaml", kills: str = "20", seed: str = "1") ->
             parts = list(client.rglob("*.part"))
             print(f"{number} {victim}: status {status} after {took:.1f} s, {len(before)} batches kept, "
                   f"lost {lost}, differ {differ}, half-written {len(parts)}; {said}", flush=True)  # fmt: skip
+            assert not (lost or differ or parts)
     finally:
         for name in list(machine.parts):
             machine.kill(name)
