@@ -157,6 +157,9 @@ def main(file: str = "config/smoke.yaml", kills: str = "20", seed: str = "1") ->
             started = time.monotonic()
             said = run.communicate()[1].splitlines()[-1:]
             took, status, before = time.monotonic() - started, run.returncode, finished(client)
+            if victim == "scheduler":  # its workers end within some seconds
+                machine.kill("worker 1")
+                machine.kill("worker 2")
             machine.whole()
             again = sweep(client, "many.yaml", "--scheduler", SCHEDULER)
             words = again.communicate()[1]
