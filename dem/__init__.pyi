@@ -1,3 +1,4 @@
+from .analysis.run_sweep import run_sweep as run_sweep
 from .base.errors import InputError as InputError
 from .base.errors import OverlapError as OverlapError
 from .base.errors import PackingError as PackingError
@@ -8,6 +9,7 @@ from .dynamics.simulate import simulate as simulate
 from .dynamics.simulation import Simulation as Simulation
 from .figures import plot as plot
 from .figures.film import film as film
+from .io.lazily import open_results as open_results
 from .motion import Drive as Drive
 from .motion import Held as Held
 from .motion import PrescribedMotion as PrescribedMotion

@@ -19,6 +19,7 @@ from dem.experiment.motion import Motion
 from dem.io.dataset import LABELS, content_of
 from dem.io.lazily import open_lazily
 from dem.sweep.store import Store
+from dem.sweep.why import flat
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -91,8 +92,9 @@ def columns_of(dataset: xr.Dataset) -> dict[str, np.ndarray]:
     dims = dataset["run_id"].dims
     if dims == ("run",):
         found = {name: dataset[name].values for name in LABELS if name in dataset.variables}
-        rows = [_flat(each) for each in json.loads(dataset.attrs.get("values", "[]"))]
-        paths = dict.fromkeys(path for each in rows for path in each)
+        rows = [dict(flat(each)) for each in json.loads(dataset.attrs.get("values", "[]"))]
+        # lists tell no runs of a file apart
+        paths = {path: None for each in rows for path in each if not isinstance(each[path], tuple)}
         more = {path: np.array([each.get(path) for each in rows]) for path in paths}
         return found | more | found  # a label is no other value of the configuration
     labels = [str(name) for name in dataset.coords if set(dataset[name].dims) <= set(dims)]
@@ -102,17 +104,6 @@ def columns_of(dataset: xr.Dataset) -> dict[str, np.ndarray]:
         for name in dict.fromkeys([*dims, *labels])
         if name in dataset.variables
     }
-
-
-def _flat(values: dict, head: str = "") -> dict:
-    """Groups of values as one, by path; lists tell no runs of a file apart."""
-    found = {}
-    for name, value in values.items():
-        if isinstance(value, dict):
-            found |= _flat(value, f"{head}{name}.")
-        elif not isinstance(value, list):
-            found[head + name] = value
-    return found
 
 
 def _chosen(path, columns: dict[str, np.ndarray], ids, select: list[str]) -> int:

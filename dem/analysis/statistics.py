@@ -102,10 +102,12 @@ def summarise(dataset: xr.Dataset) -> xr.Dataset:
     mean square over the runs); `sd_between_runs` and `half_interval`, of and from the run means
     (NaN for a single run). The coordinates but seed stay.
     """
-    drag = dataset["drag"].compute()
-    drag = within(drag, dataset.attrs["window_start"], dataset.attrs["window_stop"])
+    drag = within(dataset["drag"], dataset.attrs["window_start"], dataset.attrs["window_stop"])
+    drag = drag if drag.chunks else drag.compute()  # once, and not for each of these
     along = {"dim": "displacement", "skipna": False}  # a run is there as a whole or not at all
-    runs = xr.Dataset({"mean": drag.mean(**along), "sd": drag.std(**along)}).map(over_seeds)
+    runs = (
+        xr.Dataset({"mean": drag.mean(**along), "sd": drag.std(**along)}).compute().map(over_seeds)
+    )
     found = {
         "run_mean": (runs["mean"], "mean drag of a run within the window"),
         "mean": (runs["mean"].mean("seed"), "mean drag over the runs"),
@@ -142,12 +144,10 @@ def running_mean(drag: xr.DataArray, edges: np.ndarray, length: float) -> xr.Dat
     low = np.clip(middle - 0.5 * length, edges[0], edges[-1])
     high = np.clip(middle + 0.5 * length, edges[0], edges[-1])
 
-    def mean(values):
-        integral = np.concatenate([[0.0], np.cumsum(values * np.diff(edges))])
-        return (np.interp(high, edges, integral) - np.interp(low, edges, integral)) / (high - low)
-
-    along = drag.transpose(..., "displacement").compute()
-    return along.copy(data=np.apply_along_axis(mean, -1, along.values))
+    shared = np.minimum(high[:, None], edges[1:]) - np.maximum(low[:, None], edges[:-1])
+    weights = np.clip(shared, 0.0, None) / (high - low)[:, None]
+    along = xr.DataArray(weights, {"displacement": drag["displacement"]}, ("displacement", "bin"))
+    return xr.dot(drag.rename(displacement="bin").drop_vars("bin"), along, dim="bin")
 
 
 def edges_of_bins(dataset: xr.Dataset) -> np.ndarray:

@@ -3,6 +3,7 @@
 Every hint is words such as "; the nearest is gravity", or "" where nothing can be guessed.
 """
 
+import math
 from collections.abc import Iterable
 from contextlib import suppress
 from difflib import get_close_matches
@@ -40,11 +41,15 @@ def of_missing_file(path: Path) -> str:
     return f"; the nearest is {there[close[0]]}" if close else ""
 
 
-def is_written(value: float, text: str) -> bool:
-    """Whether a number is what a text says, exactly or as it is printed with PRINTED digits."""
+def is_number(text: str) -> bool:
+    """Whether a text is one number."""
     try:
-        given = float(text)
+        return math.isfinite(float(text))
     except ValueError:
         return False
+
+
+def is_written(value: float, text: str) -> bool:
+    """Whether a number is what a text says, exactly or as it is printed with PRINTED digits."""
     printed = value if isinstance(value, Integral) else float(f"{value:.{PRINTED}g}")
-    return given in (value, printed)
+    return is_number(text) and float(text) in (value, printed)

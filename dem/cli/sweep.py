@@ -30,6 +30,15 @@ def sweep(
     ] = False,
     retry: Annotated[bool, typer.Option("--retry", help="Try failed runs again.")] = False,
     jobs: JobsOption = 2,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            help="Address or file of a Dask scheduler, whose workers make the runs instead."
+        ),
+    ] = None,
+    wait: Annotated[
+        float, typer.Option(min=0.0, help="Seconds to wait for the first worker of a scheduler.")
+    ] = 60.0,
 ):
     """Make all runs of a sweep that do not exist yet, and combine them.
 
@@ -39,6 +48,7 @@ def sweep(
     from dem.sweep.campaign import Campaign, of_new_store
     from dem.sweep.estimate import kept, outcome, retried, summary
     from dem.sweep.units import unusual
+    from dem.sweep.workers import Processes
 
     campaign = Campaign.of(file)
     gone = campaign.check()
@@ -54,6 +64,7 @@ def sweep(
     from dem.analysis.flow.collect import make_flow
     from dem.io.results_folder import prepare
 
+    workers = Processes(jobs) if scheduler is None else _cluster(scheduler, wait, campaign.store)
     held, said = prepare(campaign.results, campaign.store.folder)
     for sentence in said:
         say(sentence)
@@ -67,7 +78,8 @@ def sweep(
                 words = "making runs, the first ones compile" if compiles else "making runs"
                 update(done, not compiles, words + (f", {failed} failed" if failed else ""))
 
-            campaign.make(jobs, made)
+            with workers:
+                campaign.make(workers, made)
         order = list(campaign.sweep.blocks)
         with bar("measuring flow", float(len(order))) as update:
             for number, block in enumerate(order):
@@ -76,12 +88,20 @@ def sweep(
             say(sentence)
         say(outcome(campaign, campaign.counts()[0] - there))
     except Stopped as stop:
-        stop.kept = kept(
-            campaign, f"to go on, type: {shlex.join(['dem', 'sweep', str(file), '-j', str(jobs)])}"
-        )
+        how = ["--scheduler", scheduler] if scheduler else ["-j", str(jobs)]
+        again = shlex.join(["dem", "sweep", str(file), *how])
+        stop.kept = kept(campaign, f"to go on, type: {again}")
         raise
     finally:
         held.release()
+
+
+def _cluster(scheduler: str, wait: float, store):
+    """The workers of a scheduler; raises InputError, or RunError where there is none in time."""
+    from dem.sweep.cluster import Cluster, connected
+
+    with bar(f"waiting for a worker of {scheduler}"):
+        return Cluster(connected(scheduler, wait), store)
 
 
 def compile(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -22,20 +23,47 @@ NUMBERS = (
 )  # attributes; all others are texts  # fmt: skip
 
 
-@contextmanager
-def open_lazily(path: Path):
-    """Any netCDF file with variables that are read when needed, an xarray.Dataset.
+CHECKED = 64_000_000  # bytes of a file that are all read to check it
+PIECE = 16_000_000  # bytes of a variable that are in memory at once, about
 
-    A file with a checksum must hold what was written; one without, of the user's own making, is
-    taken as it is. Raises InputError for another file, also where damage, or a content that does
-    not fit, shows only when a value is read or used.
+
+def open_results(path: str | Path) -> xr.Dataset:
+    """Open a file of results, such as drag.nc, of any size.
+
+    A file of up to 64 MB must hold what was written here, or is one of your own making. In a larger one
+    each variable is checked as it is read, by the sums of its format, and variables of more than 32 MB
+    are Dask arrays in pieces of some 16 MB, so that what you compute of them takes little memory.
+
+    Parameters
+    ----------
+    path : str or Path
+        A netCDF file.
+
+    Returns
+    -------
+    xarray.Dataset
+        Its variables, read when they are needed; units are in the attributes of each. It is a context
+        that closes the file.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, or another or a damaged one.
+
+    Examples
+    --------
+    >>> import dem
+    >>> with dem.open_results("docs/data/drag.nc") as results:
+    ...     float(results["drag"].sel(case="c1").mean().round(-2))
+    1200.0
     """
     import xarray as xr
 
     if not Path(path).is_file():
         raise InputError(f"{path}: there is no such file{of_missing_file(path)}.")
     with content_of(path):
-        is_sealed(path)
+        if Path(path).stat().st_size <= CHECKED:
+            is_sealed(path)
         try:
             dataset = xr.open_dataset(path, engine="netcdf4")
         except (OSError, ValueError, RuntimeError):
@@ -45,8 +73,27 @@ def open_lazily(path: Path):
                     f"it is a configuration: make its results with dem sweep {path}, and name those"
                 )
             raise InputError(f"{path}: it is not a readable netCDF file; {why}.") from None
-        with dataset:
-            yield dataset
+        large = {name: _pieces(v) for name, v in dataset.items() if v.nbytes > 2 * PIECE}
+        found = dataset.assign({name: dataset[name].chunk(sizes) for name, sizes in large.items()})
+        found.set_close(dataset.close)
+        return found
+
+
+def _pieces(variable: xr.DataArray) -> dict[str, int]:
+    """Sizes of the pieces of a large variable: many whole chunks of its file, first along the last axes."""
+    sizes = list(variable.encoding.get("chunksizes") or [1] * variable.ndim)[: variable.ndim]
+    for axis in reversed(range(variable.ndim)):
+        fit = PIECE // (variable.dtype.itemsize * math.prod(sizes))
+        sizes[axis] = min(variable.shape[axis], sizes[axis] * max(1, fit))
+    return dict(zip(variable.dims, sizes, strict=True))
+
+
+@contextmanager
+def open_lazily(path: Path):
+    """The same as a context, where damage, or a content that does not fit, is an InputError also when
+    it shows only as a value is read or used."""
+    with open_results(path) as dataset, content_of(path):
+        yield dataset
 
 
 def require(dataset: xr.Dataset, path: Path, layout: dict, variables, attributes=()) -> None:

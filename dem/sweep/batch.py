@@ -4,6 +4,7 @@ A run that is finished is on disk at once, so that a batch that is stopped loses
 last run did since its checkpoint. A run that fails is a row with its reason.
 """
 
+import hashlib
 import json
 import time
 from pathlib import Path
@@ -13,12 +14,13 @@ import numpy as np
 from dem.base import provenance
 from dem.base.errors import InputError, RunError
 from dem.base.files import check_file
-from dem.base.sources import codes
+from dem.base.sources import cache_folder, codes
 from dem.experiment import resume
 from dem.experiment.bed import make_bed, periods
 from dem.experiment.config import Replicate
 from dem.experiment.warmup import compile_kernels
 from dem.io.dataset import FAILURES, LABELS, OF_STORE, WHOLE, global_attributes, read, write
+from dem.io.results_folder import lock_of
 from dem.packing.random import Bed
 from dem.sweep.store import Store, kernels_of
 
@@ -38,7 +40,7 @@ def make(store: Store, batch: str, progress=lambda done, failed, compiles=False:
         with store.locked(store.run_of(replicate.id, ".lock")):
             if (row := _made(store, replicate)) is None:
                 done = len(rows)
-                _compile(store, replicate, lambda d=done, f=failed: progress(d, f, True))
+                _compile(replicate, lambda d=done, f=failed: progress(d, f, True))
                 row = _row(store, replicate, lambda s, d=done, f=failed: progress(d + s, f))
         rows.append(row)
         failed += int(row["failure"]) != 0
@@ -49,13 +51,14 @@ def make(store: Store, batch: str, progress=lambda done, failed, compiles=False:
     return path
 
 
-def _compile(store: Store, replicate: Replicate, told) -> None:
-    """Compile the kernels of a run, once for all processes; told is called before. Where other processes
-    have not, but the cache is another, the run itself compiles."""
-    mark = store.folder / "kernels" / kernels_of(replicate)
+def _compile(replicate: Replicate, told) -> None:
+    """Compile the kernels of a run, once for all processes of this machine; told is called before."""
+    known = f"{kernels_of(replicate)} {provenance.compilers()} {provenance.processor()}"
+    mark = cache_folder() / "kernels" / hashlib.sha256(known.encode()).hexdigest()[:16]
     if not mark.exists():
         told()
-        with store.locked(mark.with_suffix(".lock")):
+        mark.parent.mkdir(parents=True, exist_ok=True)
+        with lock_of(mark.with_suffix(".lock")):
             if not mark.exists():
                 compile_kernels(replicate)
                 mark.touch()
@@ -161,6 +164,7 @@ def write_batch(path: Path, replicates: list[Replicate], rows: list[dict]) -> No
         source_hash=first.source_hash,
         code=json.dumps(codes(*first.modules, bits=True)),
         versions=provenance.versions(),
+        processor=provenance.processor(),
         git_revision=provenance.git_revision(),
     )
     write(path, values, attrs, layout)
@@ -170,6 +174,12 @@ def write_one(path: Path, replicate: Replicate, values: dict) -> None:
     """Write a file of a single run."""
     ran = {"failure": 0, "failure_reason": "", "spent": values["run_time"]}
     write_batch(path, [replicate], [values | ran])
+
+
+def write_failed(path: Path, replicate: Replicate, reason: str) -> None:
+    """Write a batch of one run that cannot be made."""
+    row = {"failure": FAILURES.index("other"), "failure_reason": reason, "spent": 0.0}
+    write_batch(path, [replicate], [row])
 
 
 def retry(store: Store, batch: str, replicates: list[Replicate]) -> int:

@@ -1,25 +1,21 @@
 """A sweep on its way: which files its blocks need, which of them are there, and how all are made."""
 
 import json
-import multiprocessing
 import os
-import signal
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from functools import cached_property
 from pathlib import Path
 
-from dem.base.errors import InputError, RunError
+from dem.base.errors import InputError
 from dem.base.files import Place, check_own
 from dem.base.yaml_file import read
 from dem.sweep.config import CONFIG, Sweep, file_of, load, parse, save
 from dem.sweep.earlier import read_earlier, refuse_other, replaced
 from dem.sweep.expand import Block
 from dem.sweep.store import FOLDER, Batch, Store, plan
+from dem.sweep.workers import Workers, make_batches
 
-LOOK = 0.5  # s between two looks at what processes have done
 UNREAD = "batch", "figures", "results", "studies", "beside"  # nothing that is computed reads them
 
 
@@ -207,75 +203,23 @@ class Campaign:
         if output == self.first(block) and self.sweep.needed(block):
             self.said += replaced(output, before, found.places)
 
-    def make(self, jobs: int, progress=lambda done, failed, compiles: None) -> None:
-        """Make all that is not there yet, in some processes, but flow.nc (dem.analysis.flow); raises
+    def make(self, workers: Workers, progress=lambda done, failed, compiles: None) -> None:
+        """Make all that is not there yet, on some workers, but flow.nc (dem.analysis.flow); raises
         RunError. progress is called with how many runs are there, how many of the new ones failed, and
-        whether a process compiles."""
+        whether any compiles."""
         for name in self.sweep.blocks:  # a block comes after those that it needs
             self.begin(name)
             there = self.counts()[0]
             new = [each for each in self.batches(name) if not self.store.file_of(each.id).is_file()]
             kept = sum(self.store.run_of(run).is_file() for each in new for run in each.runs)
+            before = there - kept
             make_batches(
-                self.store, new, jobs, lambda done, *more, n=there - kept: progress(n + done, *more)
+                self.store, new, workers, lambda n, *more, b=before: progress(b + n, *more)
             )
+            del self._plans[name]  # some runs may have been put into batches of their own
             for observable in self.observables(name):
                 if observable != "flow":
                     self.combine(name, observable, Path(self.first(name).with_stem(observable)))
-
-
-def make_batches(store: Store, batches: list[Batch], jobs: int, progress) -> None:
-    """Make batches in some processes; progress is called with how many of their runs are done, how many
-    failed, and whether a process compiles. Raises RunError where a process is killed."""
-    if not batches:
-        return
-    context = multiprocessing.get_context("spawn")
-    told = context.Array("d", 3)
-    others = set(multiprocessing.active_children())
-    with ProcessPoolExecutor(
-        min(jobs, len(batches)), context, initializer=_begin, initargs=(told,)
-    ) as pool:
-        pending = {pool.submit(_make, store, batch.id) for batch in batches}
-        try:
-            while pending:
-                ready, pending = wait(pending, LOOK)
-                for future in ready:
-                    future.result()
-                done, failed, compiling = told[:]
-                progress(done, int(failed), compiling > 0)
-        except BaseException as error:
-            pool.shutdown(wait=False, cancel_futures=True)  # not all the others first
-            for process in set(multiprocessing.active_children()) - others:
-                process.terminate()  # what is finished is on disk
-            if isinstance(error, BrokenProcessPool):
-                raise RunError(
-                    "a process of the sweep was killed, perhaps because memory was short; take "
-                    "fewer jobs and run the same command again: finished runs are kept."
-                ) from None
-            raise
-
-
-def _begin(told) -> None:
-    """Prepare a process that makes batches: Ctrl-C is for the first process, which ends the others."""
-    global TOLD
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    TOLD = told
-
-
-def _make(store: Store, batch: str) -> None:
-    """Make a batch, and add to the numbers of all processes: runs done, failed, who compiles."""
-    from dem.sweep.batch import make  # not for those who only ask what there is
-
-    mine = [0.0, 0.0, 0.0]
-
-    def progress(done, failed, compiles=False):
-        now = [float(done), float(failed), float(compiles)]
-        with TOLD.get_lock():
-            for at, (new, old) in enumerate(zip(now, mine, strict=True)):
-                TOLD[at] += new - old
-        mine[:] = now
-
-    make(store, batch, progress)
 
 
 def of_new_store(store: Store, file: Path) -> str | None:

@@ -34,7 +34,7 @@ from dem.sweep.config import Sweep
 from dem.sweep.earlier import OWNER
 from dem.sweep.expand import Block
 
-PROVENANCE = ("versions", "git_revision", "source_hash")
+PROVENANCE = ("versions", "git_revision", "source_hash", "processor")
 BLOCK = 64  # runs along the last axis that are kept, compressed and read together
 HELD = 8_000_000  # bytes of a variable that are in memory until they are written
 
@@ -69,7 +69,7 @@ def combine(
                 made = True
             with content_of(path):
                 for name in PROVENANCE:
-                    provenance[name][attrs[name]] = None
+                    provenance[name][attrs.get(name, "unknown")] = None
                 places = sorted(
                     (p, row) for row, run in zip(rows, ids, strict=True) for p in block.places[run]
                 )

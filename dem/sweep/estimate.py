@@ -8,7 +8,7 @@ import numpy as np
 from rich.table import Column, Table
 
 from dem.base.errors import InputError
-from dem.base.hints import is_written, meant
+from dem.base.hints import is_number, is_written, meant
 from dem.experiment.config import Replicate, entries, of_values
 from dem.io.dataset import read
 from dem.io.progress import span
@@ -216,10 +216,14 @@ def wanted_of(word: str) -> tuple[str, str]:
     """Path and value of a word such as friction.granule=0.3; raises InputError."""
     path, equal, value = word.partition("=")
     shape = path.split(".")[1:2] if path.startswith("shapes.") else ()
-    known = [*entries(shape), *OWN]
+    values = entries(shape)
+    known = [*values, *OWN]
     if not equal or path not in known:
         hint = meant(path, known) or ", such as shape=c1 or friction.granule=0.3"
         raise InputError(f"{word!r} names no value of a run; write PATH=VALUE{hint}.")
+    text = path == "shape" or (path in values and values[path].units is None)
+    if not (text or value.lower() in ("none", "true", "false") or is_number(value)):
+        raise InputError(f"{word!r}: {path} is a number; write it as the list of runs does.")
     return path, value
 
 

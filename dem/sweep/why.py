@@ -41,7 +41,7 @@ def made(store: Store) -> Iterator[Made]:
             code = json.loads(attrs["code"])
             for values in json.loads(attrs["values"]):
                 key = of_values(values).run_key()
-                yield Made(key, dict(_flat(values)), code, attrs["versions"])
+                yield Made(key, dict(flat(values)), code, attrs["versions"])
         except (InputError, KeyError, ValueError):  # of another schema: like nothing of today
             continue
 
@@ -55,7 +55,7 @@ def _reason(there: dict[str, Made], run: Replicate) -> str:
                 f" and {len(rooms) - FEW} more" if len(rooms) > FEW else ""
             )
         return f"it was made with {same.versions}, which is now {versions()}"
-    own = dict(_flat(run.values(beside=False)))
+    own = dict(flat(run.values(beside=False)))
     differing = [
         {path: (each.values.get(path), own.get(path)) for path in own | each.values
          if each.values.get(path) != own.get(path)}
@@ -68,10 +68,10 @@ def _reason(there: dict[str, Made], run: Replicate) -> str:
     return f"the nearest differs: {', '.join(words)}"
 
 
-def _flat(values: dict, head: str = "") -> Iterator[tuple[str, object]]:
-    """Values by path."""
+def flat(values: dict, head: str = "") -> Iterator[tuple[str, object]]:
+    """Values of groups by path; lists as tuples."""
     for name, value in values.items():
         if isinstance(value, dict):
-            yield from _flat(value, f"{head}{name}.")
+            yield from flat(value, f"{head}{name}.")
         else:
             yield f"{head}{name}", tuple(value) if isinstance(value, list) else value

@@ -18,9 +18,10 @@ from dem.experiment.motion import Motion
 from dem.experiment.observables.flow import VARIABLES as MEASURED
 from dem.experiment.observables.flow import lag_of, measured
 from dem.io.dataset import attributes, content_of, global_attributes, read, write
+from dem.io.lazily import open_lazily
 from dem.periodic import wrapped
 from dem.sweep.campaign import Campaign
-from dem.sweep.combine import combine, shared
+from dem.sweep.combine import PROVENANCE, combine, shared
 from dem.sweep.expand import Block
 
 MOVED = "snapshot_displacement"
@@ -35,18 +36,20 @@ def measure_batch(
     with content_of(batch):
         replicates = [of_values(each, str(batch)) for each in json.loads(attrs["values"])]
         names = tuple(name for name in names_of(replicates[0]) if name != MOVED)
-    kept, _ = read(batch, names)
     count, snapshots = len(values["run_id"]), len(values[MOVED])
     found = {name: np.full((count, snapshots), np.nan) for name in MEASURED}
-    for row, replicate in enumerate(replicates):
-        if not values["failure"][row]:
-            own = {name: kept[name][row] for name in names} | {MOVED: values[MOVED]}
-            motion = motion_of(batch, replicate.with_shapes(shapes), own)
-            for name, each in measured(motion).items():
-                found[name][row] = each
-        progress((row + 1) / count)
-    told = {name: attrs[name] for name in ("git_revision", "source_hash", "values")}
-    about = global_attributes("how beds move", "dem flow", **told, versions=provenance.versions())
+    with open_lazily(batch) as kept:  # one run after another: a batch may be larger than memory
+        for row, replicate in enumerate(replicates):
+            if not values["failure"][row]:
+                own = {name: kept[name][row].values for name in names} | {MOVED: values[MOVED]}
+                motion = motion_of(batch, replicate.with_shapes(shapes), own)
+                for name, each in measured(motion).items():
+                    found[name][row] = each
+            progress((row + 1) / count)
+    told = {name: attrs.get(name, "unknown") for name in (*PROVENANCE, "values")} | {
+        "versions": provenance.versions()
+    }
+    about = global_attributes("how beds move", "dem flow", **told)
     write(output, values | found, about, OF_BATCH)
 
 

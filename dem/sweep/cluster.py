@@ -1,0 +1,117 @@
+"""Batches on a Dask cluster: which one, whether its workers are as they must be, and what they tell."""
+
+import logging
+import uuid
+import warnings
+from pathlib import Path
+
+from dem.base.errors import InputError, RunError
+from dem.sweep.store import Store
+from dem.sweep.workers import (
+    ONE_RUN,
+    Task,
+    Workers,
+    forget,
+    made_with,
+    make_task,
+    refuse_other,
+)
+
+CONNECT = 5.0  # s that a scheduler may take to answer
+
+
+class Abandoned(Exception):
+    """Nobody waits for a batch any more."""
+
+
+class Cluster(Workers):
+    """The workers of a Dask client, which stays the caller's; store: the client's.
+
+    Raises InputError where its scheduler or a worker has other code or packages, or more than one thread.
+    """
+
+    def __init__(self, client, store: Store):
+        from distributed import KilledWorker
+
+        # pure: a batch that failed would fail at once again
+        super().__init__(client.get_executor(pure=False))
+        self.away = ""
+        self.client, self.store, self.killed = client, store, (KilledWorker,)
+        self.gone = f"the scheduler {client.scheduler.address} is gone; start it"
+        if max(client.nthreads().values(), default=1) > 1:
+            raise InputError(f"workers of {client.scheduler.address} have threads; {ONE_RUN}")
+        raised = client.run(refuse_other, made_with(), on_error="return")
+        try:
+            client.run_on_scheduler(refuse_other, made_with())
+        except Exception as error:
+            raised["the scheduler"] = error
+        for where, error in raised.items():
+            if "No module named" in str(error):
+                raise InputError(
+                    f"{where}: granular-drag is not there; install it there as it is here."
+                )
+            if error is not None:
+                raise InputError(f"{where}: {error}")
+
+    def __exit__(self, kind, error, traceback):
+        if kind is None and self.away:  # else they have what they are asked for next time
+            self.client.run(forget, self.away, on_error="ignore")
+
+    @property
+    def window(self):
+        """Two batches a worker; of those that there are now, because they come and go."""
+        return 2 * max(1, len(self.client.nthreads()))
+
+    def submit(self, task: Task):
+        self.away = task.away
+        first, *others = self.store.replicates(task.plan.stem)
+        name = f"{first.words()} and {len(others)} more"  # for the dashboard
+        return self.executor.submit(_make_there, task, key=f"{name}-{uuid.uuid4().hex}")
+
+
+def _make_there(task: Task) -> bytes | None:
+    """make_task in a worker of Dask, which ends soon when nobody waits."""
+    from distributed import get_worker
+
+    worker = get_worker()
+    key = worker.get_current_task()
+
+    def lasts(*now):
+        known = worker.state.tasks.get(key)
+        if known is None or known.state == "cancelled":
+            raise Abandoned(key)
+
+    return make_task(task, lasts)
+
+
+def connected(where: str, patience: float):
+    """A client of the scheduler at an address, or of a scheduler file, that has a worker.
+
+    patience: s to wait for one. Raises InputError where none answers, RunError where there is none in time.
+    """
+    try:
+        from distributed import Client
+        from distributed.versions import VersionMismatchWarning
+    except ModuleNotFoundError:
+        raise InputError(
+            f"scheduler is {where!r}, which needs the package distributed: pip install 'granular-drag[dask]'."
+        ) from None
+    # what goes wrong is said in one sentence
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    warnings.simplefilter("ignore", VersionMismatchWarning)
+    own = {"scheduler_file": where} if Path(where).is_file() else {"address": where}
+    try:
+        client = Client(**own, timeout=CONNECT, set_as_default=False)
+    except Exception:  # of many kinds
+        raise InputError(
+            f"scheduler is {where!r}; no Dask scheduler answers there; it must be an address such as "
+            "tcp://host:8786, or the file that dask scheduler --scheduler-file writes."
+        ) from None
+    try:
+        client.wait_for_workers(1, patience)
+    except TimeoutError:
+        client.close()
+        raise RunError(
+            f"{where} has no worker after {patience:g} s; start one: dask worker {where} --nthreads 1."
+        ) from None
+    return client

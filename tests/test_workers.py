@@ -1,0 +1,213 @@
+"""Who makes the runs of a sweep: this process, any executor, the workers of a Dask cluster."""
+
+import re
+import shutil
+import socket
+import time
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from test_outside import FILES
+from typer.testing import CliRunner
+
+import dem
+from conftest import CONFIG
+from dem.base.errors import InputError, RunError
+from dem.cli.app import app
+from dem.io.dataset import read
+from dem.sweep import workers
+from dem.sweep.campaign import Campaign
+from dem.sweep.workers import Workers, make_task, task_of
+
+SEEDS = [1, 2, 3, 4]
+
+
+@pytest.fixture
+def file(tmp_path, monkeypatch):
+    """A sweep of four discs' beds in two batches, in the working folder."""
+    return write(tmp_path, monkeypatch)
+
+
+def write(folder, monkeypatch, **more):
+    monkeypatch.chdir(folder)
+    values = {
+        "extends": str(CONFIG / "smoke.yaml"), "results": "results/few", "batch": 2,
+        "record": {"observables": ["drag"]}, "sweep": {"case": ["c1"], "seed": SEEDS},
+    }  # fmt: skip
+    (folder / "few.yaml").write_text(yaml.dump(values | more))
+    return folder / "few.yaml"
+
+
+def drag_of(file, executor=None) -> np.ndarray:
+    with dem.run_sweep(file, executor) as found:
+        return found["drag"].values
+
+
+def test_any_executor_leaves_what_this_process_leaves(file):
+    """And stays open."""
+    alone, files = drag_of(file), left()
+    shutil.rmtree("results")
+    with ProcessPoolExecutor(2, get_context("spawn")) as pool:
+        np.testing.assert_array_equal(drag_of(file, pool), alone)
+        assert pool.submit(abs, -1).result() == 1
+    assert files == left()
+
+
+def left():
+    return sorted(path for path in Path("results").rglob("*.*") if path.suffix in (".nc", ".yaml"))
+
+
+def test_a_cluster_of_dask_leaves_what_this_process_leaves(file, monkeypatch):
+    """Where its workers do not see the store of the client too; and it stays open."""
+    distributed = pytest.importorskip("distributed")
+    alone = drag_of(file)
+    with (
+        distributed.LocalCluster(
+            n_workers=2, threads_per_worker=1, dashboard_address=":0"
+        ) as local,
+        distributed.Client(local) as client,
+    ):
+        for marks in (workers._marks, lambda path: (0, 0)):
+            monkeypatch.setattr(workers, "_marks", marks)
+            shutil.rmtree("results")
+            np.testing.assert_array_equal(drag_of(file, client), alone)
+        executed = client.run(lambda dask_worker: dask_worker.state.executed_count)
+        assert sum(executed.values()) == 4 and min(executed.values()) > 0
+        assert client.status == "running"
+        names = client.run_on_scheduler(lambda dask_scheduler: list(dask_scheduler.task_prefixes))
+        assert any("c1 at 3900 kg/m3, seed 1" in name for name in names)
+
+
+def test_a_worker_without_the_store_has_the_files_of_a_user(tmp_path, monkeypatch):
+    """It makes the batch in a store of its machine, from what the task holds."""
+    mine = tmp_path / "mine"
+    mine.mkdir()
+    (mine / "rotation.py").write_text(FILES["rotation.py"])
+    record = {"observables": ["drag", "snapshots", "rotation.py"]}
+    file = write(mine, monkeypatch, record=record, sweep={"case": ["c1"], "seed": 1})
+    campaign = Campaign.of(file)
+    (batch,) = campaign.batches("drag")
+    campaign.begin("drag")
+    task = task_of(campaign.store, batch)
+    shutil.rmtree(mine / "results")
+    (mine / "rotation.py").unlink()
+    monkeypatch.setattr(workers, "_folder", lambda name: tmp_path / "machine" / name)
+    content = make_task(task)
+    assert not (mine / "results").exists()
+    campaign.store.put(batch.id, content)
+    values, _ = read(campaign.store.file_of(batch.id), ("run_id", "failure"))
+    assert values["run_id"].tolist() == list(batch.runs) and not values["failure"].any()
+
+
+class Deadly(Workers):
+    """Workers that die of the run of one seed."""
+
+    killed = (MemoryError,)
+
+    def submit(self, task):
+        if '"seed": 3}' not in task.text:
+            return super().submit(task)
+        found = Future()
+        found.set_exception(MemoryError())
+        return found
+
+
+def test_only_the_run_that_kills_its_worker_is_a_failed_one(tmp_path, monkeypatch):
+    campaign = Campaign.of(write(tmp_path, monkeypatch, failures=0.3))
+    campaign.make(Deadly())
+    values, _ = read(campaign.first("drag"), ("failure", "drag"))
+    assert values["failure"].ravel().astype(bool).tolist() == [seed == 3 for seed in SEEDS]
+    assert np.isfinite(values["drag"]).all(-1).ravel().tolist() == [seed != 3 for seed in SEEDS]
+    reasons = [
+        reason for path in campaign.files("drag")
+        for reason in read(path, ("failure_reason",))[0]["failure_reason"].tolist() if reason.strip()
+    ]  # fmt: skip
+    assert reasons == ["MemoryError: each worker that ran it died"]
+
+
+class Gone(Workers):
+    """Workers whose scheduler ends after the first batch."""
+
+    def submit(self, task):
+        if not getattr(self, "asked", False):
+            self.asked = True
+            return super().submit(task)
+        found = Future()
+        found.cancel()
+        found.set_running_or_notify_cancel()
+        return found
+
+
+def test_a_sweep_whose_workers_are_gone_keeps_what_is_finished(file):
+    campaign = Campaign.of(file)
+    with pytest.raises(RunError, match="run the same again: finished runs are kept"):
+        campaign.make(Gone())
+    assert campaign.counts() == (2, 4)
+    said = []
+    campaign.make(Workers(), lambda *now: said.append(now))
+    assert campaign.counts() == (4, 4) and said[-1] == (4, 0, False)
+
+
+def test_a_process_makes_one_run_at_a_time(file):
+    """An executor of threads is refused, and so is a second batch of a process."""
+    with (
+        ThreadPoolExecutor(2) as pool,
+        pytest.raises(InputError, match="executor is one of threads"),
+    ):
+        dem.run_sweep(file, pool)
+    assert not (file.parent / "results").exists()
+    campaign = Campaign.of(file)
+    (batch, _) = campaign.batches("drag")
+    campaign.begin("drag")
+    with workers.BUSY, pytest.raises(InputError, match="one run at a time"):
+        make_task(task_of(campaign.store, batch))
+
+
+def test_a_worker_of_other_packages_is_refused_by_name(file, monkeypatch):
+    campaign = Campaign.of(file)
+    (batch, _) = campaign.batches("drag")
+    campaign.begin("drag")
+    task = task_of(campaign.store, batch)
+    old = task._replace(made_with=task.made_with | {"numba": "0.1"})
+    with pytest.raises(InputError, match=r"numba on \S+ is [\d.]+; it must be 0\.1, as where"):
+        make_task(old)
+    assert campaign.counts() == (0, 4)
+
+
+@pytest.fixture(scope="module")
+def idle():
+    """The address of a scheduler without workers."""
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(n_workers=0, dashboard_address=":0") as local:
+        yield local.scheduler_address
+
+
+def test_a_scheduler_that_cannot_be_used_is_one_sentence(file, idle):
+    """Status 2, or 1 where no worker comes in time; soon, and nothing is written."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        nobody = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+    (file.parent / "other.json").write_text("{}")
+    for where, status, words in (
+        (nobody, 2, "no Dask scheduler answers there"),
+        ("gopher://here", 2, "no Dask scheduler answers there"),
+        ("other.json", 2, "no Dask scheduler answers there"),
+        (idle, 1, "has no worker after 0.5 s"),
+    ):
+        started = time.monotonic()
+        run = CliRunner().invoke(app, ["sweep", str(file), "--scheduler", where, "--wait", "0.5"])
+        assert run.exit_code == status, (where, run.output)
+        assert re.search(words, run.output) and where in run.output
+        assert time.monotonic() - started < 60.0 and "Traceback" not in run.output
+        assert not (file.parent / "results").exists()
+
+
+def test_an_executor_is_something_that_submits(file):
+    with pytest.raises(InputError, match="executor is 4; it must be one of"):
+        dem.run_sweep(file, 4)
+    with pytest.raises(InputError, match="block is"):
+        dem.run_sweep(file, block="wide")
