@@ -91,6 +91,5 @@ def plot(axes, rows) -> None:
     x = [row.x for row in found]
     axes.loglog(x, [row.expected for row in found], color="0.5", label="exact solitary wave")
     axes.loglog(x, [row.value for row in found], "ko", markerfacecolor="white", label="chain of discs")
-    axes.set_xlabel("Greatest velocity of a granule (m/s)")
-    axes.set_ylabel("Speed of the wave (m/s)")
+    axes.set(xlabel="Greatest velocity of a granule (m/s)", ylabel="Speed of the wave (m/s)")
     axes.legend()

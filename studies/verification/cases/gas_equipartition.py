@@ -61,6 +61,5 @@ def plot(axes, rows) -> None:
                   capsize=3, label="dumbbells, bars: tolerance")  # fmt: skip
     axes.plot(x, [row.expected for row in found], "_", color="0.5", markersize=30, label="equipartition")
     axes.set_xticks(x, WAYS)
-    axes.set_xlim(-0.5, 2.5)
-    axes.set_ylabel("Share of the kinetic energy")
+    axes.set(xlim=(-0.5, 2.5), xlabel="Motion", ylabel="Share of the kinetic energy")
     axes.legend()
