@@ -18,10 +18,10 @@ def plot(dataset: xr.Dataset) -> Figure:
     """Friction above, packing fraction below, one curve per place on the other axes."""
     found, others = rheology(dataset), axes_beside(dataset, AXIS)
     figure, above, below = style.above_and_below(
-        f"Simple shear: means of {found.blocks} blocks of one strain each, with 95 % intervals"
+        "Simple shear: means of runs from beds of their own, with 95 % intervals"
     )
     for axes, name in ((above, "friction"), (below, "fraction")):
-        for number, (place, curves) in enumerate(found.curves.items()):
+        for number, (place, curves) in enumerate(found.items()):
             words = ", ".join(f"{dim} {at}" for dim, at in zip(others, place, strict=True))
             style.intervals(
                 axes, curves.number, getattr(curves, name), capsize=3, linewidth=1.0,

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from rich.table import Table
 
-from dem.analysis.shear import Curves, Rheology, rheology
+from dem.analysis.shear import Curves, rheology
 from dem.analysis.tables import numbers
 from studies.common.findings import Findings, estimate
 
@@ -22,11 +22,11 @@ class Shear(Findings):
     source = "shear/shear.nc"
 
     @cached_property
-    def rheology(self) -> Rheology:
+    def rheology(self) -> dict[tuple, Curves]:
         return rheology(self.dataset)
 
     def _curves(self, friction: str) -> Curves:
-        return self.rheology.curves[(friction,)]
+        return self.rheology[(friction,)]
 
     @cached_property
     def _asked(self) -> dict:
@@ -62,22 +62,12 @@ class Shear(Findings):
         """Whether the friction in the middle and on the lid agree within both intervals everywhere."""
         return all(
             (np.maximum(c.friction[:, 1], c.middle[:, 1]) <= np.minimum(c.friction[:, 2], c.middle[:, 2])).all()
-            for c in self.rheology.curves.values()
+            for c in self.rheology.values()
         )  # fmt: skip
-
-    def blocks(self) -> str:
-        """Blocks of one strain in all runs of a place."""
-        return f"{self.rheology.blocks}"
 
     def runs(self) -> str:
         """Runs of a place."""
         return f"{self.dataset.sizes['seed']}"
-
-    def correlation(self) -> str:
-        """Correlation of neighbouring blocks, of friction and of packing fraction."""
-        friction, fraction = self.rheology.correlation
-        text = f"{friction:.2f} for the friction and {fraction:.2f} for the packing fraction"
-        return text.replace("-", "\N{MINUS SIGN}")
 
     def overlap(self) -> str:
         """E* over the pressure."""

@@ -4,7 +4,7 @@ Published: da Cruz, Emam, Prochnow, Roux and Chevoir (2005, Phys. Rev. E 72, 021
 Nothing runs here: the flows are those of studies/shear/shear.nc, with their restitution (0.1), spread of diameters (20 %) and definition of I, measured in the middle half of the height.
 Ours are smaller (12 by 17 diameters) and have Hertzian contacts.
 
-Tolerances. Twice the half of a 95 % interval over blocks of one strain, which is four standard errors, and the last digits of what is published: 0.005 + 0.05 I of either. The mean excess over the three numbers
+Tolerances. Twice the half of a 95 % interval over runs, by Student's t, and the last digits of what is published: 0.005 + 0.05 I of either. The mean excess over the three numbers
 averages errors of its own: a third of the root of their squares, and the mean of the last digits.
 """
 
@@ -26,7 +26,7 @@ MU, PHI = "friction of the bed", "packing fraction"
 
 def measure() -> list[Row]:
     with xr.open_dataset(FILE) as dataset:
-        found = rheology(dataset.load()).curves[FRICTION]
+        found = rheology(dataset.load())[FRICTION]
     rows = []
     for at in np.flatnonzero((found.number > LOW) & (found.number < HIGH)):
         number = found.number[at]
