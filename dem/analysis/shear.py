@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from dem.analysis.statistics import half_interval, over_seeds
+from dem.analysis.statistics import half_interval
 from dem.analysis.values import along, axes_beside, value_of
 from dem.base.errors import InputError
 
@@ -47,8 +47,10 @@ def rheology(dataset: xr.Dataset) -> dict[tuple, Curves]:
     dataset = along(dataset, AXIS)
     if dataset["run_id"].sizes.get(AXIS, 1) < LEAST[AXIS]:
         raise InputError("its runs do not differ in shear.inertial_number.")
+    if "seed" not in dataset.dims:
+        dataset = dataset.expand_dims("seed")
     shear, normal, lid_shear, lid_normal, fraction, rate = (
-        over_seeds(dataset[name].mean("shear_strain", skipna=False))
+        dataset[name].mean("shear_strain", skipna=False)
         for name in (
             "shear_stress", "normal_stress", "lid_shear_stress", "lid_normal_stress",
             "shear_fraction", "shear_rate",
