@@ -4,7 +4,7 @@ Published: da Cruz, Emam, Prochnow, Roux and Chevoir (2005, Phys. Rev. E 72, 021
 Nothing runs here: the flows are those of studies/shear/shear.nc, with their restitution (0.1), spread of diameters (20 %) and definition of I, measured in the middle half of the height.
 Ours are smaller (12 by 17 diameters) and have Hertzian contacts.
 
-Tolerances. Twice the half of a 95 % interval over runs, by Student's t, and the last digits of what is published: 0.005 + 0.05 I of either. The mean excess over the three numbers
+Tolerances. Half of a 95 % interval over runs, by Student's t, and the last digits of what is published: 0.005 + 0.05 I of either. The mean excess over the three numbers
 averages errors of its own: a third of the root of their squares, and the mean of the last digits.
 """
 
@@ -34,7 +34,7 @@ def measure() -> list[Row]:
             (MU, found.middle[at], 0.25 + 1.1 * number),
             (PHI, found.fraction[at], 0.81 - 0.3 * number),
         ):
-            tolerance = each[2] - each[1] + _digits(number)
+            tolerance = each[2] - each[0] + _digits(number)
             rows.append(Row(name, "1", each[0], expected, tolerance, number))
     for name in (MU, PHI):
         of = named(rows, name)
