@@ -56,6 +56,7 @@ QUICK = {
     "test_stress.py": ("",),
     "test_packing.py": ("test_bed_is", "test_packing_fraction", "test_a_stage"),
     "test_geometry.py": ("",),
+    "test_step.py": ("held", "elastic_gas", "bound"),
     "test_simulate.py": ("critical_time_step", "wrong_input", "change_of_momentum"),
     "test_sweep.py": ("",),
     "test_config.py": ("",),

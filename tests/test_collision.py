@@ -149,7 +149,7 @@ def errors(restitution, depth, friction):
 
     def motion(t, y):
         new, rate = (0.0, 0.0), (-y[1], 0.0)
-        return y[1], -law.push(new, y[0], 0.5e-3, mass, 0.0, rate, 0.0)[0] / mass
+        return y[1], -law.push(new, y[0], 0.5e-3, mass, rate, rate, 0.0)[0] / mass
 
     duration, steps = 6e-5, 2 ** np.arange(6, 11)
     exact = solve_ivp(motion, (0.0, duration), (depth, 1.0), "DOP853", rtol=1e-12, atol=1e-16)
@@ -212,7 +212,7 @@ def test_a_collision_off_the_centre_returns_less_than_restitution(restitution):
 
 
 @pytest.mark.parametrize("partner", ["disc", "wall"])
-def test_elastic_collisions_at_the_default_step_err_by_a_third_of_a_per_cent(partner):
+def test_elastic_collisions_at_the_default_step_err_by_a_tenth_of_a_per_cent(partner):
     """The root mean square over many collisions, and the worst of them, as docs/scope.md says."""
     rng, n, radius = np.random.default_rng(1), 200, 0.5e-3
     gap, speed = rng.uniform(0.0, 1e-4, n), 10.0 ** rng.uniform(-1.0, 0.5, n)
@@ -227,8 +227,8 @@ def test_elastic_collisions_at_the_default_step_err_by_a_third_of_a_per_cent(par
     after = simulate(scene, state, 6e-3).state
     assert (after.velocity[:, 0] * state.velocity[:, 0] < 0.0).all()
     gain = (after.velocity[:, 0] / state.velocity[:, 0]) ** 2 - 1.0
-    assert 0.002 < np.sqrt((gain**2).mean()) < 0.005
-    assert np.abs(gain).max() < 0.015
+    assert 0.0005 < np.sqrt((gain**2).mean()) < 0.002
+    assert np.abs(gain).max() < 0.005
 
 
 def floor(**properties):
@@ -285,14 +285,14 @@ def test_disc_at_rest_on_a_floor_stays_there():
 
 @pytest.mark.parametrize("kind", SHAPES)
 def test_momentum_and_angular_momentum_are_conserved(kind):
-    """A swarm that collides with friction and damping keeps both momenta to rounding."""
+    """A swarm that collides with friction and damping keeps both momenta to rounding, after whole steps."""
     rng = np.random.default_rng(3)
     n, pitch = 36, 3.1e-3
     grid = pitch * np.stack(np.meshgrid(np.arange(6.0), np.arange(6.0)), -1).reshape(-1, 2)
     velocity = rng.normal(size=(n, 2)) - 200.0 * (grid - grid.mean(axis=0))
     state = State(grid, velocity, rng.uniform(0.0, 7.0, n), rng.normal(scale=500.0, size=n))
     scene = Scene(SHAPES[kind](sizes(n)), friction=SLIPPERY, **HEAVY, **AROUND[kind])
-    after = simulate(scene, state, 8e-3).state
+    after = simulate(scene, state, 8e-3, time_step=8e-3 / 2**16).state
     m = scene.mass[:, None]
 
     def angular(s):

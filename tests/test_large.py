@@ -97,7 +97,7 @@ def test_several_threads_survey_a_bed_as_one_does(small_bed, kind):
     alone = run.diagnose()
     assert alone.coordination_number > 1.0
     for threads in (2, 3, small.scene().granules):
-        assert Threads(threads).diagnose(run._world, run._table) == alone
+        assert Threads(threads).diagnose(run._world, run._table, 0.0, (0.0, 0.0)) == alone
 
 
 def test_a_large_bed_goes_on_from_a_checkpoint_with_the_same_bits():

@@ -138,14 +138,14 @@ def test_the_cylinder_takes_another_velocity(small_bed):
 
 
 def test_a_step_beyond_the_bound_must_be_asked_for(small_bed):
-    """step_fraction above 1 is refused, but with allow_unstable it is the step that is taken."""
+    """step_fraction above 1 is refused, but with allow_unstable the next rung below is taken."""
     small = small_bed("disc")
     with pytest.raises(dem.InputError, match=r"step_fraction is 1\.5; it must lie above 0"):
         dem.Simulation(small.scene(), small.state, step_fraction=1.5)
     run = dem.Simulation(small.scene(), small.state, step_fraction=1.5, allow_unstable=True)
     step = 1.5 * run.diagnose().critical_time_step
-    assert run.advance(1.001 * step) == pytest.approx(0.5005 * step)
-    assert run.steps == 2
+    assert 2.0 ** (-1 / 8) * step < run.advance(1.001 * step) <= step
+    assert run.steps == 1
 
 
 @pytest.mark.parametrize("kind", ["disc", "dumbbell"])

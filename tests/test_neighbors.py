@@ -77,13 +77,16 @@ def test_contact_memory_survives_a_new_neighbor_list(small_bed, kind, fraction):
     assert all(len(springs) > 2 for springs in before)
     for skin in (1.0, 0.01):
         run._table = granule_table(run.scene, skin)
-        run._take(0.0, 0, starts=True)  # as at the start of a run, in no time
+        run._take(0.0, 0.0, 0, starts=True)  # as at the start of a run, in no time
         world = run.world
         after = [memory(c) for c in (world.pairs, world.walls.contacts, world.cylinder.contacts)]
         for now, springs in zip(after, before, strict=True):
             assert now.keys() == springs.keys()
-            # those that slide are cut to Coulomb's limit again
-            assert_allclose([now[pair] for pair in springs], list(springs.values()), rtol=1e-4)
+            spring, root = np.transpose([now[pair] for pair in springs])
+            old_spring, old_root = np.transpose(list(springs.values()))
+            assert_allclose(root, old_root, rtol=1e-4)
+            # those that slide are cut again to Coulomb's limit, whose dashpot saw a step before
+            assert_allclose(spring, old_spring, rtol=1e-2)
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -188,7 +188,7 @@ def test_overlap_guard_names_granule_and_step(small_bed, kind):
         dem.simulate(small.scene(), small.state, 1e-3, max_overlap=limit)
 
 
-@pytest.mark.parametrize("factor", [3.0, 10.0, 1e3, 1e6])
+@pytest.mark.parametrize("factor", [6.0, 10.0, 1e3, 1e6])
 @pytest.mark.parametrize(("kind", "fraction"), STIFF)
 def test_too_large_a_time_step_is_an_error_with_a_name(small_bed, kind, fraction, factor):
     """A fixed step far beyond the critical one ends in a RunError, not in numbers."""

@@ -24,6 +24,7 @@ from dem.base.errors import InputError
 from dem.base.files import atomic
 from dem.cli.app import app
 from dem.dynamics import engine
+from dem.dynamics.stepping import Progress
 from dem.experiment.bed import make_bed
 from dem.experiment.config import Replicate
 from dem.experiment.kinds import drag
@@ -448,6 +449,7 @@ class Alarm:
         signal.signal(signal.SIGALRM, self._before)
 
 
+SEEN = Progress._fields.index("seen")  # the time (s) in what a checkpoint holds of the progress
 ENDLESS = {
     "advance": lambda run: run.advance(10.0),
     "record": lambda run: run.record(1e-9, 10_000_000),
@@ -521,7 +523,7 @@ def test_a_look_from_a_signal_handler_changes_no_bit(threads):
     seen = []
 
     def look(*_):
-        seen.append((run.time, len(run.contacts().granule), run.checkpoint()["time"]))
+        seen.append((run.time, len(run.contacts().granule), run.checkpoint()["progress"][SEEN]))
         signal.setitimer(signal.ITIMER_REAL, 0.02)
 
     wanted = calm.record(1e-4, 5)

@@ -57,7 +57,7 @@ def _boundary_contacts(surface, world, dt):
     """Add the forces of the contacts with walls, or with the cylinder, and sum up those on them."""
     shape, frame, contacts, lanes = world.shape, world.frame, local(surface.contacts), world.lanes
     turns, planes, radius = world.inverse_inertia, surface.planes, surface.radius
-    motion, on, sums = world.boundaries.motion, world.boundaries.force, world.boundaries.sums
+    motion, on, loads = world.boundaries.motion, world.boundaries.force, world.boundaries.loads
     rows, others = world.constituents.reshape(-1), motion.reshape(-1)
     flat, count = world.constituent_force.reshape(-1), contacts.constituent.shape[0]
     for start in range(0, count, BLOCK):
@@ -73,43 +73,43 @@ def _boundary_contacts(surface, world, dt):
             torque = given(radius, take(turns, lanes.values, TORQUE_2 + k))
             on[b, FX] += shares[0] + shares[2]
             on[b, FY] += shares[1] + shares[3]
-            sum_of_wall(planes, sums, b, normal, dt)
-            sum_of_shear(given(planes, contacts.friction), sums, b, lanes.values, k, dt)
-            sum_of_circle(radius, sums, b, shares, dt)
-            sum_of_torque(torque, sums, b, dt)
-            add_work(lanes.account, motion, b, shares, torque, dt)
+            load_wall(planes, loads, b, normal)
+            shear_wall(given(planes, contacts.friction), loads, b, lanes.values, k)
+            load_circle(radius, loads, b, shares)
+            turn_circle(torque, loads, b)
+            add_work(lanes.account, motion, b, shares, torque)
 
 
 @optional
-def sum_of_wall(planes, sums, b, normal, dt):
-    sums[b, 0] += normal * dt
+def load_wall(planes, loads, b, normal):
+    loads[b, 0] += normal
 
 
 @optional
-def sum_of_shear(friction, sums, b, values, k, dt):
+def shear_wall(friction, loads, b, values, k):
     """The tangential force on a wall, along (-ny, nx)."""
     nx, ny = values[NX + k], values[NY + k]
-    sums[b, 3] += (values[FORCE_Y + k] * nx - values[FORCE_X + k] * ny) * dt
+    loads[b, 3] += values[FORCE_Y + k] * nx - values[FORCE_X + k] * ny
 
 
 @optional
-def sum_of_circle(radius, sums, b, shares, dt):
+def load_circle(radius, loads, b, shares):
     for c in range(4):
-        sums[b, c] += shares[c] * dt
+        loads[b, c] += shares[c]
 
 
 @optional
-def sum_of_torque(torque, sums, b, dt):
-    sums[b, 4] += torque * dt
+def turn_circle(torque, loads, b):
+    loads[b, 4] += torque
 
 
 @optional
-def add_work(account, motion, boundary, shares, torque, dt):
-    """Work (J) of a boundary on a granule: shares (N), see boundary_reaction, and torque act on it."""
+def add_work(account, motion, boundary, shares, torque):
+    """Power (W) of a boundary on a granule: shares (N), see boundary_reaction, and torque act on it."""
     fx, fy = shares[0] + shares[2], shares[1] + shares[3]
     vx, vy = (
         motion[boundary, VX] + motion[boundary, DVX],
         motion[boundary, VY] + motion[boundary, DVY],
     )
     spin = motion[boundary, W] + motion[boundary, DW]
-    account[WORK] -= plus(fx * vx + fy * vy, times(torque, spin)) * dt
+    account[WORK] -= plus(fx * vx + fy * vy, times(torque, spin))

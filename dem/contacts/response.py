@@ -18,41 +18,35 @@ def local_stiffness(radius, modulus):
 
 
 @optional
-def damped_force(damping, p, elastic, sqrt_overlap, rate):
-    return damped(elastic, sqrt_overlap, damping[p], rate)
+def damped_force(damping, p, elastic, root, rate):
+    return damped(elastic, root, damping[p], rate)
 
 
 @optional
-def dashpot(damping, p, ratio, sqrt_overlap, slip_rate):
-    return ratio * damping[p] * math.sqrt(sqrt_overlap) * slip_rate
+def dashpot(damping, p, ratio, root, slip_rate):
+    return ratio * damping[p] * root * slip_rate
 
 
 @optional
 def friction_force(friction, contacts, p, normal, elastic, slip, account, dt):
     """The spring is capped first, then spring and dashpot, so that friction does no positive work.
 
-    elastic: stiffness (N m^-1.5) and sqrt_overlap (m^0.5); slip: in this step (m), and its rate at
-    the full step (m/s). Returns the force (N) and the energies (J) that dashpot and sliding took,
+    elastic: stiffness (N m^-1.5), sqrt_overlap (m^0.5), and the root of the dashpot (m^0.25); slip: in
+    this step (m), and its rate at the full step (m/s). Returns the force (N) and the powers (W) that dashpot and spring take,
     None without an energy ledger.
     """
-    stiffness, sqrt_overlap = elastic
+    stiffness, sqrt_overlap, root = elastic
     distance, rate = slip
     limit = friction.coefficient * normal
     stiffness = friction.stiffness_ratio * stiffness
     before, last = contacts.tangential_force[p], contacts.sqrt_overlap[p]
-    stored = spring_energy(account, before, stiffness * last)
     force = mindlin(before, sqrt_overlap, last, stiffness, distance)
     force = capped(force, limit)
     contacts.tangential_force[p] = force
     contacts.sqrt_overlap[p] = sqrt_overlap
-    dashpot_force = dashpot(contacts.damping, p, friction.damping_ratio, sqrt_overlap, rate)
+    dashpot_force = dashpot(contacts.damping, p, friction.damping_ratio, root, rate)
     total = capped(minus(force, dashpot_force), limit)
-    left = spring_energy(account, force, stiffness * sqrt_overlap)
-    gone = minus(stored, left)
-    return (
-        total, lost(account, total - force, rate, dt),
-        plus(lost(account, force, rate, dt), gone),
-    )  # fmt: skip
+    return total, lost(account, total - force, rate), lost(account, force, rate)
 
 
 @optional
@@ -62,9 +56,9 @@ def spring_energy(account, force, stiffness):
 
 
 @optional
-def lost(account, force, rate, dt):
-    """Energy (J) that a force takes in a step: minus its work on what moves at `rate` (m/s)."""
-    return -force * rate * dt
+def lost(account, force, rate):
+    """Power (W) that a force takes: minus that on what moves at `rate` (m/s)."""
+    return -force * rate
 
 
 @inlined
@@ -81,13 +75,14 @@ def relative_velocity(one, two, geometry):
 
 
 @inlined
-def respond(contacts, p, geometry, velocity, change, dt, account):
-    """Forces N and T (N) of contact p, and energies (J) lost in dashpots and by sliding.
+def respond(contacts, p, geometry, velocity, change, root, dt, account):
+    """Forces N and T (N) of contact p, and powers (W) that dashpots and tangential springs take.
 
-    T is None without friction, the energies without an energy ledger. velocity, change: from
+    T is None without friction, the powers without an energy ledger. velocity, change: from
     relative_velocity, of the half step and to the full step. Where nothing turns change is (None, None):
-    the velocity is that of the full step, and no slip follows from it. Bodies that do not touch feel and remember nothing: their overlap counts as
-    zero in the force law.
+    the velocity is that of the full step, and no slip follows from it. root (m^0.25): delta^(1/4) for the
+    dashpot, None without one. Bodies that do not touch remember nothing, and feel
+    nothing but the dashpot if they touch within half a step: their overlap counts as zero in the force law.
     """
     overlap = max(geometry.overlap, 0.0)
     sqrt_overlap = math.sqrt(overlap)
@@ -95,12 +90,12 @@ def respond(contacts, p, geometry, velocity, change, dt, account):
     stiffness = either(local, contacts.stiffness[p])
     elastic = hertz(overlap, sqrt_overlap, stiffness)
     rate = -plus(velocity[0], change[0])
-    normal = either(damped_force(contacts.damping, p, elastic, sqrt_overlap, rate), elastic)
+    normal = either(damped_force(contacts.damping, p, elastic, root, rate), elastic)
     # what the force exceeds the elastic one by
-    damped_away = lost(given(contacts.damping, account), normal - elastic, -rate, dt)
+    damped_away = lost(given(contacts.damping, account), normal - elastic, -rate)
     tangential, damped_too, slid = either(
         friction_force(
-            contacts.friction, contacts, p, normal, (stiffness, sqrt_overlap),
+            contacts.friction, contacts, p, normal, (stiffness, sqrt_overlap, root),
             (velocity[1] * dt, plus(velocity[1], change[1])), account, dt,
         ),
         (None, None, None),

@@ -10,7 +10,7 @@ from dem.contacts.force_law import (
     effective_modulus,
     effective_shear_modulus,
 )
-from dem.dynamics.stable_step import critical_step
+from dem.dynamics.stable_step import longest_step
 from dem.dynamics.world import (
     DAMPING,
     LIGHT,
@@ -40,7 +40,7 @@ class GranuleTable(NamedTuple):
     kg^-0.5 m^-1, None where nothing turns; both are zero for held granules. per: constituents per
     granule; radius, bounding (constituents,) in m: for Hertz's law, and of the circle that holds one; mass (constituents,) in kg: of the whole granule; mobility: greatest
     1/m + lever^2/I (1/kg) of a contact; bend (n,) in 1/(kg m): 2/3 normal_bend / I, which bounds
-    the rotational stiffness that a normal force adds, over k delta; skin (m); period along x and y
+    the rotational stiffness that a normal force adds, over k delta; skin (m); fraction: of the critical step; period along x and y
     (m), 0 where the scene does not repeat itself; alpha: dashpot constant; modulus: E* of two
     granules (Pa); mean_radius (m), mean_mass (kg). held (constituents,): which are held, None if none
     is.
@@ -55,6 +55,7 @@ class GranuleTable(NamedTuple):
     mobility: float
     bend: np.ndarray
     skin: float
+    fraction: float
     period: tuple[float, float]
     alpha: float
     modulus: float
@@ -74,8 +75,8 @@ def widest_skins(scene: Scene) -> list[float]:
     return [0.25 * (each - 2.0 * reach(scene)) for each in scene.periodic or () if each]
 
 
-def granule_table(scene: Scene, skin: float) -> GranuleTable:
-    """GranuleTable of a scene; skin as a share of the mean bounding radius."""
+def granule_table(scene: Scene, skin: float, fraction: float = 1.0) -> GranuleTable:
+    """GranuleTable of a scene; skin as a share of the mean bounding radius, fraction of the critical step."""
     shape, (inverse_mass, inverse_inertia) = own(scene.shape), mobilities(scene)
     bounding = shape.constituent_bounding_radius
     per = len(bounding) // scene.granules
@@ -90,6 +91,7 @@ def granule_table(scene: Scene, skin: float) -> GranuleTable:
         mobility=float((inverse_mass + shape.bounding_radius**2 * inverse_inertia).max()),
         bend=2.0 / 3.0 * shape.normal_bend * inverse_inertia,
         skin=min([float(skin * bounding.mean()), *widest_skins(scene)]),
+        fraction=float(fraction),
         period=(x or 0.0, y or 0.0),
         alpha=damping_from_restitution(scene.material.restitution),
         modulus=effective_modulus(scene.material, scene.material),
@@ -147,7 +149,7 @@ def table_of(motion) -> np.ndarray:
     if isinstance(motion, PrescribedMotion):
         spin = np.zeros(len(motion.time)) if motion.spin is None else motion.spin
         return np.column_stack([motion.time, motion.velocity, spin])
-    return np.array([[0.0, *motion, 0.0]])
+    return np.array(2 * [[0.0, *motion, 0.0]])  # two rows, so that it can change once in a step
 
 
 def boundaries(scene: Scene) -> Boundaries:
@@ -172,7 +174,7 @@ def boundaries(scene: Scene) -> Boundaries:
             time, *columns = tables[b].T
             moved[b, [VX, VY, W]] = [np.interp(0.0, time, column) for column in columns]
     return Boundaries(
-        moved, np.zeros((r, 2)), rows(r, 4), np.zeros((r, 5)), np.zeros(1),
+        moved, np.zeros((r, 2)), rows(r, 4), np.zeros((r, 5)), np.zeros((r, 5)), np.zeros((r, 2)), np.zeros(1),
         np.cumsum([0, *map(len, tables)]), np.concatenate([np.empty((0, 4)), *tables]), drive,
     )  # fmt: skip
 
@@ -247,6 +249,7 @@ def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = 
         constituents=bodies if alone else rows(n * table.per, 8),
         constituent_force=force if alone else rows(n * table.per, 4),
         reference=np.zeros((n * table.per, 2)),
+        last=rows(n, 4) if table.alpha > 0.0 else None,
         pairs=contacts(scene, table, "granule"),
         boundaries=moving,
         walls=walls,
@@ -283,4 +286,5 @@ def least_step(scene, table, drive, max_overlap: float, fraction: float) -> floa
     k = 2.0 * max(moduli) * math.sqrt(max_overlap) * radius
     stiffness = k * ((1.0 + ratio) * mobility + max_overlap * radius * table.bend)
     damping = table.alpha * (1.0 + damped) * np.sqrt(k * mobility * mobility * scene.mass)
-    return CAUTION * fraction * min(map(critical_step, many * stiffness, many * damping))
+    steps = map(longest_step, many * stiffness, many * damping, [fraction] * len(stiffness))
+    return CAUTION * min(steps)

@@ -10,45 +10,64 @@ from dem.jit.optional import either, given, optional, plus
 
 
 @inlined
-def between(table, first, last, time):
-    """Row of a path before a time (s), the row after it, and the share of the way to that one."""
-    low, high = first, last - 1
-    while high - low > 1:
+def rows_until(table, first, last, time):
+    """The row of a path after the last one that is not later than a time (s)."""
+    low, high = first, last
+    while low < high:
         middle = (low + high) // 2
         if table[middle, 0] <= time:
-            low = middle
+            low = middle + 1
         else:
             high = middle
-    span = table[high, 0] - table[low, 0]
-    share = (time - table[low, 0]) / span if span > 0.0 else 0.0
-    return low, high, min(max(share, 0.0), 1.0)
+    return low
+
+
+@inlined
+def on_path(table, first, last, after, time, c):
+    """Velocity of component c at a time (s) before row `after` of a path."""
+    low, high = max(after - 1, first), min(after, last - 1)
+    span, change = table[high, 0] - table[low, 0], table[high, 1 + c] - table[low, 1 + c]
+    return table[low, 1 + c] + (change * ((time - table[low, 0]) / span) if span > 0.0 else 0.0)
 
 
 @inlined
 def follow(boundaries, b, dt):
-    """Velocity of boundary b on its path: that of the middle of the step, and the change to its end."""
-    motion, table, clock = boundaries.motion, boundaries.table, boundaries.clock[0]
+    """Velocity of boundary b on its path: the mean over the step, and the change to its end.
+
+    Corners and jumps within the step count from their time on.
+    """
+    motion, table, time = boundaries.motion, boundaries.table, boundaries.clock[0]
     first, last = boundaries.first[b], boundaries.first[b + 1]
-    low, high, share = between(table, first, last, clock + 0.5 * dt)
-    ahead, behind, later = between(table, first, last, clock + dt)
+    after, end, left = rows_until(table, first, last, time), time + dt, 1.0
     for c in range(3):
-        now = table[low, 1 + c] + share * (table[high, 1 + c] - table[low, 1 + c])
-        end = table[ahead, 1 + c] + later * (table[behind, 1 + c] - table[ahead, 1 + c])
-        motion[b, VX + c] = now
-        motion[b, DVX + c] = end - now
+        motion[b, VX + c] = 0.0
+    while True:
+        ends = after == last or not table[after, 0] < end
+        stop = end if ends else table[after, 0]
+        share = left if ends else (stop - time) / dt
+        for c in range(3):
+            middle = on_path(table, first, last, after, 0.5 * (time + stop), c)
+            motion[b, VX + c] += share * middle
+        if ends:
+            break
+        time, after, left = stop, after + 1, left - share
+    for c in range(3):
+        motion[b, DVX + c] = on_path(table, first, last, after, end, c) - motion[b, VX + c]
 
 
 @inlined
 def push(boundaries, b, kick, dt):
     """Velocity of driven boundary b after a kick (s): as of a granule, with damping at its mean."""
-    motion, drive = boundaries.motion, boundaries.drive
+    motion, drive, last = boundaries.motion, boundaries.drive, boundaries.last
     for c in range(2):
         light = drive[b, LIGHT + c]
         drag, before = drive[b, DAMPING] * light, motion[b, VX + c]
         pushed = light * (drive[b, PUSH + c] + boundaries.force[b, FX + c])
         after = (before * (1.0 - 0.5 * kick * drag) + kick * pushed) / (1.0 + 0.5 * kick * drag)
         motion[b, VX + c] = after
-        motion[b, DVX + c] = 0.5 * dt * (pushed - 0.5 * drag * (before + after))
+        now = pushed - 0.5 * drag * (before + after)
+        motion[b, DVX + c] = 0.5 * dt * (2.0 * now - last[b, c])
+        last[b, c] = now
 
 
 @optional
@@ -61,10 +80,18 @@ def shift_walls(walls, motion, dt):
 @compiled
 def move_boundaries(world, kick, dt):
     """Kick all boundaries over the time `kick` (s) and move them over dt (s), with velocities of half
-    steps as in dem.dynamics.integration; `carry` then moves held granules."""
+    steps as in dem.dynamics.integration; `carry` then moves held granules. Sums take up what kicks: with the
+    momentum of the granules, they are exact."""
     boundaries = world.boundaries
-    motion, first = boundaries.motion, boundaries.first
+    motion, first, loads, sums = (
+        boundaries.motion,
+        boundaries.first,
+        boundaries.loads,
+        boundaries.sums,
+    )
     for b in range(motion.shape[0]):
+        for c in range(sums.shape[1]):
+            sums[b, c] += kick * loads[b, c]
         if first[b] < first[b + 1]:
             follow(boundaries, b, dt)
         else:

@@ -66,6 +66,22 @@ def fingerprint(*held) -> np.ndarray:
     return np.frombuffer(hashlib.sha256(repr(spelled(held)).encode()).digest(), np.uint8)
 
 
+def numbers_of(tree) -> list[float]:
+    """All numbers of a tree of named tuples, in order."""
+    nested = [numbers_of(each) if hasattr(each, "_fields") else [float(each)] for each in tree]
+    return [number for each in nested for number in each]
+
+
+def with_numbers(tree, numbers):
+    """The tree with these numbers in place of its own."""
+    left = iter(numbers)
+
+    def filled(each):
+        return each._make(map(filled, each)) if hasattr(each, "_fields") else type(each)(next(left))
+
+    return filled(tree)
+
+
 def written(world, **more) -> dict:
     """A checkpoint: copies of the arrays of a World that a run changes, by their path in it, and more."""
     found = {k: v.copy() for k, v in named_arrays(world).items() if not k.startswith(LEFT_OUT)}

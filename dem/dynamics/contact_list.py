@@ -1,5 +1,6 @@
 """Which bodies of a bed touch, where, and how hard. The motion does not use it."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -8,7 +9,7 @@ from dem.contacts.response import respond
 from dem.dynamics.diagnostics import measured
 from dem.jit.columns import VX, VY, W, X, Y
 from dem.jit.compilation import compiled
-from dem.jit.optional import either
+from dem.jit.optional import either, given
 from dem.shapes.protocol import ContactGeometry
 
 CYLINDER, FIRST_WALL = -1, -2  # as partners
@@ -121,5 +122,8 @@ def _respond_now(contacts, overlap, rates, pushed):
     for p in range(overlap.shape[0]):
         geometry = ContactGeometry(overlap[p], 1.0, 0.0, 0.0, None, None, None, None)
         velocity = rates[p, 0], rates[p, 1]
-        normal, tangential, _, _ = respond(contacts, p, geometry, velocity, (0.0, 0.0), 0.0, None)
+        root = given(contacts.damping, math.sqrt(math.sqrt(overlap[p])))
+        normal, tangential, _, _ = respond(
+            contacts, p, geometry, velocity, (0.0, 0.0), root, 0.0, None
+        )
         pushed[p, 0], pushed[p, 1] = normal, either(tangential, 0.0)

@@ -16,17 +16,17 @@ from dem.dynamics.stable_step import (
     add_force_stiffness,
     add_pair_stiffness,
     add_pair_tangent,
-    critical_step,
+    longest_step,
     normal_damping,
     shortest,
     weight,
 )
-from dem.dynamics.world import Surface
+from dem.dynamics.world import Surface, at_full_steps
 from dem.jit.address import by_address, local
-from dem.jit.columns import FX, FY, TAU, VX, VY, W, X, Y
+from dem.jit.columns import DVX, FX, FY, TAU, VX, W, X, Y
 from dem.jit.compilation import compiled, inlined
-from dem.jit.optional import either, optional, plus, unless
-from dem.shapes.protocol import circle, outline, solve_contact, support
+from dem.jit.optional import either, given, minus, optional, plus, unless
+from dem.shapes.protocol import circle, collect, outline, solve_contact, support
 
 
 class Diagnostics(NamedTuple):
@@ -46,6 +46,8 @@ class Diagnostics(NamedTuple):
         Number of the granule with that overlap, without unit.
     critical_time_step : float
         Lower bound on the critical time step (s).
+    longest_time_step : float
+        The time step (s) of which `step_fraction` is that fraction; in steps of an eighth root of two it is taken.
     """
 
     kinetic_energy: float
@@ -54,23 +56,42 @@ class Diagnostics(NamedTuple):
     max_overlap: float
     deepest: int
     critical_time_step: float
+    longest_time_step: float
 
 
 @optional
-def spin_energy(inverse_inertia, i, spin):
+def weight_velocity(gravity, c, later):
+    return later * gravity[c]
+
+
+@inlined
+def velocity_later(world, i, c, later):
+    """Component c of the velocity of granule i after kicks of a time `later` (s)."""
+    kick = later * world.inverse_mass[i] * world.force[i, c]
+    here = minus(world.bodies[i, VX + c], given(at_full_steps(world), world.bodies[i, DVX + c]))
+    return plus(here + kick, weight_velocity(world.gravity, c, later))
+
+
+@optional
+def spin_energy(inverse_inertia, world, i, later):
+    spin = world.bodies[i, W] + later * inverse_inertia[i] * world.force[i, TAU]
     return 0.5 * spin * spin / inverse_inertia[i]
 
 
 @compiled
-def kinetic(bodies, inverse_mass, inverse_inertia):
-    """Kinetic energy (J) of the granules that are free, and greatest speed (m/s) of all; NaN wins."""
+def kinetic(world, later, frame):
+    """Kinetic energy (J) of the granules that are free, and greatest speed (m/s) of all; NaN wins.
+
+    later (s): kicks that velocities lack; frame: velocity (m/s) that is added to all for the energy.
+    """
     energy, speed_bound = 0.0, 0.0
-    for i in range(bodies.shape[0]):
-        squared = bodies[i, VX] ** 2 + bodies[i, VY] ** 2
-        if inverse_mass[i] > 0.0:
-            energy += 0.5 * squared / inverse_mass[i]
-            energy = plus(energy, spin_energy(inverse_inertia, i, bodies[i, W]))
-        speed_bound = greater(speed_bound, squared)
+    for i in range(world.bodies.shape[0]):
+        vx, vy = velocity_later(world, i, 0, later), velocity_later(world, i, 1, later)
+        if world.inverse_mass[i] > 0.0:
+            squared = (vx + frame[0]) ** 2 + (vy + frame[1]) ** 2
+            energy += 0.5 * squared / world.inverse_mass[i]
+            energy = plus(energy, spin_energy(world.inverse_inertia, world, i, later))
+        speed_bound = greater(speed_bound, vx * vx + vy * vy)
     return energy, math.sqrt(speed_bound)
 
 
@@ -254,6 +275,34 @@ def measured(world, *surfaces):
         yield surface, motion, found
 
 
+@optional
+def touch_surface(surface, world, table, worst):
+    others = world.boundaries.motion
+    found = geometries(world.shape, world.constituents, world.frame, others, surface)
+    for p in range(found.shape[0]):
+        if not found[p, 0] <= 0.0:
+            i = np.int64(surface.contacts.constituent[p])
+            worst = deeper(worst, found[p, 0], i, table.radius[i])
+    return worst
+
+
+@compiled(allocates=True)
+def touch(world, table):
+    """Coordination number and greatest overlap over the smaller radius, as Diagnostics have them, in a
+    fraction of the time."""
+    pairs, motion, touching, worst = world.pairs, world.constituents, 0, (0.0, 0)
+    listed = Surface(0, 0, None, None, pairs)
+    found = geometries(world.shape, motion, world.frame, motion, listed)
+    for p in range(found.shape[0]):
+        if not found[p, 0] <= 0.0:
+            i, j = np.int64(pairs.constituent[p]), np.int64(pairs.partner[p])
+            touching += 1
+            worst = deeper(worst, found[p, 0], i, min(table.radius[i], table.radius[j]))
+    worst = either(touch_surface(world.walls, world, table, worst), worst)
+    worst = either(touch_surface(world.cylinder, world, table, worst), worst)
+    return 2.0 * touching / world.bodies.shape[0], worst[0]
+
+
 @inlined
 def empty_bounds(world, least, spare):
     """Bounds with a number of spare rows at the end. Only the rows after those of granules are zero:
@@ -268,12 +317,12 @@ def empty_bounds(world, least, spare):
 def survey_boundaries(world, table, bounds, worst):
     """Add what contacts with walls and cylinder do to the rows of Bounds.
 
-    Returns the greatest relative overlap with its constituent, and the bound on the critical step (s).
+    Returns the greatest relative overlap with its constituent, and the bounds on the time step (s).
     """
     worst = either(survey_surface(world.walls, world, table, bounds, worst), worst)
     worst = either(survey_surface(world.cylinder, world, table, bounds, worst), worst)
     count = world.bodies.shape[0] + world.boundaries.motion.shape[0]
-    return worst, shortest(bounds.rows, count)
+    return worst, shortest(bounds.rows, count, table.fraction)
 
 
 @compiled(allocates=True)
@@ -289,7 +338,7 @@ def survey(world, table, least):
     bounds = empty_bounds(world, least, 0)
     touching, worst = survey_pairs(world, table, bounds, 0, world.bodies.shape[0], 0)
     worst, step = survey_boundaries(world, table, bounds, worst)
-    return touching, worst[0], worst[1], step
+    return touching, worst[0], worst[1], step[0]
 
 
 @optional
@@ -322,14 +371,23 @@ def expected_speed(world, skin, speed_bound):
 
 
 @compiled(allocates=True)
-def begin_survey(world, table, spare):
+def begin_survey(world, table, later, frame, spare):
     """Kinetic energy (J), expected speed (m/s) and empty Bounds, with a number of spare rows."""
     world, table = by_address(world), by_address(table)
-    energy, speed_bound = kinetic(world.bodies, world.inverse_mass, world.inverse_inertia)
+    collect(world.shape, world.constituent_force, world.frame, world.force, 0, len(world.bodies))
+    energy, speed_bound = kinetic(world, later, frame)
     speed = expected_speed(world, table.skin, speed_bound)
     radius, mass = 0.5 * table.mean_radius, 0.5 * table.mean_mass
     least = max(impact_overlap(mass, radius, table.modulus, speed), 1e-8 * radius)
     return energy, speed, empty_bounds(world, least, spare)
+
+
+@inlined
+def step_alone(table, least, fraction):
+    """Time step (s) for a granule that collides with one of its own size, up to an overlap (m)."""
+    stiffness = 4.0 * table.modulus * math.sqrt(table.radius.max() * least) * table.mobility
+    damping = 2.0 * damping_ratio(table.alpha) * math.sqrt(2.0 * stiffness)
+    return longest_step(stiffness, damping, fraction)
 
 
 @compiled(allocates=True)
@@ -339,26 +397,25 @@ def end_survey(world, table, begun, found):
     energy, speed, bounds = begun
     touching, worst = found
     (overlap, deepest), step = survey_boundaries(world, table, bounds, worst)
-    stiffness = 4.0 * table.modulus * math.sqrt(table.radius.max() * bounds.least) * table.mobility
-    damping = 2.0 * damping_ratio(table.alpha) * math.sqrt(2.0 * stiffness)
     granules = world.bodies.shape[0]
     push = greatest_acceleration(world.force, world.inverse_mass, world.inverse_inertia, table)
     push = greater(driven_acceleration(world.boundaries), push)
     return Diagnostics(
         energy, math.sqrt(speed * speed + 2.0 * table.skin * push), 2.0 * touching / granules, overlap, deepest // table.per,
-        min(step, critical_step(stiffness, damping)),
+        min(step[0], step_alone(table, bounds.least, 1.0)),
+        min(step[1], step_alone(table, bounds.least, table.fraction)),
     )  # fmt: skip
 
 
 @compiled(allocates=True)
-def diagnose(world, table):
-    """Diagnostics of the bed and its critical time step.
+def diagnose(world, table, later, frame):
+    """Diagnostics of the bed and its time step; later, frame: as for `kinetic`.
 
     Stiffness and damping of all contacts give a lower bound on the critical step. Pairs that are
     near but do not touch count with the overlap of a collision at the greatest expected speed, and
     any granule could collide with one of its own size.
     """
     world, table = by_address(world), by_address(table)
-    begun = begin_survey(world, table, 0)
+    begun = begin_survey(world, table, later, frame, 0)
     found = survey_pairs(world, table, begun[2], 0, world.bodies.shape[0], 0)
     return end_survey(world, table, begun, found)

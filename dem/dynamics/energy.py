@@ -1,12 +1,10 @@
 """The energy ledger: the energy that a bed holds, gains and loses.
 
-The kernels sum three energies over time (dem.jit.block_memory): losses in dashpots, losses by sliding, and
-the work of walls, cylinder and held granules. The loss by sliding is the work of the slip minus the gain in stored
-spring energy. Energy that a spring loses while the overlap shrinks is included. Kinetic and elastic
-energies follow from the state. Each step counts with the force at its end, and the last step counts
-half. This is the trapezoidal rule, of second order in the time step, if no power acts at the start.
-A cylinder that starts at full speed, and a change of the time step, each leave an error of half a
-step's power.
+The kernels sum three powers over time (dem.jit.block_memory): those that dashpots and tangential springs take,
+and that of walls, cylinder and held granules. Kinetic and elastic energies follow from the state. What springs
+have taken and do not hold is lost by sliding; energy that a spring loses while the overlap shrinks is
+included. Powers count with the kicks of their forces, up to the time of the state: the trapezoidal rule, of
+second order in the time step.
 """
 
 import math
@@ -16,7 +14,7 @@ import numpy as np
 
 from dem.contacts.response import spring_energy
 from dem.dynamics.diagnostics import kinetic, measured
-from dem.jit.block_memory import ACCOUNTS, LOST_DAMPED, LOST_SLID, WORK
+from dem.jit.block_memory import ACCOUNTS, LOST_DAMPED, TAKEN, WORK
 from dem.jit.compilation import compiled
 from dem.jit.optional import either, optional
 
@@ -98,7 +96,7 @@ def balance(world) -> tuple[float, float, float]:
     """Kinetic, normal elastic and tangential elastic energy (J) of the bed."""
     listed = measured(world, world.walls, world.cylinder)
     held = [listed_hold(found, surface.contacts) for surface, _, found in listed]
-    moving = kinetic(world.bodies, world.inverse_mass, world.inverse_inertia)[0]
+    moving = kinetic(world, 0.0, (0.0, 0.0))[0]
     return moving, sum(each[0] for each in held), sum(each[1] for each in held)
 
 
@@ -110,11 +108,13 @@ def fallen(world) -> float:
     return float(np.sum(np.divide(depth, light, out=np.zeros_like(depth), where=light > 0.0)))
 
 
-def energies(world, held: float, height: float) -> Ledger:
-    """The ledger now, of a bed that held an energy (J) at the start, and had a `fallen` (J)."""
-    total, before = world.lanes.account.reshape(2, ACCOUNTS)
-    account = 0.5 * (total + before)
+def energies(world, held: float, height: float, later: float) -> Ledger:
+    """The ledger now, of a bed that held an energy (J) at the start, and had a `fallen` (J); later (s): kicks that
+    its arrays lacked."""
+    powers, before = world.lanes.account.reshape(2, ACCOUNTS)
+    account = before + later * powers
+    moving, normal, tangential = balance(world)
     return Ledger(
-        *balance(world), float(account[LOST_DAMPED]), float(account[LOST_SLID]),
+        moving, normal, tangential, float(account[LOST_DAMPED]), float(account[TAKEN] - tangential),
         float(account[WORK]), fallen(world) - height, held,
     )  # fmt: skip

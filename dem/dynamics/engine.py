@@ -9,6 +9,7 @@ import numpy as np
 from dem.base.errors import InputError, OverlapError, StateError
 from dem.dynamics.assembly import CAUTION, GranuleTable
 from dem.dynamics.checkpoint import writable
+from dem.dynamics.diagnostics import Diagnostics
 from dem.dynamics.stepping import (
     COLLAPSED,
     FINE,
@@ -21,14 +22,14 @@ from dem.dynamics.stepping import (
     OUTSIDE,
     PAUSED,
     TOO_LONG,
+    Progress,
     Schedule,
     StepControl,
-    StepOutcome,
-    longest_step,
     run_steps,
 )
 from dem.dynamics.threads import Threads
 from dem.dynamics.world import World, number_of_patches
+from dem.jit.columns import VX, VY, X, Y
 
 AT_FIRST = 20_000  # constituents times steps until the kernel returns for the first time
 BRIEF, LONG = 0.05, 0.15  # s: between these it returns, so that Python can answer Ctrl-C
@@ -52,17 +53,18 @@ class Engine:
         self._free = [None]  # whoever advances holds what is in it
         self._budget = max(AT_FIRST // len(world.constituents), 1)
         self._rules = rules
-        report = self._take(0.0, 0, starts=True)
+        self._look: tuple[Progress, World, Diagnostics] | None = None
+        report = self._take(0.0, 0.0, 0, starts=True)
         if report.outcome:
             self._fail(report)
-        self._allow(longest_step(rules, report.diagnostics))
+        self._allow(report.dt)
 
     def _allow(self, step: float) -> None:
         """A time step (s) that was asked for, and what is not much shorter, is no collapse."""
         least = min(self._rules.collapsed, CAUTION * step)
         self._rules = self._rules._replace(collapsed=float(least))
 
-    def _latest(self) -> tuple[World, StepOutcome]:
+    def _latest(self) -> tuple[World, Progress]:
         """The arrays and how far they are; raises StateError where a call has not come to its end."""
         if self._threads is not None:
             self._threads.finish()
@@ -74,34 +76,41 @@ class Engine:
             )
         return world, report
 
-    def _ended(self) -> tuple[World, StepOutcome]:
-        """The latest arrays with velocities of full steps, also after an interrupt inside an interval.
+    def _seen(self) -> tuple[World, Diagnostics]:
+        """A copy of the arrays at the time that was asked for, which may lie within a step, and how they are.
 
-        It works on a copy, and may itself be interrupted. Whoever looks from within a signal handler
-        does not change a run that goes on after it.
+        Lists and what contacts remember are those of the arrays themselves.
         """
         world, report = self._latest()
-        if report.outcome != PAUSED:
-            return world, report
-        schedule = Schedule(0.0, 0, self._until, False, 0, np.zeros(1, np.int64))
-        ended: list[tuple[World, StepOutcome]] = []
-        while not ended:
-            self._call(ended, (writable(world), report), schedule, self._rows(0))
-        found = ended[0][0], report._replace(outcome=FINE)
-        if self._free:
-            self._now[:] = [found]
-        return found
+        if self._look is None or self._look[0] is not report:
+            once = np.zeros(1, np.int64)
+            schedule = Schedule(report.seen, 0.0, 0, self._until, False, True, 0, once)
+            found: list[tuple[World, Progress]] = []
+            while not found:
+                self._call(found, (world, report), schedule, self._rows(0))
+            seen, looked = found[0]
+            alone = self._table.per == 1  # one array for granules and constituents
+            for rows in (seen.bodies,) if alone else (seen.bodies, seen.constituents):
+                rows[:, [X, Y]] += np.multiply(self._rules.frame, report.seen)
+                rows[:, [VX, VY]] += self._rules.frame
+            self._look = report, seen, looked.diagnostics
+        return self._look[1:]
 
     @property
     def _world(self) -> World:
-        """The arrays of the kernels; they can be written."""
-        return self._ended()[0]
+        """The arrays at the time that was asked for."""
+        return self._seen()[0]
 
     def __getstate__(self) -> dict[str, Any]:
         """For pickle and copy: everything but the threads, and no two arrays that share memory."""
-        world, report = self._ended()
+        world, report = self._latest()
         threads = None if self._threads is None else self._threads.count
-        kept = {"_now": [(writable(world), report)], "_threads": threads, "_free": [None]}
+        kept = {
+            "_now": [(writable(world), report)],
+            "_threads": threads,
+            "_free": [None],
+            "_look": None,
+        }
         return vars(self) | kept | {"_calls": self._calls.copy()}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -114,11 +123,12 @@ class Engine:
 
     def _take(
         self,
+        begin: float,
         interval: float,
         count: int,
         rows: np.ndarray | None = None,
         starts: bool = False,
-    ) -> StepOutcome:
+    ) -> Progress:
         """Call the kernel, the only one that a simulation needs, until it has done all intervals.
 
         It returns every so often, also inside an interval, so that Python can answer an interrupt. Bits
@@ -134,15 +144,17 @@ class Engine:
                     "the simulation advances already, in another thread or outside this signal handler; "
                     "wait until that has ended."
                 )
-            now = self._ended()
+            world, report = self._latest()
+            now = world, report._replace(outcome=FINE)
             if self._threads is not None and count:
                 self._threads.compile(now[0])
             self._now[:] = [now]
             while True:
                 began = time.perf_counter()
                 schedule = Schedule(
-                    float(interval), count, self._until, starts, self._budget, self._calls
-                )
+                    float(begin), float(interval), count, self._until, starts, False,
+                    self._budget, self._calls,
+                )  # fmt: skip
                 self._call(self._now, now, schedule, rows)
                 before, now = now, self._now[0]
                 if now is before:  # the call was cancelled
@@ -159,8 +171,8 @@ class Engine:
 
     def _call(
         self,
-        found: list[tuple[World, StepOutcome]],
-        now: tuple[World, StepOutcome],
+        found: list[tuple[World, Progress]],
+        now: tuple[World, Progress],
         schedule: Schedule,
         rows: np.ndarray,
     ) -> None:
@@ -184,12 +196,14 @@ class Engine:
             threads.lead(work)
 
     def _run_steps(
-        self, name: str, interval: float, count: int, rows: np.ndarray | None = None
+        self, name: str, begin: float, interval: float, count: int, rows: np.ndarray | None = None
     ) -> float:
-        steps = self._latest()[1].steps
-        report = self._take(interval, count, rows)
-        if report.outcome == TOO_LONG and report.steps == steps:
-            raise InputError(self._endless(name, interval * count, report.value))
+        """Advance to the end of `count` intervals (s) after a time (s); returns the shortest step (s)."""
+        before = self._latest()[1]
+        report = self._take(begin, interval, count, rows)
+        if report.outcome == TOO_LONG and report.steps == before.steps:
+            duration = begin + interval * count - before.seen
+            raise InputError(self._endless(name, duration, report.value))
         if report.outcome:
             self._fail(report)
         return report.shortest
@@ -204,7 +218,7 @@ class Engine:
     # new list therefore sees every overlap before it has grown by more than the skin.
 
     @np.errstate(all="ignore")
-    def _fail(self, report: StepOutcome) -> NoReturn:
+    def _fail(self, report: Progress) -> NoReturn:
         outcome, value, granule = report.outcome, report.value, report.granule
         when = f"at step {report.steps}, time {report.time:.6g} s"
         lost = ~np.isfinite(self._world.bodies).all(axis=1)
@@ -219,7 +233,7 @@ class Engine:
             what = f"granule {self._order[farthest]}" if moved.max() >= value else "a boundary"
             raise StateError(
                 f"{what} moved {value:.3g} m before its contacts were listed "
-                f"again {when}; it may move {self._rules.list_range:.3g} m: take a smaller time "
+                f"again {when}; it may move {self._rules.reach:.3g} m: take a smaller time "
                 "step."
             )
         if outcome == TOO_LONG:

@@ -13,10 +13,11 @@ from dem.shapes.protocol import collect, place
 
 
 @optional
-def keep_account(account):
-    """Keep what the account holds before a step."""
+def keep_account(account, kick):
+    """Sum up the powers of an account over a kick (s); they begin again at zero."""
     for kind in range(ACCOUNTS):
-        account[ACCOUNTS + kind] = account[kind]
+        account[ACCOUNTS + kind] += kick * account[kind]
+        account[kind] = 0.0
 
 
 @optional
@@ -80,21 +81,21 @@ def farthest(motion, reference, low, high, limit):
 
 
 @optional
-def add_work_on(account, motion, full, force, row, dt):
-    """Work (J) of a held constituent on what touches it."""
+def add_work_on(account, motion, full, force, row):
+    """Power (W) of a held constituent on what touches it."""
     vx = plus(motion[row, VX], unless(full, motion[row, DVX]))
     vy = plus(motion[row, VY], unless(full, motion[row, DVY]))
     spin = motion[row, W] + motion[row, DW]
-    account[WORK] -= (force[row, FX] * vx + force[row, FY] * vy + force[row, TAU] * spin) * dt
+    account[WORK] -= force[row, FX] * vx + force[row, FY] * vy + force[row, TAU] * spin
 
 
 @optional
-def weigh_held(held, boundaries, motion, full, force, account, dt):
+def weigh_held(held, boundaries, motion, full, force, account):
     """Sum up what the contacts exert on each group, in one order whatever the number of threads.
 
     motion, force: of the constituents; full: dem.dynamics.world.at_full_steps.
     """
-    on, sums, member = boundaries.force, boundaries.sums, held.member
+    on, loads, member = boundaries.force, boundaries.loads, held.member
     per = motion.shape[0] // held.group.shape[0]
     for q in range(member.shape[0]):
         b = held.group[member[q]]
@@ -102,10 +103,9 @@ def weigh_held(held, boundaries, motion, full, force, account, dt):
             row = per * member[q] + c
             on[b, FX] += force[row, FX]
             on[b, FY] += force[row, FY]
-            add_work_on(account, motion, full, force, row, dt)
+            add_work_on(account, motion, full, force, row)
     for b in range(held.first, on.shape[0]):
-        sums[b, 0] += on[b, FX] * dt
-        sums[b, 1] += on[b, FY] * dt
+        loads[b, 0], loads[b, 1] = on[b, FX], on[b, FY]
 
 
 @optional
@@ -130,13 +130,14 @@ def pair_forces(world, dt, patch):
 
 @compiled
 def boundary_forces(world, dt):
-    """Add the forces of walls and cylinder, and sum up those on all boundaries."""
+    """Add the forces of walls and cylinder, and those on all boundaries."""
     boundaries, account = world.boundaries, world.lanes.account
     clear(boundaries.force, 0, boundaries.force.shape[0])
+    clear(boundaries.loads, 0, boundaries.loads.shape[0])
     boundary_contacts(world.walls, world, dt)
     boundary_contacts(world.cylinder, world, dt)
     motion, force, full = world.constituents, world.constituent_force, at_full_steps(world)
-    weigh_held(world.held, boundaries, motion, full, force, account, dt)
+    weigh_held(world.held, boundaries, motion, full, force, account)
 
 
 @inlined
@@ -164,7 +165,7 @@ def forces(world, dt, limit):
     granules, moved = world.bodies.shape[0], 0.0
     place(world.shape, world.bodies, world.frame, world.constituents, 0, granules)
     patches = number_of_patches(granules)
-    keep_account(world.lanes.account)
+    keep_account(world.lanes.account, 0.0)
     for patch in range(patches):
         moved = greater(moved, farthest_of(world, patch, limit))
         pair_forces(world, dt, patch)

@@ -1,10 +1,13 @@
 """Velocity Verlet at one time step, until a number of steps is done or a list is out of date.
 
-Velocities are those of half steps inside the loop; the first and the last kick are half ones, so
-that state goes in and comes out at full steps. Where dem.dynamics.world.at_full_steps, rows of granules
-hold v + a dt/2 instead, and `drift` takes a dt/2 off again. A dashpot sees the velocity at the full step,
-v(t + dt/2) + a(t) dt/2, which keeps the method of second order with damping (a dashpot on the
-half-step velocity is of first order).
+Velocities are those of half steps: a kick that ends one step begins the next. `look_ahead` takes a copy from
+there to full steps, or to any time within a step.
+
+A dashpot sees the velocity at the full step, v(t + dt/2) + a dt/2, with the acceleration that the last two let
+expect, a = 2 a(t) - a(t - dt). With the last one alone it would be late by a step, brake less while the force
+grows and more while it falls, and take more energy than it should: an error of first order. What a step
+expects wrongly, the next one makes good. Where dem.dynamics.world.at_full_steps, rows of granules hold
+v + a dt/2 instead, and `drift` takes a dt/2 off again.
 """
 
 import math
@@ -31,11 +34,25 @@ from dem.shapes.protocol import collect, place
 
 
 @optional
-def spin_up(inverse_inertia, bodies, force, i, kick, half):
+def _expected(last, i, c, now):
+    ahead = 2.0 * now - last[i, c]
+    last[i, c] = now
+    return ahead
+
+
+@inlined
+def expected(last, i, c, now):
+    """Acceleration after the coming step, from that of now and the last; it becomes the last. Where no
+    contact has a dashpot (last is None), that of now."""
+    return either(_expected(last, i, c, now), now)
+
+
+@optional
+def spin_up(inverse_inertia, last, bodies, force, i, kick, half):
     """New angular velocity (rad/s) of granule i."""
     alpha = force[i, TAU] * inverse_inertia[i]
     bodies[i, W] += kick * alpha
-    bodies[i, DW] = half * alpha
+    bodies[i, DW] = half * expected(last, i, TAU, alpha)
     return bodies[i, W]
 
 
@@ -65,11 +82,10 @@ def fall(gravity, axis):
 
 @compiled
 def drift(world, kick, dt, low, high):
-    """Kick granules low to high over the time `kick` (s), then move them over dt (s).
-
-    The last kick of all comes with dt = 0: velocities are then those of a full step.
+    """Kick granules low to high over the time `kick` (s), then move them over dt (s); with dt = 0 velocities
+    are then those of a full step.
     """
-    bodies, force, half = world.bodies, world.force, 0.5 * dt
+    bodies, force, last, half = world.bodies, world.force, world.last, 0.5 * dt
     inverse_mass, inverse_inertia = world.inverse_mass, world.inverse_inertia
     frame, angle, gravity = world.frame, world.angle, world.gravity
     full = at_full_steps(world)
@@ -80,13 +96,14 @@ def drift(world, kick, dt, low, high):
         ay = plus(force[i, FY] * inverse_mass[i], fall(gravity, 1))
         vx = minus(bodies[i, VX], given(full, bodies[i, DVX])) + kick * ax
         vy = minus(bodies[i, VY], given(full, bodies[i, DVY])) + kick * ay
-        bodies[i, VX] = plus(vx, given(full, half * ax))
-        bodies[i, VY] = plus(vy, given(full, half * ay))
+        dvx, dvy = half * expected(last, i, FX, ax), half * expected(last, i, FY, ay)
+        bodies[i, VX] = plus(vx, given(full, dvx))
+        bodies[i, VY] = plus(vy, given(full, dvy))
         bodies[i, X] += dt * vx
         bodies[i, Y] += dt * vy
-        bodies[i, DVX] = half * ax
-        bodies[i, DVY] = half * ay
-        spin = spin_up(inverse_inertia, bodies, force, i, kick, half)
+        bodies[i, DVX] = dvx
+        bodies[i, DVY] = dvy
+        spin = spin_up(inverse_inertia, last, bodies, force, i, kick, half)
         turn(spin, frame, angle, i, dt)
     carry(world.held, world.boundaries.motion, bodies, full, low, high)
     place(world.shape, bodies, frame, world.constituents, low, high)
@@ -126,19 +143,15 @@ def move_patch(world, kick, dt, patch, limit):
     return farthest_of(world, patch, limit)
 
 
-RESUMES, PAUSES = 1, 2  # how a call of `advance` begins and ends; their sum does both
-
-
 @compiled
-def advance(world, dt, steps, rebuild_at, how, thread):
+def advance(world, kick, dt, steps, rebuild_at, thread):
     """Take up to `steps` steps of dt (s); stop when a constituent has moved farther than `rebuild_at` (m).
 
-    how: 0, RESUMES, PAUSES or both. A call that pauses leaves out the half kick after its last step, unless
-    the lists are out of date; the next one resumes with a whole kick, and gives the bits of a single call.
-    No steps at all are the half kick that a pause left out. thread: None, or its place among those that
-    call this together (dem.dynamics.synchronise).
+    kick (s): of the first step, what the step before has left of its own and half of this one. A kick of dt
+    goes on as if there had been no call. thread: None, or its place among those that call this together
+    (dem.dynamics.synchronise).
     Returns the number of steps done and the largest displacement (m); that of granules counts as 0
-    up to `rebuild_at`.
+    up to `rebuild_at`. Half a step of kicks is then still to come.
 
     A patch moves as soon as this thread knows all forces on it, while they are in the cache. The other
     patches wait until all threads have done their pairs.
@@ -146,34 +159,28 @@ def advance(world, dt, steps, rebuild_at, how, thread):
     leads, patches = not either(follows(thread), False), world.patches
     count = number_of_patches(world.bodies.shape[0])
     begin, end = either(portion(thread, count), (0, count))
-    limit = rebuild_at * rebuild_at
-    done, last, pauses, moved, further = 0, steps == 0, False, 0.0, 0.0
-    kick = dt if how & RESUMES and not last else 0.5 * dt
-    ahead = 0.0 if last else dt
+    limit, done, last, further = rebuild_at * rebuild_at, 0, False, 0.0
     while True:
         if leads:
-            move_boundaries(world, kick, ahead)
+            move_boundaries(world, kick, dt)
             further = greater(further, boundaries_moved(world))
         barrier(thread)
         for patch in range(begin, end):
             if done == 0 or not knows_forces(patches, patch, begin):
-                further = greater(further, move_patch(world, kick, ahead, patch, limit))
-        if last:
-            return done, math.sqrt(moved)
+                further = greater(further, move_patch(world, kick, dt, patch, limit))
         tell(thread, further)
         barrier(thread)
         moved = either(told(thread), further)
         done += 1
         last = done == steps or not moved <= limit
-        pauses = last and how & PAUSES > 0 and moved <= limit
-        kick, ahead, further = (0.5 * dt, 0.0, 0.0) if last else (dt, dt, 0.0)
-        keep_account(world.lanes.account)
+        keep_account(world.lanes.account, kick)
+        kick, further = dt, 0.0
         for patch in range(begin, end):
             pair_forces(world, dt, patch)
             if knows_forces(patches, patch, begin):
                 add_left_forces(world, patch)
-                if not pauses:
-                    further = greater(further, move_patch(world, kick, ahead, patch, limit))
+                if not last:
+                    further = greater(further, move_patch(world, kick, dt, patch, limit))
         barrier(thread)
         for patch in range(begin, end):
             if not knows_forces(patches, patch, begin):
@@ -181,5 +188,18 @@ def advance(world, dt, steps, rebuild_at, how, thread):
         barrier(thread)
         if leads:
             boundary_forces(world, dt)
-        if pauses:
+        if last:
             return done, math.sqrt(moved)
+
+
+@compiled
+def look_ahead(world, owed, ahead):
+    """Take a world from velocities of half a step to its state at a time `ahead` (s) after its positions.
+
+    owed (s): kicks to come up to the time of its positions. Within a step forces count as they are: an error
+    of second order, as in a step. It is for a copy: no step begins there.
+    """
+    half, granules = 0.5 * ahead, world.bodies.shape[0]
+    for kick, dt in ((owed + half, ahead), (half, 0.0)):
+        move_boundaries(world, kick, dt)
+        drift(world, kick, dt, 0, granules)

@@ -228,6 +228,7 @@ def rebuild_neighbor_list(world, table):
 
     table: dem.dynamics.assembly.GranuleTable.
     """
+    moving = world.boundaries  # by value, as the new world holds it
     world, table = by_address(world), by_address(table)
     refresh(world.frame, world.angle)
     rows, reference, boundaries = world.constituents, world.reference, world.boundaries
@@ -244,6 +245,6 @@ def rebuild_neighbor_list(world, table):
     force = constituent_force if table.per == 1 else world.force
     return World(
         world.shape, world.bodies, world.angle, world.frame, world.inverse_mass,
-        world.inverse_inertia, force, rows, constituent_force, reference, pairs, boundaries,
-        walls, cylinder, world.gravity, world.lanes, patches, world.held,
+        world.inverse_inertia, force, rows, constituent_force, reference, world.last, pairs,
+        moving, walls, cylinder, world.gravity, world.lanes, patches, world.held,
     )  # fmt: skip

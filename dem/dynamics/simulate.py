@@ -9,7 +9,6 @@ from dem.base.errors import InputError
 from dem.base.validate import checked
 from dem.dynamics.result import Result
 from dem.dynamics.simulation import DURATION, LARGEST_OVERLAP, PIECES, STEP_FRACTION, Simulation
-from dem.dynamics.skin import SKIN
 from dem.scene import Scene, State
 
 MOST_KEPT = 2**30  # bytes of the frames of a result
@@ -25,7 +24,7 @@ def simulate(
     *,
     step_fraction: float = STEP_FRACTION,
     max_overlap: float = LARGEST_OVERLAP,
-    skin: float = SKIN,
+    skin: float | None = None,
     threads: int = 1,
     allow_unstable: bool = False,
 ) -> Result:
@@ -48,7 +47,7 @@ def simulate(
         As in Simulation (without unit).
     max_overlap : float
         As in Simulation (without unit).
-    skin : float
+    skin : float, optional
         As in Simulation (without unit).
     threads : int
         As in Simulation (without unit).
@@ -92,8 +91,9 @@ def simulate(
         )
     kept = {name: np.empty((frames + 1, *np.shape(each))) for name, each in first.items()}
     for frame in range(frames + 1):
-        if frame:
-            shortest = min(shortest, run.advance(interval))
+        if frame:  # the last one ends at the duration itself, however many there are
+            end = duration * (frame / frames)
+            shortest = min(shortest, run._run_steps("duration", end, 0.0, 1))
         for name, values in (_seen(run, interval) if frame else first).items():
             kept[name][frame] = values
     optional: dict[str, Any] = dict.fromkeys(("cylinder_position", "cylinder_torque", "held_force"))

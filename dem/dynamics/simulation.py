@@ -24,14 +24,23 @@ from dem.base.validate import (
     whole,
 )
 from dem.dynamics.assembly import assemble, granule_table, least_step
-from dem.dynamics.checkpoint import fingerprint, read, read_only, replaced, writable, written
+from dem.dynamics.checkpoint import (
+    fingerprint,
+    numbers_of,
+    read,
+    read_only,
+    replaced,
+    with_numbers,
+    writable,
+    written,
+)
 from dem.dynamics.contact_list import ContactList, list_contacts
 from dem.dynamics.diagnostics import Diagnostics
 from dem.dynamics.energy import Ledger, balance, energies, fallen
 from dem.dynamics.engine import Engine
 from dem.dynamics.ordering import order_of, ordered
 from dem.dynamics.result import Record, shares
-from dem.dynamics.skin import MARGIN, SKIN
+from dem.dynamics.skin import SKIN, skin_for
 from dem.dynamics.stepping import (
     MOST_STEPS,
     OF_BED,
@@ -39,16 +48,14 @@ from dem.dynamics.stepping import (
     PLACE,
     TOO_DEEP,
     StepControl,
-    longest_step,
 )
 from dem.dynamics.stress import Stress, edges, stress
 from dem.dynamics.world import World
 from dem.jit.columns import VX, VY, W
 from dem.scene import Scene, State
 
-STEP_FRACTION = 0.5  # of the bound on the critical time step
+STEP_FRACTION = 0.3  # of the bound on the critical time step
 LARGEST_OVERLAP = 1.2  # of the smaller radius
-LONGEST_FLIGHT = 0.02  # of the smallest radius, in one step
 MOST_THREADS = max(64, 4 * (os.cpu_count() or 1))
 PIECES = whole(1, 10_000_000)  # beyond that their arrays fill any memory
 DURATION = positive("s")
@@ -71,9 +78,10 @@ class Simulation(Engine):
         Time step over the critical one, without unit, above 0 and up to 1.
     max_overlap : float
         Largest allowed overlap over the smaller radius, without unit, up to 1.5.
-    skin : float
-        Skin of the neighbour list over the mean bounding radius, without unit. It changes only the
-        speed. A short period makes it smaller.
+    skin : float, optional
+        Skin of the neighbour list over the mean bounding radius, without unit. It changes the speed, and
+        at which steps the time step is chosen again. None for one that follows from the speeds at the
+        start (recommended). A short period makes it smaller.
     threads : int
         Number of threads, without unit, for beds of thousands of granules. The result does not
         depend on it. A small bed uses fewer.
@@ -138,7 +146,7 @@ class Simulation(Engine):
         time_step: Annotated[float | None, or_none(positive("s"))] = None,
         step_fraction: Annotated[float, FRACTION] = STEP_FRACTION,
         max_overlap: Annotated[float, up_to(1.5)] = LARGEST_OVERLAP,
-        skin: Annotated[float, up_to(100.0)] = SKIN,
+        skin: Annotated[float | None, or_none(up_to(100.0))] = None,
         threads: Annotated[int, whole(1, MOST_THREADS)] = 1,
         ledger: Annotated[bool, flag] = False,
         allow_unstable: Annotated[bool, flag] = False,
@@ -149,23 +157,26 @@ class Simulation(Engine):
             raise InputError(f"threads is {threads}; with an energy ledger it must be 1.")
         self.scene, self.time_step = scene, time_step
         self.step_fraction, self.max_overlap = step_fraction, max_overlap
-        state = state.checked(scene.granules)
+        state, frame = state.checked(scene.granules), (0.0, 0.0)
+        if scene.walls is None and not scene.cylinder and not scene.held:
+            x, y = np.average(state.velocity, axis=0, weights=scene.mass)
+            frame = float(x), float(y)
+            state.velocity -= frame
         self._order = order_of(scene, state)
         scene, state = ordered(scene, state, self._order)
-        table = granule_table(scene, skin)
+        table, least = granule_table(scene, skin or SKIN, step_fraction), 0.0
         world = assemble(scene, state, table, ledger)
-        reach, least = 0.5 * table.skin, 0.0
-        farthest = min(LONGEST_FLIGHT * table.radius.min(), (1.0 - MARGIN) * reach)
+        if skin is None:
+            table = table._replace(skin=skin_for(scene, world, table, time_step))
         if not time_step:
             drive = world.boundaries.drive
             least = least_step(scene, table, drive, float(max_overlap), step_fraction)
         rules = StepControl(
             time_step=float(time_step or 0.0),
-            fraction=step_fraction,
-            largest_motion=math.inf if allow_unstable else float(farthest),
             max_overlap=float(max_overlap),
-            rebuild_at=MARGIN * reach,
-            list_range=reach,
+            reach=0.5 * table.skin,
+            flies=allow_unstable,
+            frame=frame,
             collapsed=least,
         )
         super().__init__(world, table, rules, self._order, threads)
@@ -174,7 +185,7 @@ class Simulation(Engine):
     @property
     def time(self) -> float:
         """Time since the start (s)."""
-        return self._latest()[1].time
+        return self._latest()[1].seen
 
     @property
     def steps(self) -> int:
@@ -247,9 +258,10 @@ class Simulation(Engine):
 
     def _collect(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Boundaries.sums since the last call, of walls, cylinder and held groups."""
-        sums = self._world.boundaries.sums
-        found = sums.copy()
-        sums.fill(0.0)
+        seen = self._world.boundaries.sums
+        found = seen.copy()
+        for sums in (self._latest()[0].boundaries.sums, seen):
+            sums -= found
         return shares(self.scene, found)
 
     def diagnose(self) -> Diagnostics:
@@ -276,10 +288,10 @@ class Simulation(Engine):
         >>> print(f"{1e6 * run.diagnose().kinetic_energy:.1f} uJ")
         24.5 uJ
         """
-        report = self._take(0.0, 0)
-        diagnostics = report.diagnostics
+        diagnostics = self._seen()[1]
         if not diagnostics.max_overlap <= self.max_overlap:
             value, granule = diagnostics.max_overlap, diagnostics.deepest
+            report = self._latest()[1]
             self._fail(report._replace(outcome=TOO_DEEP, value=value, granule=granule))
         return diagnostics._replace(deepest=int(self._order[diagnostics.deepest]))
 
@@ -312,7 +324,8 @@ class Simulation(Engine):
             ...
         dem.base.errors.InputError: duration is 1e+06 s, more than ...
         """
-        step = longest_step(self._rules, self.diagnose())
+        self.diagnose()
+        step = self._latest()[1].dt
         if not duration <= MOST_STEPS * step:
             raise InputError(self._endless("duration", duration, step))
         self._until = self.time + duration
@@ -439,7 +452,8 @@ class Simulation(Engine):
         """
         if self._start is None:
             raise InputError("ledger is False; make the Simulation with ledger=True.")
-        return energies(self._world, *self._start)
+        report = self._latest()[1]
+        return energies(self._world, *self._start, report.owed + report.seen - report.time)
 
     # Saved and continued
 
@@ -467,14 +481,15 @@ class Simulation(Engine):
         >>> run.time
         0.0
         """
-        world, report = self._ended()
-        return written(world, time=report.time, steps=report.steps, scene=self._fingerprint())
+        world, report = self._latest()
+        return written(
+            world, progress=numbers_of(report._replace(calls=0)), scene=self._fingerprint()
+        )
 
     def restore(self, saved: Mapping[str, np.ndarray]) -> None:
         """Continue from a checkpoint of a simulation with the same scene and start.
 
-        Further calls give the same bits as without the interruption, if they advance by the same
-        durations.
+        Further calls give the same bits as without the interruption.
 
         Parameters
         ----------
@@ -494,12 +509,12 @@ class Simulation(Engine):
         saved = read(saved)
         if saved["scene"].tobytes() != self._fingerprint().tobytes():
             raise InputError("saved is no checkpoint of this simulation; it is of another scene.")
-        world, report = self._ended()
+        world, report = self._latest()
         world = replaced(writable(world), saved)
         alone = self._table.per == 1  # a granule is its own only constituent: one array for both
         world = world._replace(force=world.constituent_force) if alone else world
-        time, steps = float(saved["time"]), int(saved["steps"])
-        self._now[:] = [(world, report._replace(time=time, steps=steps))]
+        progress = with_numbers(report, saved["progress"])
+        self._now[:] = [(world, progress._replace(calls=report.calls))]
 
     def _fingerprint(self) -> np.ndarray:
         """Hash that differs between scenes, options and orders of granules in memory."""
@@ -547,11 +562,16 @@ class Simulation(Engine):
             raise InputError(
                 "velocity cannot be set: the cylinder follows a PrescribedMotion or a Drive."
             )
-        boundaries = self._world.boundaries
+        (world, report), seen = self._latest(), self._world.boundaries
+        boundaries, ahead = world.boundaries, report.seen - report.time
         axis = len(boundaries.motion) - len(self.scene.held) - 1
-        boundaries.motion[axis, [VX, VY]] = velocity
-        boundaries.table[boundaries.first[axis], 1:3] = velocity
-        self._allow(self._rules.largest_motion / max(math.hypot(*velocity), LEAST))
+        before, after = boundaries.table[boundaries.first[axis] :][:2]  # until now, and from now on
+        before[0] = after[0] = boundaries.clock[0] + ahead
+        before[1:3] = after[1:3] = velocity
+        if ahead > 0.0:
+            before[1:3] = (seen.motion[axis, :2] - boundaries.motion[axis, :2]) / ahead
+        self._now[:] = [(world, report._replace(surveyed=-1))]
+        self._allow(0.5 * self._rules.reach / max(math.hypot(*velocity), LEAST))
 
     @checked(duration=not_negative("s"))
     def advance(self, duration: float) -> float:
@@ -596,7 +616,7 @@ class Simulation(Engine):
         >>> print(f"{1e6 * run.state.position[0, 0]:.3f} um")
         20.000 um
         """
-        return self._run_steps("duration", duration, 1)
+        return self._run_steps("duration", self.time, duration, 1)
 
     @checked(interval=DURATION, count=PIECES)
     def record(self, interval: float, count: int) -> Record:
@@ -644,7 +664,7 @@ class Simulation(Engine):
         """
         self.collect_impulses()
         rows = self._rows(count)
-        self._run_steps("interval * count", interval, count, rows)
+        self._run_steps("interval * count", self.time, interval, count, rows)
         self.diagnose()  # the guard on overlaps, also for the end of the last interval
         walls, cylinder, held = shares(self.scene, rows[:, OF_BED:].reshape(count, -1, OF_BOUNDARY))
         energy, contacts, overlap, step = rows[:, :OF_BED].T

@@ -1,5 +1,35 @@
-"""The skin of the neighbour list: how far beyond contact it looks. It changes the speed alone."""
+"""The skin of the neighbour list: how far beyond contact it looks. It changes the speed, and where steps change."""
 
-SKIN = 0.12  # of the mean bounding radius, in runs; timings are flat from 0.1 to 0.2
-SKIN_OF_PACKING = 0.3  # while a bed is packed, where granules move far
+import math
+
+import numpy as np
+
+from dem.contacts.force_law import impact_overlap
+from dem.dynamics.assembly import widest_skins
+from dem.dynamics.boundaries import fastest
+from dem.dynamics.diagnostics import step_alone
+from dem.jit.columns import VX, VY
+
+SKIN = (
+    0.12  # of the mean bounding radius, at least, in runs; timings of beds are flat from 0.1 to 0.2
+)
+WIDEST = 1.0
 MARGIN = 0.75  # share of skin / 2 that a constituent may move before the lists are rebuilt
+SKIN_OF_PACKING = 0.3  # while a bed is packed, where granules move far
+OFTEN = 60.0  # a list costs so many times what a wider skin does: fitted to gases, soft and stiff, thin and dense
+
+
+def skin_for(scene, world, table, time_step: float | None) -> float:
+    """Skin (m) that a scene asks for by its speeds at the start, at least SKIN and at most WIDEST.
+
+    What flies farther in a step needs its lists more often, or wider ones. The sum of both costs is least for
+    a skin that grows with the root of the flight in a step. The speed is that of the fastest boundary, or three
+    times the mean of granules.
+    """
+    squared = (world.bodies[:, [VX, VY]] ** 2).sum(axis=1).mean()
+    speed = math.sqrt(max(9.0 * float(squared), fastest(world.boundaries)))
+    radius, mass = 0.5 * table.mean_radius, 0.5 * table.mean_mass
+    least = max(impact_overlap(mass, radius, table.modulus, speed), 1e-8 * radius)
+    step, size = time_step or step_alone(table, least, table.fraction), table.bounding.mean()
+    wanted = np.clip(math.sqrt(OFTEN * speed * step * size), SKIN * size, WIDEST * size)
+    return min([float(wanted), *widest_skins(scene)])

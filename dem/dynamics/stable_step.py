@@ -12,6 +12,12 @@ blocks bound theirs; s = |g2| / |g1|. A boundary that is driven counts as a gran
 a contact usually lowers the stiffness. Off the centre of a granule it can raise the rotational
 stiffness, by GranuleTable.bend at most. All contacts are taken to stick. The bound leaves out that contacts grow stiffer until the next survey,
 and that the dashpot of a contact changes with its overlap.
+
+Velocity Verlet, of which a dashpot sees the velocity at full steps with an acceleration that is
+extrapolated from the last two (dem.dynamics.integration), is stable if k dt^2 / 4 + 2 c dt <= 1, with k
+and c the greatest eigenvalues of both matrices: a motion that changes its sign in each step then just
+keeps its size. That is exact for one contact; for matrices without common eigenvectors it was tried on
+random ones (tests/test_step.py).
 """
 
 import math
@@ -130,22 +136,24 @@ def greatest(rows, i, column):
 
 
 @inlined
-def critical_step(stiffness, damping):
-    """Largest stable time step (s) for greatest eigenvalues of stiffness (1/s2) and damping (1/s).
+def longest_step(stiffness, damping, fraction):
+    """Time step (s) for greatest eigenvalues of stiffness (1/s2) and damping (1/s): the critical one for a
+    fraction of 1, and stable up to there.
 
-    Velocity Verlet with the dashpot's velocity extrapolated over half a step from the last
-    acceleration: a motion grows if and only if k dt^2 / 4 + c dt > 1, k and c the Rayleigh
-    quotients of both matrices in it. It is enough that their greatest eigenvalues fulfil this,
-    whether or not the matrices have eigenvectors in common.
+    A contact is resolved by its stiffness, and damping only has to be stable, so that the fraction f up to
+    1 is of the step without damping: k dt^2 / (4 f^2) + 2 c dt = 1. Beyond 1 it multiplies the critical one.
     """
-    return 2.0 / max(damping + math.sqrt(damping * damping + stiffness), 1e-300)
+    part, rate = min(fraction, 1.0), 2.0 * damping
+    root = math.sqrt(rate * rate + stiffness / (part * part))
+    return max(fraction, 1.0) * 2.0 / max(rate + root, 1e-300)
 
 
 @inlined
-def shortest(rows, count):
-    """Critical step (s) of the bed: the least of those of its first `count` rows."""
-    least = math.inf
+def shortest(rows, count, fraction):
+    """Critical step (s) of the bed, and that for a fraction: the least of its first `count` rows."""
+    critical, chosen = math.inf, math.inf
     for i in range(count):
-        step = critical_step(greatest(rows, i, STIFFNESS), greatest(rows, i, DAMPING))
-        least = min(least, step)
-    return least
+        k, c = greatest(rows, i, STIFFNESS), greatest(rows, i, DAMPING)
+        critical = min(critical, longest_step(k, c, 1.0))
+        chosen = min(chosen, longest_step(k, c, fraction))
+    return critical, chosen

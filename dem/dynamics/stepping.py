@@ -7,11 +7,13 @@ from typing import NamedTuple
 import numpy as np
 from numba.extending import overload
 
-from dem.dynamics.boundaries import surface_moved
-from dem.dynamics.diagnostics import Diagnostics, diagnose
+from dem.dynamics.boundaries import move_boundaries, surface_moved
+from dem.dynamics.diagnostics import Diagnostics, diagnose, kinetic, touch
 from dem.dynamics.forces import forces
-from dem.dynamics.integration import PAUSES, RESUMES, advance
+from dem.dynamics.integration import advance, drift, look_ahead
 from dem.dynamics.neighbor_list import rebuild_neighbor_list
+from dem.dynamics.skin import MARGIN
+from dem.dynamics.world import Boundaries, Surface, World
 from dem.jit.address import by_address
 from dem.jit.columns import X, Y
 from dem.jit.compilation import INLINED, compiled, inlined
@@ -21,86 +23,115 @@ FINE, LOST, TOO_DEEP, OUTSIDE, TOO_LONG, COLLAPSED, PAUSED = range(7)
 MOST_STEPS = 1e11  # an hour or more for two granules, weeks for a bed of hundreds
 MOST_WORK = 4e8  # steps times granules, once the step has collapsed: less than a minute
 SURVEY = 20  # steps that take as long as a survey, roughly
+OFTEN = 1000  # steps without a survey, at most
+QUIET = 2000  # steps for which the bound must have allowed a longer step before it is taken
+RUNGS = 8  # steps of the ladder to a factor of two
+NEARLY = 1e-9  # of a step: a time is reached that is no farther off
 
 
 class StepControl(NamedTuple):
     """How the time step is chosen, and when lists are rebuilt or a run stops.
 
-    time_step (s): fixed, or 0 for `fraction` of the critical one, less if a granule would move
-    farther than `largest_motion` (m) in it. max_overlap: over the smaller radius. rebuild_at (m):
-    displacement of a constituent that triggers a rebuild of the lists; list_range (m): displacement
-    that stops the run, because a contact may have been missed. collapsed (s): a step below has
-    collapsed (dem.dynamics.assembly.least_step); 0 where the step is fixed.
+    time_step (s): fixed, or 0 for a rung of the ladder below the bound. max_overlap: over the smaller
+    radius. reach (m): displacement of a constituent that stops the run, because a contact may have been
+    missed; lists are rebuilt before. flies: whether no step is shortened for fast granules. frame (2,):
+    velocity (m/s) that is taken off all. collapsed (s): a step below has collapsed
+    (dem.dynamics.assembly.least_step); 0 where the step is fixed.
     """
 
     time_step: float
-    fraction: float
-    largest_motion: float
     max_overlap: float
-    rebuild_at: float
-    list_range: float
+    reach: float
+    flies: bool
+    frame: tuple[float, float]
     collapsed: float
 
 
 class Schedule(NamedTuple):
-    """`intervals` intervals of `interval` (s).
+    """`intervals` intervals of `interval` (s) after the time `begin` (s).
 
     until (s): end of the whole run, used only to refuse more than MOST_STEPS steps. starts: whether
-    lists and forces are still to be made. budget: steps after which the call returns, if need be
-    inside an interval, so that Python can answer an interrupt; 0 only ends a pause there. calls (1,): how
-    many calls have begun.
+    lists and forces are still to be made. looks: whether nothing is done but to return a copy of the
+    world at the time `begin`, surveyed. budget: steps after which the call returns, if need
+    be inside an interval, so that Python can answer an interrupt. calls (1,): how many calls have begun.
     """
 
+    begin: float
     interval: float
     intervals: int
     until: float
     starts: bool
+    looks: bool
     budget: int
     calls: np.ndarray
 
 
-class StepOutcome(NamedTuple):
+class Progress(NamedTuple):
     """How a run went: FINE, PAUSED or why it stopped, with the value and the granule that say so (moved
-    distance, overlap or time step); time (s) and steps since the start of the simulation; intervals
-    done; shortest time step (s); the last Diagnostics that were made; calls begun with this one.
+    distance, overlap or time step); seen (s): the time that was asked for, or that of the last step
+    where it is not reached; time (s) and steps since the start of the simulation, of the last whole
+    step, which is not later than that; intervals done; shortest time step (s); the last Diagnostics; calls
+    begun with this one.
 
-    What a paused call goes on from: the time step dt (s) was chosen at the time `chosen` (s) for the
-    `left` steps to the `end` (s) of the interval, of which `taken` are taken; finished: whether the
-    last interval is, and not measured yet; least (s): shortest step of the interval; until (s): end of
-    the whole run.
+    What the next call goes on from: the time step dt (s), taken `taken` times since the time `begun` (s);
+    owed (s): kicks that velocities lack at `time`; surveyed: step of the last survey, -1 if one is due; least
+    (s): rung that has been allowed since step `since`, inf if it is the one taken; pace (s): shortest step of the
+    interval.
     """
 
     outcome: int
     value: float
     granule: int
+    seen: float
     time: float
     steps: int
     intervals: int
     shortest: float
     diagnostics: Diagnostics
     calls: int
-    chosen: float
     dt: float
-    left: int
     taken: int
-    end: float
-    finished: bool
+    begun: float
+    owed: float
+    surveyed: int
     least: float
-    until: float
+    since: int
+    pace: float
 
 
-NOTHING_DONE = StepOutcome(
-    FINE, 0.0, -1, 0.0, 0, 0, math.inf, Diagnostics(0.0, 0.0, 0.0, 0.0, 0, 0.0), 0,
-    0.0, 0.0, 0, 0, 0.0, False, math.inf, 0.0,
+NOTHING_DONE = Progress(
+    FINE, 0.0, -1, 0.0, 0.0, 0, 0, math.inf, Diagnostics(0.0, 0.0, 0.0, 0.0, 0, 0.0, 0.0), 0,
+    0.0, 0, 0.0, 0.0, -1, math.inf, 0, math.inf,
 )  # fmt: skip
+
+
+@compiled
+def rung(step):
+    """The longest step (s) of the ladder up to one (s): its powers of two, and seven between each."""
+    return 2.0 ** (math.floor(RUNGS * math.log2(step) + NEARLY) / RUNGS)
 
 
 @inlined
 def longest_step(rules, diagnostics):
+    """The step (s) that a survey asks for: by stiffness, and short enough that nothing flies past the lists."""
     if rules.time_step > 0.0:
         return rules.time_step
-    largest_motion = rules.largest_motion / max(diagnostics.speed_bound, 1e-300)
-    return min(rules.fraction * diagnostics.critical_time_step, largest_motion)
+    flight = 0.5 * rules.reach / max(diagnostics.speed_bound, 1e-300)
+    bound = diagnostics.longest_time_step
+    return rung(bound if rules.flies else min(bound, flight))
+
+
+@inlined
+def within(ahead, dt):
+    """A time (s) from a step on, none if it is only rounding."""
+    return ahead if abs(ahead) > NEARLY * dt else 0.0
+
+
+@inlined
+def rebuild_at(rules, dt, diagnostics):
+    """Displacement (m) from which on a step of dt (s) could lead beyond the lists."""
+    near = rules.reach - dt * diagnostics.speed_bound
+    return min(max(near, (1.0 - MARGIN) * rules.reach), MARGIN * rules.reach)
 
 
 @optional
@@ -151,41 +182,69 @@ def put_offsets(walls, row):
 
 
 @inlined
-def measure(record, n, world, diagnostics, interval, shortest):
-    """Row n of the record, see Simulation.record; all sums go back to zero."""
-    row, sums, motion = record[n], world.boundaries.sums, world.boundaries.motion
-    row[ENERGY], row[CONTACTS] = diagnostics.kinetic_energy, diagnostics.coordination_number
-    row[OVERLAP], row[STEP] = diagnostics.max_overlap, shortest
-    rate = 1.0 / interval
+def measure(row, sums, rate, boundaries, walls):
+    """What a row of the record says of boundaries; sums: those that go on, of which that is taken off."""
+    motion, found = boundaries.motion, boundaries.sums
     for b in range(sums.shape[0]):
         at = OF_BED + OF_BOUNDARY * b
         for c in range(PLACE):
-            row[at + c] = sums[b, c] * rate
-            sums[b, c] = 0.0
+            row[at + c] = found[b, c] * rate
+            sums[b, c] -= found[b, c]
         row[at + PLACE], row[at + PLACE + 1] = motion[b, X], motion[b, Y]
-    put_offsets(world.walls, row)
+    put_offsets(walls, row)
 
 
-def step_on(threads, world, dt, steps, rebuild_at, how):
+@optional
+def copied(array):
+    return array.copy()
+
+
+@optional
+def copied_walls(walls):
+    return Surface(walls.first, walls.end, walls.planes.copy(), walls.radius, walls.contacts)
+
+
+@compiled(allocates=True)
+def look(world, owed, ahead):
+    """A world at a time `ahead` (s) after the positions of this one, which stays as it is; owed: see
+    dem.dynamics.integration.look_ahead. Lists and what contacts remember are shared."""
+    b, bodies = world.boundaries, world.bodies.copy()
+    alone = world.constituents.shape[0] == world.bodies.shape[0]
+    rows = bodies if alone else world.constituents.copy()  # one array where a granule is its own
+    boundaries = Boundaries(
+        b.motion.copy(), b.reference, b.force, b.loads, b.sums.copy(), b.last.copy(), b.clock.copy(),
+        b.first, b.table, b.drive,
+    )  # fmt: skip
+    seen = World(
+        world.shape, bodies, world.angle.copy(), copied(world.frame), world.inverse_mass,
+        world.inverse_inertia, world.force, rows, world.constituent_force, world.reference,
+        copied(world.last), world.pairs, boundaries, copied_walls(world.walls), world.cylinder,
+        world.gravity, world.lanes, world.patches, world.held,
+    )  # fmt: skip
+    look_ahead(by_address(seen), owed, ahead)
+    return seen
+
+
+def step_on(threads, world, kick, dt, steps, rebuild_at):
     """dem.dynamics.integration.advance, by several threads or alone."""
-    return threads.advance(world, dt, steps, rebuild_at, how)
+    return threads.advance(world, kick, dt, steps, rebuild_at)
 
 
 @overload(step_on, jit_options=INLINED)
-def _step_alone(threads, world, dt, steps, rebuild_at, how):
-    return lambda threads, world, dt, steps, rebuild_at, how: advance(
-        world, dt, steps, rebuild_at, how, None
+def _step_alone(threads, world, kick, dt, steps, rebuild_at):
+    return lambda threads, world, kick, dt, steps, rebuild_at: advance(
+        world, kick, dt, steps, rebuild_at, None
     )
 
 
-def diagnose_on(threads, world, table):
+def diagnose_on(threads, world, table, later, frame):
     """dem.dynamics.diagnostics.diagnose, by several threads or alone."""
-    return threads.diagnose(world, table)
+    return threads.diagnose(world, table, later, frame)
 
 
 @overload(diagnose_on, jit_options=INLINED)
-def _diagnose_alone(threads, world, table):
-    return lambda threads, world, table: diagnose(world, table)
+def _diagnose_alone(threads, world, table, later, frame):
+    return lambda threads, world, table, later, frame: diagnose(world, table, later, frame)
 
 
 def later(time, steps, dt):
@@ -201,92 +260,100 @@ def _later(time, steps, dt):
 
 @compiled(allocates=True)
 def run_steps(world, table, rules, schedule, before, record, threads):
-    """Advance as a Schedule says; returns the world and a StepOutcome.
+    """Advance as a Schedule says; returns the world and a Progress.
 
-    before: the StepOutcome of the call before; one that paused goes on where that one was. record: an
-    array with one row per interval, or none of it. threads: None, or those that take the
-    steps and survey the bed (dem.dynamics.threads.Threads; this function then runs as it is here, uncompiled). The
-    step is chosen at the start of each interval and whenever the lists are rebuilt. Bits do not depend on
-    where a call pauses.
+    before: the Progress of the call before, which this one goes on from. record: an array with one row per
+    interval, or none of it. threads: None, or those that take the steps and survey the bed
+    (dem.dynamics.threads.Threads; this function then runs as it is here, uncompiled).
+
+    Steps are whole: no interval cuts one, and what lies within a step is seen by `look`. The step is chosen
+    where the lists are made, and every OFTEN steps: down at once, up once the bound has allowed it for QUIET
+    steps. A step that follows its bound closely would be long on the way into a contact and short on the way
+    out, and heat the bed. Bits do not depend on where intervals and calls end.
     """
-    interval, intervals, until, starts, budget, calls = schedule
+    begin, interval, intervals, until, starts, looks, budget, calls = schedule
     calls[0] += 1
     outcome, value, granule = FINE, 0.0, -1
-    time, steps, diagnostics = before.time, before.steps, before.diagnostics
-    n, shortest, least, finished = 0, math.inf, math.inf, False
-    chosen, dt, left, taken, end = time, 0.0, 0, 0, time + interval
+    time, steps, n, diagnostics = before.time, before.steps, 0, before.diagnostics
+    dt, taken, begun, owed = before.dt, before.taken, before.begun, before.owed
+    surveyed, least, since = before.surveyed, before.least, before.since
+    shortest, pace = math.inf, dt if dt > 0.0 else math.inf
     if before.outcome == PAUSED:
-        n, shortest, least, finished = (
-            before.intervals, before.shortest, before.least, before.finished
-        )  # fmt: skip
-        chosen, dt, left, taken = before.chosen, before.dt, before.left, before.taken
-        end, until = before.end, before.until
-    else:
-        until = max(until, time + intervals * interval)
+        n, shortest, pace = before.intervals, before.shortest, before.pace
     table = by_address(table)
+    if looks:
+        world = look(world, owed, begin - time)
+        diagnostics = diagnose_on(threads, by_address(world), table, 0.0, rules.frame)
     if starts:
         world = rebuild_neighbor_list(world, table)
         forces(world, 0.0, math.inf)
+        move_boundaries(by_address(world), 0.0, 0.0)  # accelerations before are those of now
+        drift(by_address(world), 0.0, 0.0, 0, world.bodies.shape[0])
         granule = outside(world.walls, world.bodies)
-    while True:
+    while not looks:
         here = by_address(world)
         if granule >= 0:
             outcome = OUTSIDE
             break
-        if taken == left:
-            if budget <= 0:
-                outcome = PAUSED
-                break
-            last = finished and n + 1 == intervals
-            if not last or n < record.shape[0]:  # after the last interval only a record asks
-                diagnostics = diagnose_on(threads, here, table)
-                budget -= SURVEY
-            if finished:
-                if n < record.shape[0]:
-                    measure(record, n, here, diagnostics, interval, least)
-                shortest = min(shortest, least)
-                n, end, least = n + 1, time + interval, math.inf
-            if n == intervals:
-                break
-            if not diagnostics.max_overlap <= rules.max_overlap:
-                outcome, value, granule = TOO_DEEP, diagnostics.max_overlap, diagnostics.deepest
-                break
-            longest = longest_step(rules, diagnostics)
-            if not until - time <= MOST_STEPS * longest:
-                outcome, value = TOO_LONG, longest
-                break
-            work = (until - time) * here.bodies.shape[0]
-            if longest < rules.collapsed and work > MOST_WORK * longest:
-                outcome, value = COLLAPSED, longest
-                break
-            left = max(1, math.ceil((end - time) / longest * (1.0 - 1e-9)))
-            dt = (end - time) / left
-            least = min(least, dt)
-            chosen, taken, finished = time, 0, False
-            budget = max(budget, 1)
-        some = min(left - taken, budget)
-        how = (RESUMES if taken > 0 else 0) + (PAUSES if some < left - taken else 0)
-        done, moved = step_on(threads, here, dt, some, rules.rebuild_at, how)
-        if some == 0:  # the pause is over
-            left = taken
+        if surveyed < 0:
+            diagnostics = diagnose_on(threads, here, table, owed, rules.frame)
+            budget, surveyed = budget - SURVEY, steps
+            asked, former = longest_step(rules, diagnostics), dt
+            if dt == 0.0 or not asked > dt:
+                dt, least, since = asked, math.inf, steps
+            else:
+                least = min(least, asked)
+                if steps - since >= QUIET:
+                    dt, least, since = least, math.inf, steps
+            if dt != former:
+                begun, taken = time, 0
+                pace = min(pace, dt)
+        if n < intervals and not diagnostics.max_overlap <= rules.max_overlap:
+            outcome, value, granule = TOO_DEEP, diagnostics.max_overlap, diagnostics.deepest
             break
-        steps += done
-        taken += done
-        budget -= done
-        finished = taken == left
-        time = end if finished else later(chosen, taken, dt)
-        if not moved <= rules.rebuild_at:
+        ends = begin + (n + 1) * interval
+        if not max(until, ends) - time <= MOST_STEPS * dt:
+            outcome, value = TOO_LONG, dt
+            break
+        work = (max(until, ends) - time) * here.bodies.shape[0]
+        if dt < rules.collapsed and work > MOST_WORK * dt:
+            outcome, value = COLLAPSED, dt
+            break
+        ahead = math.floor((ends - time) / dt + NEARLY) if n < intervals else 0
+        if ahead <= 0:
+            if n < record.shape[0] and n < intervals:
+                seen = look(world, owed, within(ends - time, dt))
+                row = record[n]  # `seen` is freed after its last use, whatever has its address
+                row[ENERGY] = kinetic(by_address(seen), 0.0, rules.frame)[0]
+                row[CONTACTS], row[OVERLAP] = touch(seen, table)
+                row[STEP] = pace
+                measure(row, here.boundaries.sums, 1.0 / interval, seen.boundaries, seen.walls)
+                budget -= 1
+            shortest, pace = min(shortest, pace), dt
+            n += 1
+            if n >= intervals:
+                break
+            continue
+        if budget <= 0:
+            outcome = PAUSED
+            break
+        some = min(ahead, budget, surveyed + OFTEN - steps)
+        kick, limit = owed + 0.5 * dt, rebuild_at(rules, dt, diagnostics)
+        done, moved = step_on(threads, here, kick, dt, some, limit)
+        owed = 0.5 * dt
+        steps, taken, budget = steps + done, taken + done, budget - done
+        time = later(begun, taken, dt)
+        if steps - surveyed >= OFTEN:
+            surveyed = -1
+        if not moved <= limit:
             granule = outside(here.walls, here.bodies)
-            left = taken
-            if not (moved <= rules.list_range or nearing(here) <= 2.0 * rules.list_range):
+            if not (moved <= rules.reach or nearing(here) <= 2.0 * rules.reach):
                 outcome, value = LOST, moved
                 break
             world = rebuild_neighbor_list(world, table)  # by value: what it replaces must live on
-            budget -= SURVEY
-        elif not finished:
-            outcome = PAUSED
-            break
-    return world, StepOutcome(
-        outcome, value, granule, time, steps, n, shortest, diagnostics, calls[0],
-        chosen, dt, left, taken, end, finished, least, until,
+            budget, surveyed = budget - SURVEY, -1
+    reached = begin + intervals * interval if outcome == FINE else max(begin, time)
+    return world, Progress(
+        outcome, value, granule, time + within(reached - time, dt), time, steps, n, shortest, diagnostics, calls[0],
+        dt, taken, begun, owed, surveyed, least, since, pace,
     )  # fmt: skip

@@ -64,22 +64,22 @@ class Threads:
     def compile(self, world) -> None:
         """Compile `advance` in the thread that calls, which an interrupt can stop."""
         if not self._compiled:
-            steps = world, 0.0, 0, 0.0, 0, self._places[0]
+            steps = world, 0.0, 0.0, 0, 0.0, self._places[0]
             advance.compile(tuple(map(advance.typeof_pyval, steps)))
             self._compiled = True
 
-    def advance(self, world, dt, steps, rebuild_at, how):
+    def advance(self, world, kick, dt, steps, rebuild_at):
         """As dem.dynamics.integration.advance, with the same result for any number of threads."""
         runs = [
             self._pool.submit(
-                advance, world._replace(lanes=lanes), dt, steps, rebuild_at, how, thread
+                advance, world._replace(lanes=lanes), kick, dt, steps, rebuild_at, thread
             )
             for thread, lanes in zip(self._places, self._lanes, strict=True)
         ]
         first, *_ = [run.result() for run in runs]
         return first
 
-    def diagnose(self, world, table) -> Diagnostics:
+    def diagnose(self, world, table, later, frame) -> Diagnostics:
         """As dem.dynamics.diagnostics.diagnose, with the same result for any number of threads.
 
         Held granules share the row of their group, so that one thread surveys all.
@@ -87,7 +87,7 @@ class Threads:
         granules = len(world.bodies)
         shares = [portion(place, granules) for place in self._places]
         shares = shares if world.held is None else [(0, granules)]
-        begun = begin_survey(world, table, len(shares))
+        begun = begin_survey(world, table, later, frame, len(shares))
         bounds, spare = begun[2], len(begun[2].rows) - len(shares)
         surveys = [
             self._pool.submit(survey_pairs, world, table, bounds, *share, spare + k)

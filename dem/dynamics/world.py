@@ -64,9 +64,10 @@ class Boundaries(NamedTuple):
     motion (r, 8): rows of dem.jit.columns, always of half steps; the position is that of the cylinder, or
     how far a wall or a group has moved since the start. reference (r, 2): positions (m) at which the
     neighbour lists were made. force (r, 4): what the contacts exert on each now, as rows of dem.jit.columns,
-    without the torque. sums (r, 5): forces on each, summed over time: normal ones x and y, tangential ones
-    x and y (N s), and the torque (N m s). Of a wall x is along its normal (nx, ny) and y along (-ny, nx);
-    of a group all forces are in the first two. clock (1,): time since the start (s).
+    without the torque. loads (r, 5): forces on each now, normal ones x and y, tangential ones x and y (N), and
+    the torque (N m). Of a wall x is along its normal (nx, ny) and y along (-ny, nx); of a group all forces are
+    in the first two. sums (r, 5): loads over time, as far as they have changed velocities. last (r, 2): the
+    accelerations of driven ones before (m/s2). clock (1,): time since the start (s).
 
     What they are told, dem.motion as arrays: table (k, 4): rows (time in s, velocity x and y in m/s, spin
     in rad/s) of all paths, one after the other, of which a constant velocity has one; first (r + 1,): those
@@ -78,7 +79,9 @@ class Boundaries(NamedTuple):
     motion: np.ndarray
     reference: np.ndarray
     force: np.ndarray
+    loads: np.ndarray
     sums: np.ndarray
+    last: np.ndarray
     clock: np.ndarray
     first: np.ndarray
     table: np.ndarray
@@ -137,7 +140,8 @@ class World(NamedTuple):
     only one); with patches there are more rows of forces than constituents, see Patches. angle (n,)
     in rad; frame (n, 2): its cosine and sine, None for discs. inverse_mass (n,) in 1/kg,
     inverse_inertia (n,) in 1/(kg m2), None where nothing turns. gravity (2,) in m/s2, or None.
-    reference (constituents, 2): positions (m) at which the neighbour lists were made. lanes: scratch.
+    reference (constituents, 2): positions (m) at which the neighbour lists were made. last (n, 4): the
+    accelerations before those of `force` (m/s2, rad/s2), None where no contact has a dashpot. lanes: scratch.
     patches: None for a bed of one. held: granules that are a boundary, or None.
     """
 
@@ -151,6 +155,7 @@ class World(NamedTuple):
     constituents: np.ndarray
     constituent_force: np.ndarray
     reference: np.ndarray
+    last: np.ndarray | None
     pairs: Contacts
     boundaries: Boundaries
     walls: Surface | None

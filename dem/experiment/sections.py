@@ -125,7 +125,7 @@ class RecordSection(Section):
 
 
 class NumericsSection(Section):
-    step_fraction: Positive = value("1", "time step over the critical one", 0.5, le=10)
+    step_fraction: Positive = value("1", "time step over the critical one", 0.3, le=10)
     allow_unstable: bool = value("1", "whether steps beyond the critical one are taken", False)
     time_step: Positive | None = value("s", "time step; none: from the bed's stiffness", None)
     max_overlap: Positive = value("1", "overlap over the smaller radius that stops", 1.2, le=1.5)

@@ -23,8 +23,8 @@ OUTLINE = 8  # numbers of an outline, at most
 class Lanes(NamedTuple):
     """motion and values: rows of BLOCK lanes and a LINE of padding, see the offsets below.
 
-    account (6,): three energies (J) summed over time (dem.dynamics.energy), and what they were
-    before the last step; None without an energy ledger.
+    account (6,): three powers (W) now, and the energies (J) that they have made with the kicks so far
+    (dem.dynamics.energy); None without an energy ledger.
     """
 
     motion: np.ndarray
@@ -41,17 +41,17 @@ def _offsets(count, step, group=1):
  W1, _, _, _, W2, _, _, _) = _offsets(16, 4 * BLOCK + LINE, group=4)  # fmt: skip
 ZERO, ONE, TWO, THREE, FOUR, FIVE, SIX, EIGHT = map(np.uint64, (0, 1, 2, 3, 4, 5, 6, 8))
 
-# values[offset + k]: the contact, velocities at it and their changes, forces, losses, outlines
+# values[offset + k]: the contact, velocities at it and their changes, root of a dashpot, forces, losses, outlines
 (OVERLAP, NX, NY, N1, T1, N2, T2, RADIUS, UNCONVERGED,
- V_NORMAL, V_TANGENT, DV_NORMAL, DV_TANGENT, FORCE_X, FORCE_Y, TORQUE_1, TORQUE_2,
- DAMPED, SLID, OWN) = _offsets(20, BLOCK + LINE)  # fmt: skip
+ V_NORMAL, V_TANGENT, DV_NORMAL, DV_TANGENT, ROOT, FORCE_X, FORCE_Y, TORQUE_1, TORQUE_2,
+ DAMPED, SLID, OWN) = _offsets(21, BLOCK + LINE)  # fmt: skip
 ROW = np.uint64(BLOCK + LINE)  # from one number of an outline to the next
 OTHER = np.uint64(OWN + OUTLINE * ROW)
 VALUES = int(OTHER + OUTLINE * ROW)  # numbers in all
 
 
-# account: energy (J) lost in dashpots, by sliding; work of the boundaries on the granules
-LOST_DAMPED, LOST_SLID, WORK, ACCOUNTS = 0, 1, 2, 3
+# account: power (W) that dashpots take, and tangential springs; that of the boundaries on the granules
+LOST_DAMPED, TAKEN, WORK, ACCOUNTS = 0, 1, 2, 3
 
 
 def make_lanes(accounted: bool = False) -> Lanes:

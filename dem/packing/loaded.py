@@ -37,7 +37,9 @@ def pack_under(shape: Any, room: Room, load: float) -> Bed:
     while len(seen) < STEPS:
         iterations, enough = (LONGEST, REST * unit) if met else (PATIENCE, near)
         world, rest = minimise(room.scene(shape), state, iterations, enough)
-        borne = float(world.boundaries.sums[world.walls.end - 1, 0]) / (modulus * room.width * load)
+        borne = float(world.boundaries.loads[world.walls.end - 1, 0]) / (
+            modulus * room.width * load
+        )
         polished, met = met, abs(borne - 1.0) < NEAR
         if polished and met:
             if not rest.net_force <= enough:

@@ -202,14 +202,14 @@ def settle(world, table, goal, memory, left):
     touching, overlap, deepest = 0, 0.0, 0
     if left == 0 or largest <= goal.enough:
         touching, overlap, deepest, _ = survey(world, table, 0.0)
-        forces(world, 1.0, math.inf)  # nothing has been summed before
+        forces(world, 0.0, math.inf)
     return world, left, Rest(largest, touching, overlap, deepest)
 
 
 def minimise(scene: Scene, state: State, iterations: int, enough: float) -> tuple[World, Rest]:
     """Minimise until no net force exceeds `enough` (N).
 
-    Returns the world, whose walls have the impulses of one second, and a Rest. Its net force is
+    Returns the world, with the forces on its walls, and a Rest. Its net force is
     greater than `enough` if the iterations did not suffice, and infinite if none was allowed. The time step is stable at overlaps of
     2 % of the radius. Raises PackingError if a position becomes infinite.
     """

@@ -100,11 +100,10 @@ class Press:
         radius = self.shape.constituent_radius.mean()
         piece = PIECE * math.sqrt(scene.mass.mean() * radius / self.unit)
         for _ in range(PIECES):
-            run.collect_impulses()
             run.advance(piece)
             net_force = greatest_force(run.world)
             if net_force <= resting * self.unit:
                 break
         self.net_force = net_force / self.unit
         self.state = State(run.state.position, angle=run.state.angle)
-        self.pressure = pressure_of(run.world, self.room, piece)
+        self.pressure = pressure_of(run.world, self.room)

@@ -341,14 +341,14 @@ def finished(shape: Any, room: Room, world: World, rest: Rest, net_force: float)
     )
 
 
-def pressure_of(world: World, room: Room, seconds: float = 1.0) -> float:
-    """Pressure of a soft Bed whose walls have the impulses of a time (s)."""
+def pressure_of(world: World, room: Room) -> float:
+    """Pressure of a soft Bed."""
     if world.walls is None:
         stress = mean_stress(world, room.periods, room.width * room.height)
     else:
         x, y = SIDES[room.periodic]
         length = 2.0 * ((0.0 if y else room.width) + (0.0 if x else room.height))
-        stress = float(world.boundaries.sums[: world.walls.end, 0].sum()) / seconds / length
+        stress = float(world.boundaries.loads[: world.walls.end, 0].sum()) / length
     return float(stress / effective_modulus(SOFT, SOFT))
 
 

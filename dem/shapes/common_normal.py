@@ -137,7 +137,8 @@ def ellipse_contact(method, dx, dy, own, other, guess):
     nx, ny = guess
     gap, slope, bend, h1, q1, rho1, h2, q2, rho2 = gap_along(dx, dy, own, other, nx, ny)
     reach = own[2] + other[2]
-    apart = gap > 0.0 or dx * dx + dy * dy >= reach * reach
+    first, known = gap, gap > 0.0
+    apart = known or dx * dx + dy * dy >= reach * reach
     near = abs(slope) <= -method.tolerance * bend
     converged = apart or (near and not deep(gap, own, other))
     inverse = 1.0 / bend
@@ -145,10 +146,12 @@ def ellipse_contact(method, dx, dy, own, other, guess):
     drho1 = -3.0 * rho1 * q1 / h1
     drho2 = -3.0 * rho2 * q2 / h2
     twist = -slope - drho1 - drho2
-    turn -= 0.5 * twist * inverse * turn * turn
+    most = LARGEST_TURN if apart else 0.0  # the normal climbs to the gap, from step to step
+    climb = min(max(slope * abs(inverse), -most), most)
+    turn = turn - 0.5 * twist * inverse * turn * turn if near else climb
     gap += turn * (slope + 0.5 * turn * (bend + turn * twist / 3.0))
-    turn = turn if near and not apart else 0.0  # else the normal stays what it was
-    gap = -SEPARATED if apart else gap
+    far = max(gap, first) if known else -SEPARATED
+    gap = far if apart else gap
     tangent = turn * (1.0 + turn * turn / 3.0)
     x, y = nx - tangent * ny, ny + tangent * nx
     scale = 1.5 - 0.5 * (x * x + y * y)  # 1/length to rounding, for turns within tolerance

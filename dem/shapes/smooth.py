@@ -20,7 +20,7 @@ from numba.core import types
 from numba.extending import overload
 
 from dem.jit.compilation import INLINED, inlined
-from dem.shapes.common_normal import turned
+from dem.shapes.common_normal import LARGEST_TURN, turned
 from dem.shapes.protocol import ContactGeometry, answer, resized
 
 TOLERANCE = 1e-4  # rad: the last turn of the normal may be as large as this; error ~ its 4th power
@@ -101,14 +101,18 @@ def gap_along(shape, dx, dy, own, other, normal):
 
 def find_contact(shape, dx, dy, own, other, guess):
     gap, slope, bend, _, _ = gap_along(shape, dx, dy, own, other, guess)
-    apart = gap > 0.0
+    first, apart = gap, gap > 0.0
     near = abs(slope) <= -TOLERANCE * bend
-    turn = -slope / bend if near and not apart else 0.0  # else the normal stays what it was
+    most = (
+        LARGEST_TURN if apart else (TOLERANCE if near else 0.0)
+    )  # apart, it climbs from step to step
+    turn = min(max(-slope / bend, -most), most)
     nx, ny = turned(guess[0], guess[1], turn)
     gap, slope, bend, one, two = gap_along(shape, dx, dy, own, other, (nx, ny))
-    turn = -slope / bend if near and not apart else 0.0
+    turn = min(max(-slope / bend, -most), most)
     nx, ny = turned(nx, ny, turn)
     gap += turn * (slope + 0.5 * turn * bend)
+    gap = max(gap, first) if apart else gap
     half = -0.5 * gap
     geometry = ContactGeometry(
         -gap, nx, ny,

@@ -12,6 +12,7 @@ import numpy as np
 
 from dem.dynamics.assembly import assemble, granule_table
 from dem.dynamics.boundaries import move_boundaries
+from dem.dynamics.checkpoint import writable
 from dem.dynamics.forces import forces, greater
 from dem.dynamics.integration import boundaries_moved, drift
 from dem.dynamics.neighbor_list import rebuild_neighbor_list
@@ -27,7 +28,8 @@ INSTANT = 1e-30  # s: nothing slips in it
 
 
 class Integrator(NamedTuple):
-    """name; forces: evaluations per step; stages (s, 4), one row each.
+    """name; forces: evaluations per step; stages (s, 4), one row each; expects: whether dashpots see the
+    acceleration that the last two let expect, as in the package, or the last one.
 
     Columns: parts of the time step over which velocities are kicked and positions moved; by how
     much of the half drift the dashpot looks ahead of the velocity; whether (1) or not (0) the
@@ -37,6 +39,7 @@ class Integrator(NamedTuple):
     name: str
     stages: np.ndarray
     forces: int
+    expects: bool = False
 
 
 def integrator(name: str, *stages: tuple, looks_ahead: bool = True) -> Integrator:
@@ -57,7 +60,8 @@ def integrator(name: str, *stages: tuple, looks_ahead: bool = True) -> Integrato
 # of kicks and drifts above second order does without steps back in time.
 XI, LAMBDA, CHI = 0.1786178958448091, -0.2123418310626054, -0.06626458266981849
 
-VERLET = integrator("Verlet", (0.5, 1, 1), (0.5, 0, 0))
+LATE = integrator("Verlet, dashpot a step late", (0.5, 1, 1), (0.5, 0, 0))
+VERLET = LATE._replace(name="Verlet", expects=True)
 HALF_STEP = integrator("Verlet, half-step dashpot", (0.5, 1, 1), (0.5, 0, 0), looks_ahead=False)
 SYMPLECTIC_EULER = integrator("symplectic Euler", (1, 1, 1))
 EXPLICIT_EULER = integrator("explicit Euler", (0, 1, 0), (1, 0, 1))
@@ -66,7 +70,7 @@ PEFRL = integrator(
     (0.0, XI, 1), (0.5 - LAMBDA, CHI, 1), (LAMBDA, 1.0 - 2.0 * (CHI + XI), 1),
     (LAMBDA, CHI, 1), (0.5 - LAMBDA, XI, 0),
 )  # fmt: skip
-INTEGRATORS = (VERLET, HALF_STEP, SYMPLECTIC_EULER, EXPLICIT_EULER, PEFRL)
+INTEGRATORS = (VERLET, LATE, HALF_STEP, SYMPLECTIC_EULER, EXPLICIT_EULER, PEFRL)
 
 
 @inlined
@@ -84,12 +88,12 @@ def let_dashpots_see(bodies, full, ahead):
 def advance(world, stages, span, dt, steps, room):
     """Take up to `steps` steps of dt (s); stop when a part has moved farther than `room` (m).
 
-    span (1,): time moved since the forces were evaluated (s), carried from call to call. Returns
-    the number of steps done and the largest displacement (m); that of granules counts as 0 up to
+    span (2,): time moved since the forces were evaluated (s), and kicks to come (s), both carried from
+    call to call. Returns the number of steps done and the largest displacement (m); that of granules counts as 0 up to
     `room`.
     """
     granules = world.bodies.shape[0]
-    kick, done, moved, limit = 0.0, 0, 0.0, room * room
+    kick, done, moved, limit = span[1], 0, 0.0, room * room
     while done < steps and moved <= limit:
         for s in range(stages.shape[0]):
             kick += dt * stages[s, KICK]
@@ -107,7 +111,7 @@ def advance(world, stages, span, dt, steps, room):
                 moved = greater(farther, forces(world, span[0], limit))
                 span[0] = 0.0
         done += 1
-    drift(world, kick, 0.0, 0, granules)
+    span[1] = kick
     return done, math.sqrt(moved)
 
 
@@ -123,9 +127,12 @@ class Motion:
         self._table = granule_table(scene, skin)
         self._stages, self._step = method.stages, float(time_step)
         self.world = assemble(scene, state.checked(scene.granules), self._table)
+        if not method.expects:
+            self.world = self.world._replace(last=None)
         self.world = rebuild_neighbor_list(self.world, self._table)
-        self._span = np.zeros(1)
+        self._span = np.zeros(2)
         forces(self.world, INSTANT, math.inf)
+        drift(self.world, 0.0, 0.0, 0, scene.granules)
 
     def advance(self, steps: int) -> bool:
         """Take a number of steps; False where the granules went too far to know their contacts."""
@@ -144,7 +151,7 @@ class Motion:
     @property
     def state(self) -> State:
         """Copies of position (m), velocity (m/s), angle (rad) and angular velocity (rad/s)."""
-        bodies = self.world.bodies
-        return State(
-            bodies[:, [X, Y]], bodies[:, [VX, VY]], self.world.angle.copy(), bodies[:, W].copy()
-        )
+        world = writable(self.world)
+        drift(world, self._span[1], 0.0, 0, len(world.bodies))
+        bodies = world.bodies
+        return State(bodies[:, [X, Y]], bodies[:, [VX, VY]], world.angle, bodies[:, W])

@@ -26,7 +26,7 @@ def machine_code(world: World) -> MachineCode:
     Its size is that of the text section of the object file, with the few hundred bytes that call it
     from Python. It is compiled again, because Numba does not keep object files that it reads from disk.
     """
-    like = world, 1.0, 1, 1.0, None  # as dem.dynamics.stepping calls it
+    like = world, 0.5, 1.0, 1, 1.0, None  # as dem.dynamics.stepping calls it
     signature = tuple(map(numba.typeof, like))
     fresh = numba.jit(pipeline_class=KernelCompiler, **OPTIONS)(advance.py_func)
     fresh.compile(signature)

@@ -1,7 +1,7 @@
 """A bed near rest as a linear system, and the step at which its motions begin to grow.
 
-The limit belongs to the scheme itself: velocity Verlet with a dashpot that sees the velocity
-extrapolated over half a step.
+The limit belongs to the scheme itself: velocity Verlet with a dashpot that sees the velocity at full
+steps, by an acceleration extrapolated from the last two.
 """
 
 import math
@@ -90,11 +90,10 @@ def matrices(simulation: Simulation):
 
 def growth(stiffness, damping, dt: float) -> float:
     """Greatest factor by which a small motion grows in one step of dt (s)."""
-    k, c, one = dt**2 * stiffness, dt * damping, np.eye(len(stiffness))
-    none = np.zeros_like(one)
-    push = np.hstack([-k, -c, -0.5 * c])  # of displacement, last step, last change of step
-    keep, place = np.hstack([none, one, none]), np.hstack([one, none, none])
-    step = np.vstack([place + keep + push, keep + push, push])
+    k, c = dt**2 * stiffness, dt * damping
+    push = np.hstack([-k, -c, -c, 0.5 * c])  # of displacement, last step, last changes of step
+    place, keep, last, _ = np.split(np.eye(4 * len(k)), 4)
+    step = np.vstack([place + keep + push, keep + push, push, last])
     return float(np.abs(np.linalg.eigvals(step)).max())
 
 
