@@ -16,7 +16,7 @@ from jinja2 import Environment, StrictUndefined
 import studies
 from studies.common.findings import ROOT, Findings, holds, interval, table
 
-from . import contact, drag, dumbbells, scale
+from . import contact, drag, dumbbells, scale, steps
 
 TEMPLATES = Environment(
     undefined=StrictUndefined,
@@ -33,7 +33,9 @@ NAMES = {
     "contact": contact,
     "dumbbells": dumbbells,
 } | {
-    name: getattr(module, name) for module in (drag, scale, *OF_STUDIES) for name in module.__all__
+    name: getattr(module, name)
+    for module in (drag, scale, steps, *OF_STUDIES)
+    for name in module.__all__
 }
 # written by docs/data/release.py
 FILES = list(
