@@ -73,9 +73,10 @@ class Simulation(Engine):
     state : State
         Positions and velocities at the start.
     time_step : float, optional
-        Fixed time step (s). None for a step that follows the critical one (recommended).
+        Fixed time step (s). None for one that is held below the critical one (recommended).
     step_fraction : float
-        Time step over the critical one, without unit, above 0 and up to 1.
+        Time step over the critical one, both without damping, without unit, above 0 and up to 1. The
+        default keeps the energy of elastic gases; 0.5 is enough for dense beds with damping.
     max_overlap : float
         Largest allowed overlap over the smaller radius, without unit, up to 1.5.
     skin : float, optional
@@ -114,8 +115,11 @@ class Simulation(Engine):
     Notes
     -----
     Equations (1) and (2) of the paper, integrated with velocity Verlet. The critical step is a
-    proven lower bound for small motions of the bed as it is. It is recomputed at every call of
-    `advance` and whenever the neighbour list is rebuilt. `Material` and `Friction` give the forces.
+    lower bound for small motions of the bed as it is. It is computed whenever the neighbour list is
+    rebuilt, and every 1000 steps. The time step then becomes shorter at once, and longer only after
+    2000 steps that allowed it; it is one of the powers of two, or of seven steps between two of them.
+    Steps are whole: what you see at a time within a step is a copy, taken there from the last whole
+    step, so that the motion does not depend on when you look. `Material` and `Friction` give the forces.
 
     Ctrl-C is answered within about a second, and within some seconds while the kernel is compiled. `time`
     and everything else then say what has been simulated until then, and you can go on from there. A
