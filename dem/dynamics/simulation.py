@@ -486,9 +486,7 @@ class Simulation(Engine):
         0.0
         """
         world, report = self._latest()
-        return written(
-            world, progress=numbers_of(report._replace(calls=0)), scene=self._fingerprint()
-        )
+        return written(world, progress=numbers_of(report._replace(calls=0)), scene=self._fingerprint())
 
     def restore(self, saved: Mapping[str, np.ndarray]) -> None:
         """Continue from a checkpoint of a simulation with the same scene and start.
