@@ -15,13 +15,11 @@ from studies.verification.contact_law import damping_ratio
 
 FLOOR = ((0.0, -1.0, 0.0),)
 G = 9.81  # m/s2
-FRAMES = (
-    600  # of what is sampled, over 1.2 durations of an impact: a frame and its step are 1/500 of it
-)
+FRAMES = 600  # steps that are sampled, over 1.2 durations of an impact: each is 1/500 of it
 # Relative error of a greatest overlap that is sampled so: the step's, see `within`, and a peak between two
 # frames; twice their sum.
 SAMPLED = 2.0 * (0.16 * (2.94 / 500.0) ** 2 + 0.5 * 1.25 * (2.94 / 1000.0) ** 2)
-FINE = 0.05  # step fraction, a tenth of the default: a collision takes a hundred steps
+FINE = 0.05  # step fraction: a collision takes a hundred steps
 
 
 class Sphere(dem.Disc):
@@ -96,9 +94,13 @@ def within(e: float, speed: float, scales: Impact, step: float) -> float:
 def on_floor(
     kind, radius, material, velocity, spin=0.0, friction=0.0, fraction=FINE, frames=1, lasts=3.0
 ):
-    """One granule that touches the floor and moves into it, through the impact: Hertz's scales and the run."""
+    """One granule that touches the floor and moves into it, through the impact: Hertz's scales and the run.
+
+    Where there are frames, each is a step.
+    """
     made = scene(kind([radius]), material, friction)
     scales = impact(material, 1, radius, made.mass[0], -velocity[1])
     state = dem.State([[0.0, radius]], [velocity], angular_velocity=[spin])
-    run = dem.simulate(made, state, lasts * scales.duration, frames=frames, step_fraction=fraction)
-    return scales, run
+    lasts *= scales.duration
+    step = {"step_fraction": fraction} if frames == 1 else {"time_step": lasts / frames}
+    return scales, dem.simulate(made, state, lasts, frames=frames, **step)

@@ -48,7 +48,8 @@ def pressed(height: float):
     fallen = top - run.position[-1, 0, 1]
     yield Row(f"{name}: fall in 0.9 of the time", "m", fallen, 0.81 * height, 1e-12)
     touch = dem.State([[0.0, RADIUS]], [[0.0, -speed]])
-    run = dem.simulate(made, touch, 1.2 * scales.duration, frames=FRAMES)
+    lasts = 1.2 * scales.duration
+    run = dem.simulate(made, touch, lasts, lasts / FRAMES, FRAMES)
     stored = lambda d: 0.4 * scales.stiffness * d**2.5 - weight * (height + d)  # noqa: E731
     depth = brentq(stored, scales.overlap, 9.0 * scales.overlap, xtol=1e-16)
     found = RADIUS - run.position[:, 0, 1].min()

@@ -4,7 +4,7 @@ Overlap d = (15 m* v^2 / (16 E* sqrt(R*)))^(2/5), force 4/3 E* sqrt(R*) d^1.5, d
 materials and speeds of Chung and Ooi's tests 1 (two spheres) and 2 (a sphere and a rigid plane), as other codes
 repeat them (Yade's examples). The spheres move in a plane, which changes nothing head-on.
 
-Tolerance: a frame lasts 1/500 of the impact and bounds the step: 0.16 (2.94 / 500)^2 by the scenes' bound. The sampled
+Tolerance: a frame lasts 1/500 of the impact and is a step: 0.16 (2.94 / 500)^2 by the scenes' bound. The sampled
 peak misses at most 2.94^2 1.25 / 2 of 1/1000^2. Twice the sum; forces follow the 3/2 power of the overlap, and are
 means over a frame: twice that.
 """
@@ -28,7 +28,8 @@ def measure() -> list[Row]:
         made = scene(Sphere([radius, radius]), material)
         scales = impact(material, 2, 0.5 * radius, 0.5 * made.mass[0], 2.0 * speed)
         state = dem.State([[-radius, 1.0], [radius, 1.0]], [[speed, 0.0], [-speed, 0.0]])
-        run = dem.simulate(made, state, 1.2 * scales.duration, frames=FRAMES)
+        lasts = 1.2 * scales.duration
+        run = dem.simulate(made, state, lasts, lasts / FRAMES, FRAMES)
         overlap = 2.0 * radius - np.diff(run.position[:, :, 0], axis=1)[:, 0]
         force = -made.mass[0] * np.diff(run.velocity[:, 0, 0]) / np.diff(run.time)
         returned = -run.velocity[-1, 0, 0] / speed
