@@ -8,15 +8,15 @@ from scipy.stats import t
 
 from dem.analysis.statistics import LEVEL
 
-LARGEST = 1.2  # step over the bound on the critical one up to which no bed has been seen to break
+LARGEST = 1.2  # step fraction up to which no bed has been seen to break
 FAILED = 0.02  # share of failed runs up to which a step counts, because failures are not random
 
 
 class Bias(NamedTuple):
     """Of the mean drag at the default step, over the mean drag: estimate, half its interval.
 
-    fractions (f,): steps that the straight line was fitted to; slope: change of the mean drag, over
-    itself, with the step over the critical one.
+    fractions (f,): those that the straight line was fitted to; slope: change of the mean drag, over
+    itself, with the step (see `lengths`).
     """
 
     value: float
@@ -40,6 +40,18 @@ def table(dataset: xr.Dataset, shape: str) -> xr.DataArray:
     rows = np.searchsorted(fractions, columns["fraction"])
     grid[rows, np.searchsorted(seeds, columns["seed"])] = columns["drag"]
     return xr.DataArray(grid, {"fraction": fractions, "seed": seeds}, ("fraction", "seed"))
+
+
+def lengths(dataset: xr.Dataset, shape: str) -> dict[float, float]:
+    """Mean time step by step fraction, over that of the default, times the default.
+
+    Damping bounds a step too, so that it is not in proportion to the fraction.
+    """
+    mine = dataset.isel(trial=np.flatnonzero(dataset["trial_shape"].values == shape))
+    mean = mine["trial_time_step"].groupby(mine["trial_fraction"]).mean()
+    default = float(dataset.attrs["default_fraction"])
+    found = default * mean / mean.sel(trial_fraction=default)
+    return dict(zip(found["trial_fraction"].values.tolist(), found.values.tolist(), strict=True))
 
 
 def failures(dataset: xr.Dataset, shape: str) -> dict[float, float]:
@@ -80,8 +92,9 @@ def bias(dataset: xr.Dataset, shape: str) -> Bias:
     default = float(dataset.attrs["default_fraction"])
     grid = table(dataset, shape)
     grid = grid.sel(fraction=fitted(dataset, shape))
-    values = grid.values
-    x = np.where(np.isfinite(values), grid["fraction"].values[:, None], np.nan)
+    values, steps = grid.values, lengths(dataset, shape)
+    x = np.array([steps[each] for each in grid["fraction"].values.tolist()])
+    x = np.where(np.isfinite(values), x[:, None], np.nan)
     x = x - np.nanmean(x, axis=0)
     squares, products = np.nansum(x * x, axis=0), np.nansum(x * values, axis=0)
     slope = products.sum() / squares.sum()

@@ -26,8 +26,8 @@ class Accuracy(Findings):
         return {shape: bias.bias(self.dataset, shape) for shape in bias.shapes_of(self.dataset)}
 
     def steps(self) -> Table:
-        """By shape and time step: change of the mean drag against the default step over the same beds."""
-        made = numbers("shape", "step over critical", "beds", "change", "failed", "s a run")
+        """By shape and step fraction: change of the mean drag against the paper's step over the same beds."""
+        made = numbers("shape", "step fraction", "beds", "change", "failed", "s a run")
         for shape in bias.shapes_of(self.dataset):
             failed, grid = bias.failures(self.dataset, shape), bias.table(self.dataset, shape)
             found = bias.change(grid, self._default)
@@ -51,7 +51,7 @@ class Accuracy(Findings):
 
     def bias_table(self) -> Table:
         """One row per shape: bias of the default step and of half of it."""
-        made = numbers("shape", "bias of the default step", "of half the step", "beds")
+        made = numbers("shape", "bias at step fraction 0.5", "of half that step", "beds")
         for shape, each in self.biases.items():
             cells = [
                 interval(100 * x * each.value, 100 * x * each.half, "%", 1) for x in (1.0, 0.5)

@@ -5,6 +5,7 @@ import xarray as xr
 from rich.table import Table
 
 from dem.analysis.tables import numbers
+from dem.dynamics.simulation import STEP_FRACTION
 from studies.common.findings import Findings
 
 __all__ = ["stability"]
@@ -76,9 +77,21 @@ class Stability(Findings):
         """Whether the bound is below the limit for every shape."""
         return bool((self.dataset["limit_bound"] < self.dataset["limit_limit"]).all())
 
-    def default(self) -> str:
-        """The default step over the bound."""
-        return f"{float(self.dataset.attrs['default_fraction']):g}"
+    def worst(self) -> str:
+        """By how much energy is off at most on the map, at the least step at which it is off by 1 %."""
+        here = self.dataset["map_residual"].sel(map_fraction=edge(self.dataset, OFF))
+        return f"{100 * float(here.max()):.1f} %"
+
+    def exceptions(self) -> str:
+        """Where on the map it is off so much there: shape, stiffness over the usual one, restitution."""
+        here = self.dataset["map_residual"].sel(map_fraction=edge(self.dataset, OFF))
+        found = here.where(here > OFF).stack(place=here.dims).dropna("place")
+        return "; ".join(
+            f"{shape}, stiffness times {stiffness:g}, restitution {restitution:g}"
+            for shape, stiffness, restitution in zip(
+                *(found[f"map_{name}"].values for name in ("shape", "stiffness", "restitution")), strict=True
+            )
+        )
 
     def off(self) -> str:
         """The least step over the bound at which energy is off by 1 % anywhere on the map."""
@@ -89,8 +102,8 @@ class Stability(Findings):
         return f"{edge(self.dataset, BROKEN):g}"
 
     def safe(self) -> bool:
-        """Whether energy adds up on the whole map at the default step."""
-        return edge(self.dataset, OFF) > float(self.dataset.attrs["default_fraction"])
+        """Whether energy adds up on the whole map at the library's default step."""
+        return edge(self.dataset, OFF) > STEP_FRACTION
 
     def residual(self) -> str:
         """The worst residual of the energy ledger of the paper's cases."""

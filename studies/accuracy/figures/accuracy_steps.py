@@ -21,6 +21,7 @@ LOOKS = (
     ("#0f5a30", (0, (1, 1.2)), "x", True),
     ("0.45", (0, (4, 1, 1, 1)), "^", False),
     ("#7a2f8f", (0, (2.5, 1)), "D", True),
+    ("#a8821a", "-", "v", False),
 )
 RING = {"marker": "o", "markersize": 11, "linestyle": "none", "color": "none",
         "markeredgecolor": "black", "markeredgewidth": 0.8}  # fmt: skip

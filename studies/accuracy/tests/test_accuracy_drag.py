@@ -43,6 +43,7 @@ def trials(slope, fractions=(0.25, 0.5, 1.0, 2.0), beds=200, seed=1):
         "fraction": fraction,
         "seed": number,
         "drag": drag,
+        "time_step": 1e-7 * fraction,
     }
     return xr.Dataset(
         {f"trial_{name}": ("trial", value) for name, value in variables.items()},

@@ -90,7 +90,7 @@ def _paper(axes, dataset) -> None:
     axes.set_xlabel("Displacement of the cylinder (mm)")
     axes.set_ylabel("Residual of the\nenergy ledger")
     axes.set_title(
-        f"The paper's {len(cases)} cases at the default step: energy adds up to {worst:.1g} of itself",
+        f"The paper's {len(cases)} cases at their step: energy adds up to {worst:.1g} of itself",
         loc="left",
     )  # fmt: skip
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=8.5)

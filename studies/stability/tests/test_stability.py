@@ -269,7 +269,7 @@ def test_the_released_catalogue_fits_the_released_configurations():
 
 
 def test_edges_of_the_map_in_words():
-    """Where energy is off and where runs break, failed ones included, beside the default."""
+    """Where energy is off and where runs break, failed ones included."""
     dims = "map_shape", "map_stiffness", "map_restitution", "map_fraction"
     residual = np.array([[1e-4, 0.02, 0.05, np.nan], [1e-4, 1e-3, 0.05, 0.06]])
     dataset = xr.Dataset(
@@ -278,7 +278,7 @@ def test_edges_of_the_map_in_words():
         {"default_fraction": 0.5},
     )
     assert title(dataset) == (
-        "Energy is off by 1% from 1 of the bound, 2.0 times the default step; runs break down from 2"
+        "Energy is off by 1% from 1 of the bound; runs break down from 2"
     )
     assert title(dataset.isel(map_fraction=[0])) == "Energy adds up at all of these steps"
 
