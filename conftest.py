@@ -26,6 +26,7 @@ from dem.sweep.config import load
 
 # Compiling takes seconds, so no deadlines; the same examples each time, so no surprises.
 hypothesis.settings.register_profile("suite", deadline=None, derandomize=True, max_examples=100)
+hypothesis.settings.register_profile("night", deadline=None, max_examples=2000)
 hypothesis.settings.load_profile("suite")
 
 # The workflow runs on Linux and macOS, the library and the command line also on Windows.
