@@ -4,12 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
+from test_twin import TIME_STEP, scene_of
 from twin import forces_of
 
 from dem import Cylinder, Disc, Dumbbell, Friction, Material, Scene, Simulation, State, box
 from dem.dynamics.checkpoint import writable
 from dem.dynamics.forces import forces
+from dem.dynamics.integration import look_ahead
+
+GUARDS = 16  # rows before and after an array, which hold what no array should
+NO_NUMBER = {"f": np.nan, "i": -(10**9), "u": 10**9, "b": True}
 
 
 def random_bed(kind, seed):
@@ -74,3 +79,40 @@ def test_the_stages_that_are_timed_make_the_forces_of_a_step():
     stages.pairs(world, 0.0, 1, stages.UPTO["add to both granules"])
     assert np.abs(expected).max() > 0.0
     np.testing.assert_array_equal(world.force[:, :3], expected[:, :3])
+
+
+def guarded(value, rows):
+    """A copy of a world whose arrays lie between rows of NaN; rows gets them, by the place of each array."""
+    if isinstance(value, tuple):
+        found = [guarded(each, rows) for each in value]
+        return type(value)(*found) if hasattr(value, "_fields") else tuple(found)
+    if not isinstance(value, np.ndarray) or not value.size:
+        return value
+    place = value.ctypes.data  # one array may have two names
+    if place not in rows:
+        whole = np.full((len(value) + 2 * GUARDS, *value.shape[1:]), NO_NUMBER[value.dtype.kind], value.dtype)
+        whole[GUARDS:-GUARDS] = value
+        rows[place] = whole
+    return rows[place][GUARDS:-GUARDS]
+
+
+@pytest.mark.parametrize("name", ["discs", "dumbbells", "ellipses"])
+def test_kernels_read_and_write_nothing_beside_their_arrays(name):
+    """Also where they load and store by address, without the checks that a compiler can add."""
+    scene, state = scene_of(name)
+    run = Simulation(scene, state, TIME_STEP, skin=0.3, allow_unstable=True)
+    run.advance(3 * TIME_STEP)
+    plain, rows = writable(run.world), {}
+    beside = guarded(writable(run.world), rows)
+    for world in (plain, beside):
+        forces(world, TIME_STEP, np.inf)
+        look_ahead(world, 0.5 * TIME_STEP, TIME_STEP)
+    for one, other in (
+        (plain.bodies, beside.bodies), (plain.constituent_force, beside.constituent_force),
+        (plain.boundaries.motion, beside.boundaries.motion), (plain.boundaries.loads, beside.boundaries.loads),
+    ):  # fmt: skip
+        assert_array_equal(one, other)
+        assert np.isfinite(one).all()
+    for whole in rows.values():
+        for side in (whole[:GUARDS], whole[-GUARDS:]):
+            assert_array_equal(side, np.full_like(side, NO_NUMBER[whole.dtype.kind]))

@@ -70,7 +70,7 @@ class Boundaries(NamedTuple):
     accelerations of driven ones before (m/s2). clock (1,): time since the start (s).
 
     What they are told, dem.motion as arrays: table (k, 4): rows (time in s, velocity x and y in m/s, spin
-    in rad/s) of all paths, one after the other, of which a constant velocity has one; first (r + 1,): those
+    in rad/s) of all paths, one after the other, of which a constant velocity has two; first (r + 1,): those
     of boundary b are first[b] to first[b + 1], none if it is driven. drive (r, 5): of a driven one, from
     column PUSH the force from outside along x and y (N), from LIGHT the inverse of its mass (1/kg) along
     both, zero where the velocity is kept, and in DAMPING the damping (N s/m).
