@@ -6,9 +6,11 @@ cut off in its midst therefore runs in a thread of its own, the leader.
 
 import os
 import threading
+import weakref
 from collections.abc import Callable
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor, wait
 from contextlib import suppress
+from queue import SimpleQueue
 
 from dem.dynamics.diagnostics import Diagnostics, begin_survey, deeper, end_survey, survey_pairs
 from dem.dynamics.integration import advance
@@ -27,7 +29,9 @@ class Threads:
     def _start(self) -> None:
         self._places = make_threads(self.count)
         self._lanes = [make_lanes() for _ in range(self.count)]
-        self._pool, self._leader = ThreadPoolExecutor(self.count), ThreadPoolExecutor(1)
+        self._pool, self._work = ThreadPoolExecutor(self.count), SimpleQueue()
+        threading.Thread(target=_lead, args=(self._work,), daemon=True).start()
+        weakref.finalize(self, self._work.put, None)
         self._led: Future[None] | None = None
         all_here = threading.Barrier(self.count)  # each waits for the others, so that all begin now
         try:
@@ -48,7 +52,7 @@ class Threads:
         # known before it is handed over, so that `finish` always finds it
         self._led = led = Future()
         try:
-            self._leader.submit(_do, led, work)
+            self._work.put((led, work))
             with suppress(CancelledError):
                 led.result()
         finally:
@@ -98,6 +102,17 @@ class Threads:
         for _, (overlap, constituent) in found:
             worst = deeper(worst, overlap, constituent, 1.0)
         return end_survey(world, table, begun, (sum(touching for touching, _ in found), worst))
+
+
+def _lead(work: SimpleQueue) -> None:
+    """Do what is put into a queue, until None is.
+
+    An executor would hold a lock while it takes work; a signal handler that then looks at the run waits for
+    work that waits for that lock. A SimpleQueue may be interrupted anywhere.
+    """
+    while (each := work.get()) is not None:
+        _do(*each)
+        del each  # it knows the run, which would never go away
 
 
 def _do(led: Future[None], work: Callable[[], None]) -> None:
