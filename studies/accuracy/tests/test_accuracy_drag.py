@@ -125,7 +125,7 @@ def runs(tmp_path_factory):
     data = yaml.safe_load((HERE / "smoke.yaml").read_text())
     seeds = "1001 to 1002"
     data["sweep"]["blocks"] = {
-        "steps": {"shape": "c1", "numerics.step_fraction": [0.5, 1.0, 8.0], "seed": seeds},
+        "steps": {"shape": "c1", "numerics.step_fraction": [0.5, 1.0, 10.0], "seed": seeds},
         "fine": {"shape": "c1", "numerics.step_fraction": 0.25, "seed": 1001},
         "replicates": data["sweep"]["blocks"]["replicates"] | {"seed": seeds},
     }
@@ -146,10 +146,10 @@ def test_trials_hold_what_the_sweep_asks_for(runs):
     found = table.trials(runs.files("steps") + runs.files("fine"), wanted)
     places = zip(found["trial_seed"], found["trial_fraction"], strict=True)
     assert list(places) == [
-        *((1001, f) for f in (0.25, 0.5, 1, 8)),
-        *((1002, f) for f in (0.5, 1, 8)),
+        *((1001, f) for f in (0.25, 0.5, 1, 10)),
+        *((1002, f) for f in (0.5, 1, 10)),
     ]
-    broken = found["trial_fraction"] == 8.0
+    broken = found["trial_fraction"] == 10.0
     assert set(found["trial_status"][~broken]) == {"ran"}
     assert set(found["trial_status"][broken]) <= {"OverlapError", "StateError"}
     assert (np.isnan(found["trial_drag"]) == broken).all()
