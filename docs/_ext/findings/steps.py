@@ -7,7 +7,7 @@ import yaml
 from rich.table import Table
 
 from dem.analysis.tables import numbers
-from studies.common.findings import estimate
+from studies.common.findings import estimate, interval
 
 __all__ = ["steps"]
 
@@ -63,6 +63,13 @@ class Steps:
             before, now = found["before"], found["now"]
             energy = (f"{each[0]:+g}".replace("-", "\N{MINUS SIGN}") for each in (before, now))
             made.add_row(modulus, *energy, f"{before[1]:.2f}", f"{now[1]:.2f}")
+        return made
+
+    def drag(self) -> Table:
+        """Change of the mean drag, a row per shape."""
+        made = numbers("shape", "change of the mean drag", "runs")
+        for shape, (value, half, runs) in self.content["drag"].items():
+            made.add_row(shape, interval(value, half, "%", 1), str(runs))
         return made
 
     def small(self, name: str) -> str:
