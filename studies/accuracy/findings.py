@@ -18,7 +18,7 @@ class Accuracy(Findings):
     """Error against run time, accuracy.nc."""
 
     name, command = "accuracy", "snakemake -j2 accuracy"
-    needs = "trial_drag", "contact_method", "integrator", "replicate_drag"
+    needs = "trial_time_step", "contact_method", "integrator", "replicate_drag"
     attributes = "window_start", "window_stop", "default_fraction"
 
     @cached_property
@@ -59,9 +59,17 @@ class Accuracy(Findings):
             made.add_row(shape, *cells, str(each.seeds))
         return made
 
-    def biased_less(self, share: float) -> bool:
-        """Whether all biases are below a share of the mean drag, their intervals included."""
-        return all(abs(each.value) + each.half < share for each in self.biases.values())
+    def unbiased(self) -> bool:
+        """Whether the intervals of all biases hold zero."""
+        return all(abs(each.value) < each.half for each in self.biases.values())
+
+    def longer(self, shape: str, fraction: float) -> str:
+        """Mean time step at a step fraction over that of the paper's."""
+        return f"{bias.lengths(self.dataset, shape)[fraction] / self._default:.2f}"
+
+    def none_fails(self) -> bool:
+        """Whether all runs came to their end."""
+        return bool((self.dataset["trial_status"] == "ran").all())
 
     def change(self, shape: str, fraction: float) -> str:
         """Change of the mean drag at a step, over the bound, against the default."""
@@ -69,11 +77,6 @@ class Accuracy(Findings):
         found = bias.change(grid, self._default).sel(fraction=fraction)
         return interval(100 * float(found["value"]), 100 * float(found["half"]), "%")
 
-    def failed(self, shape: str, fraction: float) -> str:
-        """Share of the runs at a step that failed."""
-        return f"{100 * bias.failures(self.dataset, shape)[fraction]:.0f} %"
-
-    @cached_property
     def replicates(self) -> replicates.Replicates:
         return replicates.replicates(self.dataset)
 

@@ -44,8 +44,9 @@ STEPS = {
 DRAG = {
     "trial_shape": (("trial",), None, "label of the shape"),
     "trial_seed": (("trial",), "1", "seed of the bed"),
-    "trial_fraction": (("trial",), "1", "time step over the bed's critical one"),
+    "trial_fraction": (("trial",), "1", "step fraction"),
     "trial_drag": (("trial",), "N", "mean drag within the averaging window, NaN where the run failed"),
+    "trial_time_step": (("trial",), "s", "mean time step of the run, NaN where it failed"),
     "trial_time": (("trial",), "s", "processor time of the run"),
     "trial_status": (("trial",), None, "ran, or the name of the error that stopped the run"),
     "replicate": (("replicate",), "1", "seed of the bed"),

@@ -55,12 +55,14 @@ def trials(paths: list[Path], wanted: dict[str, Replicate]) -> dict:
     """Variables over `trial`; a run that failed is NaN and says why: where runs break is part of the
     question."""
     found = []
-    for ids, values in rows(paths, ("drag", "run_time", "failure"), wanted):
-        for run, force, time, flag in zip(ids, *values.values(), strict=True):
+    for ids, values in rows(paths, ("drag", "run_time", "steps", "failure"), wanted):
+        for run, force, time, steps, flag in zip(ids, *values.values(), strict=True):
             own = wanted[run]
+            cylinder = own.configuration.cylinder
             found.append({
                 "shape": own.label, "fraction": _step(own), "seed": own.seed,
                 "drag": force[own.configuration.in_window].mean(), "time": time,
+                "time_step": np.nan if flag else cylinder.stroke / cylinder.velocity / steps,
                 "status": FAILURES[int(flag)] if flag else "ran",
             })  # fmt: skip
     labels = list(dict.fromkeys(replicate.label for replicate in wanted.values()))
