@@ -77,6 +77,7 @@ class Accuracy(Findings):
         found = bias.change(grid, self._default).sel(fraction=fraction)
         return interval(100 * float(found["value"]), 100 * float(found["half"]), "%")
 
+    @cached_property
     def replicates(self) -> replicates.Replicates:
         return replicates.replicates(self.dataset)
 
