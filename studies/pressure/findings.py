@@ -149,10 +149,10 @@ class Pressure(Findings):
         """Whether the drags of all shapes in a box are above those in the first one, intervals included."""
         return all(self.widths.change((way,), each, box).low > 1.0 for each in self.widths.shapes)
 
-    def stays(self, way: str, box: str) -> bool:
-        """Whether no interval of the drag of a shape in a box over that in the first one is beside one."""
+    def stays(self, way: str, box: str, share: float) -> bool:
+        """Whether the drag of each shape in a box is that in the first one within a share, intervals included."""
         found = (self.widths.change((way,), each, box) for each in self.widths.shapes)
-        return all(low <= 1.0 <= high for _, low, high in found)
+        return all(1.0 - share < low and high < 1.0 + share for _, low, high in found)
 
     def leads(self, way: str, box: str, *shapes: str) -> bool:
         """Whether some shapes drag more than the first one in a box, intervals included."""
