@@ -28,13 +28,13 @@ def plot(dataset: xr.Dataset) -> Figure:
             image = _panel(axes, here, float(dataset.attrs["default_fraction"]))
             axes.set_title(f"{shape}, E \N{MULTIPLICATION SIGN} {factor:g}", loc="left")
     for axes in grid[-1]:
-        axes.set_xlabel("Step over the bound")
+        axes.set_xlabel("Step fraction")
     for axes in grid[:, 0]:
         axes.set_ylabel("Restitution")
     bar = figure.colorbar(image, ax=grid, label="Worst residual of the energy ledger", shrink=0.8)
     bar.ax.axhline(OFF, color="white", linewidth=1.5)
     figure.suptitle(
-        fill(title(dataset), 66)
+        fill(title(dataset), 72)
         + "\n(cross: broken; dot: energy off; solid line: the paper's sweep; dotted: bound)",
         fontsize=11.5,
     )
