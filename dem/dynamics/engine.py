@@ -105,12 +105,7 @@ class Engine:
         """For pickle and copy: everything but the threads, and no two arrays that share memory."""
         world, report = self._latest()
         threads = None if self._threads is None else self._threads.count
-        kept = {
-            "_now": [(writable(world), report)],
-            "_threads": threads,
-            "_free": [None],
-            "_look": None,
-        }
+        kept = {"_now": [(writable(world), report)], "_threads": threads, "_free": [None], "_look": None}
         return vars(self) | kept | {"_calls": self._calls.copy()}
 
     def __setstate__(self, state: dict[str, Any]) -> None:

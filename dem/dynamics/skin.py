@@ -10,9 +10,8 @@ from dem.dynamics.boundaries import fastest
 from dem.dynamics.diagnostics import step_alone
 from dem.jit.columns import VX, VY
 
-SKIN = (
-    0.12  # of the mean bounding radius, at least, in runs; timings of beds are flat from 0.1 to 0.2
-)
+# of the mean bounding radius, at least, in runs; timings of beds are flat from 0.1 to 0.2
+SKIN = 0.12
 WIDEST = 1.0
 MARGIN = 0.75  # share of skin / 2 that a constituent may move before the lists are rebuilt
 SKIN_OF_PACKING = 0.3  # while a bed is packed, where granules move far

@@ -55,7 +55,7 @@ def open_results(path: str | Path) -> xr.Dataset:
     >>> import dem
     >>> with dem.open_results("docs/data/drag.nc") as results:
     ...     float(results["drag"].sel(case="c1").mean().round(-2))
-    1200.0
+    1300.0
     """
     import xarray as xr
 
