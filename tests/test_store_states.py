@@ -22,7 +22,6 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, 
 from test_stopping import Killed, smoke
 
 from dem.base.errors import InputError, RunError
-from dem.experiment import bed
 from dem.packing.random import Bed
 from dem.sweep import batch as making
 from dem.sweep.campaign import Campaign
