@@ -6,7 +6,7 @@ runs and the code that made them.
 REQUIRED INPUTS
     none; results/store/batches/{batch}.json, which is written before, says what the runs are
 OUTPUTS
-    results/store/batches/{batch}.nc
+    results/store/batches/{batch}.nc; {folder}/rounds/{number}, an empty file, after each round of replicates
 """
 
 
@@ -21,3 +21,21 @@ rule batch:
         f"{RESULTS}/logs/batches/{{batch}}.log",
     shell:
         "dem batch {output} 2> {log}"
+
+
+localrules:
+    round,
+
+
+# of a block whose seeds go on until a precision: what a round gave decides whether another follows
+checkpoint round:
+    message:
+        "Round {wildcards.number} of the replicates of {wildcards.folder} is made"
+    input:
+        lambda w: batches_in(w.folder, int(w.number)),
+    output:
+        touch("{folder}/rounds/{number}"),
+    params:
+        sweep=lambda w: place_of(w.folder)[0].text(place_of(w.folder)[1]),
+    wildcard_constraints:
+        number="[0-9]+",

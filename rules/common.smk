@@ -69,16 +69,21 @@ def config_of(sweep):
     return f"{ROOT}{sweep.sweep.results}/config.yaml" if workflow.dryrun else sweep.begin()
 
 
-def batches_in(folder):
-    """The batches of a block; those of a derived one are known once the blocks that it needs are combined."""
+def batches_in(folder, rounds=None):
+    """The batches of a block; those of a derived one are known once the blocks that it needs are combined,
+    and those of a round of replicates once the rounds before it are made."""
     sweep, block = place_of(folder)
     for name in sweep.sweep.needed(block):
         for observable in sweep.observables(name):
             checkpoints.combine.get(folder=sweep.folder_of(name), observable=observable)
+    for number in sweep.rounds(block):
+        if number == rounds:
+            break
+        checkpoints.round.get(folder=folder, number=number)
     if not workflow.dryrun:
         sweep.begin(block)
         keep_whole(sweep.files(block))
-    return [f"results/store/batches/{batch.id}.nc" for batch in sweep.batches(block)]
+    return [f"results/store/batches/{batch.id}.nc" for batch in sweep.batches(block, rounds)]
 
 
 def keep_whole(files):

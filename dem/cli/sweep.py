@@ -71,12 +71,13 @@ def sweep(
     try:
         if retry:
             say(f"{retried(campaign)} failed runs are tried again.")
-        there, total = campaign.counts()
-        with bar("making runs", float(total)) as update:
+        there, _ = campaign.counts()
+        with bar("making runs", 1.0) as update:
 
             def made(done, failed, compiles):
                 words = "making runs, the first ones compile" if compiles else "making runs"
-                update(done, not compiles, words + (f", {failed} failed" if failed else ""))
+                share = done / len(campaign.runs())  # of those that are known to be needed
+                update(share, not compiles, words + (f", {failed} failed" if failed else ""))
 
             with workers:
                 campaign.make(workers, made)

@@ -63,7 +63,11 @@ OF_STORE = {  # of a run in a file of many
     "failure": ((), None, "why there is no run, and its values are missing"),
     "failure_reason": ((), None, "the error that stopped the run, empty where none did"),
 }  # fmt: skip
-OF_SWEEP = {"case": ((), None, "case: a shape at a density, labels of Tables 1 and 2")}
+REPLICATES = "replicates"  # where seeds have no end
+OF_SWEEP = {
+    "case": ((), None, "case: a shape at a density, labels of Tables 1 and 2"),
+    REPLICATES: ((), "1", "number of replicates, whose seeds are the first ones"),
+}
 
 # Why a run failed, and the attributes of the variable `failure` that say so (CF, section 3.5).
 FAILURES = ("none", PackingError.__name__, OverlapError.__name__, StateError.__name__, "other")

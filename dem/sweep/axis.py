@@ -28,6 +28,7 @@ from dem.experiment.observables import OBSERVABLES, variables_of
 from dem.experiment.sections import OwnSection
 from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE
 from dem.sweep import design
+from dem.sweep.precision import Until
 
 OWN = tuple(OwnSection.model_fields)  # of a run, beside the values of its configuration
 RUNS = {name: Entry(name, units_of(f), "", f) for name, f in OwnSection.model_fields.items()}
@@ -45,12 +46,23 @@ class Derive(Section):
 
 
 class Axis(NamedTuple):
-    """A dimension: name, units and words, coordinate, and the changes of every point by path."""
+    """A dimension: name, units and words, coordinate, and the changes of every point by path.
+
+    until: of seeds without an end, which the axis has as many of as it is cut to.
+    """
 
     name: str
     entry: Entry
     coordinate: list
     points: list[dict]
+    until: Until | None = None
+
+    def cut(self, count: int) -> "Axis":
+        """The axis with its first points."""
+        if self.until is None:
+            return self
+        found = list(range(self.until.first, self.until.first + count))
+        return self._replace(coordinate=found, points=[{"seed": each} for each in found])
 
 
 class Place(NamedTuple):
@@ -77,6 +89,9 @@ def place_in(sweep: Configuration, where: str) -> Place:
 def axis_of(key: str, spec, place: Place) -> Axis:
     """The dimension of a key; raises InputError with the key and the value at fault."""
     here, entry = place.at(key), RUNS.get(key) or place.paths.get(key)
+    if key == "seed" and isinstance(spec, dict):
+        until = validated(Until, spec, at=here.where)
+        return Axis(key, entry, [], [], until).cut(until.least)
     if entry:
         found = _values(spec, entry, here)
         if key == "case":

@@ -5,7 +5,10 @@ import os
 from collections.abc import Iterator
 from contextlib import suppress
 from functools import cached_property
+from itertools import takewhile
 from pathlib import Path
+
+import numpy as np
 
 from dem.base.errors import InputError
 from dem.base.files import Place, check_own
@@ -13,6 +16,7 @@ from dem.base.yaml_file import read
 from dem.sweep.config import CONFIG, Sweep, file_of, load, parse, save
 from dem.sweep.earlier import read_earlier, refuse_other, replaced
 from dem.sweep.expand import Block
+from dem.sweep.precision import Lead, Numbers, counts, short_of
 from dem.sweep.store import FOLDER, Batch, Store, plan
 from dem.sweep.workers import Workers, make_batches
 
@@ -31,8 +35,9 @@ class Campaign:
     ):
         self.sweep, self.file, self.root = sweep, file, Path(root)
         self.store = store or Store(self.root / FOLDER)
-        self._plans: dict[str, tuple[list[Batch], dict]] = {}
-        self._blocks: dict[str, Block] = {}
+        self._plans: dict[tuple[str, int], tuple[list[Batch], dict]] = {}  # by block and round
+        self._blocks: dict[str, list[Block]] = {}  # by round of replicates
+        self._numbers: dict[str, Numbers] = {}
         self._ended: set[str] | None = None  # batches that `failed` has looked at
         self._failed: set[str] = set()
         self.said: list[str] = []  # sentences to show in the end
@@ -88,18 +93,59 @@ class Campaign:
         """Whether all values of a block are known, because what they are derived from is there."""
         return all(path.is_file() for path in self.needed(block))
 
-    def block(self, name: str) -> Block:
-        """All runs of a block; what is derived is as the file has it until it can be known."""
-        if name in self._blocks:
-            return self._blocks[name]
-        if not self.is_known(name):
-            return self.sweep.block(name)
-        if not (needed := self.needed(name)):
-            return self._blocks.setdefault(name, self.sweep.block(name))
-        from dem.sweep.derive import derived_by  # with xarray, which a plan does not need
+    def block(self, name: str, rounds: int | None = None) -> Block:
+        """All runs of a block; what is derived is as the file has it until it can be known.
 
-        derived = derived_by(self.sweep, needed)
-        return self._blocks.setdefault(name, self.sweep.block(name, derived))
+        rounds: of replicates, after the first; all that the runs that there were suffice for if absent.
+        """
+        if name not in self._blocks:
+            if not self.is_known(name):
+                return self.sweep.block(name)
+            if needed := self.needed(name):
+                from dem.sweep.derive import derived_by  # with xarray, which a plan does not need
+
+                found = self.sweep.block(name, derived_by(self.sweep, needed))
+            else:
+                found = self.sweep.block(name)
+            self._blocks[name] = [found]
+            while self.grow(name):
+                pass
+        found = self._blocks[name]
+        return found[-1 if rounds is None else min(rounds, len(found) - 1)]
+
+    def grow(self, name: str) -> bool:
+        """Add a round of replicates to a block, where all its runs are there and it takes one."""
+        found = self._blocks[name]
+        if (until := found[-1].until) is None:
+            return False
+        now, values = found[-1].counts, self.values(found[-1])
+        if any(len(values[place]) < n for place, n in now.items()):
+            return False
+        after = counts(until, values, found[-1].partners, len(found))
+        if after == now:
+            return False
+        found.append(self.sweep.block(name, counts=after))
+        return True
+
+    def values(self, block: Block) -> dict[Lead, np.ndarray]:
+        """What is wanted of the runs of a block that there are, by place: one value a run, in the order of
+        the seeds, up to the first that is not there."""
+        numbers = self._numbers.setdefault(block.until.variable, Numbers(self.store, block.until.variable))
+        there = numbers.of({run.id: run for runs in block.replicates.values() for run in runs})
+        return {
+            place: np.array([there[run.id] for run in takewhile(lambda run: run.id in there, runs)])
+            for place, runs in block.replicates.items()
+        }  # fmt: skip
+
+    def rounds(self, name: str) -> Iterator[int]:
+        """The rounds of replicates of a block, one after another; each must be made before the next."""
+        if self.block(name).until:
+            number = 0
+            while number < len(self._blocks[name]):
+                yield number
+                number += 1
+                if number == len(self._blocks[name]):
+                    self.grow(name)
 
     def runs(self) -> set[str]:
         """Identities of all runs, as far as they are known."""
@@ -114,18 +160,26 @@ class Campaign:
 
     # What is there, and what is to be made
 
-    def batches(self, block: str) -> list[Batch]:
-        """The batches that hold the runs of a block; in one process always the same."""
+    def batches(self, block: str, rounds: int | None = None) -> list[Batch]:
+        """The batches that hold the runs of a block; in one process always the same. rounds: of replicates,
+        after the first; all if absent."""
         for path in self.needed(block):
             if not path.is_file():
                 raise InputError(f"{path}: it is missing; the block {block} needs it first.")
         for name in self.sweep.blocks:  # in one order, because blocks share runs
-            if name not in self._plans and (name == block or self.is_known(name)):
-                own = {each.id: each for batches, _ in self._plans.values() for each in batches}
-                there = (self.store.sealed() | own).values()
-                found = self.block(name).unique()
-                self._plans[name] = plan(there, found, self.sweep.batch, self.sweep.results)
-        return self._plans[block][0]
+            if name == block or self.is_known(name):
+                self.block(name)
+                for number in range(len(self._blocks[name])):
+                    if (name, number) in self._plans:
+                        continue
+                    own = {each.id: each for batches, _ in self._plans.values() for each in batches}
+                    there = (self.store.sealed() | own).values()
+                    found = self.block(name, number).unique()
+                    self._plans[name, number] = plan(
+                        there, found, self.sweep.batch, self.sweep.results
+                    )
+        last = len(self._blocks[block]) - 1
+        return self._plans[block, last if rounds is None else min(rounds, last)][0]
 
     def files(self, block: str) -> list[Path]:
         """The files of the batches of a block."""
@@ -138,11 +192,12 @@ class Campaign:
         save(self.sweep, path, self.file or "")  # first, so that pruning knows what is needed
         for name in blocks:
             self.batches(name)
-            batches, new = self._plans[name]
-            for batch in batches:
-                if batch.id in new:
-                    self.store.write_plan(batch, self.sweep.results, new[batch.id])
-            self._plans[name] = batches, {}
+            for key, (batches, new) in self._plans.items():
+                if key[0] == name:
+                    for batch in batches:
+                        if batch.id in new:
+                            self.store.write_plan(batch, self.sweep.results, new[batch.id])
+                    self._plans[key] = batches, {}
         return str(path)
 
     def counts(self) -> tuple[int, int]:
@@ -190,8 +245,11 @@ class Campaign:
                 said += replaced(path, found, self.block(name).places)
         return said
 
-    def combine(self, block: str, observable: str, output: Path, progress=lambda s: None) -> None:
-        """Write what an observable gave for all runs of a block; raises InputError for another."""
+    def combine(
+        self, block: str, observable: str, output: Path, progress=lambda s: None, partial: bool = False
+    ) -> None:
+        """Write what an observable gave for all runs of a block, or for those that are there; raises
+        InputError for another, RunError where a precision means nothing."""
         if observable not in (there := self.observables(block)):
             raise InputError(
                 f"observable is {observable!r}; runs of {block} have {', '.join(there)}."
@@ -199,7 +257,14 @@ class Campaign:
         from dem.sweep.combine import combine
 
         found, before, own = self.block(block), read_earlier(output), self.file
-        combine(self.files(block), self.sweep, found, observable, output, progress, of=own)
+        files = [path for path in self.files(block) if path.is_file() or not partial]
+        if partial and not files:
+            raise InputError(f"no run of {block} is in a finished batch yet; dem status shows what is there.")
+        if found.until and not partial and observable == self.observables(block)[0]:
+            self.said += short_of(found, self.values(found))
+        combine(
+            files, self.sweep, found, observable, output, progress, of=own, partial=partial
+        )
         if output == self.first(block) and self.sweep.needed(block):
             self.said += replaced(output, before, found.places)
 
@@ -208,18 +273,25 @@ class Campaign:
         RunError. progress is called with how many runs are there, how many of the new ones failed, and
         whether any compiles."""
         for name in self.sweep.blocks:  # a block comes after those that it needs
-            self.begin(name)
-            there = self.counts()[0]
-            new = [each for each in self.batches(name) if not self.store.file_of(each.id).is_file()]
-            kept = sum(self.store.run_of(run).is_file() for each in new for run in each.runs)
-            before = there - kept
-            make_batches(
-                self.store, new, workers, lambda n, *more, b=before: progress(b + n, *more)
-            )
-            del self._plans[name]  # some runs may have been put into batches of their own
+            while True:
+                self._make(name, workers, progress)
+                if not self.grow(name):
+                    break
             for observable in self.observables(name):
                 if observable != "flow":
                     self.combine(name, observable, Path(self.first(name).with_stem(observable)))
+
+
+    def _make(self, name: str, workers: Workers, progress) -> None:
+        """Make the runs of a block that are known and not there."""
+        self.begin(name)
+        there = self.counts()[0]
+        new = [each for each in self.batches(name) if not self.store.file_of(each.id).is_file()]
+        kept = sum(self.store.run_of(run).is_file() for each in new for run in each.runs)
+        before = there - kept
+        make_batches(self.store, new, workers, lambda n, *more: progress(before + n, *more))
+        for key in [key for key in self._plans if key[0] == name]:
+            del self._plans[key]  # some runs may have been put into batches of their own
 
 
 def of_new_store(store: Store, file: Path) -> str | None:

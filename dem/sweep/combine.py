@@ -22,6 +22,7 @@ from dem.io.dataset import (
     LABELS,
     OF_STORE,
     OF_SWEEP,
+    REPLICATES,
     add,
     attributes,
     content_of,
@@ -41,19 +42,21 @@ HELD = 8_000_000  # bytes of a variable that are in memory until they are writte
 
 def combine(
     paths: list[Path], sweep: Sweep, block: Block, observable: str, output: Path,
-    progress=lambda done: None, more=lambda file: None, of: str | None = None,
+    progress=lambda done: None, more=lambda file: None, of: str | None = None, partial: bool = False,
 ) -> None:  # fmt: skip
     """Write what an observable gave for all runs of a block.
 
     paths: files of batches, or of what was measured of them, in any order; runs of other sweeps in
     them are left out. The attributes tell the provenance of the runs, all of it where they differ.
     The file is written atomically and without loss. Where the sweep allows failures, those are gaps
-    (NaN) and `failure` tells why. more: adds to the file, a netCDF4.Dataset, what else it shall
-    hold. of: the file of the sweep. Raises InputError for a file that is damaged and for a run that
-    no file holds; RunError where too many runs failed, or all of a case or shape.
+    (NaN) and `failure` tells why; so are seeds that a place has no replicate of, and what `run_id` names
+    is all that was made. more: adds to the file, a netCDF4.Dataset, what else it shall hold. of: the file
+    of the sweep. partial: what no file holds is a gap too, and the attribute `partial` says how much it
+    is. Raises InputError for a file that is damaged and for a run that no file holds; RunError where too
+    many runs failed, or all of a case or shape.
     """
     layout, names = layout_of(block, observable)
-    left, failed = set(block.places), []
+    left, failed, gaps = set(block.places), [], bool(sweep.failures or partial or block.until)
     provenance = {name: {} for name in PROVENANCE}
     with create(output) as file:
         made = False
@@ -65,7 +68,7 @@ def combine(
             ids = [str(values["run_id"][row]) for row in rows]
             left -= set(ids)
             if rows and not made:
-                _make_room(file, sweep, block, layout, {name: values[name] for name in present})
+                _make_room(file, block, layout, {name: values[name] for name in present}, gaps)
                 made = True
             with content_of(path):
                 for name in PROVENANCE:
@@ -81,11 +84,18 @@ def combine(
                 for place, row in places if values["failure"][row]
             ]  # fmt: skip
             progress((done + 1) / len(paths))
-        if left:
+        if left and partial and made:
+            total = len(block.places)
+            file.setncattr("partial", f"{total - len(left)} of {total} runs")
+            for run in left:
+                for place in block.places[run]:
+                    file.variables["run_id"][place] = np.bytes_()
+        elif left:
             missing = next(run for run in block.runs if run.replicate.id in left).replicate
             raise InputError(f"{missing.words()} is in none of the {len(paths)} files; run again.")
-        _check(sweep, block, sorted(failed))
-        if sweep.failures:
+        if not partial:
+            _check(sweep, block, sorted(failed))
+        if gaps:
             for place, flag, _ in failed:
                 file.variables["failure"][place] = flag
         found = {name: "; ".join(kept) for name, kept in provenance.items()}
@@ -108,9 +118,9 @@ def layout_of(block: Block, observable: str) -> tuple[dict, list[str]]:
     return layout, list(own)
 
 
-def _make_room(file, sweep: Sweep, block: Block, layout: dict, sample: dict) -> None:
-    """Dimensions, axes, labels and empty variables; only where runs may be missing has a variable a
-    value that means so."""
+def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> None:
+    """Dimensions, axes, labels and empty variables; gaps: whether runs may be missing, which a variable
+    then has a value for."""
     first = block.runs[0].replicate.configuration
     axes = first.module.axes(first)
     for axis in block.axes:
@@ -135,6 +145,13 @@ def _make_room(file, sweep: Sweep, block: Block, layout: dict, sample: dict) -> 
     if "jam_fraction" in layout:
         _write(file, "bed_family", block.dims, families.astype(str), layout=layout)
     aside = " ".join(name for name, (_, dims, _) in labels.items() if dims)
+    if block.until:
+        others, numbers = [a for a in block.axes if a.until is None], block.counts
+        array = np.zeros([len(axis.points) for axis in others], np.int64)
+        for place, count in numbers.items():
+            array[place] = count
+        _write(file, REPLICATES, [axis.name for axis in others], array, layout=OF_SWEEP)
+        file.variables[REPLICATES].setncatts(block.until.model_dump())
     lengths = block.shape[:-1], min(BLOCK, block.shape[-1])
     for name, values in sample.items():
         dims, inner = layout[name][0], values.shape[1:]
@@ -142,7 +159,7 @@ def _make_room(file, sweep: Sweep, block: Block, layout: dict, sample: dict) -> 
         gap = np.nan if values.dtype.kind == "f" else -1
         made = file.createVariable(
             name, values.dtype, dims, zlib=True, complevel=4, shuffle=True, fletcher32=True,
-            chunksizes=sizes, fill_value=gap if sweep.failures else False,
+            chunksizes=sizes, fill_value=gap if gaps else False,
         )  # fmt: skip
         # runs mostly come in order, and what is full is written and forgotten
         size = 2 * int(np.prod(sizes)) * values.dtype.itemsize
@@ -150,7 +167,7 @@ def _make_room(file, sweep: Sweep, block: Block, layout: dict, sample: dict) -> 
             size=max(size, 4096, min(HELD, 64 * size)), nelems=1009, preemption=1.0
         )
         made.setncatts(attributes(name, layout) | ({"coordinates": aside} if aside else {}))
-    if sweep.failures:
+    if gaps:
         made = file.createVariable("failure", "i1", block.dims, fill_value=False)
         made.setncatts(attributes("failure", layout))
         made[...] = 0

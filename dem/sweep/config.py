@@ -20,9 +20,10 @@ from dem.base.sources import ROOT
 from dem.base.yaml_file import read
 from dem.experiment.config import Configuration
 from dem.sweep.expand import Block, Derived, expand
+from dem.sweep.precision import Lead
 
 DISTRIBUTION = "granular-drag"
-FOLDERS = ("store", "flow", "figures", "logs")  # of results
+FOLDERS = ("store", "flow", "figures", "logs", "rounds")  # of results
 CONFIG = "config.yaml"  # of results, as resolved
 LONGEST_CHAIN = 20  # files that extend one another
 REPLACED = ("sweep",)  # whole, by a file that extends another
@@ -112,14 +113,16 @@ class Sweep(Configuration):
             raise InputError(f"sweep has blocks and {min(others)}; move that into a block.")
         return validated(Blocks, self.sweep["blocks"], at="sweep.blocks")
 
-    def block(self, name: str, derived: Derived | None = None) -> Block:
+    def block(
+        self, name: str, derived: Derived | None = None, counts: dict[Lead, int] | None = None
+    ) -> Block:
         """All runs of a block; raises InputError for impossible runs.
 
         derived: gives the values that follow from another block's result; without it, a run has
-        the values in the file.
+        the values in the file. counts: replicates of each place, where seeds have no end.
         """
-        if derived is not None:
-            return expand(self, name, self._spec(name), derived)
+        if derived is not None or counts is not None:
+            return expand(self, name, self._spec(name), derived, counts)
         if name not in self._expanded:
             self._expanded[name] = expand(self, name, self._spec(name), None)
         return self._expanded[name]

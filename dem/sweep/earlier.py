@@ -32,7 +32,7 @@ def read_earlier(path: Path) -> Earlier | None:
             )
     except Exception:  # damage makes the library raise many errors; nothing good is lost
         return None
-    return Earlier(told.get(OWNER), told.get("title", ""), tuple(map(str, runs)))
+    return Earlier(told.get(OWNER), told.get("title", ""), tuple(filter(None, map(str, runs))))
 
 
 def refuse_other(path: Path, earlier: Earlier | None, sweep: Sweep, file: str | None) -> None:

@@ -13,6 +13,7 @@ from dem.base.schema import MOST
 from dem.experiment.config import Configuration, Entry, Replicate, entries
 from dem.experiment.fit import check_rooms
 from dem.sweep.axis import OWN, Axis, Derive, axis_of, changes, name_of, place_in
+from dem.sweep.precision import Lead
 
 WORDS = ("needs", "values")  # of a block, beside what varies
 MOST_AXES = 24  # dimensions of a sweep; a variable of netCDF-4 has at most 32 with its own
@@ -31,12 +32,18 @@ class Run(NamedTuple):
     replicate: Replicate
 
 
+def lead(place: tuple[int, ...], axes: list[Axis]) -> Lead:
+    """A place on all axes but that of seeds without an end."""
+    return tuple(at for at, axis in zip(place, axes, strict=True) if axis.until is None)
+
+
 class Block:
     """All runs of a block: axes, and runs in their order; fixed: paths of values that all its runs
     share, and that may be others than those of the file."""
 
     def __init__(self, name: str, axes: list[Axis], runs: list[Run], fixed: Iterable[str] = ()):
         self.name, self.axes, self.runs, self.fixed = name, axes, runs, tuple(fixed)
+        self.until = next((axis.until for axis in axes if axis.until), None)
 
     @property
     def dims(self) -> tuple[str, ...]:
@@ -47,6 +54,42 @@ class Block:
     def shape(self) -> tuple[int, ...]:
         """Lengths of the axes."""
         return tuple(len(axis.points) for axis in self.axes)
+
+    def lead(self, place: tuple[int, ...]) -> Lead:
+        """A place without its seed."""
+        return lead(place, self.axes)
+
+    @cached_property
+    def replicates(self) -> dict[Lead, list[Replicate]]:
+        """The runs of each place but for the seed, in the order of the seeds."""
+        found = {}
+        for run in self.runs:
+            found.setdefault(self.lead(run.place), []).append(run.replicate)
+        return found
+
+    def words(self, place: Lead) -> str:
+        """What the runs of a place share, in words: where it is on the axes."""
+        axes = [axis for axis in self.axes if axis.until is None]
+        values = (axis.coordinate[at] for axis, at in zip(axes, place, strict=True))
+        return ", ".join(
+            f"{axis.name} {v:g}" if isinstance(v, float | int) else f"{axis.name} {v}"
+            for axis, v in zip(axes, values, strict=True)
+        ) or "the sweep"
+
+    @property
+    def counts(self) -> dict[Lead, int]:
+        """How many replicates each place has."""
+        return {place: len(runs) for place, runs in self.replicates.items()}
+
+    @cached_property
+    def partners(self) -> dict[Lead, Lead | None]:
+        """The place whose mean each place's is divided by, if ratios are wanted."""
+        if self.until is None or not self.until.reference:
+            return dict.fromkeys(self.replicates)
+        others = [axis for axis in self.axes if axis.until is None]
+        at = next(k for k, axis in enumerate(others) if axis.name in ("case", "shape"))
+        own = others[at].coordinate.index(self.until.reference)
+        return {place: (*place[:at], own, *place[at + 1 :]) for place in self.replicates}
 
     @cached_property
     def places(self) -> dict[str, list[tuple[int, ...]]]:
@@ -84,7 +127,13 @@ class Block:
 
     def _along(self, values: list, forced) -> tuple[tuple[str, ...], np.ndarray]:
         """Values of all runs, along those axes only along which they vary."""
-        array = np.array(values).reshape(self.shape)
+        own = np.array(values)
+        array = np.empty(self.shape, own.dtype)
+        if len(own) < array.size:  # where a place has fewer replicates, as its first one
+            for run, each in zip(reversed(self.runs), own[::-1], strict=True):
+                array[tuple(slice(None) if a.until else k for a, k in zip(self.axes, run.place, strict=True))] = each
+        for run, each in zip(self.runs, own, strict=True):
+            array[run.place] = each
         dims = []
         for name in reversed(self.dims):
             at = self.dims.index(name)
@@ -97,12 +146,19 @@ class Block:
         return tuple(dims), array
 
 
-def expand(sweep, name: str, block: dict, derived: Derived | None) -> Block:
-    """All runs of a block of a sweep; raises InputError that names key and value."""
+def expand(
+    sweep, name: str, block: dict, derived: Derived | None, counts: dict[Lead, int] | None = None
+) -> Block:
+    """All runs of a block of a sweep; raises InputError that names key and value.
+
+    counts: replicates of each place, where seeds have no end; those of the first round if absent.
+    """
     where = "sweep" if name == "drag" else f"sweep.blocks.{name}"
     place = place_in(sweep, where)
     fixed = changes(block.get("values", {}), place.at("values"))
     axes = [axis_of(key, block[key], place) for key in block if key not in WORDS]
+    if counts is not None:
+        axes = [axis.cut(max(counts.values())) for axis in axes]
     if "shape" in fixed:
         axes.insert(0, axis_of("shape", [fixed.pop("shape")], place))
     given = {path for axis in axes for point in axis.points for path in point}
@@ -136,12 +192,26 @@ def expand(sweep, name: str, block: dict, derived: Derived | None) -> Block:
         raise InputError(f"{where} varies {min(twice)} in two ways; name it once.")
     if (count := prod(len(axis.points) for axis in axes)) > MOST:
         raise InputError(f"{where} has {count:,} runs; it must have at most {MOST:,}.")
-    return Block(name, axes, _runs(sweep, where, fixed, axes, derived), fixed)
+    found = Block(name, axes, _runs(sweep, where, fixed, axes, derived, counts), fixed)
+    if found.until:
+        if "needs" in block:
+            raise InputError(
+                f"{where}.seed has until, and needs {block['needs']}; list the seeds of a block whose values "
+                "follow from another."
+            )
+        labels = (axis.coordinate for axis in axes if axis.name in ("case", "shape"))
+        found.until.check(
+            f"{where}.seed", found.runs[0].replicate.configuration, next(labels, ())
+        )
+    return found
 
 
-def _runs(sweep, where, fixed, axes, derived) -> list[Run]:
+def _runs(sweep, where, fixed, axes, derived, counts) -> list[Run]:
     made, runs, seeds = {}, [], {}
+    seeded = next((at for at, axis in enumerate(axes) if axis.until), None)
     for place in product(*(range(len(axis.points)) for axis in axes)):
+        if counts is not None and place[seeded] >= counts[lead(place, axes)]:
+            continue
         own = dict(fixed)
         for axis, at in zip(axes, place, strict=True):
             own |= axis.points[at]

@@ -1,0 +1,279 @@
+"""How many replicates each place of a sweep gets: as many as it takes to know its mean so well.
+
+A place begins with `least` replicates. While its interval is wider than asked for, another round makes as
+many as the scatter so far says that it takes, but at most twice what there are: looking often would stop
+by chance, and the scatter of ten runs is not known well. Decisions need whole rounds only, from the first
+on, so they are the same in any order of the runs, and after any stop. docs/results/precision.md says how
+often the true mean is as near as that.
+"""
+
+import math
+import re
+from collections.abc import Iterable
+from typing import Annotated, NamedTuple
+
+import numpy as np
+from pydantic import AfterValidator, BeforeValidator, model_validator
+
+from dem.base.errors import InputError, RunError
+from dem.base.hints import choice
+from dem.base.schema import MOST, Section, Seed, Whole, value
+from dem.experiment.config import Replicate
+from dem.io.dataset import read
+
+GROWTH = 2  # a round at most doubles the replicates of a place
+SHARE = "it must be a percentage between 50 % and 99.99 %, such as 95 %"
+ASKED = "it must be a positive number with its unit, such as 5 % of the mean, or 50 N"
+
+Lead = tuple[int, ...]  # a place on the axes but that of the seeds
+
+
+def _quantity(text) -> tuple[float, str]:
+    """A positive number and its unit; raises ValueError."""
+    found = re.fullmatch(r"\s*([0-9.]+(?:[eE][+-]?\d+)?)\s*(%|[A-Za-z].*?)\s*", str(text))
+    try:
+        number = float(found[1])
+    except (TypeError, ValueError):
+        raise ValueError(ASKED) from None
+    if not 0.0 < number < math.inf:
+        raise ValueError(ASKED)
+    return number, found[2]
+
+
+def _asked(text) -> str:
+    _quantity(text)
+    return str(text)
+
+
+def _level(text: str) -> str:
+    try:
+        number, unit = _quantity(text)
+    except ValueError:
+        raise ValueError(SHARE) from None
+    if unit != "%" or not 50.0 <= number <= 99.99:
+        raise ValueError(SHARE)
+    return text
+
+
+class Until(Section):
+    """Seeds without an end: replicates are added, place by place, until a mean is known well enough."""
+
+    until: Annotated[str, BeforeValidator(_asked)] = value(None, "half of the interval of the mean: 5 % of it, or 50 N")
+    of: str = value(None, "what runs record, or its ratio to a case or shape: drag / c1", "drag")
+    confidence: Annotated[str, AfterValidator(_level)] = value(None, "level of the interval", "95 %")
+    first: Seed = value("1", "first seed", 1)
+    least: Whole = value("1", "replicates of the first round", 10, ge=3, le=MOST)
+    most: Whole = value("1", "replicates of a place at most", 100, ge=3, le=MOST)
+
+    @model_validator(mode="after")
+    def _check(self):
+        if self.least > self.most:
+            raise ValueError(f"least is {self.least}, above most, {self.most}; it must be at most that")
+        return self
+
+    @property
+    def variable(self) -> str:
+        """The variable of a run whose mean is wanted."""
+        return self.of.partition("/")[0].strip()
+
+    @property
+    def reference(self) -> str:
+        """The case or shape that it is divided by; "" where it is not."""
+        return self.of.partition("/")[2].strip()
+
+    @property
+    def target(self) -> tuple[float, bool]:
+        """Half the interval that is asked for, and whether it is a share of the mean."""
+        number, unit = _quantity(self.until)
+        return (0.01 * number, True) if unit == "%" else (number, False)
+
+    @property
+    def level(self) -> float:
+        """The level of the interval, as a share."""
+        return 0.01 * _quantity(self.confidence)[0]
+
+    def words(self) -> str:
+        """What is asked for: drag within 5 % at 95 %."""
+        return f"{self.of} within {self.until} at {self.confidence}"
+
+    def check(self, where: str, configuration, labels: Iterable[str]) -> None:
+        """Raise InputError where runs of a configuration have no such number; labels: of the axis of cases
+        or shapes."""
+        experiment = configuration.module
+        layout = experiment.layout(configuration)
+        numbers = [n for n, (dims, unit, _) in layout.items() if unit and "granule" not in dims]
+        if self.variable not in numbers:
+            raise InputError(
+                f"{where}.of is {self.of!r}; {self.variable} is no number that these runs record"
+                f"{choice(self.variable, numbers)}."
+            )
+        labels = list(labels)
+        if "/" in self.of and self.reference not in labels:
+            raise InputError(
+                f"{where}.of is {self.of!r}; {self.reference!r} is no case or shape that this block "
+                f"varies{choice(self.reference, labels)}."
+            )
+        unit, units = _quantity(self.until)[1], layout[self.variable][1]
+        if unit != "%" and (self.reference or unit != units):
+            other = "" if self.reference else f", or a number of {units}"
+            raise InputError(f"{where}.until is {self.until!r}; it must be a percentage{other}.")
+
+
+class Known(NamedTuple):
+    """A mean, or a ratio of means, so far, and the ends of its interval; runs: of the place."""
+
+    value: float
+    low: float
+    high: float
+    runs: int
+
+    @property
+    def half(self) -> float:
+        """The longer part of the interval; that of a ratio is longer above."""
+        return max(self.high - self.value, self.value - self.low)
+
+    def excess(self, until: Until) -> float:
+        """Half the interval over what is asked for; NaN where a share of the mean means nothing."""
+        target, relative = until.target
+        wanted = target * abs(self.value) if relative else target
+        return math.nan if self.is_near_zero(until) else self.half / wanted
+
+    def is_near_zero(self, until: Until) -> bool:
+        """Whether a share of the mean means nothing, because the interval holds zero."""
+        return until.target[1] and self.runs > 1 and not (self.low > 0.0 or self.high < 0.0)
+
+
+def known(sample, level: float, reference=None) -> Known:
+    """The mean of a sample, one value a run, with its interval by Student's t; with that of a reference,
+    the ratio of the means with Fieller's (1954, J. R. Stat. Soc. B 16, 175), the degrees of freedom by
+    Satterthwaite. What failed is NaN. A number that cannot be known has an endless interval."""
+    from scipy.special import stdtrit
+
+    count, mean, variance = _moments(sample)
+    if reference is None:
+        half = float(stdtrit(count - 1, 0.5 + 0.5 * level)) * math.sqrt(variance) if count > 1 else math.inf
+        return Known(mean, mean - half, mean + half, count)
+    others, base, spread = _moments(reference)
+    if min(count, others) < 2 or base == 0.0:
+        return Known(math.nan, -math.inf, math.inf, count)
+    ratio = mean / base
+    parts = variance, ratio**2 * spread
+    weights = (part**2 / (n - 1) for part, n in zip(parts, (count, others), strict=True))
+    freedom = sum(parts) ** 2 / (sum(weights) or math.inf)
+    quantile = float(stdtrit(max(freedom, 1.0), 0.5 + 0.5 * level))
+    a, c = base**2 - quantile**2 * spread, mean**2 - quantile**2 * variance
+    root = (mean * base) ** 2 - a * c
+    if a <= 0.0 or root < 0.0:  # the interval of the reference holds zero
+        return Known(ratio, -math.inf, math.inf, count)
+    ends = ((mean * base + sign * math.sqrt(root)) / a for sign in (-1.0, 1.0))
+    return Known(ratio, *ends, count)
+
+
+def _moments(sample) -> tuple[int, float, float]:
+    """How many values there are, their mean, and the variance of the mean."""
+    there = np.asarray(sample, float)
+    there = there[np.isfinite(there)]
+    if there.size < 2:
+        return there.size, float(there.sum()) if there.size else math.nan, math.nan
+    return there.size, float(there.mean()), float(there.var(ddof=1)) / there.size
+
+
+def all_known(block, values: dict[Lead, np.ndarray]) -> dict[Lead, Known]:
+    """What is wanted of every place of a block, by what its runs gave so far."""
+    until, partners = block.until, block.partners
+    return {
+        place: known(values[place], until.level, *([values[other]] if other else []))
+        for place, other in partners.items() if other != place
+    }  # fmt: skip
+
+
+def short_of(block, values: dict[Lead, np.ndarray]) -> list[str]:
+    """A sentence where the cap left places less well known than was asked for; raises RunError where a
+    share of a mean means nothing."""
+    until, wide = block.until, []
+    for place, found in all_known(block, values).items():
+        words = block.words(place)
+        if found.is_near_zero(until):
+            raise RunError(
+                f"{words}: {until.of} of {found.runs} replicates is {found.value:.3g} ± {found.half:.3g}, which "
+                f"may be zero, so {until.until} of it means nothing; ask for a number with a unit, such as "
+                "until: 50 N, or take the place out."
+            )
+        if not found.excess(until) <= 1.0:
+            wide.append((found.half / abs(found.value), words, found.runs))
+    if not wide:
+        return []
+    worst, words, runs = max(wide)
+    return [
+        f"{len(wide)} of {len(values)} places are not as well known as asked for, {until.words()}: the worst, "
+        f"{words}, is within {worst:.2g} of it after {runs} replicates; raise most, {until.most}."
+    ]
+
+
+def expected(found: Known, until: Until) -> float:
+    """How many replicates a place takes by the scatter so far."""
+    return found.runs * found.excess(until) ** 2
+
+
+def counts(
+    until: Until, values: dict[Lead, np.ndarray], partners: dict[Lead, Lead | None], rounds: float
+) -> dict[Lead, int]:
+    """How many replicates each place has after as many rounds as its runs so far allow.
+
+    values: one value a run that there is, in the order of the seeds, by place; partners: the place that
+    each is divided by, None for itself; rounds: after the first, at most.
+    """
+    groups, found = {}, {}
+    for place in values:
+        groups.setdefault(partners[place] or place, []).append(place)
+    for group in groups.values():
+        now, number = dict.fromkeys(group, until.least), 0
+        while number < rounds and all(len(values[place]) >= n for place, n in now.items()):
+            after = dict(now)
+            for place in group:
+                pair = {place, partners[place] or place}
+                if partners[place] == place:
+                    continue
+                samples = [values[each][: now[each]] for each in (place, partners[place]) if each]
+                excess = known(samples[0], until.level, *samples[1:]).excess(until)
+                for each in pair if 1.0 < excess < math.inf else ():
+                    wanted = min(math.ceil(now[each] * excess**2), GROWTH * now[each], until.most)
+                    after[each] = max(after[each], wanted)
+            if after == now:
+                break
+            now, number = after, number + 1
+        found |= now
+    return found
+
+
+class Numbers:
+    """What the finished runs of a store gave, one number each; sealed files never change, so each is read
+    once."""
+
+    def __init__(self, store, variable: str):
+        self.store, self.variable, self._of = store, variable, {}
+        self._read: set[str] = set()
+
+    def of(self, replicates: dict[str, Replicate]) -> dict[str, float]:
+        """The numbers of those of some runs that are there, by identity; NaN of one that failed."""
+        for batch in self.store.sealed().values():
+            if batch.id not in self._read and not replicates.keys().isdisjoint(batch.runs):
+                self._read.add(batch.id)
+                self._of |= self._in(batch, replicates)
+        return {run: self._of[run] for run in replicates if run in self._of}
+
+    def _in(self, batch, replicates) -> dict[str, float]:
+        own = next(replicates[run] for run in batch.runs if run in replicates).configuration
+        dims = own.module.layout(own)[self.variable][0]
+        axes = [name for name in ("displacement", "snapshot_displacement") if own.module.AXIS.get(name, ((),))[0][0:1] == dims[-1:]]
+        try:
+            values, _ = read(self.store.file_of(batch.id), ("run_id", "failure", self.variable, *axes))
+        except InputError:  # damaged: who needs it says so
+            return {}
+        array = values[self.variable].astype(float)
+        for name in axes:  # along the way of the cylinder, in the window alone
+            start, stop = own.record.window
+            array = array[..., (values[name] >= start) & (values[name] <= stop)]
+        array[values["failure"] != 0] = np.nan
+        means = array.reshape(len(array), -1).mean(1)
+        return dict(zip(values["run_id"].tolist(), means.tolist(), strict=True))
