@@ -11,6 +11,8 @@ import numpy as np
 import xarray as xr
 
 from dem.base.errors import InputError
+from dem.io.dataset import REPLICATES
+from dem.sweep.precision import Until
 
 LEVEL = 0.95  # of the confidence intervals
 CHECK = "e0"  # shape label of the ellipse code at aspect ratio 1: a check, not a shape of Table 1
@@ -94,13 +96,30 @@ def bootstrapped(samples: np.ndarray, beds: int, groups: int = 1) -> Estimate:
     return Estimate(float(samples[0]), *map(float, np.quantile(samples[1:], [tail, 1 - tail])))
 
 
+def takes(sample: xr.DataArray, share: float) -> xr.DataArray:
+    """How many replicates a mean takes to be known within a share of it, by the scatter of a sample
+    (seed, ...); NaN for a single run."""
+    return np.ceil(sample.count("seed") * (half_interval(sample) / (share * sample.mean("seed"))) ** 2)
+
+
+def _asked(dataset: xr.Dataset, mean: xr.DataArray, half: xr.DataArray) -> xr.DataArray:
+    """Half the interval, but not less than what the replicates were added until: those who stop as soon as an
+    interval is narrow find it too narrow (docs/results/precision.md)."""
+    until = Until.model_construct(**dataset[REPLICATES].attrs) if REPLICATES in dataset else None
+    if until is None or until.of != "drag" or until.level != LEVEL:
+        return half
+    target, relative = until.target
+    return np.maximum(half, target * abs(mean) if relative else target)
+
+
 def summarise(dataset: xr.Dataset) -> xr.Dataset:
     """Drag within the averaging window: one number a case, or a place on the axes of any sweep, and
     `run_mean` (..., seed).
 
     All in N: `mean` over the runs; `sd_over_run`, of the drag about the mean of its own run (root
     mean square over the runs); `sd_between_runs` and `half_interval`, of and from the run means
-    (NaN for a single run). The coordinates but seed stay.
+    (NaN for a single run); where replicates were added until a precision, half the interval is at least
+    that. The coordinates but seed stay.
     """
     drag = within(dataset["drag"], dataset.attrs["window_start"], dataset.attrs["window_stop"])
     drag = drag if drag.chunks else drag.compute()  # once, and not for each of these
@@ -116,7 +135,8 @@ def summarise(dataset: xr.Dataset) -> xr.Dataset:
         ),
         "sd_between_runs": (spread(runs["mean"]), "standard deviation between the runs' means"),
         "half_interval": (
-            half_interval(runs["mean"]), f"half the {LEVEL:.0%} confidence interval of the mean",
+            _asked(dataset, runs["mean"].mean("seed"), half_interval(runs["mean"])),
+            f"half the {LEVEL:.0%} confidence interval of the mean",
         ),
     }  # fmt: skip
     for array, long_name in found.values():

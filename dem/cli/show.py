@@ -1,9 +1,11 @@
 """What verbs of the library and of studies share: drawing a figure, showing a table."""
 
 import sys
+import time
 from pathlib import Path
 
 from rich.console import Console
+from rich.live import Live
 from rich.segment import Segment
 
 from dem.base.files import FOLDER, Place, atomic, check_paths
@@ -34,6 +36,14 @@ def draw_figure(name: str, data: Path, output: Path | None, figures: dict) -> No
     check_paths([Place("output", folder, FOLDER)])
     with bar(f"drawing {name}"):
         draw(name, data, folder, figures)
+
+
+def watched(make, every: float = 3.0) -> None:
+    """Show what `make` gives again and again, every few s, until Ctrl-C."""
+    with Live(console=PlainConsole(), auto_refresh=False) as live:
+        while True:
+            live.update(make(), refresh=True)
+            time.sleep(every)
 
 
 def print_or_write(table, output: Path | None) -> None:

@@ -97,6 +97,24 @@ def sweep(
         held.release()
 
 
+def status(
+    file: FileArgument = PAPER,
+    watch: Annotated[bool, typer.Option("--watch", help="Look again every few seconds.")] = False,
+):
+    """Show how far a sweep is, place by place, while it runs or after it stopped. It only reads.
+
+    Example: dem status config/smoke.yaml --watch
+    """
+    from dem.cli.show import print_or_write, watched
+    from dem.report.status import status as told
+    from dem.sweep.campaign import Campaign
+
+    if watch:
+        watched(lambda: told(Campaign.of(file)))
+    else:
+        print_or_write(told(Campaign.of(file)), None)
+
+
 def _cluster(scheduler: str, wait: float, store):
     """The workers of a scheduler; raises InputError, or RunError where there is none in time."""
     from dem.sweep.cluster import Cluster, connected
@@ -158,6 +176,9 @@ def combine(
     observable: Annotated[
         str, typer.Option("--observable", help="Recorded observable, such as drag or snapshots.")
     ] = "drag",
+    partial: Annotated[
+        bool, typer.Option("--partial", help="Only the runs that are there, while the rest is made.")
+    ] = False,
 ):
     """Combine all runs of a block into one file, with one dimension per varied value.
 
@@ -169,7 +190,7 @@ def combine(
     campaign = Campaign.of(config)
     check_place(output, campaign.store.folder)
     with bar("combining", 1.0) as update:
-        campaign.combine(block or next(iter(campaign.sweep.blocks)), observable, output, update)
+        campaign.combine(block or next(iter(campaign.sweep.blocks)), observable, output, update, partial)
     for sentence in campaign.said:
         typer.echo(sentence, err=True)
 
@@ -214,4 +235,4 @@ def store(
     print_or_write(table, None)
 
 
-VERBS = (sweep, compile, batch, combine, store)
+VERBS = (sweep, status, compile, batch, combine, store)

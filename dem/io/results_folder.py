@@ -32,6 +32,20 @@ def lock_of(path: Path, timeout: float = -1) -> FileLock:
     return FileLock(path, timeout=timeout)
 
 
+def is_held(path: Path) -> bool:
+    """Whether a process holds a lock, which is not touched; where that cannot be asked, whether it is there."""
+    try:
+        import fcntl
+
+        with Path(path).open("rb") as file:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except FileNotFoundError:
+        return False
+    except (ImportError, BlockingIOError):
+        return True
+    return False
+
+
 def hold(folder: Path) -> FileLock:
     """Hold a folder for this process; raises RunError where another does."""
     folder = Path(folder)

@@ -16,6 +16,7 @@ from dem.analysis.statistics import (
     half_interval,
     over_seeds,
     summarise,
+    takes,
     window_text,
 )
 from dem.analysis.tables import numbers
@@ -29,12 +30,14 @@ from dem.sweep.combine import open_combined
 ROWS = 60  # of a table, at most
 LEGEND = """\
 mean drag within the window; 95 % interval of the mean by Student's t over the runs; standard
-deviation of the drag over a run and of the means between runs, both over the mean drag; greatest
-overlap over the smaller granule radius; median time step; mean processor time of a run"""
+deviation of the drag over a run and of the means between runs, both over the mean drag; how many runs
+a mean within 5 % takes; greatest overlap over the smaller granule radius; median time step; mean
+processor time of a run"""
+FEW = 3  # runs below which the scatter, and so every interval, is a guess
 ORIGIN = ("title", "history", "git_revision", "source_hash", "versions")
 WINDOW = ("window_start", "window_stop")
 OF_A_RUN = ("drag", "displacement", "max_overlap", "time_step", "run_time")
-BETWEEN = ("runs", "95 %\n± N", "sd betw.\nruns %")  # columns that take several runs
+BETWEEN = ("runs", "95 %\n± N", "betw.\nruns %", "runs\nfor 5 %")  # columns that take several runs
 VARIED = 4  # values more that runs of a file differ in, at most
 MEANS = 5  # quantities of a file without drag that are shown
 
@@ -89,11 +92,12 @@ def _of_drag(dataset: xr.Dataset) -> dict[str, tuple[xr.DataArray, str]]:
         "runs": (found["run_mean"].count("seed"), ""),
         "mean\nN": (mean, ".0f"),
         "95 %\n± N": (found["half_interval"], ".0f"),
-        "sd over\nrun %": (100.0 * found["sd_over_run"] / mean, ".1f"),
-        "sd betw.\nruns %": (100.0 * found["sd_between_runs"] / mean, ".1f"),
-        "great.\noverlap": (overlap.max(set(overlap.dims) - set(mean.dims)), ".3f"),
+        "sd of\nrun %": (100.0 * found["sd_over_run"] / mean, ".1f"),
+        "betw.\nruns %": (100.0 * found["sd_between_runs"] / mean, ".1f"),
+        "runs\nfor 5 %": (takes(found["run_mean"], 0.05), ".0f"),
+        "over-\nlap": (overlap.max(set(overlap.dims) - set(mean.dims)), ".3f"),
         "step\nns": (1e9 * middle.compute(scheduler="synchronous"), ".1f"),
-        "run\ntime s": (spent.mean(set(spent.dims) - set(mean.dims)), ".1f"),
+        "run\ns": (spent.mean(set(spent.dims) - set(mean.dims)), ".1f"),
     }
 
 
@@ -132,9 +136,19 @@ def _sweep(dataset: xr.Dataset) -> Group:
     speed = _range(value_of(dataset, "cylinder.velocity"))
     window = f"{window_text(dataset)} of displacement, cylinder at {speed} m/s"
     lines = _provenance(attrs, seeds=_seeds(dataset), window=window)
-    if "failure" in dataset and (missing := _missing(dataset["failure"])):
+    if "partial" in attrs:
+        lines.add_row("so far", attrs["partial"])
+    if "failure" in dataset and (missing := _missing(dataset["failure"], int((dataset["run_id"] != "").sum()))):
         lines.add_row("missing", missing)
-    return _told(attrs, lines, table, more, LEGEND)
+    return _told(attrs, lines, table, more, LEGEND + _few(dataset["drag"]))
+
+
+def _few(values: xr.DataArray) -> str:
+    """A sentence where some places have too few runs for an interval; "" where none has."""
+    along = [dim for dim in ("displacement",) if dim in values.dims]
+    count = over_seeds(values.isel({dim: 0 for dim in along})).count("seed")
+    few = int((count < FEW).sum())
+    return f"\nOf {few} of {count.size} places there are fewer than {FEW} runs: their intervals are guesses." if few else ""
 
 
 def _range(values: xr.DataArray) -> str:
@@ -220,12 +234,12 @@ def _runs(path: Path, dataset: xr.Dataset) -> Group:
     return _told(attrs, _provenance(attrs), table, whole.sizes["run"] - len(replicates))
 
 
-def _missing(failure: xr.DataArray) -> str:
-    """How many runs failed, by the flags of the variable; "" where none did."""
+def _missing(failure: xr.DataArray, total: int) -> str:
+    """How many runs failed of all, by the flags of the variable; "" where none did."""
     meanings = failure.attrs["flag_meanings"].split()
     counts = np.bincount(failure.values.ravel(), minlength=len(meanings))
     words = [f"{n} {word}" for n, word in zip(counts[1:], meanings[1:], strict=True) if n]
-    return f"{counts[1:].sum()} of {failure.size} runs: {', '.join(words)}" if words else ""
+    return f"{counts[1:].sum()} of {total} runs: {', '.join(words)}" if words else ""
 
 
 def _provenance(attrs: dict, **more: str) -> Table:

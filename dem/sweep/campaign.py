@@ -130,12 +130,15 @@ class Campaign:
     def values(self, block: Block) -> dict[Lead, np.ndarray]:
         """What is wanted of the runs of a block that there are, by place: one value a run, in the order of
         the seeds, up to the first that is not there."""
-        numbers = self._numbers.setdefault(block.until.variable, Numbers(self.store, block.until.variable))
-        there = numbers.of({run.id: run for runs in block.replicates.values() for run in runs})
+        there = self.numbers(block.until.variable).of(block)
         return {
             place: np.array([there[run.id] for run in takewhile(lambda run: run.id in there, runs)])
             for place, runs in block.replicates.items()
         }  # fmt: skip
+
+    def numbers(self, variable: str) -> Numbers:
+        """What the runs of the store gave, by the name of a variable."""
+        return self._numbers.setdefault(variable, Numbers(self.store, variable))
 
     def rounds(self, name: str) -> Iterator[int]:
         """The rounds of replicates of a block, one after another; each must be made before the next."""
@@ -258,6 +261,10 @@ class Campaign:
 
         found, before, own = self.block(block), read_earlier(output), self.file
         files = [path for path in self.files(block) if path.is_file() or not partial]
+        if partial and output.resolve() in (path.resolve() for _, path in self.combined()):
+            raise InputError(
+                f"output is {str(output)!r}, where the whole of the sweep will be; name another file for a part."
+            )
         if partial and not files:
             raise InputError(f"no run of {block} is in a finished batch yet; dem status shows what is there.")
         if found.until and not partial and observable == self.observables(block)[0]:

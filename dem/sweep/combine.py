@@ -146,11 +146,10 @@ def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> No
         _write(file, "bed_family", block.dims, families.astype(str), layout=layout)
     aside = " ".join(name for name, (_, dims, _) in labels.items() if dims)
     if block.until:
-        others, numbers = [a for a in block.axes if a.until is None], block.counts
-        array = np.zeros([len(axis.points) for axis in others], np.int64)
-        for place, count in numbers.items():
+        array = np.zeros([len(axis.points) for axis in block.beside_seed], np.int64)
+        for place, count in block.counts.items():
             array[place] = count
-        _write(file, REPLICATES, [axis.name for axis in others], array, layout=OF_SWEEP)
+        _write(file, REPLICATES, [axis.name for axis in block.beside_seed], array)
         file.variables[REPLICATES].setncatts(block.until.model_dump())
     lengths = block.shape[:-1], min(BLOCK, block.shape[-1])
     for name, values in sample.items():

@@ -15,6 +15,7 @@ from dem.io.progress import span
 from dem.sweep.axis import OWN
 from dem.sweep.batch import retry
 from dem.sweep.campaign import Campaign
+from dem.sweep.precision import outlook
 from dem.sweep.prune import sweeps
 from dem.sweep.store import Store
 from dem.sweep.why import reasons
@@ -30,16 +31,14 @@ def summary(campaign: Campaign, jobs: int, again: bool = False) -> str:
 
     again: whether runs that failed are made again.
     """
-    lines, seconds, size, first = [], 0.0, 0, None
-    speeds = speeds_of(campaign.store)
+    lines, coming, first = [], [], None
     for name in campaign.sweep.blocks:
         block = campaign.block(name)
         runs = list(block.unique())
         there, failed = made(campaign, name)
         left = [run for run in runs if run.id not in (there if again else there | failed)]
         beds = {run.bed_id for run in left if not campaign.store.file_of_bed(run).is_file()}
-        seconds += sum(_effort(run) * speeds.get(_kind(run), GUESS) for run in left)
-        size += sum(bytes_of(run) for run in left)
+        coming += left
         axes = ", ".join(f"{axis.name} {len(axis.points)}" for axis in block.axes)
         first = first or (left or runs)[0]
         words = "these are made again" if again else "dem sweep --retry makes these again"
@@ -48,20 +47,29 @@ def summary(campaign: Campaign, jobs: int, again: bool = False) -> str:
             f"{len(there)} are there{f' and {len(failed)} failed ({words})' if failed else ''}; "
             f"{len(beds)} beds to pack."
         )
+        if block.until:
+            lines.append(f"  {outlook(block, campaign.values(block))}")
         lines += [f"  {run.words()}{_values(block, run)}" for run in islice(left, LISTED)]
         if len(left) > LISTED:
             lines.append(f"  and {len(left) - LISTED} more.")
         lines += [
             f"  {n} because {why}." for why, n in reasons(campaign.store, left).most_common(LISTED)
         ]
-    if not seconds:
-        return "\n".join(lines)
-    how = "as runs like these took" if speeds else "a guess: no run was made here yet"
-    lines.append(
-        f"About {span(seconds / jobs)} with {jobs} processes ({how}) and {1e-6 * size:.1f} MB of disk, "
-        "and some minutes where kernels are not compiled yet."
-    )
+    if coming:
+        seconds, how = cost(campaign.store, coming)
+        lines.append(
+            f"About {span(seconds / jobs)} with {jobs} processes ({how}) and "
+            f"{1e-6 * sum(map(bytes_of, coming)):.1f} MB of disk, and some minutes where kernels are not "
+            "compiled yet."
+        )
     return "\n".join(lines)
+
+
+def cost(store: Store, runs: list[Replicate]) -> tuple[float, str]:
+    """Processor time (s) that some runs will take, and how that is known."""
+    speeds = speeds_of(store)
+    how = "as runs like these took" if speeds else "a guess: no run was made here yet"
+    return sum(_effort(run) * speeds.get(_kind(run), GUESS) for run in runs), how
 
 
 def _values(block, replicate: Replicate) -> str:

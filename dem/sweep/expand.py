@@ -33,8 +33,8 @@ class Run(NamedTuple):
 
 
 def lead(place: tuple[int, ...], axes: list[Axis]) -> Lead:
-    """A place on all axes but that of seeds without an end."""
-    return tuple(at for at, axis in zip(place, axes, strict=True) if axis.until is None)
+    """A place on all axes but that of the seeds."""
+    return tuple(at for at, axis in zip(place, axes, strict=True) if axis.name != "seed")
 
 
 class Block:
@@ -49,6 +49,11 @@ class Block:
     def dims(self) -> tuple[str, ...]:
         """Names of the axes."""
         return tuple(axis.name for axis in self.axes)
+
+    @property
+    def beside_seed(self) -> list[Axis]:
+        """The axes but that of the seeds."""
+        return [axis for axis in self.axes if axis.name != "seed"]
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -69,12 +74,8 @@ class Block:
 
     def words(self, place: Lead) -> str:
         """What the runs of a place share, in words: where it is on the axes."""
-        axes = [axis for axis in self.axes if axis.until is None]
-        values = (axis.coordinate[at] for axis, at in zip(axes, place, strict=True))
-        return ", ".join(
-            f"{axis.name} {v:g}" if isinstance(v, float | int) else f"{axis.name} {v}"
-            for axis, v in zip(axes, values, strict=True)
-        ) or "the sweep"
+        values = (axis.coordinate[k] for axis, k in zip(self.beside_seed, place, strict=True))
+        return ", ".join(f"{axis.name} {v}" for axis, v in zip(self.beside_seed, values, strict=True))
 
     @property
     def counts(self) -> dict[Lead, int]:
@@ -86,9 +87,8 @@ class Block:
         """The place whose mean each place's is divided by, if ratios are wanted."""
         if self.until is None or not self.until.reference:
             return dict.fromkeys(self.replicates)
-        others = [axis for axis in self.axes if axis.until is None]
-        at = next(k for k, axis in enumerate(others) if axis.name in ("case", "shape"))
-        own = others[at].coordinate.index(self.until.reference)
+        at = next(k for k, axis in enumerate(self.beside_seed) if axis.name in ("case", "shape"))
+        own = self.beside_seed[at].coordinate.index(self.until.reference)
         return {place: (*place[:at], own, *place[at + 1 :]) for place in self.replicates}
 
     @cached_property

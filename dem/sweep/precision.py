@@ -13,13 +13,12 @@ from collections.abc import Iterable
 from typing import Annotated, NamedTuple
 
 import numpy as np
-from pydantic import AfterValidator, BeforeValidator, model_validator
+from pydantic import BeforeValidator, model_validator
 
 from dem.base.errors import InputError, RunError
 from dem.base.hints import choice
 from dem.base.schema import MOST, Section, Seed, Whole, value
-from dem.experiment.config import Replicate
-from dem.io.dataset import read
+from dem.io.dataset import OF_RUN, read
 
 GROWTH = 2  # a round at most doubles the replicates of a place
 SHARE = "it must be a percentage between 50 % and 99.99 %, such as 95 %"
@@ -45,14 +44,14 @@ def _asked(text) -> str:
     return str(text)
 
 
-def _level(text: str) -> str:
+def _level(text) -> str:
     try:
         number, unit = _quantity(text)
     except ValueError:
         raise ValueError(SHARE) from None
     if unit != "%" or not 50.0 <= number <= 99.99:
         raise ValueError(SHARE)
-    return text
+    return str(text)
 
 
 class Until(Section):
@@ -60,7 +59,7 @@ class Until(Section):
 
     until: Annotated[str, BeforeValidator(_asked)] = value(None, "half of the interval of the mean: 5 % of it, or 50 N")
     of: str = value(None, "what runs record, or its ratio to a case or shape: drag / c1", "drag")
-    confidence: Annotated[str, AfterValidator(_level)] = value(None, "level of the interval", "95 %")
+    confidence: Annotated[str, BeforeValidator(_level)] = value(None, "level of the interval", "95 %")
     first: Seed = value("1", "first seed", 1)
     least: Whole = value("1", "replicates of the first round", 10, ge=3, le=MOST)
     most: Whole = value("1", "replicates of a place at most", 100, ge=3, le=MOST)
@@ -85,12 +84,12 @@ class Until(Section):
     def target(self) -> tuple[float, bool]:
         """Half the interval that is asked for, and whether it is a share of the mean."""
         number, unit = _quantity(self.until)
-        return (0.01 * number, True) if unit == "%" else (number, False)
+        return (number / 100.0, True) if unit == "%" else (number, False)
 
     @property
     def level(self) -> float:
         """The level of the interval, as a share."""
-        return 0.01 * _quantity(self.confidence)[0]
+        return _quantity(self.confidence)[0] / 100.0
 
     def words(self) -> str:
         """What is asked for: drag within 5 % at 95 %."""
@@ -99,9 +98,7 @@ class Until(Section):
     def check(self, where: str, configuration, labels: Iterable[str]) -> None:
         """Raise InputError where runs of a configuration have no such number; labels: of the axis of cases
         or shapes."""
-        experiment = configuration.module
-        layout = experiment.layout(configuration)
-        numbers = [n for n, (dims, unit, _) in layout.items() if unit and "granule" not in dims]
+        numbers, layout = numbers_of(configuration), configuration.module.layout(configuration)
         if self.variable not in numbers:
             raise InputError(
                 f"{where}.of is {self.of!r}; {self.variable} is no number that these runs record"
@@ -117,6 +114,14 @@ class Until(Section):
         if unit != "%" and (self.reference or unit != units):
             other = "" if self.reference else f", or a number of {units}"
             raise InputError(f"{where}.until is {self.until!r}; it must be a percentage{other}.")
+
+
+def numbers_of(configuration) -> list[str]:
+    """Names of the numbers that a run gives, whose mean may be asked for: first what is measured. How long
+    it took is none, because then no file would give the same runs twice."""
+    layout = configuration.module.layout(configuration)
+    found = [n for n, (dims, unit, _) in layout.items() if unit and "granule" not in dims and n != "run_time"]
+    return sorted(found, key=lambda name: name in OF_RUN)
 
 
 class Known(NamedTuple):
@@ -178,9 +183,10 @@ def _moments(sample) -> tuple[int, float, float]:
     return there.size, float(there.mean()), float(there.var(ddof=1)) / there.size
 
 
-def all_known(block, values: dict[Lead, np.ndarray]) -> dict[Lead, Known]:
-    """What is wanted of every place of a block, by what its runs gave so far."""
-    until, partners = block.until, block.partners
+def all_known(
+    until: Until, values: dict[Lead, np.ndarray], partners: dict[Lead, Lead | None]
+) -> dict[Lead, Known]:
+    """What is wanted of every place, by what its runs gave so far."""
     return {
         place: known(values[place], until.level, *([values[other]] if other else []))
         for place, other in partners.items() if other != place
@@ -191,7 +197,7 @@ def short_of(block, values: dict[Lead, np.ndarray]) -> list[str]:
     """A sentence where the cap left places less well known than was asked for; raises RunError where a
     share of a mean means nothing."""
     until, wide = block.until, []
-    for place, found in all_known(block, values).items():
+    for place, found in all_known(until, values, block.partners).items():
         words = block.words(place)
         if found.is_near_zero(until):
             raise RunError(
@@ -208,6 +214,26 @@ def short_of(block, values: dict[Lead, np.ndarray]) -> list[str]:
         f"{len(wide)} of {len(values)} places are not as well known as asked for, {until.words()}: the worst, "
         f"{words}, is within {worst:.2g} of it after {runs} replicates; raise most, {until.most}."
     ]
+
+
+def outlook(block, values: dict[Lead, np.ndarray]) -> str:
+    """How many runs a block takes in all, in words: by the scatter of what is there, with the range that
+    this scatter leaves open (95 %); by the caps where nothing is there."""
+    from scipy.special import chdtri
+
+    until, places = block.until, all_known(block.until, values, block.partners)
+    total = np.array(3 * [sum(n for place, n in block.counts.items() if place not in places)], float)
+    for place, found in places.items():
+        limits = block.counts[place], until.most
+        if found.runs < 2 or not math.isfinite(wanted := expected(found, until)):
+            total += limits[0], *limits
+        else:
+            free = found.runs - 1
+            total += np.clip(wanted * np.array([1.0, *free / chdtri(free, [0.025, 0.975])]), *limits)
+    some, least, most = (f"{math.ceil(each):,}" for each in total)
+    if not any(map(len, values.values())):
+        return f"{until.words()} takes {least} runs at least and {most} at most; the first round will tell."
+    return f"{until.words()} takes some {some} runs in all by the scatter so far ({least} to {most})."
 
 
 def expected(found: Known, until: Until) -> float:
@@ -253,9 +279,11 @@ class Numbers:
     def __init__(self, store, variable: str):
         self.store, self.variable, self._of = store, variable, {}
         self._read: set[str] = set()
+        self.failed: dict[str, str] = {}  # why, by the runs that failed
 
-    def of(self, replicates: dict[str, Replicate]) -> dict[str, float]:
-        """The numbers of those of some runs that are there, by identity; NaN of one that failed."""
+    def of(self, block) -> dict[str, float]:
+        """The numbers of those runs of a block that are there, by identity; NaN of one that failed."""
+        replicates = {run.id: run for run in block.unique()}
         for batch in self.store.sealed().values():
             if batch.id not in self._read and not replicates.keys().isdisjoint(batch.runs):
                 self._read.add(batch.id)
@@ -265,15 +293,23 @@ class Numbers:
     def _in(self, batch, replicates) -> dict[str, float]:
         own = next(replicates[run] for run in batch.runs if run in replicates).configuration
         dims = own.module.layout(own)[self.variable][0]
-        axes = [name for name in ("displacement", "snapshot_displacement") if own.module.AXIS.get(name, ((),))[0][0:1] == dims[-1:]]
+        axes = [
+            name for name, (along, *_) in own.module.AXIS.items()
+            if own.record and dims and along == dims[-1:] and name.endswith("displacement")
+        ]  # fmt: skip
         try:
-            values, _ = read(self.store.file_of(batch.id), ("run_id", "failure", self.variable, *axes))
+            values, _ = read(
+                self.store.file_of(batch.id),
+                ("run_id", "failure", "failure_reason", self.variable, *axes),
+            )
         except InputError:  # damaged: who needs it says so
             return {}
+        ids, failed = values["run_id"].tolist(), values["failure"] != 0
+        for row in np.flatnonzero(failed):
+            self.failed[ids[row]] = str(values["failure_reason"][row])
         array = values[self.variable].astype(float)
         for name in axes:  # along the way of the cylinder, in the window alone
             start, stop = own.record.window
             array = array[..., (values[name] >= start) & (values[name] <= stop)]
-        array[values["failure"] != 0] = np.nan
-        means = array.reshape(len(array), -1).mean(1)
-        return dict(zip(values["run_id"].tolist(), means.tolist(), strict=True))
+        array[failed] = np.nan
+        return dict(zip(ids, array.reshape(len(array), -1).mean(1).tolist(), strict=True))

@@ -24,7 +24,7 @@ from dem.base.sources import code_hash
 from dem.experiment.config import Replicate, of_values
 from dem.io.checksums import is_sealed, seal
 from dem.io.dataset import read
-from dem.io.results_folder import lock_of
+from dem.io.results_folder import is_held, lock_of
 
 FOLDER = Path("results/store")
 KERNELS = "dem.dynamics.simulation", "dem.packing.pressed"  # modules that call all kernels of runs
@@ -177,6 +177,13 @@ class Store:
     def kept(self, run: str) -> dict | None:
         """What a run gave whose batch has not ended, None if it is not there or damaged."""
         return _load(self.run_of(run))
+
+    def under_way(self) -> dict[str, float | None]:
+        """The runs of batches that have not ended, by identity: None for one that is finished, else since
+        when (s since 1970) a process is making it. Nothing is touched."""
+        files = list((self.folder / "runs").glob("*/*"))
+        held = {p.stem: p.stat().st_mtime for p in files if p.suffix == ".lock" and is_held(p)}
+        return held | {p.stem: None for p in files if re.fullmatch(r"[0-9a-f]{32}\.npz", p.name)}
 
     def forget(self, runs: Iterable[str]) -> None:
         """Remove runs that a batch holds now."""

@@ -1,0 +1,277 @@
+"""Replicates until a mean is known: as many as were asked for, the same however the sweep was made.
+
+Runs are numbers drawn from a distribution here, by an experiment in a file of one's own: they cost nothing.
+"""
+
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from forked import snakemake
+from scipy import stats
+
+import dem
+from conftest import posix
+from dem.analysis.statistics import half_interval, summarise
+from dem.base.errors import InputError, RunError
+from dem.base.sources import ROOT
+from dem.cli.show import PlainConsole
+from dem.report.status import status
+from dem.sweep import precision
+from dem.sweep.campaign import Campaign
+from dem.sweep.workers import Workers
+
+DRAWN = '''
+"""A number drawn from a distribution, of the density as its mean."""
+from pathlib import Path
+
+import numpy as np
+
+from dem.base.errors import RunError
+
+SECTIONS = {"cylinder": False, "record": False}
+VARIABLES = {"force": ((), "N", "a drawn number"), "offset": ((), "N", "one about zero")}
+
+
+def run(replicate, bed=None, progress=lambda done: None):
+    if replicate.seed == 7 and replicate.density == 300.0:
+        raise RunError("this one fails")
+    number = np.random.default_rng([replicate.seed, int(replicate.density)]).standard_normal()
+    left = Path("left")  # so many runs until the process is killed
+    if left.exists():
+        left.write_text(str(int(left.read_text()) - 1))
+        if left.read_text() == "-1":
+            left.unlink()
+            raise KeyboardInterrupt
+    return {"force": replicate.density * (1.0 + 0.3 * number), "offset": number}
+'''
+SWEEP = """
+extends: config/smoke.yaml
+results: results/drawn
+experiment: drawn.py
+shapes: {{c1: {{kind: disc, diameter: 1.0e-3, granules: 60}}}}
+cases:
+  a: {{shape: c1, density: 100}}
+  b: {{shape: c1, density: 200}}
+  c: {{shape: c1, density: 300}}
+sweep:
+  case: {cases}
+  seed: {seed}
+"""
+SEED = "{until: 10 %, of: force, most: 120}"
+
+
+@pytest.fixture
+def sweep(tmp_path, monkeypatch):
+    """Writes a sweep file of drawn numbers, in a folder of its own where the test works."""
+    monkeypatch.chdir(tmp_path)
+    Path("drawn.py").write_text(DRAWN)
+
+    def write(seed=SEED, cases="[a, b]", more=""):
+        Path("sweep.yaml").write_text(SWEEP.format(seed=seed, cases=cases) + more)
+        return Path("sweep.yaml")
+
+    return write
+
+
+def made(file: Path) -> Campaign:
+    """The sweep of a file, made in this process."""
+    campaign = Campaign.of(file)
+    campaign.make(Workers())
+    return campaign
+
+
+def result() -> xr.Dataset:
+    with dem.open_results("results/drawn/drawn.nc") as found:
+        return found.load()
+
+
+def said(campaign) -> str:
+    """The table of a sweep's status as text."""
+    console = PlainConsole(width=200)
+    with console.capture() as text:
+        console.print(status(campaign))
+    return text.get()
+
+
+def test_replicates_are_added_until_the_mean_is_as_well_known_as_asked(sweep):
+    made(sweep())
+    found = result()
+    sample, count = found["force"], found["replicates"]
+    assert (count >= 10).all() and (count < 120).all()
+    assert (half_interval(sample) <= 0.1 * abs(sample.mean("seed"))).all()
+    # seeds without gaps, and nothing where a place has no replicate
+    for case in "ab":
+        there = found["run_id"].sel(case=case).values != ""
+        assert there.tolist() == (np.arange(len(there)) < int(count.sel(case=case))).tolist()
+        assert (sample.sel(case=case).notnull().values == there).all()
+    assert found["seed"].values.tolist() == list(range(1, int(count.max()) + 1))
+
+
+def test_a_round_at_most_doubles_the_replicates(sweep):
+    """Looking at every interval would stop at the first that is narrow by chance."""
+    campaign = made(sweep("{until: 3 %, of: force, most: 500}"))
+    counts = [campaign.block("drag", k).counts for k in campaign.rounds("drag")]
+    assert counts[0] == {(0,): 10, (1,): 10} and len(counts) > 3
+    for before, after in pairwise(counts):
+        assert all(before[place] <= after[place] <= 2 * before[place] for place in before)
+
+
+def test_a_stopped_sweep_goes_on_to_the_same_runs(sweep, tmp_path):
+    """Killed twice, in the first round and in a later one, and after another sweep made more seeds."""
+    made(sweep())
+    whole = result().drop_attrs()
+    for name in ("store", "drawn"):
+        Path(f"results/{name}").rename(f"{name}-before")
+    for runs in (7, 25):
+        Path("left").write_text(str(runs))
+        with pytest.raises(KeyboardInterrupt):
+            made(sweep())
+    made(sweep())
+    xr.testing.assert_equal(result().drop_attrs(), whole)
+    made(sweep("1 to 120"))
+    made(sweep())
+    xr.testing.assert_equal(result().drop_attrs(), whole)
+
+
+@posix
+def test_snakemake_makes_the_same_replicates(sweep):
+    made(sweep())
+    whole = result().drop_attrs()
+    for name in ("store", "drawn"):
+        Path(f"results/{name}").rename(f"{name}-before")
+    words = "-s", ROOT / "Snakefile", "-j2", "results/drawn/drawn.nc"
+    ran = snakemake(Path.cwd(), *map(str, words), configfile="sweep.yaml")
+    assert ran.returncode == 0, ran.stderr
+    xr.testing.assert_equal(result().drop_attrs(), whole)
+    assert "Nothing to be done" in snakemake(Path.cwd(), *map(str, words), configfile="sweep.yaml").stderr
+
+
+def test_a_place_that_stops_at_the_cap_is_said(sweep):
+    campaign = made(sweep("{until: 1 %, of: force, most: 12}"))
+    (sentence,) = campaign.said
+    assert "2 of 2 places are not as well known as asked for" in sentence and "after 12 replicates" in sentence
+    assert result()["replicates"].values.tolist() == [12, 12]
+
+
+def test_a_failed_run_counts_and_is_not_replaced(sweep):
+    campaign = made(sweep(SEED, "[a, c]", "failures: 0.1\n"))
+    found = result().sel(case="c")
+    there = found["run_id"].values != ""
+    assert there.sum() == int(found["replicates"]) == found["force"].count() + 1
+    assert np.isnan(found["force"].sel(seed=7)) and "1 failed: this one fails" in said(campaign)
+
+
+def test_an_absolute_precision_is_in_the_units_of_what_is_measured(sweep):
+    made(sweep("{until: 12 N, of: force, most: 200}"))
+    assert (half_interval(result()["force"]) <= 12.0).all()
+    with pytest.raises(InputError, match="it must be a percentage, or a number of N"):
+        Campaign.of(sweep("{until: 12 kg, of: force}"))
+
+
+def test_a_share_of_a_mean_that_may_be_zero_is_refused_and_the_runs_are_kept(sweep):
+    with pytest.raises(RunError, match=r"case a: offset of 10 replicates .* may be zero"):
+        made(sweep("{until: 10 %, of: offset}"))
+    assert Campaign.of(Path("sweep.yaml")).counts() == (20, 20)
+    assert not Path("results/drawn/drawn.nc").exists()
+    made(sweep("{until: 0.5 N, of: offset}"))
+
+
+def test_both_parts_of_a_ratio_get_replicates(sweep):
+    campaign = made(sweep("{until: 10 %, of: force / a, most: 200}"))
+    block = campaign.block("drag")
+    (found,) = precision.all_known(block.until, campaign.values(block), block.partners).values()
+    assert found.excess(block.until) <= 1.0
+    assert block.counts[0,] > 10 and block.counts[1,] > 10
+    # of one mean alone fewer would have been enough
+    assert block.counts[1,] > made(sweep()).block("drag").counts[1,]
+
+
+def test_fieller_s_interval_is_where_the_difference_is_significant():
+    """At its ends r, t of `mean - r reference` is Student's quantile (Fieller 1954)."""
+    rng = np.random.default_rng(3)
+    above, below = rng.normal(3.0, 0.6, 12), rng.normal(1.0, 0.2, 30)
+    found = precision.known(above, 0.9, below)
+    ratio = above.mean() / below.mean()
+    variances = above.var(ddof=1) / 12, ratio**2 * below.var(ddof=1) / 30
+    freedom = sum(variances) ** 2 / (variances[0] ** 2 / 11 + variances[1] ** 2 / 29)
+    for end in (found.low, found.high):
+        spread = np.sqrt(above.var(ddof=1) / 12 + end**2 * below.var(ddof=1) / 30)
+        t = abs(above.mean() - end * below.mean()) / spread
+        assert stats.t(freedom).cdf(t) == pytest.approx(0.95, abs=1e-12)
+    assert found.low < ratio < found.high
+    # a reference that may be zero leaves the ratio open
+    assert precision.known(above, 0.9, below - below.mean()).half == np.inf
+
+
+@pytest.mark.parametrize(
+    "seed, words",
+    [
+        ("{until: 0}", "sweep.seed.until is 0; it must be a positive number with its unit"),
+        ("{until: 5}", "sweep.seed.until is 5; it must be a positive number with its unit"),
+        ("{until: -5 %}", "sweep.seed.until is '-5 %'; it must be a positive number with its unit"),
+        ("{until: 5 %, of: force, most: -1}", "sweep.seed.most is -1; it must be at least 3"),
+        ("{until: 5 %, of: force, least: 50, most: 20}", "least is 50, above most, 20"),
+        ("{until: 5 %, of: forze}", "forze is no number that these runs record; the nearest is force"),
+        ("{until: 5 %, of: run_time}", "run_time is no number that these runs record"),
+        ("{until: 5 %, of: force / z}", "'z' is no case or shape that this block varies; there are a, b"),
+        ("{until: 5 N, of: force / a}", "sweep.seed.until is '5 N'; it must be a percentage"),
+        ("{until: 5 %, of: force, confidence: 5}", "it must be a percentage between 50 % and 99.99 %"),
+        ("{untl: 5 %}", "sweep.seed.untl is not a known key; the nearest is until"),
+    ],
+)
+def test_a_precision_that_cannot_be_is_refused_with_its_key(sweep, seed, words):
+    with pytest.raises(InputError) as error:
+        Campaign.of(sweep(seed))
+    assert words in str(error.value)
+
+
+def test_replicates_of_a_derived_block_are_listed(sweep):
+    with pytest.raises(InputError, match="seed has until, and needs first; list the seeds"):
+        more = "    first: {case: a, seed: 1}\n    second: {needs: first, case: a, seed: " + SEED + "}\n"
+        text = sweep().read_text().partition("sweep:")[0] + "sweep:\n  blocks:\n" + more
+        Path("sweep.yaml").write_text(text)
+        Campaign.of(Path("sweep.yaml"))
+
+
+def test_status_tells_what_is_done_waits_and_failed_and_changes_nothing(sweep):
+    file = sweep(SEED, "[a, c]", "failures: 0.1\nbatch: 4\n")
+    assert "20 wait" in said(Campaign.of(file)) and not Path("results").exists()
+    Path("left").write_text("15")
+    with pytest.raises(KeyboardInterrupt):
+        made(file)
+    before = sorted((p, p.stat().st_mtime_ns) for p in Path("results").rglob("*"))
+    text = said(Campaign.of(file))
+    rows = {line.split()[0]: line.split()[1:] for line in text.splitlines() if line.startswith((" a ", " c "))}
+    done = {case: int(row[1].replace("-", "0")) for case, row in rows.items()}
+    assert sum(done.values()) == 15 and rows["c"][4] == "1", text
+    assert "0 runs are under way and 4 wait" in text
+    assert before == sorted((p, p.stat().st_mtime_ns) for p in Path("results").rglob("*"))
+
+
+def test_a_partial_file_holds_what_is_there_and_says_so(sweep):
+    file = sweep()
+    Path("left").write_text("12")
+    with pytest.raises(KeyboardInterrupt):
+        made(file)
+    campaign = Campaign.of(file)
+    with pytest.raises(InputError, match="name another file for a part"):
+        campaign.combine("drag", "drawn", Path("results/drawn/drawn.nc"), partial=True)
+    campaign.combine("drag", "drawn", Path("part.nc"), partial=True)
+    with dem.open_results("part.nc") as part:
+        assert part.attrs["partial"] == "10 of 20 runs"
+        assert int(part["force"].count()) == 10 == int((part["run_id"] != "").sum())
+
+
+def test_a_table_of_drag_claims_no_more_than_was_asked_for():
+    """Who stops as soon as an interval is narrow finds it too narrow."""
+    drag = 100.0 + np.array([[-1.0, 1.0, -1.0, 1.0]])
+    dataset = xr.Dataset(
+        {"drag": (("case", "seed", "displacement"), drag[..., None])},
+        {"displacement": [2e-3]}, {"window_start": 1e-3, "window_stop": 5e-3},
+    )  # fmt: skip
+    narrow = summarise(dataset)["half_interval"].item()
+    dataset["replicates"] = ("case", [4], {"until": "5 %", "of": "drag", "confidence": "95 %"})
+    assert narrow < 5.0 and summarise(dataset)["half_interval"].item() == pytest.approx(5.0)
