@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # A SLURM of one machine, from nothing to a finished sweep and back: installs it (Debian, as root),
-# starts it in a mount namespace of its own, and runs the smoke sweep through profiles/slurm. Kills a job,
+# starts it in a mount namespace of its own, and runs the smoke sweep through profiles/slurm, with replicates until
+# the drag is known within 20 %. Kills a job,
 # then Snakemake, goes on, and compares the result bit by bit with that of a local run.
 #
 #     bash tests/slurm.sh [folder for logs]
@@ -71,7 +72,7 @@ sinfo -h -o %T | grep -q idle || { echo "The node does not come up; see $LOGS/sl
 # the same sweep twice: through SLURM, with seeds that nobody has made yet, and all again here
 FIRST=$((1000 * RANDOM))
 for place in slurm local; do
-    sed -e "s#results/smoke#results/${place}_smoke#" -e "s/^  seed: .*/  seed: $FIRST to $((FIRST + 11))\n\nbatch: 6\nfailures: 0.1/" \
+    sed -e "s#results/smoke#results/${place}_smoke#" -e "s/^  seed: .*/  seed: {until: 20 %, first: $FIRST, least: 6, most: 24}\n\nbatch: 6\nfailures: 0.1/" \
         config/smoke.yaml >"$HOME_OF/$place.yaml"
     rm -rf "results/${place}_smoke"
 done
@@ -125,7 +126,7 @@ import xarray as xr
 one, two = (xr.open_dataset(f"results/{place}_smoke/drag.nc") for place in ("slurm", "local"))
 different = [name for name in two.variables if name not in ("run_time", "spent")
              and not one[name].identical(two[name])]
-print(f"{two.drag.sizes['case'] * two.drag.sizes['seed']} runs;",
+print(f"{int(two.replicates.sum())} runs;",
       f"different: {', '.join(different)}" if different else "SLURM and local: same bits")
 sys.exit(bool(different))
 PY
