@@ -61,17 +61,9 @@ class Verification(Findings):
 
     def rows(self) -> Table:
         """Every number."""
-        heads = [
-            "case",
-            "quantity",
-            "at",
-            "value",
-            "expected",
-            "error",
-            "tolerance",
-            "units",
-            "verdict",
-        ]
+        heads = (
+            "case", "quantity", "at", "value", "expected", "error", "tolerance", "units", "verdict",
+        )  # fmt: skip
         made = numbers(*heads, words=2)
         for name in self.dataset["case"].values:
             title = self.title_of(name)
