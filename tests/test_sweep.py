@@ -22,6 +22,7 @@ from dem.base.errors import InputError, RunError
 from dem.base.yaml_file import read
 from dem.cli.app import app
 from dem.experiment.config import Replicate, entries
+from dem.io.checksums import Changed, seal
 from dem.io.dataset import read as read_runs
 from dem.io.results_folder import hold
 from dem.sweep import batch as making
@@ -453,6 +454,33 @@ def test_an_n_dimensional_file_holds_every_run(tmp_path, batch):
         alone = dem.run_experiment(run.replicate.values())
         np.testing.assert_array_equal(dataset["drag"][run.place].values, alone["drag"].values)
         assert dataset["run_id"][run.place] == alone.attrs["run_id"]
+
+
+def test_a_run_that_no_file_holds_is_named(tmp_path):
+    """A sweep is not combined before all its batches are there; no file is left."""
+    sweep = small({"shape": "c1", "seed": [1, 2]}, batch=1)
+    work = done(sweep, tmp_path)
+    first, second = work.files("drag")
+    output = tmp_path / "drag.nc"
+    with pytest.raises(InputError, match=r"seed [12] is in none of the 1 files; run again"):
+        combine([first], sweep, sweep.block("drag"), "drag", output)
+    second.unlink()
+    with pytest.raises(FileNotFoundError, match=second.name):
+        work.combine("drag", "drag", output)
+    assert not output.exists()
+
+
+@pytest.mark.parametrize("damage", [lambda content: content[:-1], lambda content: b"." + content[1:]])
+def test_a_file_that_was_damaged_on_its_way_is_not_put_into_the_store(tmp_path, damage):
+    """Cut or changed, where another machine made it."""
+    store, path = stores.Store(tmp_path / "store"), tmp_path / "made"
+    path.write_bytes(bytes(1000))
+    seal(path)
+    with pytest.raises(Changed):
+        store.put("ab", damage(path.read_bytes()))
+    assert not list(store.folder.rglob("*.*"))
+    store.put("ab", path.read_bytes())
+    assert store.file_of("ab").read_bytes() == path.read_bytes()
 
 
 def _together(folder, name):

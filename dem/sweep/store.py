@@ -22,7 +22,7 @@ from dem.base.errors import InputError
 from dem.base.files import atomic, check_file
 from dem.base.sources import code_hash
 from dem.experiment.config import Replicate, of_values
-from dem.io.checksums import is_sealed, seal
+from dem.io.checksums import Changed, is_sealed, seal
 from dem.io.dataset import read
 from dem.io.results_folder import is_held, lock_of
 
@@ -145,7 +145,8 @@ class Store:
         """Put the sealed file of a batch that was made elsewhere; raises Changed where it is damaged."""
         with atomic(self.file_of(batch)) as part:
             part.write_bytes(content)
-            is_sealed(part)
+            if not is_sealed(part):
+                raise Changed("it has no checksum")
 
     # Beds and finished runs
 
