@@ -27,6 +27,10 @@ from dem.sweep.config import load
 # Compiling takes seconds, so no deadlines; the same examples each time, so no surprises.
 hypothesis.settings.register_profile("suite", deadline=None, derandomize=True, max_examples=100)
 hypothesis.settings.register_profile("night", deadline=None, max_examples=2000)
+# The same examples, but none is made smaller, which takes minutes: mutants.py asks only whether one fails.
+hypothesis.settings.register_profile(
+    "mutants", hypothesis.settings.get_profile("suite"), phases=[hypothesis.Phase.explicit, hypothesis.Phase.generate]
+)
 hypothesis.settings.load_profile("suite")
 
 # The workflow runs on Linux and macOS, the library and the command line also on Windows.
@@ -68,7 +72,10 @@ QUICK = {
         "stale",
         "killed",
         "store_is_made",
+        "whole_or_not",
     ),
+    "test_store_states.py": ("",),
+    "test_faults.py": ("a_case_without", "in_another_batch"),
     "test_onset.py": ("",),
     "test_claims.py": ("test_line_finds",),
     "test_damage.py": ("flipped_bit", "of_any_size"),

@@ -3,7 +3,7 @@
 Each mutant is one fault, put into a copy of the project: in `file` of dem/, `right` becomes `wrong`. The
 quick part (pytest -m quick) must fail on it. A kernel that is changed is compiled again, half a minute a
 kind of scene; so the runner first asks the test that is most likely to fail, one of the quick part,
-and the whole of it only if that passes. All 64 take about an hour of a processor. Results are kept in
+and the whole of it only if that passes. All take about an hour of a processor. Results are kept in
 a file of JSON lines, and those that are there are not made again:
 
     python tests/mutants.py --kept mutants.jsonl           # all, one after another
@@ -60,6 +60,10 @@ SUPER, ONE_THREAD, TWO_THREADS = TWIN.format("superellipses"), LARGE.format(1), 
 RUN = "tests/test_twin.py::test_a_run_of_a_configuration_is_that_of_the_model"
 HELD = "tests/test_step.py::test_the_time_step_is_held_where_the_bound_goes_up_and_down"
 BED, SWEEP, STORE = "tests/test_packing.py", "tests/test_sweep.py", "tests/test_stopping.py"
+STATES, WHOLE = "tests/test_store_states.py", f"{STORE}::test_a_file_is_written_whole_or_not_at_all"
+ROWS = f"{SWEEP}::test_an_n_dimensional_file_holds_every_run"
+FAILED = f"{SWEEP}::test_a_failed_run_is_a_row_with_its_reason"
+PRUNED = f"{SWEEP}::test_prune_removes_what_no_sweep_needs"
 
 MUTANTS = (
     # the force law, and what a contact does with it
@@ -125,6 +129,27 @@ MUTANTS = (
     Mutant("sweep/store.py", "index", "for run in mine:\n", "for run in mine[1:]:\n", SWEEP),
     Mutant("sweep/batch.py", "missing call", "    store.keep(replicate.id, found)\n", "", STORE),
     Mutant("sweep/batch.py", "comparison", 'return values["run_id"].tolist() == [', 'return values["run_id"].tolist() != [', STORE),
+    Mutant("sweep/batch.py", "order", "    if not is_whole(path, replicates):  # another", "    store.forget(replicate.id for replicate in replicates)\n    if not is_whole(path, replicates):  # another", STATES),
+    Mutant("sweep/batch.py", "index", "np.asarray(row.get(name, gap)", "np.asarray(rows[0].get(name, gap)", STATES),
+    Mutant("sweep/batch.py", "comparison", "if (found := store.kept(replicate.id)) is not None:", "if (found := store.kept(replicate.id)) is None:", STATES),
+    Mutant("sweep/batch.py", "condition", "    if is_whole(path, replicates):\n        return path", "    if path.exists():\n        return path", f"{STORE}::test_a_chunk_that_is_there_is_left_alone"),
+    Mutant("sweep/batch.py", "missing call", "            store.keep(run, rows[run])\n", "            pass\n", FAILED),
+    Mutant("sweep/batch.py", "condition", 'if rows and rows[replicate.id]["failure"] == 0:', "if rows:", "tests/test_faults.py::test_a_run_that_failed_in_another_batch_is_tried_again"),
+    Mutant("sweep/store.py", "missing call", "        file.close()\n        seal(part)\n", "        file.close()\n", STATES),
+    Mutant("sweep/store.py", "missing call", "            if not is_sealed(part):\n", "            if not content:\n", f"{SWEEP}::test_a_file_that_was_damaged_on_its_way_is_not_put_into_the_store"),
+    Mutant("sweep/store.py", "order", "return batch_id(results, *batch.runs) != batch.id, -len", "return -len", f"{SWEEP}::test_a_sweep_keeps_to_its_batches_while_another_makes_their_runs"),
+    Mutant("sweep/prune.py", "index", 'path.name.partition(".")[0] not in', "path.stem not in", STATES),
+    Mutant("sweep/prune.py", "missing term", "runs.union(beds, (batch.id", "runs.union((batch.id", STATES),
+    Mutant("sweep/prune.py", "missing term", "if not batch.runs or runs.intersection", "if runs.intersection", f"{SWEEP}::test_prune_removes_nothing_whose_runs_are_unknown"),
+    Mutant("sweep/prune.py", "missing term", "{run for each in earlier for run in each.runs}, set()", "set(), set()", PRUNED),
+    Mutant("sweep/prune.py", "order", "list(store.files()), list(", "store.files(), list(", f"{SWEEP}::test_prune_leaves_the_plans_of_a_sweep_that_starts_meanwhile"),
+    Mutant("sweep/combine.py", "index", "for _, row in some]", "for _, row in some[::-1]]", ROWS),
+    Mutant("sweep/combine.py", "condition", "        if left:\n", "        if left and not made:\n", f"{SWEEP}::test_a_run_that_no_file_holds_is_named"),
+    Mutant("sweep/combine.py", "missing call", "        _check(sweep, block, sorted(failed))\n", "", FAILED),
+    Mutant("sweep/combine.py", "comparison", "if count == groups[group]:", "if count > groups[group]:", "tests/test_faults.py::test_a_case_without_any_run_stops_a_sweep"),
+    Mutant("base/files.py", "order", "        yield part\n        part.replace(path)\n", "        try:\n            yield part\n        finally:\n            part.replace(path)\n", WHOLE),
+    Mutant("base/files.py", "missing call", "            part.unlink(missing_ok=True)\n", "            pass\n", WHOLE),
+    Mutant("io/checksums.py", "limit", "for start in range(0, size, BLOCK)", "for start in range(0, size - BLOCK, BLOCK)", "tests/test_damage.py"),
     Mutant("io/checksums.py", "comparison", "if stored != _checksum(file, size):", "if stored == mark:", "tests/test_damage.py"),
     Mutant("io/results_folder.py", "condition", "else late:\n", "else not late:\n", STORE),
     Mutant("analysis/statistics.py", "constant", "0.5 + 0.5 * LEVEL)\n    return runs", "LEVEL)\n    return runs", "tests/test_statistics.py"),
@@ -167,6 +192,7 @@ def asked(copy: Path, *words: str) -> str | None:
         "-n0",
         "-p",
         "no:cacheprovider",
+        "--hypothesis-profile=mutants",
         "-m",
         "quick",
         *words,

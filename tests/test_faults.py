@@ -37,6 +37,7 @@ from dem.sweep.combine import open_combined
 from dem.sweep.config import load, save
 from dem.sweep.estimate import retried
 from dem.sweep.estimate import summary as estimated
+from dem.sweep.store import Store
 
 
 @pytest.fixture
@@ -157,6 +158,24 @@ def test_a_run_that_failed_is_tried_again_when_it_is_asked_for(tmp_path, monkeyp
     assert retried(work) == 0 and file.is_file()
     rough = discs([1, 2, 3], friction={"granule": 0.1, "wall": 0.1, "cylinder": 0.1})
     assert not set(rough.block("drag").places) & set(sweep.block("drag").places)
+
+
+def test_a_run_that_failed_in_another_batch_is_tried_again(tmp_path, two_fail):
+    """Where two sweeps were planned before it was made; the second takes over what did not fail."""
+    store, found = Store(tmp_path / "store"), []
+    sweeps = [
+        Campaign(discs([1, 2], results=f"results/{name}"), store, root=tmp_path) for name in "ab"
+    ]
+    for work in sweeps:
+        work.begin("drag")
+    for tries, work in zip((2, 4), sweeps, strict=True):
+        (path,) = (making.make(store, batch.id) for batch in work.batches("drag"))
+        assert len(two_fail) == tries
+        found.append(read(path, ("failure", "spent"))[0])
+    one, other = found
+    made = one["failure"] == 0
+    assert made.sum() == 2 and (made == (other["failure"] == 0)).all()
+    np.testing.assert_array_equal(one["spent"][made], other["spent"][made])
 
 
 def test_a_dry_run_counts_failed_runs_of_a_chunk_under_way(tmp_path, two_fail):

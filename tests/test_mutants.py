@@ -13,8 +13,8 @@ def test_a_fault_can_still_be_put_into_the_code(mutant):
 
 
 def test_the_faults_are_of_all_rooms_and_no_two_are_one():
-    """Sixty-four of them, in every room whose numbers can be wrong."""
-    assert len({(m.file, m.right, m.wrong) for m in MUTANTS}) == len(MUTANTS) == 64
+    """In every room whose numbers can be wrong, and where files are written."""
+    assert len({(m.file, m.right, m.wrong) for m in MUTANTS}) == len(MUTANTS)
     assert {m.file.partition("/")[0] for m in MUTANTS} == {
-        "contacts", "dynamics", "shapes", "packing", "experiment", "sweep", "io", "analysis", "jit",
+        "contacts", "dynamics", "shapes", "packing", "experiment", "sweep", "io", "analysis", "jit", "base",
     }  # fmt: skip

@@ -77,6 +77,7 @@ class Sweeps(RuleBasedStateMachine):
         return self.left.get(what) == 0
 
     def run(self, store, replicate, progress):
+        store.run_of(replicate.id, ".checkpoint.npz").write_bytes(b"half of a run")
         if self.count("killed in a run"):
             raise Killed
         store.bed(replicate, making.make_bed)
@@ -180,9 +181,11 @@ class Sweeps(RuleBasedStateMachine):
     @rule()
     def prune(self):
         """What no sweep needs goes, and nothing else; where that cannot be known, nothing goes."""
-        needed = {
-            run for name in NAMES if self.seeds[name] for run in self.campaign(name).runs()
-        }
+        runs = [
+            run for name in NAMES if self.seeds[name]
+            for run in self.campaign(name).block("drag").unique()
+        ]  # fmt: skip
+        needed, beds = {run.id for run in runs}, {run.bed_id for run in runs}
         before = self.files()
         try:
             prune(self.store)
@@ -191,6 +194,8 @@ class Sweeps(RuleBasedStateMachine):
             assert self.files() == before
         else:
             self.allowed.update(self.made.keys() - needed)
+            gone = {path.name.partition(".")[0] for path in set(before) - set(self.files())}
+            assert not gone & (needed | beds)  # checkpoints and beds too
 
     @rule(name=st.sampled_from(["store/batches/notes.txt", "store/beds/ab/mine.npz", "a/notes.txt"]))
     def own_file(self, name):
