@@ -35,8 +35,9 @@ PITCH = 1e-3  # m
 def swarm(side=40, seed=1):
     """More granules than a patch holds, on a grid, that fly about and collide in a box.
 
-    The box repeats itself along x, its walls are guided and one granule above all others is held:
-    large beds with motions and without share machine code.
+    The box repeats itself along x, its walls are guided and one granule above all others is held; no weight
+    and a cylinder below the floor, which nothing meets: large beds with motions and without, and those
+    of test_twin.py, share machine code.
     """
     rng = np.random.default_rng(seed)
     n = side * side
@@ -44,7 +45,8 @@ def swarm(side=40, seed=1):
     grid = PITCH * (np.stack(np.meshgrid(*2 * [np.arange(side)]), -1).reshape(-1, 2) + 0.5)
     scene = Scene(
         Disc(rng.uniform(0.3, 0.49, n + 1) * PITCH), Material(2500.0, 1e9, 0.3, 0.7), Friction(),
-        box(side * PITCH, (side + 2) * PITCH)[2:], thickness=PITCH,
+        box(side * PITCH, (side + 2) * PITCH)[2:], Cylinder(PITCH, (0.0, -1.0)),
+        gravity=(0.0, 0.0), thickness=PITCH,
         periodic=(side * PITCH, None), wall_motion=[STILL, STILL], held=[Held([n])],
     )  # fmt: skip
     place = np.concatenate([grid, [[0.5 * PITCH, (side + 1.5) * PITCH]]])

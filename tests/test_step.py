@@ -26,7 +26,7 @@ def phases(partner, count=100):
     far, sizes = 20.0 * RADIUS * np.arange(count), np.full(2 * count, RADIUS)
     if partner == "wall":
         place, velocity = np.stack([-RADIUS - gap, far], 1), np.tile([SPEED, 0.0], (count, 1))
-        return dem.Disc(sizes[:count]), place, velocity, {"walls": [[1.0, 0.0, 0.0]]}
+        return dem.Disc(sizes[:count]), place, velocity, BEDS | {"walls": [[1.0, 0.0, 0.0]]}
     if partner == "cylinder":
         angle, radius = 2.0 * np.pi * np.arange(count) / count, 1.0  # m
         out = np.stack([np.cos(angle), np.sin(angle)], 1)
@@ -34,7 +34,7 @@ def phases(partner, count=100):
             (radius + RADIUS + gap)[:, None] * out,
             dem.Cylinder(2.0 * radius, (0.0, 0.0)),
         )
-        return dem.Disc(sizes[:count]), place, -SPEED * out, {"cylinder": still}
+        return dem.Disc(sizes[:count]), place, -SPEED * out, BEDS | {"cylinder": still}
     superellipse = dem.Superellipse(0.9 * sizes, 0.7 * sizes, 0.3 * sizes, 3.0)
     shape, reach = {
         "disc": (dem.Disc(sizes), RADIUS),
