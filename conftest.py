@@ -74,7 +74,6 @@ QUICK = {
         "store_is_made",
         "whole_or_not",
     ),
-    "test_store_states.py": ("",),
     "test_faults.py": ("a_case_without", "in_another_batch"),
     "test_onset.py": ("",),
     "test_claims.py": ("test_line_finds",),

@@ -60,9 +60,11 @@ SUPER, ONE_THREAD, TWO_THREADS = TWIN.format("superellipses"), LARGE.format(1), 
 RUN = "tests/test_twin.py::test_a_run_of_a_configuration_is_that_of_the_model"
 HELD = "tests/test_step.py::test_the_time_step_is_held_where_the_bound_goes_up_and_down"
 BED, SWEEP, STORE = "tests/test_packing.py", "tests/test_sweep.py", "tests/test_stopping.py"
-STATES, WHOLE = "tests/test_store_states.py", f"{STORE}::test_a_file_is_written_whole_or_not_at_all"
+WHOLE = f"{STORE}::test_a_file_is_written_whole_or_not_at_all"
+STOPPED = f"{STORE}::test_a_chunk_that_is_stopped_goes_on_with_the_run_under_way"
 ROWS = f"{SWEEP}::test_an_n_dimensional_file_holds_every_run"
 FAILED = f"{SWEEP}::test_a_failed_run_is_a_row_with_its_reason"
+UNDER_WAY = f"{SWEEP}::test_prune_keeps_beds_and_checkpoints_of_runs_under_way"
 PRUNED = f"{SWEEP}::test_prune_removes_what_no_sweep_needs"
 
 MUTANTS = (
@@ -129,17 +131,17 @@ MUTANTS = (
     Mutant("sweep/store.py", "index", "for run in mine:\n", "for run in mine[1:]:\n", SWEEP),
     Mutant("sweep/batch.py", "missing call", "    store.keep(replicate.id, found)\n", "", STORE),
     Mutant("sweep/batch.py", "comparison", 'return values["run_id"].tolist() == [', 'return values["run_id"].tolist() != [', STORE),
-    Mutant("sweep/batch.py", "order", "    if not is_whole(path, replicates):  # another", "    store.forget(replicate.id for replicate in replicates)\n    if not is_whole(path, replicates):  # another", STATES),
-    Mutant("sweep/batch.py", "index", "np.asarray(row.get(name, gap)", "np.asarray(rows[0].get(name, gap)", STATES),
-    Mutant("sweep/batch.py", "comparison", "if (found := store.kept(replicate.id)) is not None:", "if (found := store.kept(replicate.id)) is None:", STATES),
+    Mutant("sweep/batch.py", "order", "    if not is_whole(path, replicates):  # another", "    store.forget(replicate.id for replicate in replicates)\n    if not is_whole(path, replicates):  # another", f"{STORE}::test_a_chunk_that_cannot_be_written_loses_no_run"),
+    Mutant("sweep/batch.py", "index", "np.asarray(row.get(name, gap)", "np.asarray(rows[0].get(name, gap)", ROWS),
+    Mutant("sweep/batch.py", "comparison", "if (found := store.kept(replicate.id)) is not None:", "if (found := store.kept(replicate.id)) is None:", STOPPED),
     Mutant("sweep/batch.py", "condition", "    if is_whole(path, replicates):\n        return path", "    if path.exists():\n        return path", f"{STORE}::test_a_chunk_that_is_there_is_left_alone"),
     Mutant("sweep/batch.py", "missing call", "            store.keep(run, rows[run])\n", "            pass\n", FAILED),
     Mutant("sweep/batch.py", "condition", 'if rows and rows[replicate.id]["failure"] == 0:', "if rows:", "tests/test_faults.py::test_a_run_that_failed_in_another_batch_is_tried_again"),
-    Mutant("sweep/store.py", "missing call", "        file.close()\n        seal(part)\n", "        file.close()\n", STATES),
+    Mutant("sweep/store.py", "missing call", "        file.close()\n        seal(part)\n", "        file.close()\n", STOPPED),
     Mutant("sweep/store.py", "missing call", "            if not is_sealed(part):\n", "            if not content:\n", f"{SWEEP}::test_a_file_that_was_damaged_on_its_way_is_not_put_into_the_store"),
     Mutant("sweep/store.py", "order", "return batch_id(results, *batch.runs) != batch.id, -len", "return -len", f"{SWEEP}::test_a_sweep_keeps_to_its_batches_while_another_makes_their_runs"),
-    Mutant("sweep/prune.py", "index", 'path.name.partition(".")[0] not in', "path.stem not in", STATES),
-    Mutant("sweep/prune.py", "missing term", "runs.union(beds, (batch.id", "runs.union((batch.id", STATES),
+    Mutant("sweep/prune.py", "index", 'path.name.partition(".")[0] not in', "path.stem not in", UNDER_WAY),
+    Mutant("sweep/prune.py", "missing term", "runs.union(beds, (batch.id", "runs.union((batch.id", UNDER_WAY),
     Mutant("sweep/prune.py", "missing term", "if not batch.runs or runs.intersection", "if runs.intersection", f"{SWEEP}::test_prune_removes_nothing_whose_runs_are_unknown"),
     Mutant("sweep/prune.py", "missing term", "{run for each in earlier for run in each.runs}, set()", "set(), set()", PRUNED),
     Mutant("sweep/prune.py", "order", "list(store.files()), list(", "store.files(), list(", f"{SWEEP}::test_prune_leaves_the_plans_of_a_sweep_that_starts_meanwhile"),

@@ -239,6 +239,21 @@ def test_a_chunk_that_is_stopped_goes_on_with_the_run_under_way(tmp_path, tried)
     assert left == []
 
 
+def test_a_chunk_that_cannot_be_written_loses_no_run(tmp_path, tried, monkeypatch):
+    """Runs are forgotten after the file that holds them is there, and not before."""
+
+    def killed(*_):
+        raise Killed
+
+    work, chunk = planned(discs([1]), tmp_path)
+    with monkeypatch.context() as patch, pytest.raises(Killed):
+        patch.setattr(making, "write_batch", killed)
+        making.make(work.store, chunk)
+    assert len(tried) == 2
+    making.make(work.store, chunk)
+    assert len(tried) == 2 and work.store.file_of(chunk).is_file()
+
+
 def test_a_stale_checkpoint_of_the_store_is_replaced(tmp_path, capfd):
     """After damage the sweep goes on: its own file is deleted, and said so in one line."""
     work, chunk = planned(discs([1]), tmp_path)

@@ -625,6 +625,21 @@ def refused(words):
     assert "nothing was removed" in found.stderr and listed("results") == before
 
 
+def test_prune_keeps_beds_and_checkpoints_of_runs_under_way(pruned):
+    """And removes those of a sweep whose folder was deleted."""
+    gone = small({"shape": "c1", "seed": [3]}).block("drag").runs
+    kept, left = (
+        [place(run.replicate) for run in runs for place in (
+            pruned.store.file_of_bed, lambda own: pruned.store.run_of(own.id, ".checkpoint.npz"))]
+        for runs in (pruned.sweep.block("drag").runs, gone)
+    )  # fmt: skip
+    for path in kept + left:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(b"a bed, or half of a run")
+    assert pruning().exit_code == 0
+    assert all(path.is_file() for path in kept) and not any(path.exists() for path in left)
+
+
 CONFIGS = {
     "empty": "",
     "cut": "results: results/small\nsweep:",
