@@ -79,6 +79,7 @@ QUICK = {
     "test_claims.py": ("test_line_finds",),
     "test_damage.py": ("flipped_bit", "of_any_size"),
     "test_compilation.py": ("copies_share_kernels",),
+    "test_neighbors.py": ("lowest_patch",),
 }
 SLOW = (
     "superellipse-", "[superellipse]", "two_sweeps_at_once", "any_corruption", "records_the_stress",

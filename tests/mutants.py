@@ -95,7 +95,7 @@ MUTANTS = (
     Mutant("dynamics/boundaries.py", "time", "after, 0.5 * (time + stop), c)", "after, stop, c)", SMOOTH),
     Mutant("dynamics/boundaries.py", "sign", "end, c) - motion[b, VX + c]", "end, c) + motion[b, VX + c]", SMOOTH),
     Mutant("dynamics/neighbor_list.py", "memory lost", "new[p] = old[source[p]]", "new[p] = 0.0", BOX),
-    Mutant("dynamics/neighbor_list.py", "missing term", "lowest[home] = min(lowest[home], other)", "lowest[home] = home", TWO_THREADS),
+    Mutant("dynamics/neighbor_list.py", "missing term", "lowest[home] = min(lowest[home], other)", "lowest[home] = home", "tests/test_neighbors.py"),
     Mutant("dynamics/neighbors.py", "missing term", "reach = radius[i] + radius[j] + skin", "reach = radius[i] + radius[j]", BOX),
     Mutant("dynamics/neighbors.py", "comparison", "old_partner[q] < j)", "old_partner[q] <= j)", BOX),
     Mutant("dynamics/stepping.py", "comparison", "if steps - since >= QUIET:", "if least < math.inf:", HELD),

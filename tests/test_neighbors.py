@@ -9,7 +9,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 from conftest import STIFF
 from dem import Simulation
 from dem.dynamics.assembly import granule_table
+from dem.dynamics.neighbor_list import share_out
 from dem.dynamics.neighbors import near_circle, near_pairs, near_planes
+from dem.dynamics.world import PATCH
 from dem.shapes import KINDS
 
 
@@ -56,6 +58,25 @@ def test_walls_and_cylinder_list_every_part_near_them(bed, angle, size):
     part, other = near_circle(size, (x, y), rows, radius, skin, (0.0, 0.0))
     gaps = np.hypot(here[:, 0] - x, here[:, 1] - y) - radius - size
     assert list(part) == list(np.flatnonzero(gaps < skin)) and not other.any()
+
+
+@pytest.mark.parametrize("per", [1, 2])
+def test_a_patch_knows_the_lowest_patch_whose_pairs_push_it(per):
+    """Or else a thread would add the forces of its granules before another has found them, now and then."""
+    rng, size, patches = np.random.default_rng(1), PATCH * per, 5
+    pairs = np.sort(rng.choice(patches * size, (400, 2), replace=False), axis=1)
+    pairs = pairs[(pairs[:, 0] // size > 1) | (pairs[:, 1] // size < 4)]
+    one, other = pairs[np.lexsort(pairs.T[::-1])].astype(np.uint32).T
+    row, found = share_out(True, one, other, patches * PATCH, per)
+    expected = [min(one[other // size == patch] // size, default=patch) for patch in range(patches)]
+    assert found.lowest.tolist() == np.minimum(expected, np.arange(patches)).tolist() == [0, 0, 0, 0, 2]
+    across = one // size != other // size
+    assert_array_equal(row[~across], other[~across])
+    assert_array_equal(found.target, other[across])
+    assert sorted(row[across] - patches * size) == list(range(across.sum()))
+    for patch in range(patches):  # what it is pushed by, in the order of the list
+        mine = found.incoming[found.first[patch] : found.first[patch + 1]]
+        assert_array_equal(mine, np.flatnonzero(other[across] // size == patch))
 
 
 def memory(contacts):
