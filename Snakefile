@@ -7,6 +7,7 @@
     snakemake -j2 accuracy                                error against run time
     snakemake -j2 stability                               stiff and extreme cases
     snakemake -j2 verification                            known cases against what is expected
+    snakemake -j2 precision                               how often a mean is as near as a sweep asks for
     snakemake -j2 claims                                  which of the paper's claims hold
     snakemake -j2 report                                  one page of everything
 

@@ -1,0 +1,1 @@
+"""How often is the mean as near as was asked for?"""
