@@ -2,7 +2,7 @@
 
 A place begins with `least` replicates. While its interval is wider than asked for, another round makes as
 many as the scatter so far says that it takes, but at most twice what there are: looking often would stop
-by chance, and the scatter of ten runs is not known well. Decisions need whole rounds only, from the first
+by chance, and the scatter of ten runs is not known well. So an interval is also taken a little wider. Decisions need whole rounds only, from the first
 on, so they are the same in any order of the runs, and after any stop. docs/results/precision.md says how
 often the true mean is as near as that.
 """
@@ -10,6 +10,7 @@ often the true mean is as near as that.
 import math
 import re
 from collections.abc import Iterable
+from functools import cached_property
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -21,6 +22,7 @@ from dem.base.schema import MOST, Section, Seed, Whole, value
 from dem.io.dataset import OF_RUN, read
 
 GROWTH = 2  # a round at most doubles the replicates of a place
+SAFETY = 1.05  # on the interval, because who looks and stops finds it too narrow
 SHARE = "it must be a percentage between 50 % and 99.99 %, such as 95 %"
 ASKED = "it must be a positive number with its unit, such as 5 % of the mean, or 50 N"
 
@@ -80,13 +82,13 @@ class Until(Section):
         """The case or shape that it is divided by; "" where it is not."""
         return self.of.partition("/")[2].strip()
 
-    @property
+    @cached_property
     def target(self) -> tuple[float, bool]:
         """Half the interval that is asked for, and whether it is a share of the mean."""
         number, unit = _quantity(self.until)
         return (number / 100.0, True) if unit == "%" else (number, False)
 
-    @property
+    @cached_property
     def level(self) -> float:
         """The level of the interval, as a share."""
         return _quantity(self.confidence)[0] / 100.0
@@ -138,10 +140,12 @@ class Known(NamedTuple):
         return max(self.high - self.value, self.value - self.low)
 
     def excess(self, until: Until) -> float:
-        """Half the interval over what is asked for; NaN where a share of the mean means nothing."""
+        """Half the interval over what is asked for; NaN where too few runs are there."""
         target, relative = until.target
         wanted = target * abs(self.value) if relative else target
-        return math.nan if self.is_near_zero(until) else self.half / wanted
+        if self.runs < 2 or math.isnan(self.value):
+            return math.nan
+        return self.half / wanted if wanted > 0.0 else math.inf
 
     def is_near_zero(self, until: Until) -> bool:
         """Whether a share of the mean means nothing, because the interval holds zero."""
@@ -238,7 +242,7 @@ def outlook(block, values: dict[Lead, np.ndarray]) -> str:
 
 def expected(found: Known, until: Until) -> float:
     """How many replicates a place takes by the scatter so far."""
-    return found.runs * found.excess(until) ** 2
+    return found.runs * (SAFETY * found.excess(until)) ** 2
 
 
 def counts(
@@ -262,9 +266,9 @@ def counts(
                     continue
                 samples = [values[each][: now[each]] for each in (place, partners[place]) if each]
                 excess = known(samples[0], until.level, *samples[1:]).excess(until)
-                for each in pair if 1.0 < excess < math.inf else ():
-                    wanted = min(math.ceil(now[each] * excess**2), GROWTH * now[each], until.most)
-                    after[each] = max(after[each], wanted)
+                for each in pair if SAFETY * excess > 1.0 else ():
+                    wanted = min(now[each] * (SAFETY * excess) ** 2, GROWTH * now[each], until.most)
+                    after[each] = max(after[each], math.ceil(wanted))
             if after == now:
                 break
             now, number = after, number + 1
