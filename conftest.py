@@ -57,6 +57,7 @@ LONGEST = ["claims", "superellipse", "test_workflow", "disc", "ellipse", "dumbbe
 QUICK = {
     "test_twin.py": ("",),
     "test_statistics.py": ("",),
+    "test_replicates.py": ("",),
     "test_energy.py": ("",),
     "test_stress.py": ("",),
     "test_packing.py": ("test_bed_is", "test_packing_fraction", "test_a_stage"),

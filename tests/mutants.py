@@ -59,6 +59,7 @@ LOCAL, CHORD = TWIN.format("ellipses of local radius"), TWIN.format("ellipses by
 SUPER, ONE_THREAD, TWO_THREADS = TWIN.format("superellipses"), LARGE.format(1), LARGE.format(2)
 RUN = "tests/test_twin.py::test_a_run_of_a_configuration_is_that_of_the_model"
 HELD = "tests/test_step.py::test_the_time_step_is_held_where_the_bound_goes_up_and_down"
+ROUNDS = "tests/test_replicates.py::test_{}"
 BED, SWEEP, STORE = "tests/test_packing.py", "tests/test_sweep.py", "tests/test_stopping.py"
 WHOLE = f"{STORE}::test_a_file_is_written_whole_or_not_at_all"
 STOPPED = f"{STORE}::test_a_chunk_that_is_stopped_goes_on_with_the_run_under_way"
@@ -146,14 +147,19 @@ MUTANTS = (
     Mutant("sweep/prune.py", "missing term", "{run for each in earlier for run in each.runs}, set()", "set(), set()", PRUNED),
     Mutant("sweep/prune.py", "order", "list(store.files()), list(", "store.files(), list(", f"{SWEEP}::test_prune_leaves_the_plans_of_a_sweep_that_starts_meanwhile"),
     Mutant("sweep/combine.py", "index", "for _, row in some]", "for _, row in some[::-1]]", ROWS),
-    Mutant("sweep/combine.py", "condition", "        if left:\n", "        if left and not made:\n", f"{SWEEP}::test_a_run_that_no_file_holds_is_named"),
-    Mutant("sweep/combine.py", "missing call", "        _check(sweep, block, sorted(failed))\n", "", FAILED),
+    Mutant("sweep/combine.py", "condition", "        elif left:\n", "        elif left and not made:\n", f"{SWEEP}::test_a_run_that_no_file_holds_is_named"),
+    Mutant("sweep/combine.py", "missing call", "            _check(sweep, block, sorted(failed))\n", "            pass\n", FAILED),
     Mutant("sweep/combine.py", "comparison", "if count == groups[group]:", "if count > groups[group]:", "tests/test_faults.py::test_a_case_without_any_run_stops_a_sweep"),
     Mutant("base/files.py", "order", "        yield part\n        part.replace(path)\n", "        try:\n            yield part\n        finally:\n            part.replace(path)\n", WHOLE),
     Mutant("base/files.py", "missing call", "            part.unlink(missing_ok=True)\n", "            pass\n", WHOLE),
     Mutant("io/checksums.py", "limit", "for start in range(0, size, BLOCK)", "for start in range(0, size - BLOCK, BLOCK)", "tests/test_damage.py"),
     Mutant("io/checksums.py", "comparison", "if stored != _checksum(file, size):", "if stored == mark:", "tests/test_damage.py"),
     Mutant("io/results_folder.py", "condition", "else late:\n", "else not late:\n", STORE),
+    Mutant("sweep/precision.py", "limit", "GROWTH * now[each]", "100 * now[each]", ROUNDS.format("a_round_at_most_doubles_the_replicates")),
+    Mutant("sweep/precision.py", "sign", "for sign in (-1.0, 1.0))", "for sign in (1.0, -1.0))", ROUNDS.format("fieller_s_interval_is_where_the_difference_is_significant")),
+    Mutant("sweep/precision.py", "condition", "array[failed] = np.nan", "array[failed] = 0.0", ROUNDS.format("a_failed_run_counts_and_is_not_replaced")),
+    Mutant("sweep/campaign.py", "condition", "if any(len(values[place]) < n for place, n in now.items()):", "if False:", ROUNDS.format("a_stopped_sweep_goes_on_to_the_same_runs")),
+    Mutant("sweep/campaign.py", "missing call", "                if not self.grow(name):\n                    break\n", "                break\n", ROUNDS.format("replicates_are_added_until_the_mean_is_as_well_known_as_asked")),
     Mutant("analysis/statistics.py", "constant", "0.5 + 0.5 * LEVEL)\n    return runs", "LEVEL)\n    return runs", "tests/test_statistics.py"),
     Mutant("analysis/onset.py", "sign", "return y @ share - slope * middle", "return y @ share + slope * middle", "tests/test_onset.py"),
     # how kernels are compiled

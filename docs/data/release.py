@@ -34,6 +34,10 @@ DRIVERS = (
 )
 LEFT_OUT = {  # on no page, in no figure
     "drag": ("wall_force", "transverse_force", "kinetic_energy"),
+    "precise": (
+        "wall_force", "transverse_force", "kinetic_energy", "drag_normal", "drag_tangential",
+        "coordination_number", "max_overlap", "time_step",
+    ),
     "velocity": (
         "wall_force", "transverse_force", "kinetic_energy", "drag_normal", "coordination_number",
         "time_step",

@@ -21,7 +21,6 @@ COLUMNS = {
     "ratio": "{0.over:.2f}",
     "as near as asked for": "{0.asked:.1%}",
     "within the interval found": "{0.found:.1%}",
-    "ended wider": "{0.short:.2%}",
     "within 5 %": "{0.within:.0%}",
     "half the interval": "{0.half:.0%}",
 }
@@ -78,7 +77,7 @@ class Precision(Findings):
 
     def every(self) -> Table:
         """All rows of the rule of sweeps."""
-        return self._table(self.rows(), *SHOWN, "ended wider")
+        return self._table(self.rows(), *SHOWN)
 
     def rules(self) -> Table:
         """Rules beside each other."""

@@ -7,11 +7,12 @@ import numpy as np
 import xarray as xr
 from rich.table import Table
 
-from dem.analysis.statistics import change, summarise
+from dem.analysis.statistics import LEVEL, change, summarise
 from dem.analysis.tables import numbers
-from studies.common.findings import Findings, interval, span
+from dem.sweep.precision import Known, known
+from studies.common.findings import Findings, estimate, interval, span
 
-__all__ = ["drag", "flow"]
+__all__ = ["drag", "flow", "precise"]
 
 DATA = Path(__file__).parents[2] / "data"
 PAPER = {"c1": "1295", "e0": "1405"}  # N, section 3.2
@@ -193,6 +194,46 @@ class Drag(Findings):
         return f"{float(self.dataset['steps'].sel(case=case).mean()):,.0f}"
 
 
+class Precise(Drag):
+    """The same means of as many beds as they take."""
+
+    name, command = "precise", "dem sweep config/precise.yaml"
+    source = "precise/drag.nc"
+
+    def beds_of(self, *cases: str) -> str:
+        """How many beds some cases have."""
+        found = [int(self.dataset["replicates"].sel(case=case)) for case in cases]
+        return f"{min(found)} to {max(found)}" if len(set(found)) > 1 else f"{found[0]}"
+
+    def runs(self) -> str:
+        """How many runs there are."""
+        return f"{int(self.dataset['replicates'].sum()):,}"
+
+    def over(self, case: str, other: str = "c1") -> str:
+        """Mean drag of a case over that of another, with Fieller's 95 % interval."""
+        found = self._over(case, other)
+        return estimate((found.value, found.low, found.high))
+
+    def _over(self, case: str, other: str) -> Known:
+        runs = self.summary["run_mean"]
+        return known(runs.sel(case=case).values, LEVEL, runs.sel(case=other).values)
+
+    def widest(self) -> str:
+        """The least well known of all ratios to c1: half its interval, over itself."""
+        others = [case for case in self.dataset["case"].values.tolist() if case != "c1"]
+        found = (self._over(case, "c1") for case in others)
+        return f"{max(100.0 * each.half / each.value for each in found):.1f} %"
+
+    def cases(self) -> Table:
+        """One row per case: mean drag, over c1, and the beds that it took."""
+        made = numbers("case", "granules", "mean drag, N", "over c1", "beds", words=2)
+        for case in self.dataset["case"].values.tolist():
+            over = "" if case == "c1" else self.over(case)
+            row = self.granules(case), interval(*self._mean(case)), over, self.beds_of(case)
+            made.add_row(case, *row)
+        return made
+
+
 class Flow(Findings):
     """Measures of the flow of the paper's sweep, flow.nc."""
 
@@ -251,4 +292,4 @@ class Flow(Findings):
         return any(each.ratio - each.half > 1.0 for each in found)
 
 
-drag, flow = Drag(), Flow()
+drag, precise, flow = Drag(), Precise(), Flow()
