@@ -32,7 +32,8 @@ def plot(dataset: xr.Dataset) -> Figure:
     means = summarise(dataset)
     curves = {label: _curve(dataset, label) for label in labels}
     for axes, label in zip(panels, labels, strict=True):
-        _panel(axes, dataset.sel(case=label), means.sel(case=label), curves[label])
+        runs = style.runs(dataset.sel(case=labels))  # of one legend
+        _panel(axes, dataset.sel(case=label), means.sel(case=label), curves[label], runs)
         if label != labels[0]:
             x, (_, smooth, _) = style.millimetres(dataset["displacement"]), curves[labels[0]]
             axes.plot(x, smooth, label=f"running mean of {labels[0]}", **style.REFERENCE)
@@ -53,13 +54,13 @@ def _curve(dataset, label):
     return drag.mean("seed").values, smooth.mean("seed").values, half_interval(smooth).values
 
 
-def _panel(axes, case, means, curve) -> None:
+def _panel(axes, case, means, curve, runs: str) -> None:
     """One case: its curves, their interval (none for a single run) and its mean in words."""
     x = style.millimetres(case["displacement"])
     raw, smooth, half = curve
-    axes.plot(x, smooth, color=style.CURVE, zorder=3, label=f"running mean of {style.runs(case)}")
+    axes.plot(x, smooth, color=style.CURVE, zorder=3, label=f"running mean of {runs}")
     style.band(axes, x, smooth, half, style.CURVE, label="95 % interval of the running mean")
-    axes.plot(x, raw, label=f"mean of {style.runs(case)} in every bin", **style.RAW)
+    axes.plot(x, raw, label=f"mean of {runs} in every bin", **style.RAW)
     axes.set_title(f"{case['case'].values}: {style.describe(case)}", loc="left")
     middle = style.millimetres(0.5 * (case.attrs["window_start"] + case.attrs["window_stop"]))
     axes.text(

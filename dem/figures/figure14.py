@@ -27,7 +27,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     groups = densities(dataset)
     if not groups:
         raise InputError("there is no shape at two densities in the data.")
-    numbers = summarise(dataset)
+    numbers = summarise(dataset).sel(case=[each for own in groups.values() for each in own])
     figure = Figure(figsize=(style.WIDTH, 5.2))
     axes = figure.subplots()
     for place, labels in enumerate(groups.values()):
@@ -56,7 +56,7 @@ def _group(axes, place, labels, numbers) -> None:
         middle = place + width * (number - 0.5 * (len(labels) - 1))
         fill, hatch = FILLS[min(number, len(FILLS) - 1)]
         own = numbers.sel(case=label)
-        name = f"mean of {style.runs(own)} at {float(own['density']):g} kg/m³"
+        name = f"mean of {style.runs(numbers)} at {float(own['density']):g} kg/m³"
         look = {"color": fill, "edgecolor": "black", "hatch": hatch, "label": name}
         tops.append(style.bar(axes, middle, width, own, **look))
     changes = [change(numbers["run_mean"], labels[0], label) for label in labels[1:]]

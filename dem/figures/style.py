@@ -47,6 +47,8 @@ RUN = {"marker": "o", "markersize": 4.5, "markerfacecolor": "white", "markeredge
        "linestyle": "none", "zorder": 5}  # fmt: skip
 INTERVAL = {"ecolor": "black", "linestyle": "none", "capsize": 5, "elinewidth": 1.6,
             "capthick": 1.6, "zorder": 4}  # fmt: skip
+MANY = 20  # runs, whose dots would hide the interval of their mean
+FAINT = {"markersize": 2.5, "markeredgecolor": "0.45", "zorder": 3}
 FEW = 3  # groups of bars: fewer are not drawn wider
 SMOOTHING = 0.2e-3  # m, length of the running mean of curves
 
@@ -97,10 +99,12 @@ def describe(case: xr.Dataset, separator: str = ", ") -> str:
 
 
 def runs(dataset: xr.Dataset) -> str:
-    """How many runs a number comes from: "5 runs"."""
+    """How many runs each number comes from: "5 runs", or "5 to 10 runs"."""
     values = dataset["run_mean"] if "run_mean" in dataset else dataset["drag"].isel(displacement=0)
-    count = int(values.count("seed").max())
-    return f"{count} runs" if count > 1 else "one run"
+    counts = values.count("seed")
+    least, most = max(1, int(counts.min())), int(counts.max())
+    words = f"{least} to {most}" if least < most else f"{most}"
+    return f"{words} runs" if most > 1 else "one run"
 
 
 def its_interval(dataset: xr.Dataset) -> str:
@@ -120,10 +124,12 @@ def mark_window(axes, dataset: xr.Dataset) -> None:
 
 
 def show_runs(axes, middle: float, values, width: float) -> None:
-    """One dot per run (seed,), side by side about `middle`."""
+    """One dot per run (seed,) that there is, side by side about `middle`."""
     values = np.ravel(values)
+    values = values[np.isfinite(values)]
     offsets = np.linspace(-0.5, 0.5, len(values)) * width if len(values) > 1 else np.zeros(1)
-    axes.plot(middle + offsets, values, label="single runs", **RUN)
+    look = RUN | FAINT if len(values) > MANY else RUN  # so that the interval is seen
+    axes.plot(middle + offsets, values, label="single runs", **look)
 
 
 def bar(axes, middle: float, width: float, numbers: xr.Dataset, **options) -> float:
