@@ -156,6 +156,12 @@ def test_snakemake_makes_the_same_replicates(sweep):
     assert "Nothing to be done" in snakemake(Path.cwd(), *map(str, words), configfile="sweep.yaml").stderr
 
 
+def test_the_file_says_what_was_asked_for(sweep):
+    made(sweep())
+    attrs = result()["replicates"].attrs
+    assert attrs["until"] == "10 %" and (attrs["target"], attrs["relative"], attrs["level"]) == (0.1, 1, 0.95)
+
+
 def test_a_place_that_stops_at_the_cap_is_said(sweep):
     campaign = made(sweep("{until: 1 %, of: force, most: 12}"))
     (sentence,) = campaign.said
@@ -282,5 +288,6 @@ def test_a_table_of_drag_claims_no_more_than_was_asked_for():
         {"displacement": [2e-3]}, {"window_start": 1e-3, "window_stop": 5e-3},
     )  # fmt: skip
     narrow = summarise(dataset)["half_interval"].item()
-    dataset["replicates"] = ("case", [4], {"until": "5 %", "of": "drag", "confidence": "95 %"})
+    asked = {"of": "drag", "target": 0.05, "relative": 1, "level": 0.95}
+    dataset["replicates"] = ("case", [4], asked)
     assert narrow < 5.0 and summarise(dataset)["half_interval"].item() == pytest.approx(5.0)

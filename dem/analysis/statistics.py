@@ -11,8 +11,6 @@ import numpy as np
 import xarray as xr
 
 from dem.base.errors import InputError
-from dem.io.dataset import REPLICATES
-from dem.sweep.precision import Until
 
 LEVEL = 0.95  # of the confidence intervals
 CHECK = "e0"  # shape label of the ellipse code at aspect ratio 1: a check, not a shape of Table 1
@@ -105,11 +103,10 @@ def takes(sample: xr.DataArray, share: float) -> xr.DataArray:
 def _asked(dataset: xr.Dataset, mean: xr.DataArray, half: xr.DataArray) -> xr.DataArray:
     """Half the interval, but not less than what the replicates were added until: those who stop as soon as an
     interval is narrow find it too narrow (docs/results/precision.md)."""
-    until = Until.model_construct(**dataset[REPLICATES].attrs) if REPLICATES in dataset else None
-    if until is None or until.of != "drag" or until.level != LEVEL:
+    asked = dataset["replicates"].attrs if "replicates" in dataset else {}
+    if asked.get("of") != "drag" or asked["level"] != LEVEL:
         return half
-    target, relative = until.target
-    return np.maximum(half, target * abs(mean) if relative else target)
+    return np.maximum(half, asked["target"] * (abs(mean) if asked["relative"] else 1.0))
 
 
 def summarise(dataset: xr.Dataset) -> xr.Dataset:

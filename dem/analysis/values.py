@@ -9,6 +9,7 @@ import json
 import xarray as xr
 
 from dem.base.errors import InputError
+from dem.io.dataset import LABELS
 from dem.sweep.axis import name_of
 
 
@@ -25,6 +26,14 @@ def value_of(dataset: xr.Dataset, path: str) -> xr.DataArray:
     if found.dtype.kind not in "iuf" or not bool(found.notnull().any()):
         raise InputError(f"it does not tell {path} of its runs, a number.")
     return found
+
+
+def factors_of(runs: xr.DataArray | xr.Dataset, dim: str) -> list[str]:
+    """Names of the values that differ between the points of a design, or of a group."""
+    return [
+        str(name) for name, values in runs.coords.items()
+        if values.dims == (dim,) and name != dim and name not in LABELS
+    ]  # fmt: skip
 
 
 def axes_beside(dataset: xr.Dataset, name: str) -> list[str]:

@@ -189,6 +189,36 @@ def info(
 
 
 @app.command()
+def means(
+    data: Annotated[Path, typer.Argument(help="drag.nc, or another combined file.")],
+    other: Annotated[
+        Path | None, typer.Argument(help="Another one, to set the means of both side by side.")
+    ] = None,
+    quantity: Annotated[
+        str, typer.Option("--of", help="What is compared with the other file.")
+    ] = "drag",
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="Table to write (.csv or .nc); the terminal if absent."),
+        Writes(ANY),
+    ] = None,
+):
+    """Means of the runs of a file, one row a place; or of two files, with their ratio.
+
+    Example: dem means results/drag.nc -o means.csv
+    """
+    from dem.analysis import means as made
+    from dem.report.info import plain_table
+
+    with bar(f"reading {data}"):
+        found = made.means(data) if other is None else made.compared(data, other, quantity)
+    if output is None:
+        print_or_write(plain_table(made.table_of(found)), None)
+    else:
+        made.write_means(found, output)
+
+
+@app.command()
 def report(
     data: Annotated[Path, typer.Argument(help="drag.nc; the page shows the files next to it.")],
     output: Annotated[

@@ -15,9 +15,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter, MaxNLocator
 
 from dem.analysis.statistics import half_interval, over_seeds, summarise
+from dem.analysis.values import factors_of
 from dem.base.errors import InputError
 from dem.figures import style
-from dem.io.dataset import LABELS
 from dem.sweep.axis import POINT
 
 FILE = "drag"
@@ -43,14 +43,6 @@ def plot(dataset: xr.Dataset) -> Figure:
         runs = runs.expand_dims("shape")
     designs = [dim for dim in runs.dims if runs[dim].attrs.get("long_name") == POINT]
     return _design(dataset, runs, designs[0]) if designs else _grid(dataset, runs)
-
-
-def factors_of(runs: xr.DataArray | xr.Dataset, dim: str) -> list[str]:
-    """Names of the values that differ between the points of a design, or of a group."""
-    return [
-        str(name) for name, values in runs.coords.items()
-        if values.dims == (dim,) and name != dim and name not in LABELS
-    ]  # fmt: skip
 
 
 def words(values: xr.DataArray, power: int = 0) -> str:

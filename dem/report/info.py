@@ -9,6 +9,7 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
+from dem.analysis.means import WINDOW, run_means
 from dem.analysis.one_run import columns_of, replicate_of
 from dem.analysis.statistics import (
     LEVEL,
@@ -20,11 +21,12 @@ from dem.analysis.statistics import (
     window_text,
 )
 from dem.analysis.tables import numbers
-from dem.analysis.values import value_of
+from dem.analysis.values import factors_of, value_of
 from dem.base.errors import InputError
 from dem.base.schema import seed_words
 from dem.io.dataset import LABELS
 from dem.io.lazily import open_lazily, require
+from dem.sweep.axis import POINT
 from dem.sweep.combine import open_combined
 
 ROWS = 60  # of a table, at most
@@ -35,7 +37,6 @@ a mean within 5 % takes; greatest overlap over the smaller granule radius; media
 processor time of a run"""
 FEW = 3  # runs below which the scatter, and so every interval, is a guess
 ORIGIN = ("title", "history", "git_revision", "source_hash", "versions")
-WINDOW = ("window_start", "window_stop")
 OF_A_RUN = ("drag", "displacement", "max_overlap", "time_step", "run_time")
 BETWEEN = ("runs", "95 %\n± N", "betw.\nruns %", "runs\nfor 5 %")  # columns that take several runs
 VARIED = 4  # values more that runs of a file differ in, at most
@@ -107,7 +108,11 @@ def _table(dataset: xr.Dataset, columns: dict[str, tuple[xr.DataArray, str]]) ->
     columns: values over some of the axes by heading, and the format of their numbers.
     """
     places = over_seeds(dataset["run_id"]).isel(seed=0)
-    axes = {str(dim): (dataset[dim], ".5g") for dim in places.dims if dim != "run"}
+    axes = {}
+    for dim in (str(dim) for dim in places.dims if dim != "run"):
+        design = dataset[dim].attrs.get("long_name") == POINT
+        for name in factors_of(dataset, dim)[:VARIED] if design else [dim]:
+            axes[name] = dataset[name], ".5g"
     cells = [
         [_text(each, form) for each in _by_place(values, places)[:ROWS].tolist()]
         for values, form in (axes | columns).values()
@@ -127,6 +132,16 @@ def _text(value, form: str) -> str:
     if not isinstance(value, float):
         return str(value)
     return format(value, form) if np.isfinite(value) else "-"
+
+
+def plain_table(frame) -> Table:
+    """A table of numbers and words as it is, its first rows."""
+    table = numbers(*map(str, frame.columns))
+    for row in frame.head(ROWS).itertuples(index=False):
+        table.add_row(*(_text(each, ".5g") for each in row))
+    if len(frame) > ROWS:
+        table.caption = f"and {len(frame) - ROWS} rows more; -o table.csv has all"
+    return table
 
 
 def _sweep(dataset: xr.Dataset) -> Group:
@@ -170,21 +185,8 @@ def _told(attrs: dict, lines: Table, table: Table, more: int = 0, legend: str = 
 
 def _means(path: Path, dataset: xr.Dataset) -> Group:
     """Means of the first quantities of a combined file without drag, over the runs."""
-    attrs, dims = dataset.attrs, set(dataset["run_id"].dims)
-    names = [
-        str(name) for name, values in dataset.data_vars.items()
-        if dims <= set(values.dims) and values.dtype.kind == "f"
-    ][:MEANS]  # fmt: skip
-    inside = dataset
-    if "snapshot_displacement" in dataset:
-        require(dataset, path, {}, (), WINDOW)
-        moved = dataset["snapshot_displacement"].values
-        held = (moved >= attrs["window_start"]) & (moved <= attrs["window_stop"])
-        inside = dataset.isel(snapshot=np.flatnonzero(held))
-    runs = {
-        name: over_seeds(inside[name].mean(set(inside[name].dims) - dims).compute())
-        for name in names
-    }
+    attrs = dataset.attrs
+    runs = run_means(path, dataset, MEANS)
     counts = xr.Dataset(runs).count("seed").to_array().max("variable")
     columns = {"runs": (counts, "")} | {
         f"{name}\n± {LEVEL:.0%}": (_with_interval(values), "") for name, values in runs.items()

@@ -150,7 +150,9 @@ def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> No
         for place, count in block.counts.items():
             array[place] = count
         _write(file, REPLICATES, [axis.name for axis in block.beside_seed], array)
-        file.variables[REPLICATES].setncatts(block.until.model_dump())
+        target, relative = block.until.target
+        parsed = {"target": target, "relative": int(relative), "level": block.until.level}
+        file.variables[REPLICATES].setncatts(block.until.model_dump() | parsed)
     lengths = block.shape[:-1], min(BLOCK, block.shape[-1])
     for name, values in sample.items():
         dims, inner = layout[name][0], values.shape[1:]

@@ -1,0 +1,111 @@
+"""Means of the runs of a combined file, one row a place: for a spreadsheet, or beside those of another."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from dem.analysis.statistics import LEVEL, half_interval, over_seeds
+from dem.base.errors import InputError
+from dem.base.files import atomic
+from dem.io.checksums import seal
+from dem.io.lazily import open_lazily, require
+from dem.sweep.axis import POINT
+from dem.sweep.precision import known
+
+WINDOW = ("window_start", "window_stop")
+ALONG = "displacement", "snapshot_displacement"  # of the cylinder, which has a window
+OF_RATIO = {"ratio": "value", "ratio_low": "low", "ratio_high": "high"}
+
+
+def run_means(path: Path, dataset: xr.Dataset, most: int | None = None) -> dict[str, xr.DataArray]:
+    """Of every quantity, or of the first ones, the mean of each run (..., seed), within the window where it
+    is along the stroke."""
+    dims = set(dataset["run_id"].dims)
+    inside = dataset
+    for name in ALONG:
+        if name in dataset.variables and dataset[name].dims[0] in dataset.dims:
+            require(dataset, path, {}, (), WINDOW)
+            start, stop = (dataset.attrs[end] for end in WINDOW)
+            moved = dataset[name].values
+            held = np.flatnonzero((moved >= start) & (moved <= stop))
+            inside = inside.isel({dataset[name].dims[0]: held})
+    names = [
+        name for name, values in inside.data_vars.items()
+        if dims <= set(values.dims) and values.dtype.kind == "f"
+    ][:most]  # fmt: skip
+    return {
+        str(name): over_seeds(inside[name].mean(set(inside[name].dims) - dims, keep_attrs=True).compute())
+        for name in names
+    }  # fmt: skip
+
+
+def means(path: Path) -> xr.Dataset:
+    """Means over the seeds with half their intervals, in SI units, and how many runs there are."""
+    with open_lazily(path) as dataset:
+        runs = run_means(path, dataset)
+        found = {}
+        for name, sample in runs.items():
+            found[name] = sample.mean("seed").assign_attrs(sample.attrs)
+            half = half_interval(sample).assign_attrs(units=sample.attrs.get("units", "1"))
+            half.attrs["long_name"] = f"half the {LEVEL:.0%} interval of the mean of {name}"
+            found[f"{name}_half_interval"] = half
+        count = xr.Dataset(runs).count("seed").to_array().max("variable")
+        found["runs"] = count.assign_attrs(units="1", long_name="number of runs")
+        about = {key: dataset.attrs[key] for key in ("title", "configuration") if key in dataset.attrs}
+        return xr.Dataset(found, attrs=about).drop_vars("seed", errors="ignore")
+
+
+def compared(path: Path, other: Path, name: str) -> xr.Dataset:
+    """Means of one quantity in two files, where both have a place, and their ratio with Fieller's interval;
+    raises InputError where they have nothing in common."""
+    samples = []
+    for each in (path, other):
+        with open_lazily(each) as dataset:
+            runs = run_means(each, dataset)
+            if name not in runs:
+                raise InputError(f"{each}: it has no {name}; it has {', '.join(runs)}.")
+            samples.append(runs[name].drop_vars("seed", errors="ignore"))
+    one, two = samples
+    axes = [set(each.dims) - {"seed"} for each in samples]
+    if axes[0] == axes[1]:
+        one, two = xr.align(one, two, join="inner", exclude=["seed"])
+    if axes[0] != axes[1] or not one.size:
+        told = (", ".join(sorted(each)) or "one place" for each in axes)
+        raise InputError(f"{path} and {other} have no place in common; they are over {' and over '.join(told)}.")
+
+    def ratio(above, below):
+        found = known(above, LEVEL, below)
+        return tuple(getattr(found, key) for key in OF_RATIO.values())
+
+    parts = xr.apply_ufunc(
+        ratio, two.rename(seed="second"), one, input_core_dims=[["second"], ["seed"]],
+        output_core_dims=[[]] * len(OF_RATIO), vectorize=True,
+    )  # fmt: skip
+    found = {"first": one, "second": two}
+    found = {key: value.mean("seed").assign_attrs(one.attrs) for key, value in found.items()}
+    for key, value in zip(OF_RATIO, parts, strict=True):
+        found[key] = value.assign_attrs(units="1", long_name=f"{key} of the second mean to the first")
+    return xr.Dataset(found, attrs={"title": f"{name}: {path} and {other}"})
+
+
+def table_of(found: xr.Dataset) -> pd.DataFrame:
+    """One row a place, the values that vary first; of a design those of its points, and not their numbers."""
+    designs = [dim for dim in found.dims if found[dim].attrs.get("long_name") == POINT]
+    frame = found.to_dataframe().reset_index().drop(columns=designs)
+    units = {name: found[name].attrs.get("units", "1") for name in frame if name in found.variables}
+    frame.columns = [f"{n} ({units[n]})" if units.get(n, "1") != "1" else n for n in frame]
+    return frame
+
+
+def write_means(found: xr.Dataset, output: Path) -> None:
+    """Write a table as netCDF, or as CSV with the units in its head; raises InputError for another name."""
+    if output.suffix not in (".nc", ".csv"):
+        raise InputError(f"output is {str(output)!r}; it must end in .csv or .nc.")
+    with atomic(output) as part:
+        if output.suffix == ".nc":
+            found.to_netcdf(part)
+            seal(part)
+            return
+        table_of(found).to_csv(part, index=False)
