@@ -57,6 +57,14 @@ def means(path: Path) -> xr.Dataset:
         return xr.Dataset(found, attrs=about).drop_vars("seed", errors="ignore")
 
 
+def only(found: xr.Dataset, name: str, path: Path) -> xr.Dataset:
+    """The means of one quantity; raises InputError for one that the file has not."""
+    if name not in found:
+        known_ones = (each for each in found if f"{each}_half_interval" in found)
+        raise InputError(f"{path}: it has no {name}; it has {', '.join(known_ones)}.")
+    return found[[name, f"{name}_half_interval", "runs"]]
+
+
 def compared(path: Path, other: Path, name: str) -> xr.Dataset:
     """Means of one quantity in two files, where both have a place, and their ratio with Fieller's interval;
     raises InputError where they have nothing in common."""

@@ -13,7 +13,7 @@ from pathlib import Path
 NO_BITS = "words sentences"
 
 LISTED = 20  # names that a hint lists
-PRINTED = 6  # digits of a number as a dry run prints it
+PRINTED = range(5, 17)  # digits of a number, as tables and files print it
 
 
 def meant(word: object, words: Iterable[object]) -> str:
@@ -50,6 +50,6 @@ def is_number(text: str) -> bool:
 
 
 def is_written(value: float, text: str) -> bool:
-    """Whether a number is what a text says, exactly or as it is printed with PRINTED digits."""
-    printed = value if isinstance(value, Integral) else float(f"{value:.{PRINTED}g}")
-    return is_number(text) and float(text) in (value, printed)
+    """Whether a number is what a text says, exactly or as it is printed with some number of digits."""
+    printed = () if isinstance(value, Integral) else (float(f"{value:.{n}g}") for n in PRINTED)
+    return is_number(text) and float(text) in (value, *printed)

@@ -195,7 +195,7 @@ def means(
         Path | None, typer.Argument(help="Another one, to set the means of both side by side.")
     ] = None,
     quantity: Annotated[
-        str, typer.Option("--of", help="What is compared with the other file.")
+        str, typer.Option("--of", help="What is shown, or compared with the other file.")
     ] = "drag",
     output: Annotated[
         Path | None,
@@ -212,10 +212,11 @@ def means(
 
     with bar(f"reading {data}"):
         found = made.means(data) if other is None else made.compared(data, other, quantity)
-    if output is None:
-        print_or_write(plain_table(made.table_of(found)), None)
-    else:
+    if output is not None:
         made.write_means(found, output)
+        return
+    shown = found if other is not None else made.only(found, quantity, data)
+    print_or_write(plain_table(made.table_of(shown)), None)
 
 
 @app.command()
