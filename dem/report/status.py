@@ -46,8 +46,8 @@ def status(campaign: Campaign) -> Group:
 
 
 def _usual(block: Block) -> Until:
-    own = block.runs[0].replicate.configuration
-    return Until(until=USUAL, of=numbers_of(own)[0])
+    names = numbers_of(block.runs[0].replicate.configuration)
+    return Until(until=USUAL, of="drag" if "drag" in names else names[0])
 
 
 def _table(block: Block, until: Until, there: dict, under_way: dict, failed: dict):
