@@ -12,7 +12,7 @@ from dem.analysis.tables import numbers
 from dem.io.progress import span
 from dem.sweep.axis import POINT, Axis
 from dem.sweep.campaign import Campaign
-from dem.sweep.estimate import bytes_of, cost
+from dem.sweep.estimate import cost
 from dem.sweep.expand import Block
 from dem.sweep.precision import Until, all_known, expected, numbers_of
 
@@ -24,13 +24,13 @@ USUAL = "5 %"  # what is asked for where a sweep does not say
 
 def status(campaign: Campaign) -> Group:
     """What a sweep has now, one table a block, and what is left of it."""
-    under_way, parts, left, failed, made = campaign.store.under_way(), [], [], Counter(), []
+    under_way, parts, left, failed, made = campaign.store.under_way(), [], [], Counter(), set()
     for name in campaign.sweep.blocks:
         block = campaign.block(name)
         until = block.until or _usual(block)
         numbers = campaign.numbers(until.variable)
         there = numbers.of(block)
-        made += [run for run in block.unique() if run.id in there]
+        made |= there.keys()
         left += [run for run in block.unique() if under_way.get(run.id, 0.0) is not None and run.id not in there]
         failed.update(numbers.failed[run] for run in block.places if run in numbers.failed)
         parts += [Text(campaign.folder_of(name), style="bold"), _table(block, until, there, under_way, numbers.failed)]
@@ -39,7 +39,8 @@ def status(campaign: Campaign) -> Group:
     if left:
         seconds, how = cost(campaign.store, left)
         words += f"About {span(seconds / max(1, running))} left with {max(1, running)} processes ({how}). "
-    words += f"{1e-6 * sum(map(bytes_of, made)):.1f} MB of disk are used."
+    files = (campaign.store.file_of(each.id) for each in campaign.store.sealed().values() if made.intersection(each.runs))
+    words += f"{1e-6 * sum(path.stat().st_size for path in files):.1f} MB of disk are used."
     parts.append(Text(words))
     parts += [Text(f"{count} failed: {why}") for why, count in failed.most_common(REASONS)]
     return Group(*parts)
