@@ -266,6 +266,16 @@ def test_status_tells_what_is_done_waits_and_failed_and_changes_nothing(sweep):
     assert before == sorted((p, p.stat().st_mtime_ns) for p in Path("results").rglob("*"))
 
 
+@posix
+def test_status_tells_which_run_a_process_is_at(sweep):
+    campaign = Campaign.of(sweep())
+    campaign.begin("drag")
+    run = next(campaign.block("drag").unique())
+    with campaign.store.locked(campaign.store.run_of(run.id, ".lock")):
+        assert "1 runs are under way and 19 wait" in said(Campaign.of(Path("sweep.yaml")))
+    assert "0 runs are under way and 20 wait" in said(Campaign.of(Path("sweep.yaml")))  # a lock that is left
+
+
 def test_a_partial_file_holds_what_is_there_and_says_so(sweep):
     file = sweep()
     Path("left").write_text("12")
