@@ -3,6 +3,7 @@
 Runs are numbers drawn from a distribution here, by an experiment in a file of one's own: they cost nothing.
 """
 
+import re
 from itertools import pairwise
 from pathlib import Path
 
@@ -21,6 +22,7 @@ from dem.cli.show import PlainConsole
 from dem.report.status import status
 from dem.sweep import precision
 from dem.sweep.campaign import Campaign
+from dem.sweep.estimate import summary
 from dem.sweep.workers import Workers
 
 DRAWN = '''
@@ -119,6 +121,17 @@ def test_a_round_at_most_doubles_the_replicates(sweep):
     assert counts[0] == {(0,): 10, (1,): 10} and len(counts) > 3
     for before, after in pairwise(counts):
         assert all(before[place] <= after[place] <= 2 * before[place] for place in before)
+
+
+def test_a_dry_run_says_how_many_runs_a_precision_takes(sweep):
+    file = sweep("{until: 10 %, of: force, most: 120}")
+    assert "takes 20 runs at least and 240 at most" in summary(Campaign.of(file), 2)
+    campaign = made(file)
+    runs = campaign.counts()[1]
+    # four times the runs for half the interval, by the same scatter
+    campaign = Campaign.of(sweep("{until: 5 %, of: force, least: 60, most: 10_000}"))
+    found = re.search(r"takes some ([\d,]+) runs", summary(campaign, 2))[1]
+    assert 2.5 < int(found.replace(",", "")) / runs < 5.5
 
 
 def test_a_stopped_sweep_goes_on_to_the_same_runs(sweep, tmp_path):
@@ -272,7 +285,7 @@ def test_status_tells_which_run_a_process_is_at(sweep):
     campaign.begin("drag")
     run = next(campaign.block("drag").unique())
     with campaign.store.locked(campaign.store.run_of(run.id, ".lock")):
-        assert "1 runs are under way and 19 wait" in said(Campaign.of(Path("sweep.yaml")))
+        assert "1 run is under way and 19 wait" in said(Campaign.of(Path("sweep.yaml")))
     assert "0 runs are under way and 20 wait" in said(Campaign.of(Path("sweep.yaml")))  # a lock that is left
 
 

@@ -35,7 +35,8 @@ def status(campaign: Campaign) -> Group:
         failed.update(numbers.failed[run] for run in block.places if run in numbers.failed)
         parts += [Text(campaign.folder_of(name), style="bold"), _table(block, until, there, under_way, numbers.failed)]
     running = sum(run.id in under_way for run in left)
-    words = f"{running} runs are under way and {len(left) - running} wait. " if left else "All runs are made. "
+    verb = "run is" if running == 1 else "runs are"
+    words = f"{running} {verb} under way and {len(left) - running} wait. " if left else "All runs are made. "
     if left:
         seconds, how = cost(campaign.store, left)
         words += f"About {span(seconds / max(1, running))} left with {max(1, running)} processes ({how}). "

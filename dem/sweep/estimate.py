@@ -48,7 +48,7 @@ def summary(campaign: Campaign, jobs: int, again: bool = False) -> str:
             f"{len(beds)} beds to pack."
         )
         if block.until:
-            lines.append(f"  {outlook(block, campaign.values(block))}")
+            lines.append(f"  {_outlook(campaign, block, runs, jobs)}")
         lines += [f"  {run.words()}{_values(block, run)}" for run in islice(left, LISTED)]
         if len(left) > LISTED:
             lines.append(f"  and {len(left) - LISTED} more.")
@@ -63,6 +63,22 @@ def summary(campaign: Campaign, jobs: int, again: bool = False) -> str:
             "compiled yet."
         )
     return "\n".join(lines)
+
+
+def _outlook(campaign: Campaign, block, runs: list[Replicate], jobs: int) -> str:
+    """What a precision takes, in words."""
+    values = campaign.values(block)
+    some, least, most = outlook(block, values)
+    seconds = cost(campaign.store, runs)[0] / len(runs) / jobs  # a run
+    if not any(map(len, values.values())):
+        return (
+            f"{block.until.words()} takes {least:,} runs at least and {most:,} at most, "
+            f"{span(seconds * least)} to {span(seconds * most)}; the first round will tell."
+        )
+    return (
+        f"{block.until.words()} takes some {some:,} runs in all by the scatter so far ({least:,} to {most:,}), "
+        f"{span(seconds * some)}."
+    )
 
 
 def cost(store: Store, runs: list[Replicate]) -> tuple[float, str]:

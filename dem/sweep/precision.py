@@ -220,9 +220,9 @@ def short_of(block, values: dict[Lead, np.ndarray]) -> list[str]:
     ]
 
 
-def outlook(block, values: dict[Lead, np.ndarray]) -> str:
-    """How many runs a block takes in all, in words: by the scatter of what is there, with the range that
-    this scatter leaves open (95 %); by the caps where nothing is there."""
+def outlook(block, values: dict[Lead, np.ndarray]) -> tuple[int, int, int]:
+    """How many runs a block takes in all by the scatter of what is there, and the range that this scatter
+    leaves open (95 %); where nothing is there, the first round and the caps."""
     from scipy.special import chdtri
 
     until, places = block.until, all_known(block.until, values, block.partners)
@@ -234,10 +234,7 @@ def outlook(block, values: dict[Lead, np.ndarray]) -> str:
         else:
             free = found.runs - 1
             total += np.clip(wanted * np.array([1.0, *free / chdtri(free, [0.025, 0.975])]), *limits)
-    some, least, most = (f"{math.ceil(each):,}" for each in total)
-    if not any(map(len, values.values())):
-        return f"{until.words()} takes {least} runs at least and {most} at most; the first round will tell."
-    return f"{until.words()} takes some {some} runs in all by the scatter so far ({least} to {most})."
+    return tuple(math.ceil(each) for each in total)
 
 
 def expected(found: Known, until: Until) -> float:
