@@ -7,6 +7,7 @@ import numpy as np
 from scipy.stats import t
 
 from dem.analysis.statistics import LEVEL, find
+from dem.base.errors import InputError
 
 HARMONICS = 4  # of RBD-FAST
 
@@ -45,8 +46,12 @@ def influences(points, response: np.ndarray) -> list[Influence]:
     (Tarantola, Gatelli and Mara 2006, Reliab. Eng. Syst. Safe. 91, 717; SALib): a check. With some
     eighty points it is good to a tenth.
     """
-    from SALib.analyze import rbd_fast
-
+    try:
+        from SALib.analyze import rbd_fast
+    except ModuleNotFoundError:
+        raise InputError(
+            "shares of the variance need the package SALib: pip install 'granular-drag[design]'."
+        ) from None
     place, names = points["at"].max("case").values, points["factor"].values.tolist()
     good = np.isfinite(response) & (response > 0.0)
     if good.sum() < 2 * len(names) + 2:
