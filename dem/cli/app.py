@@ -220,6 +220,22 @@ def means(
 
 
 @app.command()
+def sensitivity(
+    data: Annotated[Path, typer.Argument(help="drag.nc of a sweep over a design.")],
+    output: TextOption = None,
+):
+    """Print which factors of a design decide the mean drag: main effects and Sobol indices.
+
+    Example: dem sensitivity results/drag.nc
+    """
+    with bar(f"reading {data}"):
+        from dem.report.sensitivity import summary
+
+        found = summary(data)
+    print_or_write(found, output)
+
+
+@app.command()
 def report(
     data: Annotated[Path, typer.Argument(help="drag.nc; the page shows the files next to it.")],
     output: Annotated[

@@ -12,6 +12,7 @@ from jinja2.utils import htmlsafe_json_dumps
 from markdown_it import MarkdownIt
 from markupsafe import Markup
 from PIL import Image
+from rich.table import Table
 
 from dem.analysis.flow.layout import ATTRIBUTES, VARIABLES
 from dem.analysis.statistics import by_case, change, summarise
@@ -23,6 +24,7 @@ from dem.figures.style import percent
 from dem.io.lazily import open_lazily, require
 from dem.report.info import drag_table
 from dem.report.interactive import beds, chart
+from dem.report.sensitivity import sensitivity_table
 from dem.sweep.combine import open_combined
 
 # What the report needs of drag.nc, beside what all readers need.
@@ -48,7 +50,7 @@ def build(drag: Path, output: Path, notes: Path | None = None) -> None:
         require(dataset, drag, {}, NEEDED, ORIGIN)
         names = drawable_from(drag, dataset)
         parts = {"title": dataset.attrs["title"], "runs": runs(dataset)}
-        parts |= of_drag(dataset)
+        parts |= of_drag(dataset) | {"factors": of_factors(dataset) if "sensitivity" in names else {}}
     parts |= {"beds": "", "studies": studies(folder)}
     if flow.is_file():
         with open_lazily(flow) as moves:
@@ -71,14 +73,27 @@ def build(drag: Path, output: Path, notes: Path | None = None) -> None:
 def of_drag(dataset: xr.Dataset) -> dict:
     """What the page says of drag.nc: its table and, of cases, what density does and the curves."""
     table, more = drag_table(dataset)
-    rows = list(zip(*(column.cells for column in table.columns), strict=True))
-    head = [str(column.header) for column in table.columns]
     found = by_case(dataset)
     return {
-        "table": {"head": head, "rows": rows, "more": more},
+        "table": cells(table) | {"more": more},
         "densities": [] if found is None else densities(found),
         "chart": "" if found is None else Markup(chart(found)),
     }
+
+
+def of_factors(dataset: xr.Dataset) -> dict:
+    """Which factors of a design decide the drag: a table and what is said below it."""
+    try:
+        table, notes = sensitivity_table(dataset)
+    except InputError:  # too many runs failed
+        return {}
+    return cells(table) | {"notes": notes}
+
+
+def cells(table: Table) -> dict:
+    """Headings and rows of a table."""
+    head = [str(column.header) for column in table.columns]
+    return {"head": head, "rows": list(zip(*(column.cells for column in table.columns), strict=True))}
 
 
 def of_flow(path: Path, moves: xr.Dataset | None) -> dict:

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.stats import t
 
+from dem.analysis.sensitivity import plane
 from dem.analysis.statistics import LEVEL, find
 from dem.base.errors import InputError
 
@@ -66,14 +67,3 @@ def influences(points, response: np.ndarray) -> list[Influence]:
     ends = np.exp([slope, slope - half, slope + half])
     rows = [Influence(n, *map(float, e), float(s)) for n, e, s in zip(names, ends.T, shares, strict=True)]  # fmt: skip
     return sorted(rows, key=lambda row: (not row.decides, -abs(np.log(row.growth))))
-
-
-def plane(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
-    """Slopes (k,) of the plane of least squares through y (n,) at x (n, k), their standard errors, and
-    degrees of freedom."""
-    matrix = np.column_stack([np.ones(len(y)), x])
-    found, *_ = np.linalg.lstsq(matrix, y, rcond=None)
-    free = len(y) - matrix.shape[1]
-    scatter = ((y - matrix @ found) ** 2).sum() / free
-    error = np.sqrt(scatter * np.linalg.pinv(matrix.T @ matrix).diagonal())
-    return found[1:], error[1:], free
