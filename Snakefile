@@ -33,6 +33,7 @@ rule all:
     input:
         COMBINED,
         PICTURES,
+        to_make,
     default_target: True
 
 

@@ -79,11 +79,31 @@ def batches_in(folder, rounds=None):
     for number in sweep.rounds(block):
         if number == rounds:
             break
-        checkpoints.round.get(folder=folder, number=number)
+        if missing(sweep, block, number):
+            checkpoints.round.get(folder=folder, number=number)
     if not workflow.dryrun:
         sweep.begin(block)
         keep_whole(sweep.files(block))
     return [f"results/store/batches/{batch.id}.nc" for batch in sweep.batches(block, rounds)]
+
+
+def missing(sweep, block, rounds=None):
+    """The batches of a block that are not there, after a number of rounds or all that are known."""
+    return [batch for batch in sweep.batches(block, rounds) if not sweep.store.file_of(batch.id).is_file()]
+
+
+def to_make(wildcards):
+    """What the sweep must make. Of a drag.nc that is there Snakemake does not ask what it waits for, or what it was
+    made of if `dem sweep` made it, so that more runs are targets themselves."""
+    found = []
+    for folder, block in SWEEP.folders.items():
+        if SWEEP.is_known(block) and (left := missing(SWEEP, block)):
+            rounds = list(SWEEP.rounds(block))
+            batches = [f"results/store/batches/{batch.id}.nc" for batch in left]
+            found += [f"{folder}/rounds/{rounds[-1]}"] if rounds else batches
+    if found and not workflow.dryrun:
+        SWEEP.begin(*(block for block in SWEEP.sweep.blocks if SWEEP.is_known(block)))
+    return found
 
 
 def keep_whole(files):

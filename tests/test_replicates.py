@@ -175,6 +175,29 @@ def test_the_file_says_what_was_asked_for(sweep):
     assert attrs["until"] == "10 %" and (attrs["target"], attrs["relative"], attrs["level"]) == (0.1, 1, 0.95)
 
 
+@posix
+def test_snakemake_adds_the_replicates_that_a_finer_precision_takes(sweep):
+    """Also to a file that is there, of which it does not ask what it was made of."""
+    made(sweep("{until: 30 %, of: force, least: 4, most: 60}"))
+    before = int(result()["replicates"].sum())
+    for words in (["-j2"], ["-n"]):
+        file = sweep("{until: 15 %, of: force, least: 4, most: 60}")
+        ran = snakemake(Path.cwd(), "-s", str(ROOT / "Snakefile"), *words, configfile=str(file))
+        assert ran.returncode == 0, ran.stderr
+    assert "Nothing to be done" in ran.stdout + ran.stderr
+    after = int(result()["replicates"].sum())
+    assert after > 1.5 * before and after == Campaign.of(file).counts()[1]
+
+
+def test_blocks_that_share_runs_are_made(sweep):
+    """The second is planned with runs that a later round of the first takes."""
+    text = sweep().read_text().partition("sweep:")[0]
+    blocks = f"    one: {{case: a, seed: {SEED}}}\n    two: {{case: a, seed: 1 to 30}}\n"
+    Path("sweep.yaml").write_text(f"{text}sweep:\n  blocks:\n{blocks}")
+    campaign = made(Path("sweep.yaml"))
+    assert campaign.block("one").counts[0,] > 10 and campaign.counts()[0] == len(campaign.runs())
+
+
 def test_a_place_that_stops_at_the_cap_is_said(sweep):
     campaign = made(sweep("{until: 1 %, of: force, most: 12}"))
     (sentence,) = campaign.said
@@ -242,6 +265,8 @@ def test_fieller_s_interval_is_where_the_difference_is_significant():
         ("{until: -5 %}", "sweep.seed.until is '-5 %'; it must be a positive number with its unit"),
         ("{until: 5 %, of: force, most: -1}", "sweep.seed.most is -1; it must be at least 3"),
         ("{until: 5 %, of: force, least: 50, most: 20}", "least is 50, above most, 20"),
+        ("{until: 500 %, of: force}", "until is 500 %; it must be below 100 %"),
+        ("{until: 5 %, of: force, first: 2147483640}", "the last seed must be below 2147483648"),
         ("{until: 5 %, of: forze}", "forze is no number that these runs record; the nearest is force"),
         ("{until: 5 %, of: run_time}", "run_time is no number that these runs record"),
         ("{until: 5 %, of: force / z}", "'z' is no case or shape that this block varies; there are a, b"),
@@ -272,9 +297,10 @@ def test_status_tells_what_is_done_waits_and_failed_and_changes_nothing(sweep):
         made(file)
     before = sorted((p, p.stat().st_mtime_ns) for p in Path("results").rglob("*"))
     text = said(Campaign.of(file))
-    rows = {line.split()[0]: line.split()[1:] for line in text.splitlines() if line.startswith((" a ", " c "))}
-    done = {case: int(row[1].replace("-", "0")) for case, row in rows.items()}
-    assert sum(done.values()) == 15 and rows["c"][4] == "1", text
+    (names,) = (line.split() for line in text.splitlines() if line.startswith(" case "))
+    lines = (line.split() for line in text.splitlines() if line.startswith((" a ", " c ")))
+    rows = {line[0]: dict(zip(names, line, strict=False)) for line in lines}
+    assert sum(int(row["done"]) for row in rows.values()) == 15 and rows["c"]["failed"] == "1", text
     assert "0 runs are under way and 4 wait" in text
     assert before == sorted((p, p.stat().st_mtime_ns) for p in Path("results").rglob("*"))
 
@@ -301,6 +327,7 @@ def test_a_partial_file_holds_what_is_there_and_says_so(sweep):
     with dem.open_results("part.nc") as part:
         assert part.attrs["partial"] == "10 of 20 runs"
         assert int(part["force"].count()) == 10 == int((part["run_id"] != "").sum())
+        assert int(part["replicates"].sum()) == 10
 
 
 def test_a_table_of_drag_claims_no_more_than_was_asked_for():

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from dem.analysis.statistics import LEVEL, half_interval, over_seeds
+from dem.analysis.statistics import LEVEL, asked, half_interval, over_seeds
 from dem.base.errors import InputError
 from dem.base.files import atomic
 from dem.io.checksums import seal
@@ -48,7 +48,8 @@ def means(path: Path) -> xr.Dataset:
         found = {}
         for name, sample in runs.items():
             found[name] = sample.mean("seed").assign_attrs(sample.attrs)
-            half = half_interval(sample).assign_attrs(units=sample.attrs.get("units", "1"))
+            half = asked(dataset, found[name], half_interval(sample), name)
+            half = half.assign_attrs(units=sample.attrs.get("units", "1"))
             half.attrs["long_name"] = f"half the {LEVEL:.0%} interval of the mean of {name}"
             found[f"{name}_half_interval"] = half
         count = xr.Dataset(runs).count("seed").to_array().max("variable")

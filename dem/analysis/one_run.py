@@ -109,7 +109,7 @@ def columns_of(dataset: xr.Dataset) -> dict[str, np.ndarray]:
 def _chosen(path, columns: dict[str, np.ndarray], ids, select: list[str]) -> int:
     """Which run is meant."""
     known = {name.replace(".", "_"): name for name in columns}
-    left = np.ones(len(ids), bool)
+    left = np.asarray(ids) != ""  # no run where a place has fewer replicates
     for word in select:
         name, there, value = word.partition("=")
         if not there:

@@ -100,13 +100,15 @@ def takes(sample: xr.DataArray, share: float) -> xr.DataArray:
     return np.ceil(sample.count("seed") * (half_interval(sample) / (share * sample.mean("seed"))) ** 2)
 
 
-def _asked(dataset: xr.Dataset, mean: xr.DataArray, half: xr.DataArray) -> xr.DataArray:
-    """Half the interval, but not less than what the replicates were added until: those who stop as soon as an
+def asked(
+    dataset: xr.Dataset, mean: xr.DataArray, half: xr.DataArray, name: str = "drag"
+) -> xr.DataArray:
+    """Half the interval of the mean of a quantity, but not less than what the replicates were added until: those who stop as soon as an
     interval is narrow find it too narrow (docs/results/precision.md)."""
-    asked = dataset["replicates"].attrs if "replicates" in dataset else {}
-    if asked.get("of") != "drag" or asked["level"] != LEVEL:
+    wanted = dataset["replicates"].attrs if "replicates" in dataset else {}
+    if wanted.get("of") != name or wanted["level"] != LEVEL:
         return half
-    return np.maximum(half, asked["target"] * (abs(mean) if asked["relative"] else 1.0))
+    return np.maximum(half, wanted["target"] * (abs(mean) if wanted["relative"] else 1.0))
 
 
 def summarise(dataset: xr.Dataset) -> xr.Dataset:
@@ -132,7 +134,7 @@ def summarise(dataset: xr.Dataset) -> xr.Dataset:
         ),
         "sd_between_runs": (spread(runs["mean"]), "standard deviation between the runs' means"),
         "half_interval": (
-            _asked(dataset, runs["mean"].mean("seed"), half_interval(runs["mean"])),
+            asked(dataset, runs["mean"].mean("seed"), half_interval(runs["mean"])),
             f"half the {LEVEL:.0%} confidence interval of the mean",
         ),
     }  # fmt: skip

@@ -13,6 +13,7 @@ from dem.analysis.means import WINDOW, run_means
 from dem.analysis.one_run import columns_of, replicate_of
 from dem.analysis.statistics import (
     LEVEL,
+    asked,
     by_case,
     half_interval,
     over_seeds,
@@ -189,20 +190,21 @@ def _means(path: Path, dataset: xr.Dataset) -> Group:
     runs = run_means(path, dataset, MEANS)
     counts = xr.Dataset(runs).count("seed").to_array().max("variable")
     columns = {"runs": (counts, "")} | {
-        f"{name}\n± {LEVEL:.0%}": (_with_interval(values), "") for name, values in runs.items()
+        f"{name}\n± {LEVEL:.0%}": (_with_interval(dataset, name, values), "") for name, values in runs.items()
     }
     return _told(attrs, _provenance(attrs, seeds=_seeds(dataset)), *_table(dataset, columns))
 
 
-def _with_interval(sample: xr.DataArray) -> xr.DataArray:
+def _with_interval(dataset: xr.Dataset, name: str, sample: xr.DataArray) -> xr.DataArray:
     """Mean over the runs and half its interval as text."""
 
     def words(mean, half):
         return f"{_text(mean, '.4g')} ± {_text(half, '.2g')}"
 
     return xr.apply_ufunc(
-        words, sample.mean("seed"), half_interval(sample), vectorize=True, output_dtypes=[object]
-    )
+        words, sample.mean("seed"), asked(dataset, sample.mean("seed"), half_interval(sample), name),
+        vectorize=True, output_dtypes=[object],
+    )  # fmt: skip
 
 
 def _runs(path: Path, dataset: xr.Dataset) -> Group:

@@ -9,6 +9,7 @@ from rich.console import Group
 from rich.text import Text
 
 from dem.analysis.tables import numbers
+from dem.base.errors import InputError
 from dem.io.progress import span
 from dem.sweep.axis import POINT, Axis
 from dem.sweep.campaign import Campaign
@@ -41,14 +42,15 @@ def status(campaign: Campaign) -> Group:
         seconds, how = cost(campaign.store, left)
         words += f"About {span(seconds / max(1, running))} left with {max(1, running)} processes ({how}). "
     files = (campaign.store.file_of(each.id) for each in campaign.store.sealed().values() if made.intersection(each.runs))
-    words += f"{1e-6 * sum(path.stat().st_size for path in files):.1f} MB of disk are used."
-    parts.append(Text(words))
-    parts += [Text(f"{count} failed: {why}") for why, count in failed.most_common(REASONS)]
-    return Group(*parts)
+    words += f"{1e-6 * sum(path.stat().st_size for path in files if path.exists()):.1f} MB of disk are used."
+    told = [Text(f"{count} failed: {why}") for why, count in failed.most_common(REASONS)]
+    return Group(Text(words), *told, *parts)
 
 
 def _usual(block: Block) -> Until:
     names = numbers_of(block.runs[0].replicate.configuration)
+    if not names:
+        raise InputError(f"runs of {block.name} record no number, whose mean could be known.")
     return Until(until=USUAL, of="drag" if "drag" in names else names[0])
 
 
@@ -63,10 +65,11 @@ def _table(block: Block, until: Until, there: dict, under_way: dict, failed: dic
     }  # fmt: skip
     places = all_known(until, values, block.partners)
     headings = [name for axis in shown for name in _names(axis)]
-    table = numbers(
+    columns = [
         *headings, "runs", "done", "running", "waiting", "failed", f"{until.of}\n{units}",
-        f"{until.confidence}\n±", "within", f"replicates\nfor {until.until}", words=len(headings),
-    )  # fmt: skip
+        f"{until.confidence}\n±", "within", f"replicates\nfor {until.until}",
+    ]  # fmt: skip
+    rows = []
     for place, runs in list(block.replicates.items())[:ROWS]:
         cells = [cell for at, axis in zip(place, block.beside_seed, strict=True) if axis in shown for cell in _cells(axis, at)]
         begun = [under_way[run.id] for run in runs if under_way.get(run.id) and run.id not in there]
@@ -74,7 +77,12 @@ def _table(block: Block, until: Until, there: dict, under_way: dict, failed: dic
         running = f"{len(begun)}, {span(now - min(begun))}" if begun else "-"
         bad = sum(run.id in failed for run in runs)
         counts = len(runs), done - bad, running, len(runs) - done - len(begun), bad
-        table.add_row(*cells, *(str(each or "-") for each in counts), *_known(places.get(place), until))
+        counts = (str(each or "-") for each in counts)
+        rows.append([*cells, *counts, *_known(places.get(place), until)])
+    said = [n for n, cells in enumerate(zip(*rows, strict=True)) if set(cells) != {"-"}]
+    table = numbers(*(columns[n] for n in said), words=len(headings))
+    for row in rows:
+        table.add_row(*(row[n] for n in said))
     if (more := len(block.replicates) - ROWS) > 0:
         table.caption = f"and {more} places more"
     return table

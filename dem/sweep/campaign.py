@@ -121,6 +121,9 @@ class Campaign:
         now, values = found[-1].counts, self.values(found[-1])
         if any(len(values[place]) < n for place, n in now.items()):
             return False
+        every = np.concatenate(list(values.values()))
+        if np.isnan(every).sum() > self.sweep.failures * every.size:
+            return False  # more runs failed than may; combining says so
         after = counts(until, values, found[-1].partners, len(found))
         if after == now:
             return False
@@ -195,12 +198,12 @@ class Campaign:
         save(self.sweep, path, self.file or "")  # first, so that pruning knows what is needed
         for name in blocks:
             self.batches(name)
-            for key, (batches, new) in self._plans.items():
-                if key[0] == name:
-                    for batch in batches:
-                        if batch.id in new:
-                            self.store.write_plan(batch, self.sweep.results, new[batch.id])
-                    self._plans[key] = batches, {}
+            of_block = [batches for key, (batches, _) in self._plans.items() if key[0] == name]
+            needed = {batch.id for batches in of_block for batch in batches}
+            for batches, new in self._plans.values():  # some may be planned for another block
+                for batch in batches:
+                    if batch.id in new and batch.id in needed:
+                        self.store.write_plan(batch, self.sweep.results, new.pop(batch.id))
         return str(path)
 
     def counts(self) -> tuple[int, int]:
@@ -297,8 +300,7 @@ class Campaign:
         kept = sum(self.store.run_of(run).is_file() for each in new for run in each.runs)
         before = there - kept
         make_batches(self.store, new, workers, lambda n, *more: progress(before + n, *more))
-        for key in [key for key in self._plans if key[0] == name]:
-            del self._plans[key]  # some runs may have been put into batches of their own
+        self._plans.clear()  # some runs may have been put into batches of their own
 
 
 def of_new_store(store: Store, file: Path) -> str | None:

@@ -90,6 +90,8 @@ def combine(
             for run in left:
                 for place in block.places[run]:
                     file.variables["run_id"][place] = np.bytes_()
+                    if block.until:
+                        file.variables[REPLICATES][block.lead(place)] -= 1
         elif left:
             missing = next(run for run in block.runs if run.replicate.id in left).replicate
             raise InputError(f"{missing.words()} is in none of the {len(paths)} files; run again.")

@@ -190,7 +190,8 @@ def expand(
     twice = [p for p in given if sum(p in some for some in points_of) > 1]
     if twice:
         raise InputError(f"{where} varies {min(twice)} in two ways; name it once.")
-    if (count := prod(len(axis.points) for axis in axes)) > MOST:
+    sizes = (axis.until.most if axis.until else len(axis.points) for axis in axes)
+    if (count := prod(sizes)) > MOST:
         raise InputError(f"{where} has {count:,} runs; it must have at most {MOST:,}.")
     found = Block(name, axes, _runs(sweep, where, fixed, axes, derived, counts), fixed)
     if found.until:

@@ -18,7 +18,7 @@ from pydantic import BeforeValidator, model_validator
 
 from dem.base.errors import InputError, RunError
 from dem.base.hints import choice
-from dem.base.schema import MOST, Section, Seed, Whole, value
+from dem.base.schema import MOST, SEEDS, Section, Seed, Whole, value
 from dem.io.dataset import OF_RUN, read
 
 GROWTH = 2  # a round at most doubles the replicates of a place
@@ -70,6 +70,10 @@ class Until(Section):
     def _check(self):
         if self.least > self.most:
             raise ValueError(f"least is {self.least}, above most, {self.most}; it must be at most that")
+        if self.first + self.most > SEEDS:
+            raise ValueError(f"first is {self.first} and most {self.most}; the last seed must be below {SEEDS}")
+        if self.target[1] and self.target[0] >= 1.0:
+            raise ValueError(f"until is {self.until}; it must be below 100 %")
         return self
 
     @property
@@ -149,7 +153,8 @@ class Known(NamedTuple):
 
     def is_near_zero(self, until: Until) -> bool:
         """Whether a share of the mean means nothing, because the interval holds zero."""
-        return until.target[1] and self.runs > 1 and not (self.low > 0.0 or self.high < 0.0)
+        there = self.runs > 1 and math.isfinite(self.value)
+        return until.target[1] and there and not (self.low > 0.0 or self.high < 0.0)
 
 
 def known(sample, level: float, reference=None) -> Known:
@@ -209,7 +214,7 @@ def short_of(block, values: dict[Lead, np.ndarray]) -> list[str]:
                 f"may be zero, so {until.until} of it means nothing; ask for a number with a unit, such as "
                 "until: 50 N, or take the place out."
             )
-        if not found.excess(until) <= 1.0:
+        if found.excess(until) > 1.0:  # where too few were made, combining says so
             wide.append((found.half / abs(found.value), words, found.runs))
     if not wide:
         return []

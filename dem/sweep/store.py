@@ -11,6 +11,7 @@ import json
 import os
 import re
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from itertools import chain, zip_longest
 from pathlib import Path
 from typing import NamedTuple
@@ -183,7 +184,11 @@ class Store:
         """The runs of batches that have not ended, by identity: None for one that is finished, else since
         when (s since 1970) a process is making it. Nothing is touched."""
         files = list((self.folder / "runs").glob("*/*"))
-        held = {p.stem: p.stat().st_mtime for p in files if p.suffix == ".lock" and is_held(p)}
+        held = {}
+        for path in (each for each in files if each.suffix == ".lock"):
+            with suppress(FileNotFoundError):  # a run that ends just now
+                if is_held(path):
+                    held[path.stem] = path.stat().st_mtime
         return held | {p.stem: None for p in files if re.fullmatch(r"[0-9a-f]{32}\.npz", p.name)}
 
     def forget(self, runs: Iterable[str]) -> None:
