@@ -14,7 +14,7 @@ from dem.base.errors import InputError
 from dem.base.files import Place, check_own
 from dem.base.yaml_file import read
 from dem.sweep.config import CONFIG, Sweep, file_of, load, parse, save
-from dem.sweep.earlier import read_earlier, refuse_other, replaced
+from dem.sweep.earlier import OWNER, read_earlier, refuse_other, replaced
 from dem.sweep.expand import Block
 from dem.sweep.precision import Lead, Numbers, counts, short_of
 from dem.sweep.store import FOLDER, Batch, Store, plan
@@ -262,7 +262,7 @@ class Campaign:
             )
         from dem.sweep.combine import combine
 
-        found, before, own = self.block(block), read_earlier(output), self.file
+        found, before = self.block(block), read_earlier(output)
         files = [path for path in self.files(block) if path.is_file() or not partial]
         if partial and output.resolve() in (path.resolve() for _, path in self.combined()):
             raise InputError(
@@ -273,10 +273,15 @@ class Campaign:
         if found.until and not partial and observable == self.observables(block)[0]:
             self.said += short_of(found, self.values(found))
         combine(
-            files, self.sweep, found, observable, output, progress, of=own, partial=partial
+            files, self.sweep, found, observable, output, progress, self.sign, partial
         )
         if output == self.first(block) and self.sweep.needed(block):
             self.said += replaced(output, before, found.places)
+
+    def sign(self, file) -> None:
+        """Write into a combined file, a netCDF4.Dataset, which sweep it is of."""
+        if self.file is not None:
+            file.setncattr_string(OWNER, self.file)
 
     def make(self, workers: Workers, progress=lambda done, failed, compiles: None) -> None:
         """Make all that is not there yet, on some workers, but flow.nc (dem.analysis.flow); raises

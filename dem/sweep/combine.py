@@ -32,7 +32,6 @@ from dem.io.dataset import (
 )
 from dem.io.lazily import open_lazily, require
 from dem.sweep.config import Sweep
-from dem.sweep.earlier import OWNER
 from dem.sweep.expand import Block
 
 PROVENANCE = ("versions", "git_revision", "source_hash", "processor")
@@ -42,7 +41,7 @@ HELD = 8_000_000  # bytes of a variable that are in memory until they are writte
 
 def combine(
     paths: list[Path], sweep: Sweep, block: Block, observable: str, output: Path,
-    progress=lambda done: None, more=lambda file: None, of: str | None = None, partial: bool = False,
+    progress=lambda done: None, more=lambda file: None, partial: bool = False,
 ) -> None:  # fmt: skip
     """Write what an observable gave for all runs of a block.
 
@@ -50,9 +49,8 @@ def combine(
     them are left out. The attributes tell the provenance of the runs, all of it where they differ.
     The file is written atomically and without loss. Where the sweep allows failures, those are gaps
     (NaN) and `failure` tells why; so are seeds that a place has no replicate of, and what `run_id` names
-    is all that was made. more: adds to the file, a netCDF4.Dataset, what else it shall hold. of: the file
-    of the sweep. partial: what no file holds is a gap too, and the attribute `partial` says how much it
-    is. Raises InputError for a file that is damaged and for a run that no file holds; RunError where too
+    is all that was made. more: adds to the file, a netCDF4.Dataset, what else it shall hold. partial: what
+    no file holds is a gap too, and the attribute `partial` says how much it is. Raises InputError for a file that is damaged and for a run that no file holds; RunError where too
     many runs failed, or all of a case or shape.
     """
     layout, names = layout_of(block, observable)
@@ -102,8 +100,6 @@ def combine(
                 file.variables["failure"][place] = flag
         found = {name: "; ".join(kept) for name, kept in provenance.items()}
         file.setncatts(about(sweep, block, found))
-        if of is not None:
-            file.setncattr_string(OWNER, of)
         more(file)
 
 

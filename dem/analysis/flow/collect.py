@@ -92,13 +92,14 @@ def write_flow(campaign: Campaign, block: str, output: Path, progress=lambda sha
     found = campaign.block(block)
 
     def more(file):
+        campaign.sign(file)
         _describe(file, found)
         base = set(found.dims) - {"seed"}
         if "snapshots" in _recorded(campaign, block) and base in ({"case"}, {"shape"}):
             _keep_beds(file, campaign, found, base.pop())
 
     wanted = sources(campaign, block)
-    combine(wanted, campaign.sweep, found, "flow", output, progress, more, campaign.file)
+    combine(wanted, campaign.sweep, found, "flow", output, progress, more)
 
 
 def _recorded(campaign: Campaign, block: str) -> tuple[str, ...]:
