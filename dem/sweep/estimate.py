@@ -20,7 +20,10 @@ from dem.sweep.prune import sweeps
 from dem.sweep.store import Store
 from dem.sweep.why import reasons
 
-GUESS = 1e-7  # s a granule and step, where no run was made yet: of a usual processor
+GUESS = 3e-8  # s an effort, where no run was made yet: of a usual processor
+DAMPED = 30.0  # by how much damping bounds the step, over how much stiffness does, a damping ratio (study budget)
+STEP = 0.95  # longest step fraction that is sure to be stable; its bias is below what beds scatter (study budget)
+WORTH = 0.9  # of the time, from which on other settings are told
 LISTED = 40  # runs, or batches, that are shown
 # of the list of batches
 COLUMNS = "batch", "runs", "failed", "shape", "density kg/m3", "seeds", "values", "needed by"
@@ -69,16 +72,29 @@ def _outlook(campaign: Campaign, block, runs: list[Replicate], jobs: int) -> str
     """What a precision takes, in words."""
     values = campaign.values(block)
     some, least, most = outlook(block, values)
-    seconds = cost(campaign.store, runs)[0] / len(runs) / jobs  # a run
+    seconds, others = cost(campaign.store, runs)[0] / len(runs) / jobs, _cheaper(runs)  # a run
     if not any(map(len, values.values())):
         return (
             f"{block.until.words()} takes {least:,} runs at least and {most:,} at most, "
-            f"{span(seconds * least)} to {span(seconds * most)}; the first round will tell."
+            f"{span(seconds * least)} to {span(seconds * most)}; the first round will tell.{others(seconds * most)}"
         )
     return (
         f"{block.until.words()} takes some {some:,} runs in all by the scatter so far ({least:,} to {most:,}), "
-        f"{span(seconds * some)}."
+        f"{span(seconds * some)}.{others(seconds * some)}"
     )
+
+
+def _cheaper(runs: list[Replicate]):
+    """Words, of a time (s), about settings that would take less of it and give the same mean: the run ends
+    with its window, and the step is the longest that is sure to be stable."""
+    own = runs[0].configuration
+    found = {"numerics.step_fraction": STEP} if own.numerics.time_step is None and own.numerics.step_fraction < STEP else {}
+    if own.record and own.cylinder and own.cylinder.stroke > own.record.window[1]:
+        found["cylinder.stroke"] = own.record.window[1]
+    less = [Replicate(run.configuration.changed(found, run.label), run.label, run.density, run.seed) for run in runs[:LISTED]]
+    share = sum(map(_effort, less)) / sum(map(_effort, runs[:LISTED]))
+    words = " and ".join(f"{path} {value:g}" for path, value in found.items())
+    return lambda seconds: f" With {words} it would take {span(share * seconds)}." if share < WORTH else ""
 
 
 def cost(store: Store, runs: list[Replicate]) -> tuple[float, str]:
@@ -152,8 +168,10 @@ def _effort(replicate: Replicate) -> float:
     own, shape = replicate.configuration, replicate.shape
     if (duration := own.module.duration(replicate)) is None:
         return 1e5 * shape.granules
-    speed = np.sqrt(own.material.young_modulus / replicate.density)
-    return shape.granules * duration * speed / shape.diameter / own.numerics.step_fraction
+    speed, decay = np.sqrt(own.material.young_modulus / replicate.density), -np.log(own.material.restitution)
+    damped = DAMPED * decay / np.sqrt(np.pi**2 + decay**2)  # (step / f)^2 + damped step = 1
+    step = 2.0 / (np.sqrt(damped**2 + 4.0 / own.numerics.step_fraction**2) + damped)
+    return shape.granules * duration * speed / shape.diameter / step
 
 
 def speeds_of(store: Store) -> dict[str, float]:

@@ -1,0 +1,1 @@
+"""What does a budget of processor time buy: which step, box, stroke and number of beds?"""

@@ -1,0 +1,137 @@
+"""What a budget of processor time buys."""
+
+from functools import cached_property
+
+import numpy as np
+from rich.table import Table
+
+from dem.analysis.tables import numbers
+from studies.budget.model import LEFT_OUT, PAPER, Settings
+from studies.budget.spend import WAYS, WINDOW, Levels, Shape, Spent, levels
+from studies.budget.trial import NAMES, Way, ratio, tried
+from studies.common.findings import Findings, clock, estimate, interval
+
+__all__ = ["budget"]
+
+BUDGETS = 10.0, 60.0, 600.0, 3600.0  # s of one core
+TRIED = 20.0  # s, of a repetition
+LEVELS = (0.95, 0.1), (0.3, 0.1)
+HELD = Settings(LEFT_OUT, 283, WINDOW, WINDOW), Settings(LEFT_OUT, PAPER, WINDOW, WINDOW)
+
+
+def percent(share: float, digits: int = 1) -> str:
+    """A share in per cent."""
+    return f"{100.0 * share:.{digits}f} %" if np.isfinite(share) else "-"
+
+
+def ends(spent: Spent) -> str:
+    """An error with its interval."""
+    return estimate(100.0 * np.array([spent.error, spent.low, spent.high]), "%", 1) if np.isfinite(spent.error) else "-"
+
+
+class Budget(Findings):
+    """Error of the mean drag against processor time, budget.nc."""
+
+    name, command, needs = "budget", "snakemake -j2 budget", ("run_drag", "run_spent")
+
+    @cached_property
+    def shapes(self) -> dict[str, Shape]:
+        """The shapes by their labels."""
+        return {name: Shape(self.dataset, name) for name in dict.fromkeys(self.dataset["run_shape"].values.tolist())}
+
+    @cached_property
+    def ways(self) -> dict[str, list[Way]]:
+        """By shape, what the same time gave in several ways."""
+        return {name: tried(shape, TRIED) for name, shape in self.shapes.items()}
+
+    def best(self, shape: str, budget: float) -> Spent:
+        """The settings with the least error for a budget."""
+        return self.shapes[shape].best(budget)
+
+    def frontier(self) -> Table:
+        """Settings with the least error by budget of one core, and the errors of the default and of the paper's sweep there."""
+        made = numbers("shape", "budget", "step fraction", "granules", "mean to mm", "runs", "error", "default", "paper's sweep", words=2)
+        for name, shape in self.shapes.items():
+            for seconds in BUDGETS:
+                found = shape.best(seconds)
+                others = (percent(shape.spent(at, seconds).error) for at in WAYS.values())
+                made.add_row(
+                    name, clock(seconds), f"{found.at.fraction:g}", f"{found.at.granules:.0f}", f"{1e3 * found.at.stop:.1f}",
+                    f"{found.runs}", ends(found), *others,
+                )  # fmt: skip
+        return made
+
+    def checks(self) -> Table:
+        """The model at places that it was not fitted to, against runs there: time of a run, its scatter over the mean, change of the mean."""
+        made = numbers("shape", "granules", "step fraction", "time, model s", "found s", "scatter, model", "found", "change, model", "found", words=1)
+        for name, shape in self.shapes.items():
+            for at in HELD:
+                some, model = self._held(name, at), shape.model
+                time = some.spent.median() if at.granules != PAPER else some.time.median() + model.bed[0]
+                off, half = some.drag / model.mean - 1.0, 1.96 * some.drag.std() / model.mean / np.sqrt(len(some))
+                made.add_row(
+                    name, f"{at.granules}", f"{at.fraction:g}", f"{model.time(at):.2f}", f"{time:.2f}", percent(model.spread(at)),
+                    interval(100.0 * off.std(), 196.0 * off.std() / np.sqrt(2.0 * len(some)), "%", 1),
+                    percent(model.biases(at).sum()), interval(100.0 * off.mean(), 100.0 * half, "%", 1),
+                )  # fmt: skip
+        return made
+
+    def _held(self, shape: str, at: Settings):
+        """Runs at a place that was not fitted to."""
+        table = self.shapes[shape].runs.table
+        mine = (table.granules == at.granules) & (table.fraction == at.fraction) & table.part.isin(("held", "steps"))
+        return table[mine & table.drag.notna()]
+
+    def model(self) -> Table:
+        """The model: bias at the longest stable step, of half and of twice the granules, scatter and its power, times."""
+        made = numbers("shape", "mean N", "step 0.95", "200 granules", "800 granules", "mean to 3 mm", "scatter", "power", "bed s", "run s")
+        for name, shape in self.shapes.items():
+            own, whole = shape.model, Settings(0.5, PAPER, WINDOW, WINDOW)
+            changed = [whole._replace(fraction=0.95), whole._replace(granules=200), whole._replace(granules=800), whole._replace(stop=3.0e-3)]
+            cells = []
+            for part, at in zip((0, 1, 1, 2), changed, strict=True):
+                drawn = [model.biases(at)[part] for model in shape.draws]
+                cells.append(interval(100.0 * own.biases(at)[part], 196.0 * float(np.std(drawn)), "%", 1))
+            made.add_row(
+                name, f"{own.mean:.0f}", *cells, percent(own.scatter[0]), f"{own.scatter[1]:.2f}", f"{own.bed[0]:.2f}",
+                f"{own.time(whole) - own.bed[0]:.2f}",
+            )  # fmt: skip
+        return made
+
+    def trial(self) -> Table:
+        """The same processor time spent in three ways, ten times each: root mean square of the errors, and what the model says."""
+        made = numbers("shape", "way", "runs", "time s", "error", "by the model", words=2)
+        for name, ways in self.ways.items():
+            shape = self.shapes[name]
+            for way in ways:
+                model = shape.best(TRIED) if way.name == NAMES[-1] else shape.spent(WAYS[way.name], TRIED)
+                made.add_row(name, way.name, f"{way.runs}", f"{way.time:.1f}", estimate(100.0 * way.rms, "%", 1), percent(model.error))
+        return made
+
+    def ratio(self, other: str) -> str:
+        """Error of the recommended settings over that of another way, over all shapes."""
+        return estimate(ratio(list(self.ways.values()), NAMES[-1], other))
+
+    def is_best(self, other: str) -> bool:
+        """Whether the whole of that interval is below one."""
+        return ratio(list(self.ways.values()), NAMES[-1], other)[2] < 1.0
+
+    @cached_property
+    def every_level(self) -> dict[str, list[Levels]]:
+        """By shape, what two levels of steps would gain."""
+        return {name: [levels(shape, *each) for each in LEVELS] for name, shape in self.shapes.items()}
+
+    def levels(self) -> Table:
+        """Two steps of the same beds: correlation of their drags, and time of one level over that of two for the same error."""
+        made = numbers("shape", "steps", "correlation", "time of one over two levels", words=2)
+        for name, some in self.every_level.items():
+            for each in some:
+                made.add_row(name, f"{each.coarse:g} and {each.fine:g}", estimate(each.correlation), estimate(each.gain))
+        return made
+
+    def gain(self) -> float:
+        """The most that two levels would gain."""
+        return max(each.gain[2] for some in self.every_level.values() for each in some)
+
+
+budget = Budget()

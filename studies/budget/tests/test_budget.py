@@ -1,0 +1,132 @@
+"""The model finds what made the runs, and spends a budget as they ask for."""
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from conftest import assert_not_blank
+from dem.figures.catalogue import draw
+from dem.io.dataset import global_attributes, write
+from dem.io.lazily import open_lazily
+from studies.__main__ import app
+from studies.budget.findings import budget
+from studies.budget.layout import VARIABLES
+from studies.budget.model import LEFT_OUT, PAPER, Model, Runs, Settings
+from studies.budget.spend import WAYS, WINDOW, Shape, levels
+from studies.budget.trial import NAMES, tried
+from studies.catalogue import figures
+
+STOPS = np.linspace(1.0e-3, WINDOW, 11)[1:]
+TRUE = Model(
+    mean=1000.0, bounds=(3.0e-7, 5.0e-8), bed=(0.1, 1.1), run=(4.0e-6, 0.9), step=-4.0e5, box=0.2,
+    scatter=(0.12, 0.5), stops=STOPS, window=np.linspace(-0.1, 0.0, 10), wider=np.linspace(1.4, 1.0, 10),
+)  # fmt: skip
+
+
+def runs_of(model: Model, beds: int, seed: int = 0) -> dict:
+    """Runs that follow a model; those of one bed at several steps differ by a third of their scatter."""
+    rng, rows = np.random.default_rng(seed), []
+
+    def add(part, fraction, granules, first, stroke=WINDOW, count=beds):
+        for number in range(count):
+            at = Settings(fraction, granules, STOPS, stroke)
+            own = np.random.default_rng([seed, first + number, granules]).normal()
+            draw = (own + rng.normal() / 3.0) / np.hypot(1.0, 1.0 / 3.0)
+            mean, time = model.mean * (1.0 + model.biases(at).sum(axis=0)), model.time(at) * rng.normal(1.0, 0.02)
+            bed = model.bed[0] * (granules / PAPER) ** model.bed[1]
+            rows.append({
+                "part": part, "shape": "c1", "seed": first + number, "fraction": fraction, "granules": granules,
+                "stroke": stroke, "drag": mean + model.mean * model.spread(at) * draw, "time": time - bed,
+                "time_step": float(model.time_step(fraction)), "spent": time - bed * (part == "steps"),
+            })  # fmt: skip
+
+    add("reference", 0.1, PAPER, 0, count=4 * beds)
+    for fraction in (0.2, 0.3, 0.5, LEFT_OUT, 0.95):
+        add("steps", fraction, PAPER, 0)
+    for granules in (100, 200, 800):
+        add("boxes", 0.5, granules, 0)
+    add("held", LEFT_OUT, 283, 5000)
+    add("recommended_c1", 0.5, PAPER, 9000, count=400)
+    for way, at in WAYS.items():
+        add(way, at.fraction, at.granules, 9000, at.stroke, 400)
+    return {f"run_{key}": np.array([row[key] for row in rows]) for key in rows[0]} | {"window_stop": STOPS}
+
+
+def write_runs(path):
+    origin = {"versions": "", "git_revision": "", "source_hash": ""}
+    write(path, runs_of(TRUE, 300), global_attributes("budget", "test", **origin), VARIABLES)
+
+
+@pytest.fixture(scope="module")
+def dataset(tmp_path_factory):
+    path = tmp_path_factory.mktemp("budget") / "budget.nc"
+    write_runs(path)
+    with open_lazily(path) as found:
+        return found.load()
+
+
+def test_the_model_finds_what_made_the_runs(dataset):
+    found = Runs(dataset, "c1").fit()
+    for name, off in {"mean": 0.03, "bounds": 1e-6, "bed": 0.05, "run": 0.05, "scatter": 0.15}.items():
+        assert getattr(found, name) == pytest.approx(getattr(TRUE, name), rel=off), name
+    assert found.step == pytest.approx(TRUE.step, abs=3e5)
+    assert found.box == pytest.approx(TRUE.box, abs=0.04)
+    assert found.window == pytest.approx(TRUE.window, abs=0.02)
+    assert found.wider == pytest.approx(TRUE.wider, rel=0.1)
+
+
+def test_no_way_does_better_than_the_settings_that_are_recommended(dataset):
+    """And they are such as the true model asks for: the bias of small boxes is worth it for small budgets only."""
+    shape = Shape(dataset, "c1")
+    for seconds in (5.0, 60.0, 3600.0):
+        best = shape.best(seconds)
+        assert all(best.error < shape.spent(at, seconds).error for at in WAYS.values())
+        assert best.runs * shape.model.time(best.at) <= seconds
+    assert shape.best(3600.0).at[:3] == (0.1, PAPER, WINDOW)  # nothing is biased less
+
+
+def test_an_error_is_that_of_means_drawn_with_these_settings(dataset):
+    """Root mean square over many draws from what made the runs, where biases do not cancel by chance."""
+    shape, rng = Shape(dataset, "c1"), np.random.default_rng(5)
+    for at in (Settings(0.3, PAPER, WINDOW, WINDOW), Settings(0.1, 200, WINDOW, WINDOW), Settings(0.1, PAPER, 3.0e-3, 3.0e-3)):
+        told = shape.spent(at, 30.0)
+        off = TRUE.biases(at).sum() + TRUE.spread(at) * rng.normal(size=(4000, told.runs)).mean(axis=1)
+        assert told.error == pytest.approx(np.sqrt((off**2).mean()), rel=0.15)
+
+
+def test_two_levels_gain_where_runs_agree_and_fine_ones_are_dear(dataset):
+    """A bed's runs correlate by 0.9: 1 / (1 + 1/9)."""
+    found = levels(Shape(dataset, "c1"), 0.3, 0.1)
+    assert found.correlation[0] == pytest.approx(0.9, abs=0.03)
+    assert found.correlation[1] < found.correlation[0] < found.correlation[2]
+    assert found.gain[2] < 1.0  # three times the step is not thrice as fast, because of damping
+    alike = dataset.copy(deep=True)
+    first = {seed: drag for part, seed, drag in zip(*(alike[f"run_{n}"].values for n in ("part", "seed", "drag")), strict=True) if part == "reference"}
+    for row in np.flatnonzero(alike["run_part"].values == "steps"):
+        alike["run_drag"][row] = first[int(alike["run_seed"][row])]
+    assert levels(Shape(alike, "c1"), 0.95, 0.1).gain[0] > 1.5
+
+
+def test_repetitions_show_a_bias_and_a_scatter(dataset):
+    """Means that are a tenth too large are off by a tenth."""
+    off = dataset.copy(deep=True)
+    mine = off["run_part"].values == "paper"
+    off["run_drag"][mine] = off["run_drag"][mine] * 1.1
+    ways = {way.name: way for way in tried(Shape(off, "c1"), 20.0)}
+    assert ways["paper"].rms[0] == pytest.approx(0.1, abs=0.02)
+    assert ways["default"].rms[0] < 0.05
+    assert ways["paper"].rms[1] < ways["paper"].rms[0] < ways["paper"].rms[2]
+
+
+def test_the_file_can_be_shown_and_drawn(tmp_path):
+    path = tmp_path / "budget.nc"
+    write_runs(path)
+    run = CliRunner().invoke(app, ["budget", "info", str(path)])
+    assert run.exit_code == 0, run.output
+    assert_not_blank(draw("budget", path, tmp_path, figures())[1])
+
+
+@pytest.mark.skipif(not budget.path.is_file(), reason="budget.nc is not there yet")
+def test_the_released_runs_are_of_all_ways():
+    parts = {part.partition("_")[0] for part in budget.dataset["run_part"].values}
+    assert parts >= set(NAMES) | {"reference", "steps", "boxes", "held"}
