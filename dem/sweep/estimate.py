@@ -72,29 +72,27 @@ def _outlook(campaign: Campaign, block, runs: list[Replicate], jobs: int) -> str
     """What a precision takes, in words."""
     values = campaign.values(block)
     some, least, most = outlook(block, values)
-    seconds, others = cost(campaign.store, runs)[0] / len(runs) / jobs, _cheaper(runs)  # a run
-    if not any(map(len, values.values())):
-        return (
-            f"{block.until.words()} takes {least:,} runs at least and {most:,} at most, "
-            f"{span(seconds * least)} to {span(seconds * most)}; the first round will tell.{others(seconds * most)}"
-        )
-    return (
-        f"{block.until.words()} takes some {some:,} runs in all by the scatter so far ({least:,} to {most:,}), "
-        f"{span(seconds * some)}.{others(seconds * some)}"
-    )
+    seconds = cost(campaign.store, runs)[0] / len(runs) / jobs  # a run
+    if any(map(len, values.values())):
+        said = f"some {some:,} runs in all by the scatter so far ({least:,} to {most:,}), {span(seconds * some)}"
+    else:
+        said = f"{least:,} runs at least and {most:,} at most, {span(seconds * least)} to {span(seconds * most)}"
+        said, some = f"{said}; the first round will tell", most
+    return f"{block.until.words()} takes {said}.{_cheaper(runs, seconds * some)}"
 
 
-def _cheaper(runs: list[Replicate]):
-    """Words, of a time (s), about settings that would take less of it and give the same mean: the run ends
-    with its window, and the step is the longest that is sure to be stable."""
-    own = runs[0].configuration
-    found = {"numerics.step_fraction": STEP} if own.numerics.time_step is None and own.numerics.step_fraction < STEP else {}
+def _cheaper(runs: list[Replicate], seconds: float) -> str:
+    """Which settings give the same mean in less time, in words: the run ends with its window, and the step is the
+    longest that is sure to be stable."""
+    own, found = runs[0].configuration, {}
+    if own.numerics.time_step is None and own.numerics.step_fraction < STEP:
+        found["numerics.step_fraction"] = STEP
     if own.record and own.cylinder and own.cylinder.stroke > own.record.window[1]:
         found["cylinder.stroke"] = own.record.window[1]
     less = [Replicate(run.configuration.changed(found, run.label), run.label, run.density, run.seed) for run in runs[:LISTED]]
     share = sum(map(_effort, less)) / sum(map(_effort, runs[:LISTED]))
     words = " and ".join(f"{path} {value:g}" for path, value in found.items())
-    return lambda seconds: f" With {words} it would take {span(share * seconds)}." if share < WORTH else ""
+    return f" With {words} it would take {span(share * seconds)}." if share < WORTH else ""
 
 
 def cost(store: Store, runs: list[Replicate]) -> tuple[float, str]:
