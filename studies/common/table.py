@@ -3,7 +3,7 @@
 The files of the batches of a block are `Campaign.files(block)`.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +13,7 @@ from dem.base.errors import InputError, RunError
 from dem.experiment.config import Replicate
 from dem.io.dataset import global_attributes, is_text, read, write
 from dem.io.lazily import open_lazily, require
+from dem.sweep.campaign import Campaign
 from dem.sweep.config import Sweep
 from dem.sweep.expand import Block
 
@@ -49,6 +50,23 @@ def rows(
     if left:
         words = next(iter(left.values())).words()
         raise InputError(f"{words} is in none of the {len(paths)} files; run again.")
+
+
+def every_run(
+    campaign: Campaign, names: tuple[str, ...], row: Callable, progress=lambda share: None
+) -> tuple[dict[str, np.ndarray], dict[str, str]]:
+    """A table of all runs of all blocks, in their order, and where it comes from: variables of the dimension
+    `run` and attributes. row: from the name of a block, a replicate and what names say of it to a row by name."""
+    found, every = [], []
+    for done, name in enumerate(campaign.sweep.blocks):
+        wanted, files, of_run = wanted_of([campaign.block(name)]), campaign.files(name), {}
+        for ids, values in rows(files, names, wanted):
+            for at, run in enumerate(ids):
+                of_run[run] = row(name, wanted[run], {key: array[at] for key, array in values.items()})
+        every += files
+        found += [{"part": name} | of_run[run] for run in wanted]
+        progress((done + 1) / len(campaign.sweep.blocks))
+    return {f"run_{key}": np.array([each[key] for each in found]) for key in found[0]}, origin(every)
 
 
 def write_part(
