@@ -1,6 +1,5 @@
 """How far off drag against velocity is, by design and number of runs, and where refined points are."""
 
-import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
