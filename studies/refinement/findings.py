@@ -21,35 +21,39 @@ class Refinement(Findings):
     def curves(self) -> Curves:
         return Curves(self.dataset)
 
-    def held(self) -> str:
-        """Runs that are held out, at how many velocities."""
-        return f"{self.curves.held.size} runs at {len(self.curves.held)} velocities"
+    def beds(self) -> str:
+        """Beds, the same of all designs."""
+        return f"{self.curves.held.shape[1]}"
 
-    def own(self) -> str:
-        """What the held-out means scatter themselves, over them, at most."""
-        held = self.curves.held
-        return f"{100.0 * float((held.std(axis=1) / held.mean(axis=1)).max()) / held.shape[1] ** 0.5:.1f} %"
+    def held(self) -> str:
+        """Velocities that no design has."""
+        return f"{len(self.curves.held)}"
 
     def table(self) -> Table:
-        """Root mean square error of the curve at the held-out velocities, by design and number of runs."""
+        """Root mean square error at the velocities held out, by design and number of runs."""
         made = numbers("design", "read by", "points", "runs", "error", words=2)
         for each in self.curves.errors:
-            made.add_row(each.design, each.by, f"{each.points}", f"{each.runs}", estimate(100.0 * each.error, "%", 1))
+            made.add_row(each.design, each.by, f"{len(each.velocity)}", f"{each.runs}", estimate(100.0 * each.error, "%", 1))
         return made
 
-    def most(self, design: str, by: str = SURROGATE) -> Error:
-        """The curve of most runs of a design."""
-        return max(self.curves.of(design, by), key=lambda each: each.runs)
+    def last(self) -> Error:
+        """The refined curve, where it ended."""
+        return self.curves.of(REFINED)[-1]
 
-    def share(self, by: str = INTERPOLATED) -> float:
-        """Runs of the refined curve over those of the finest grid, for the error of that grid."""
-        grid = self.most(GRID, by)
-        return self.curves.runs_for(grid.error[0], REFINED) / grid.runs
+    def grid(self, by: str = SURROGATE) -> float:
+        """Runs of a grid that is as far off as the refined curve, over those of that curve."""
+        return self.curves.runs_for(self.last().error[0], GRID, by) / self.last().runs
 
-    def told(self, by: str = INTERPOLATED) -> str:
+    def told(self, by: str = SURROGATE) -> str:
         """The same in words."""
-        share = self.share(by)
-        return f"{share:.2f} times" if np.isfinite(share) else "no number of times"
+        ratio = self.grid(by)
+        if np.isinf(ratio):
+            return f"more than {max(each.runs for each in self.curves.of(GRID, by)) / self.last().runs:.1f} times as many"
+        return f"{ratio:.1f} times as many" if np.isfinite(ratio) else "fewer"
+
+    def read(self) -> str:
+        """Runs of a grid that is as far off as the refined curve, over those of that curve, where it is read by straight lines."""
+        return self.told(INTERPOLATED)
 
 
 refinement = Refinement()
