@@ -75,8 +75,8 @@ class Curves:
             for by in ways if design == GRID else (SURROGATE,):
                 for drags in some:
                     drawn = [self.off(ways[by](drags, seeds), seeds) for seeds in beds]
-                    ends = np.quantile(drawn, [0.025, 0.975])
-                    error = np.array([self.off(ways[by](drags)), *ends])
+                    error, (low, high) = self.off(ways[by](drags)), np.quantile(drawn, [0.025, 0.975])
+                    error = np.array([error, min(low, error), max(high, error)])
                     found.append(Error(design, by, drags.index.to_numpy(), drags.size, error))
         return found
 
