@@ -31,23 +31,28 @@ class Writes(NamedTuple):
     kind: str = ""
 
 
-ConfigOption = Annotated[Path, typer.Option("--config", help="Configuration file (YAML).")]
-OutputOption = Annotated[
-    Path, typer.Option("-o", "--output", help="netCDF file to write."), Writes(".nc")
-]
-FolderOption = Annotated[
-    Path | None,
-    typer.Option("-o", "--output", help="Folder; figures/ next to the data if absent."),
-    Writes(FOLDER),
-]
-BlockOption = Annotated[
-    str | None, typer.Option("--block", help="Block of the sweep; the first if absent.")
-]
-TextOption = Annotated[
-    Path | None,
-    typer.Option("-o", "--output", help="Text file (.txt); the terminal if absent."),
-    Writes(".txt"),
-]
+def argument(kind, about: str, **more):
+    """Annotation of an argument of a verb; more: as of typer.Argument."""
+    return Annotated[kind, typer.Argument(help=about, **more)]
+
+
+def option(kind, about: str, *names: str, writes: str | None = None, **more):
+    """Annotation of an option of a verb. names: in place of --parameter, for a flag without its --no-;
+    writes: kind of the file that the verb writes there, as of Writes; more: as of typer.Option."""
+    marks = [] if writes is None else [Writes(writes)]
+    return Annotated[kind, typer.Option(*names, help=about, **more), *marks]
+
+
+OUTPUT = "-o", "--output"
+ConfigOption = option(Path, "Configuration file (YAML).")
+OutputOption = option(Path, "netCDF file to write.", *OUTPUT, writes=".nc")
+FolderOption = option(
+    Path | None, "Folder; figures/ next to the data if absent.", *OUTPUT, writes=FOLDER
+)
+BlockOption = option(str | None, "Block of the sweep; the first if absent.")
+TextOption = option(
+    Path | None, "Text file (.txt); the terminal if absent.", *OUTPUT, writes=".txt"
+)
 PAPER = Path("config/paper.yaml")
 
 
