@@ -5,6 +5,7 @@ import re
 from contextlib import suppress
 from typing import Annotated, Any, get_args
 
+import numpy as np
 from pydantic import (
     AfterValidator,
     BaseModel,
@@ -81,13 +82,8 @@ def seeds_of(value):
 
 def seed_words(seeds) -> str:
     """Seeds as words that a configuration may hold: 1 to 5, 7."""
-    parts = []
-    for seed in seeds:
-        if parts and seed == parts[-1][1] + 1:
-            parts[-1][1] = seed
-        else:
-            parts.append([seed, seed])
-    return ", ".join(f"{a} to {b}" if b > a else str(a) for a, b in parts)
+    runs = np.split(seeds, 1 + np.flatnonzero(np.diff(seeds) != 1))
+    return ", ".join(f"{run[0]} to {run[-1]}" if len(run) > 1 else f"{run[0]}" for run in runs)
 
 
 Number = Annotated[float, BeforeValidator(number)]

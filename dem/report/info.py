@@ -69,17 +69,15 @@ def _study_of(path: Path, dataset: xr.Dataset) -> str:
 
 def drag_table(dataset: xr.Dataset) -> tuple[Table, int]:
     """Mean drag and scatter, one row per place on the axes, and the number of rows left out."""
-    cases = by_case(dataset)
-    dataset = dataset if cases is None else cases
-    columns = {}
-    if cases is not None:
-        columns = {
-            "kind": (dataset["kind"], ""),
-            "ratio": (dataset["aspect_ratio"], "g"),
-            "D_g\nµm": (1e6 * dataset["diameter"], ".4g"),
-            "density\nkg/m³": (dataset["density"], "g"),
-        }
-    return _table(dataset, columns | _of_drag(dataset))
+    if (cases := by_case(dataset)) is None:
+        return _table(dataset, _of_drag(dataset))
+    columns = {
+        "kind": (cases["kind"], ""),
+        "ratio": (cases["aspect_ratio"], "g"),
+        "D_g\nµm": (1e6 * cases["diameter"], ".4g"),
+        "density\nkg/m³": (cases["density"], "g"),
+    }
+    return _table(cases, columns | _of_drag(cases))
 
 
 def _of_drag(dataset: xr.Dataset) -> dict[str, tuple[xr.DataArray, str]]:
@@ -114,18 +112,12 @@ def _table(dataset: xr.Dataset, columns: dict[str, tuple[xr.DataArray, str]]) ->
         design = dataset[dim].attrs.get("long_name") == POINT
         for name in factors_of(dataset, dim)[:VARIED] if design else [dim]:
             axes[name] = dataset[name], ".5g"
-    cells = [
-        [_text(each, form) for each in _by_place(values, places)[:ROWS].tolist()]
-        for values, form in (axes | columns).values()
-    ]
-    table = numbers(*axes, *columns)
-    for row in zip(*cells, strict=True):
-        table.add_row(*row)
-    return table, max(0, places.size - ROWS)
-
-
-def _by_place(values: xr.DataArray, places: xr.DataArray) -> np.ndarray:
-    return values.broadcast_like(places).transpose(*places.dims).values.ravel()
+    cells = []
+    for values, form in (axes | columns).values():
+        by_place = values.broadcast_like(places).transpose(*places.dims).values.ravel()
+        cells.append([_text(each, form) for each in by_place[:ROWS].tolist()])
+    rows = zip(*cells, strict=True)
+    return numbers(*axes, *columns, rows=rows), max(0, places.size - ROWS)
 
 
 def _text(value, form: str) -> str:
@@ -137,9 +129,9 @@ def _text(value, form: str) -> str:
 
 def plain_table(frame) -> Table:
     """A table of numbers and words as it is, its first rows."""
-    table = numbers(*map(str, frame.columns))
-    for row in frame.head(ROWS).itertuples(index=False):
-        table.add_row(*(_text(each, ".5g") for each in row))
+    rows = frame.head(ROWS).itertuples(index=False)
+    rows = ((_text(each, ".5g") for each in row) for row in rows)
+    table = numbers(*map(str, frame.columns), rows=rows)
     if len(frame) > ROWS:
         table.caption = f"and {len(frame) - ROWS} rows more; -o table.csv has all"
     return table
@@ -178,10 +170,8 @@ def _seeds(dataset: xr.Dataset) -> str:
 
 
 def _told(attrs: dict, lines: Table, table: Table, more: int = 0, legend: str = "") -> Group:
-    parts = [Text(attrs["title"], style="bold"), lines, "", table]
-    if more:
-        parts.append(Text(f"... and {more} rows more; figure sweep shows all."))
-    return Group(*parts, Text(legend, style="dim"))
+    rest = [Text(f"... and {more} rows more; figure sweep shows all.")] if more else []
+    return Group(Text(attrs["title"], style="bold"), lines, "", table, *rest, Text(legend, style="dim"))
 
 
 def _means(path: Path, dataset: xr.Dataset) -> Group:
