@@ -6,21 +6,19 @@ import typer
 
 from dem.base.files import ANY
 from dem.cli.flow import VERBS as moving
-from dem.cli.show import draw_figure, print_or_write
-from dem.cli.sweep import VERBS as sweeping
-from dem.cli.terminal import (
+from dem.cli.options import (
     OUTPUT,
     PAPER,
     ConfigOption,
     FolderOption,
     OutputOption,
     TextOption,
-    Verbs,
     argument,
-    bar,
     option,
-    start_lean,
 )
+from dem.cli.show import draw_figure, print_or_write
+from dem.cli.sweep import VERBS as sweeping
+from dem.cli.terminal import Verbs, bar, start_lean
 
 app = Verbs(
     help="Slow drag of a cylinder through a bed of discs, dumbbells and ellipses (2-D DEM).",
@@ -61,16 +59,15 @@ ValuesArgument = argument(
 )
 
 
-def _replicate(config, shape, density, seed, values=None):
+def _replicate(config, shape, density, seed, values):
     """One run of a configuration with some values changed; raises InputError where it cannot be."""
     from dem.sweep.axis import changes_of_words
     from dem.sweep.config import load
 
     sweep = load(config)
     sweep.replicate(shape, density, seed)
-    return sweep.changed(changes_of_words(sweep, values or []), shape).replicate(
-        shape, density, seed
-    )
+    changed = sweep.changed(changes_of_words(sweep, values or []), shape)
+    return changed.replicate(shape, density, seed)
 
 
 @app.command()

@@ -2,17 +2,8 @@
 
 from pathlib import Path
 
-from dem.cli.terminal import (
-    OUTPUT,
-    PAPER,
-    BlockOption,
-    ConfigOption,
-    OutputOption,
-    argument,
-    bar,
-    option,
-    start_lean,
-)
+from dem.cli.options import OUTPUT, PAPER, BlockOption, ConfigOption, OutputOption, argument, option
+from dem.cli.terminal import bar, start_lean
 
 ShapesOption = option(
     str | None,  # a Path would have to be a file

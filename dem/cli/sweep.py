@@ -2,24 +2,12 @@
 
 import shlex
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
 from dem.base.say import say
-from dem.cli.terminal import (
-    PAPER,
-    BlockOption,
-    ConfigOption,
-    OutputOption,
-    Stopped,
-    Writes,
-    argument,
-    bar,
-    option,
-    show,
-    start_lean,
-)
+from dem.cli.options import PAPER, BlockOption, ConfigOption, OutputOption, argument, option
+from dem.cli.terminal import Stopped, bar, show, start_lean
 
 FileArgument = argument(Path, "Configuration file of a sweep (YAML).")
 
@@ -142,9 +130,7 @@ def compile(
 
 
 def batch(
-    output: Annotated[
-        argument(Path, "File of the store, results/store/batches/....nc."), Writes(".nc")
-    ],
+    output: argument(Path, "File of the store, results/store/batches/....nc.", writes=".nc"),
 ):
     """Make the runs of one batch of the store, as the file of its name that ends in .json says."""
     start_lean()

@@ -1,4 +1,4 @@
-"""What all verbs share: options, sentences instead of tracebacks, progress bars."""
+"""What all verbs share: checks of paths, sentences instead of tracebacks, progress bars."""
 
 import functools
 import math
@@ -10,50 +10,17 @@ import time
 from contextlib import contextmanager
 from datetime import datetime
 from pathlib import Path
-from typing import Annotated, NamedTuple, get_type_hints
+from typing import get_type_hints
 
 import typer
 
 from dem.base.errors import InputError, RunError
-from dem.base.files import FOLDER, Place, check_paths
+from dem.base.files import Place, check_paths
 from dem.base.plain import plain
 from dem.base.say import say, say_over
+from dem.cli.options import Writes
 from dem.cli.streams import open_streams, what_was_lost
 from dem.io.progress import Stage
-
-
-class Writes(NamedTuple):
-    """Marks a path that a verb writes; a verb only reads all others.
-
-    kind: as in dem.base.files.Place.
-    """
-
-    kind: str = ""
-
-
-def argument(kind, about: str, **more):
-    """Annotation of an argument of a verb; more: as of typer.Argument."""
-    return Annotated[kind, typer.Argument(help=about, **more)]
-
-
-def option(kind, about: str, *names: str, writes: str | None = None, **more):
-    """Annotation of an option of a verb. names: in place of --parameter, for a flag without its --no-;
-    writes: kind of the file that the verb writes there, as of Writes; more: as of typer.Option."""
-    marks = [] if writes is None else [Writes(writes)]
-    return Annotated[kind, typer.Option(*names, help=about, **more), *marks]
-
-
-OUTPUT = "-o", "--output"
-ConfigOption = option(Path, "Configuration file (YAML).")
-OutputOption = option(Path, "netCDF file to write.", *OUTPUT, writes=".nc")
-FolderOption = option(
-    Path | None, "Folder; figures/ next to the data if absent.", *OUTPUT, writes=FOLDER
-)
-BlockOption = option(str | None, "Block of the sweep; the first if absent.")
-TextOption = option(
-    Path | None, "Text file (.txt); the terminal if absent.", *OUTPUT, writes=".txt"
-)
-PAPER = Path("config/paper.yaml")
 
 
 class Verbs(typer.Typer):
