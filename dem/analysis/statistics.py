@@ -13,6 +13,7 @@ import xarray as xr
 from dem.base.errors import InputError
 
 LEVEL = 0.95  # of the confidence intervals
+RESAMPLES = 2000  # of the beds
 CHECK = "e0"  # shape label of the ellipse code at aspect ratio 1: a check, not a shape of Table 1
 
 
@@ -78,6 +79,14 @@ class Estimate(NamedTuple):
     value: float
     low: float
     high: float
+
+
+def redrawn(beds: int, *groups: int) -> np.ndarray:
+    """Weights (1 + RESAMPLES, ..., beds) of beds in a mean: of all beds, then of beds that are drawn again,
+    in each of so many groups on their own."""
+    equal = np.full(beds, 1.0 / beds)
+    drawn = np.random.default_rng(1).multinomial(beds, equal, (RESAMPLES, *groups))
+    return np.concatenate([np.ones((1, *drawn.shape[1:])), drawn]) / beds
 
 
 def bootstrapped(samples: np.ndarray, beds: int, groups: int = 1) -> Estimate:

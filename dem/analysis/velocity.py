@@ -16,13 +16,12 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from dem.analysis.statistics import Estimate, bootstrapped, over_seeds, summarise
+from dem.analysis.statistics import Estimate, bootstrapped, over_seeds, redrawn, summarise
 from dem.analysis.values import along, axes_beside, value_of
 from dem.base.errors import InputError
 
 AXIS = "cylinder_velocity"
 LEAST = {AXIS: 4, "seed": 3}  # values that a fit and its intervals take
-RESAMPLES = 2000
 EXPONENTS = np.linspace(0.25, 2.0, 141)  # from nearly logarithmic to that of collisions
 
 
@@ -78,9 +77,7 @@ def rates(dataset: xr.Dataset) -> Rates:
             what = "velocities" if dim == AXIS else "beds that were drawn at all velocities"
             raise InputError(f"it has {runs.sizes[dim]} {what}; a fit takes {least}.")
     velocity, beds = runs[AXIS].values, runs.sizes["seed"]
-    rng = np.random.default_rng(1)
-    drawn = rng.multinomial(beds, np.full(beds, 1.0 / beds), RESAMPLES)
-    weights = np.vstack([np.ones(beds), drawn]) / beds
+    weights = redrawn(beds)
     others = axes_beside(dataset, AXIS)
     runs = runs.squeeze([dim for dim in runs.dims if dim not in (*LEAST, *others)])
     places = product(*(runs[dim].values.astype(str).tolist() for dim in others))
