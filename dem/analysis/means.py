@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from dem.analysis.statistics import LEVEL, asked, half_interval, over_seeds
+from dem.analysis.statistics import LEVEL, asked, over_seeds
 from dem.base.errors import InputError
 from dem.base.files import atomic
 from dem.io.checksums import seal
@@ -48,7 +48,7 @@ def means(path: Path) -> xr.Dataset:
         found = {}
         for name, sample in runs.items():
             found[name] = sample.mean("seed").assign_attrs(sample.attrs)
-            half = asked(dataset, found[name], half_interval(sample), name)
+            half = asked(dataset, sample, name)
             half = half.assign_attrs(units=sample.attrs.get("units", "1"))
             half.attrs["long_name"] = f"half the {LEVEL:.0%} interval of the mean of {name}"
             found[f"{name}_half_interval"] = half

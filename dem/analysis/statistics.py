@@ -109,15 +109,16 @@ def takes(sample: xr.DataArray, share: float) -> xr.DataArray:
     return np.ceil(sample.count("seed") * (half_interval(sample) / (share * sample.mean("seed"))) ** 2)
 
 
-def asked(
-    dataset: xr.Dataset, mean: xr.DataArray, half: xr.DataArray, name: str = "drag"
-) -> xr.DataArray:
-    """Half the interval of the mean of a quantity, but not less than what the replicates were added until: those who stop as soon as an
-    interval is narrow find it too narrow (docs/results/precision.md)."""
+def asked(dataset: xr.Dataset, sample: xr.DataArray, name: str = "drag") -> xr.DataArray:
+    """Half the interval of the mean of a sample (seed, ...) of a quantity, but not less than what the
+    replicates were added until: those who stop as soon as an interval is narrow find it too narrow
+    (docs/results/precision.md)."""
+    half = half_interval(sample)
     wanted = dataset["replicates"].attrs if "replicates" in dataset else {}
     if wanted.get("of") != name or wanted["level"] != LEVEL:
         return half
-    return np.maximum(half, wanted["target"] * (abs(mean) if wanted["relative"] else 1.0))
+    size = abs(sample.mean("seed")) if wanted["relative"] else 1.0
+    return np.maximum(half, wanted["target"] * size)
 
 
 def summarise(dataset: xr.Dataset) -> xr.Dataset:
@@ -143,7 +144,7 @@ def summarise(dataset: xr.Dataset) -> xr.Dataset:
         ),
         "sd_between_runs": (spread(runs["mean"]), "standard deviation between the runs' means"),
         "half_interval": (
-            asked(dataset, runs["mean"].mean("seed"), half_interval(runs["mean"])),
+            asked(dataset, runs["mean"]),
             f"half the {LEVEL:.0%} confidence interval of the mean",
         ),
     }  # fmt: skip
@@ -162,12 +163,12 @@ def change(run_mean: xr.DataArray, before: str, after: str) -> tuple[float, floa
     return float(difference.mean("seed") / base), float(half_interval(difference) / base)
 
 
-def running_mean(drag: xr.DataArray, edges: np.ndarray, length: float) -> xr.DataArray:
-    """Mean of drag (..., displacement) over `length` (m) about each displacement.
+def running_mean(dataset: xr.Dataset, length: float) -> xr.DataArray:
+    """Mean of the drag (..., displacement) over `length` (m) about each displacement.
 
-    edges (displacement + 1,) in m are those of the bins. Near both ends the mean is over what
-    there is of the length.
+    Near both ends the mean is over what there is of the length.
     """
+    drag, edges = dataset["drag"], edges_of_bins(dataset)
     middle = drag["displacement"].values
     low = np.clip(middle - 0.5 * length, edges[0], edges[-1])
     high = np.clip(middle + 0.5 * length, edges[0], edges[-1])

@@ -11,16 +11,7 @@ from rich.text import Text
 
 from dem.analysis.means import WINDOW, run_means
 from dem.analysis.one_run import columns_of, replicate_of
-from dem.analysis.statistics import (
-    LEVEL,
-    asked,
-    by_case,
-    half_interval,
-    over_seeds,
-    summarise,
-    takes,
-    window_text,
-)
+from dem.analysis.statistics import LEVEL, asked, by_case, over_seeds, summarise, takes, window_text
 from dem.analysis.tables import numbers
 from dem.analysis.values import factors_of, value_of
 from dem.base.errors import InputError
@@ -192,7 +183,7 @@ def _with_interval(dataset: xr.Dataset, name: str, sample: xr.DataArray) -> xr.D
         return f"{_text(mean, '.4g')} ± {_text(half, '.2g')}"
 
     return xr.apply_ufunc(
-        words, sample.mean("seed"), asked(dataset, sample.mean("seed"), half_interval(sample), name),
+        words, sample.mean("seed"), asked(dataset, sample, name),
         vectorize=True, output_dtypes=[object],
     )  # fmt: skip
 

@@ -9,7 +9,7 @@ from matplotlib.colors import to_hex
 from plotly.io import to_html
 
 from dem.analysis.flow.layout import heights
-from dem.analysis.statistics import edges_of_bins, running_mean
+from dem.analysis.statistics import running_mean
 from dem.figures import style
 from dem.shapes import outlines
 
@@ -28,8 +28,7 @@ FRAMES = 31  # at most, of a bed
 def chart(dataset: xr.Dataset) -> str:
     """Drag against displacement as HTML: one curve per run, the first of each case."""
     figure, x = go.Figure(), 1e3 * dataset["displacement"].values
-    some = dataset["drag"].isel(seed=slice(2 * CURVES))  # some may have failed
-    smooth = running_mean(some, edges_of_bins(dataset), LENGTH)
+    smooth = running_mean(dataset.isel(seed=slice(2 * CURVES)), LENGTH)  # some may have failed
     for number, case in enumerate(dataset["case"].values):
         look = {
             "color": style.CASES[number % 7],
