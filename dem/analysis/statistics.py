@@ -187,20 +187,20 @@ def edges_of_bins(dataset: xr.Dataset) -> np.ndarray:
 
 def table1(dataset: xr.Dataset) -> list[str]:
     """Labels of the cases to compare by shape: at the density of the first, the check left out."""
-    cases = _cases(dataset)
+    cases = cases_of(dataset)
     return [c for c, shape, density in cases if density == cases[0][2] and shape != CHECK]
 
 
 def find(dataset: xr.Dataset, shape: str) -> str | None:
     """Label of the case of this shape at the density of the first case, None if there is none."""
-    cases = _cases(dataset)
+    cases = cases_of(dataset)
     return next((c for c, s, density in cases if s == shape and density == cases[0][2]), None)
 
 
 def densities(dataset: xr.Dataset) -> dict[str, list[str]]:
     """Shapes at more than one density: labels of their cases, from the lowest to the highest."""
     found = {}
-    for label, shape, density in _cases(dataset):
+    for label, shape, density in cases_of(dataset):
         found.setdefault(shape, []).append((density, label))
     return {
         shape: [label for _, label in sorted(cases)]
@@ -209,7 +209,7 @@ def densities(dataset: xr.Dataset) -> dict[str, list[str]]:
     }
 
 
-def _cases(dataset) -> list[tuple[str, str, float]]:
+def cases_of(dataset) -> list[tuple[str, str, float]]:
     """Label, shape and density (kg/m3) of every case."""
     columns = (dataset[name].values.tolist() for name in ("case", "shape", "density"))
     return list(zip(*columns, strict=True))

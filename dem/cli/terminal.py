@@ -15,7 +15,7 @@ from typing import get_type_hints
 import typer
 
 from dem.base.errors import InputError, RunError
-from dem.base.files import Place, check_paths
+from dem.base.files import Place, check_paths, reason
 from dem.base.plain import plain
 from dem.base.say import say, say_over
 from dem.cli.options import Writes
@@ -82,7 +82,7 @@ def sentence_of(error: Exception) -> str:
     """What an error says: ours are sentences, those of the system name a file and a reason."""
     if isinstance(error, OSError) and error.errno is not None:
         where = f"{error.filename}: " if error.filename else ""
-        return f"{where}{(error.strerror or str(error)).lower()}."
+        return f"{where}{reason(error)}."
     return str(error)
 
 

@@ -46,9 +46,8 @@ def measure_batch(
                 for name, each in measured(motion).items():
                     found[name][row] = each
             progress((row + 1) / count)
-    told = {name: attrs.get(name, "unknown") for name in (*PROVENANCE, "values")} | {
-        "versions": provenance.versions()
-    }
+    told = {name: attrs.get(name, "unknown") for name in (*PROVENANCE, "values")}
+    told["versions"] = provenance.versions()
     about = global_attributes("how beds move", "dem flow", **told)
     write(output, values | found, about, OF_BATCH)
 
