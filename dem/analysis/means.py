@@ -48,10 +48,9 @@ def means(path: Path) -> xr.Dataset:
         found = {}
         for name, sample in runs.items():
             found[name] = sample.mean("seed").assign_attrs(sample.attrs)
-            half = asked(dataset, sample, name)
-            half = half.assign_attrs(units=sample.attrs.get("units", "1"))
-            half.attrs["long_name"] = f"half the {LEVEL:.0%} interval of the mean of {name}"
-            found[f"{name}_half_interval"] = half
+            words = f"half the {LEVEL:.0%} interval of the mean of {name}"
+            about = {"units": sample.attrs.get("units", "1"), "long_name": words}
+            found[f"{name}_half_interval"] = asked(dataset, sample, name).assign_attrs(about)
         count = xr.Dataset(runs).count("seed").to_array().max("variable")
         found["runs"] = count.assign_attrs(units="1", long_name="number of runs")
         about = {key: dataset.attrs[key] for key in ("title", "configuration") if key in dataset.attrs}

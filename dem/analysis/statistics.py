@@ -133,9 +133,8 @@ def summarise(dataset: xr.Dataset) -> xr.Dataset:
     drag = within(dataset["drag"], dataset.attrs["window_start"], dataset.attrs["window_stop"])
     drag = drag if drag.chunks else drag.compute()  # once, and not for each of these
     along = {"dim": "displacement", "skipna": False}  # a run is there as a whole or not at all
-    runs = (
-        xr.Dataset({"mean": drag.mean(**along), "sd": drag.std(**along)}).compute().map(over_seeds)
-    )
+    runs = xr.Dataset({"mean": drag.mean(**along), "sd": drag.std(**along)})
+    runs = runs.compute().map(over_seeds)
     found = {
         "run_mean": (runs["mean"], "mean drag of a run within the window"),
         "mean": (runs["mean"].mean("seed"), "mean drag over the runs"),
@@ -186,9 +185,13 @@ def edges_of_bins(dataset: xr.Dataset) -> np.ndarray:
 
 
 def table1(dataset: xr.Dataset) -> list[str]:
-    """Labels of the cases to compare by shape: at the density of the first, the check left out."""
+    """Labels of the cases to compare by shape: at the density of the first, the check left out; raises
+    InputError where there is none."""
     cases = cases_of(dataset)
-    return [c for c, shape, density in cases if density == cases[0][2] and shape != CHECK]
+    found = [c for c, shape, density in cases if density == cases[0][2] and shape != CHECK]
+    if not found:
+        raise InputError("there is no case of Table 1 in the data.")
+    return found
 
 
 def find(dataset: xr.Dataset, shape: str) -> str | None:
@@ -202,11 +205,8 @@ def densities(dataset: xr.Dataset) -> dict[str, list[str]]:
     found = {}
     for label, shape, density in cases_of(dataset):
         found.setdefault(shape, []).append((density, label))
-    return {
-        shape: [label for _, label in sorted(cases)]
-        for shape, cases in found.items()
-        if len(cases) > 1
-    }
+    several = {shape: sorted(cases) for shape, cases in found.items() if len(cases) > 1}
+    return {shape: [label for _, label in cases] for shape, cases in several.items()}
 
 
 def cases_of(dataset) -> list[tuple[str, str, float]]:

@@ -75,9 +75,7 @@ class Drawing:
     box alone.
     """
 
-    def __init__(
-        self, axes, rings, view, diameter: float | None, periodic=None, hatched: bool = False
-    ):
+    def __init__(self, axes, rings, view, diameter, periodic=None, hatched=False):
         self.axes, self.rings, self.per = axes, rings, rings.shape[1]
         self.view, self.periodic = np.asarray(view), periodic
         self.reach = np.hypot(rings[..., 0], rings[..., 1]).max(axis=(1, 2))

@@ -9,7 +9,6 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from dem.analysis.statistics import edges_of_bins, summarise, table1
-from dem.base.errors import InputError
 from dem.figures import style
 
 FILE = "drag"
@@ -25,8 +24,6 @@ def plot(dataset: xr.Dataset) -> Figure:
     Raises InputError when no case is to be compared by shape.
     """
     labels = table1(dataset)
-    if not labels:
-        raise InputError("there is no case of Table 1 in the data.")
     columns = min(COLUMNS, len(labels))
     figure, panels = style.panels(len(labels), columns, 1.5, 2.5, sharex=True, sharey=True)
     means = summarise(dataset)

@@ -39,10 +39,8 @@ def plot(dataset: xr.Dataset) -> Figure:
     style.finish_bars(axes, ticks, dataset)
     compared = {float(numbers["density"].sel(case=each)) for own in groups.values() for each in own}
     paper = f"; paper: at most {PAPER} %" if compared == BETWEEN else ""
-    axes.set_title(
-        f"Above each group: change with density{style.its_interval(dataset)}{paper}",
-        loc="left",
-    )
+    above = f"Above each group: change with density{style.its_interval(dataset)}{paper}"
+    axes.set_title(above, loc="left")
     figure.suptitle("Mean drag by density of the granules")
     style.legend(figure, axes, "outside lower center", ncols=2)
     return figure

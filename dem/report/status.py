@@ -77,8 +77,8 @@ def _table(block: Block, until: Until, there: dict, under_way: dict, failed: dic
         running = f"{len(begun)}, {span(now - min(begun))}" if begun else "-"
         bad = sum(run.id in failed for run in runs)
         counts = len(runs), done - bad, running, len(runs) - done - len(begun), bad
-        counts = (str(each or "-") for each in counts)
-        rows.append([*cells, *counts, *_known(places.get(place), until)])
+        cells += [str(each or "-") for each in counts]
+        rows.append(cells + _known(places.get(place), until))
     said = [n for n, cells in enumerate(zip(*rows, strict=True)) if set(cells) != {"-"}]
     rows = ((row[n] for n in said) for row in rows)
     table = numbers(*(columns[n] for n in said), words=len(headings), rows=rows)
