@@ -112,8 +112,7 @@ def inertial_number(dataset: xr.Dataset) -> float | None:
     shear moves it out of it.
     """
     cylinder = value_of(dataset, "cylinder.diameter")
-    seeds = [dim for dim in ("seed",) if dim in dataset["packing_pressure"].dims]
-    pressure = dataset["packing_pressure"].mean(seeds)
+    pressure = over_seeds(dataset["packing_pressure"]).mean("seed")
     number = dataset["diameter"] / cylinder * np.sqrt(dataset["density"] / pressure)
     same = float(number.max()) < 1.01 * float(number.min())
     return float(number.mean()) if same else None

@@ -134,18 +134,17 @@ def _sweep(dataset: xr.Dataset) -> Group:
     table, more = drag_table(dataset)
     speed = _range(value_of(dataset, "cylinder.velocity"))
     window = f"{window_text(dataset)} of displacement, cylinder at {speed} m/s"
-    lines = _provenance(attrs, seeds=_seeds(dataset), window=window)
+    about = {"seeds": _seeds(dataset), "window": window}
     if "partial" in attrs:
-        lines.add_row("so far", attrs["partial"])
+        about["so far"] = attrs["partial"]
     if "failure" in dataset and (missing := _missing(dataset["failure"], int((dataset["run_id"] != "").sum()))):
-        lines.add_row("missing", missing)
-    return _told(attrs, lines, table, more, LEGEND + _few(dataset["drag"]))
+        about["missing"] = missing
+    return _told(attrs, about, table, more, LEGEND + _few(dataset["drag"]))
 
 
 def _few(values: xr.DataArray) -> str:
     """A sentence where some places have too few runs for an interval; "" where none has."""
-    along = [dim for dim in ("displacement",) if dim in values.dims]
-    count = over_seeds(values.isel({dim: 0 for dim in along})).count("seed")
+    count = over_seeds(values.isel(displacement=0, missing_dims="ignore")).count("seed")
     few = int((count < FEW).sum())
     return f"\nOf {few} of {count.size} places there are fewer than {FEW} runs: their intervals are guesses." if few else ""
 
@@ -160,9 +159,23 @@ def _seeds(dataset: xr.Dataset) -> str:
     return seed_words(dataset["seed"].values.ravel()) if "seed" in dataset else "-"
 
 
-def _told(attrs: dict, lines: Table, table: Table, more: int = 0, legend: str = "") -> Group:
+def _told(attrs: dict, about: dict, table: Table, more: int = 0, legend: str = "") -> Group:
+    """Title, where the numbers come from, more about them, and a table of which `more` rows are left out.
+
+    There is more than one source hash where runs differ.
+    """
+    lines = {
+        "written": attrs["history"],
+        "revision": attrs["git_revision"],
+        "sources": ", ".join(each[:16] for each in attrs["source_hash"].split("; ")),
+        "versions": attrs["versions"],
+        **about,
+    }
+    origin = Table(box=None, padding=(0, 2, 0, 0), pad_edge=False, show_header=False)
+    for name, line in lines.items():
+        origin.add_row(name, Text(line))
     rest = [Text(f"... and {more} rows more; figure sweep shows all.")] if more else []
-    return Group(Text(attrs["title"], style="bold"), lines, "", table, *rest, Text(legend, style="dim"))
+    return Group(Text(attrs["title"], style="bold"), origin, "", table, *rest, Text(legend, style="dim"))
 
 
 def _means(path: Path, dataset: xr.Dataset) -> Group:
@@ -173,7 +186,7 @@ def _means(path: Path, dataset: xr.Dataset) -> Group:
     columns = {"runs": (counts, "")} | {
         f"{name}\n± {LEVEL:.0%}": (_with_interval(dataset, name, values), "") for name, values in runs.items()
     }
-    return _told(attrs, _provenance(attrs, seeds=_seeds(dataset)), *_table(dataset, columns))
+    return _told(attrs, {"seeds": _seeds(dataset)}, *_table(dataset, columns))
 
 
 def _with_interval(dataset: xr.Dataset, name: str, sample: xr.DataArray) -> xr.DataArray:
@@ -182,10 +195,8 @@ def _with_interval(dataset: xr.Dataset, name: str, sample: xr.DataArray) -> xr.D
     def words(mean, half):
         return f"{_text(mean, '.4g')} ± {_text(half, '.2g')}"
 
-    return xr.apply_ufunc(
-        words, sample.mean("seed"), asked(dataset, sample, name),
-        vectorize=True, output_dtypes=[object],
-    )  # fmt: skip
+    mean, half = sample.mean("seed"), asked(dataset, sample, name)
+    return xr.apply_ufunc(words, mean, half, vectorize=True, output_dtypes=[object])
 
 
 def _runs(path: Path, dataset: xr.Dataset) -> Group:
@@ -211,12 +222,10 @@ def _runs(path: Path, dataset: xr.Dataset) -> Group:
         own = _of_drag(dataset.assign_attrs(window))
         columns |= {name: own[name] for name in own if name not in BETWEEN}
     failed = [each.strip()[:60] for each in dataset["failure_reason"].values.tolist()]
-    columns |= {
-        "processor\ntime s": (dataset["spent"], ".1f"),
-        "failed": (xr.DataArray(failed, dims="run"), ""),
-    }
+    columns["processor\ntime s"] = dataset["spent"], ".1f"
+    columns["failed"] = xr.DataArray(failed, dims="run"), ""
     table, _ = _table(dataset, columns)
-    return _told(attrs, _provenance(attrs), table, whole.sizes["run"] - len(replicates))
+    return _told(attrs, {}, table, whole.sizes["run"] - len(replicates))
 
 
 def _missing(failure: xr.DataArray, total: int) -> str:
@@ -225,18 +234,3 @@ def _missing(failure: xr.DataArray, total: int) -> str:
     counts = np.bincount(failure.values.ravel(), minlength=len(meanings))
     words = [f"{n} {word}" for n, word in zip(counts[1:], meanings[1:], strict=True) if n]
     return f"{counts[1:].sum()} of {total} runs: {', '.join(words)}" if words else ""
-
-
-def _provenance(attrs: dict, **more: str) -> Table:
-    """Where the numbers come from, one line each; more than one source hash where runs differ."""
-    lines = {
-        "written": attrs["history"],
-        "revision": attrs["git_revision"],
-        "sources": ", ".join(each[:16] for each in attrs["source_hash"].split("; ")),
-        "versions": attrs["versions"],
-        **more,
-    }
-    table = Table(box=None, padding=(0, 2, 0, 0), pad_edge=False, show_header=False)
-    for name, line in lines.items():
-        table.add_row(name, Text(line))
-    return table

@@ -46,9 +46,8 @@ def chart(dataset: xr.Dataset) -> str:
                 hovertemplate="%{x:.2f} mm: %{y:.0f} N<extra>%{fullData.name}</extra>",
             )  # fmt: skip
     start, stop = (1e3 * dataset.attrs[f"window_{end}"] for end in ("start", "stop"))
-    figure.add_vrect(
-        start, stop, fillcolor=to_hex(style.WINDOW["color"]), line_width=0, layer="below"
-    )
+    shade = to_hex(style.WINDOW["color"])
+    figure.add_vrect(start, stop, fillcolor=shade, line_width=0, layer="below")
     figure.update_layout(
         xaxis_title="Displacement of the cylinder (mm)", yaxis_title="Drag (N)", template="simple_white",
         showlegend=False, hovermode="closest", margin={"l": 70, "r": 10, "t": 10, "b": 55}, height=430,
