@@ -7,11 +7,11 @@ import pandas as pd
 import xarray as xr
 
 from dem.analysis.statistics import LEVEL, asked, over_seeds
+from dem.analysis.values import designs_of
 from dem.base.errors import InputError
 from dem.base.files import atomic
 from dem.io.checksums import seal
 from dem.io.lazily import open_lazily, require
-from dem.sweep.axis import POINT
 from dem.sweep.precision import known
 
 WINDOW = ("window_start", "window_stop")
@@ -100,8 +100,7 @@ def compared(path: Path, other: Path, name: str) -> xr.Dataset:
 
 def table_of(found: xr.Dataset) -> pd.DataFrame:
     """One row a place, the values that vary first; of a design those of its points, and not their numbers."""
-    designs = [dim for dim in found.dims if found[dim].attrs.get("long_name") == POINT]
-    frame = found.to_dataframe().reset_index().drop(columns=designs)
+    frame = found.to_dataframe().reset_index().drop(columns=designs_of(found))
     units = {name: found[name].attrs.get("units", "1") for name in frame if name in found.variables}
     frame.columns = [f"{n} ({units[n]})" if units.get(n, "1") != "1" else n for n in frame]
     return frame

@@ -10,7 +10,7 @@ import xarray as xr
 
 from dem.base.errors import InputError
 from dem.io.dataset import LABELS
-from dem.sweep.axis import name_of
+from dem.sweep.axis import POINT, name_of
 
 
 def value_of(dataset: xr.Dataset, path: str) -> xr.DataArray:
@@ -26,6 +26,11 @@ def value_of(dataset: xr.Dataset, path: str) -> xr.DataArray:
     if found.dtype.kind not in "iuf" or not bool(found.notnull().any()):
         raise InputError(f"it does not tell {path} of its runs, a number.")
     return found
+
+
+def designs_of(runs: xr.DataArray | xr.Dataset) -> list[str]:
+    """Axes along which are the points of a design."""
+    return [str(dim) for dim in runs.dims if runs[dim].attrs.get("long_name") == POINT]
 
 
 def factors_of(runs: xr.DataArray | xr.Dataset, dim: str) -> list[str]:

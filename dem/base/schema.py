@@ -6,15 +6,7 @@ from contextlib import suppress
 from typing import Annotated, Any, get_args
 
 import numpy as np
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    TypeAdapter,
-    ValidationError,
-)
+from pydantic import AfterValidator, BaseModel, BeforeValidator, Field, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
 from dem.base.errors import InputError
@@ -98,7 +90,7 @@ Label = Annotated[str, AfterValidator(_label)]
 class Section(BaseModel):
     """Part of a configuration: unknown keys are errors, values do not change."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, validate_default=True)
+    model_config = {"extra": "forbid", "frozen": True, "validate_default": True}
 
 
 def known_by(section: BaseModel, model: type[BaseModel], head: str = "") -> dict[str, Any]:

@@ -13,12 +13,11 @@ from dem.analysis.means import WINDOW, run_means
 from dem.analysis.one_run import columns_of, replicate_of
 from dem.analysis.statistics import LEVEL, asked, by_case, over_seeds, summarise, takes, window_text
 from dem.analysis.tables import numbers
-from dem.analysis.values import factors_of, value_of
+from dem.analysis.values import designs_of, factors_of, value_of
 from dem.base.errors import InputError
 from dem.base.schema import seed_words
 from dem.io.dataset import LABELS
 from dem.io.lazily import open_lazily, require
-from dem.sweep.axis import POINT
 from dem.sweep.combine import open_combined
 
 ROWS = 60  # of a table, at most
@@ -98,10 +97,9 @@ def _table(dataset: xr.Dataset, columns: dict[str, tuple[xr.DataArray, str]]) ->
     columns: values over some of the axes by heading, and the format of their numbers.
     """
     places = over_seeds(dataset["run_id"]).isel(seed=0)
-    axes = {}
+    axes, designs = {}, designs_of(places)
     for dim in (str(dim) for dim in places.dims if dim != "run"):
-        design = dataset[dim].attrs.get("long_name") == POINT
-        for name in factors_of(dataset, dim)[:VARIED] if design else [dim]:
+        for name in factors_of(dataset, dim)[:VARIED] if dim in designs else [dim]:
             axes[name] = dataset[name], ".5g"
     cells = []
     for values, form in (axes | columns).values():
