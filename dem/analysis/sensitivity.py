@@ -8,14 +8,13 @@ whose noise is the scatter between beds.
 
 import json
 import warnings
-from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from dem.analysis.statistics import LEVEL, summarise
-from dem.analysis.values import axes_beside, designs_of
+from dem.analysis.values import axes_beside, designs_of, places_of
 from dem.base.errors import InputError
 from dem.sweep.axis import name_of
 from dem.sweep.design import Choice, Design, Range, points
@@ -51,8 +50,8 @@ def sensitivities(dataset: xr.Dataset) -> list[Sensitivity]:
     if not bool(mean.notnull().any()):
         raise InputError("all its runs failed.")
     rows = mean.transpose(*others, dim, ...).values.reshape(-1, mean.sizes[dim])
-    places = product(*(mean[other].values.astype(str).tolist() for other in others))
-    return [_at(", ".join(at) or "all", factors, columns, row) for at, row in zip(places, rows, strict=True)]
+    places = zip(places_of(mean, others), rows, strict=True)
+    return [_at(", ".join(at) or "all", factors, columns, row) for at, row in places]
 
 
 def design_of(dataset: xr.Dataset, dim: str) -> tuple[dict[str, Range | Choice], list[np.ndarray]]:

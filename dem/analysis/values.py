@@ -5,6 +5,8 @@ configuration in the attributes is that of the file, and tells nothing of a valu
 """
 
 import json
+from collections.abc import Iterator
+from itertools import product
 
 import xarray as xr
 
@@ -39,6 +41,11 @@ def factors_of(runs: xr.DataArray | xr.Dataset, dim: str) -> list[str]:
         str(name) for name, values in runs.coords.items()
         if values.dims == (dim,) and name != dim and name not in LABELS
     ]  # fmt: skip
+
+
+def places_of(values: xr.DataArray | xr.Dataset, axes: list[str]) -> Iterator[tuple[str, ...]]:
+    """Places on some axes in words, the last axis fastest."""
+    return product(*(values[dim].values.astype(str).tolist() for dim in axes))
 
 
 def axes_beside(dataset: xr.Dataset, name: str) -> list[str]:

@@ -10,14 +10,13 @@ velocities, so the runs of a bed belong together: intervals come from beds that 
 all their runs, and the same beds for everything that is compared.
 """
 
-from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from dem.analysis.statistics import Estimate, bootstrapped, over_seeds, redrawn, summarise
-from dem.analysis.values import along, axes_beside, value_of
+from dem.analysis.values import along, axes_beside, places_of, value_of
 from dem.base.errors import InputError
 
 AXIS = "cylinder_velocity"
@@ -80,9 +79,8 @@ def rates(dataset: xr.Dataset) -> Rates:
     weights = redrawn(beds)
     others = axes_beside(dataset, AXIS)
     runs = runs.squeeze([dim for dim in runs.dims if dim not in (*LEAST, *others)])
-    places = product(*(runs[dim].values.astype(str).tolist() for dim in others))
     rows = runs.transpose(*others, AXIS, "seed").values.reshape(-1, len(velocity), beds)
-    means = {place: weights @ row.T for place, row in zip(places, rows, strict=True)}
+    means = {place: weights @ row.T for place, row in zip(places_of(runs, others), rows, strict=True)}
     return Rates(velocity, means, {at: fit(velocity, each) for at, each in means.items()}, beds)
 
 
