@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.analysis.statistics import edges_of_bins, summarise, table1
+from dem.analysis.statistics import summarise, table1
 from dem.figures import style
 
 FILE = "drag"
@@ -74,7 +74,6 @@ def _finish(figure, dataset, curves) -> None:
     cut = widest > top
     low = min(0.0, np.nanmin(drawn if cut else ends[1]))
     axes.set_ylim(low, 1.05 * min(max(widest, np.nanmax(drawn)), top))
-    axes.set_xlim(0.0, style.millimetres(edges_of_bins(dataset)[-1]))
     more = f"\n(intervals are cut at {low:.0f} N and {1.05 * top:.0f} N)" if cut else ""
     figure.suptitle(f"Drag of the cylinder against its displacement{more}")
     style.legend(figure, axes, "outside lower center", ncols=2)

@@ -41,7 +41,6 @@ def plot(dataset: xr.Dataset) -> Figure:
             textcoords="offset points", ha="right", va="bottom" if level == 4.0 else "top",
         )  # fmt: skip
     above.set_ylabel("Packing fraction\nat the onset of jamming")
-    below.set_ylabel("Contacts per granule there,\nrattlers left out")
-    below.set_xlabel("Aspect ratio")
+    below.set(xlabel="Aspect ratio", ylabel="Contacts per granule there,\nrattlers left out")
     style.legend(figure, above, "outside lower center", ncols=3)
     return figure

@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-from dem.analysis.statistics import half_interval, running_mean, window_text
+from dem.analysis.statistics import edges_of_bins, half_interval, running_mean, window_text
 from dem.base.files import atomic
 from dem.shapes import KINDS
 
@@ -118,9 +118,10 @@ def millimetres(lengths) -> np.ndarray:
 
 
 def mark_window(axes, dataset: xr.Dataset) -> None:
-    """Shade the averaging window."""
+    """Shade the averaging window, on an axis along the whole stroke."""
     edges = millimetres([dataset.attrs["window_start"], dataset.attrs["window_stop"]])
     axes.axvspan(*edges, label=f"averaging window, {window_text(dataset)}", **WINDOW)
+    axes.set_xlim(0.0, millimetres(edges_of_bins(dataset)[-1]))
 
 
 def show_runs(axes, middle: float, values, width: float) -> None:
