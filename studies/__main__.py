@@ -7,8 +7,9 @@ from typing import Annotated
 import typer
 
 import studies
+from dem.cli.options import FolderOption, TextOption
 from dem.cli.show import draw_figure, print_or_write
-from dem.cli.terminal import FolderOption, TextOption, Verbs, bar
+from dem.cli.terminal import Verbs, bar
 from studies.catalogue import figures, reported
 
 app = Verbs(

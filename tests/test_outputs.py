@@ -18,7 +18,7 @@ from conftest import CONFIG, posix
 from dem.base.errors import InputError
 from dem.base.files import FOLDER, Place, atomic, check_paths
 from dem.cli.app import app
-from dem.cli.terminal import Writes
+from dem.cli.options import Writes
 
 DEVICE = "/dev/full" if sys.platform == "linux" else "/dev/null"
 

@@ -87,10 +87,8 @@ class Comparison(NamedTuple):
         total = float(sum(parts))
         if not total > 0.0:
             return 0.0, self.runs - 1
-        freedom = total**2 / sum(
-            part**2 / (len(each) - 1) for part, each in zip(parts, (a, b), strict=True)
-        )
-        return math.sqrt(total), freedom
+        each = parts[0] ** 2 / (len(a) - 1), parts[1] ** 2 / (len(b) - 1)
+        return math.sqrt(total), total**2 / sum(each)
 
     def verdict(self, level: float) -> str:
         """Supported if the whole interval is where the claim says, contradicted if no part is."""

@@ -6,12 +6,12 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from dem.analysis.statistics import LEVEL, asked, half_interval, over_seeds
+from dem.analysis.statistics import LEVEL, asked, over_seeds
+from dem.analysis.values import designs_of
 from dem.base.errors import InputError
 from dem.base.files import atomic
 from dem.io.checksums import seal
 from dem.io.lazily import open_lazily, require
-from dem.sweep.axis import POINT
 from dem.sweep.precision import known
 
 WINDOW = ("window_start", "window_stop")
@@ -48,10 +48,9 @@ def means(path: Path) -> xr.Dataset:
         found = {}
         for name, sample in runs.items():
             found[name] = sample.mean("seed").assign_attrs(sample.attrs)
-            half = asked(dataset, found[name], half_interval(sample), name)
-            half = half.assign_attrs(units=sample.attrs.get("units", "1"))
-            half.attrs["long_name"] = f"half the {LEVEL:.0%} interval of the mean of {name}"
-            found[f"{name}_half_interval"] = half
+            words = f"half the {LEVEL:.0%} interval of the mean of {name}"
+            about = {"units": sample.attrs.get("units", "1"), "long_name": words}
+            found[f"{name}_half_interval"] = asked(dataset, sample, name).assign_attrs(about)
         count = xr.Dataset(runs).count("seed").to_array().max("variable")
         found["runs"] = count.assign_attrs(units="1", long_name="number of runs")
         about = {key: dataset.attrs[key] for key in ("title", "configuration") if key in dataset.attrs}
@@ -101,8 +100,7 @@ def compared(path: Path, other: Path, name: str) -> xr.Dataset:
 
 def table_of(found: xr.Dataset) -> pd.DataFrame:
     """One row a place, the values that vary first; of a design those of its points, and not their numbers."""
-    designs = [dim for dim in found.dims if found[dim].attrs.get("long_name") == POINT]
-    frame = found.to_dataframe().reset_index().drop(columns=designs)
+    frame = found.to_dataframe().reset_index().drop(columns=designs_of(found))
     units = {name: found[name].attrs.get("units", "1") for name in frame if name in found.variables}
     frame.columns = [f"{n} ({units[n]})" if units.get(n, "1") != "1" else n for n in frame]
     return frame

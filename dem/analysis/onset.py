@@ -13,11 +13,10 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from dem.analysis.statistics import Estimate, bootstrapped
+from dem.analysis.statistics import Estimate, bootstrapped, redrawn
 from dem.base.errors import InputError
 
 LEAST = 3  # numbers of granules, and seeds
-RESAMPLES = 2000
 
 
 class Limits(NamedTuple):
@@ -56,9 +55,7 @@ def limits(dataset: xr.Dataset) -> Limits:
     beds, granules = fraction.shape[-1], dataset["granules"].values.astype(float)
     if beds < LEAST:
         raise InputError(f"it has {beds} beds of each size; an interval takes {LEAST}.")
-    rng = np.random.default_rng(1)
-    drawn = rng.multinomial(beds, np.full(beds, 1.0 / beds), (RESAMPLES, len(granules)))
-    weights = np.concatenate([np.ones((1, *drawn.shape[1:])), drawn]) / beds  # sizes of their own
+    weights = redrawn(beds, len(granules))
 
     def found(values, power):
         means = np.einsum("rsk,ask->ars", weights, values)

@@ -8,16 +8,15 @@ whose noise is the scatter between beds.
 
 import json
 import warnings
-from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from dem.analysis.statistics import LEVEL, summarise
-from dem.analysis.values import axes_beside
+from dem.analysis.values import axes_beside, designs_of, places_of
 from dem.base.errors import InputError
-from dem.sweep.axis import POINT, name_of
+from dem.sweep.axis import name_of
 from dem.sweep.design import Choice, Design, Range, points
 
 FOLDS = 10  # parts of the points, each left out once
@@ -43,17 +42,16 @@ class Sensitivity(NamedTuple):
 
 def sensitivities(dataset: xr.Dataset) -> list[Sensitivity]:
     """One a place; raises InputError where there is no design, or fewer points than a plane takes."""
-    dims = dataset["run_id"].dims
-    dim = next((d for d in dims if dataset[d].attrs.get("long_name") == POINT), None)
-    if dim is None:
+    if not (designs := designs_of(dataset["run_id"])):
         raise InputError("its runs are not the points of a design, sobol or latin_hypercube.")
+    dim = designs[0]
     factors, columns = design_of(dataset, dim)
     others, mean = axes_beside(dataset, dim), summarise(dataset)["mean"]
     if not bool(mean.notnull().any()):
         raise InputError("all its runs failed.")
     rows = mean.transpose(*others, dim, ...).values.reshape(-1, mean.sizes[dim])
-    places = product(*(mean[other].values.astype(str).tolist() for other in others))
-    return [_at(", ".join(at) or "all", factors, columns, row) for at, row in zip(places, rows, strict=True)]
+    places = zip(places_of(mean, others), rows, strict=True)
+    return [_at(", ".join(at) or "all", factors, columns, row) for at, row in places]
 
 
 def design_of(dataset: xr.Dataset, dim: str) -> tuple[dict[str, Range | Choice], list[np.ndarray]]:

@@ -9,14 +9,13 @@ The friction of the bed is the ratio of the mean forces on the lid along it and 
 flow both stresses are the same at all heights, and forces on the lid are means over all time steps.
 """
 
-from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from dem.analysis.statistics import half_interval
-from dem.analysis.values import along, axes_beside, value_of
+from dem.analysis.values import along, axes_beside, places_of, value_of
 from dem.base.errors import InputError
 
 AXIS = "shear_inertial_number"
@@ -70,10 +69,9 @@ def rheology(dataset: xr.Dataset) -> dict[tuple, Curves]:
     others = axes_beside(dataset, AXIS)
     found = {name: _interval(each, others) for name, each in measured.items()}
     found["number"] = found["number"][..., 0]
-    places = product(*(dataset[dim].values.astype(str).tolist() for dim in others))
     return {
         place: Curves(**{name: each[row] for name, each in found.items()})
-        for row, place in enumerate(places)
+        for row, place in enumerate(places_of(dataset, others))
     }
 
 

@@ -13,6 +13,7 @@ import xarray as xr
 from dem.base.errors import InputError
 
 LEVEL = 0.95  # of the confidence intervals
+RESAMPLES = 2000  # of the beds
 CHECK = "e0"  # shape label of the ellipse code at aspect ratio 1: a check, not a shape of Table 1
 
 
@@ -80,6 +81,14 @@ class Estimate(NamedTuple):
     high: float
 
 
+def redrawn(beds: int, *groups: int) -> np.ndarray:
+    """Weights (1 + RESAMPLES, ..., beds) of beds in a mean: of all beds, then of beds that are drawn again,
+    in each of so many groups on their own."""
+    equal = np.full(beds, 1.0 / beds)
+    drawn = np.random.default_rng(1).multinomial(beds, equal, (RESAMPLES, *groups))
+    return np.concatenate([np.ones((1, *drawn.shape[1:])), drawn]) / beds
+
+
 def bootstrapped(samples: np.ndarray, beds: int, groups: int = 1) -> Estimate:
     """Of a number of all beds and of resamples of them (1 + r,), by the quantiles of these.
 
@@ -100,15 +109,16 @@ def takes(sample: xr.DataArray, share: float) -> xr.DataArray:
     return np.ceil(sample.count("seed") * (half_interval(sample) / (share * sample.mean("seed"))) ** 2)
 
 
-def asked(
-    dataset: xr.Dataset, mean: xr.DataArray, half: xr.DataArray, name: str = "drag"
-) -> xr.DataArray:
-    """Half the interval of the mean of a quantity, but not less than what the replicates were added until: those who stop as soon as an
-    interval is narrow find it too narrow (docs/results/precision.md)."""
+def asked(dataset: xr.Dataset, sample: xr.DataArray, name: str = "drag") -> xr.DataArray:
+    """Half the interval of the mean of a sample (seed, ...) of a quantity, but not less than what the
+    replicates were added until: those who stop as soon as an interval is narrow find it too narrow
+    (docs/results/precision.md)."""
+    half = half_interval(sample)
     wanted = dataset["replicates"].attrs if "replicates" in dataset else {}
     if wanted.get("of") != name or wanted["level"] != LEVEL:
         return half
-    return np.maximum(half, wanted["target"] * (abs(mean) if wanted["relative"] else 1.0))
+    size = abs(sample.mean("seed")) if wanted["relative"] else 1.0
+    return np.maximum(half, wanted["target"] * size)
 
 
 def summarise(dataset: xr.Dataset) -> xr.Dataset:
@@ -123,9 +133,8 @@ def summarise(dataset: xr.Dataset) -> xr.Dataset:
     drag = within(dataset["drag"], dataset.attrs["window_start"], dataset.attrs["window_stop"])
     drag = drag if drag.chunks else drag.compute()  # once, and not for each of these
     along = {"dim": "displacement", "skipna": False}  # a run is there as a whole or not at all
-    runs = (
-        xr.Dataset({"mean": drag.mean(**along), "sd": drag.std(**along)}).compute().map(over_seeds)
-    )
+    runs = xr.Dataset({"mean": drag.mean(**along), "sd": drag.std(**along)})
+    runs = runs.compute().map(over_seeds)
     found = {
         "run_mean": (runs["mean"], "mean drag of a run within the window"),
         "mean": (runs["mean"].mean("seed"), "mean drag over the runs"),
@@ -134,7 +143,7 @@ def summarise(dataset: xr.Dataset) -> xr.Dataset:
         ),
         "sd_between_runs": (spread(runs["mean"]), "standard deviation between the runs' means"),
         "half_interval": (
-            asked(dataset, runs["mean"].mean("seed"), half_interval(runs["mean"])),
+            asked(dataset, runs["mean"]),
             f"half the {LEVEL:.0%} confidence interval of the mean",
         ),
     }  # fmt: skip
@@ -153,12 +162,12 @@ def change(run_mean: xr.DataArray, before: str, after: str) -> tuple[float, floa
     return float(difference.mean("seed") / base), float(half_interval(difference) / base)
 
 
-def running_mean(drag: xr.DataArray, edges: np.ndarray, length: float) -> xr.DataArray:
-    """Mean of drag (..., displacement) over `length` (m) about each displacement.
+def running_mean(dataset: xr.Dataset, length: float) -> xr.DataArray:
+    """Mean of the drag (..., displacement) over `length` (m) about each displacement.
 
-    edges (displacement + 1,) in m are those of the bins. Near both ends the mean is over what
-    there is of the length.
+    Near both ends the mean is over what there is of the length.
     """
+    drag, edges = dataset["drag"], edges_of_bins(dataset)
     middle = drag["displacement"].values
     low = np.clip(middle - 0.5 * length, edges[0], edges[-1])
     high = np.clip(middle + 0.5 * length, edges[0], edges[-1])
@@ -176,30 +185,31 @@ def edges_of_bins(dataset: xr.Dataset) -> np.ndarray:
 
 
 def table1(dataset: xr.Dataset) -> list[str]:
-    """Labels of the cases to compare by shape: at the density of the first, the check left out."""
-    cases = _cases(dataset)
-    return [c for c, shape, density in cases if density == cases[0][2] and shape != CHECK]
+    """Labels of the cases to compare by shape: at the density of the first, the check left out; raises
+    InputError where there is none."""
+    cases = cases_of(dataset)
+    found = [c for c, shape, density in cases if density == cases[0][2] and shape != CHECK]
+    if not found:
+        raise InputError("there is no case of Table 1 in the data.")
+    return found
 
 
 def find(dataset: xr.Dataset, shape: str) -> str | None:
     """Label of the case of this shape at the density of the first case, None if there is none."""
-    cases = _cases(dataset)
+    cases = cases_of(dataset)
     return next((c for c, s, density in cases if s == shape and density == cases[0][2]), None)
 
 
 def densities(dataset: xr.Dataset) -> dict[str, list[str]]:
     """Shapes at more than one density: labels of their cases, from the lowest to the highest."""
     found = {}
-    for label, shape, density in _cases(dataset):
+    for label, shape, density in cases_of(dataset):
         found.setdefault(shape, []).append((density, label))
-    return {
-        shape: [label for _, label in sorted(cases)]
-        for shape, cases in found.items()
-        if len(cases) > 1
-    }
+    several = {shape: sorted(cases) for shape, cases in found.items() if len(cases) > 1}
+    return {shape: [label for _, label in cases] for shape, cases in several.items()}
 
 
-def _cases(dataset) -> list[tuple[str, str, float]]:
+def cases_of(dataset) -> list[tuple[str, str, float]]:
     """Label, shape and density (kg/m3) of every case."""
     columns = (dataset[name].values.tolist() for name in ("case", "shape", "density"))
     return list(zip(*columns, strict=True))

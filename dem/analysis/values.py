@@ -5,12 +5,14 @@ configuration in the attributes is that of the file, and tells nothing of a valu
 """
 
 import json
+from collections.abc import Iterator
+from itertools import product
 
 import xarray as xr
 
 from dem.base.errors import InputError
 from dem.io.dataset import LABELS
-from dem.sweep.axis import name_of
+from dem.sweep.axis import POINT, name_of
 
 
 def value_of(dataset: xr.Dataset, path: str) -> xr.DataArray:
@@ -28,12 +30,22 @@ def value_of(dataset: xr.Dataset, path: str) -> xr.DataArray:
     return found
 
 
+def designs_of(runs: xr.DataArray | xr.Dataset) -> list[str]:
+    """Axes along which are the points of a design."""
+    return [str(dim) for dim in runs.dims if runs[dim].attrs.get("long_name") == POINT]
+
+
 def factors_of(runs: xr.DataArray | xr.Dataset, dim: str) -> list[str]:
     """Names of the values that differ between the points of a design, or of a group."""
     return [
         str(name) for name, values in runs.coords.items()
         if values.dims == (dim,) and name != dim and name not in LABELS
     ]  # fmt: skip
+
+
+def places_of(values: xr.DataArray | xr.Dataset, axes: list[str]) -> Iterator[tuple[str, ...]]:
+    """Places on some axes in words, the last axis fastest."""
+    return product(*(values[dim].values.astype(str).tolist() for dim in axes))
 
 
 def axes_beside(dataset: xr.Dataset, name: str) -> list[str]:

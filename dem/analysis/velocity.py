@@ -10,19 +10,17 @@ velocities, so the runs of a bed belong together: intervals come from beds that 
 all their runs, and the same beds for everything that is compared.
 """
 
-from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from dem.analysis.statistics import Estimate, bootstrapped, over_seeds, summarise
-from dem.analysis.values import along, axes_beside, value_of
+from dem.analysis.statistics import Estimate, bootstrapped, over_seeds, redrawn, summarise
+from dem.analysis.values import along, axes_beside, places_of, value_of
 from dem.base.errors import InputError
 
 AXIS = "cylinder_velocity"
 LEAST = {AXIS: 4, "seed": 3}  # values that a fit and its intervals take
-RESAMPLES = 2000
 EXPONENTS = np.linspace(0.25, 2.0, 141)  # from nearly logarithmic to that of collisions
 
 
@@ -78,14 +76,11 @@ def rates(dataset: xr.Dataset) -> Rates:
             what = "velocities" if dim == AXIS else "beds that were drawn at all velocities"
             raise InputError(f"it has {runs.sizes[dim]} {what}; a fit takes {least}.")
     velocity, beds = runs[AXIS].values, runs.sizes["seed"]
-    rng = np.random.default_rng(1)
-    drawn = rng.multinomial(beds, np.full(beds, 1.0 / beds), RESAMPLES)
-    weights = np.vstack([np.ones(beds), drawn]) / beds
+    weights = redrawn(beds)
     others = axes_beside(dataset, AXIS)
     runs = runs.squeeze([dim for dim in runs.dims if dim not in (*LEAST, *others)])
-    places = product(*(runs[dim].values.astype(str).tolist() for dim in others))
     rows = runs.transpose(*others, AXIS, "seed").values.reshape(-1, len(velocity), beds)
-    means = {place: weights @ row.T for place, row in zip(places, rows, strict=True)}
+    means = {place: weights @ row.T for place, row in zip(places_of(runs, others), rows, strict=True)}
     return Rates(velocity, means, {at: fit(velocity, each) for at, each in means.items()}, beds)
 
 
@@ -115,8 +110,7 @@ def inertial_number(dataset: xr.Dataset) -> float | None:
     shear moves it out of it.
     """
     cylinder = value_of(dataset, "cylinder.diameter")
-    seeds = [dim for dim in ("seed",) if dim in dataset["packing_pressure"].dims]
-    pressure = dataset["packing_pressure"].mean(seeds)
+    pressure = over_seeds(dataset["packing_pressure"]).mean("seed")
     number = dataset["diameter"] / cylinder * np.sqrt(dataset["density"] / pressure)
     same = float(number.max()) < 1.01 * float(number.min())
     return float(number.mean()) if same else None

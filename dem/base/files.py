@@ -91,9 +91,9 @@ def _kind_of(place: Place) -> str:
     except (FileNotFoundError, NotADirectoryError):
         return ""
     except PermissionError as error:
-        raise OSError(f"{place.words}; cannot look at it ({_words(error)}).") from None
+        raise OSError(f"{place.words}; cannot look at it ({reason(error)}).") from None
     except (OSError, ValueError) as error:
-        raise InputError(f"{place.words}; it is no name of a file ({_words(error)}).") from None
+        raise InputError(f"{place.words}; it is no name of a file ({reason(error)}).") from None
     if stat.S_ISREG(status.st_mode):
         return "a file"
     return "a folder" if stat.S_ISDIR(status.st_mode) else "a device, pipe or socket"
@@ -164,7 +164,7 @@ def atomic(path: Path):
     except (OSError, RuntimeError) as error:
         if not _of_disk(error, path):
             raise
-        why = "the disk is full" if is_full(path.parent) else _words(error)
+        why = "the disk is full" if is_full(path.parent) else reason(error)
         raise OSError(_cannot(path, why)) from None
     finally:
         with suppress(OSError):
@@ -211,5 +211,6 @@ def is_full(folder: Path) -> bool:
         return error.errno in (errno.ENOSPC, errno.EDQUOT)
 
 
-def _words(error: Exception) -> str:
+def reason(error: Exception) -> str:
+    """Why the system refuses, in words."""
     return (getattr(error, "strerror", None) or str(error)).lower()

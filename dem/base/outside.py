@@ -13,18 +13,9 @@ from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
 
+from dem.base import sources
 from dem.base.constants import constants
 from dem.base.errors import InputError
-from dem.base.sources import (
-    UNREADABLE,
-    address,
-    code_hash,
-    defined_in,
-    file_of,
-    from_elsewhere,
-    is_current,
-    own_files,
-)
 
 NO_BITS = "finds files of a user's own"
 KEYS = "kind", "observables", "experiment"  # of configurations, that may name a file
@@ -81,9 +72,9 @@ def found(key: str, word: str, module: str, beside: str | None, known: tuple[str
     if not path.is_file():
         raise InputError(f"{said}there is no file {path}.")
     try:
-        code_hash(where, bits=True)
-        elsewhere = from_elsewhere(where)
-    except UNREADABLE as error:
+        sources.code_hash(where, bits=True)
+        elsewhere = sources.from_elsewhere(where)
+    except sources.UNREADABLE as error:
         raise InputError(f"{said}{path} cannot be read ({' '.join(str(error).split())}).") from None
     for other, origin in elsewhere.items():
         raise InputError(
@@ -98,21 +89,21 @@ def file_found(
 ) -> str:
     """The same for a file of VARIABLES and at least one of some functions, such as rest.py."""
     stem, _, suffix = word.rpartition(".")
+    said = f"{key} is {word!r}; "
     if suffix != "py" or "." in stem:
         raise InputError(
-            f"{key} is {word!r}; it must be one of {', '.join(known)}, or a file of your own, such as rest.py."
+            f"{said}it must be one of {', '.join(known)}, or a file of your own, such as rest.py."
         )
     where = found(key, word, stem, beside, known)
     table = said_in(where).get("VARIABLES")
     if not isinstance(table, dict) or not all(map(_is_entry, table.values())):
         raise InputError(
-            f"{key} is {word!r}; {file_of(where)} must give VARIABLES as plain values, name: (dimensions, "
+            f"{said}{sources.file_of(where)} must give VARIABLES as plain values, name: (dimensions, "
             "units, words)."
         )
-    if not defined_in(where).keys() & set(functions):
-        raise InputError(
-            f"{key} is {word!r}; {file_of(where)} has no function {' or '.join(functions)}."
-        )
+    if not sources.defined_in(where).keys() & set(functions):
+        names = " or ".join(functions)
+        raise InputError(f"{said}{sources.file_of(where)} has no function {names}.")
     return where
 
 
@@ -125,7 +116,7 @@ def _is_entry(entry) -> bool:
 
 def said_in(where: str) -> dict:
     """The constants at the top of a module."""
-    return constants(file_of(where))
+    return constants(sources.file_of(where))
 
 
 @cache
@@ -134,13 +125,13 @@ def loaded(where: str) -> ModuleType:
     folder, _, module = where.rpartition(":")
     if not folder:
         return importlib.import_module(module)
-    path = file_of(where)
+    path = sources.file_of(where)
     if folder not in sys.path:
         sys.path.append(folder)  # last, so that it hides nothing
     importlib.invalidate_caches()
     writes, sys.dont_write_bytecode = sys.dont_write_bytecode, True  # nothing beside a sweep file
     try:
-        for own, file in own_files(where).items():
+        for own, file in sources.own_files(where).items():
             _check_place(own.partition(".")[0], folder, file)
         made = importlib.import_module(module)
     except InputError:
@@ -150,7 +141,7 @@ def loaded(where: str) -> ModuleType:
         raise InputError(f"{path}: it cannot be imported ({words}).") from error
     finally:
         sys.dont_write_bytecode = writes
-    if not is_current(where):
+    if not sources.is_current(where):
         raise InputError(f"{path}: it has changed while it was used; start again.")
     return made
 
@@ -161,7 +152,7 @@ def _check_place(name: str, folder: str, file: Path) -> None:
     taken = there.__file__ if there else getattr(find_spec(name), "origin", None)
     if taken is None or Path(taken).resolve().is_relative_to(Path(folder).resolve()):
         return
-    at = address(name, taken) if there else None
-    if at and code_hash(at, bits=True) == code_hash(f"{folder}:{name}", bits=True):
+    at = sources.address(name, taken) if there else None
+    if at and sources.code_hash(at, bits=True) == sources.code_hash(f"{folder}:{name}", bits=True):
         return  # a copy of the same code
     raise InputError(f"{file}: Python takes {taken} for {name}; give your file another name.")

@@ -5,15 +5,8 @@ import re
 from contextlib import suppress
 from typing import Annotated, Any, get_args
 
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    TypeAdapter,
-    ValidationError,
-)
+import numpy as np
+from pydantic import AfterValidator, BaseModel, BeforeValidator, Field, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
 from dem.base.errors import InputError
@@ -81,13 +74,8 @@ def seeds_of(value):
 
 def seed_words(seeds) -> str:
     """Seeds as words that a configuration may hold: 1 to 5, 7."""
-    parts = []
-    for seed in seeds:
-        if parts and seed == parts[-1][1] + 1:
-            parts[-1][1] = seed
-        else:
-            parts.append([seed, seed])
-    return ", ".join(f"{a} to {b}" if b > a else str(a) for a, b in parts)
+    runs = np.split(seeds, 1 + np.flatnonzero(np.diff(seeds) != 1))
+    return ", ".join(f"{run[0]} to {run[-1]}" if len(run) > 1 else f"{run[0]}" for run in runs)
 
 
 Number = Annotated[float, BeforeValidator(number)]
@@ -102,7 +90,7 @@ Label = Annotated[str, AfterValidator(_label)]
 class Section(BaseModel):
     """Part of a configuration: unknown keys are errors, values do not change."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, validate_default=True)
+    model_config = {"extra": "forbid", "frozen": True, "validate_default": True}
 
 
 def known_by(section: BaseModel, model: type[BaseModel], head: str = "") -> dict[str, Any]:

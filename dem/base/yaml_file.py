@@ -6,6 +6,7 @@ from pathlib import Path
 import yaml
 
 from dem.base.errors import InputError
+from dem.base.files import reason
 from dem.base.hints import of_missing_file
 
 LARGEST = 2_000_000  # bytes of a file
@@ -46,9 +47,8 @@ def _text(path: Path) -> str:
         whole = stat.S_ISREG(status.st_mode) and status.st_size <= LARGEST
         data = path.read_bytes() if whole else b""
     except (OSError, ValueError) as error:  # ValueError: a null character in the name
-        why = getattr(error, "strerror", None) or str(error)
         hint = of_missing_file(path) if isinstance(error, FileNotFoundError) else ""
-        raise InputError(f"{path}: cannot read it ({why.lower()}){hint}.") from None
+        raise InputError(f"{path}: cannot read it ({reason(error)}){hint}.") from None
     if not stat.S_ISREG(status.st_mode):
         raise InputError(f"{path}: it is not a regular file; name a YAML file.")
     if not whole:

@@ -1,25 +1,24 @@
 """Command line: one verb per stage. Exit status 0, 1 (a run failed) or 2 (bad input)."""
 
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
 from dem.base.files import ANY
 from dem.cli.flow import VERBS as moving
-from dem.cli.show import draw_figure, print_or_write
-from dem.cli.sweep import VERBS as sweeping
-from dem.cli.terminal import (
+from dem.cli.options import (
+    OUTPUT,
     PAPER,
     ConfigOption,
     FolderOption,
     OutputOption,
     TextOption,
-    Verbs,
-    Writes,
-    bar,
-    start_lean,
+    argument,
+    option,
 )
+from dem.cli.show import draw_figure, print_or_write
+from dem.cli.sweep import VERBS as sweeping
+from dem.cli.terminal import Verbs, bar, start_lean
 
 app = Verbs(
     help="Slow drag of a cylinder through a bed of discs, dumbbells and ellipses (2-D DEM).",
@@ -41,12 +40,9 @@ def _say_version(wanted: bool):
 
 @app.callback()
 def main(
-    version: Annotated[
-        bool,
-        typer.Option(
-            "--version", callback=_say_version, is_eager=True, help="Say which version this is."
-        ),
-    ] = False,
+    version: option(
+        bool, "Say which version this is.", "--version", callback=_say_version, is_eager=True
+    ) = False,
 ):
     """Options without a verb."""
 
@@ -54,32 +50,24 @@ def main(
 for verb in (*sweeping, *moving):
     app.command()(verb)
 
-ShapeOption = Annotated[
-    str, typer.Option("--shape", help="Label of a shape in the configuration, such as c1.")
-]
-DensityOption = Annotated[
-    float, typer.Option("--density", help="Density of the granules, kg/m3, such as 3900.")
-]
-SeedOption = Annotated[int, typer.Option("--seed", help="Seed of the random bed.")]
-ValuesArgument = Annotated[
+ShapeOption = option(str, "Label of a shape in the configuration, such as c1.")
+SeedOption = option(int, "Seed of the random bed.")
+ValuesArgument = argument(
     list[str] | None,
-    typer.Argument(
-        help="Values that replace those of the configuration, such as friction.granule=0.2.",
-        metavar="PATH=VALUE",
-    ),
-]
+    "Values that replace those of the configuration, such as friction.granule=0.2.",
+    metavar="PATH=VALUE",
+)
 
 
-def _replicate(config, shape, density, seed, values=None):
+def _replicate(config, shape, density, seed, values):
     """One run of a configuration with some values changed; raises InputError where it cannot be."""
     from dem.sweep.axis import changes_of_words
     from dem.sweep.config import load
 
     sweep = load(config)
     sweep.replicate(shape, density, seed)
-    return sweep.changed(changes_of_words(sweep, values or []), shape).replicate(
-        shape, density, seed
-    )
+    changed = sweep.changed(changes_of_words(sweep, values or []), shape)
+    return changed.replicate(shape, density, seed)
 
 
 @app.command()
@@ -106,23 +94,20 @@ def pack(
 @app.command()
 def simulate(
     shape: ShapeOption,
-    density: DensityOption,
+    density: option(float, "Density of the granules, kg/m3, such as 3900."),
     seed: SeedOption,
     output: OutputOption,
     values: ValuesArgument = None,
     config: ConfigOption = PAPER,
-    bed: Annotated[
-        Path | None, typer.Option(help="Bed that dem pack wrote; packed here if absent.")
-    ] = None,
-    threads: Annotated[
-        int,
-        typer.Option(min=1, help="Threads; they pay from some thousand granules on, same result."),
-    ] = 1,
-    checkpoint: Annotated[
+    bed: option(Path | None, "Bed that dem pack wrote; packed here if absent.") = None,
+    threads: option(
+        int, "Threads; they pay from some thousand granules on, same result.", min=1
+    ) = 1,
+    checkpoint: option(
         Path | None,
-        typer.Option(help="File that saves the run every minute; a stopped run resumes from it."),
-        Writes(ANY),
-    ] = None,
+        "File that saves the run every minute; a stopped run resumes from it.",
+        writes=ANY,
+    ) = None,
 ):
     """Make one run: draw the cylinder through one bed and record the forces on it.
 
@@ -156,11 +141,8 @@ def simulate(
 
 @app.command()
 def figure(
-    name: Annotated[
-        str,
-        typer.Argument(help="Name of a figure, such as figure13, or all; a wrong name lists them."),
-    ],
-    data: Annotated[Path, typer.Argument(help="drag.nc, flow.nc, shear.nc or onset.nc.")],
+    name: argument(str, "Name of a figure, such as figure13, or all; a wrong name lists them."),
+    data: argument(Path, "drag.nc, flow.nc, shear.nc or onset.nc."),
     output: FolderOption = None,
 ):
     """Draw a figure of results, as SVG and PNG.
@@ -174,7 +156,7 @@ def figure(
 
 @app.command()
 def info(
-    data: Annotated[Path, typer.Argument(help="drag.nc or a file of runs.")],
+    data: argument(Path, "drag.nc or a file of runs."),
     output: TextOption = None,
 ):
     """Print what a file of results holds: cases, mean drag, scatter and intervals.
@@ -190,18 +172,12 @@ def info(
 
 @app.command()
 def means(
-    data: Annotated[Path, typer.Argument(help="drag.nc, or another combined file.")],
-    other: Annotated[
-        Path | None, typer.Argument(help="Another one, to set the means of both side by side.")
-    ] = None,
-    quantity: Annotated[
-        str, typer.Option("--of", help="What is shown, or compared with the other file.")
-    ] = "drag",
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", help="Table to write (.csv or .nc); the terminal if absent."),
-        Writes(ANY),
-    ] = None,
+    data: argument(Path, "drag.nc, or another combined file."),
+    other: argument(Path | None, "Another one, to set the means of both side by side.") = None,
+    quantity: option(str, "What is shown, or compared with the other file.", "--of") = "drag",
+    output: option(
+        Path | None, "Table to write (.csv or .nc); the terminal if absent.", *OUTPUT, writes=ANY
+    ) = None,
 ):
     """Means of the runs of a file, one row a place; or of two files, with their ratio.
 
@@ -221,7 +197,7 @@ def means(
 
 @app.command()
 def sensitivity(
-    data: Annotated[Path, typer.Argument(help="drag.nc of a sweep over a design.")],
+    data: argument(Path, "drag.nc of a sweep over a design."),
     output: TextOption = None,
 ):
     """Print which factors of a design decide the mean drag: main effects and Sobol indices.
@@ -237,13 +213,9 @@ def sensitivity(
 
 @app.command()
 def report(
-    data: Annotated[Path, typer.Argument(help="drag.nc; the page shows the files next to it.")],
-    output: Annotated[
-        Path, typer.Option("-o", "--output", help="HTML file to write."), Writes(".html")
-    ],
-    notes: Annotated[
-        Path | None, typer.Option(help="Markdown that tells what the paper leaves open.")
-    ] = None,
+    data: argument(Path, "drag.nc; the page shows the files next to it."),
+    output: option(Path, "HTML file to write.", *OUTPUT, writes=".html"),
+    notes: option(Path | None, "Markdown that tells what the paper leaves open.") = None,
 ):
     """Write all results as one HTML page, which opens without a network.
 

@@ -1,40 +1,20 @@
 """Command line, how beds move: `dem flow` and `dem draw`."""
 
 from pathlib import Path
-from typing import Annotated
 
-import typer
+from dem.cli.options import OUTPUT, PAPER, BlockOption, ConfigOption, OutputOption, argument, option
+from dem.cli.terminal import bar, start_lean
 
-from dem.cli.terminal import PAPER, BlockOption, ConfigOption, OutputOption, Writes, bar, start_lean
-
-RunArgument = Annotated[Path, typer.Argument(metavar="RUN", help="drag.nc, or a file of runs.")]
-SelectArgument = Annotated[
-    list[str] | None,
-    typer.Argument(
-        help="Which run, by values that differ between runs, such as case=c1 seed=1.",
-        metavar="NAME=VALUE",
-    ),
-]
-ColorOption = Annotated[str, typer.Option(help="Colour by speed, force, layer or cluster.")]
-ForcesOption = Annotated[
-    bool,
-    typer.Option("--forces", help="Draw contact forces as lines; wide lines are large forces."),
-]
-ShapesOption = Annotated[
+ShapesOption = option(
     str | None,  # a Path would have to be a file
-    typer.Option(
-        "--shapes",
-        metavar="FOLDER",
-        help="Folder of files of shapes of your own, whose code then runs.",
-    ),
-]
+    "Folder of files of shapes of your own, whose code then runs.",
+    metavar="FOLDER",
+)
 
 
 def flow(
     output: OutputOption,
-    batch: Annotated[
-        Path | None, typer.Argument(help="File of runs to measure; if absent, combine all.")
-    ] = None,
+    batch: argument(Path | None, "File of runs to measure; if absent, combine all.") = None,
     config: ConfigOption = PAPER,
     block: BlockOption = None,
     shapes: ShapesOption = None,
@@ -61,17 +41,20 @@ def flow(
 
 
 def draw(
-    run: RunArgument,
-    output: Annotated[
-        Path, typer.Option("-o", "--output", help="File; its end says what it will be."), Writes()
-    ],
-    select: SelectArgument = None,
-    displacement: Annotated[
-        float | None,
-        typer.Option(help="Displacement of a picture, m; half the stroke if absent."),
-    ] = None,
-    color: ColorOption = "speed",
-    forces: ForcesOption = False,
+    run: argument(Path, "drag.nc, or a file of runs.", metavar="RUN"),
+    output: option(Path, "File; its end says what it will be.", *OUTPUT, writes=""),
+    select: argument(
+        list[str] | None,
+        "Which run, by values that differ between runs, such as case=c1 seed=1.",
+        metavar="NAME=VALUE",
+    ) = None,
+    displacement: option(
+        float | None, "Displacement of a picture, m; half the stroke if absent."
+    ) = None,
+    color: option(str, "Colour by speed, force, layer or cluster.") = "speed",
+    forces: option(
+        bool, "Draw contact forces as lines; wide lines are large forces.", "--forces"
+    ) = False,
     shapes: ShapesOption = None,
 ):
     """Draw one run: a film (.mp4, .gif), a picture (.png, .svg, .pdf), or all for ParaView (.pvd).

@@ -38,12 +38,12 @@ def draw_figure(name: str, data: Path, output: Path | None, figures: dict) -> No
         draw(name, data, folder, figures)
 
 
-def watched(make, every: float = 3.0) -> None:
+def watched(make) -> None:
     """Show what `make` gives again and again, every few s, until Ctrl-C."""
     with Live(console=PlainConsole(), auto_refresh=False) as live:
         while True:
             live.update(make(), refresh=True)
-            time.sleep(every)
+            time.sleep(3.0)
 
 
 def print_or_write(table, output: Path | None) -> None:

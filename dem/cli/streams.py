@@ -5,6 +5,8 @@ import io
 import os
 import sys
 
+from dem.base.files import reason
+
 
 class Outlet(io.FileIO):
     """A stream that takes everything; what cannot be written is lost, and `fault` says why."""
@@ -60,5 +62,5 @@ def what_was_lost(outlet: Outlet | None) -> str | None:
     if outlet is None or outlet.fault is None or outlet.fault.errno == errno.EPIPE:
         return None
     closed = outlet.fault.errno == errno.EBADF
-    why = "it is closed" if closed else (outlet.fault.strerror or str(outlet.fault)).lower()
+    why = "it is closed" if closed else reason(outlet.fault)
     return f"standard output cannot be written ({why}); send it to a file that can, with > FILE."

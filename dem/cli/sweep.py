@@ -2,43 +2,25 @@
 
 import shlex
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
 from dem.base.say import say
-from dem.cli.terminal import (
-    PAPER,
-    BlockOption,
-    ConfigOption,
-    OutputOption,
-    Stopped,
-    Writes,
-    bar,
-    show,
-    start_lean,
-)
+from dem.cli.options import PAPER, BlockOption, ConfigOption, OutputOption, argument, option
+from dem.cli.terminal import Stopped, bar, show, start_lean
 
-FileArgument = Annotated[Path, typer.Argument(help="Configuration file of a sweep (YAML).")]
-JobsOption = Annotated[int, typer.Option("-j", "--jobs", min=1, help="Number of processes.")]
+FileArgument = argument(Path, "Configuration file of a sweep (YAML).")
 
 
 def sweep(
     file: FileArgument = PAPER,
-    dry_run: Annotated[
-        bool, typer.Option("-n", "--dry-run", help="Only estimate runs, beds, time and disk.")
-    ] = False,
-    retry: Annotated[bool, typer.Option("--retry", help="Try failed runs again.")] = False,
-    jobs: JobsOption = 2,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(
-            help="Address or file of a Dask scheduler, whose workers make the runs instead."
-        ),
-    ] = None,
-    wait: Annotated[
-        float, typer.Option(min=0.0, help="Seconds to wait for the first worker of a scheduler.")
-    ] = 60.0,
+    dry_run: option(bool, "Only estimate runs, beds, time and disk.", "-n", "--dry-run") = False,
+    retry: option(bool, "Try failed runs again.", "--retry") = False,
+    jobs: option(int, "Number of processes.", "-j", "--jobs", min=1) = 2,
+    scheduler: option(
+        str | None, "Address or file of a Dask scheduler, whose workers make the runs instead."
+    ) = None,
+    wait: option(float, "Seconds to wait for the first worker of a scheduler.", min=0.0) = 60.0,
 ):
     """Make all runs of a sweep that do not exist yet, and combine them.
 
@@ -99,7 +81,7 @@ def sweep(
 
 def status(
     file: FileArgument = PAPER,
-    watch: Annotated[bool, typer.Option("--watch", help="Look again every few seconds.")] = False,
+    watch: option(bool, "Look again every few seconds.", "--watch") = False,
 ):
     """Show how far a sweep is, place by place, while it runs or after it stopped. It only reads.
 
@@ -125,9 +107,7 @@ def _cluster(scheduler: str, wait: float, store):
 
 def compile(
     config: ConfigOption = PAPER,
-    shape: Annotated[
-        str | None, typer.Option("--shape", help="Label of a shape; all shapes if absent.")
-    ] = None,
+    shape: option(str | None, "Label of a shape; all shapes if absent.") = None,
 ):
     """Compile the kernels that the runs of a sweep need, and keep them on disk."""
     start_lean()
@@ -150,9 +130,7 @@ def compile(
 
 
 def batch(
-    output: Annotated[
-        Path, typer.Argument(help="File of the store, results/store/batches/....nc."), Writes(".nc")
-    ],
+    output: argument(Path, "File of the store, results/store/batches/....nc.", writes=".nc"),
 ):
     """Make the runs of one batch of the store, as the file of its name that ends in .json says."""
     start_lean()
@@ -173,12 +151,10 @@ def combine(
     output: OutputOption,
     config: ConfigOption = PAPER,
     block: BlockOption = None,
-    observable: Annotated[
-        str, typer.Option("--observable", help="Recorded observable, such as drag or snapshots.")
-    ] = "drag",
-    partial: Annotated[
-        bool, typer.Option("--partial", help="Only the runs that are there, while the rest is made.")
-    ] = False,
+    observable: option(str, "Recorded observable, such as drag or snapshots.") = "drag",
+    partial: option(
+        bool, "Only the runs that are there, while the rest is made.", "--partial"
+    ) = False,
 ):
     """Combine all runs of a block into one file, with one dimension per varied value.
 
@@ -196,16 +172,12 @@ def combine(
 
 
 def store(
-    values: Annotated[
+    values: argument(
         list[str] | None,
-        typer.Argument(
-            help="List only runs with these values, such as shape=c1 friction.granule=0.3.",
-            metavar="PATH=VALUE",
-        ),
-    ] = None,
-    prune: Annotated[
-        bool, typer.Option("--prune", help="Remove the runs that no sweep needs.")
-    ] = False,
+        "List only runs with these values, such as shape=c1 friction.granule=0.3.",
+        metavar="PATH=VALUE",
+    ) = None,
+    prune: option(bool, "Remove the runs that no sweep needs.", "--prune") = False,
 ):
     """List the stored runs of all sweeps by their values.
 

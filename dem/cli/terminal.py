@@ -1,4 +1,4 @@
-"""What all verbs share: options, sentences instead of tracebacks, progress bars."""
+"""What all verbs share: checks of paths, sentences instead of tracebacks, progress bars."""
 
 import functools
 import math
@@ -10,45 +10,17 @@ import time
 from contextlib import contextmanager
 from datetime import datetime
 from pathlib import Path
-from typing import Annotated, NamedTuple, get_type_hints
+from typing import get_type_hints
 
 import typer
 
 from dem.base.errors import InputError, RunError
-from dem.base.files import FOLDER, Place, check_paths
+from dem.base.files import Place, check_paths, reason
 from dem.base.plain import plain
 from dem.base.say import say, say_over
+from dem.cli.options import Writes
 from dem.cli.streams import open_streams, what_was_lost
 from dem.io.progress import Stage
-
-
-class Writes(NamedTuple):
-    """Marks a path that a verb writes; a verb only reads all others.
-
-    kind: as in dem.base.files.Place.
-    """
-
-    kind: str = ""
-
-
-ConfigOption = Annotated[Path, typer.Option("--config", help="Configuration file (YAML).")]
-OutputOption = Annotated[
-    Path, typer.Option("-o", "--output", help="netCDF file to write."), Writes(".nc")
-]
-FolderOption = Annotated[
-    Path | None,
-    typer.Option("-o", "--output", help="Folder; figures/ next to the data if absent."),
-    Writes(FOLDER),
-]
-BlockOption = Annotated[
-    str | None, typer.Option("--block", help="Block of the sweep; the first if absent.")
-]
-TextOption = Annotated[
-    Path | None,
-    typer.Option("-o", "--output", help="Text file (.txt); the terminal if absent."),
-    Writes(".txt"),
-]
-PAPER = Path("config/paper.yaml")
 
 
 class Verbs(typer.Typer):
@@ -110,7 +82,7 @@ def sentence_of(error: Exception) -> str:
     """What an error says: ours are sentences, those of the system name a file and a reason."""
     if isinstance(error, OSError) and error.errno is not None:
         where = f"{error.filename}: " if error.filename else ""
-        return f"{where}{(error.strerror or str(error)).lower()}."
+        return f"{where}{reason(error)}."
     return str(error)
 
 

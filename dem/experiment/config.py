@@ -351,10 +351,8 @@ class Replicate:
     @property
     def bed_id(self) -> str:
         """Identity of the bed of the run."""
-        return _digest(
-            self.bed_key(), compilers(),
-            code_hash("dem.experiment.bed", self.kind.module, bits=True),
-        )  # fmt: skip
+        code = code_hash("dem.experiment.bed", self.kind.module, bits=True)
+        return _digest(self.bed_key(), compilers(), code)
 
 
 # machine code of a bed that is pressed with friction, as kinds of experiment describe theirs

@@ -75,9 +75,7 @@ class Drawing:
     box alone.
     """
 
-    def __init__(
-        self, axes, rings, view, diameter: float | None, periodic=None, hatched: bool = False
-    ):
+    def __init__(self, axes, rings, view, diameter, periodic=None, hatched=False):
         self.axes, self.rings, self.per = axes, rings, rings.shape[1]
         self.view, self.periodic = np.asarray(view), periodic
         self.reach = np.hypot(rings[..., 0], rings[..., 1]).max(axis=(1, 2))
@@ -107,7 +105,12 @@ class Drawing:
     def move(self, position, angle, cylinder, walls) -> None:
         """Granules to positions (n, 2) in m and angles (n,) in rad; the cylinder to (x, y) in m; walls
         to planes (w, 3) as of dem.Scene."""
-        self._place_walls(walls)
+        lines, space = edges(walls, self.view)
+        self.walls.set_segments(1e3 * lines)
+        (left, low), (right, high) = self.view
+        around = np.array([[left, low], [left, high], [right, high], [right, low]])  # clockwise
+        rings = [1e3 * each[[*range(len(each)), 0]] for each in (around, space)]
+        self.solid.set_path(Path.make_compound_path(*map(Path, rings)))
         place, self.owner = images(np.asarray(position), self.reach, self.view, self.periodic)
         placed_rings = placed(self.rings[self.owner], place, np.asarray(angle)[self.owner])
         self.granules.set_verts(placed_rings)
@@ -120,14 +123,6 @@ class Drawing:
                 each.set_visible(number < len(seen))
             for each, (x, y) in zip(self.cylinders, seen, strict=False):
                 each.center = 1e3 * x, 1e3 * y
-
-    def _place_walls(self, walls) -> None:
-        lines, space = edges(walls, self.view)
-        self.walls.set_segments(1e3 * lines)
-        (left, low), (right, high) = self.view
-        around = np.array([[left, low], [left, high], [right, high], [right, low]])  # clockwise
-        rings = [1e3 * each[[*range(len(each)), 0]] for each in (around, space)]
-        self.solid.set_path(Path.make_compound_path(*map(Path, rings)))
 
     def paint(self, colors) -> None:
         """Colours (n, ...), one per granule."""

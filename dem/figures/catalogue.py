@@ -109,20 +109,19 @@ def _sizes(axes: dict[str, int], labels: dict[str, tuple], designs: list[str]) -
 
 def drawable_from(data: Path, dataset, figures: dict[str, Drawn] = FIGURES) -> list[str]:
     """Names of those of some figures that a file suffices for."""
-    from dem.analysis.statistics import by_case
+    from dem.analysis.statistics import by_case, cases_of
+    from dem.analysis.values import designs_of
 
     held, sizes, cases = set(dataset.variables), {}, None
     if any(each.cases is not None or each.axes for each in figures.values()):
         require(dataset, data, {}, ("run_id",))
         axes = dict(dataset["run_id"].sizes)
-        designs = [dim for dim in axes if dataset[dim].attrs.get("long_name") == POINT]
+        designs = designs_of(dataset["run_id"])
         labels = {str(name): values.dims for name, values in dataset.coords.items()}
         sizes = _sizes(axes, labels, designs)
         if (found := by_case(dataset)) is not None:
             require(found, data, {}, ("shape", "density"))
-            cases = list(
-                zip(*(found[name].values.tolist() for name in ("shape", "density")), strict=True)
-            )
+            cases = [case for _, *case in cases_of(found)]
         if "granules" in held:
             sizes["granules"] = len(set(dataset["granules"].values.ravel().tolist()))
     return [

@@ -8,8 +8,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.analysis.statistics import edges_of_bins, half_interval, running_mean, summarise, table1
-from dem.base.errors import InputError
+from dem.analysis.statistics import summarise, table1
 from dem.figures import style
 
 FILE = "drag"
@@ -25,17 +24,15 @@ def plot(dataset: xr.Dataset) -> Figure:
     Raises InputError when no case is to be compared by shape.
     """
     labels = table1(dataset)
-    if not labels:
-        raise InputError("there is no case of Table 1 in the data.")
     columns = min(COLUMNS, len(labels))
     figure, panels = style.panels(len(labels), columns, 1.5, 2.5, sharex=True, sharey=True)
     means = summarise(dataset)
-    curves = {label: _curve(dataset, label) for label in labels}
+    curves = {label: style.smoothed(dataset.sel(case=label)) for label in labels}
     for axes, label in zip(panels, labels, strict=True):
         runs = style.runs(dataset.sel(case=labels))  # of one legend
         _panel(axes, dataset.sel(case=label), means.sel(case=label), curves[label], runs)
         if label != labels[0]:
-            x, (_, smooth, _) = style.millimetres(dataset["displacement"]), curves[labels[0]]
+            x, (smooth, _) = style.millimetres(dataset["displacement"]), curves[labels[0]]
             axes.plot(x, smooth, label=f"running mean of {labels[0]}", **style.REFERENCE)
         style.mark_window(axes, dataset)
     for axes in panels[::columns]:
@@ -47,17 +44,10 @@ def plot(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def _curve(dataset, label):
-    """Raw mean, smoothed mean and half its interval, each (displacement,) in N, of one case."""
-    drag = dataset["drag"].sel(case=label)
-    smooth = running_mean(drag, edges_of_bins(dataset), style.SMOOTHING)
-    return drag.mean("seed").values, smooth.mean("seed").values, half_interval(smooth).values
-
-
 def _panel(axes, case, means, curve, runs: str) -> None:
     """One case: its curves, their interval (none for a single run) and its mean in words."""
     x = style.millimetres(case["displacement"])
-    raw, smooth, half = curve
+    raw, (smooth, half) = case["drag"].mean("seed").values, curve
     axes.plot(x, smooth, color=style.CURVE, zorder=3, label=f"running mean of {runs}")
     style.band(axes, x, smooth, half, style.CURVE, label="95 % interval of the running mean")
     axes.plot(x, raw, label=f"mean of {runs} in every bin", **style.RAW)
@@ -76,14 +66,14 @@ def _finish(figure, dataset, curves) -> None:
     the title says so.
     """
     axes = figure.axes[-1]
-    drawn = np.array([[*raw, *smooth] for raw, smooth, _ in curves.values()])
-    widest = max(np.nanmax(smooth + np.nan_to_num(half)) for _, smooth, half in curves.values())
-    top = 2.0 * np.nanmax(drawn)
-    lowest = min(np.nanmin(smooth - np.nan_to_num(half)) for _, smooth, half in curves.values())
+    raw = dataset["drag"].sel(case=list(curves)).mean("seed").values
+    smooth, half = np.array(list(curves.values())).swapaxes(0, 1)
+    drawn = np.array([raw, smooth])
+    ends = smooth + np.nan_to_num(half), smooth - np.nan_to_num(half)
+    widest, top = np.nanmax(ends[0]), 2.0 * np.nanmax(drawn)
     cut = widest > top
-    low = min(0.0, np.nanmin(drawn) if cut else lowest)
+    low = min(0.0, np.nanmin(drawn if cut else ends[1]))
     axes.set_ylim(low, 1.05 * min(max(widest, np.nanmax(drawn)), top))
-    axes.set_xlim(0.0, style.millimetres(edges_of_bins(dataset)[-1]))
     more = f"\n(intervals are cut at {low:.0f} N and {1.05 * top:.0f} N)" if cut else ""
     figure.suptitle(f"Drag of the cylinder against its displacement{more}")
     style.legend(figure, axes, "outside lower center", ncols=2)

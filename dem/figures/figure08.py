@@ -7,14 +7,7 @@ beside it. Runs with the same seed start from the same bed but for rounding: the
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.analysis.statistics import (
-    change,
-    edges_of_bins,
-    find,
-    half_interval,
-    running_mean,
-    summarise,
-)
+from dem.analysis.statistics import change, find, summarise
 from dem.base.errors import InputError
 from dem.figures import style
 
@@ -50,8 +43,7 @@ def plot(dataset: xr.Dataset) -> Figure:
 def _curve(axes, case, shape) -> None:
     """Running mean of the drag over the runs, with its interval at every displacement."""
     look, x = style.look(case), style.millimetres(case["displacement"])
-    smooth = running_mean(case["drag"], edges_of_bins(case), style.SMOOTHING)
-    mean, half = smooth.mean("seed").values, half_interval(smooth).values
+    mean, half = style.smoothed(case)
     axes.plot(
         x, mean, color=look.color, linestyle=look.line, linewidth=WIDTHS[shape], zorder=3,
         label=f"{CODES[shape]} ({case['case'].values}), mean of {style.runs(case)}",
@@ -95,9 +87,8 @@ def _finish(figure, dataset, numbers, found) -> None:
         difference = style.percent(*change(numbers["run_mean"], disc, ellipse))
         means.set_xlabel(f"{ellipse} against {disc}: {difference}")
     curves.set_title("Against displacement", loc="left")
-    curves.set_xlabel("Displacement of the cylinder (mm)")
-    curves.set_ylabel(f"Drag (N), running mean over {1e3 * style.SMOOTHING:g} mm")
-    curves.set_xlim(0.0, style.millimetres(edges_of_bins(dataset)[-1]))
+    words = f"Drag (N), running mean over {1e3 * style.SMOOTHING:g} mm"
+    curves.set(xlabel="Displacement of the cylinder (mm)", ylabel=words)
     style.from_zero(curves)
     figure.suptitle("Drag by the disc code and by the ellipse code at aspect ratio 1")
     for axes, place in ((curves, "outside lower left"), (means, "outside lower right")):

@@ -4,7 +4,6 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from dem.analysis.statistics import summarise, table1
-from dem.base.errors import InputError
 from dem.figures import style
 
 FILE = "drag"
@@ -19,8 +18,6 @@ def plot(dataset: xr.Dataset) -> Figure:
     Raises InputError when no case is to be compared by shape.
     """
     labels = table1(dataset)
-    if not labels:
-        raise InputError("there is no case of Table 1 in the data.")
     numbers = summarise(dataset).sel(case=labels)
     figure = Figure(figsize=(style.WIDTH, 5.2))
     axes = figure.subplots()

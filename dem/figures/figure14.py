@@ -30,19 +30,16 @@ def plot(dataset: xr.Dataset) -> Figure:
     numbers = summarise(dataset).sel(case=[each for own in groups.values() for each in own])
     figure = Figure(figsize=(style.WIDTH, 5.2))
     axes = figure.subplots()
+    ticks = []
     for place, labels in enumerate(groups.values()):
         _group(axes, place, labels, numbers)
-    ticks = [
-        f"{', '.join(labels)}\n" + style.describe(numbers.sel(case=labels[0]), "\n")
-        for labels in groups.values()
-    ]
+        what = style.describe(numbers.sel(case=labels[0]), "\n")
+        ticks.append(f"{', '.join(labels)}\n{what}")
     style.finish_bars(axes, ticks, dataset)
     compared = {float(numbers["density"].sel(case=each)) for own in groups.values() for each in own}
     paper = f"; paper: at most {PAPER} %" if compared == BETWEEN else ""
-    axes.set_title(
-        f"Above each group: change with density{style.its_interval(dataset)}{paper}",
-        loc="left",
-    )
+    above = f"Above each group: change with density{style.its_interval(dataset)}{paper}"
+    axes.set_title(above, loc="left")
     figure.suptitle("Mean drag by density of the granules")
     style.legend(figure, axes, "outside lower center", ncols=2)
     return figure

@@ -71,9 +71,8 @@ class Scene:
             raise InputError(f"color is {color!r}; it must be one of {', '.join(known)}.")
         self.frames, self.color, self.forces = frames, color, forces
         shown = range(len(frames.position)) if shown is None else shown
-        self.contacts = (
-            {each: _contacts(frames, each) for each in shown} if forces or color == "force" else {}
-        )
+        felt = shown if forces or color == "force" else ()
+        self.contacts = {each: _contacts(frames, each) for each in felt}
         pushing = (each.max(initial=0.0) for _, each, _ in self.contacts.values())
         self.largest = max(pushing, default=0.0) or 1.0  # force at a contact (N)
         self.figure = Stage(figsize=size, dpi=DPI)
@@ -89,9 +88,8 @@ class Scene:
         if beside:
             frames.record(right[0])
             self.mark = right[0].axvline(0.0, color="black", linewidth=1.6)
-        self.caption = (right if frames.boxed else [left])[0].set_title(
-            " ", loc="left", fontsize=13
-        )
+        captioned = right[0] if frames.boxed else left
+        self.caption = captioned.set_title(" ", loc="left", fontsize=13)
         if frames.title:
             self.figure.suptitle(f"{frames.title}: {WORDS[color]}", fontsize=15)
         self.show(shown[0])

@@ -148,13 +148,9 @@ def forces_of(result: Result) -> list[tuple[str, dict[str, np.ndarray]]]:
         x, y = result.cylinder_force.T
         found.append(("Force on the cylinder (N)", {"horizontal": x, "vertical": y}))
     if result.scene.walls is not None:
-        names = [
-            f"wall {number}{SIDES.get((x, y), '')}"
-            for number, (x, y, _) in enumerate(result.scene.walls)
-        ]
-        found.append(
-            ("Normal force on walls (N)", dict(zip(names, result.wall_force.T, strict=True)))
-        )
+        walls = enumerate(zip(result.scene.walls, result.wall_force.T, strict=True))
+        forces = {f"wall {at}{SIDES.get((x, y), '')}": force for at, ((x, y, _), force) in walls}
+        found.append(("Normal force on walls (N)", forces))
     return found
 
 

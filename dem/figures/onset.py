@@ -21,22 +21,19 @@ def plot(dataset: xr.Dataset) -> Figure:
         f"Onset of jamming without friction: means of {found.beds} beds of each size,\n"
         "and the lines through them at infinite size (95 % intervals)"
     )
+    sizes = list(zip(found.granules, style.MARKERS[1:], strict=False))
     for axes, means, estimates in (
         (above, found.fractions, found.fraction),
         (below, found.contacts, found.coordination),
     ):
-        for column, (granules, marker) in enumerate(
-            zip(found.granules, style.MARKERS[1:], strict=False)
-        ):
+        for column, (granules, marker) in enumerate(sizes):
             axes.plot(
                 found.ratio, means[:, column], marker, color="0.15", markersize=5,
                 markerfacecolor=str(0.95 - 0.75 * column / len(found.granules)),
-                label=f"{granules} granules" if axes is above else None,
+                label=f"{granules} granules",
             )  # fmt: skip
-        label = "infinitely many" if axes is above else None
-        style.intervals(
-            axes, found.ratio, estimates, marker="o", color=style.CURVE, capsize=4, label=label
-        )
+        look = {"marker": "o", "color": style.CURVE, "label": "infinitely many"}
+        style.intervals(axes, found.ratio, estimates, capsize=4, **look)
     for level, words in ISOSTATIC.items():
         below.axhline(level, **style.REFERENCE)
         below.annotate(
@@ -44,7 +41,6 @@ def plot(dataset: xr.Dataset) -> Figure:
             textcoords="offset points", ha="right", va="bottom" if level == 4.0 else "top",
         )  # fmt: skip
     above.set_ylabel("Packing fraction\nat the onset of jamming")
-    below.set_ylabel("Contacts per granule there,\nrattlers left out")
-    below.set_xlabel("Aspect ratio")
+    below.set(xlabel="Aspect ratio", ylabel="Contacts per granule there,\nrattlers left out")
     style.legend(figure, above, "outside lower center", ncols=3)
     return figure

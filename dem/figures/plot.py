@@ -4,7 +4,7 @@ import matplotlib
 from matplotlib.figure import Figure
 
 from dem.base.errors import InputError
-from dem.base.validate import whole
+from dem.base.validate import one_of, whole
 from dem.dynamics.result import Result
 from dem.figures import style
 from dem.figures.film import Scene
@@ -93,8 +93,7 @@ def forces(result: Result) -> Figure:
     >>> dem.plot.forces(result).axes[0].get_ylabel()
     'Normal force on walls (N)'
     """
-    of_result(result)
-    groups = forces_of(result)
+    groups = forces_of(one_of(Result)("result", result))
     if not groups:
         raise InputError("result has no forces: its scene has neither cylinder nor walls.")
     with matplotlib.rc_context(style.RC):

@@ -28,9 +28,7 @@ def plot(dataset: xr.Dataset) -> Figure:
                 label=words or "mean", **style.numbered(number),
             )  # fmt: skip
     above.set_ylabel("Friction of the bed:\nshear over normal stress")
-    below.set_ylabel("Packing fraction")
-    below.set_xlabel("Inertial number")
-    below.set_xscale("log")
+    below.set(xlabel="Inertial number", xscale="log", ylabel="Packing fraction")
     style.from_zero(above)
     style.legend(figure, above, "outside lower center", ncols=2)
     return figure

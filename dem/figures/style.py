@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-from dem.analysis.statistics import window_text
+from dem.analysis.statistics import edges_of_bins, half_interval, running_mean, window_text
 from dem.base.files import atomic
 from dem.shapes import KINDS
 
@@ -118,9 +118,10 @@ def millimetres(lengths) -> np.ndarray:
 
 
 def mark_window(axes, dataset: xr.Dataset) -> None:
-    """Shade the averaging window."""
+    """Shade the averaging window, on an axis along the whole stroke."""
     edges = millimetres([dataset.attrs["window_start"], dataset.attrs["window_stop"]])
     axes.axvspan(*edges, label=f"averaging window, {window_text(dataset)}", **WINDOW)
+    axes.set_xlim(0.0, millimetres(edges_of_bins(dataset)[-1]))
 
 
 def show_runs(axes, middle: float, values, width: float) -> None:
@@ -147,6 +148,12 @@ def bar(axes, middle: float, width: float, numbers: xr.Dataset, **options) -> fl
 def numbered(number: int) -> dict[str, str]:
     """Colour and marker of one of any number of cases."""
     return {"color": CASES[number % len(CASES)], "marker": MARKERS[number % len(MARKERS)]}
+
+
+def smoothed(case: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
+    """Running mean (displacement,) in N of the drag, over the runs of one case, and half its interval."""
+    runs = running_mean(case, SMOOTHING)
+    return runs.mean("seed").values, half_interval(runs).values
 
 
 def band(axes, x, mean, half, color: str, alpha: float = 0.22, label: str | None = None) -> None:

@@ -15,10 +15,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter, MaxNLocator
 
 from dem.analysis.statistics import half_interval, over_seeds, summarise
-from dem.analysis.values import factors_of
+from dem.analysis.values import designs_of, factors_of
 from dem.base.errors import InputError
 from dem.figures import style
-from dem.sweep.axis import POINT
 
 FILE = "drag"
 CAPTION = "Mean drag over what was varied"
@@ -41,7 +40,7 @@ def plot(dataset: xr.Dataset) -> Figure:
         raise InputError("all its runs failed.")
     if set(runs.dims) == {"seed"}:  # one place: its shape is the axis
         runs = runs.expand_dims("shape")
-    designs = [dim for dim in runs.dims if runs[dim].attrs.get("long_name") == POINT]
+    designs = designs_of(runs)
     return _design(dataset, runs, designs[0]) if designs else _grid(dataset, runs)
 
 

@@ -37,13 +37,13 @@ def plot(dataset: xr.Dataset) -> Figure:
             means = [found.interval(each) for each in (found.means[place] / over).T]
             style.intervals(axes, found.velocity, means, linestyle="none", capsize=3,
                             markersize=6, elinewidth=1.4, **look)  # fmt: skip
-            _law(axes, found, along, [law.drag(v) / over for v in along], look["color"])
+            drag, low, high = np.array([found.interval(law.drag(v) / over) for v in along]).T
+            axes.plot(along, drag, color=look["color"], linewidth=1.4)
+            axes.fill_between(along, low, high, color=look["color"], alpha=0.15, linewidth=0.0)
         above.axhline(limit, **style.REFERENCE | {"color": look["color"]})
-    above.set_yscale("log")
-    above.set_ylabel(f"Mean drag from\n{style.window_text(dataset)} (N)")
+    above.set(yscale="log", ylabel=f"Mean drag from\n{style.window_text(dataset)} (N)")
     below.axhline(1.0, **style.REFERENCE)
-    below.set_ylabel("Drag over its\nquasi-static limit")
-    below.set_xlabel("Velocity of the cylinder (m/s)")
+    below.set(xlabel="Velocity of the cylinder (m/s)", ylabel="Drag over its\nquasi-static limit")
     below.set_xscale("log")
     below.set_xticks(found.velocity, [f"{v:.3g}" for v in found.velocity])
     below.set_xticks([], minor=True)
@@ -54,9 +54,3 @@ def plot(dataset: xr.Dataset) -> Figure:
         above.secondary_xaxis("top", functions=scale).set_xlabel("Inertial number")
     style.legend(figure, above, "outside lower center", ncols=2)
     return figure
-
-
-def _law(axes, found, along, drag, color):
-    value, low, high = np.array([found.interval(each) for each in drag]).T
-    axes.plot(along, value, color=color, linewidth=1.4)
-    axes.fill_between(along, low, high, color=color, alpha=0.15, linewidth=0.0)

@@ -118,12 +118,7 @@ def require(dataset: xr.Dataset, path: Path, layout: dict, variables, attributes
             )
     for name in attributes:
         value = dataset.attrs[name]
-        if not (_is_number(value) if name in NUMBERS else isinstance(value, str)):
-            kind = "number" if name in NUMBERS else "text"
+        kind, array = "number" if name in NUMBERS else "text", np.asarray(value)
+        number = array.dtype.kind in "iuf" and array.ndim == 0 and np.isfinite(array)
+        if not (number if kind == "number" else isinstance(value, str)):
             raise InputError(f"{path}: its attribute {name} is {value}; it must be a {kind}.")
-
-
-def _is_number(value) -> bool:
-    """Whether an attribute is one finite number."""
-    array = np.asarray(value)
-    return array.dtype.kind in "iuf" and array.ndim == 0 and bool(np.isfinite(array))

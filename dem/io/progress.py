@@ -66,18 +66,13 @@ class Stage:
             self.label, self.told = label, None
 
     @property
-    def share(self) -> float:
-        """Share that is done, 0 to 1."""
-        return self.time_left.share or 0.0
-
-    @property
     def lasts(self) -> bool:
         """Whether it takes so long that a person would like to know."""
         return self.clock() - self.started >= PATIENCE
 
     def words(self) -> str:
         """How much is done, and the time left or, where that is unknown, the time so far."""
-        done = "" if self.total is None else f"{self.share:.0%} done, "
+        done = "" if self.total is None else f"{self.time_left.share or 0.0:.0%} done, "
         left = self.time_left.seconds
         if left is not None:
             return f"{done}{span(left)} left"

@@ -8,7 +8,7 @@ from pathlib import Path
 from filelock import FileLock, Timeout
 
 from dem.base.errors import InputError, RunError
-from dem.base.files import PART, check_file, is_full
+from dem.base.files import PART, check_file, is_full, reason
 
 DAY = 86400.0  # s
 
@@ -60,7 +60,7 @@ def hold(folder: Path) -> FileLock:
         ) from None
     except OSError as error:
         raise OSError(
-            f"{folder}: it cannot be written ({(error.strerror or str(error)).lower()}); fix that and "
+            f"{folder}: it cannot be written ({reason(error)}); fix that and "
             "run the same command again; snakemake -n and dem info only read."
         ) from None
     return lock

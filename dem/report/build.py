@@ -106,12 +106,9 @@ def of_flow(path: Path, moves: xr.Dataset | None) -> dict:
 
 def densities(dataset: xr.Dataset) -> list[str]:
     """What a higher density does, in words, one sentence per pair of cases of one shape."""
-    run_mean, found = summarise(dataset)["run_mean"], []
-    for first, *others in densities_of(dataset).values():
-        for other in others:
-            value = percent(*change(run_mean, first, other))
-            found.append(f"{first} to {other}: {value}")
-    return found
+    run_mean, groups = summarise(dataset)["run_mean"], densities_of(dataset).values()
+    pairs = [(first, other) for first, *others in groups for other in others]
+    return [f"{one} to {other}: {percent(*change(run_mean, one, other))}" for one, other in pairs]
 
 
 def studies(folder: Path) -> list[tuple[str, str]]:

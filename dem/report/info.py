@@ -11,23 +11,13 @@ from rich.text import Text
 
 from dem.analysis.means import WINDOW, run_means
 from dem.analysis.one_run import columns_of, replicate_of
-from dem.analysis.statistics import (
-    LEVEL,
-    asked,
-    by_case,
-    half_interval,
-    over_seeds,
-    summarise,
-    takes,
-    window_text,
-)
+from dem.analysis.statistics import LEVEL, asked, by_case, over_seeds, summarise, takes, window_text
 from dem.analysis.tables import numbers
-from dem.analysis.values import factors_of, value_of
+from dem.analysis.values import designs_of, factors_of, value_of
 from dem.base.errors import InputError
 from dem.base.schema import seed_words
 from dem.io.dataset import LABELS
 from dem.io.lazily import open_lazily, require
-from dem.sweep.axis import POINT
 from dem.sweep.combine import open_combined
 
 ROWS = 60  # of a table, at most
@@ -69,17 +59,15 @@ def _study_of(path: Path, dataset: xr.Dataset) -> str:
 
 def drag_table(dataset: xr.Dataset) -> tuple[Table, int]:
     """Mean drag and scatter, one row per place on the axes, and the number of rows left out."""
-    cases = by_case(dataset)
-    dataset = dataset if cases is None else cases
-    columns = {}
-    if cases is not None:
-        columns = {
-            "kind": (dataset["kind"], ""),
-            "ratio": (dataset["aspect_ratio"], "g"),
-            "D_g\nµm": (1e6 * dataset["diameter"], ".4g"),
-            "density\nkg/m³": (dataset["density"], "g"),
-        }
-    return _table(dataset, columns | _of_drag(dataset))
+    if (cases := by_case(dataset)) is None:
+        return _table(dataset, _of_drag(dataset))
+    columns = {
+        "kind": (cases["kind"], ""),
+        "ratio": (cases["aspect_ratio"], "g"),
+        "D_g\nµm": (1e6 * cases["diameter"], ".4g"),
+        "density\nkg/m³": (cases["density"], "g"),
+    }
+    return _table(cases, columns | _of_drag(cases))
 
 
 def _of_drag(dataset: xr.Dataset) -> dict[str, tuple[xr.DataArray, str]]:
@@ -109,23 +97,16 @@ def _table(dataset: xr.Dataset, columns: dict[str, tuple[xr.DataArray, str]]) ->
     columns: values over some of the axes by heading, and the format of their numbers.
     """
     places = over_seeds(dataset["run_id"]).isel(seed=0)
-    axes = {}
+    axes, designs = {}, designs_of(places)
     for dim in (str(dim) for dim in places.dims if dim != "run"):
-        design = dataset[dim].attrs.get("long_name") == POINT
-        for name in factors_of(dataset, dim)[:VARIED] if design else [dim]:
+        for name in factors_of(dataset, dim)[:VARIED] if dim in designs else [dim]:
             axes[name] = dataset[name], ".5g"
-    cells = [
-        [_text(each, form) for each in _by_place(values, places)[:ROWS].tolist()]
-        for values, form in (axes | columns).values()
-    ]
-    table = numbers(*axes, *columns)
-    for row in zip(*cells, strict=True):
-        table.add_row(*row)
-    return table, max(0, places.size - ROWS)
-
-
-def _by_place(values: xr.DataArray, places: xr.DataArray) -> np.ndarray:
-    return values.broadcast_like(places).transpose(*places.dims).values.ravel()
+    cells = []
+    for values, form in (axes | columns).values():
+        by_place = values.broadcast_like(places).transpose(*places.dims).values.ravel()
+        cells.append([_text(each, form) for each in by_place[:ROWS].tolist()])
+    rows = zip(*cells, strict=True)
+    return numbers(*axes, *columns, rows=rows), max(0, places.size - ROWS)
 
 
 def _text(value, form: str) -> str:
@@ -137,9 +118,9 @@ def _text(value, form: str) -> str:
 
 def plain_table(frame) -> Table:
     """A table of numbers and words as it is, its first rows."""
-    table = numbers(*map(str, frame.columns))
-    for row in frame.head(ROWS).itertuples(index=False):
-        table.add_row(*(_text(each, ".5g") for each in row))
+    rows = frame.head(ROWS).itertuples(index=False)
+    rows = ((_text(each, ".5g") for each in row) for row in rows)
+    table = numbers(*map(str, frame.columns), rows=rows)
     if len(frame) > ROWS:
         table.caption = f"and {len(frame) - ROWS} rows more; -o table.csv has all"
     return table
@@ -151,18 +132,17 @@ def _sweep(dataset: xr.Dataset) -> Group:
     table, more = drag_table(dataset)
     speed = _range(value_of(dataset, "cylinder.velocity"))
     window = f"{window_text(dataset)} of displacement, cylinder at {speed} m/s"
-    lines = _provenance(attrs, seeds=_seeds(dataset), window=window)
+    about = {"seeds": _seeds(dataset), "window": window}
     if "partial" in attrs:
-        lines.add_row("so far", attrs["partial"])
+        about["so far"] = attrs["partial"]
     if "failure" in dataset and (missing := _missing(dataset["failure"], int((dataset["run_id"] != "").sum()))):
-        lines.add_row("missing", missing)
-    return _told(attrs, lines, table, more, LEGEND + _few(dataset["drag"]))
+        about["missing"] = missing
+    return _told(attrs, about, table, more, LEGEND + _few(dataset["drag"]))
 
 
 def _few(values: xr.DataArray) -> str:
     """A sentence where some places have too few runs for an interval; "" where none has."""
-    along = [dim for dim in ("displacement",) if dim in values.dims]
-    count = over_seeds(values.isel({dim: 0 for dim in along})).count("seed")
+    count = over_seeds(values.isel(displacement=0, missing_dims="ignore")).count("seed")
     few = int((count < FEW).sum())
     return f"\nOf {few} of {count.size} places there are fewer than {FEW} runs: their intervals are guesses." if few else ""
 
@@ -177,11 +157,23 @@ def _seeds(dataset: xr.Dataset) -> str:
     return seed_words(dataset["seed"].values.ravel()) if "seed" in dataset else "-"
 
 
-def _told(attrs: dict, lines: Table, table: Table, more: int = 0, legend: str = "") -> Group:
-    parts = [Text(attrs["title"], style="bold"), lines, "", table]
-    if more:
-        parts.append(Text(f"... and {more} rows more; figure sweep shows all."))
-    return Group(*parts, Text(legend, style="dim"))
+def _told(attrs: dict, about: dict, table: Table, more: int = 0, legend: str = "") -> Group:
+    """Title, where the numbers come from, more about them, and a table of which `more` rows are left out.
+
+    There is more than one source hash where runs differ.
+    """
+    lines = {
+        "written": attrs["history"],
+        "revision": attrs["git_revision"],
+        "sources": ", ".join(each[:16] for each in attrs["source_hash"].split("; ")),
+        "versions": attrs["versions"],
+        **about,
+    }
+    origin = Table(box=None, padding=(0, 2, 0, 0), pad_edge=False, show_header=False)
+    for name, line in lines.items():
+        origin.add_row(name, Text(line))
+    rest = [Text(f"... and {more} rows more; figure sweep shows all.")] if more else []
+    return Group(Text(attrs["title"], style="bold"), origin, "", table, *rest, Text(legend, style="dim"))
 
 
 def _means(path: Path, dataset: xr.Dataset) -> Group:
@@ -192,7 +184,7 @@ def _means(path: Path, dataset: xr.Dataset) -> Group:
     columns = {"runs": (counts, "")} | {
         f"{name}\n± {LEVEL:.0%}": (_with_interval(dataset, name, values), "") for name, values in runs.items()
     }
-    return _told(attrs, _provenance(attrs, seeds=_seeds(dataset)), *_table(dataset, columns))
+    return _told(attrs, {"seeds": _seeds(dataset)}, *_table(dataset, columns))
 
 
 def _with_interval(dataset: xr.Dataset, name: str, sample: xr.DataArray) -> xr.DataArray:
@@ -201,10 +193,8 @@ def _with_interval(dataset: xr.Dataset, name: str, sample: xr.DataArray) -> xr.D
     def words(mean, half):
         return f"{_text(mean, '.4g')} ± {_text(half, '.2g')}"
 
-    return xr.apply_ufunc(
-        words, sample.mean("seed"), asked(dataset, sample.mean("seed"), half_interval(sample), name),
-        vectorize=True, output_dtypes=[object],
-    )  # fmt: skip
+    mean, half = sample.mean("seed"), asked(dataset, sample, name)
+    return xr.apply_ufunc(words, mean, half, vectorize=True, output_dtypes=[object])
 
 
 def _runs(path: Path, dataset: xr.Dataset) -> Group:
@@ -230,12 +220,10 @@ def _runs(path: Path, dataset: xr.Dataset) -> Group:
         own = _of_drag(dataset.assign_attrs(window))
         columns |= {name: own[name] for name in own if name not in BETWEEN}
     failed = [each.strip()[:60] for each in dataset["failure_reason"].values.tolist()]
-    columns |= {
-        "processor\ntime s": (dataset["spent"], ".1f"),
-        "failed": (xr.DataArray(failed, dims="run"), ""),
-    }
+    columns["processor\ntime s"] = dataset["spent"], ".1f"
+    columns["failed"] = xr.DataArray(failed, dims="run"), ""
     table, _ = _table(dataset, columns)
-    return _told(attrs, _provenance(attrs), table, whole.sizes["run"] - len(replicates))
+    return _told(attrs, {}, table, whole.sizes["run"] - len(replicates))
 
 
 def _missing(failure: xr.DataArray, total: int) -> str:
@@ -244,18 +232,3 @@ def _missing(failure: xr.DataArray, total: int) -> str:
     counts = np.bincount(failure.values.ravel(), minlength=len(meanings))
     words = [f"{n} {word}" for n, word in zip(counts[1:], meanings[1:], strict=True) if n]
     return f"{counts[1:].sum()} of {total} runs: {', '.join(words)}" if words else ""
-
-
-def _provenance(attrs: dict, **more: str) -> Table:
-    """Where the numbers come from, one line each; more than one source hash where runs differ."""
-    lines = {
-        "written": attrs["history"],
-        "revision": attrs["git_revision"],
-        "sources": ", ".join(each[:16] for each in attrs["source_hash"].split("; ")),
-        "versions": attrs["versions"],
-        **more,
-    }
-    table = Table(box=None, padding=(0, 2, 0, 0), pad_edge=False, show_header=False)
-    for name, line in lines.items():
-        table.add_row(name, Text(line))
-    return table

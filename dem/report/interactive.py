@@ -9,7 +9,7 @@ from matplotlib.colors import to_hex
 from plotly.io import to_html
 
 from dem.analysis.flow.layout import heights
-from dem.analysis.statistics import edges_of_bins, running_mean
+from dem.analysis.statistics import running_mean
 from dem.figures import style
 from dem.shapes import outlines
 
@@ -28,8 +28,7 @@ FRAMES = 31  # at most, of a bed
 def chart(dataset: xr.Dataset) -> str:
     """Drag against displacement as HTML: one curve per run, the first of each case."""
     figure, x = go.Figure(), 1e3 * dataset["displacement"].values
-    some = dataset["drag"].isel(seed=slice(2 * CURVES))  # some may have failed
-    smooth = running_mean(some, edges_of_bins(dataset), LENGTH)
+    smooth = running_mean(dataset.isel(seed=slice(2 * CURVES)), LENGTH)  # some may have failed
     for number, case in enumerate(dataset["case"].values):
         look = {
             "color": style.CASES[number % 7],
@@ -47,9 +46,8 @@ def chart(dataset: xr.Dataset) -> str:
                 hovertemplate="%{x:.2f} mm: %{y:.0f} N<extra>%{fullData.name}</extra>",
             )  # fmt: skip
     start, stop = (1e3 * dataset.attrs[f"window_{end}"] for end in ("start", "stop"))
-    figure.add_vrect(
-        start, stop, fillcolor=to_hex(style.WINDOW["color"]), line_width=0, layer="below"
-    )
+    shade = to_hex(style.WINDOW["color"])
+    figure.add_vrect(start, stop, fillcolor=shade, line_width=0, layer="below")
     figure.update_layout(
         xaxis_title="Displacement of the cylinder (mm)", yaxis_title="Drag (N)", template="simple_white",
         showlegend=False, hovermode="closest", margin={"l": 70, "r": 10, "t": 10, "b": 55}, height=430,

@@ -77,12 +77,11 @@ def _table(block: Block, until: Until, there: dict, under_way: dict, failed: dic
         running = f"{len(begun)}, {span(now - min(begun))}" if begun else "-"
         bad = sum(run.id in failed for run in runs)
         counts = len(runs), done - bad, running, len(runs) - done - len(begun), bad
-        counts = (str(each or "-") for each in counts)
-        rows.append([*cells, *counts, *_known(places.get(place), until)])
+        cells += [str(each or "-") for each in counts]
+        rows.append(cells + _known(places.get(place), until))
     said = [n for n, cells in enumerate(zip(*rows, strict=True)) if set(cells) != {"-"}]
-    table = numbers(*(columns[n] for n in said), words=len(headings))
-    for row in rows:
-        table.add_row(*(row[n] for n in said))
+    rows = ((row[n] for n in said) for row in rows)
+    table = numbers(*(columns[n] for n in said), words=len(headings), rows=rows)
     if (more := len(block.replicates) - ROWS) > 0:
         table.caption = f"and {more} places more"
     return table

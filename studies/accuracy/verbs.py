@@ -5,7 +5,8 @@ from typing import Annotated
 
 import typer
 
-from dem.cli.terminal import ConfigOption, OutputOption, Verbs, bar, start_lean
+from dem.cli.options import ConfigOption, OutputOption
+from dem.cli.terminal import Verbs, bar, start_lean
 
 app = Verbs(help="Study of error against run time, part by part.", no_args_is_help=True)
 

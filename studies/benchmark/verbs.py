@@ -1,6 +1,7 @@
 """`python -m studies benchmark`: time the kernels."""
 
-from dem.cli.terminal import PAPER, ConfigOption, OutputOption, Verbs, bar
+from dem.cli.options import PAPER, ConfigOption, OutputOption
+from dem.cli.terminal import Verbs, bar
 
 app = Verbs(help="Speed of the kernels, alone and beside other codes.", no_args_is_help=True)
 

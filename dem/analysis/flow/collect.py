@@ -46,9 +46,8 @@ def measure_batch(
                 for name, each in measured(motion).items():
                     found[name][row] = each
             progress((row + 1) / count)
-    told = {name: attrs.get(name, "unknown") for name in (*PROVENANCE, "values")} | {
-        "versions": provenance.versions()
-    }
+    told = {name: attrs.get(name, "unknown") for name in (*PROVENANCE, "values")}
+    told["versions"] = provenance.versions()
     about = global_attributes("how beds move", "dem flow", **told)
     write(output, values | found, about, OF_BATCH)
 
@@ -109,10 +108,8 @@ def _recorded(campaign: Campaign, block: str) -> tuple[str, ...]:
 def _describe(file, block: Block) -> None:
     """What readers need to draw beds and to name the lag."""
     moved = file.variables["snapshot_displacement"][...]
-    file.setncatts({
-        "title": f"{file.title}: how the beds move", "layers": LAYERS,
-        "lag": lag_of(moved) * float(moved[1] - moved[0]),
-    })  # fmt: skip
+    lag = lag_of(moved) * float(moved[1] - moved[0])
+    file.setncatts({"title": f"{file.title}: how the beds move", "layers": LAYERS, "lag": lag})
     own = shared(
         block, box_width="box_width", cylinder_diameter="cylinder.diameter", periodic="periodic"
     )

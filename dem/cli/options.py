@@ -1,0 +1,45 @@
+"""How verbs declare their options, and the options that several of them share."""
+
+from pathlib import Path
+from typing import Annotated, NamedTuple
+
+import typer
+
+from dem.base.files import FOLDER
+
+
+class Writes(NamedTuple):
+    """Marks a path that a verb writes; a verb only reads all others.
+
+    kind: as in dem.base.files.Place.
+    """
+
+    kind: str = ""
+
+
+def argument(kind, about: str, writes: str | None = None, **more):
+    """Annotation of an argument of a verb. writes: kind of the file that the verb writes there, as of
+    Writes; more: as of typer.Argument."""
+    return _marked(kind, typer.Argument(help=about, **more), writes)
+
+
+def option(kind, about: str, *names: str, writes: str | None = None, **more):
+    """The same of an option. names: in place of --parameter, and for a flag without its --no-."""
+    return _marked(kind, typer.Option(*names, help=about, **more), writes)
+
+
+def _marked(kind, made, writes: str | None):
+    return Annotated[kind, made] if writes is None else Annotated[kind, made, Writes(writes)]
+
+
+OUTPUT = "-o", "--output"
+ConfigOption = option(Path, "Configuration file (YAML).")
+OutputOption = option(Path, "netCDF file to write.", *OUTPUT, writes=".nc")
+FolderOption = option(
+    Path | None, "Folder; figures/ next to the data if absent.", *OUTPUT, writes=FOLDER
+)
+BlockOption = option(str | None, "Block of the sweep; the first if absent.")
+TextOption = option(
+    Path | None, "Text file (.txt); the terminal if absent.", *OUTPUT, writes=".txt"
+)
+PAPER = Path("config/paper.yaml")
