@@ -2,7 +2,8 @@
 
 from pathlib import Path
 
-from dem.cli.terminal import ConfigOption, OutputOption, Verbs, bar, start_lean
+from dem.cli.options import ConfigOption, OutputOption
+from dem.cli.terminal import Verbs, bar, start_lean
 
 app = Verbs(help="Study of what a budget of processor time buys.", no_args_is_help=True)
 
