@@ -47,7 +47,7 @@ def summary(campaign: Campaign, jobs: int, again: bool = False) -> str:
             f"{len(there)} are there{f' and {len(failed)} failed ({words})' if failed else ''}; "
             f"{len(beds)} beds to pack."
         )
-        if block.until:
+        if block.until or (block.refined and left):
             lines.append(f"  {_outlook(campaign, block, runs, jobs)}")
         lines += [f"  {run.words()}{_values(block, run)}" for run in islice(left, LISTED)]
         if len(left) > LISTED:
@@ -68,12 +68,12 @@ def summary(campaign: Campaign, jobs: int, again: bool = False) -> str:
 def _outlook(campaign: Campaign, block, runs: list[Replicate], jobs: int) -> str:
     """What a precision takes, in words."""
     values = campaign.values(block)
-    some, least, most = outlook(block, values)
+    some, least, most = (0, len(block.runs), block.most) if block.refined else outlook(block, values)
     seconds = cost(campaign.store, runs)[0] / len(runs) / jobs  # a run
-    if not any(map(len, values.values())):
+    if block.refined or not any(map(len, values.values())):
         return (
-            f"{block.until.words()} takes {least:,} runs at least and {most:,} at most, "
-            f"{span(seconds * least)} to {span(seconds * most)}; the first round will tell."
+            f"{block.asked.words()} takes {least:,} runs at least and {most:,} at most, "
+            f"{span(seconds * least)} to {span(seconds * most)}; {'each' if block.refined else 'the first'} round will tell."
         )
     return (
         f"{block.until.words()} takes some {some:,} runs in all by the scatter so far ({least:,} to {most:,}), "
