@@ -6,7 +6,7 @@ runs and the code that made them.
 REQUIRED INPUTS
     none; results/store/batches/{batch}.json, which is written before, says what the runs are
 OUTPUTS
-    results/store/batches/{batch}.nc; {folder}/rounds/{number}, an empty file, after each round of replicates
+    results/store/batches/{batch}.nc; {folder}/rounds/{number}, an empty file, after each round of replicates or points
 """
 
 
@@ -27,10 +27,10 @@ localrules:
     round,
 
 
-# of a block whose seeds go on until a precision: what a round gave decides whether another follows
+# of a block that grows until a precision, by seeds or by points of what is refined: what a round gave decides whether another follows
 checkpoint round:
     message:
-        "Round {wildcards.number} of the replicates of {wildcards.folder} is made"
+        "Round {wildcards.number} of {wildcards.folder} is made"
     input:
         lambda w: batches_in(w.folder, int(w.number)),
     output:

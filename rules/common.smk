@@ -71,7 +71,7 @@ def config_of(sweep):
 
 def batches_in(folder, rounds=None):
     """The batches of a block; those of a derived one are known once the blocks that it needs are combined,
-    and those of a round of replicates once the rounds before it are made."""
+    and those of a round once the rounds before it are made."""
     sweep, block = place_of(folder)
     for name in sweep.sweep.needed(block):
         for observable in sweep.observables(name):

@@ -28,12 +28,14 @@ from dem.experiment.observables import OBSERVABLES, variables_of
 from dem.experiment.sections import OwnSection
 from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE
 from dem.sweep import design
-from dem.sweep.precision import Until
+from dem.sweep.precision import Precision, Until
+from dem.sweep.refine import Refine, Step
 
 OWN = tuple(OwnSection.model_fields)  # of a run, beside the values of its configuration
 RUNS = {name: Entry(name, units_of(f), "", f) for name, f in OwnSection.model_fields.items()}
 RUNS["case"] = RUNS["shape"]._replace(path="case")  # a row of the table
 POINT = "point of the design"  # long name of an axis that is a design
+REFINED = "refined"  # name of the axis of two values that are refined
 
 
 class Derive(Section):
@@ -48,18 +50,21 @@ class Derive(Section):
 class Axis(NamedTuple):
     """A dimension: name, units and words, coordinate, and the changes of every point by path.
 
-    until: of seeds without an end, which the axis has as many of as it is cut to.
+    until: of seeds without an end, which the axis has as many of as it is cut to, or of values whose points are
+    placed round by round; refine: these values by path; steps: their points, see `refined`.
     """
 
     name: str
     entry: Entry
     coordinate: list
     points: list[dict]
-    until: Until | None = None
+    until: Precision | None = None
+    refine: dict[str, Refine] | None = None
+    steps: list[Step] | None = None
 
     def cut(self, count: int) -> "Axis":
         """The axis with its first points."""
-        if self.until is None:
+        if self.until is None or self.refine:
             return self
         found = list(range(self.until.first, self.until.first + count))
         return self._replace(coordinate=found, points=[{"seed": each} for each in found])
@@ -89,6 +94,9 @@ def place_in(sweep: Configuration, where: str) -> Place:
 def axis_of(key: str, spec, place: Place) -> Axis:
     """The dimension of a key; raises InputError with the key and the value at fault."""
     here, entry = place.at(key), RUNS.get(key) or place.paths.get(key)
+    if entry and isinstance(spec, dict) and "refine" in spec:
+        asked = {key: _refine(spec, entry, here)}
+        return Axis(key if key in RUNS else name_of(key), entry, [], [], refine=asked)
     if key == "seed" and isinstance(spec, dict):
         until = validated(Until, spec, at=here.where)
         return Axis(key, entry, [], [], until).cut(until.least)
@@ -122,6 +130,39 @@ def _design(key: str, spec: dict, here: Place) -> Axis:
     if wanted.first_seed is not None:
         points = [point | {"seed": wanted.first_seed + k} for k, point in enumerate(points)]
     return Axis(name_of(key), Entry(key, "1", POINT), list(range(len(points))), points)
+
+
+def _refine(spec: dict, entry: Entry, here: Place) -> Refine:
+    """How a number is refined, between two that it may be."""
+    if entry.units is None or entry.field.annotation in (int, bool):
+        here.refuse(f"has refine: {spec['refine']}; it is no number that may have any value, so list its values")
+    found = validated(Refine, spec, at=here.where)
+    for end in ("low", "high"):
+        _values(getattr(found, end), entry, here.at(end))
+    return found
+
+
+def refined(axes: list[Axis], steps: list[Step] | None, where: str) -> list[Axis]:
+    """The axes where those of refined values have points, of the first round if steps are absent. Two refined
+    values have their points together, on one axis."""
+    own = [axis for axis in axes if axis.refine]
+    asked = {path: each for axis in own for path, each in axis.refine.items()}
+    if not asked:
+        return axes
+    first, *others = asked
+    if len(asked) > 2:
+        raise InputError(f"{where} refines {', '.join(asked)}; it must refine two values at most: list the others.")
+    told = [f"{each.words()}, with {each.least} to {each.most} points" for each in asked.values()]
+    if told[0] != told[-1]:
+        raise InputError(f"{where}.{others[0]} asks for {told[1]}; it must be as {first}, whose points it shares: {told[0]}.")
+    steps = steps or asked[first].first(len(asked))
+    points = [{path: each.values[at] for (path, each), at in zip(asked.items(), step, strict=True)} for step in steps]
+    if others:
+        axis = Axis(REFINED, Entry(REFINED, "1", POINT), list(range(len(points))), points)
+    else:
+        axis = own[0]._replace(coordinate=[point[first] for point in points], points=points)
+    axis = axis._replace(until=asked[first], refine=asked, steps=steps)
+    return [axis if each is own[0] else each for each in axes if each is own[0] or not each.refine]
 
 
 def name_of(path: str) -> str:

@@ -16,7 +16,8 @@ from dem.base.yaml_file import read
 from dem.sweep.config import CONFIG, Sweep, file_of, load, parse, save
 from dem.sweep.earlier import OWNER, read_earlier, refuse_other, replaced
 from dem.sweep.expand import Block
-from dem.sweep.precision import Lead, Numbers, counts, short_of
+from dem.sweep.precision import Lead, Numbers, short_of
+from dem.sweep.refine import known_to
 from dem.sweep.store import FOLDER, Batch, Store, plan
 from dem.sweep.workers import Workers, make_batches
 
@@ -36,7 +37,7 @@ class Campaign:
         self.sweep, self.file, self.root = sweep, file, Path(root)
         self.store = store or Store(self.root / FOLDER)
         self._plans: dict[tuple[str, int], tuple[list[Batch], dict]] = {}  # by block and round
-        self._blocks: dict[str, list[Block]] = {}  # by round of replicates
+        self._blocks: dict[str, list[Block]] = {}  # by round
         self._numbers: dict[str, Numbers] = {}
         self._ended: set[str] | None = None  # batches that `failed` has looked at
         self._failed: set[str] = set()
@@ -96,7 +97,7 @@ class Campaign:
     def block(self, name: str, rounds: int | None = None) -> Block:
         """All runs of a block; what is derived is as the file has it until it can be known.
 
-        rounds: of replicates, after the first; all that the runs that there were suffice for if absent.
+        rounds: of replicates or points, after the first; all that the runs that there were suffice for if absent.
         """
         if name not in self._blocks:
             if not self.is_known(name):
@@ -114,26 +115,25 @@ class Campaign:
         return found[-1 if rounds is None else min(rounds, len(found) - 1)]
 
     def grow(self, name: str) -> bool:
-        """Add a round of replicates to a block, where all its runs are there and it takes one."""
+        """Add a round to a block, where all its runs are there and it takes one."""
         found = self._blocks[name]
-        if (until := found[-1].until) is None:
+        if found[-1].asked is None:
             return False
-        now, values = found[-1].counts, self.values(found[-1])
-        if any(len(values[place]) < n for place, n in now.items()):
+        values = self.values(found[-1])
+        if any(len(values[place]) < n for place, n in found[-1].counts.items()):
             return False
         every = np.concatenate(list(values.values()))
         if np.isnan(every).sum() > self.sweep.failures * every.size:
             return False  # more runs failed than may; combining says so
-        after = counts(until, values, found[-1].partners, len(found))
-        if after == now:
+        if (grown := found[-1].grown(values, len(found))) is None:
             return False
-        found.append(self.sweep.block(name, counts=after))
+        found.append(self.sweep.block(name, grown=grown))
         return True
 
     def values(self, block: Block) -> dict[Lead, np.ndarray]:
         """What is wanted of the runs of a block that there are, by place: one value a run, in the order of
         the seeds, up to the first that is not there."""
-        there = self.numbers(block.until.variable).of(block)
+        there = self.numbers(block.asked.variable).of(block)
         return {
             place: np.array([there[run.id] for run in takewhile(lambda run: run.id in there, runs)])
             for place, runs in block.replicates.items()
@@ -144,8 +144,8 @@ class Campaign:
         return self._numbers.setdefault(variable, Numbers(self.store, variable))
 
     def rounds(self, name: str) -> Iterator[int]:
-        """The rounds of replicates of a block, one after another; each must be made before the next."""
-        if self.block(name).until:
+        """The rounds of a block, one after another; each must be made before the next."""
+        if self.block(name).asked:
             number = 0
             while number < len(self._blocks[name]):
                 yield number
@@ -167,8 +167,8 @@ class Campaign:
     # What is there, and what is to be made
 
     def batches(self, block: str, rounds: int | None = None) -> list[Batch]:
-        """The batches that hold the runs of a block; in one process always the same. rounds: of replicates,
-        after the first; all if absent."""
+        """The batches that hold the runs of a block; in one process always the same. rounds: after the
+        first; all if absent."""
         for path in self.needed(block):
             if not path.is_file():
                 raise InputError(f"{path}: it is missing; the block {block} needs it first.")
@@ -270,11 +270,14 @@ class Campaign:
             )
         if partial and not files:
             raise InputError(f"no run of {block} is in a finished batch yet; dem status shows what is there.")
-        if found.until and not partial and observable == self.observables(block)[0]:
-            self.said += short_of(found, self.values(found))
-        combine(
-            files, self.sweep, found, observable, output, progress, self.sign, partial
-        )
+
+        def sign(file):
+            self.sign(file)
+            if found.asked and not partial and observable == self.observables(block)[0]:
+                values = self.values(found)
+                self.said += [known_to(found, values)] if found.refined else short_of(found, values)
+
+        combine(files, self.sweep, found, observable, output, progress, sign, partial)
         if output == self.first(block) and self.sweep.needed(block):
             self.said += replaced(output, before, found.places)
 

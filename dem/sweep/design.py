@@ -10,19 +10,18 @@ DRAWS = 20  # hypercubes, of which the one of the lowest discrepancy is taken
 MANY = 5_000  # points from which that takes too long, and one is drawn
 
 
-class Range(Section):
-    """A value that is uniform between two bounds, or its logarithm if scale is log."""
+class Bounds(Section):
+    """A value between two bounds; subclasses have a scale, linear or log."""
 
     low: Number
     high: Number
-    scale: Literal["linear", "log"] = "linear"
 
     @model_validator(mode="after")
-    def _check(self):
+    def _check_bounds(self):
         if not self.low < self.high:
             raise ValueError(f"low is {self.low:g}; it must be less than high, {self.high:g}")
         if self.scale == "log" and not self.low > 0:
-            raise ValueError(f"low is {self.low:g}; with scale log it must be above 0")
+            raise ValueError(f"low is {self.low:g}; on a log scale it must be above 0")
         return self
 
     def at(self, place: float) -> float:
@@ -37,6 +36,12 @@ def _value(value):
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise ValueError("it must be a number or text")
     return value if isinstance(value, str) else number(value)
+
+
+class Range(Bounds):
+    """A value that is uniform between two bounds, or its logarithm if scale is log."""
+
+    scale: Literal["linear", "log"] = "linear"
 
 
 class Choice(Section):

@@ -50,7 +50,7 @@ def summary(campaign: Campaign, jobs: int, again: bool = False) -> str:
             f"{len(there)} are there{f' and {len(failed)} failed ({words})' if failed else ''}; "
             f"{len(beds)} beds to pack."
         )
-        if block.until:
+        if block.until or (block.refined and left):
             lines.append(f"  {_outlook(campaign, block, runs, jobs)}")
         lines += [f"  {run.words()}{_values(block, run)}" for run in islice(left, LISTED)]
         if len(left) > LISTED:
@@ -71,14 +71,14 @@ def summary(campaign: Campaign, jobs: int, again: bool = False) -> str:
 def _outlook(campaign: Campaign, block, runs: list[Replicate], jobs: int) -> str:
     """What a precision takes, in words."""
     values = campaign.values(block)
-    some, least, most = outlook(block, values)
+    some, least, most = (0, len(block.runs), block.most) if block.refined else outlook(block, values)
     seconds = cost(campaign.store, runs)[0] / len(runs) / jobs  # a run
-    if any(map(len, values.values())):
+    if any(map(len, values.values())) and not block.refined:
         said = f"some {some:,} runs in all by the scatter so far ({least:,} to {most:,}), {span(seconds * some)}"
     else:
         said = f"{least:,} runs at least and {most:,} at most, {span(seconds * least)} to {span(seconds * most)}"
-        said, some = f"{said}; the first round will tell", most
-    return f"{block.until.words()} takes {said}.{_cheaper(runs, seconds * some)}"
+        said, some = f"{said}; {'each' if block.refined else 'the first'} round will tell", most
+    return f"{block.asked.words()} takes {said}.{_cheaper(runs, seconds * some)}"
 
 
 def _cheaper(runs: list[Replicate], seconds: float) -> str:

@@ -12,8 +12,9 @@ from dem.base.errors import InputError
 from dem.base.schema import MOST
 from dem.experiment.config import Configuration, Entry, Replicate, entries
 from dem.experiment.fit import check_rooms
-from dem.sweep.axis import OWN, Axis, Derive, axis_of, changes, name_of, place_in
-from dem.sweep.precision import Lead
+from dem.sweep.axis import OWN, Axis, Derive, axis_of, changes, name_of, place_in, refined
+from dem.sweep.precision import Lead, counts
+from dem.sweep.refine import Step, after, by_curve
 
 WORDS = ("needs", "values")  # of a block, beside what varies
 MOST_AXES = 24  # dimensions of a sweep; a variable of netCDF-4 has at most 32 with its own
@@ -21,6 +22,7 @@ SAME = (
     "cylinder.stroke", "record.bins", "record.snapshots", "shear.strain", "shear.samples", "experiment",
 )  # fmt: skip
 
+Grown = dict[Lead, int] | list[Step]  # by rounds: replicates of each place, or points of what is refined
 # gives a value: what is asked for (a group with `derive`), values of the run so far
 Derived = Callable[[dict, Replicate], Any]
 
@@ -43,7 +45,9 @@ class Block:
 
     def __init__(self, name: str, axes: list[Axis], runs: list[Run], fixed: Iterable[str] = ()):
         self.name, self.axes, self.runs, self.fixed = name, axes, runs, tuple(fixed)
-        self.until = next((axis.until for axis in axes if axis.until), None)
+        self.asked = next((axis.until for axis in axes if axis.until), None)  # that rounds go on until
+        self.refined = next((axis for axis in axes if axis.refine), None)
+        self.until = None if self.refined else self.asked
 
     @property
     def dims(self) -> tuple[str, ...]:
@@ -54,6 +58,11 @@ class Block:
     def beside_seed(self) -> list[Axis]:
         """The axes but that of the seeds."""
         return [axis for axis in self.axes if axis.name != "seed"]
+
+    @property
+    def most(self) -> int:
+        """Runs at most, after any rounds."""
+        return prod(max(len(axis.points), axis.until.most if axis.until else 0) for axis in self.axes)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -76,6 +85,14 @@ class Block:
         """What the runs of a place share, in words: where it is on the axes."""
         values = (axis.coordinate[k] for axis, k in zip(self.beside_seed, place, strict=True))
         return ", ".join(f"{axis.name} {v}" for axis, v in zip(self.beside_seed, values, strict=True))
+
+    def grown(self, values: dict[Lead, np.ndarray], rounds: int) -> Grown | None:
+        """What the block has after one round more, or as many as values suffice for; None where all is known."""
+        if self.refined:
+            found = after(self.asked, self.refined.steps, by_curve(self, values).values())
+            return None if found == self.refined.steps else found
+        found = counts(self.until, values, self.partners, rounds)
+        return None if found == self.counts else found
 
     @property
     def counts(self) -> dict[Lead, int]:
@@ -147,16 +164,17 @@ class Block:
 
 
 def expand(
-    sweep, name: str, block: dict, derived: Derived | None, counts: dict[Lead, int] | None = None
+    sweep, name: str, block: dict, derived: Derived | None, grown: Grown | None = None
 ) -> Block:
     """All runs of a block of a sweep; raises InputError that names key and value.
 
-    counts: replicates of each place, where seeds have no end; those of the first round if absent.
+    grown: what rounds have made of it; what the first round has if absent.
     """
+    counts, steps = (grown, None) if isinstance(grown, dict) else (None, grown)
     where = "sweep" if name == "drag" else f"sweep.blocks.{name}"
     place = place_in(sweep, where)
     fixed = changes(block.get("values", {}), place.at("values"))
-    axes = [axis_of(key, block[key], place) for key in block if key not in WORDS]
+    axes = refined([axis_of(key, block[key], place) for key in block if key not in WORDS], steps, where)
     if counts is not None:
         axes = [axis.cut(max(counts.values())) for axis in axes]
     if "shape" in fixed:
@@ -190,20 +208,24 @@ def expand(
     twice = [p for p in given if sum(p in some for some in points_of) > 1]
     if twice:
         raise InputError(f"{where} varies {min(twice)} in two ways; name it once.")
-    sizes = (axis.until.most if axis.until else len(axis.points) for axis in axes)
-    if (count := prod(sizes)) > MOST:
+    found = Block(name, axes, [], fixed)
+    if (count := found.most) > MOST:
         raise InputError(f"{where} has {count:,} runs; it must have at most {MOST:,}.")
-    found = Block(name, axes, _runs(sweep, where, fixed, axes, derived, counts), fixed)
-    if found.until:
+    found.runs = _runs(sweep, where, fixed, axes, derived, counts)
+    if found.asked:
+        key, kind = (next(iter(found.refined.refine)), "values") if found.refined else ("seed", "seeds")
         if "needs" in block:
             raise InputError(
-                f"{where}.seed has until, and needs {block['needs']}; list the seeds of a block whose values "
+                f"{where}.{key} has until, and needs {block['needs']}; list the {kind} of a block whose values "
                 "follow from another."
             )
+        if found.refined and (any(axis.until and not axis.refine for axis in axes) or min(found.counts.values()) < 2):
+            raise InputError(
+                f"{where}.seed is {block.get('seed', 'missing')}, and {key} is refined; it must list two seeds or more, "
+                "such as 1 to 4, whose scatter tells how well means are known."
+            )
         labels = (axis.coordinate for axis in axes if axis.name in ("case", "shape"))
-        found.until.check(
-            f"{where}.seed", found.runs[0].replicate.configuration, next(labels, ())
-        )
+        found.asked.check(f"{where}.{key}", found.runs[0].replicate.configuration, next(labels, ()))
     return found
 
 
