@@ -7,7 +7,7 @@ for a step of zero:
     step        (dt / (A f))^2 + dt / B = 1: stiffness and damping bound it together
     time        a (N / N1)^q + b (N / N1)^r stroke / dt: bed and run; N1: granules of the paper's box
     bias        of the step, in proportion to dt, because a scheme of first order or better has no more;
-                of the box, in proportion to sqrt(N1 / N) - 1, as the share of granules at walls;
+                of the box, exp(g x + h x^2) - 1 with x = ln(N1 / N);
                 of the window, as found in the paper's box
     scatter     c (N1 / N)^u, times that of the window over that of the whole
 
@@ -45,7 +45,7 @@ class Model(NamedTuple):
     bed: tuple[float, float]  # a (s), q
     run: tuple[float, float]  # b (s2/m), r
     step: float  # bias over dt (1/s)
-    box: float  # bias over sqrt(N1 / N) - 1
+    box: tuple[float, float]  # g, h
     scatter: tuple[float, float]  # c, u
     stops: np.ndarray  # ends of the window (m), with bias and scatter for each
     window: np.ndarray
@@ -62,7 +62,7 @@ class Model(NamedTuple):
 
     def biases(self, at: Settings) -> np.ndarray:
         """Biases of the mean by step, box and window, over the mean."""
-        box = self.box * (np.sqrt(PAPER / at.granules) - 1.0)
+        box = _box(self.box, at.granules)
         found = self.step * self.time_step(at.fraction), box, np.interp(at.stop, self.stops, self.window)
         return np.stack(np.broadcast_arrays(*found))
 
@@ -112,10 +112,9 @@ class Runs:
 
         boxes = some[(some.part == "boxes") | reference].groupby("granules").drag
         scatter = boxes.std() / mean
-        there = (boxes.mean() / mean - 1.0).drop(PAPER)
-        walls, weight = np.sqrt(PAPER / there.index) - 1.0, (boxes.count() / scatter**2).drop(PAPER)
-        steps = step * _time_step(bounds, some.fraction[some.part == "boxes"].median())
-        box = (weight * walls * (there - steps)).sum() / (weight * walls**2).sum()
+        others = boxes.mean().drop(PAPER) / mean - step * _time_step(bounds, some.fraction[some.part == "boxes"].median())
+        x = -size.drop(PAPER).to_numpy()
+        box = tuple(np.linalg.lstsq(np.column_stack([x, x * x]), np.log(others.to_numpy()))[0].tolist())
 
         of_window = drag[reference]
         return Model(
@@ -128,6 +127,12 @@ def _time_step(bounds: tuple[float, float], fraction):
     """Where (dt / (A f))^2 + dt / B = 1."""
     square, line = (bounds[0] * fraction) ** -2.0, 1.0 / bounds[1]
     return (np.sqrt(line**2 + 4.0 * square) - line) / (2.0 * square)
+
+
+def _box(power: tuple[float, float], granules):
+    """Bias of the box."""
+    x = np.log(PAPER / granules)
+    return np.exp(power[0] * x + power[1] * x * x) - 1.0
 
 
 def _power(size: pd.Series, values: pd.Series) -> tuple[float, float]:

@@ -18,7 +18,7 @@ from studies.catalogue import figures
 
 STOPS = np.linspace(1.0e-3, WINDOW, 11)[1:]
 TRUE = Model(
-    mean=1000.0, bounds=(3.0e-7, 5.0e-8), bed=(0.1, 1.1), run=(4.0e-6, 0.9), step=-4.0e5, box=0.2,
+    mean=1000.0, bounds=(3.0e-7, 5.0e-8), bed=(0.1, 1.1), run=(4.0e-6, 0.9), step=-4.0e5, box=(0.3, 0.05),
     scatter=(0.12, 0.5), stops=STOPS, window=np.linspace(-0.1, 0.0, 10), wider=np.linspace(1.4, 1.0, 10),
 )  # fmt: skip
 
@@ -70,7 +70,7 @@ def test_the_model_finds_what_made_the_runs(dataset):
     for name, off in {"mean": 0.03, "bounds": 1e-6, "bed": 0.05, "run": 0.05, "scatter": 0.15}.items():
         assert getattr(found, name) == pytest.approx(getattr(TRUE, name), rel=off), name
     assert found.step == pytest.approx(TRUE.step, abs=3e5)
-    assert found.box == pytest.approx(TRUE.box, abs=0.04)
+    assert found.box == pytest.approx(TRUE.box, abs=0.03)
     assert found.window == pytest.approx(TRUE.window, abs=0.02)
     assert found.wider == pytest.approx(TRUE.wider, rel=0.1)
 
