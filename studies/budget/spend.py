@@ -85,7 +85,7 @@ class Levels(NamedTuple):
 def levels(shape: Shape, coarse: float, fine: float) -> Levels:
     """What two levels would gain; beds are packed once for both steps."""
     some = shape.runs.table[shape.runs.table.granules == PAPER]
-    drags = some[some.part.isin(("reference", "steps"))].pivot(index="seed", columns="fraction", values="drag")
+    drags = some[some.part.isin(("reference", "steps", "longest"))].pivot(index="seed", columns="fraction", values="drag")
     pairs = drags[[coarse, fine]].dropna().to_numpy()
     bed, ends = shape.model.bed[0], shape.runs.stops[-1]
     alone = {f: shape.model.time(Settings(f, PAPER, ends, ends)) for f in (coarse, fine)}
