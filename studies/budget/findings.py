@@ -8,14 +8,14 @@ from rich.table import Table
 from dem.analysis.tables import numbers
 from studies.budget.model import LEFT_OUT, PAPER, Settings
 from studies.budget.spend import WAYS, WINDOW, Levels, Shape, Spent, levels
-from studies.budget.trial import NAMES, Way, ratio, tried
+from studies.budget.trial import NAMES, REPETITIONS, RUNS, Way, ratio, tried
 from studies.common.findings import Findings, clock, estimate, interval
 
 __all__ = ["budget"]
 
 BUDGETS = 10.0, 60.0, 600.0, 3600.0  # s of one core
-TRIED = 20.0  # s, of a repetition
 LEVELS = (0.95, 0.1), (0.3, 0.1)
+LONGEST = Settings(0.95, PAPER, WINDOW, WINDOW)
 HELD = Settings(LEFT_OUT, 283, WINDOW, WINDOW), Settings(LEFT_OUT, PAPER, WINDOW, WINDOW)
 
 
@@ -42,7 +42,7 @@ class Budget(Findings):
     @cached_property
     def ways(self) -> dict[str, list[Way]]:
         """By shape, what the same time gave in several ways."""
-        return {name: tried(shape, TRIED) for name, shape in self.shapes.items()}
+        return {name: tried(shape) for name, shape in self.shapes.items()}
 
     def best(self, shape: str, budget: float) -> Spent:
         """The settings with the least error for a budget."""
@@ -60,6 +60,41 @@ class Budget(Findings):
                     f"{found.runs}", ends(found), *others,
                 )  # fmt: skip
         return made
+
+    def paper_box(self) -> bool:
+        """Whether the least error takes the paper's box and the whole window at every budget."""
+        best = [shape.best(seconds).at for shape in self.shapes.values() for seconds in BUDGETS]
+        return all(at.granules == PAPER and at.stop == WINDOW for at in best)
+
+    def dearest(self) -> float:
+        """Time of a run at the default step over that at the longest stable one, at most."""
+        return max(shape.model.time(LONGEST._replace(fraction=0.3)) / shape.model.time(LONGEST) for shape in self.shapes.values())
+
+    def boxed(self, shape: str, granules: int) -> str:
+        """Bias of a box."""
+        return percent(self.shapes[shape].model.biases(LONGEST._replace(granules=granules))[1], 0)
+
+    def windowed(self, shape: str, stop: float) -> str:
+        """By how much a mean that ends early is lower."""
+        return percent(-self.shapes[shape].model.biases(LONGEST._replace(stop=stop))[2])
+
+    def biased(self, shape: str) -> str:
+        """Bias of the longest stable step, with its interval."""
+        return self._interval(self.shapes[shape], LONGEST, 0)
+
+    def _interval(self, shape: Shape, at: Settings, part: int) -> str:
+        """A bias with its interval."""
+        drawn = [model.biases(at)[part] for model in shape.draws]
+        return interval(100.0 * float(shape.model.biases(at)[part]), 196.0 * float(np.std(drawn)), "%", 1)
+
+    def beds(self) -> str:
+        """Beds of a shape in the reference."""
+        return f"{np.unique(self.dataset['run_seed'][self.dataset['run_part'] == 'reference']).size}"
+
+    def failed(self) -> str:
+        """Runs that failed, of those in other boxes."""
+        other = self.dataset["run_granules"] != PAPER
+        return f"{int(self.dataset['run_drag'][:, -1].isnull()[other].sum())} of {int(other.sum())}"
 
     def checks(self) -> Table:
         """The model at places that it was not fitted to, against runs there: time of a run, its scatter over the mean, change of the mean."""
@@ -86,35 +121,56 @@ class Budget(Findings):
         """The model: bias at the longest stable step, of half and of twice the granules, scatter and its power, times."""
         made = numbers("shape", "mean N", "step 0.95", "200 granules", "800 granules", "mean to 3 mm", "scatter", "power", "bed s", "run s")
         for name, shape in self.shapes.items():
-            own, whole = shape.model, Settings(0.5, PAPER, WINDOW, WINDOW)
-            changed = [whole._replace(fraction=0.95), whole._replace(granules=200), whole._replace(granules=800), whole._replace(stop=3.0e-3)]
-            cells = []
-            for part, at in zip((0, 1, 1, 2), changed, strict=True):
-                drawn = [model.biases(at)[part] for model in shape.draws]
-                cells.append(interval(100.0 * own.biases(at)[part], 196.0 * float(np.std(drawn)), "%", 1))
+            own = shape.model
+            changed = [LONGEST, LONGEST._replace(granules=200), LONGEST._replace(granules=800), LONGEST._replace(stop=3.0e-3)]
+            cells = [self._interval(shape, at, part) for part, at in zip((0, 1, 1, 2), changed, strict=True)]
             made.add_row(
                 name, f"{own.mean:.0f}", *cells, percent(own.scatter[0]), f"{own.scatter[1]:.2f}", f"{own.bed[0]:.2f}",
-                f"{own.time(whole) - own.bed[0]:.2f}",
+                f"{own.time(LONGEST) - own.bed[0]:.2f}",
             )  # fmt: skip
         return made
 
     def trial(self) -> Table:
-        """The same processor time spent in three ways, ten times each: root mean square of the errors, and what the model says."""
-        made = numbers("shape", "way", "runs", "time s", "error", "by the model", words=2)
+        """The same processor time spent in three ways, ten times each: error by these means, by all their runs, and by the model."""
+        made = numbers("shape", "way", "runs", "time s", "error", "by all runs", "by the model", words=2)
         for name, ways in self.ways.items():
-            shape = self.shapes[name]
             for way in ways:
-                model = shape.best(TRIED) if way.name == NAMES[-1] else shape.spent(WAYS[way.name], TRIED)
-                made.add_row(name, way.name, f"{way.runs}", f"{way.time:.1f}", estimate(100.0 * way.rms, "%", 1), percent(model.error))
+                told = self._told(name, way)
+                errors = (estimate(100.0 * each, "%", 1) for each in (way.repeated, way.whole))
+                made.add_row(name, way.name, f"{way.runs}", f"{way.time:.1f}", *errors, percent(told.error))
         return made
+
+    def _told(self, shape: str, way: Way) -> Spent:
+        """What the model says of a way."""
+        time = {each.name: each for each in self.ways[shape]}["paper"].time
+        own = self.shapes[shape]
+        return own.spent(WAYS[way.name], time) if way.name in WAYS else own.best(time)
+
+    def as_tried(self) -> bool:
+        """Whether the runs of the recommended way have the settings that the model recommends."""
+        table = self.dataset.isel(run=self.dataset["run_part"].str.startswith(NAMES[-1]).values)
+        for name, ways in self.ways.items():
+            at = self._told(name, ways[-1]).at
+            own = table.isel(run=(table["run_shape"] == name).values)
+            if not all((own[f"run_{key}"] == getattr(at, key)).all() for key in ("fraction", "granules", "stroke")):
+                return False
+        return True
+
+    def tried(self) -> str:
+        """Runs of the paper's sweep whose time is spent."""
+        return f"{RUNS}"
+
+    def repetitions(self) -> str:
+        """Repetitions of each way."""
+        return f"{REPETITIONS}"
 
     def ratio(self, other: str) -> str:
         """Error of the recommended settings over that of another way, over all shapes."""
         return estimate(ratio(list(self.ways.values()), NAMES[-1], other))
 
-    def is_best(self, other: str) -> bool:
-        """Whether the whole of that interval is below one."""
-        return ratio(list(self.ways.values()), NAMES[-1], other)[2] < 1.0
+    def better_than(self) -> set[str]:
+        """Ways whose error is larger than that of the recommended one with its whole interval."""
+        return {other for other in WAYS if ratio(list(self.ways.values()), NAMES[-1], other)[2] < 1.0}
 
     @cached_property
     def every_level(self) -> dict[str, list[Levels]]:

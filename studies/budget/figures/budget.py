@@ -5,7 +5,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from dem.figures import style
-from studies.budget.findings import TRIED, budget
+from studies.budget.findings import budget
 from studies.budget.spend import WAYS
 from studies.budget.trial import NAMES
 
@@ -31,9 +31,9 @@ def plot(dataset: xr.Dataset) -> Figure:
         for number, (way, curve) in enumerate(curves.items()):
             color = style.CASES[number] if way != "recommended" else "black"
             axes.plot(TIMES, 100.0 * np.array(curve), color=color, linestyle=LINES[way], label=LABELS[way])
-        for shift, way in zip((0.85, 1.0, 1.18), found.ways[name], strict=False):
+        for shift, way in zip((0.85, 1.0, 1.18), found.ways[name], strict=True):
             style.intervals(
-                axes, [TRIED * shift], [100.0 * way.rms], linestyle="none", color="0.15", marker=MARKS[way.name], markersize=6,
+                axes, [way.time * shift], [100.0 * way.repeated], linestyle="none", color="0.15", marker=MARKS[way.name], markersize=6,
                 markerfacecolor="white", capsize=3, label=f"{LABELS[way.name]}, ten repetitions", zorder=5,
             )  # fmt: skip
         style.logarithmic(axes, "x", (1.0,))
