@@ -12,6 +12,19 @@ from dem.sweep.config import parse
 SMOKE = Path(__file__).parent.parent / "config/smoke.yaml"
 
 
+def run_all(work: Campaign) -> None:
+    """Make the runs of all blocks in this process, round by round, and combine their drag."""
+    for name in work.sweep.blocks:
+        while True:
+            work.begin(name)
+            for each in work.batches(name):
+                if not work.store.file_of(each.id).is_file():
+                    making.make(work.store, each.id)
+            if not work.grow(name):
+                break
+        work.combine(name, "drag", work.first(name))
+
+
 def made(folder: Path, flow: bool = False, **values) -> Campaign:
     """A sweep of config/smoke.yaml with other values, made in `folder`/results, with its figures.
 

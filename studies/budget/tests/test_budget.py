@@ -1,18 +1,25 @@
 """The model finds what made the runs, and spends a budget as they ask for."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+import xarray as xr
+from made import SMOKE, run_all
 from typer.testing import CliRunner
 
 from conftest import assert_not_blank
 from dem.figures.catalogue import draw
 from dem.io.dataset import global_attributes, write
 from dem.io.lazily import open_lazily
+from dem.sweep.campaign import Campaign
+from dem.sweep.config import parse
 from studies.__main__ import app
 from studies.budget.findings import budget
 from studies.budget.layout import VARIABLES
 from studies.budget.model import LEFT_OUT, PAPER, Model, Runs, Settings
 from studies.budget.spend import WAYS, WINDOW, Shape, levels
+from studies.budget.table import make
 from studies.budget.trial import NAMES, tried
 from studies.catalogue import figures
 
@@ -126,6 +133,31 @@ def test_the_file_can_be_shown_and_drawn(tmp_path):
     run = CliRunner().invoke(app, ["budget", "info", str(path)])
     assert run.exit_code == 0, run.output
     assert_not_blank(draw("budget", path, tmp_path, figures())[1])
+
+
+def test_every_run_is_a_row_with_what_it_gave(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    blocks = {
+        "reference": {"shape": "c1", "seed": [1, 2]},
+        "steps": {"shape": ["c1", "d1"], "numerics.step_fraction": [0.5, 0.9], "seed": 1},
+        "boxes": {"values": {"shapes.c1.granules": 30, "box_width": 6.0e-3}, "shape": "c1", "seed": 3},
+    }
+    record = {"observables": ["drag"], "bins": 12}
+    work = Campaign(parse({"extends": str(SMOKE), "results": "results", "record": record, "sweep": {"blocks": blocks}}))
+    run_all(work)
+    make(work, Path("budget.nc"))
+    found = xr.load_dataset("budget.nc")
+    assert found.sizes["run"] == 2 + 4 + 1
+    for row in range(found.sizes["run"]):
+        own = found.isel(run=row)
+        at = {"seed": int(own["run_seed"]), "shape": str(own["run_shape"].values), "numerics_step_fraction": float(own["run_fraction"])}
+        drags = xr.load_dataset(work.first(str(own["run_part"].values)))
+        run = drags.sel({key: each for key, each in at.items() if key in drags.dims})
+        inside = (run["displacement"] > drags.attrs["window_start"]) & (run["displacement"] < drags.attrs["window_stop"])
+        assert float(own["run_drag"][-1]) == pytest.approx(float(run["drag"].where(inside).mean()))
+        assert float(own["run_time"]) == float(run["run_time"])
+        assert float(own["run_time_step"]) * int(run["steps"]) * 2.0 == pytest.approx(float(own["run_stroke"]))  # at 2 m/s
+        assert int(own["run_granules"]) == int(run["granules"])
 
 
 @pytest.mark.skipif(not budget.path.is_file(), reason="budget.nc is not there yet")

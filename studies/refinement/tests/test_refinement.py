@@ -1,19 +1,26 @@
 """The study measures how far off a curve is, and would show that points are placed well or badly."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+import xarray as xr
+from made import SMOKE, run_all
 from typer.testing import CliRunner
 
 from conftest import assert_not_blank
 from dem.figures.catalogue import draw
 from dem.io.dataset import global_attributes, write
 from dem.io.lazily import open_lazily
+from dem.sweep.campaign import Campaign
+from dem.sweep.config import parse
 from studies.__main__ import app
 from studies.catalogue import figures
 from studies.refinement import curves
 from studies.refinement.curves import GRID, HYPERCUBE, REFINED, Curves
 from studies.refinement.findings import refinement
 from studies.refinement.layout import VARIABLES
+from studies.refinement.table import make
 
 LOW, HIGH, SCATTER, BEDS = 0.125, 32.0, 0.02, 12
 
@@ -83,6 +90,29 @@ def test_the_file_can_be_shown_and_drawn(tmp_path):
     run = CliRunner().invoke(app, ["refinement", "info", str(path)])
     assert run.exit_code == 0, run.output
     assert_not_blank(draw("refinement", path, tmp_path, figures())[1])
+
+
+def test_every_run_is_a_row_with_the_round_of_its_point(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    blocks = {
+        "held": {"shape": "c1", "cylinder.velocity": [3.0, 6.0], "seed": [1, 2]},
+        "refined": {"shape": "c1", "cylinder.velocity": {"refine": "log", "low": 2.0, "high": 8.0, "until": "1 N", "least": 3, "most": 6}, "seed": [1, 2]},
+    }
+    record = {"observables": ["drag"], "bins": 12}
+    work = Campaign(parse({"extends": str(SMOKE), "results": "results", "record": record, "sweep": {"blocks": blocks}}))
+    monkeypatch.setattr("dem.sweep.refine.SURE", np.array([1.0, 1.0]))  # that beds suffice
+    run_all(work)
+    make(work, Path("refinement.nc"))
+    found = xr.load_dataset("refinement.nc")
+    rows = zip(*(found[f"run_{name}"].values.tolist() for name in ("part", "velocity", "seed", "round", "drag")), strict=True)
+    rounds = {}
+    for part, velocity, seed, number, drag in rows:
+        run = xr.load_dataset(work.first(part)).sel(cylinder_velocity=velocity, seed=seed)
+        inside = (run["displacement"] > run.attrs["window_start"]) & (run["displacement"] < run.attrs["window_stop"])
+        assert drag == pytest.approx(float(run["drag"].where(inside).mean()))
+        rounds.setdefault((part, number), set()).add(velocity)
+    assert rounds[REFINED, 0] == {2.0, 4.0, 8.0}
+    assert [len(rounds[REFINED, number]) for number in range(3)] == [3, 2, 1]
 
 
 @pytest.mark.skipif(not refinement.path.is_file(), reason="refinement.nc is not there yet")
