@@ -50,8 +50,8 @@ class Shape:
 
     def error(self, at: Settings, budget: float):
         """Errors over the mean: with the model of all runs, and with each of beds drawn again (draw, ...);
-        first, how many runs the budget suffices for."""
-        count = np.floor(budget / self.model.time(at))
+        first, how many runs the budget suffices for, on average."""
+        count = budget / self.model.time(at)
         biases = np.array([(model.biases(at) ** 2).sum(axis=0) for model in self.draws])
         with np.errstate(divide="ignore"):
             scatter = self.model.spread(at) ** 2 / count
