@@ -22,7 +22,7 @@ from dem.sweep.why import reasons
 
 GUESS = 3e-8  # s an effort, where no run was made yet: of a usual processor
 DAMPED = 30.0  # by how much damping bounds the step, over how much stiffness does, a damping ratio (study budget)
-STEP = 0.95  # longest step fraction that is sure to be stable; its bias is below what beds scatter (study budget)
+STEP = 0.95  # longest step fraction that is sure to be stable, hardly more biased than shorter ones (study budget)
 WORTH = 0.9  # of the time, from which on other settings are told
 LISTED = 40  # runs, or batches, that are shown
 # of the list of batches
