@@ -9,7 +9,7 @@ from studies.budget.spend import Shape
 
 NAMES = "default", "paper", "recommended"  # the first words of blocks
 REPETITIONS = 10
-RUNS = 15  # of the paper's sweep, whose time a repetition has
+RUNS = 12  # of the paper's sweep, whose time a repetition has
 DRAWS = 2000
 
 
