@@ -58,8 +58,8 @@ def run(replicate, bed=None, progress=lambda done: None):
 '''
 SWEEP = """
 extends: config/smoke.yaml
-results: results/drawn
-experiment: drawn.py
+results: results/peaked
+experiment: peaked.py
 sweep:
 """
 VELOCITY = "{refine: log, low: 0.1, high: 32, until: 8 %, of: force}"
@@ -73,7 +73,7 @@ TWO = {key: each.replace("8 %", "12 %") for key, each in TWO.items()}
 def sweep(tmp_path, monkeypatch):
     """Writes a sweep file of drawn numbers, in a folder of its own where the test works."""
     monkeypatch.chdir(tmp_path)
-    Path("drawn.py").write_text(DRAWN)
+    Path("peaked.py").write_text(DRAWN)
 
     def write(keys=ONE, **more):
         lines = [f"  {key}: {each}\n" for key, each in (keys | more).items() if each]
@@ -90,13 +90,13 @@ def made(file: Path) -> Campaign:
     return campaign
 
 
-def result(name="drawn") -> xr.Dataset:
-    with dem.open_results(f"results/drawn/{name}.nc") as found:
+def result(name="peaked") -> xr.Dataset:
+    with dem.open_results(f"results/peaked/{name}.nc") as found:
         return found.load()
 
 
 def put_aside() -> None:
-    for name in ("store", "drawn"):
+    for name in ("store", "peaked"):
         Path(f"results/{name}").rename(f"{name}-before")
 
 
@@ -285,7 +285,7 @@ def test_a_refined_sweep_is_as_well_known_as_asked(sweep):
     assert attrs["units"] == "m s-1" and attrs["refined"] == "force within 8 % at 95 %"
     (said,) = campaign.said
     assert float(re.search(r"is ([0-9.]+) times that", said)[1]) <= 1.0 and "raise most" not in said
-    assert said in shown(status(Campaign.of(file))) and f"{values[3]:g}" in shown(info(Path("results/drawn/drawn.nc")))
+    assert said in shown(status(Campaign.of(file))) and f"{values[3]:g}" in shown(info(Path("results/peaked/peaked.nc")))
     assert "takes" not in summary(Campaign.of(file), 2)
 
 
@@ -323,7 +323,7 @@ def test_snakemake_makes_the_same_points(sweep):
     made(sweep())
     whole = result().drop_attrs()
     put_aside()
-    words = "-s", ROOT / "Snakefile", "-j2", "results/drawn/drawn.nc"
+    words = "-s", ROOT / "Snakefile", "-j2", "results/peaked/peaked.nc"
     ran = snakemake(Path.cwd(), *map(str, words), configfile="sweep.yaml")
     assert ran.returncode == 0, ran.stderr
     xr.testing.assert_equal(result().drop_attrs(), whole)
@@ -333,10 +333,10 @@ def test_a_cluster_goes_on_to_the_same_points(sweep, monkeypatch):
     """By a scheduler, whose client stops after a round and is started again."""
     distributed = pytest.importorskip("distributed")
     file = sweep()
-    Path("drawn.py").rename("drawn_afar.py")  # a module that this process has not loaded from elsewhere
-    file.write_text(file.read_text().replace("drawn.py", "drawn_afar.py"))
+    Path("peaked.py").rename("peaked_afar.py")  # a module that this process has not loaded from elsewhere
+    file.write_text(file.read_text().replace("peaked.py", "peaked_afar.py"))
     made(file)
-    whole = result("drawn_afar").drop_attrs()
+    whole = result("peaked_afar").drop_attrs()
     put_aside()
     cluster = distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0")
     with cluster as local, distributed.Client(local) as client:
