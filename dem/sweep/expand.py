@@ -1,5 +1,6 @@
 """A block of a sweep: its axes, and all runs on their grid."""
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from functools import cached_property
 from itertools import product
@@ -12,7 +13,17 @@ from dem.base.errors import InputError
 from dem.base.schema import MOST
 from dem.experiment.config import Configuration, Entry, Replicate, entries
 from dem.experiment.fit import check_rooms
-from dem.sweep.axis import OWN, Axis, Derive, axis_of, changes, name_of, place_in, refined
+from dem.sweep.axis import (
+    OWN,
+    Axis,
+    Derive,
+    axis_of,
+    changes,
+    is_refined,
+    name_of,
+    place_in,
+    refined,
+)
 from dem.sweep.precision import Lead, counts
 from dem.sweep.refine import Step, after, by_curve
 
@@ -81,10 +92,10 @@ class Block:
             found.setdefault(self.lead(run.place), []).append(run.replicate)
         return found
 
-    def words(self, place: Lead) -> str:
-        """What the runs of a place share, in words: where it is on the axes."""
-        values = (axis.coordinate[k] for axis, k in zip(self.beside_seed, place, strict=True))
-        return ", ".join(f"{axis.name} {v}" for axis, v in zip(self.beside_seed, values, strict=True))
+    def words(self, place: Lead, without: Axis | None = None) -> str:
+        """What the runs of a place share, in words: where it is on the axes, but for one of them."""
+        at = zip(self.beside_seed, place, strict=True)
+        return ", ".join(f"{axis.name} {axis.coordinate[k]}" for axis, k in at if axis is not without)
 
     def grown(self, values: dict[Lead, np.ndarray], rounds: int) -> Grown | None:
         """What the block has after one round more, or as many as values suffice for; None where all is known."""
@@ -133,7 +144,7 @@ class Block:
                 forced = base if name != "seed" else []
                 found[name] = (None, *self._along([each[name] for each in labels], forced))
         known = entries(dict.fromkeys(replicate.label for replicate in replicates))
-        varied = (path for axis in self.axes for point in axis.points for path in point)
+        varied = (path for axis in self.axes for path in axis.paths)
         for path in dict.fromkeys((*varied, *self.fixed)):
             name = name_of(path)
             if path in known and name not in self.dims and not path.startswith("shapes."):
@@ -151,15 +162,13 @@ class Block:
                 array[tuple(slice(None) if a.until else k for a, k in zip(self.axes, run.place, strict=True))] = each
         for run, each in zip(self.runs, own, strict=True):
             array[run.place] = each
-        dims = []
-        for name in reversed(self.dims):
-            at = self.dims.index(name)
+        dims = list(self.dims)
+        for at, name in reversed(list(enumerate(self.dims))):
             first = array.take([0], at)
             same = (array == first) | ((array != array) & (first != first))
-            if name in forced or not same.all():
-                dims.insert(0, name)
-            else:
+            if name not in forced and same.all():
                 array = array.take(0, at)
+                dims.remove(name)
         return tuple(dims), array
 
 
@@ -174,12 +183,15 @@ def expand(
     where = "sweep" if name == "drag" else f"sweep.blocks.{name}"
     place = place_in(sweep, where)
     fixed = changes(block.get("values", {}), place.at("values"))
-    axes = refined([axis_of(key, block[key], place) for key in block if key not in WORDS], steps, where)
-    if counts is not None:
-        axes = [axis.cut(max(counts.values())) for axis in axes]
+    specs = {key: spec for key, spec in block.items() if is_refined(key, spec, place)}
+    most = max(counts.values()) if counts else None
+    axes = [
+        refined(specs, steps, place) if key in specs else axis_of(key, spec, place, most)
+        for key, spec in block.items() if key not in (*WORDS, *list(specs)[1:])
+    ]  # fmt: skip
     if "shape" in fixed:
         axes.insert(0, axis_of("shape", [fixed.pop("shape")], place))
-    given = {path for axis in axes for point in axis.points for path in point}
+    given = {path for axis in axes for path in axis.paths}
     if "seed" not in given:
         axes.append(axis_of("seed", [fixed.pop("seed", 1)], place))
     if len(axes) > MOST_AXES:
@@ -204,9 +216,8 @@ def expand(
         raise InputError(
             f"{where} derives values; needs must name the blocks that it takes them from."
         )
-    points_of = [fixed.keys(), *({p for q in axis.points for p in q} for axis in axes)]
-    twice = [p for p in given if sum(p in some for some in points_of) > 1]
-    if twice:
+    ways = Counter([*fixed, *(path for axis in axes for path in axis.paths)])
+    if twice := [path for path, count in ways.items() if count > 1]:
         raise InputError(f"{where} varies {min(twice)} in two ways; name it once.")
     found = Block(name, axes, [], fixed)
     if (count := found.most) > MOST:

@@ -179,20 +179,18 @@ def after(asked: Refine, steps: list[Step], groups: list[list[np.ndarray]]) -> l
     return sorted(there)
 
 
-def by_curve(block, values: dict[Lead, np.ndarray]) -> dict[Lead, list[np.ndarray]]:
-    """What the runs of each point gave, in the order of the points, by the place on the other axes."""
-    at, found = block.beside_seed.index(block.refined), {}
+def by_curve(block, values: dict[Lead, np.ndarray]) -> dict[str, list[np.ndarray]]:
+    """What the runs of each point gave, in the order of the points, by the place on the other axes in words."""
+    found = {}
     for place, sample in values.items():
-        found.setdefault(place[:at] + place[at + 1 :], []).append(sample)
+        found.setdefault(block.words(place, without=block.refined), []).append(sample)
     return found
 
 
 def known_to(block, values: dict[Lead, np.ndarray]) -> str:
     """How well a refined block is known between its points, in words; raises RunError where that means nothing."""
-    asked, axis, found = block.asked, block.refined, []
-    others, every = [each for each in block.beside_seed if each is not axis], EVERY[len(axis.refine)]
-    for place, samples in by_curve(block, values).items():
-        words = ", ".join(f"{each.name} {each.coordinate[k]}" for each, k in zip(others, place, strict=True))
+    asked, axis, every, found = block.asked, block.refined, EVERY[len(block.refined.refine)], []
+    for words, samples in by_curve(block, values).items():
         try:
             excess = curve(asked, axis.steps, samples).excess(asked, np.array(every) / STEPS)[1]
         except RunError as error:
