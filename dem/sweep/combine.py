@@ -6,10 +6,9 @@ there are. What has a value for every granule stays in the batches.
 """
 
 import json
-import operator
 from collections import Counter
-from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import groupby
 from pathlib import Path
 
 import netCDF4
@@ -62,21 +61,17 @@ def combine(
             with content_of(path, AGAIN), netCDF4.Dataset(path) as batch:
                 present = [name for name in names if name in batch.variables]
             values, attrs = read(path, (*present, "run_id", "failure", "failure_reason"))
-            rows = [row for row, run in enumerate(values["run_id"].tolist()) if run in left]
-            ids = [str(values["run_id"][row]) for row in rows]
-            left -= set(ids)
+            given = {name: values[name] for name in present}
+            rows = {run: row for row, run in enumerate(values["run_id"].tolist()) if run in left}
+            left -= rows.keys()
             if rows and not made:
-                _make_room(file, block, layout, {name: values[name] for name in present}, gaps)
+                _make_room(file, block, layout, given, gaps)
                 made = True
             with content_of(path):
                 for name in PROVENANCE:
                     provenance[name][attrs.get(name, "unknown")] = None
-                places = sorted(
-                    (p, row) for row, run in zip(rows, ids, strict=True) for p in block.places[run]
-                )
-                _fill(
-                    file, {name: values[name] for name in present if name in file.variables}, places
-                )
+                places = sorted((p, row) for run, row in rows.items() for p in block.places[run])
+                _fill(file, given, places)
             failed += [
                 (place, int(values["failure"][row]), str(values["failure_reason"][row]))
                 for place, row in places if values["failure"][row]
@@ -183,9 +178,7 @@ def _write(
         about = {"long_name": entry.about, "units": entry.units}
         about = {key: value for key, value in about.items() if value is not None}
     else:
-        about = attributes(
-            name, known | {"displacement_bounds": ()} if name == "displacement" else known
-        )
+        about = attributes(name, known)
     if values.dtype == bool:  # netCDF has no truth values
         values = values.astype("i1")
     if values.dtype == object:
@@ -196,25 +189,14 @@ def _write(
 
 def _fill(file, values: dict, places: list[tuple[tuple[int, ...], int]]) -> None:
     """Write rows at their places; what is side by side along the last axis at once."""
-    for some in _side_by_side(places):
+    side_by_side = groupby(enumerate(places), lambda each: (each[1][0][:-1], each[1][0][-1] - each[0]))
+    for _, some in side_by_side:
+        some = [each for _, each in some]
         *lead, first = some[0][0]
         rows = [row for _, row in some]
         there = (*lead, slice(first, first + len(rows)))
-        for name, array in values.items():
-            file.variables[name][there] = array[rows]
-
-
-def _side_by_side(places) -> Iterator[list]:
-    some = []
-    for place, row in places:
-        if some:
-            *lead, last = some[-1][0]
-            if place[:-1] != tuple(lead) or place[-1] != last + 1:
-                yield some
-                some = []
-        some.append((place, row))
-    if some:
-        yield some
+        for name in values.keys() & file.variables.keys():
+            file.variables[name][there] = values[name][rows]
 
 
 def _check(sweep: Sweep, block: Block, failed) -> None:
@@ -257,12 +239,8 @@ def about(
 def shared(block: Block, **paths: str) -> dict:
     """Attributes by name, from values by path: those that are the same in all runs of a block. What
     varies is a coordinate."""
-    found = {}
-    for name, path in paths.items():
-        values = {operator.attrgetter(path)(run.replicate.configuration) for run in block.runs}
-        if len(values) == 1:
-            found[name] = values.pop()
-    return found
+    values = {name: {run.replicate.at(path) for run in block.runs} for name, path in paths.items()}
+    return {name: each.pop() for name, each in values.items() if len(each) == 1}
 
 
 @contextmanager
