@@ -51,7 +51,7 @@ class Axis(NamedTuple):
     """A dimension: name, units and words, coordinate, and the changes of every point by path.
 
     until: of seeds without an end, or of values whose points are placed round by round; refine: these values by
-    path; steps: their points, see `refined`.
+    path; steps: their points.
     """
 
     name: str
@@ -89,9 +89,20 @@ def place_in(sweep: Configuration, where: str) -> Place:
     return Place(sweep, entries(sweep.shapes), where)
 
 
+def axes_of(specs: dict, place: Place, steps: list[Step] | None, replicates: int | None) -> list[Axis]:
+    """The dimensions of the keys of a block; steps: of what is refined, replicates: of seeds without an end, of the
+    first round if absent."""
+    known = place.paths | RUNS
+    asked = {key: spec for key, spec in specs.items() if key in known and isinstance(spec, dict) and "refine" in spec}
+    first, others = [*asked, None][0], list(asked)[1:]
+    return [
+        _refined(asked, steps, place) if key == first else axis_of(key, spec, place, replicates)
+        for key, spec in specs.items() if key not in others
+    ]  # fmt: skip
+
+
 def axis_of(key: str, spec, place: Place, replicates: int | None = None) -> Axis:
-    """The dimension of a key; raises InputError with the key and the value at fault. replicates: of seeds without
-    an end, as many as the first round has if absent."""
+    """The dimension of a key; raises InputError with the key and the value at fault."""
     here, entry = place.at(key), RUNS.get(key) or place.paths.get(key)
     if key == "seed" and isinstance(spec, dict):
         until = validated(Until, spec, at=here.where)
@@ -128,11 +139,6 @@ def _design(key: str, spec: dict, here: Place) -> Axis:
     return Axis(name_of(key), Entry(key, "1", POINT), list(range(len(points))), points)
 
 
-def is_refined(key: str, spec, place: Place) -> bool:
-    """Whether a key asks for points of its value that are placed round by round."""
-    return isinstance(spec, dict) and "refine" in spec and (key in RUNS or key in place.paths)
-
-
 def _refine(spec: dict, entry: Entry, here: Place) -> Refine:
     """How a number is refined, between two that it may be."""
     if entry.units is None or entry.field.annotation in (int, bool):
@@ -143,9 +149,8 @@ def _refine(spec: dict, entry: Entry, here: Place) -> Refine:
     return found
 
 
-def refined(specs: dict, steps: list[Step] | None, place: Place) -> Axis:
-    """The dimension of one refined value, or of two, whose points are on it together; steps: of the first
-    round if absent."""
+def _refined(specs: dict, steps: list[Step] | None, place: Place) -> Axis:
+    """The dimension of one refined value, or of two, whose points are on it together."""
     table = place.paths | RUNS
     asked = {path: _refine(spec, table[path], place.at(path)) for path, spec in specs.items()}
     if len(asked) > 2:

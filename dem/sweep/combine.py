@@ -252,10 +252,6 @@ def open_combined(path: Path, needed=("drag",)):
             raise InputError(f"{path}: it has no variable run_id; is it another file?")
         dims = dataset["run_id"].dims
         layout = {name: ((*dims, "displacement"), "N", "") for name in needed}
-        require(
-            dataset, path, layout, ("shape", *AXES_OF, *needed), ("window_start", "window_stop")
-        )
+        names = "shape", "displacement", "displacement_bounds"
+        require(dataset, path, layout, (*names, *needed), ("window_start", "window_stop"))
         yield dataset
-
-
-AXES_OF = ("displacement", "displacement_bounds")

@@ -13,17 +13,7 @@ from dem.base.errors import InputError
 from dem.base.schema import MOST
 from dem.experiment.config import Configuration, Entry, Replicate, entries
 from dem.experiment.fit import check_rooms
-from dem.sweep.axis import (
-    OWN,
-    Axis,
-    Derive,
-    axis_of,
-    changes,
-    is_refined,
-    name_of,
-    place_in,
-    refined,
-)
+from dem.sweep.axis import OWN, Axis, Derive, axes_of, axis_of, changes, name_of, place_in
 from dem.sweep.precision import Lead, counts
 from dem.sweep.refine import Step, after, by_curve
 
@@ -43,11 +33,6 @@ class Run(NamedTuple):
 
     place: tuple[int, ...]
     replicate: Replicate
-
-
-def lead(place: tuple[int, ...], axes: list[Axis]) -> Lead:
-    """A place on all axes but that of the seeds."""
-    return tuple(at for at, axis in zip(place, axes, strict=True) if axis.name != "seed")
 
 
 class Block:
@@ -82,7 +67,7 @@ class Block:
 
     def lead(self, place: tuple[int, ...]) -> Lead:
         """A place without its seed."""
-        return lead(place, self.axes)
+        return tuple(at for at, axis in zip(place, self.axes, strict=True) if axis.name != "seed")
 
     @cached_property
     def replicates(self) -> dict[Lead, list[Replicate]]:
@@ -183,12 +168,8 @@ def expand(
     where = "sweep" if name == "drag" else f"sweep.blocks.{name}"
     place = place_in(sweep, where)
     fixed = changes(block.get("values", {}), place.at("values"))
-    specs = {key: spec for key, spec in block.items() if is_refined(key, spec, place)}
-    most = max(counts.values()) if counts else None
-    axes = [
-        refined(specs, steps, place) if key in specs else axis_of(key, spec, place, most)
-        for key, spec in block.items() if key not in (*WORDS, *list(specs)[1:])
-    ]  # fmt: skip
+    specs = {key: spec for key, spec in block.items() if key not in WORDS}
+    axes = axes_of(specs, place, steps, max(counts.values()) if counts else None)
     if "shape" in fixed:
         axes.insert(0, axis_of("shape", [fixed.pop("shape")], place))
     given = {path for axis in axes for path in axis.paths}
@@ -241,10 +222,10 @@ def expand(
 
 
 def _runs(sweep, where, fixed, axes, derived, counts) -> list[Run]:
-    made, runs, seeds = {}, [], {}
+    made, runs = {}, []
     seeded = next((at for at, axis in enumerate(axes) if axis.until), None)
     for place in product(*(range(len(axis.points)) for axis in axes)):
-        if counts is not None and place[seeded] >= counts[lead(place, axes)]:
+        if counts and place[seeded] >= counts[*place[:seeded], *place[seeded + 1 :]]:
             continue
         own = dict(fixed)
         for axis, at in zip(axes, place, strict=True):
@@ -254,13 +235,13 @@ def _runs(sweep, where, fixed, axes, derived, counts) -> list[Run]:
         density = density or sweep.density_of(shape)
         key = shape, density, repr(own)
         if key not in made:
-            made[key] = _resolved(sweep, shape, density, own, derived)
-            seeds[key] = []
-        seeds[key].append(seed)
-        runs.append(Run(place, Replicate(made[key], shape, density, seed)))
-    for (shape, _, words), configuration in made.items():
+            made[key] = _resolved(sweep, shape, density, own, derived), []
+        configuration, seeds = made[key]
+        seeds.append(seed)
+        runs.append(Run(place, Replicate(configuration, shape, density, seed)))
+    for (shape, *_), (configuration, seeds) in made.items():
         try:
-            check_rooms(configuration, shape, seeds[shape, _, words])
+            check_rooms(configuration, shape, seeds)
         except ValueError as error:
             raise InputError(f"{where} asks for an impossible run: {error}.") from None
     return runs

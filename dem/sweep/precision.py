@@ -297,23 +297,18 @@ class Numbers:
     def _in(self, batch, replicates) -> dict[str, float]:
         own = next(replicates[run] for run in batch.runs if run in replicates).configuration
         dims = own.module.layout(own)[self.variable][0]
-        axes = [
-            name for name, (along, *_) in own.module.AXIS.items()
-            if own.record and dims and along == dims[-1:] and name.endswith("displacement")
-        ]  # fmt: skip
+        names = "run_id", "failure", "failure_reason", self.variable
         try:
-            values, _ = read(
-                self.store.file_of(batch.id),
-                ("run_id", "failure", "failure_reason", self.variable, *axes),
-            )
+            values, _ = read(self.store.file_of(batch.id), names)
         except InputError:  # damaged: who needs it says so
             return {}
         ids, failed = values["run_id"].tolist(), values["failure"] != 0
         for row in np.flatnonzero(failed):
             self.failed[ids[row]] = str(values["failure_reason"][row])
         array = values[self.variable].astype(float)
-        for name in axes:  # along the way of the cylinder, in the window alone
-            start, stop = own.record.window
-            array = array[..., (values[name] >= start) & (values[name] <= stop)]
+        for name, along in own.module.axes(own).items() if own.record else ():
+            if name.endswith("displacement") and own.module.AXIS[name][0] == dims[-1:]:
+                start, stop = own.record.window  # of the way of the cylinder, alone
+                array = array[..., (along >= start) & (along <= stop)]
         array[failed] = np.nan
         return dict(zip(ids, array.reshape(len(array), -1).mean(1).tolist(), strict=True))
