@@ -127,8 +127,10 @@ def predicted(x: np.ndarray, y: np.ndarray, noise: np.ndarray, at: np.ndarray) -
     the variances noise (n,); and how far each y is from what the others predict, squared, over the variance of
     that, times the share of this variance that is not noise, and this share."""
     middle, size = y.mean(), y.std() or 1.0
-    scales = [(height, np.array(lengths)) for height in HEIGHTS for lengths in product(LENGTHS, repeat=x.shape[1])]
-    own = np.stack([covariance(x, x, *each) for each in scales]) + np.diag(noise / size**2 + 1e-8)
+    lengths = np.array(list(product(LENGTHS, repeat=x.shape[1])))[:, None, None]
+    scales = list(product(HEIGHTS, lengths))
+    own = covariance(x, x, HEIGHTS[:, None, None, None], lengths).reshape(-1, len(x), len(x))
+    own += np.diag(noise / size**2 + 1e-8)
     root = np.linalg.cholesky(own)
     inner = np.linalg.solve(root, np.tile((y - middle) / size, (len(scales), 1))[..., None])[..., 0]
     likely = -0.5 * (inner**2).sum(1) - np.log(root.diagonal(axis1=1, axis2=2)).sum(1)
