@@ -241,6 +241,16 @@ def test_replicates_of_one_point_weigh_as_their_number():
     assert np.mean(logs) == pytest.approx(3.0 + 0.5 * 0.25, abs=0.03)
 
 
+def test_a_number_without_an_end_counts_as_a_run_that_failed():
+    rng, asked = np.random.default_rng(3), asking()
+    samples = [100.0 + rng.standard_normal(3) for _ in range(5)]
+    for name, value in (("nan", np.nan), ("inf", np.inf)):
+        samples[1][0] = value
+        found = after(asked, asked.first(1), [samples])
+        assert name == "nan" or found == expected
+        expected = found
+
+
 def test_what_seeds_do_to_all_points_alike_is_not_averaged_out():
     """Beds of few seeds leave the height of the whole curve open, however many points there are."""
     rng, asked, found = np.random.default_rng(5), asking("5 %"), []

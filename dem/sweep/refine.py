@@ -98,7 +98,8 @@ def curve(asked: Refine, steps: list[Step], samples: list[np.ndarray]) -> Curve:
     these are too few, or a share of their means means nothing."""
     from scipy.special import fdtri, stdtrit
 
-    runs = np.array(samples)
+    runs = np.array(samples, float)
+    runs[np.isinf(runs)] = np.nan
     there = np.isfinite(runs).any(1)
     runs = runs[there][:, np.isfinite(runs).any(0)]
     (points, seeds), count = runs.shape, np.isfinite(runs).sum(1)
