@@ -251,6 +251,13 @@ def test_a_number_without_an_end_counts_as_a_run_that_failed():
         expected = found
 
 
+def test_no_point_is_placed_twice():
+    """Where more may be placed than the scale has steps."""
+    rng, asked, steps = np.random.default_rng(0), asking("0.01 %", most=200), EVERY[1][:-3]
+    samples = [100.0 + rng.standard_normal(3) for _ in steps]
+    assert after(asked, steps, [samples]) == EVERY[1]
+
+
 def test_what_seeds_do_to_all_points_alike_is_not_averaged_out():
     """Beds of few seeds leave the height of the whole curve open, however many points there are."""
     rng, asked, found = np.random.default_rng(5), asking("5 %"), []

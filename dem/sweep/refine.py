@@ -168,7 +168,7 @@ def after(asked: Refine, steps: list[Step], groups: list[list[np.ndarray]]) -> l
         return steps
     there, every = list(steps), EVERY[len(steps[0])]
     at = np.array(every) / STEPS
-    for _ in range(min(max(2, math.ceil(ROUND * len(steps))), asked.most - len(steps))):
+    for _ in range(min(max(2, math.ceil(ROUND * len(steps))), min(asked.most, len(every)) - len(steps))):
         seen = [each.excess(asked, at) for each in curves]
         excess = np.max([each for _, each in seen], axis=0).round(6)  # equal ones have the same order anywhere
         if excess.max() <= 1.0:
@@ -200,7 +200,8 @@ def known_to(block, values: dict[Lead, np.ndarray]) -> str:
             raise RunError(f"{words or axis.name}: {error}.") from None
         found.append((float(excess.max()), every[int(excess.argmax())], words))
     worst, step, words = max(found)
-    advice = "; list more seeds" if len(axis.steps) < asked.most else f"; raise most, {asked.most}, or list more seeds"
+    capped = len(axis.steps) == asked.most < len(every)
+    advice = f"; raise most, {asked.most}, or list more seeds" if capped else "; list more seeds"
     where = ", ".join(f"{path} {each.values[k]:g}" for (path, each), k in zip(axis.refine.items(), step, strict=True))
     return (
         f"{asked.words()}: half the widest interval between {len(axis.steps)} points is {worst:.2g} times that, at {where}"
