@@ -288,6 +288,9 @@ def test_values_are_on_the_scale_and_have_few_digits():
     assert [own.values[step] for step, in own.first(1)] == [0.1, 0.423, 1.79, 7.57, 32.0]
     narrow = Refine(refine="linear", low=0.84, high=0.845, until="3 %").values
     assert narrow[64] == 0.8425 and len(set(narrow)) == len(narrow) and narrow == sorted(narrow)
+    # three digits tell the last two apart, but one of them would be above high
+    over = Refine(refine="linear", low=0.446, high=1.0095, until="3 %").values
+    assert over[-2:] == [1.005, 1.0095] and over == sorted(over)
 
 
 def test_a_refined_sweep_is_as_well_known_as_asked(sweep):
@@ -409,6 +412,10 @@ def test_a_share_of_a_mean_that_is_not_positive_is_refused_and_the_runs_are_kept
         ),
         ({"cylinder.velocity": VELOCITY.replace("32", "0.01")}, "cylinder.velocity: low is 0.1; it must be less than high, 0.01"),
         ({"cylinder.velocity": VELOCITY.replace("32", "0.1")}, "cylinder.velocity: low is 0.1; it must be less than high, 0.1"),
+        (
+            {"cylinder.velocity": VELOCITY.replace("0.1", "32").replace("high: 32", "high: 32.00000000000001")},
+            "cylinder.velocity: low is 32.0; it must leave room for 128 steps to high, 32.00000000000001",
+        ),
         ({"cylinder.velocity": VELOCITY.replace("0.1", "0")}, "low is 0; on a log scale it must be above 0"),
         ({"friction.granule": FRICTION.replace("0.1", "-0.1")}, "sweep.friction.granule.low is -0.1; it must be at least 0"),
         ({"seed": "3"}, "sweep.seed is 3, and cylinder.velocity is refined; it must list two seeds or more, such as 1 to 4"),

@@ -40,7 +40,9 @@ class Refine(Precision, Bounds):
     most: Whole = value("1", "points at most", 40, ge=3, le=500)
 
     @model_validator(mode="after")
-    def _check_mean(self):
+    def _check_refine(self):
+        if not min(np.diff(self.values)) > 0.0:
+            raise ValueError(f"low is {self.low!r}; it must leave room for {STEPS} steps to high, {self.high!r}")
         if self.reference:
             raise ValueError(f"of is {self.of!r}; it must be one mean, such as {self.variable}")
         return self
@@ -55,9 +57,10 @@ class Refine(Precision, Bounds):
         """The value at each step, with as many digits as tell them apart, three at least."""
         for digits in range(3, 18):
             inner = [float(f"{self.at(step / STEPS):.{digits}g}") for step in range(1, STEPS)]
-            if len({self.low, *inner, self.high}) > STEPS:
+            found = [self.low, *inner, self.high]
+            if min(np.diff(found)) > 0.0:
                 break
-        return [self.low, *inner, self.high]
+        return found
 
     def excess(self, half):
         """Half an interval, of the logarithm where a share is asked for, over what is asked for."""
