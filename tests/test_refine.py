@@ -65,6 +65,7 @@ sweep:
 VELOCITY = "{refine: log, low: 0.1, high: 32, until: 8 %, of: force}"
 FRICTION = "{refine: linear, low: 0.1, high: 0.8, until: 8 %, of: force}"
 ONE = {"case": "[c1, e3]", "cylinder.velocity": VELOCITY, "seed": "1 to 3"}
+FEW = ONE | {"case": "c1", "cylinder.velocity": VELOCITY.replace("8 %", "16 %, least: 7")}  # few rounds
 TWO = {"case": "c1", "cylinder.velocity": VELOCITY, "friction.granule": FRICTION, "seed": "1 to 3"}
 TWO = {key: each.replace("8 %", "12 %") for key, each in TWO.items()}
 
@@ -243,12 +244,11 @@ def test_replicates_of_one_point_weigh_as_their_number():
 
 def test_a_number_without_an_end_counts_as_a_run_that_failed():
     rng, asked = np.random.default_rng(3), asking()
-    samples = [100.0 + rng.standard_normal(3) for _ in range(5)]
-    for name, value in (("nan", np.nan), ("inf", np.inf)):
+    samples, found = [100.0 + rng.standard_normal(3) for _ in range(5)], []
+    for value in (np.nan, np.inf, -np.inf):
         samples[1][0] = value
-        found = after(asked, asked.first(1), [samples])
-        assert name == "nan" or found == expected
-        expected = found
+        found.append(after(asked, asked.first(1), [samples]))
+    assert found[0] == found[1] == found[2]
 
 
 def test_no_point_is_placed_twice():
@@ -340,8 +340,9 @@ def test_a_stopped_sweep_goes_on_to_the_same_points(sweep, keys):
 
 @posix
 def test_snakemake_makes_the_same_points(sweep):
-    made(sweep())
+    made(sweep(FEW))
     whole = result().drop_attrs()
+    assert 7 < whole.sizes["cylinder_velocity"] < 12  # after two rounds or three
     put_aside()
     words = "-s", ROOT / "Snakefile", "-j2", "results/peaked/peaked.nc"
     ran = snakemake(Path.cwd(), *map(str, words), configfile="sweep.yaml")
@@ -352,7 +353,7 @@ def test_snakemake_makes_the_same_points(sweep):
 def test_a_cluster_goes_on_to_the_same_points(sweep, monkeypatch):
     """By a scheduler, whose client stops after a round and is started again."""
     distributed = pytest.importorskip("distributed")
-    file = sweep()
+    file = sweep(FEW)
     Path("peaked.py").rename("peaked_afar.py")  # a module that this process has not loaded from elsewhere
     file.write_text(file.read_text().replace("peaked.py", "peaked_afar.py"))
     made(file)
@@ -370,7 +371,7 @@ def test_a_cluster_goes_on_to_the_same_points(sweep, monkeypatch):
 
             stopping.setattr(Campaign, "_make", stop)
             dem.run_sweep(file, client)
-        assert Campaign.of(file).counts()[0] == 30 < whole["run_id"].size
+        assert Campaign.of(file).counts()[0] == 21 < whole["run_id"].size
         with dem.run_sweep(file, client) as found:
             xr.testing.assert_equal(found.load().drop_attrs(), whole)
 
