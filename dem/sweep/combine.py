@@ -56,17 +56,15 @@ def combine(
     left, failed, gaps = set(block.places), [], bool(sweep.failures or partial or block.until)
     provenance = {name: {} for name in PROVENANCE}
     with create(output) as file:
-        made = False
-        for done, path in enumerate(sorted(paths, key=lambda path: str(path))):
+        for done, path in enumerate(sorted(paths, key=str)):
             with content_of(path, AGAIN), netCDF4.Dataset(path) as batch:
                 present = [name for name in names if name in batch.variables]
             values, attrs = read(path, (*present, "run_id", "failure", "failure_reason"))
             given = {name: values[name] for name in present}
             rows = {run: row for row, run in enumerate(values["run_id"].tolist()) if run in left}
             left -= rows.keys()
-            if rows and not made:
+            if rows and not file.dimensions:
                 _make_room(file, block, layout, given, gaps)
-                made = True
             with content_of(path):
                 for name in PROVENANCE:
                     provenance[name][attrs.get(name, "unknown")] = None
@@ -77,7 +75,7 @@ def combine(
                 for place, row in places if values["failure"][row]
             ]  # fmt: skip
             progress((done + 1) / len(paths))
-        if left and partial and made:
+        if left and partial and file.dimensions:
             total = len(block.places)
             file.setncattr("partial", f"{total - len(left)} of {total} runs")
             for run in left:
@@ -148,13 +146,11 @@ def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> No
         target, relative = block.until.target
         parsed = {"target": target, "relative": int(relative), "level": block.until.level}
         file.variables[REPLICATES].setncatts(block.until.model_dump() | parsed)
-    lengths = block.shape[:-1], min(BLOCK, block.shape[-1])
     for name, values in sample.items():
-        dims, inner = layout[name][0], values.shape[1:]
-        sizes = (*(1 for _ in lengths[0]), lengths[1], *inner)
+        sizes = (*[1] * (len(block.dims) - 1), min(BLOCK, block.shape[-1]), *values.shape[1:])
         gap = np.nan if values.dtype.kind == "f" else -1
         made = file.createVariable(
-            name, values.dtype, dims, zlib=True, complevel=4, shuffle=True, fletcher32=True,
+            name, values.dtype, layout[name][0], zlib=True, complevel=4, shuffle=True, fletcher32=True,
             chunksizes=sizes, fill_value=gap if gaps else False,
         )  # fmt: skip
         # runs mostly come in order, and what is full is written and forgotten

@@ -176,45 +176,39 @@ def expand(
     if "seed" not in given:
         axes.append(axis_of("seed", [fixed.pop("seed", 1)], place))
     if len(axes) > MOST_AXES:
-        raise InputError(
-            f"{where} has {len(axes)} dimensions; it must have at most {MOST_AXES}: what has one value "
-            "belongs under values, and values that go together under one name."
+        place.refuse(
+            f"has {len(axes)} dimensions; it must have at most {MOST_AXES}: what has one value belongs under "
+            "values, and values that go together under one name"
         )
     given |= set(fixed)
     names = [axis.name for axis in axes]
     names += map(name_of, given - {axis.entry.path for axis in axes})
     if twice := [axis.name for axis in axes if names.count(axis.name) > 1]:
-        raise InputError(
-            f"{where} has the dimension {twice[0]} and another value of this name in files; rename one."
-        )
+        place.refuse(f"has the dimension {twice[0]} and another value of this name in files; rename one")
     if "shape" not in given and len(sweep.shapes) > 1:
-        raise InputError(f"{where} must vary shape or case; there are {', '.join(sweep.shapes)}.")
-    for path in SAME:
-        if path in given - set(fixed):
-            raise InputError(f"{where} varies {path}, which runs of one block share; use blocks.")
+        place.refuse(f"must vary shape or case; there are {', '.join(sweep.shapes)}")
+    if same := [path for path in SAME if path in given - set(fixed)]:
+        place.refuse(f"varies {same[0]}, which runs of one block share; use blocks")
     points = [fixed, *(point for axis in axes for point in axis.points)]
     if "needs" not in block and any(isinstance(v, Derive) for point in points for v in point.values()):
-        raise InputError(
-            f"{where} derives values; needs must name the blocks that it takes them from."
-        )
+        place.refuse("derives values; needs must name the blocks that it takes them from")
     ways = Counter([*fixed, *(path for axis in axes for path in axis.paths)])
     if twice := [path for path, count in ways.items() if count > 1]:
-        raise InputError(f"{where} varies {min(twice)} in two ways; name it once.")
+        place.refuse(f"varies {min(twice)} in two ways; name it once")
     found = Block(name, axes, [], fixed)
     if (count := found.most) > MOST:
-        raise InputError(f"{where} has {count:,} runs; it must have at most {MOST:,}.")
+        place.refuse(f"has {count:,} runs; it must have at most {MOST:,}")
     found.runs = _runs(sweep, where, fixed, axes, derived, counts)
     if found.asked:
         key, kind = (next(iter(found.refined.refine)), "values") if found.refined else ("seed", "seeds")
         if "needs" in block:
-            raise InputError(
-                f"{where}.{key} has until, and needs {block['needs']}; list the {kind} of a block whose values "
-                "follow from another."
+            place.at(key).refuse(
+                f"has until, and needs {block['needs']}; list the {kind} of a block whose values follow from another"
             )
         if found.refined and (any(axis.until and not axis.refine for axis in axes) or min(found.counts.values()) < 2):
-            raise InputError(
-                f"{where}.seed is {block.get('seed', 'missing')}, and {key} is refined; it must list two seeds or more, "
-                "such as 1 to 4, whose scatter tells how well means are known."
+            place.at("seed").refuse(
+                f"is {block.get('seed', 'missing')}, and {key} is refined; it must list two seeds or more, such as "
+                "1 to 4, whose scatter tells how well means are known"
             )
         labels = (axis.coordinate for axis in axes if axis.name in ("case", "shape"))
         found.asked.check(f"{where}.{key}", found.runs[0].replicate.configuration, next(labels, ()))
