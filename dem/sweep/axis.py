@@ -94,9 +94,9 @@ def axes_of(specs: dict, place: Place, steps: list[Step] | None, replicates: int
     first round if absent."""
     known = place.paths | RUNS
     asked = {key: spec for key, spec in specs.items() if key in known and isinstance(spec, dict) and "refine" in spec}
-    first, others = [*asked, None][0], list(asked)[1:]
+    others = list(asked)[1:]  # on the axis of the first
     return [
-        _refined(asked, steps, place) if key == first else axis_of(key, spec, place, replicates)
+        _refined(asked, steps, place) if key in asked else axis_of(key, spec, place, replicates)
         for key, spec in specs.items() if key not in others
     ]  # fmt: skip
 
