@@ -111,8 +111,7 @@ def axis_of(key: str, spec, place: Place, replicates: int | None = None) -> Axis
     if entry:
         found = _values(spec, entry, here)
         if key == "case":
-            rows = [(each, place.sweep.cases[each]) for each in found]
-            points = [{"shape": case.shape, "density": case.density} for _, case in rows]
+            points = [dict(place.sweep.cases[each]) for each in found]
         else:
             points = [{key: each} for each in found]
         return Axis(key if key in RUNS else name_of(key), entry, found, points)

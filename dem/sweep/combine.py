@@ -130,13 +130,12 @@ def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> No
             _write(file, name, dims, values, layout=layout)
     for name, (entry, dims, values) in labels.items():
         _write(file, name, dims, np.asarray(values), entry)
-    ids = np.full(block.shape, "", object)
-    families = ids.copy()
-    for run in block.runs:
-        ids[run.place], families[run.place] = run.replicate.id, run.replicate.bed_family
-    _write(file, "run_id", block.dims, ids.astype(str), layout=layout)
-    if "jam_fraction" in layout:
-        _write(file, "bed_family", block.dims, families.astype(str), layout=layout)
+    of_runs = {"run_id": "id"} | ({"bed_family": "bed_family"} if "jam_fraction" in layout else {})
+    for name, attribute in of_runs.items():
+        texts = np.full(block.shape, "", object)
+        for run in block.runs:
+            texts[run.place] = getattr(run.replicate, attribute)
+        _write(file, name, block.dims, texts, layout=layout)
     aside = " ".join(name for name, (_, dims, _) in labels.items() if dims)
     if block.until:
         array = np.zeros([len(axis.points) for axis in block.beside_seed], np.int64)

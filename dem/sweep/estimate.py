@@ -4,6 +4,7 @@ import json
 import shlex
 from contextlib import suppress
 from itertools import islice
+from math import prod
 
 import numpy as np
 from rich.table import Column, Table
@@ -105,13 +106,11 @@ def cost(store: Store, runs: list[Replicate]) -> tuple[float, str]:
 
 def _values(block, replicate: Replicate) -> str:
     """What was varied of a run, beside shape, density and seed."""
-    words = []
-    for axis in block.axes:
-        for path in axis.paths:
-            at = replicate.at(path)
-            if path not in ("shape", "density", "seed") and at is not None:
-                words.append(f"{path} {at:g}" if isinstance(at, float | int) else f"{path} {at}")
-    return ", " + ", ".join(words) if words else ""
+    words = ""
+    for path in (path for axis in block.axes for path in axis.paths if path not in OWN):
+        if (at := replicate.at(path)) is not None:
+            words += f", {path} {at:g}" if isinstance(at, float | int) else f", {path} {at}"
+    return words
 
 
 def made(campaign: Campaign, block: str) -> tuple[set[str], set[str]]:
@@ -193,12 +192,8 @@ def _kind(replicate: Replicate) -> str:
 def bytes_of(replicate: Replicate) -> int:
     """Bytes that a run takes in its batch; compressing gains a quarter."""
     own = replicate.configuration
-    experiment = own.module
-    sizes = experiment.sizes(replicate)
-    count = sum(
-        int(np.prod([sizes[dim] for dim in dims], initial=1))
-        for dims, *_ in experiment.layout(own).values()
-    )
+    sizes, layout = own.module.sizes(replicate), own.module.layout(own)
+    count = sum(prod(sizes[dim] for dim in dims) for dims, *_ in layout.values())
     return 6 * count + 24 * replicate.shape.granules
 
 
