@@ -419,6 +419,10 @@ def test_a_share_of_a_mean_that_is_not_positive_is_refused_and_the_runs_are_kept
         ),
         ({"cylinder.velocity": VELOCITY.replace("0.1", "0")}, "low is 0; on a log scale it must be above 0"),
         ({"friction.granule": FRICTION.replace("0.1", "-0.1")}, "sweep.friction.granule.low is -0.1; it must be at least 0"),
+        (
+            {"values": f"{{friction.granule: {FRICTION}}}"},
+            "sweep.values.friction.granule has refine, as only a key of a block may; name it there",
+        ),
         ({"seed": "3"}, "sweep.seed is 3, and cylinder.velocity is refined; it must list two seeds or more, such as 1 to 4"),
         ({"seed": ""}, "sweep.seed is missing, and cylinder.velocity is refined; it must list two seeds or more"),
         ({"seed": "{until: 5 %, of: force}"}, "and cylinder.velocity is refined; it must list two seeds or more"),

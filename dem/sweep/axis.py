@@ -203,6 +203,8 @@ def _known(path, paths, place: Place) -> None:
 
 def _derived(path: str, asked: dict, here: Place) -> Derive:
     """How a value follows from another result."""
+    if "refine" in asked:
+        here.refuse("has refine, as only a key of a block may; name it there")
     if path != "packing.fraction":
         here.refuse("cannot be derived, only packing.fraction")
     found = validated(Derive, asked, at=here.where)
