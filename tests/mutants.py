@@ -147,7 +147,7 @@ MUTANTS = (
     Mutant("sweep/prune.py", "missing term", "{run for each in earlier for run in each.runs}, set()", "set(), set()", PRUNED),
     Mutant("sweep/prune.py", "order", "list(store.files()), list(", "store.files(), list(", f"{SWEEP}::test_prune_leaves_the_plans_of_a_sweep_that_starts_meanwhile"),
     Mutant("sweep/combine.py", "index", "for _, row in some]", "for _, row in some[::-1]]", ROWS),
-    Mutant("sweep/combine.py", "condition", "        elif left:\n", "        elif left and not made:\n", f"{SWEEP}::test_a_run_that_no_file_holds_is_named"),
+    Mutant("sweep/combine.py", "condition", "        elif left:\n", "        elif left and not file.dimensions:\n", f"{SWEEP}::test_a_run_that_no_file_holds_is_named"),
     Mutant("sweep/combine.py", "missing call", "            _check(sweep, block, sorted(failed))\n", "            pass\n", FAILED),
     Mutant("sweep/combine.py", "comparison", "if count == groups[group]:", "if count > groups[group]:", "tests/test_faults.py::test_a_case_without_any_run_stops_a_sweep"),
     Mutant("base/files.py", "order", "        yield part\n        part.replace(path)\n", "        try:\n            yield part\n        finally:\n            part.replace(path)\n", WHOLE),

@@ -58,13 +58,14 @@ def run(replicate, bed=None, progress=lambda done: None):
 '''
 SWEEP = """
 extends: config/smoke.yaml
-results: results/drawn
-experiment: drawn.py
+results: results/peaked
+experiment: peaked.py
 sweep:
 """
 VELOCITY = "{refine: log, low: 0.1, high: 32, until: 8 %, of: force}"
 FRICTION = "{refine: linear, low: 0.1, high: 0.8, until: 8 %, of: force}"
 ONE = {"case": "[c1, e3]", "cylinder.velocity": VELOCITY, "seed": "1 to 3"}
+FEW = ONE | {"case": "c1", "cylinder.velocity": VELOCITY.replace("8 %", "16 %, least: 7")}  # few rounds
 TWO = {"case": "c1", "cylinder.velocity": VELOCITY, "friction.granule": FRICTION, "seed": "1 to 3"}
 TWO = {key: each.replace("8 %", "12 %") for key, each in TWO.items()}
 
@@ -73,7 +74,7 @@ TWO = {key: each.replace("8 %", "12 %") for key, each in TWO.items()}
 def sweep(tmp_path, monkeypatch):
     """Writes a sweep file of drawn numbers, in a folder of its own where the test works."""
     monkeypatch.chdir(tmp_path)
-    Path("drawn.py").write_text(DRAWN)
+    Path("peaked.py").write_text(DRAWN)
 
     def write(keys=ONE, **more):
         lines = [f"  {key}: {each}\n" for key, each in (keys | more).items() if each]
@@ -90,13 +91,13 @@ def made(file: Path) -> Campaign:
     return campaign
 
 
-def result(name="drawn") -> xr.Dataset:
-    with dem.open_results(f"results/drawn/{name}.nc") as found:
+def result(name="peaked") -> xr.Dataset:
+    with dem.open_results(f"results/peaked/{name}.nc") as found:
         return found.load()
 
 
 def put_aside() -> None:
-    for name in ("store", "drawn"):
+    for name in ("store", "peaked"):
         Path(f"results/{name}").rename(f"{name}-before")
 
 
@@ -241,6 +242,22 @@ def test_replicates_of_one_point_weigh_as_their_number():
     assert np.mean(logs) == pytest.approx(3.0 + 0.5 * 0.25, abs=0.03)
 
 
+def test_a_number_without_an_end_counts_as_a_run_that_failed():
+    rng, asked = np.random.default_rng(3), asking()
+    samples, found = [100.0 + rng.standard_normal(3) for _ in range(5)], []
+    for value in (np.nan, np.inf, -np.inf):
+        samples[1][0] = value
+        found.append(after(asked, asked.first(1), [samples]))
+    assert found[0] == found[1] == found[2]
+
+
+def test_no_point_is_placed_twice():
+    """Where more may be placed than the scale has steps."""
+    rng, asked, steps = np.random.default_rng(0), asking("0.01 %", most=200), EVERY[1][:-3]
+    samples = [100.0 + rng.standard_normal(3) for _ in steps]
+    assert after(asked, steps, [samples]) == EVERY[1]
+
+
 def test_what_seeds_do_to_all_points_alike_is_not_averaged_out():
     """Beds of few seeds leave the height of the whole curve open, however many points there are."""
     rng, asked, found = np.random.default_rng(5), asking("5 %"), []
@@ -271,6 +288,9 @@ def test_values_are_on_the_scale_and_have_few_digits():
     assert [own.values[step] for step, in own.first(1)] == [0.1, 0.423, 1.79, 7.57, 32.0]
     narrow = Refine(refine="linear", low=0.84, high=0.845, until="3 %").values
     assert narrow[64] == 0.8425 and len(set(narrow)) == len(narrow) and narrow == sorted(narrow)
+    # three digits tell the last two apart, but one of them would be above high
+    over = Refine(refine="linear", low=0.446, high=1.0095, until="3 %").values
+    assert over[-2:] == [1.005, 1.0095] and over == sorted(over)
 
 
 def test_a_refined_sweep_is_as_well_known_as_asked(sweep):
@@ -285,7 +305,7 @@ def test_a_refined_sweep_is_as_well_known_as_asked(sweep):
     assert attrs["units"] == "m s-1" and attrs["refined"] == "force within 8 % at 95 %"
     (said,) = campaign.said
     assert float(re.search(r"is ([0-9.]+) times that", said)[1]) <= 1.0 and "raise most" not in said
-    assert said in shown(status(Campaign.of(file))) and f"{values[3]:g}" in shown(info(Path("results/drawn/drawn.nc")))
+    assert said in shown(status(Campaign.of(file))) and f"{values[3]:g}" in shown(info(Path("results/peaked/peaked.nc")))
     assert "takes" not in summary(Campaign.of(file), 2)
 
 
@@ -320,10 +340,11 @@ def test_a_stopped_sweep_goes_on_to_the_same_points(sweep, keys):
 
 @posix
 def test_snakemake_makes_the_same_points(sweep):
-    made(sweep())
+    made(sweep(FEW))
     whole = result().drop_attrs()
+    assert 7 < whole.sizes["cylinder_velocity"] < 12  # after two rounds or three
     put_aside()
-    words = "-s", ROOT / "Snakefile", "-j2", "results/drawn/drawn.nc"
+    words = "-s", ROOT / "Snakefile", "-j2", "results/peaked/peaked.nc"
     ran = snakemake(Path.cwd(), *map(str, words), configfile="sweep.yaml")
     assert ran.returncode == 0, ran.stderr
     xr.testing.assert_equal(result().drop_attrs(), whole)
@@ -332,11 +353,11 @@ def test_snakemake_makes_the_same_points(sweep):
 def test_a_cluster_goes_on_to_the_same_points(sweep, monkeypatch):
     """By a scheduler, whose client stops after a round and is started again."""
     distributed = pytest.importorskip("distributed")
-    file = sweep()
-    Path("drawn.py").rename("drawn_afar.py")  # a module that this process has not loaded from elsewhere
-    file.write_text(file.read_text().replace("drawn.py", "drawn_afar.py"))
+    file = sweep(FEW)
+    Path("peaked.py").rename("peaked_afar.py")  # a module that this process has not loaded from elsewhere
+    file.write_text(file.read_text().replace("peaked.py", "peaked_afar.py"))
     made(file)
-    whole = result("drawn_afar").drop_attrs()
+    whole = result("peaked_afar").drop_attrs()
     put_aside()
     cluster = distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0")
     with cluster as local, distributed.Client(local) as client:
@@ -350,7 +371,7 @@ def test_a_cluster_goes_on_to_the_same_points(sweep, monkeypatch):
 
             stopping.setattr(Campaign, "_make", stop)
             dem.run_sweep(file, client)
-        assert Campaign.of(file).counts()[0] == 30 < whole["run_id"].size
+        assert Campaign.of(file).counts()[0] == 21 < whole["run_id"].size
         with dem.run_sweep(file, client) as found:
             xr.testing.assert_equal(found.load().drop_attrs(), whole)
 
@@ -392,8 +413,16 @@ def test_a_share_of_a_mean_that_is_not_positive_is_refused_and_the_runs_are_kept
         ),
         ({"cylinder.velocity": VELOCITY.replace("32", "0.01")}, "cylinder.velocity: low is 0.1; it must be less than high, 0.01"),
         ({"cylinder.velocity": VELOCITY.replace("32", "0.1")}, "cylinder.velocity: low is 0.1; it must be less than high, 0.1"),
+        (
+            {"cylinder.velocity": VELOCITY.replace("0.1", "32").replace("high: 32", "high: 32.00000000000001")},
+            "cylinder.velocity: low is 32.0; it must leave room for 128 steps to high, 32.00000000000001",
+        ),
         ({"cylinder.velocity": VELOCITY.replace("0.1", "0")}, "low is 0; on a log scale it must be above 0"),
         ({"friction.granule": FRICTION.replace("0.1", "-0.1")}, "sweep.friction.granule.low is -0.1; it must be at least 0"),
+        (
+            {"values": f"{{friction.granule: {FRICTION}}}"},
+            "sweep.values.friction.granule has refine, as only a key of a block may; name it there",
+        ),
         ({"seed": "3"}, "sweep.seed is 3, and cylinder.velocity is refined; it must list two seeds or more, such as 1 to 4"),
         ({"seed": ""}, "sweep.seed is missing, and cylinder.velocity is refined; it must list two seeds or more"),
         ({"seed": "{until: 5 %, of: force}"}, "and cylinder.velocity is refined; it must list two seeds or more"),

@@ -348,3 +348,9 @@ def test_a_table_of_drag_claims_no_more_than_was_asked_for():
     asked = {"of": "drag", "target": 0.05, "relative": 1, "level": 0.95}
     dataset["replicates"] = ("case", [4], asked)
     assert narrow < 5.0 and summarise(dataset)["half_interval"].item() == pytest.approx(5.0)
+
+
+def test_a_sweep_that_varies_seeds_alone_has_one_place():
+    """Of one shape, whose place has no axis beside that of the seeds."""
+    until, sample = precision.Until(until="1 %"), np.random.default_rng(1).normal(100.0, 10.0, 10)
+    assert precision.counts(until, {(): sample}, {(): None}, 1) == {(): 20}

@@ -50,8 +50,8 @@ class Derive(Section):
 class Axis(NamedTuple):
     """A dimension: name, units and words, coordinate, and the changes of every point by path.
 
-    until: of seeds without an end, which the axis has as many of as it is cut to, or of values whose points are
-    placed round by round; refine: these values by path; steps: their points, see `refined`.
+    until: of seeds without an end, or of values whose points are placed round by round; refine: these values by
+    path; steps: their points.
     """
 
     name: str
@@ -62,12 +62,10 @@ class Axis(NamedTuple):
     refine: dict[str, Refine] | None = None
     steps: list[Step] | None = None
 
-    def cut(self, count: int) -> "Axis":
-        """The axis with its first points."""
-        if self.until is None or self.refine:
-            return self
-        found = list(range(self.until.first, self.until.first + count))
-        return self._replace(coordinate=found, points=[{"seed": each} for each in found])
+    @property
+    def paths(self) -> list[str]:
+        """What varies along it."""
+        return list(dict.fromkeys(path for point in self.points for path in point))
 
 
 class Place(NamedTuple):
@@ -91,27 +89,35 @@ def place_in(sweep: Configuration, where: str) -> Place:
     return Place(sweep, entries(sweep.shapes), where)
 
 
-def axis_of(key: str, spec, place: Place) -> Axis:
+def axes_of(specs: dict, place: Place, steps: list[Step] | None, replicates: int | None) -> list[Axis]:
+    """The dimensions of the keys of a block; steps: of what is refined, replicates: of seeds without an end, of the
+    first round if absent."""
+    known = place.paths | RUNS
+    asked = {key: spec for key, spec in specs.items() if key in known and isinstance(spec, dict) and "refine" in spec}
+    others = list(asked)[1:]  # on the axis of the first
+    return [
+        _refined(asked, steps, place) if key in asked else axis_of(key, spec, place, replicates)
+        for key, spec in specs.items() if key not in others
+    ]  # fmt: skip
+
+
+def axis_of(key: str, spec, place: Place, replicates: int | None = None) -> Axis:
     """The dimension of a key; raises InputError with the key and the value at fault."""
     here, entry = place.at(key), RUNS.get(key) or place.paths.get(key)
-    if entry and isinstance(spec, dict) and "refine" in spec:
-        asked = {key: _refine(spec, entry, here)}
-        return Axis(key if key in RUNS else name_of(key), entry, [], [], refine=asked)
     if key == "seed" and isinstance(spec, dict):
         until = validated(Until, spec, at=here.where)
-        return Axis(key, entry, [], [], until).cut(until.least)
+        found = list(range(until.first, until.first + (replicates or until.least)))
+        return Axis(key, entry, found, [{"seed": each} for each in found], until)
     if entry:
         found = _values(spec, entry, here)
         if key == "case":
-            rows = [(each, place.sweep.cases[each]) for each in found]
-            points = [{"shape": case.shape, "density": case.density} for _, case in rows]
+            points = [dict(place.sweep.cases[each]) for each in found]
         else:
             points = [{key: each} for each in found]
         return Axis(key if key in RUNS else name_of(key), entry, found, points)
     points = spec.values() if isinstance(spec, dict) and "design" not in spec else ()
     if not isinstance(spec, dict) or not spec or not all(isinstance(p, dict) for p in points):
-        hint = meant(key, [*place.paths, *RUNS])
-        raise InputError(f"{place.where}: {key} is no value that can vary{hint}.")
+        _known(key, [*place.paths, *RUNS], place)
     validated(Label, key, at=f"a name in {place.where}")
     if "design" in spec:
         return _design(key, spec, here)
@@ -142,27 +148,23 @@ def _refine(spec: dict, entry: Entry, here: Place) -> Refine:
     return found
 
 
-def refined(axes: list[Axis], steps: list[Step] | None, where: str) -> list[Axis]:
-    """The axes where those of refined values have points, of the first round if steps are absent. Two refined
-    values have their points together, on one axis."""
-    own = [axis for axis in axes if axis.refine]
-    asked = {path: each for axis in own for path, each in axis.refine.items()}
-    if not asked:
-        return axes
-    first, *others = asked
+def _refined(specs: dict, steps: list[Step] | None, place: Place) -> Axis:
+    """The dimension of one refined value, or of two, whose points are on it together."""
+    table = place.paths | RUNS
+    asked = {path: _refine(spec, table[path], place.at(path)) for path, spec in specs.items()}
     if len(asked) > 2:
-        raise InputError(f"{where} refines {', '.join(asked)}; it must refine two values at most: list the others.")
+        place.refuse(f"refines {', '.join(asked)}; it must refine two values at most: list the others")
+    first, *others = asked
     told = [f"{each.words()}, with {each.least} to {each.most} points" for each in asked.values()]
     if told[0] != told[-1]:
-        raise InputError(f"{where}.{others[0]} asks for {told[1]}; it must be as {first}, whose points it shares: {told[0]}.")
+        place.at(others[0]).refuse(f"asks for {told[1]}; it must be as {first}, whose points it shares: {told[0]}")
     steps = steps or asked[first].first(len(asked))
     points = [{path: each.values[at] for (path, each), at in zip(asked.items(), step, strict=True)} for step in steps]
+    axis = Axis(REFINED, Entry(REFINED, "1", POINT), list(range(len(points))), points, asked[first], asked, steps)
     if others:
-        axis = Axis(REFINED, Entry(REFINED, "1", POINT), list(range(len(points))), points)
-    else:
-        axis = own[0]._replace(coordinate=[point[first] for point in points], points=points)
-    axis = axis._replace(until=asked[first], refine=asked, steps=steps)
-    return [axis if each is own[0] else each for each in axes if each is own[0] or not each.refine]
+        return axis
+    name = first if first in RUNS else name_of(first)
+    return axis._replace(name=name, entry=table[first], coordinate=[point[first] for point in points])
 
 
 def name_of(path: str) -> str:
@@ -201,6 +203,8 @@ def _known(path, paths, place: Place) -> None:
 
 def _derived(path: str, asked: dict, here: Place) -> Derive:
     """How a value follows from another result."""
+    if "refine" in asked:
+        here.refuse("has refine, as only a key of a block may; name it there")
     if path != "packing.fraction":
         here.refuse("cannot be derived, only packing.fraction")
     found = validated(Derive, asked, at=here.where)

@@ -13,6 +13,7 @@ import numpy as np
 from dem.base.errors import InputError
 from dem.base.files import Place, check_own
 from dem.base.yaml_file import read
+from dem.experiment.config import Replicate
 from dem.sweep.config import CONFIG, Sweep, file_of, load, parse, save
 from dem.sweep.earlier import OWNER, read_earlier, refuse_other, replaced
 from dem.sweep.expand import Block
@@ -36,7 +37,8 @@ class Campaign:
     ):
         self.sweep, self.file, self.root = sweep, file, Path(root)
         self.store = store or Store(self.root / FOLDER)
-        self._plans: dict[tuple[str, int], tuple[list[Batch], dict]] = {}  # by block and round
+        self._plans: dict[tuple[str, int], list[Batch]] = {}  # by block and round
+        self._new: dict[str, list[Replicate]] = {}  # runs of batches whose plans are not written
         self._blocks: dict[str, list[Block]] = {}  # by round
         self._numbers: dict[str, Numbers] = {}
         self._ended: set[str] | None = None  # batches that `failed` has looked at
@@ -68,14 +70,16 @@ class Campaign:
     @cached_property
     def folders(self) -> dict[str, str]:
         """Block by the folder of its combined files, below the root."""
-        results = self.sweep.results
-        if list(self.sweep.blocks) == ["drag"]:
-            return {results: "drag"}
-        return {f"{results}/{name}": name for name in self.sweep.blocks}
+        return {self.folder_of(name): name for name in self.sweep.blocks}
 
     def folder_of(self, block: str) -> str:
         """Folder of the combined files of a block, below the root."""
-        return next(folder for folder, name in self.folders.items() if name == block)
+        alone = list(self.sweep.blocks) == ["drag"]
+        return self.sweep.results if alone else f"{self.sweep.results}/{block}"
+
+    def path_of(self, block: str, observable: str) -> Path:
+        """The combined file of an observable of a block."""
+        return self.root / self.folder_of(block) / f"{observable}.nc"
 
     def observables(self, block: str) -> tuple[str, ...]:
         """What the runs of a block record, each a combined file; snapshots stay in the batches."""
@@ -84,11 +88,8 @@ class Campaign:
 
     def needed(self, block: str) -> list[Path]:
         """Combined files of other blocks that the values of a block are derived from."""
-        return [
-            self.root / self.folder_of(name) / f"{observable}.nc"
-            for name in self.sweep.needed(block)
-            for observable in self.observables(name)
-        ]
+        names = self.sweep.needed(block)
+        return [self.path_of(name, each) for name in names for each in self.observables(name)]
 
     def is_known(self, block: str) -> bool:
         """Whether all values of a block are known, because what they are derived from is there."""
@@ -102,13 +103,12 @@ class Campaign:
         if name not in self._blocks:
             if not self.is_known(name):
                 return self.sweep.block(name)
+            derived = None
             if needed := self.needed(name):
                 from dem.sweep.derive import derived_by  # with xarray, which a plan does not need
 
-                found = self.sweep.block(name, derived_by(self.sweep, needed))
-            else:
-                found = self.sweep.block(name)
-            self._blocks[name] = [found]
+                derived = derived_by(self.sweep, needed)
+            self._blocks[name] = [self.sweep.block(name, derived)]
             while self.grow(name):
                 pass
         found = self._blocks[name]
@@ -146,11 +146,9 @@ class Campaign:
     def rounds(self, name: str) -> Iterator[int]:
         """The rounds of a block, one after another; each must be made before the next."""
         if self.block(name).asked:
-            number = 0
-            while number < len(self._blocks[name]):
+            for number, found in enumerate(self._blocks[name]):  # which grow meanwhile
                 yield number
-                number += 1
-                if number == len(self._blocks[name]):
+                if found is self._blocks[name][-1]:
                     self.grow(name)
 
     def runs(self) -> set[str]:
@@ -175,17 +173,16 @@ class Campaign:
         for name in self.sweep.blocks:  # in one order, because blocks share runs
             if name == block or self.is_known(name):
                 self.block(name)
-                for number in range(len(self._blocks[name])):
-                    if (name, number) in self._plans:
-                        continue
-                    own = {each.id: each for batches, _ in self._plans.values() for each in batches}
-                    there = (self.store.sealed() | own).values()
-                    found = self.block(name, number).unique()
-                    self._plans[name, number] = plan(
-                        there, found, self.sweep.batch, self.sweep.results
-                    )
+                for number, found in enumerate(self._blocks[name]):
+                    if (name, number) not in self._plans:
+                        own = {each.id: each for batches in self._plans.values() for each in batches}
+                        there = (self.store.sealed() | own).values()
+                        self._plans[name, number], new = plan(
+                            there, found.unique(), self.sweep.batch, self.sweep.results
+                        )
+                        self._new |= new
         last = len(self._blocks[block]) - 1
-        return self._plans[block, last if rounds is None else min(rounds, last)][0]
+        return self._plans[block, last if rounds is None else min(rounds, last)]
 
     def files(self, block: str) -> list[Path]:
         """The files of the batches of a block."""
@@ -198,12 +195,10 @@ class Campaign:
         save(self.sweep, path, self.file or "")  # first, so that pruning knows what is needed
         for name in blocks:
             self.batches(name)
-            of_block = [batches for key, (batches, _) in self._plans.items() if key[0] == name]
-            needed = {batch.id for batches in of_block for batch in batches}
-            for batches, new in self._plans.values():  # some may be planned for another block
-                for batch in batches:
-                    if batch.id in new and batch.id in needed:
-                        self.store.write_plan(batch, self.sweep.results, new.pop(batch.id))
+            for number in range(len(self._blocks[name])):
+                for batch in self._plans[name, number]:  # some may be planned for another block
+                    if batch.id in self._new:
+                        self.store.write_plan(batch, self.sweep.results, self._new.pop(batch.id))
         return str(path)
 
     def counts(self) -> tuple[int, int]:
@@ -229,13 +224,13 @@ class Campaign:
 
     def combined(self) -> Iterator[tuple[str, Path]]:
         """The combined files that the sweep may write, each with its block."""
-        for folder, name in self.folders.items():
+        for name in self.sweep.blocks:
             for observable in dict.fromkeys((*self.observables(name), "flow")):
-                yield name, self.root / folder / f"{observable}.nc"
+                yield name, self.path_of(name, observable)
 
     def first(self, block: str) -> Path:
         """The combined file whose runs are compared; they are known early but for what is derived."""
-        return self.root / self.folder_of(block) / f"{self.observables(block)[0]}.nc"
+        return self.path_of(block, self.observables(block)[0])
 
     def check(self) -> list[str]:
         """Raise InputError where a file that the sweep writes is a link or of another kind, or where the
@@ -297,18 +292,17 @@ class Campaign:
                     break
             for observable in self.observables(name):
                 if observable != "flow":
-                    self.combine(name, observable, Path(self.first(name).with_stem(observable)))
-
+                    self.combine(name, observable, self.path_of(name, observable))
 
     def _make(self, name: str, workers: Workers, progress) -> None:
         """Make the runs of a block that are known and not there."""
         self.begin(name)
-        there = self.counts()[0]
         new = [each for each in self.batches(name) if not self.store.file_of(each.id).is_file()]
         kept = sum(self.store.run_of(run).is_file() for each in new for run in each.runs)
-        before = there - kept
+        before = self.counts()[0] - kept
         make_batches(self.store, new, workers, lambda n, *more: progress(before + n, *more))
         self._plans.clear()  # some runs may have been put into batches of their own
+        self._new.clear()
 
 
 def of_new_store(store: Store, file: Path) -> str | None:

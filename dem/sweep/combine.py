@@ -6,10 +6,9 @@ there are. What has a value for every granule stays in the batches.
 """
 
 import json
-import operator
 from collections import Counter
-from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import groupby
 from pathlib import Path
 
 import netCDF4
@@ -57,32 +56,26 @@ def combine(
     left, failed, gaps = set(block.places), [], bool(sweep.failures or partial or block.until)
     provenance = {name: {} for name in PROVENANCE}
     with create(output) as file:
-        made = False
-        for done, path in enumerate(sorted(paths, key=lambda path: str(path))):
+        for done, path in enumerate(sorted(paths, key=str)):
             with content_of(path, AGAIN), netCDF4.Dataset(path) as batch:
                 present = [name for name in names if name in batch.variables]
             values, attrs = read(path, (*present, "run_id", "failure", "failure_reason"))
-            rows = [row for row, run in enumerate(values["run_id"].tolist()) if run in left]
-            ids = [str(values["run_id"][row]) for row in rows]
-            left -= set(ids)
-            if rows and not made:
-                _make_room(file, block, layout, {name: values[name] for name in present}, gaps)
-                made = True
+            given = {name: values[name] for name in present}
+            rows = {run: row for row, run in enumerate(values["run_id"].tolist()) if run in left}
+            left -= rows.keys()
+            if rows and not file.dimensions:
+                _make_room(file, block, layout, given, gaps)
             with content_of(path):
                 for name in PROVENANCE:
                     provenance[name][attrs.get(name, "unknown")] = None
-                places = sorted(
-                    (p, row) for row, run in zip(rows, ids, strict=True) for p in block.places[run]
-                )
-                _fill(
-                    file, {name: values[name] for name in present if name in file.variables}, places
-                )
+                places = sorted((p, row) for run, row in rows.items() for p in block.places[run])
+                _fill(file, given, places)
             failed += [
                 (place, int(values["failure"][row]), str(values["failure_reason"][row]))
                 for place, row in places if values["failure"][row]
             ]  # fmt: skip
             progress((done + 1) / len(paths))
-        if left and partial and made:
+        if left and partial and file.dimensions:
             total = len(block.places)
             file.setncattr("partial", f"{total - len(left)} of {total} runs")
             for run in left:
@@ -137,13 +130,12 @@ def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> No
             _write(file, name, dims, values, layout=layout)
     for name, (entry, dims, values) in labels.items():
         _write(file, name, dims, np.asarray(values), entry)
-    ids = np.full(block.shape, "", object)
-    families = ids.copy()
-    for run in block.runs:
-        ids[run.place], families[run.place] = run.replicate.id, run.replicate.bed_family
-    _write(file, "run_id", block.dims, ids.astype(str), layout=layout)
-    if "jam_fraction" in layout:
-        _write(file, "bed_family", block.dims, families.astype(str), layout=layout)
+    of_runs = {"run_id": "id"} | ({"bed_family": "bed_family"} if "jam_fraction" in layout else {})
+    for name, attribute in of_runs.items():
+        texts = np.full(block.shape, "", object)
+        for run in block.runs:
+            texts[run.place] = getattr(run.replicate, attribute)
+        _write(file, name, block.dims, texts, layout=layout)
     aside = " ".join(name for name, (_, dims, _) in labels.items() if dims)
     if block.until:
         array = np.zeros([len(axis.points) for axis in block.beside_seed], np.int64)
@@ -153,13 +145,11 @@ def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> No
         target, relative = block.until.target
         parsed = {"target": target, "relative": int(relative), "level": block.until.level}
         file.variables[REPLICATES].setncatts(block.until.model_dump() | parsed)
-    lengths = block.shape[:-1], min(BLOCK, block.shape[-1])
     for name, values in sample.items():
-        dims, inner = layout[name][0], values.shape[1:]
-        sizes = (*(1 for _ in lengths[0]), lengths[1], *inner)
+        sizes = (*[1] * (len(block.dims) - 1), min(BLOCK, block.shape[-1]), *values.shape[1:])
         gap = np.nan if values.dtype.kind == "f" else -1
         made = file.createVariable(
-            name, values.dtype, dims, zlib=True, complevel=4, shuffle=True, fletcher32=True,
+            name, values.dtype, layout[name][0], zlib=True, complevel=4, shuffle=True, fletcher32=True,
             chunksizes=sizes, fill_value=gap if gaps else False,
         )  # fmt: skip
         # runs mostly come in order, and what is full is written and forgotten
@@ -183,9 +173,7 @@ def _write(
         about = {"long_name": entry.about, "units": entry.units}
         about = {key: value for key, value in about.items() if value is not None}
     else:
-        about = attributes(
-            name, known | {"displacement_bounds": ()} if name == "displacement" else known
-        )
+        about = attributes(name, known)
     if values.dtype == bool:  # netCDF has no truth values
         values = values.astype("i1")
     if values.dtype == object:
@@ -196,25 +184,14 @@ def _write(
 
 def _fill(file, values: dict, places: list[tuple[tuple[int, ...], int]]) -> None:
     """Write rows at their places; what is side by side along the last axis at once."""
-    for some in _side_by_side(places):
+    side_by_side = groupby(enumerate(places), lambda each: (each[1][0][:-1], each[1][0][-1] - each[0]))
+    for _, some in side_by_side:
+        some = [each for _, each in some]
         *lead, first = some[0][0]
         rows = [row for _, row in some]
         there = (*lead, slice(first, first + len(rows)))
-        for name, array in values.items():
-            file.variables[name][there] = array[rows]
-
-
-def _side_by_side(places) -> Iterator[list]:
-    some = []
-    for place, row in places:
-        if some:
-            *lead, last = some[-1][0]
-            if place[:-1] != tuple(lead) or place[-1] != last + 1:
-                yield some
-                some = []
-        some.append((place, row))
-    if some:
-        yield some
+        for name in values.keys() & file.variables.keys():
+            file.variables[name][there] = values[name][rows]
 
 
 def _check(sweep: Sweep, block: Block, failed) -> None:
@@ -257,12 +234,8 @@ def about(
 def shared(block: Block, **paths: str) -> dict:
     """Attributes by name, from values by path: those that are the same in all runs of a block. What
     varies is a coordinate."""
-    found = {}
-    for name, path in paths.items():
-        values = {operator.attrgetter(path)(run.replicate.configuration) for run in block.runs}
-        if len(values) == 1:
-            found[name] = values.pop()
-    return found
+    values = {name: {run.replicate.at(path) for run in block.runs} for name, path in paths.items()}
+    return {name: each.pop() for name, each in values.items() if len(each) == 1}
 
 
 @contextmanager
@@ -274,10 +247,6 @@ def open_combined(path: Path, needed=("drag",)):
             raise InputError(f"{path}: it has no variable run_id; is it another file?")
         dims = dataset["run_id"].dims
         layout = {name: ((*dims, "displacement"), "N", "") for name in needed}
-        require(
-            dataset, path, layout, ("shape", *AXES_OF, *needed), ("window_start", "window_stop")
-        )
+        names = "shape", "displacement", "displacement_bounds"
+        require(dataset, path, layout, (*names, *needed), ("window_start", "window_stop"))
         yield dataset
-
-
-AXES_OF = ("displacement", "displacement_bounds")

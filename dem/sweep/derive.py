@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from dem.base.errors import InputError
@@ -58,14 +59,12 @@ class Jamming:
 def jamming_of(paths: list[Path]) -> Jamming:
     """Jamming fractions from combined files of the experiment jamming; a bed in two counts once."""
     names = "run_id", "bed_family", "jam_friction", "jam_fraction", "jam_slope", "diameter"
-    columns = []
+    tables = []
     for path in paths:
         with open_lazily(path) as dataset:
-            arrays = xr.broadcast(*(dataset[name] for name in names))
-            columns.append([array.values.ravel() for array in arrays])
-    ids, *others = map(np.concatenate, zip(*columns, strict=True))
-    first = np.sort(np.unique(ids, return_index=True)[1])
-    return Jamming(*(column[first] for column in others))
+            tables.append(dataset[list(names)].to_dataframe())
+    beds = pd.concat(tables).drop_duplicates("run_id")
+    return Jamming(*(beds[name].to_numpy() for name in names[1:]))
 
 
 def derived_by(sweep, paths: list[Path]):

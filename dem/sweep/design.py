@@ -101,9 +101,8 @@ def points(wanted: Design) -> list[dict]:
         unit = qmc.Sobol(size, rng=seed).random(wanted.points)
     else:
         drawn = qmc.LatinHypercube(size, rng=seed)
-        hypercubes = [
-            drawn.random(wanted.points) for _ in range(DRAWS if wanted.points < MANY else 1)
-        ]
+        draws = DRAWS if wanted.points < MANY else 1
+        hypercubes = [drawn.random(wanted.points) for _ in range(draws)]
         unit = min(hypercubes, key=qmc.discrepancy) if len(hypercubes) > 1 else hypercubes[0]
     return [
         {path: factor.at(u) for (path, factor), u in zip(wanted.over.items(), row, strict=True)}

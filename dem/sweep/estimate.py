@@ -2,7 +2,9 @@
 
 import json
 import shlex
+from contextlib import suppress
 from itertools import islice
+from math import prod
 
 import numpy as np
 from rich.table import Column, Table
@@ -104,29 +106,26 @@ def cost(store: Store, runs: list[Replicate]) -> tuple[float, str]:
 
 def _values(block, replicate: Replicate) -> str:
     """What was varied of a run, beside shape, density and seed."""
-    words = []
-    for axis in block.axes:
-        for path in dict.fromkeys(path for point in axis.points for path in point):
-            at = replicate.at(path)
-            if path not in ("shape", "density", "seed") and at is not None:
-                words.append(f"{path} {at:g}" if isinstance(at, float | int) else f"{path} {at}")
-    return ", " + ", ".join(words) if words else ""
+    words = ""
+    for path in (path for axis in block.axes for path in axis.paths if path not in OWN):
+        if (at := replicate.at(path)) is not None:
+            words += f", {path} {at:g}" if isinstance(at, float | int) else f", {path} {at}"
+    return words
 
 
 def made(campaign: Campaign, block: str) -> tuple[set[str], set[str]]:
     """Identities of the runs of a block that are in the store, and of those that failed."""
     store, wanted = campaign.store, set(campaign.block(block).places)
-    found = {False: set(), True: set()}  # by whether they failed
+    there, failed = set(), set()
     for batch in store.sealed().values():
-        if wanted.intersection(batch.runs):
-            failed = store.failed(batch.id)
-            found[True] |= failed
-            found[False] |= set(batch.runs) - failed
-    for run in wanted - found[False] - found[True]:
+        if here := wanted.intersection(batch.runs):
+            bad = store.failed(batch.id)
+            there |= here - bad
+            failed |= here & bad
+    for run in wanted - there - failed:
         if (row := store.kept(run)) is not None:
-            found[bool(row["failure"])].add(run)
-    there = found[False] & wanted
-    return there, (found[True] & wanted) - there
+            (failed if row["failure"] else there).add(run)
+    return there, failed - there
 
 
 def kept(campaign: Campaign, how: str = "run the same command to go on") -> str:
@@ -143,10 +142,9 @@ def outcome(campaign: Campaign, new: int | None = None, draws: str = "dem figure
     new: how many of them were just made, None where that is unknown; draws: the command that draws
     a file of drag.
     """
+    names = campaign.sweep.blocks
     first, *others = (
-        f"{folder}/{observable}.nc"
-        for folder, block in campaign.folders.items()
-        for observable in campaign.observables(block)
+        f"{campaign.folder_of(name)}/{each}.nc" for name in names for each in campaign.observables(name)
     )
     failed = 0
     if campaign.sweep.failures:
@@ -194,12 +192,8 @@ def _kind(replicate: Replicate) -> str:
 def bytes_of(replicate: Replicate) -> int:
     """Bytes that a run takes in its batch; compressing gains a quarter."""
     own = replicate.configuration
-    experiment = own.module
-    sizes = experiment.sizes(replicate)
-    count = sum(
-        int(np.prod([sizes[dim] for dim in dims], initial=1))
-        for dims, *_ in experiment.layout(own).values()
-    )
+    sizes, layout = own.module.sizes(replicate), own.module.layout(own)
+    count = sum(prod(sizes[dim] for dim in dims) for dims, *_ in layout.values())
     return 6 * count + 24 * replicate.shape.granules
 
 
@@ -228,22 +222,16 @@ def listing(store: Store, wanted: list[tuple[str, str]]) -> Table:
         mine = [run for run in runs or () if all(_matches(run, *each) for each in wanted)]
         if not mine and (runs is not None or wanted):
             continue
-        needed = [str(folder) for folder, ids, _ in users if ids.intersection(batch.runs)]
+        needed, failed = [str(folder) for folder, ids, _ in users if ids.intersection(batch.runs)], "not made"
+        with suppress(InputError):
+            failed = str(len(store.failed(batch.id)))
         table.add_row(
-            batch.id, f"{len(mine)} of {len(batch.runs)}", _failed(store, batch.id),
+            batch.id, f"{len(mine)} of {len(batch.runs)}", failed,
             _few(run.label for run in mine), _few(f"{run.density:g}" for run in mine),
             _few(str(run.seed) for run in mine),
             differing(mine) if runs is not None else "of other code", ", ".join(needed) or unknown,
         )  # fmt: skip
     return table
-
-
-def _failed(store: Store, batch: str) -> str:
-    """How many runs of a batch failed, in words."""
-    try:
-        return str(len(store.failed(batch)))
-    except InputError:
-        return "not made"
 
 
 def _few(words) -> str:

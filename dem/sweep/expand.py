@@ -1,5 +1,6 @@
 """A block of a sweep: its axes, and all runs on their grid."""
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from functools import cached_property
 from itertools import product
@@ -12,7 +13,7 @@ from dem.base.errors import InputError
 from dem.base.schema import MOST
 from dem.experiment.config import Configuration, Entry, Replicate, entries
 from dem.experiment.fit import check_rooms
-from dem.sweep.axis import OWN, Axis, Derive, axis_of, changes, name_of, place_in, refined
+from dem.sweep.axis import OWN, Axis, Derive, axes_of, axis_of, changes, name_of, place_in
 from dem.sweep.precision import Lead, counts
 from dem.sweep.refine import Step, after, by_curve
 
@@ -32,11 +33,6 @@ class Run(NamedTuple):
 
     place: tuple[int, ...]
     replicate: Replicate
-
-
-def lead(place: tuple[int, ...], axes: list[Axis]) -> Lead:
-    """A place on all axes but that of the seeds."""
-    return tuple(at for at, axis in zip(place, axes, strict=True) if axis.name != "seed")
 
 
 class Block:
@@ -71,7 +67,7 @@ class Block:
 
     def lead(self, place: tuple[int, ...]) -> Lead:
         """A place without its seed."""
-        return lead(place, self.axes)
+        return tuple(at for at, axis in zip(place, self.axes, strict=True) if axis.name != "seed")
 
     @cached_property
     def replicates(self) -> dict[Lead, list[Replicate]]:
@@ -81,10 +77,10 @@ class Block:
             found.setdefault(self.lead(run.place), []).append(run.replicate)
         return found
 
-    def words(self, place: Lead) -> str:
-        """What the runs of a place share, in words: where it is on the axes."""
-        values = (axis.coordinate[k] for axis, k in zip(self.beside_seed, place, strict=True))
-        return ", ".join(f"{axis.name} {v}" for axis, v in zip(self.beside_seed, values, strict=True))
+    def words(self, place: Lead, without: Axis | None = None) -> str:
+        """What the runs of a place share, in words: where it is on the axes, but for one of them."""
+        at = zip(self.beside_seed, place, strict=True)
+        return ", ".join(f"{axis.name} {axis.coordinate[k]}" for axis, k in at if axis is not without)
 
     def grown(self, values: dict[Lead, np.ndarray], rounds: int) -> Grown | None:
         """What the block has after one round more, or as many as values suffice for; None where all is known."""
@@ -133,7 +129,7 @@ class Block:
                 forced = base if name != "seed" else []
                 found[name] = (None, *self._along([each[name] for each in labels], forced))
         known = entries(dict.fromkeys(replicate.label for replicate in replicates))
-        varied = (path for axis in self.axes for point in axis.points for path in point)
+        varied = (path for axis in self.axes for path in axis.paths)
         for path in dict.fromkeys((*varied, *self.fixed)):
             name = name_of(path)
             if path in known and name not in self.dims and not path.startswith("shapes."):
@@ -151,15 +147,13 @@ class Block:
                 array[tuple(slice(None) if a.until else k for a, k in zip(self.axes, run.place, strict=True))] = each
         for run, each in zip(self.runs, own, strict=True):
             array[run.place] = each
-        dims = []
-        for name in reversed(self.dims):
-            at = self.dims.index(name)
+        dims = list(self.dims)
+        for at, name in reversed(list(enumerate(self.dims))):
             first = array.take([0], at)
             same = (array == first) | ((array != array) & (first != first))
-            if name in forced or not same.all():
-                dims.insert(0, name)
-            else:
+            if name not in forced and same.all():
                 array = array.take(0, at)
+                dims.remove(name)
         return tuple(dims), array
 
 
@@ -174,55 +168,47 @@ def expand(
     where = "sweep" if name == "drag" else f"sweep.blocks.{name}"
     place = place_in(sweep, where)
     fixed = changes(block.get("values", {}), place.at("values"))
-    axes = refined([axis_of(key, block[key], place) for key in block if key not in WORDS], steps, where)
-    if counts is not None:
-        axes = [axis.cut(max(counts.values())) for axis in axes]
+    specs = {key: spec for key, spec in block.items() if key not in WORDS}
+    axes = axes_of(specs, place, steps, max(counts.values()) if counts else None)
     if "shape" in fixed:
         axes.insert(0, axis_of("shape", [fixed.pop("shape")], place))
-    given = {path for axis in axes for point in axis.points for path in point}
+    given = {path for axis in axes for path in axis.paths}
     if "seed" not in given:
         axes.append(axis_of("seed", [fixed.pop("seed", 1)], place))
     if len(axes) > MOST_AXES:
-        raise InputError(
-            f"{where} has {len(axes)} dimensions; it must have at most {MOST_AXES}: what has one value "
-            "belongs under values, and values that go together under one name."
+        place.refuse(
+            f"has {len(axes)} dimensions; it must have at most {MOST_AXES}: what has one value belongs under "
+            "values, and values that go together under one name"
         )
     given |= set(fixed)
     names = [axis.name for axis in axes]
     names += map(name_of, given - {axis.entry.path for axis in axes})
     if twice := [axis.name for axis in axes if names.count(axis.name) > 1]:
-        raise InputError(
-            f"{where} has the dimension {twice[0]} and another value of this name in files; rename one."
-        )
+        place.refuse(f"has the dimension {twice[0]} and another value of this name in files; rename one")
     if "shape" not in given and len(sweep.shapes) > 1:
-        raise InputError(f"{where} must vary shape or case; there are {', '.join(sweep.shapes)}.")
-    for path in SAME:
-        if path in given - set(fixed):
-            raise InputError(f"{where} varies {path}, which runs of one block share; use blocks.")
+        place.refuse(f"must vary shape or case; there are {', '.join(sweep.shapes)}")
+    if same := [path for path in SAME if path in given - set(fixed)]:
+        place.refuse(f"varies {same[0]}, which runs of one block share; use blocks")
     points = [fixed, *(point for axis in axes for point in axis.points)]
     if "needs" not in block and any(isinstance(v, Derive) for point in points for v in point.values()):
-        raise InputError(
-            f"{where} derives values; needs must name the blocks that it takes them from."
-        )
-    points_of = [fixed.keys(), *({p for q in axis.points for p in q} for axis in axes)]
-    twice = [p for p in given if sum(p in some for some in points_of) > 1]
-    if twice:
-        raise InputError(f"{where} varies {min(twice)} in two ways; name it once.")
+        place.refuse("derives values; needs must name the blocks that it takes them from")
+    ways = Counter([*fixed, *(path for axis in axes for path in axis.paths)])
+    if twice := [path for path, count in ways.items() if count > 1]:
+        place.refuse(f"varies {min(twice)} in two ways; name it once")
     found = Block(name, axes, [], fixed)
     if (count := found.most) > MOST:
-        raise InputError(f"{where} has {count:,} runs; it must have at most {MOST:,}.")
+        place.refuse(f"has {count:,} runs; it must have at most {MOST:,}")
     found.runs = _runs(sweep, where, fixed, axes, derived, counts)
     if found.asked:
         key, kind = (next(iter(found.refined.refine)), "values") if found.refined else ("seed", "seeds")
         if "needs" in block:
-            raise InputError(
-                f"{where}.{key} has until, and needs {block['needs']}; list the {kind} of a block whose values "
-                "follow from another."
+            place.at(key).refuse(
+                f"has until, and needs {block['needs']}; list the {kind} of a block whose values follow from another"
             )
         if found.refined and (any(axis.until and not axis.refine for axis in axes) or min(found.counts.values()) < 2):
-            raise InputError(
-                f"{where}.seed is {block.get('seed', 'missing')}, and {key} is refined; it must list two seeds or more, "
-                "such as 1 to 4, whose scatter tells how well means are known."
+            place.at("seed").refuse(
+                f"is {block.get('seed', 'missing')}, and {key} is refined; it must list two seeds or more, such as "
+                "1 to 4, whose scatter tells how well means are known"
             )
         labels = (axis.coordinate for axis in axes if axis.name in ("case", "shape"))
         found.asked.check(f"{where}.{key}", found.runs[0].replicate.configuration, next(labels, ()))
@@ -230,10 +216,10 @@ def expand(
 
 
 def _runs(sweep, where, fixed, axes, derived, counts) -> list[Run]:
-    made, runs, seeds = {}, [], {}
+    made, runs = {}, []
     seeded = next((at for at, axis in enumerate(axes) if axis.until), None)
     for place in product(*(range(len(axis.points)) for axis in axes)):
-        if counts is not None and place[seeded] >= counts[lead(place, axes)]:
+        if counts and place[seeded] >= counts[*place[:seeded], *place[seeded + 1 :]]:
             continue
         own = dict(fixed)
         for axis, at in zip(axes, place, strict=True):
@@ -243,13 +229,13 @@ def _runs(sweep, where, fixed, axes, derived, counts) -> list[Run]:
         density = density or sweep.density_of(shape)
         key = shape, density, repr(own)
         if key not in made:
-            made[key] = _resolved(sweep, shape, density, own, derived)
-            seeds[key] = []
-        seeds[key].append(seed)
-        runs.append(Run(place, Replicate(made[key], shape, density, seed)))
-    for (shape, _, words), configuration in made.items():
+            made[key] = _resolved(sweep, shape, density, own, derived), []
+        configuration, seeds = made[key]
+        seeds.append(seed)
+        runs.append(Run(place, Replicate(configuration, shape, density, seed)))
+    for (shape, *_), (configuration, seeds) in made.items():
         try:
-            check_rooms(configuration, shape, seeds[shape, _, words])
+            check_rooms(configuration, shape, seeds)
         except ValueError as error:
             raise InputError(f"{where} asks for an impossible run: {error}.") from None
     return runs

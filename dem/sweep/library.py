@@ -105,9 +105,8 @@ def _whole(values: dict) -> dict:
     own = {key: new for key, new in values.items() if key not in ("shape", "density", "seed")}
     base = load(Path(values["extends"]))
     found = extended(own | {"results": base.results}, "values")
-    known = set(base.values())
-    found = {key: new for key, new in found.items() if key in {*known, *own, "beside"}}
-    found.pop("results", None)
+    known = {*base.values(), *own, "beside"} - {"results"}
+    found = {key: new for key, new in found.items() if key in known}
     if "shape" not in values:
         raise InputError("values: shape is missing.")
     density = values.get("density", base.density_of(values["shape"]))

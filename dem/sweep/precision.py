@@ -9,7 +9,7 @@ often the true mean is as near as that.
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Annotated, NamedTuple
 
@@ -24,21 +24,18 @@ from dem.io.dataset import OF_RUN, read
 GROWTH = 2  # a round at most doubles the replicates of a place
 SAFETY = 1.05  # on the interval, because who looks and stops finds it too narrow
 SHARE = "it must be a percentage between 50 % and 99.99 %, such as 95 %"
+NUMBER = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 ASKED = "it must be a positive number with its unit, such as 5 % of the mean, or 50 N"
 
 Lead = tuple[int, ...]  # a place on the axes but that of the seeds
 
 
-def _quantity(text) -> tuple[float, str]:
+def _quantity(text, fault: str = ASKED) -> tuple[float, str]:
     """A positive number and its unit; raises ValueError."""
-    found = re.fullmatch(r"\s*([0-9.]+(?:[eE][+-]?\d+)?)\s*(%|[A-Za-z].*?)\s*", str(text))
-    try:
-        number = float(found[1])
-    except (TypeError, ValueError):
-        raise ValueError(ASKED) from None
-    if not 0.0 < number < math.inf:
-        raise ValueError(ASKED)
-    return number, found[2]
+    found = re.fullmatch(rf"\s*({NUMBER})\s*(%|[A-Za-z].*?)\s*", str(text))
+    if not found or not 0.0 < float(found[1]) < math.inf:
+        raise ValueError(fault)
+    return float(found[1]), found[2]
 
 
 def _asked(text) -> str:
@@ -47,10 +44,7 @@ def _asked(text) -> str:
 
 
 def _level(text) -> str:
-    try:
-        number, unit = _quantity(text)
-    except ValueError:
-        raise ValueError(SHARE) from None
+    number, unit = _quantity(text, SHARE)
     if unit != "%" or not 50.0 <= number <= 99.99:
         raise ValueError(SHARE)
     return str(text)
@@ -96,7 +90,7 @@ class Precision(Section):
         """What is asked for: drag within 5 % at 95 %."""
         return f"{self.of} within {self.until} at {self.confidence}"
 
-    def check(self, where: str, configuration, labels: Iterable[str]) -> None:
+    def check(self, where: str, configuration, labels: Sequence[str]) -> None:
         """Raise InputError where runs of a configuration have no such number; labels: of the axis of cases
         or shapes."""
         numbers, layout = numbers_of(configuration), configuration.module.layout(configuration)
@@ -105,7 +99,6 @@ class Precision(Section):
                 f"{where}.of is {self.of!r}; {self.variable} is no number that these runs record"
                 f"{choice(self.variable, numbers)}."
             )
-        labels = list(labels)
         if "/" in self.of and self.reference not in labels:
             raise InputError(
                 f"{where}.of is {self.of!r}; {self.reference!r} is no case or shape that this block "
@@ -270,15 +263,11 @@ def counts(
     for group in groups.values():
         now, number = dict.fromkeys(group, until.least), 0
         while number < rounds and all(len(values[place]) >= n for place, n in now.items()):
-            after = dict(now)
-            for place in group:
-                pair = {place, partners[place] or place}
-                if partners[place] == place:
-                    continue
-                samples = [values[each][: now[each]] for each in (place, partners[place]) if each]
-                excess = known(samples[0], until.level, *samples[1:]).excess(until)
-                for each in pair if SAFETY * excess > 1.0 else ():
-                    wanted = min(now[each] * (SAFETY * excess) ** 2, GROWTH * now[each], until.most)
+            after, so_far = dict(now), {place: values[place][:n] for place, n in now.items()}
+            for place, mean in all_known(until, so_far, {each: partners[each] for each in group}).items():
+                excess = SAFETY * mean.excess(until)
+                for each in {place, partners[place] or place} if excess > 1.0 else ():
+                    wanted = min(now[each] * excess**2, GROWTH * now[each], until.most)
                     after[each] = max(after[each], math.ceil(wanted))
             if after == now:
                 break
@@ -308,23 +297,18 @@ class Numbers:
     def _in(self, batch, replicates) -> dict[str, float]:
         own = next(replicates[run] for run in batch.runs if run in replicates).configuration
         dims = own.module.layout(own)[self.variable][0]
-        axes = [
-            name for name, (along, *_) in own.module.AXIS.items()
-            if own.record and dims and along == dims[-1:] and name.endswith("displacement")
-        ]  # fmt: skip
+        names = "run_id", "failure", "failure_reason", self.variable
         try:
-            values, _ = read(
-                self.store.file_of(batch.id),
-                ("run_id", "failure", "failure_reason", self.variable, *axes),
-            )
+            values, _ = read(self.store.file_of(batch.id), names)
         except InputError:  # damaged: who needs it says so
             return {}
         ids, failed = values["run_id"].tolist(), values["failure"] != 0
         for row in np.flatnonzero(failed):
             self.failed[ids[row]] = str(values["failure_reason"][row])
         array = values[self.variable].astype(float)
-        for name in axes:  # along the way of the cylinder, in the window alone
-            start, stop = own.record.window
-            array = array[..., (values[name] >= start) & (values[name] <= stop)]
+        for name, along in own.module.axes(own).items() if own.record else ():
+            if name.endswith("displacement") and own.module.AXIS[name][0] == dims[-1:]:
+                start, stop = own.record.window  # of the way of the cylinder, alone
+                array = array[..., (along >= start) & (along <= stop)]
         array[failed] = np.nan
         return dict(zip(ids, array.reshape(len(array), -1).mean(1).tolist(), strict=True))

@@ -37,9 +37,8 @@ def sweeps(store: Store) -> Iterator[tuple[Path, set[str], set[str]]]:
         if CONFIG in files:
             campaign = Campaign.of(here / CONFIG)
             for name in campaign.sweep.blocks:
-                for run in campaign.block(name).unique():
-                    runs.add(run.id)
-                    beds.add(run.bed_id)
+                beds |= {run.bed_id for run in campaign.block(name).unique()}
+            runs |= campaign.runs()
         if runs:
             yield here, runs, beds
 

@@ -40,7 +40,9 @@ class Refine(Precision, Bounds):
     most: Whole = value("1", "points at most", 40, ge=3, le=500)
 
     @model_validator(mode="after")
-    def _check_mean(self):
+    def _check_refine(self):
+        if not min(np.diff(self.values)) > 0.0:
+            raise ValueError(f"low is {self.low!r}; it must leave room for {STEPS} steps to high, {self.high!r}")
         if self.reference:
             raise ValueError(f"of is {self.of!r}; it must be one mean, such as {self.variable}")
         return self
@@ -55,9 +57,10 @@ class Refine(Precision, Bounds):
         """The value at each step, with as many digits as tell them apart, three at least."""
         for digits in range(3, 18):
             inner = [float(f"{self.at(step / STEPS):.{digits}g}") for step in range(1, STEPS)]
-            if len({self.low, *inner, self.high}) > STEPS:
+            found = [self.low, *inner, self.high]
+            if min(np.diff(found)) > 0.0:
                 break
-        return [self.low, *inner, self.high]
+        return found
 
     def excess(self, half):
         """Half an interval, of the logarithm where a share is asked for, over what is asked for."""
@@ -98,7 +101,8 @@ def curve(asked: Refine, steps: list[Step], samples: list[np.ndarray]) -> Curve:
     these are too few, or a share of their means means nothing."""
     from scipy.special import fdtri, stdtrit
 
-    runs = np.array(samples)
+    runs = np.array(samples, float)
+    runs[np.isinf(runs)] = np.nan
     there = np.isfinite(runs).any(1)
     runs = runs[there][:, np.isfinite(runs).any(0)]
     (points, seeds), count = runs.shape, np.isfinite(runs).sum(1)
@@ -127,8 +131,10 @@ def predicted(x: np.ndarray, y: np.ndarray, noise: np.ndarray, at: np.ndarray) -
     the variances noise (n,); and how far each y is from what the others predict, squared, over the variance of
     that, times the share of this variance that is not noise, and this share."""
     middle, size = y.mean(), y.std() or 1.0
-    scales = [(height, np.array(lengths)) for height in HEIGHTS for lengths in product(LENGTHS, repeat=x.shape[1])]
-    own = np.stack([covariance(x, x, *each) for each in scales]) + np.diag(noise / size**2 + 1e-8)
+    lengths = np.array(list(product(LENGTHS, repeat=x.shape[1])))[:, None, None]
+    scales = list(product(HEIGHTS, lengths))
+    own = covariance(x, x, HEIGHTS[:, None, None, None], lengths).reshape(-1, len(x), len(x))
+    own += np.diag(noise / size**2 + 1e-8)
     root = np.linalg.cholesky(own)
     inner = np.linalg.solve(root, np.tile((y - middle) / size, (len(scales), 1))[..., None])[..., 0]
     likely = -0.5 * (inner**2).sum(1) - np.log(root.diagonal(axis1=1, axis2=2)).sum(1)
@@ -165,7 +171,7 @@ def after(asked: Refine, steps: list[Step], groups: list[list[np.ndarray]]) -> l
         return steps
     there, every = list(steps), EVERY[len(steps[0])]
     at = np.array(every) / STEPS
-    for _ in range(min(max(2, math.ceil(ROUND * len(steps))), asked.most - len(steps))):
+    for _ in range(min(max(2, math.ceil(ROUND * len(steps))), min(asked.most, len(every)) - len(steps))):
         seen = [each.excess(asked, at) for each in curves]
         excess = np.max([each for _, each in seen], axis=0).round(6)  # equal ones have the same order anywhere
         if excess.max() <= 1.0:
@@ -179,27 +185,26 @@ def after(asked: Refine, steps: list[Step], groups: list[list[np.ndarray]]) -> l
     return sorted(there)
 
 
-def by_curve(block, values: dict[Lead, np.ndarray]) -> dict[Lead, list[np.ndarray]]:
-    """What the runs of each point gave, in the order of the points, by the place on the other axes."""
-    at, found = block.beside_seed.index(block.refined), {}
+def by_curve(block, values: dict[Lead, np.ndarray]) -> dict[str, list[np.ndarray]]:
+    """What the runs of each point gave, in the order of the points, by the place on the other axes in words."""
+    found = {}
     for place, sample in values.items():
-        found.setdefault(place[:at] + place[at + 1 :], []).append(sample)
+        found.setdefault(block.words(place, without=block.refined), []).append(sample)
     return found
 
 
 def known_to(block, values: dict[Lead, np.ndarray]) -> str:
     """How well a refined block is known between its points, in words; raises RunError where that means nothing."""
-    asked, axis, found = block.asked, block.refined, []
-    others, every = [each for each in block.beside_seed if each is not axis], EVERY[len(axis.refine)]
-    for place, samples in by_curve(block, values).items():
-        words = ", ".join(f"{each.name} {each.coordinate[k]}" for each, k in zip(others, place, strict=True))
+    asked, axis, every, found = block.asked, block.refined, EVERY[len(block.refined.refine)], []
+    for words, samples in by_curve(block, values).items():
         try:
             excess = curve(asked, axis.steps, samples).excess(asked, np.array(every) / STEPS)[1]
         except RunError as error:
             raise RunError(f"{words or axis.name}: {error}.") from None
         found.append((float(excess.max()), every[int(excess.argmax())], words))
     worst, step, words = max(found)
-    advice = "; list more seeds" if len(axis.steps) < asked.most else f"; raise most, {asked.most}, or list more seeds"
+    capped = len(axis.steps) == asked.most < len(every)
+    advice = f"; raise most, {asked.most}, or list more seeds" if capped else "; list more seeds"
     where = ", ".join(f"{path} {each.values[k]:g}" for (path, each), k in zip(axis.refine.items(), step, strict=True))
     return (
         f"{asked.words()}: half the widest interval between {len(axis.steps)} points is {worst:.2g} times that, at {where}"

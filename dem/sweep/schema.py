@@ -34,7 +34,8 @@ def schema() -> dict:
     values = {name: _one(entry) for name, entry in (entries(()) | RUNS).items()}
     block = {name: _many(one) for name, one in values.items()}
     names = {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]}
-    block |= {"needs": names, "values": {"type": "object", "properties": values}}
+    shared = {name: {"anyOf": [one, {"type": "object"}]} for name, one in values.items()}  # factors, or derived
+    block |= {"needs": names, "values": {"type": "object", "properties": shared}}
     block["blocks"] = {"type": "object", "additionalProperties": {"$ref": "#/$defs/Block"}}
     found["$defs"]["Block"] = {"type": "object", "properties": block}
     found["properties"]["sweep"] = {"$ref": "#/$defs/Block"}

@@ -235,9 +235,8 @@ def check_place(place: Path, folder: Path = FOLDER) -> None:
 def alike(replicate: Replicate) -> tuple:
     """What runs of one batch share: the size of their arrays and their machine code."""
     own = replicate.configuration
-    sizes = own.module.sizes(replicate)
-    stroke = own.cylinder.stroke if own.cylinder else None
-    return own.experiment, own.observables, stroke, *sizes.values(), kernels_of(replicate)
+    sizes = own.module.sizes(replicate).values()
+    return own.experiment, own.observables, own.at("cylinder.stroke"), *sizes, kernels_of(replicate)
 
 
 def kernels_of(replicate: Replicate) -> str:

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 import xarray as xr
+
 from dem.sweep.refine import STEPS, Refine, curve
 
 HELD, GRID, HYPERCUBE, REFINED = "held", "grid", "hypercube", "refined"
