@@ -99,17 +99,29 @@ class Budget(Findings):
     def checks(self) -> Table:
         """The model at places that it was not fitted to, against runs there: time of a run, its scatter over the mean, change of the mean."""
         made = numbers("shape", "granules", "step fraction", "time, model s", "found s", "scatter, model", "found", "change, model", "found", words=1)
+        for name, at, (time, own_time), *parts in self._checked():
+            cells = (cell for told, *found in parts for cell in (percent(told), interval(*(100.0 * each for each in found), "%", 1)))
+            made.add_row(name, f"{at.granules}", f"{at.fraction:g}", f"{time:.2f}", f"{own_time:.2f}", *cells)
+        return made
+
+    def _checked(self):
+        """By shape and place, times by the model and of runs; scatter and change by the model, of runs, and half their intervals."""
         for name, shape in self.shapes.items():
             for at in HELD:
                 some, model = self._held(name, at), shape.model
                 time = some.spent.median() if at.granules != PAPER else some.time.median() + model.bed[0]
-                off, half = some.drag / model.mean - 1.0, 1.96 * some.drag.std() / model.mean / np.sqrt(len(some))
-                made.add_row(
-                    name, f"{at.granules}", f"{at.fraction:g}", f"{model.time(at):.2f}", f"{time:.2f}", percent(model.spread(at)),
-                    interval(100.0 * off.std(), 196.0 * off.std() / np.sqrt(2.0 * len(some)), "%", 1),
-                    percent(model.biases(at).sum()), interval(100.0 * off.mean(), 100.0 * half, "%", 1),
-                )  # fmt: skip
-        return made
+                off, root = some.drag / model.mean - 1.0, np.sqrt(len(some))
+                scatter = model.spread(at), off.std(), 1.96 * off.std() / np.sqrt(2.0) / root
+                yield name, at, (model.time(at), time), scatter, (model.biases(at).sum(), off.mean(), 1.96 * off.std() / root)
+
+    def outside(self) -> str:
+        """Scatters and changes of the model that are outside the intervals of the runs that it was not fitted to."""
+        parts = [part for _, _, _, *some in self._checked() for part in some]
+        return f"{sum(abs(told - found) > half for told, found, half in parts)} of {len(parts)}"
+
+    def slow(self) -> float:
+        """By how much times of the model are off there, at most."""
+        return max(abs(told / found - 1.0) for _, _, (told, found), *_ in self._checked())
 
     def _held(self, shape: str, at: Settings):
         """Runs at a place that was not fitted to."""
@@ -167,6 +179,11 @@ class Budget(Findings):
     def ratio(self, other: str) -> str:
         """Error of the recommended settings over that of another way, over all shapes."""
         return estimate(ratio(list(self.ways.values()), NAMES[-1], other))
+
+    def expected(self) -> str:
+        """Intervals of all runs that hold the error that the model says."""
+        held = [way.whole[1] <= self._told(name, way).error <= way.whole[2] for name, ways in self.ways.items() for way in ways]
+        return f"{sum(held)} of {len(held)}"
 
     def better_than(self) -> set[str]:
         """Ways whose error is larger than that of the recommended one with its whole interval."""

@@ -33,7 +33,7 @@ def tried(shape: Shape) -> list[Way]:
     budget = RUNS * table.spent[parts == "paper"].mean()
     for name in NAMES:
         some = table[(parts == name) & table.drag.notna()]
-        count = min(int(budget / some.spent.mean()), len(some) // REPETITIONS)
+        count = min(int(budget / some.spent.mean() + 1e-9), len(some) // REPETITIONS)
         ways.append(_way(name, some.iloc[: count * REPETITIONS], count, reference))
     return ways
 

@@ -7,7 +7,15 @@ from rich.table import Table
 
 from dem.analysis.tables import numbers
 from studies.common.findings import Findings, estimate
-from studies.refinement.curves import GRID, INTERPOLATED, REFINED, SURROGATE, Curves, Error
+from studies.refinement.curves import (
+    GRID,
+    HYPERCUBE,
+    INTERPOLATED,
+    REFINED,
+    SURROGATE,
+    Curves,
+    Error,
+)
 
 __all__ = ["refinement"]
 
@@ -43,6 +51,16 @@ class Refinement(Findings):
     def grid(self, by: str = SURROGATE) -> float:
         """Runs of a grid that is as far off as the refined curve, over those of that curve."""
         return self.curves.runs_for(self.last().error[0], GRID, by) / self.last().runs
+
+    def gains(self) -> bool:
+        """Whether a grid takes a quarter more runs for the error of the refined curve, or cannot have it."""
+        return bool(self.grid() > 1.25)
+
+    def alike(self) -> bool:
+        """Whether the intervals of all curves of nine points or more, and of grids of five, have a part in common with that of the refined one."""
+        last = self.last().error
+        some = [each.error for each in self.curves.errors if each.design != HYPERCUBE or len(each.velocity) > 5]
+        return all(low <= last[2] and high >= last[1] for _, low, high in some)
 
     def told(self, by: str = SURROGATE) -> str:
         """The same in words."""

@@ -24,13 +24,13 @@ def plot(dataset: xr.Dataset) -> Figure:
     figure, grid = style.panels(len(found.shapes), len(found.shapes), 1.2, 3.6, sharex=True, sharey=True)
     for axes, (name, shape) in zip(grid, found.shapes.items(), strict=True):
         best = [shape.best(seconds) for seconds in TIMES]
-        low, high = 100.0 * np.array([(each.low, each.high) for each in best]).T
-        axes.fill_between(TIMES, low, high, color="0.85", linewidth=0.0, label="its 95 % interval")
         curves = {way: [shape.spent(at, seconds).error for seconds in TIMES] for way, at in WAYS.items()}
         curves["recommended"] = [each.error for each in best]
         for number, (way, curve) in enumerate(curves.items()):
             color = style.CASES[number] if way != "recommended" else "black"
             axes.plot(TIMES, 100.0 * np.array(curve), color=color, linestyle=LINES[way], label=LABELS[way])
+        low, high = 100.0 * np.array([(each.low, each.high) for each in best]).T
+        axes.fill_between(TIMES, low, high, color="0.85", linewidth=0.0, zorder=0, label="their 95 % interval")
         for shift, way in zip((0.85, 1.0, 1.18), found.ways[name], strict=True):
             style.intervals(
                 axes, [way.time * shift], [100.0 * way.repeated], linestyle="none", color="0.15", marker=MARKS[way.name], markersize=6,
