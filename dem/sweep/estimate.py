@@ -24,8 +24,6 @@ from dem.sweep.why import reasons
 
 GUESS = 3e-8  # s an effort, where no run was made yet: of a usual processor
 DAMPED = 30.0  # by how much damping bounds the step, over how much stiffness does, a damping ratio (study budget)
-STEP = 0.95  # longest step fraction that is sure to be stable, hardly more biased than shorter ones (study budget)
-WORTH = 0.9  # of the time, from which on other settings are told
 LISTED = 40  # runs, or batches, that are shown
 # of the list of batches
 COLUMNS = "batch", "runs", "failed", "shape", "density kg/m3", "seeds", "values", "needed by"
@@ -80,21 +78,19 @@ def _outlook(campaign: Campaign, block, runs: list[Replicate], jobs: int) -> str
     else:
         said = f"{least:,} runs at least and {most:,} at most, {span(seconds * least)} to {span(seconds * most)}"
         said, some = f"{said}; {'each' if block.refined else 'the first'} round will tell", most
-    return f"{block.asked.words()} takes {said}.{_cheaper(runs, seconds * some)}"
+    left = some - sum(map(len, values.values()))
+    return f"{block.asked.words()} takes {said}.{_shorter(block, runs[0], seconds * some, seconds * left)}"
 
 
-def _cheaper(runs: list[Replicate], seconds: float) -> str:
-    """Which settings give the same mean in less time, in words: the run ends with its window, and the step is the
-    longest that is sure to be stable."""
-    own, found = runs[0].configuration, {}
-    if own.numerics.time_step is None and own.numerics.step_fraction < STEP:
-        found["numerics.step_fraction"] = STEP
-    if own.record and own.cylinder and own.cylinder.stroke > own.record.window[1]:
-        found["cylinder.stroke"] = own.record.window[1]
-    less = [Replicate(run.configuration.changed(found, run.label), run.label, run.density, run.seed) for run in runs[:LISTED]]
-    share = sum(map(_effort, less)) / sum(map(_effort, runs[:LISTED]))
-    words = " and ".join(f"{path} {value:g}" for path, value in found.items())
-    return f" With {words} it would take {span(share * seconds)}." if share < WORTH else ""
+def _shorter(block, replicate: Replicate, whole: float, left: float) -> str:
+    """Words about a stroke that ends with the window, where it takes less time (s) than what is left: the mean drag
+    stays, and of all settings it saves most (study budget)."""
+    own = replicate.configuration
+    if own.experiment != "drag" or block.asked.variable != "drag":
+        return ""
+    end, stroke = own.record.window[1], own.cylinder.stroke
+    time = whole * end / stroke
+    return f" With cylinder.stroke {end:g}, where the window ends, it would take {span(time)}." if time < left else ""
 
 
 def cost(store: Store, runs: list[Replicate]) -> tuple[float, str]:

@@ -6,8 +6,9 @@ import numpy as np
 from rich.table import Table
 
 from dem.analysis.tables import numbers
+from studies.budget import trial
 from studies.budget.model import LEFT_OUT, PAPER, Settings
-from studies.budget.spend import WAYS, WINDOW, Levels, Shape, Spent, levels
+from studies.budget.spend import FRACTIONS, WAYS, WINDOW, Levels, Shape, Spent, levels
 from studies.budget.trial import NAMES, REPETITIONS, RUNS, Way, ratio, tried
 from studies.common.findings import Findings, clock, estimate, interval
 
@@ -22,6 +23,11 @@ HELD = Settings(LEFT_OUT, 283, WINDOW, WINDOW), Settings(LEFT_OUT, PAPER, WINDOW
 def percent(share: float, digits: int = 1) -> str:
     """A share in per cent."""
     return f"{100.0 * share:.{digits}f} %" if np.isfinite(share) else "-"
+
+
+def scatter_of(drags) -> float:
+    """Standard error of a mean, over it."""
+    return drags.std() / drags.mean() / drags.count() ** 0.5
 
 
 def ends(spent: Spent) -> str:
@@ -43,10 +49,6 @@ class Budget(Findings):
     def ways(self) -> dict[str, list[Way]]:
         """By shape, what the same time gave in several ways."""
         return {name: tried(shape) for name, shape in self.shapes.items()}
-
-    def best(self, shape: str, budget: float) -> Spent:
-        """The settings with the least error for a budget."""
-        return self.shapes[shape].best(budget)
 
     def frontier(self) -> Table:
         """Settings with the least error by budget of one core, and the errors of the default and of the paper's sweep there."""
@@ -71,8 +73,27 @@ class Budget(Findings):
         return max(shape.model.time(LONGEST._replace(fraction=0.3)) / shape.model.time(LONGEST) for shape in self.shapes.values())
 
     def boxed(self, shape: str, granules: int) -> str:
-        """Bias of a box."""
-        return percent(self.shapes[shape].model.biases(LONGEST._replace(granules=granules))[1], 0)
+        """Change of the mean drag in another box, by its runs."""
+        table = self.shapes[shape].runs.table
+        one, two = (table.drag[table.part == part].dropna() for part in ("boxes", "reference"))
+        one = one[table.granules == granules]
+        ratio = one.mean() / two.mean()
+        half = 1.96 * ratio * np.hypot(*(each.std() / each.mean() / np.sqrt(len(each)) for each in (one, two)))
+        return interval(100.0 * (ratio - 1.0), 100.0 * half, "%", 0)
+
+    def costs_nothing(self) -> bool:
+        """Whether the interval of the bias of the longest stable step holds zero, for every shape."""
+        found = [(s.model.biases(LONGEST)[0], np.std([m.biases(LONGEST)[0] for m in s.draws])) for s in self.shapes.values()]
+        return all(abs(value) < 1.96 * error for value, error in found)
+
+    def shortest(self) -> bool:
+        """Whether the least error of long budgets takes the shortest step, and that of the shortest the longest one."""
+        fractions = [[shape.best(seconds).at.fraction for seconds in BUDGETS] for shape in self.shapes.values()]
+        return all(each[0] == FRACTIONS[-1] and each[-1] == each[-2] == FRACTIONS[0] for each in fractions)
+
+    def hours(self) -> str:
+        """Processor time of all runs."""
+        return clock(float(self.dataset["run_spent"].sum()))
 
     def windowed(self, shape: str, stop: float) -> str:
         """By how much a mean that ends early is lower."""
@@ -108,11 +129,18 @@ class Budget(Findings):
         """By shape and place, times by the model and of runs; scatter and change by the model, of runs, and half their intervals."""
         for name, shape in self.shapes.items():
             for at in HELD:
-                some, model = self._held(name, at), shape.model
+                some, model, root = self._held(name, at), shape.model, LONGEST._replace(fraction=0.1)
                 time = some.spent.median() if at.granules != PAPER else some.time.median() + model.bed[0]
-                off, root = some.drag / model.mean - 1.0, np.sqrt(len(some))
-                scatter = model.spread(at), off.std(), 1.96 * off.std() / np.sqrt(2.0) / root
-                yield name, at, (model.time(at), time), scatter, (model.biases(at).sum(), off.mean(), 1.96 * off.std() / root)
+                scatter = some.drag.std() / model.mean
+                reference = shape.runs.table[shape.runs.table.part == "reference"].set_index("seed").drag
+                same = at.granules == PAPER  # the beds of the reference, each its own control
+                change = (some.drag - (some.seed.map(reference) if same else reference.mean())) / model.mean
+                error = np.hypot(change.std() / len(change) ** 0.5, 0.0 if same else scatter_of(reference))
+                told = (model.biases(at) - model.biases(root)).sum()
+                yield (
+                    name, at, (model.time(at), time),
+                    (model.spread(at), scatter, 1.96 * scatter / np.sqrt(2.0 * len(some))), (told, change.mean(), 1.96 * error),
+                )  # fmt: skip
 
     def outside(self) -> str:
         """Scatters and changes of the model that are outside the intervals of the runs that it was not fitted to."""
@@ -134,8 +162,8 @@ class Budget(Findings):
         made = numbers("shape", "mean N", "step 0.95", "200 granules", "800 granules", "mean to 3 mm", "scatter", "power", "bed s", "run s")
         for name, shape in self.shapes.items():
             own = shape.model
-            changed = [LONGEST, LONGEST._replace(granules=200), LONGEST._replace(granules=800), LONGEST._replace(stop=3.0e-3)]
-            cells = [self._interval(shape, at, part) for part, at in zip((0, 1, 1, 2), changed, strict=True)]
+            boxes = (f"{self.boxed(name, granules)}, {percent(own.biases(LONGEST._replace(granules=granules))[1], 0)}" for granules in (200, 800))
+            cells = self.biased(name), *boxes, self._interval(shape, LONGEST._replace(stop=3.0e-3), 2)
             made.add_row(
                 name, f"{own.mean:.0f}", *cells, percent(own.scatter[0]), f"{own.scatter[1]:.2f}", f"{own.bed[0]:.2f}",
                 f"{own.time(LONGEST) - own.bed[0]:.2f}",
@@ -148,7 +176,7 @@ class Budget(Findings):
         for name, ways in self.ways.items():
             for way in ways:
                 told = self._told(name, way)
-                errors = (estimate(100.0 * each, "%", 1) for each in (way.repeated, way.whole))
+                errors = (estimate(100.0 * trial.interval(each), "%", 1) for each in (way.repeated, way.whole))
                 made.add_row(name, way.name, f"{way.runs}", f"{way.time:.1f}", *errors, percent(told.error))
         return made
 
@@ -176,18 +204,22 @@ class Budget(Findings):
         """Repetitions of each way."""
         return f"{REPETITIONS}"
 
-    def ratio(self, other: str) -> str:
+    def ratio(self, other: str, by: str) -> str:
         """Error of the recommended settings over that of another way, over all shapes."""
-        return estimate(ratio(list(self.ways.values()), NAMES[-1], other))
+        return estimate(ratio(list(self.ways.values()), NAMES[-1], other, by))
 
-    def expected(self) -> str:
-        """Intervals of all runs that hold the error that the model says."""
-        held = [way.whole[1] <= self._told(name, way).error <= way.whole[2] for name, ways in self.ways.items() for way in ways]
-        return f"{sum(held)} of {len(held)}"
+    def expected(self, other: str) -> str:
+        """The same by the model."""
+        logs = []
+        for name, ways in self.ways.items():
+            own = {way.name: self._told(name, way).error for way in ways}
+            logs.append(np.log(own[NAMES[-1]] / own[other]))
+        return f"{np.exp(np.mean(logs)):.2f}"
 
-    def better_than(self) -> set[str]:
-        """Ways whose error is larger than that of the recommended one with its whole interval."""
-        return {other for other in WAYS if ratio(list(self.ways.values()), NAMES[-1], other)[2] < 1.0}
+    def decided(self, other: str, by: str) -> bool:
+        """Whether the interval of that ratio is on one side of one."""
+        _, low, high = ratio(list(self.ways.values()), NAMES[-1], other, by)
+        return not low <= 1.0 <= high
 
     @cached_property
     def every_level(self) -> dict[str, list[Levels]]:

@@ -95,7 +95,6 @@ class Runs:
         rows = self.fitted if rows is None else rows
         some, drag = self.table.iloc[rows], self.drag[rows]
         paper, reference = some[some.granules == PAPER], some.part == "reference"
-        mean = some.drag[reference].mean()
         size = np.log(some.groupby("granules").granules.first() / PAPER)
 
         lengths = paper.groupby("fraction").time_step.median()
@@ -108,18 +107,22 @@ class Runs:
         run = (some.time * _time_step(bounds, some.fraction) / some.stroke).groupby(some.granules).median()
 
         x = paper.time_step - paper.groupby("seed").time_step.transform("mean")
-        step = (x * paper.drag).sum() / (x * x).sum() / mean
+        slope = (x * paper.drag).sum() / (x * x).sum()
+        at_reference = some.drag[reference].mean()
+        mean = at_reference - slope * _time_step(bounds, some.fraction[reference].median())
+        step = slope / mean
 
         boxes = some[(some.part == "boxes") | reference].groupby("granules").drag
         scatter = boxes.std() / mean
+        spread = float(np.linalg.lstsq(-size.to_numpy()[:, None], np.log(scatter / scatter[PAPER]).to_numpy())[0][0])
         others = boxes.mean().drop(PAPER) / mean - step * _time_step(bounds, some.fraction[some.part == "boxes"].median())
         x = -size.drop(PAPER).to_numpy()
         box = tuple(np.linalg.lstsq(np.column_stack([x, x * x]), np.log(others.to_numpy()))[0].tolist())
 
         of_window = drag[reference]
         return Model(
-            mean, bounds, _power(size, bed), _power(size, run), step, box, _power(-size, scatter), self.stops,
-            of_window.mean(axis=0) / mean - 1.0, of_window.std(axis=0) / of_window[:, -1].std(),
+            mean, bounds, _power(size, bed), _power(size, run), step, box, (float(scatter[PAPER]), spread), self.stops,
+            of_window.mean(axis=0) / at_reference - 1.0, of_window.std(axis=0) / of_window[:, -1].std(),
         )  # fmt: skip
 
 

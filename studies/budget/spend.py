@@ -34,7 +34,7 @@ class Shape:
     """One shape: its runs, the model of all of them, and models of beds drawn again."""
 
     def __init__(self, dataset: xr.Dataset, name: str):
-        self.name, self.runs = name, Runs(dataset, name)
+        self.runs = Runs(dataset, name)
         self.model = self.runs.fit()
 
     @cached_property
@@ -87,8 +87,8 @@ def levels(shape: Shape, coarse: float, fine: float) -> Levels:
     some = shape.runs.table[shape.runs.table.granules == PAPER]
     drags = some[some.part.isin(("reference", "steps", "longest"))].pivot(index="seed", columns="fraction", values="drag")
     pairs = drags[[coarse, fine]].dropna().to_numpy()
-    bed, ends = shape.model.bed[0], shape.runs.stops[-1]
-    alone = {f: shape.model.time(Settings(f, PAPER, ends, ends)) for f in (coarse, fine)}
+    bed, end = shape.model.bed[0], shape.runs.stops[-1]
+    alone = {f: shape.model.time(Settings(f, PAPER, end, end)) for f in (coarse, fine)}
     both = sum(alone.values()) - bed
 
     def of(pairs):

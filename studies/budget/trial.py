@@ -14,60 +14,53 @@ DRAWS = 2000
 
 
 class Way(NamedTuple):
-    """One way to spend a budget: runs and processor time (s) of a repetition, and the error of its mean, relative,
-    with both ends of its interval: root mean square of the repetitions, and by all their runs. draws: of the latter."""
+    """One way to spend a budget: runs and processor time (s) of a repetition, which is of whole runs; and draws of
+    the error of its mean, relative, the first as found: root mean square of the repetitions, and what all their runs
+    say of it, for exactly the time of the budget."""
 
     name: str
     runs: int
     time: float
     repeated: np.ndarray
     whole: np.ndarray
-    draws: np.ndarray
+
+
+def interval(draws: np.ndarray) -> np.ndarray:
+    """The value as found, and both ends of its interval."""
+    return np.array([draws[0], *np.quantile(draws[1:], [0.025, 0.975])])
 
 
 def tried(shape: Shape) -> list[Way]:
-    """All ways, against the mean of the reference; a repetition has as many runs as their mean time allows."""
+    """All ways, against the mean of the reference."""
     table = shape.runs.table
     parts = table.part.str.partition("_")[0]
-    reference, ways = table.drag[parts == "reference"].dropna().to_numpy(), []
+    reference = table.drag[parts == "reference"].dropna().to_numpy()
     budget = RUNS * table.spent[parts == "paper"].mean()
-    for name in NAMES:
-        some = table[(parts == name) & table.drag.notna()]
-        count = min(int(budget / some.spent.mean() + 1e-9), len(some) // REPETITIONS)
-        ways.append(_way(name, some.iloc[: count * REPETITIONS], count, reference))
-    return ways
+    rng = np.random.default_rng(int(1e3 * budget))  # of each shape another
+    truths = np.append(reference.mean(), rng.choice(reference, (DRAWS, len(reference))).mean(axis=1))
+    chance = reference.var() / len(reference)
+    return [_way(name, table[(parts == name) & table.drag.notna()], truths, chance, budget, rng) for name in NAMES]
 
 
-def _way(name: str, some: pd.DataFrame, count: int, reference: np.ndarray) -> Way:
-    rng = np.random.default_rng(3)
-    drags = some.drag.to_numpy().reshape(REPETITIONS, count)
-    truths = rng.choice(reference, (DRAWS, len(reference))).mean(axis=1)
-    again = rng.choice(drags.mean(axis=1), (DRAWS, REPETITIONS))
-    draws = _error(rng.choice(drags.ravel(), (DRAWS, drags.size)), truths, count)
-    found = _rms(drags.mean(axis=1) / reference.mean() - 1.0), _error(drags.ravel(), reference.mean(), count)
-    repeated, whole = (
-        np.array([value, *np.quantile(some, [0.025, 0.975])])
-        for value, some in zip(found, (_rms(again / truths[:, None] - 1.0), draws), strict=True)
-    )
-    return Way(name, count, count * float(some.spent.mean()), repeated, whole, draws)
+def _way(name: str, some: pd.DataFrame, truths: np.ndarray, chance: float, budget: float, rng) -> Way:
+    """truths: the true mean (N) and draws of it, with the variance of it."""
+    exact = budget / some.spent.mean()
+    count = min(int(exact + 1e-9), len(some) // REPETITIONS)
+    means = some.drag.to_numpy()[: count * REPETITIONS].reshape(REPETITIONS, count).mean(axis=1)
+    found = np.sqrt(((means / truths[0] - 1.0) ** 2).mean())
+    repeated = found * np.sqrt(REPETITIONS / rng.chisquare(REPETITIONS, DRAWS))  # of normal means
+
+    drags = some.drag.to_numpy()
+    again = np.vstack([drags, rng.choice(drags, (DRAWS, len(drags)))])
+    within = again.var(axis=1, ddof=1)
+    known = within / len(drags) + chance  # by which the means differ anyway
+    known[1:] *= 2.0  # where they are drawn again
+    whole = np.sqrt(np.maximum((again.mean(axis=1) - truths) ** 2 - known, 0.0) + within / exact) / truths[0]
+    return Way(name, count, count * float(some.spent.mean()), np.append(found, repeated), whole)
 
 
-def _rms(errors: np.ndarray):
-    return np.sqrt((errors**2).mean(axis=-1))
-
-
-def _error(drags: np.ndarray, truth, count: int):
-    """What the root mean square of the repetitions would be on average: by the mean of all runs (..., run) and by
-    their scatter, which many runs tell better than ten means do."""
-    within = drags.var(axis=-1, ddof=1) / truth**2 / count
-    return np.sqrt((drags.mean(axis=-1) / truth - 1.0) ** 2 + (1.0 - 1.0 / REPETITIONS) * within)
-
-
-def ratio(shapes: list[list[Way]], name: str, other: str) -> np.ndarray:
-    """Error of a way over that of another, by all shapes together, with both ends of its interval."""
-    logs = []
-    for ways in shapes:
-        one, two = ({way.name: way for way in ways}[each] for each in (name, other))
-        logs.append(np.log(np.append(one.whole[0], one.draws) / np.append(two.whole[0], two.draws)))
-    value, *drawn = np.exp(np.mean(logs, axis=0))
-    return np.array([value, *np.quantile(drawn, [0.025, 0.975])])
+def ratio(shapes: list[list[Way]], name: str, other: str, by: str) -> np.ndarray:
+    """Error of a way over that of another, `repeated` or by the `whole`, of all shapes together, with both ends of
+    its interval."""
+    pairs = ([getattr({way.name: way for way in ways}[each], by) for each in (name, other)] for ways in shapes)
+    return interval(np.exp(np.mean([np.log(one / two) for one, two in pairs], axis=0)))

@@ -12,18 +12,28 @@ from dem.sweep.refine import STEPS, Refine, curve
 HELD, GRID, HYPERCUBE, REFINED = "held", "grid", "hypercube", "refined"
 INTERPOLATED, SURROGATE = "straight lines", "surrogate"  # how a curve is read
 EVERY = 4, 2, 1  # which points of the finest grid are a grid
-DRAWS = 40
+DRAWS = 200
 
 
 class Error(NamedTuple):
-    """Of the curve of a design: root mean square over the held-out velocities, relative, with both ends of its
-    interval over beds drawn again; velocity: of its points."""
+    """Of the curve of a design: root mean square over the held-out velocities, relative, as found and then with beds
+    drawn again; velocity: of its points."""
 
     design: str
     by: str
     velocity: np.ndarray
     runs: int
-    error: np.ndarray
+    draws: np.ndarray
+
+    @property
+    def error(self) -> np.ndarray:
+        """The value with both ends of its interval."""
+        return interval(self.draws)
+
+
+def interval(draws: np.ndarray) -> np.ndarray:
+    """The value as found, and both ends of its interval."""
+    return np.array([draws[0], *np.quantile(draws[1:], [0.025, 0.975])])
 
 
 class Curves:
@@ -58,13 +68,15 @@ class Curves:
         return np.exp(np.interp(np.log(self.held.index), np.log(drags.index), means))
 
     def off(self, drags: np.ndarray, seeds=slice(None)) -> float:
-        """Root mean square of relative errors at the held-out velocities. What their means scatter themselves,
-        beside what a bed does to all velocities alike, is taken off."""
-        held = self.held.to_numpy()[:, seeds]
-        mean = held.mean(axis=1, keepdims=True)
-        rest = held / mean - (held / mean).mean(axis=0)
-        own = (rest**2).sum() / (held.shape[0] - 1) / (held.shape[1] - 1) / held.shape[1]
-        return float(np.sqrt(max(((drags / mean[:, 0] - 1.0) ** 2).mean() - own, 0.0)))
+        """Root mean square of relative errors at the held-out velocities, of whose means the scatter counts too."""
+        return float(np.sqrt(((drags / self.held.to_numpy()[:, seeds].mean(axis=1) - 1.0) ** 2).mean()))
+
+    def own(self) -> float:
+        """Scatter of the means held out, over them, beside what a bed does to all velocities alike: root mean square."""
+        held = self.held.to_numpy()
+        share = held / held.mean(axis=1, keepdims=True)
+        rest = share - share.mean(axis=0)
+        return float(np.sqrt((rest**2).sum() / (held.shape[0] - 1) / (held.shape[1] - 1) / held.shape[1]))
 
     @cached_property
     def errors(self) -> list[Error]:
@@ -75,24 +87,11 @@ class Curves:
         for design, some in self.designs.items():
             for by in ways if design == GRID else (SURROGATE,):
                 for drags in some:
-                    drawn = [self.off(ways[by](drags, seeds), seeds) for seeds in beds]
-                    error, (low, high) = self.off(ways[by](drags)), np.quantile(drawn, [0.025, 0.975])
-                    error = np.array([error, min(low, error), max(high, error)])
-                    found.append(Error(design, by, drags.index.to_numpy(), drags.size, error))
+                    every = [slice(None), *beds]
+                    draws = np.array([self.off(ways[by](drags, seeds), seeds) for seeds in every])
+                    found.append(Error(design, by, drags.index.to_numpy(), drags.size, draws))
         return found
 
     def of(self, design: str, by: str = SURROGATE) -> list[Error]:
         """The errors of one design, by number of runs."""
         return [each for each in self.errors if (each.design, each.by) == (design, by)]
-
-    def runs_for(self, error: float, design: str, by: str = SURROGATE) -> float:
-        """How many runs of a design have an error, on the line between its own in logarithms; infinite where all
-        its curves are further off, NaN where all are nearer."""
-        some = self.of(design, by)
-        ln = np.log([(each.runs, max(each.error[0], 1e-6)) for each in some])
-        best = np.minimum.accumulate(ln[:, 1])
-        if np.log(error) < best[-1]:
-            return np.inf
-        if np.log(error) > best[0]:
-            return np.nan
-        return float(np.exp(np.interp(-np.log(error), -best, ln[:, 0])))

@@ -2,20 +2,11 @@
 
 from functools import cached_property
 
-import numpy as np
 from rich.table import Table
 
 from dem.analysis.tables import numbers
 from studies.common.findings import Findings, estimate
-from studies.refinement.curves import (
-    GRID,
-    HYPERCUBE,
-    INTERPOLATED,
-    REFINED,
-    SURROGATE,
-    Curves,
-    Error,
-)
+from studies.refinement.curves import GRID, REFINED, Curves, Error, interval
 
 __all__ = ["refinement"]
 
@@ -37,41 +28,42 @@ class Refinement(Findings):
         """Velocities that no design has."""
         return f"{len(self.curves.held)}"
 
+    def own(self) -> str:
+        """Scatter of the means held out."""
+        return f"{100.0 * self.curves.own():.1f} %"
+
     def table(self) -> Table:
-        """Root mean square error at the velocities held out, by design and number of runs."""
-        made = numbers("design", "read by", "points", "runs", "error", words=2)
+        """Root mean square error at the velocities held out, by design and number of runs, and over that of the refined curve."""
+        made = numbers("design", "read by", "points", "runs", "error", "over that of refined points", words=2)
         for each in self.curves.errors:
-            made.add_row(each.design, each.by, f"{len(each.velocity)}", f"{each.runs}", estimate(100.0 * each.error, "%", 1))
+            made.add_row(
+                each.design, each.by, f"{len(each.velocity)}", f"{each.runs}", estimate(100.0 * each.error, "%", 1),
+                estimate(interval(each.draws / self.last().draws)),
+            )  # fmt: skip
         return made
 
     def last(self) -> Error:
         """The refined curve, where it ended."""
         return self.curves.of(REFINED)[-1]
 
-    def grid(self, by: str = SURROGATE) -> float:
-        """Runs of a grid that is as far off as the refined curve, over those of that curve."""
-        return self.curves.runs_for(self.last().error[0], GRID, by) / self.last().runs
+    def points(self) -> str:
+        """Velocities where refining placed points."""
+        first, last = (set(self.curves.of(REFINED)[k].velocity) for k in (0, -1))
+        return " and ".join(f"{each:.3g}" for each in sorted(last - first))
 
-    def gains(self) -> bool:
-        """Whether a grid takes a quarter more runs for the error of the refined curve, or cannot have it."""
-        return bool(self.grid() > 1.25)
+    def better(self) -> list[str]:
+        """Designs that are nearer than the refined curve, or further off, with the whole interval of the ratio."""
+        ratios = {f"{e.design} {len(e.velocity)}": interval(e.draws / self.last().draws) for e in self.curves.errors if e.design != REFINED}
+        return [name for name, (_, low, high) in ratios.items() if not low <= 1.0 <= high]
 
-    def alike(self) -> bool:
-        """Whether the intervals of all curves of nine points or more, and of grids of five, have a part in common with that of the refined one."""
-        last = self.last().error
-        some = [each.error for each in self.curves.errors if each.design != HYPERCUBE or len(each.velocity) > 5]
-        return all(low <= last[2] and high >= last[1] for _, low, high in some)
+    def least(self) -> int:
+        """Runs of the smallest grid."""
+        return self.curves.of(GRID)[0].runs
 
-    def told(self, by: str = SURROGATE) -> str:
-        """The same in words."""
-        ratio = self.grid(by)
-        if np.isinf(ratio):
-            return f"more than {max(each.runs for each in self.curves.of(GRID, by)) / self.last().runs:.1f} times as many"
-        return f"{ratio:.1f} times as many" if np.isfinite(ratio) else "fewer"
-
-    def read(self) -> str:
-        """Runs of a grid that is as far off as the refined curve, over those of that curve, where it is read by straight lines."""
-        return self.told(INTERPOLATED)
+    def risen(self) -> str:
+        """By how much drag rises from the lowest velocity to the highest, with the finest grid."""
+        mean = self.curves.designs[GRID][-1].mean(axis=1)
+        return f"{100.0 * (mean.iloc[-1] / mean.iloc[0] - 1.0):.0f} %"
 
 
 refinement = Refinement()

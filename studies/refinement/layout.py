@@ -9,5 +9,4 @@ VARIABLES = {
     "run_seed": (RUN, "1", "seed of the bed"),
     "run_round": (RUN, "1", "round of refinement that the point was placed in, 0 for other designs"),
     "run_drag": (RUN, "N", "mean drag in the window"),
-    "run_spent": (RUN, "s", "processor time of the run, with its bed where no other run had packed it"),
 }  # fmt: skip

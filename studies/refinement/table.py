@@ -22,9 +22,9 @@ def make(campaign: Campaign, output: Path, progress=lambda share: None) -> None:
         velocity = own.cylinder.velocity
         return {
             "velocity": velocity, "seed": run.seed, "round": rounds.get((name, velocity), 0),
-            "drag": values["drag"][own.in_window].mean(), "spent": values["spent"],
+            "drag": values["drag"][own.in_window].mean(),
         }  # fmt: skip
 
-    found, origin = every_run(campaign, ("drag", "spent"), row, progress)
+    found, origin = every_run(campaign, ("drag",), row, progress)
     attrs = global_attributes(campaign.sweep.title, "python -m studies refinement table", **origin)
     write(output, found, attrs, VARIABLES)

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from dem.figures import style
 from studies.budget.findings import budget
 from studies.budget.spend import WAYS
-from studies.budget.trial import NAMES
+from studies.budget.trial import NAMES, interval
 
 FILE = "budget"
 CAPTION = "By how much the mean drag is off, against processor time"
@@ -33,7 +33,7 @@ def plot(dataset: xr.Dataset) -> Figure:
         axes.fill_between(TIMES, low, high, color="0.85", linewidth=0.0, zorder=0, label="their 95 % interval")
         for shift, way in zip((0.85, 1.0, 1.18), found.ways[name], strict=True):
             style.intervals(
-                axes, [way.time * shift], [100.0 * way.repeated], linestyle="none", color="0.15", marker=MARKS[way.name], markersize=6,
+                axes, [way.time * shift], [100.0 * interval(way.repeated)], linestyle="none", color="0.15", marker=MARKS[way.name], markersize=6,
                 markerfacecolor="white", capsize=3, label=f"{LABELS[way.name]}, ten repetitions", zorder=5,
             )  # fmt: skip
         style.logarithmic(axes, "x", (1.0,))

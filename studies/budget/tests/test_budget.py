@@ -20,7 +20,7 @@ from studies.budget.layout import VARIABLES
 from studies.budget.model import LEFT_OUT, PAPER, Model, Runs, Settings
 from studies.budget.spend import WAYS, WINDOW, Shape, levels
 from studies.budget.table import make
-from studies.budget.trial import NAMES, tried
+from studies.budget.trial import NAMES, interval, ratio, tried
 from studies.catalogue import figures
 
 STOPS = np.linspace(1.0e-3, WINDOW, 11)[1:]
@@ -120,11 +120,24 @@ def test_repetitions_show_a_bias_and_a_scatter(dataset):
     mine = off["run_part"].values == "paper_1"
     off["run_drag"][mine] = off["run_drag"][mine] * 1.1
     ways = {way.name: way for way in tried(Shape(off, "c1"))}
-    for error in (ways["paper"].repeated, ways["paper"].whole):
+    for error in map(interval, (ways["paper"].repeated, ways["paper"].whole)):
         assert error[0] == pytest.approx(0.1, abs=0.02)
         assert error[1] < error[0] < error[2]
     assert ways["default"].whole[0] < 0.05
     assert ways["paper"].time == pytest.approx(ways["default"].time, rel=0.1)
+
+
+def test_a_way_that_scatters_less_has_the_smaller_error_by_as_much(dataset):
+    """By all runs and by the repetitions, within the intervals of the ratio."""
+    wide = dataset.copy(deep=True)
+    mine = wide["run_part"].values == "paper_1"
+    wide["run_drag"][mine] = 3.0 * wide["run_drag"][mine] - 2.0 * wide["run_drag"][mine].mean("run")
+    ways = [tried(Shape(wide, "c1"))]
+    before = [tried(Shape(dataset, "c1"))]
+    for by in ("repeated", "whole"):
+        value, low, high = ratio(ways, "recommended", "paper", by)
+        assert low < 1.0 / 3.0 < high
+        assert value == pytest.approx(ratio(before, "recommended", "paper", by)[0] / 3.0, rel=0.25)
 
 
 def test_the_file_can_be_shown_and_drawn(tmp_path):

@@ -40,7 +40,7 @@ def write_runs(path, law, scatter=SCATTER, seed=1):
         rounds = np.broadcast_to(rounds, len(velocities))
         for velocity, number in zip(velocities, rounds, strict=True):
             rows.extend({
-                "part": part, "velocity": velocity, "seed": bed, "round": number, "spent": 1.0,
+                "part": part, "velocity": velocity, "seed": bed, "round": number,
                 "drag": law(velocity) * beds[bed] * rng.normal(1.0, scatter),
             } for bed in range(BEDS))  # fmt: skip
 
@@ -56,7 +56,7 @@ def write_runs(path, law, scatter=SCATTER, seed=1):
 
 @pytest.fixture(autouse=True)
 def few(monkeypatch):
-    monkeypatch.setattr(curves, "DRAWS", 3)
+    monkeypatch.setattr(curves, "DRAWS", 25)
 
 
 def curves_of(path):
@@ -69,7 +69,6 @@ def test_points_where_the_curve_is_steep_are_worth_more_than_a_grid(tmp_path):
     found = curves_of(path)
     refined = found.of(REFINED)[-1]
     assert refined.error[0] < 0.8 * found.of(GRID)[1].error[0]  # of as many points
-    assert found.runs_for(refined.error[0], GRID) > refined.runs
 
 
 def test_an_error_is_that_of_means_where_the_curve_is_flat(tmp_path):
@@ -79,10 +78,11 @@ def test_an_error_is_that_of_means_where_the_curve_is_flat(tmp_path):
         write_runs(path := tmp_path / f"{seed}.nc", lambda velocity: 1000.0, seed=seed)
         found = curves_of(path)
         grid = found.designs[GRID][-1]
-        squares.append([found.off(found.between(grid)) ** 2, found.off(found.read(grid)) ** 2])
-    straight, surrogate = np.sqrt(np.mean(squares, axis=0))
-    assert straight == pytest.approx(SCATTER * np.sqrt(2.0 / 3.0 / BEDS), rel=0.3)
-    assert surrogate < 0.8 * straight  # neighbours help
+        squares.append([found.off(found.between(grid)) ** 2, found.off(found.read(grid)) ** 2, found.own() ** 2])
+    straight, surrogate, own = np.mean(squares, axis=0)
+    assert own == pytest.approx(SCATTER**2 / BEDS, rel=0.2)
+    assert straight - own == pytest.approx(SCATTER**2 * 2.0 / 3.0 / BEDS, rel=0.5)
+    assert surrogate - own < 0.6 * (straight - own)  # neighbours help
 
 
 def test_the_file_can_be_shown_and_drawn(tmp_path):
