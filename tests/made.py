@@ -3,13 +3,34 @@
 from contextlib import chdir
 from pathlib import Path
 
+from typer.testing import CliRunner
+
+from conftest import assert_not_blank
 from dem.analysis.flow.collect import measure_batch, write_flow
 from dem.figures.catalogue import FIGURES, draw, possible
 from dem.sweep import batch as making
 from dem.sweep.campaign import Campaign
 from dem.sweep.config import parse
+from dem.sweep.workers import Workers
 
 SMOKE = Path(__file__).parent.parent / "config/smoke.yaml"
+
+
+def of_file(file: Path) -> Campaign:
+    """The sweep of a file, made in this process."""
+    work = Campaign.of(file)
+    work.make(Workers())
+    return work
+
+
+def assert_shown_and_drawn(study: str, path: Path) -> None:
+    """The file of a study can be shown, and its figure drawn."""
+    from studies.__main__ import app
+    from studies.catalogue import figures
+
+    run = CliRunner().invoke(app, [study, "info", str(path)])
+    assert run.exit_code == 0, run.output
+    assert_not_blank(draw(study, path, path.parent, figures())[1])
 
 
 def run_all(work: Campaign) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from forked import snakemake
+from made import of_file
 from scipy import stats
 from typer.testing import CliRunner
 
@@ -26,7 +27,6 @@ from dem.sweep import refine
 from dem.sweep.campaign import Campaign
 from dem.sweep.estimate import summary
 from dem.sweep.refine import EVERY, STEPS, Refine, after, curve, predicted
-from dem.sweep.workers import Workers
 
 DRAWN = '''
 """A number drawn from a distribution, whose mean has a peak over the velocity."""
@@ -82,13 +82,6 @@ def sweep(tmp_path, monkeypatch):
         return Path("sweep.yaml")
 
     return write
-
-
-def made(file: Path) -> Campaign:
-    """The sweep of a file, made in this process."""
-    campaign = Campaign.of(file)
-    campaign.make(Workers())
-    return campaign
 
 
 def result(name="peaked") -> xr.Dataset:
@@ -296,7 +289,7 @@ def test_values_are_on_the_scale_and_have_few_digits():
 def test_a_refined_sweep_is_as_well_known_as_asked(sweep):
     file = sweep()
     assert "takes 30 runs at least and 240 at most" in summary(Campaign.of(file), 2)
-    campaign = made(file)
+    campaign = of_file(file)
     found = result()
     values = found["cylinder_velocity"].values
     assert found["force"].dims == ("case", "cylinder_velocity", "seed")
@@ -310,7 +303,7 @@ def test_a_refined_sweep_is_as_well_known_as_asked(sweep):
 
 
 def test_points_that_reach_the_most_are_said(sweep):
-    campaign = made(sweep({**ONE, "cylinder.velocity": VELOCITY.replace("8 %", "1 %, most: 8")}))
+    campaign = of_file(sweep({**ONE, "cylinder.velocity": VELOCITY.replace("8 %", "1 %, most: 8")}))
     assert result().sizes["cylinder_velocity"] == 8
     (said,) = campaign.said
     assert "force within 1 % at 95 %: half the widest interval between 8 points" in said and "raise most, 8" in said
@@ -320,27 +313,27 @@ def test_points_that_reach_the_most_are_said(sweep):
 def test_a_stopped_sweep_goes_on_to_the_same_points(sweep, keys):
     """Killed twice, in the first round and in a later one, and after another sweep made more seeds."""
     file = sweep(keys)
-    made(file)
+    of_file(file)
     whole = result().drop_attrs()
     put_aside()
     for runs in (7, 30):
         Path("left").write_text(str(runs))
         with pytest.raises(KeyboardInterrupt):
-            made(file)
-    done = made(file)
+            of_file(file)
+    done = of_file(file)
     xr.testing.assert_equal(result().drop_attrs(), whole)
     again = Campaign.of(file)
     rounds = [[each.block("drag", k).dims + each.block("drag", k).shape for k in each.rounds("drag")] for each in (done, again)]
     assert rounds[0] == rounds[1] and len(rounds[0]) > 2
     if keys == ONE:
-        made(sweep(keys, seed="1 to 5"))
-        made(sweep(keys))
+        of_file(sweep(keys, seed="1 to 5"))
+        of_file(sweep(keys))
         xr.testing.assert_equal(result().drop_attrs(), whole)
 
 
 @posix
 def test_snakemake_makes_the_same_points(sweep):
-    made(sweep(FEW))
+    of_file(sweep(FEW))
     whole = result().drop_attrs()
     assert 7 < whole.sizes["cylinder_velocity"] < 12  # after two rounds or three
     put_aside()
@@ -356,7 +349,7 @@ def test_a_cluster_goes_on_to_the_same_points(sweep, monkeypatch):
     file = sweep(FEW)
     Path("peaked.py").rename("peaked_afar.py")  # a module that this process has not loaded from elsewhere
     file.write_text(file.read_text().replace("peaked.py", "peaked_afar.py"))
-    made(file)
+    of_file(file)
     whole = result("peaked_afar").drop_attrs()
     put_aside()
     cluster = distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0")
@@ -377,7 +370,7 @@ def test_a_cluster_goes_on_to_the_same_points(sweep, monkeypatch):
 
 
 def test_two_values_have_their_points_together(sweep):
-    campaign = made(sweep(TWO))
+    campaign = of_file(sweep(TWO))
     found, block = result(), campaign.block("drag")
     values = list(zip(found["cylinder_velocity"].values, found["friction_granule"].values, strict=True))
     assert found["force"].dims == ("case", "refined", "seed") and len(set(values)) == len(values) > 9
@@ -391,9 +384,9 @@ def test_two_values_have_their_points_together(sweep):
 def test_a_share_of_a_mean_that_is_not_positive_is_refused_and_the_runs_are_kept(sweep):
     keys = {**ONE, "cylinder.velocity": VELOCITY.replace("force", "offset")}
     with pytest.raises(RunError, match=r"case c1: offset has the mean -.* ask for a number with a unit, such as until: 50 N"):
-        made(sweep(keys))
+        of_file(sweep(keys))
     assert Campaign.of(Path("sweep.yaml")).counts() == (30, 30)
-    made(sweep({**keys, "cylinder.velocity": VELOCITY.replace("force", "offset").replace("8 %", "3 N")}))
+    of_file(sweep({**keys, "cylinder.velocity": VELOCITY.replace("force", "offset").replace("8 %", "3 N")}))
 
 
 @pytest.mark.parametrize(
@@ -457,9 +450,9 @@ def test_a_point_that_failed_is_left_out_of_the_surrogate(sweep):
     Path("fails").touch()
     file = sweep()
     with pytest.raises(RunError, match="6 of 30 runs could not be made; failures allows 0"):
-        made(file)
+        of_file(file)
     file.write_text(file.read_text() + "failures: 0.3\n")
-    made(file)
+    of_file(file)
     found = result()
     assert 1.79 in found["cylinder_velocity"] and len(found["cylinder_velocity"]) > 5
     assert found["force"].sel(cylinder_velocity=1.79).isnull().all()

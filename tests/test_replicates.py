@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from forked import snakemake
+from made import of_file
 from scipy import stats
 
 import dem
@@ -24,7 +25,6 @@ from dem.sweep import precision
 from dem.sweep.batch import make
 from dem.sweep.campaign import Campaign
 from dem.sweep.estimate import summary
-from dem.sweep.workers import Workers
 
 DRAWN = '''
 """A number drawn from a distribution, of the density as its mean."""
@@ -81,13 +81,6 @@ def sweep(tmp_path, monkeypatch):
     return write
 
 
-def made(file: Path) -> Campaign:
-    """The sweep of a file, made in this process."""
-    campaign = Campaign.of(file)
-    campaign.make(Workers())
-    return campaign
-
-
 def result() -> xr.Dataset:
     with dem.open_results("results/drawn/drawn.nc") as found:
         return found.load()
@@ -102,7 +95,7 @@ def said(campaign) -> str:
 
 
 def test_replicates_are_added_until_the_mean_is_as_well_known_as_asked(sweep):
-    made(sweep())
+    of_file(sweep())
     found = result()
     sample, count = found["force"], found["replicates"]
     assert (count >= 10).all() and (count < 120).all()
@@ -117,7 +110,7 @@ def test_replicates_are_added_until_the_mean_is_as_well_known_as_asked(sweep):
 
 def test_a_round_at_most_doubles_the_replicates(sweep):
     """Looking at every interval would stop at the first that is narrow by chance."""
-    campaign = made(sweep("{until: 3 %, of: force, most: 500}"))
+    campaign = of_file(sweep("{until: 3 %, of: force, most: 500}"))
     counts = [campaign.block("drag", k).counts for k in campaign.rounds("drag")]
     assert counts[0] == {(0,): 10, (1,): 10} and len(counts) > 3
     for before, after in pairwise(counts):
@@ -127,7 +120,7 @@ def test_a_round_at_most_doubles_the_replicates(sweep):
 def test_a_dry_run_says_how_many_runs_a_precision_takes(sweep):
     file = sweep("{until: 10 %, of: force, most: 120}")
     assert "takes 20 runs at least and 240 at most" in summary(Campaign.of(file), 2)
-    campaign = made(file)
+    campaign = of_file(file)
     runs = campaign.counts()[1]
     # four times the runs for half the interval, by the same scatter
     campaign = Campaign.of(sweep("{until: 5 %, of: force, least: 60, most: 10_000}"))
@@ -138,28 +131,28 @@ def test_a_dry_run_says_how_many_runs_a_precision_takes(sweep):
 def test_a_stopped_sweep_goes_on_to_the_same_runs(sweep, tmp_path):
     """Killed twice, in the first round and in a later one, and after another sweep made more seeds."""
     seed = "{until: 5 %, of: force, most: 300}"
-    made(sweep(seed))
+    of_file(sweep(seed))
     whole = result().drop_attrs()
     for name in ("store", "drawn"):
         Path(f"results/{name}").rename(f"{name}-before")
     for runs in (7, 28):
         Path("left").write_text(str(runs))
         with pytest.raises(KeyboardInterrupt):
-            made(sweep(seed))
-    done = made(sweep(seed))
+            of_file(sweep(seed))
+    done = of_file(sweep(seed))
     xr.testing.assert_equal(result().drop_attrs(), whole)
     # Snakemake asks for each round by its number, and would make a round again that is another one now
     again = Campaign.of(Path("sweep.yaml"))
     rounds = [[each.block("drag", k).counts for k in each.rounds("drag")] for each in (done, again)]
     assert rounds[0] == rounds[1] and len(rounds[0]) > 2
-    made(sweep("1 to 300"))
-    made(sweep(seed))
+    of_file(sweep("1 to 300"))
+    of_file(sweep(seed))
     xr.testing.assert_equal(result().drop_attrs(), whole)
 
 
 @posix
 def test_snakemake_makes_the_same_replicates(sweep):
-    made(sweep())
+    of_file(sweep())
     whole = result().drop_attrs()
     for name in ("store", "drawn"):
         Path(f"results/{name}").rename(f"{name}-before")
@@ -171,7 +164,7 @@ def test_snakemake_makes_the_same_replicates(sweep):
 
 
 def test_the_file_says_what_was_asked_for(sweep):
-    made(sweep())
+    of_file(sweep())
     attrs = result()["replicates"].attrs
     assert attrs["until"] == "10 %" and (attrs["target"], attrs["relative"], attrs["level"]) == (0.1, 1, 0.95)
 
@@ -179,7 +172,7 @@ def test_the_file_says_what_was_asked_for(sweep):
 @posix
 def test_snakemake_adds_the_replicates_that_a_finer_precision_takes(sweep):
     """Also to a file that is there, of which it does not ask what it was made of."""
-    made(sweep("{until: 30 %, of: force, least: 4, most: 60}"))
+    of_file(sweep("{until: 30 %, of: force, least: 4, most: 60}"))
     before = int(result()["replicates"].sum())
     for words in (["-j2"], ["-n"]):
         file = sweep("{until: 15 %, of: force, least: 4, most: 60}")
@@ -201,19 +194,19 @@ def test_blocks_that_share_runs_are_made(sweep):
         for batch in campaign.batches("one"):
             make(campaign.store, batch.id)
     assert campaign.block("one").counts[0,] > 10
-    campaign = made(Path("sweep.yaml"))
+    campaign = of_file(Path("sweep.yaml"))
     assert campaign.counts()[0] == len(campaign.runs())
 
 
 def test_a_place_that_stops_at_the_cap_is_said(sweep):
-    campaign = made(sweep("{until: 1 %, of: force, most: 12}"))
+    campaign = of_file(sweep("{until: 1 %, of: force, most: 12}"))
     (sentence,) = campaign.said
     assert "2 of 2 places are not as well known as asked for" in sentence and "after 12 replicates" in sentence
     assert result()["replicates"].values.tolist() == [12, 12]
 
 
 def test_a_failed_run_counts_and_is_not_replaced(sweep):
-    campaign = made(sweep(SEED, "[a, c]", "failures: 0.1\n"))
+    campaign = of_file(sweep(SEED, "[a, c]", "failures: 0.1\n"))
     found = result().sel(case="c")
     there = found["run_id"].values != ""
     assert there.sum() == int(found["replicates"]) == found["force"].count() + 1
@@ -223,7 +216,7 @@ def test_a_failed_run_counts_and_is_not_replaced(sweep):
 
 
 def test_an_absolute_precision_is_in_the_units_of_what_is_measured(sweep):
-    made(sweep("{until: 12 N, of: force, most: 200}"))
+    of_file(sweep("{until: 12 N, of: force, most: 200}"))
     assert (half_interval(result()["force"]) <= 12.0).all()
     with pytest.raises(InputError, match="it must be a percentage, or a number of N"):
         Campaign.of(sweep("{until: 12 kg, of: force}"))
@@ -231,20 +224,20 @@ def test_an_absolute_precision_is_in_the_units_of_what_is_measured(sweep):
 
 def test_a_share_of_a_mean_that_may_be_zero_is_refused_and_the_runs_are_kept(sweep):
     with pytest.raises(RunError, match=r"case a: offset of 100 replicates .* may be zero"):
-        made(sweep("{until: 10 %, of: offset}"))
+        of_file(sweep("{until: 10 %, of: offset}"))
     assert Campaign.of(Path("sweep.yaml")).counts() == (200, 200)
     assert not Path("results/drawn/drawn.nc").exists()
-    made(sweep("{until: 0.5 N, of: offset}"))
+    of_file(sweep("{until: 0.5 N, of: offset}"))
 
 
 def test_both_parts_of_a_ratio_get_replicates(sweep):
-    campaign = made(sweep("{until: 10 %, of: force / a, most: 200}"))
+    campaign = of_file(sweep("{until: 10 %, of: force / a, most: 200}"))
     block = campaign.block("drag")
     (found,) = precision.all_known(block.until, campaign.values(block), block.partners).values()
     assert found.excess(block.until) <= 1.0
     assert block.counts[0,] > 10 and block.counts[1,] > 10
     # of one mean alone fewer would have been enough
-    assert block.counts[1,] > made(sweep()).block("drag").counts[1,]
+    assert block.counts[1,] > of_file(sweep()).block("drag").counts[1,]
 
 
 def test_fieller_s_interval_is_where_the_difference_is_significant():
@@ -301,7 +294,7 @@ def test_status_tells_what_is_done_waits_and_failed_and_changes_nothing(sweep):
     assert "20 wait" in said(Campaign.of(file)) and not Path("results").exists()
     Path("left").write_text("15")
     with pytest.raises(KeyboardInterrupt):
-        made(file)
+        of_file(file)
     before = sorted((p, p.stat().st_mtime_ns) for p in Path("results").rglob("*"))
     text = said(Campaign.of(file))
     (names,) = (line.split() for line in text.splitlines() if line.startswith(" case "))
@@ -326,7 +319,7 @@ def test_a_partial_file_holds_what_is_there_and_says_so(sweep):
     file = sweep()
     Path("left").write_text("12")
     with pytest.raises(KeyboardInterrupt):
-        made(file)
+        of_file(file)
     campaign = Campaign.of(file)
     with pytest.raises(InputError, match="name another file for a part"):
         campaign.combine("drag", "drawn", Path("results/drawn/drawn.nc"), partial=True)

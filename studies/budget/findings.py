@@ -9,7 +9,7 @@ from dem.analysis.tables import numbers
 from studies.budget import trial
 from studies.budget.model import LEFT_OUT, PAPER, Settings
 from studies.budget.spend import FRACTIONS, WAYS, WINDOW, Levels, Shape, Spent, levels
-from studies.budget.trial import NAMES, REPETITIONS, RUNS, Way, ratio, tried
+from studies.budget.trial import NAMES, RUNS, Way, ratio, tried
 from studies.common.findings import Findings, clock, estimate, interval
 
 __all__ = ["budget"]
@@ -199,10 +199,6 @@ class Budget(Findings):
     def tried(self) -> str:
         """Runs of the paper's sweep whose time is spent."""
         return f"{RUNS}"
-
-    def repetitions(self) -> str:
-        """Repetitions of each way."""
-        return f"{REPETITIONS}"
 
     def ratio(self, other: str, by: str) -> str:
         """Error of the recommended settings over that of another way, over all shapes."""

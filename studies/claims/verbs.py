@@ -6,23 +6,11 @@ from typing import Annotated
 import typer
 
 from dem.base.errors import InputError
-from dem.cli.options import ConfigOption, OutputOption
-from dem.cli.terminal import Verbs, bar, start_lean
-
-CLAIMS = Path("studies/claims/sweep.yaml")
+from dem.cli.terminal import Verbs, bar
+from studies.common.verbs import table_of
 
 app = Verbs(help="Study of which of the paper's claims hold.", no_args_is_help=True)
-
-
-@app.command()
-def table(output: OutputOption, config: ConfigOption = CLAIMS):
-    """Write the numbers that the claims are about, for all runs of the study, into one file."""
-    start_lean()
-    from dem.sweep.campaign import Campaign
-    from studies.claims.table import make
-
-    with bar("claims", 1.0) as update:
-        make(Campaign.of(config), output, update)
+app.command()(table_of("claims"))
 
 
 @app.command()

@@ -5,23 +5,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from made import SMOKE, run_all
-from typer.testing import CliRunner
+from made import SMOKE, assert_shown_and_drawn, run_all
 
-from conftest import assert_not_blank
-from dem.figures.catalogue import draw
 from dem.io.dataset import global_attributes, write
 from dem.io.lazily import open_lazily
 from dem.sweep.campaign import Campaign
 from dem.sweep.config import parse
-from studies.__main__ import app
 from studies.budget.findings import budget
 from studies.budget.layout import VARIABLES
 from studies.budget.model import LEFT_OUT, PAPER, Model, Runs, Settings
 from studies.budget.spend import WAYS, WINDOW, Shape, levels
 from studies.budget.table import make
 from studies.budget.trial import NAMES, interval, ratio, tried
-from studies.catalogue import figures
 
 STOPS = np.linspace(1.0e-3, WINDOW, 11)[1:]
 TRUE = Model(
@@ -143,9 +138,7 @@ def test_a_way_that_scatters_less_has_the_smaller_error_by_as_much(dataset):
 def test_the_file_can_be_shown_and_drawn(tmp_path):
     path = tmp_path / "budget.nc"
     write_runs(path)
-    run = CliRunner().invoke(app, ["budget", "info", str(path)])
-    assert run.exit_code == 0, run.output
-    assert_not_blank(draw("budget", path, tmp_path, figures())[1])
+    assert_shown_and_drawn("budget", path)
 
 
 def test_every_run_is_a_row_with_what_it_gave(tmp_path, monkeypatch):

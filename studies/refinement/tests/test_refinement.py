@@ -5,17 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from made import SMOKE, run_all
-from typer.testing import CliRunner
+from made import SMOKE, assert_shown_and_drawn, run_all
 
-from conftest import assert_not_blank
-from dem.figures.catalogue import draw
 from dem.io.dataset import global_attributes, write
 from dem.io.lazily import open_lazily
 from dem.sweep.campaign import Campaign
 from dem.sweep.config import parse
-from studies.__main__ import app
-from studies.catalogue import figures
 from studies.refinement import curves
 from studies.refinement.curves import GRID, HYPERCUBE, REFINED, Curves
 from studies.refinement.findings import refinement
@@ -87,9 +82,7 @@ def test_an_error_is_that_of_means_where_the_curve_is_flat(tmp_path):
 
 def test_the_file_can_be_shown_and_drawn(tmp_path):
     write_runs(path := tmp_path / "refinement.nc", step)
-    run = CliRunner().invoke(app, ["refinement", "info", str(path)])
-    assert run.exit_code == 0, run.output
-    assert_not_blank(draw("refinement", path, tmp_path, figures())[1])
+    assert_shown_and_drawn("refinement", path)
 
 
 def test_every_run_is_a_row_with_the_round_of_its_point(tmp_path, monkeypatch):
