@@ -109,6 +109,21 @@ def test_two_levels_gain_where_runs_agree_and_fine_ones_are_dear(dataset):
     assert levels(Shape(alike, "c1"), 0.95, 0.1).gain[0] > 1.5
 
 
+def test_two_levels_take_what_the_best_numbers_of_runs_take(dataset):
+    """Among all numbers of runs, by the times that the runs of the file took: a bed is packed once for both steps."""
+    table = Runs(dataset, "c1").table
+    beds = range(300)
+    coarse, fine = (table[table.fraction == f].set_index("seed").query("granules == @PAPER").loc[beds] for f in (0.3, 0.1))
+    fine, coarse = fine[fine.part == "reference"], coarse[coarse.part == "steps"]
+    own, both = fine.spent.mean(), fine.spent.mean() + coarse.spent.mean()
+    packed = coarse.spent.mean() + fine.spent.mean() - fine.time.mean()
+    runs = np.arange(1, 400)
+    one, two = runs[:, None], runs[None]
+    variance = coarse.drag.var() / one + (fine.drag - coarse.drag).var() / two
+    least = (variance * (one * packed + two * both)).min()
+    assert levels(Shape(dataset, "c1"), 0.3, 0.1).gain[0] == pytest.approx(fine.drag.var() * own / least, rel=0.03)
+
+
 def test_repetitions_show_a_bias_and_a_scatter(dataset):
     """Means that are a tenth too large are off by a tenth."""
     off = dataset.copy(deep=True)
