@@ -25,8 +25,8 @@ from typer.testing import CliRunner
 from conftest import posix
 from dem.base.errors import InputError, RunError
 from dem.base.hints import is_written
-from dem.cli import terminal
 from dem.cli.app import app
+from dem.cli.stopping import Stopped
 from dem.cli.terminal import bar, reported
 from dem.figures import film
 from dem.io import progress
@@ -571,17 +571,56 @@ def test_the_console_script_is_the_application():
 
 
 @posix
-def test_a_later_signal_stops_what_lost_the_first(monkeypatch):
-    """As in a destructor, where Python loses what is raised. One that comes at once is the same."""
-    monkeypatch.setattr(terminal, "AGAIN", 0.2)
+@pytest.mark.parametrize("where", ["destructor", "library"])
+def test_a_signal_is_not_lost(capfd, where):
+    """Python ignores what is raised in a destructor, and a library may catch everything."""
+
+    class Cleaned:
+        def __del__(self):
+            signal.raise_signal(signal.SIGTERM)
+
+    with pytest.raises(typer.Exit) as end, reported():
+        if where == "destructor":
+            Cleaned()
+        else:
+            with suppress(Stopped):
+                signal.raise_signal(signal.SIGTERM)
+        time.sleep(10.0)
+    assert end.value.exit_code == 128 + signal.SIGTERM
+    assert capfd.readouterr().err == "Interrupted; no half-written file is left.\n"
+
+
+@posix
+def test_what_a_signal_cut_is_not_freed(tmp_path):
+    """A compiler may crash as it frees half of its work; what is to be done at the end is done."""
+    (tmp_path / "cut.py").write_text(
+        "import atexit, os, signal\n"
+        "from dem.cli.terminal import Verbs\n"
+        "class Half:\n"
+        "    def __del__(self): os.abort()\n"
+        "app = Verbs()\n"
+        "@app.command()\n"
+        "def work():\n"
+        "    half = Half()\n"
+        "    signal.raise_signal(signal.SIGTERM)\n"
+        "atexit.register(print, 'at the end')\n"
+        "app()\n"
+    )
+    done = subprocess.run([sys.executable, "cut.py"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 128 + signal.SIGTERM
+    assert done.stdout == "at the end\n"
+    assert done.stderr == "Interrupted; no half-written file is left.\n"
+
+
+@posix
+def test_a_signal_that_comes_at_once_is_the_same():
+    """So that what is half-written is cleared away; one that comes later counts."""
     seen = []
     with pytest.raises(typer.Exit) as end, reported():
-        with suppress(terminal.Stopped):
+        try:
             signal.raise_signal(signal.SIGTERM)
-        signal.raise_signal(signal.SIGTERM)
-        seen.append("at once")
-        time.sleep(0.3)
-        signal.raise_signal(signal.SIGTERM)
-        seen.append("later")
+        finally:
+            signal.raise_signal(signal.SIGTERM)
+            seen.append("at once")
     assert end.value.exit_code == 128 + signal.SIGTERM
     assert seen == ["at once"]

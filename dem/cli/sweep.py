@@ -7,7 +7,8 @@ import typer
 
 from dem.base.say import say
 from dem.cli.options import PAPER, BlockOption, ConfigOption, OutputOption, argument, option
-from dem.cli.terminal import Stopped, bar, show, start_lean
+from dem.cli.stopping import Stopped
+from dem.cli.terminal import bar, show, start_lean
 
 FileArgument = argument(Path, "Configuration file of a sweep (YAML).")
 

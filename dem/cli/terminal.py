@@ -1,12 +1,9 @@
 """What all verbs share: checks of paths, sentences instead of tracebacks, progress bars."""
 
 import functools
-import math
 import os
-import signal
 import sys
 import threading
-import time
 from contextlib import contextmanager
 from datetime import datetime
 from pathlib import Path
@@ -19,6 +16,7 @@ from dem.base.files import Place, check_paths, reason
 from dem.base.plain import plain
 from dem.base.say import say, say_over
 from dem.cli.options import Writes
+from dem.cli.stopping import STOPS, Stopped, be_deaf, end_at_once, stoppable
 from dem.cli.streams import open_streams, what_was_lost
 from dem.io.progress import Stage
 
@@ -31,6 +29,8 @@ class Verbs(typer.Typer):
         try:
             return super().__call__(*arguments, **options)
         except SystemExit as end:
+            if end.code in [128 + each for each in STOPS]:
+                end_at_once(end.code)
             if not end.code and (sentence := what_was_lost(output)):
                 say(sentence)
                 sys.exit(1)
@@ -66,18 +66,6 @@ def places(hints: dict, values: dict) -> tuple[list[Place], list[Place]]:
     return targets, sources
 
 
-STOPS = signal.SIGINT, signal.SIGTERM
-# s: signals that come sooner are one, so that what is half-written is cleared away. A later one
-# counts again, because Python loses what is raised where it cleans up, or where LLVM calls back.
-AGAIN = 1.0
-
-
-class Stopped(BaseException):
-    """A signal, its argument, asks the process to end; `kept` is what is said of the work so far."""
-
-    kept = "no half-written file is left."
-
-
 def sentence_of(error: Exception) -> str:
     """What an error says: ours are sentences, those of the system name a file and a reason."""
     if isinstance(error, OSError) and error.errno is not None:
@@ -94,33 +82,19 @@ def show(text: str) -> None:
 @contextmanager
 def reported():
     """One sentence and an exit status instead of a traceback."""
-    main = threading.current_thread() is threading.main_thread()
-    # The workflow starts its jobs with SIGINT ignored; clusters send SIGTERM when time is over.
-    asked, last = [], [-math.inf]
-
-    def stop(number, frame):
-        if time.monotonic() - last[0] > AGAIN:
-            asked.append(number)
-            last[0] = time.monotonic()
-            raise Stopped(number)
-
-    before = {each: signal.signal(each, stop) for each in STOPS} if main else {}
-    try:
-        yield
-    except (InputError, RunError, OSError) as error:
-        say(plain(sentence_of(error)))  # control characters from a file or a path have no effect
-        raise typer.Exit(2 if isinstance(error, InputError) else 1) from None
-    except (Stopped, Exception) as error:
-        # LLVM calls back while it compiles, and swallows what is raised there: it fails later.
-        if not asked:
-            raise
-        for each in before:
-            signal.signal(each, signal.SIG_IGN)
-        say(f"Interrupted; {getattr(error, 'kept', Stopped.kept)}")
-        raise typer.Exit(128 + asked[0]) from None
-    finally:
-        for each, handler in before.items():
-            signal.signal(each, handler)
+    with stoppable() as asked:
+        try:
+            yield
+        except (InputError, RunError, OSError) as error:
+            say(plain(sentence_of(error)))  # control characters from a file or a path have no effect
+            raise typer.Exit(2 if isinstance(error, InputError) else 1) from None
+        except (Stopped, Exception) as error:
+            # LLVM calls back while it compiles, and swallows what is raised there: it fails later.
+            if not asked:
+                raise
+            be_deaf()
+            say(f"Interrupted; {getattr(error, 'kept', Stopped.kept)}")
+            raise typer.Exit(128 + asked[0]) from None
 
 
 TICK = 0.2  # s between two looks at work that lasts
