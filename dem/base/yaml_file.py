@@ -79,9 +79,12 @@ def _check(node: yaml.Node, path, loader: yaml.SafeLoader, left: list[int], dept
         for inner in each if isinstance(each, tuple) else (each,):
             _check(inner, path, loader, left, depth + 1)
         if isinstance(each, tuple) and isinstance(own := each[0], yaml.ScalarNode):
-            key = _construct(own, path, loader)
+            key, words = _construct(own, path, loader), ""
             if key in lines:
                 words = f"{key!r} is a key here and in line {lines[key]}; remove one"
+            elif isinstance(key, bool):
+                words = f"YAML reads the key {own.value} as {str(key).lower()}; it must be the name of a value"
+            if words:
                 raise _fault(path, own.start_mark.line + 1, words)
             lines[key] = own.start_mark.line + 1
 

@@ -96,8 +96,15 @@ class Sweep(Configuration):
     def check(self) -> None:
         """Raise InputError where a block asks for what cannot be."""
         for name in self.blocks:
-            self.needed(name)
+            needed = self.needed(name)
             self.block(name)
+            for each in needed:
+                own = self.block(each).runs[0].replicate.configuration
+                if "jam_fraction" not in own.module.layout(own):
+                    raise InputError(
+                        f"sweep.blocks.{name}.needs is {each!r}, a block of the experiment {own.experiment}; it must "
+                        "be one of jamming, from which values can be derived."
+                    )
 
     @cached_property
     def _expanded(self) -> dict[str, Block]:
