@@ -38,7 +38,7 @@ RESULTS = SWEEP.sweep.results
 SWEEP.check()
 
 # Jobs run the Python that runs Snakemake, for any PATH, and this package, for any working folder. Ctrl-C
-# reaches a job only when it can answer (dem.cli.terminal), because Python would show a traceback while
+# reaches a job only when it can answer (dem.cli.stopping), because Python would show a traceback while
 # it starts.
 shell.prefix(
     "set -euo pipefail; trap '' INT; export PATH={}:$PATH PYTHONPATH={}:${{{{PYTHONPATH:-}}}}; ".format(
