@@ -7,7 +7,6 @@ import signal
 import sys
 import threading
 import time
-import weakref
 from contextlib import contextmanager
 
 # The workflow starts its jobs with SIGINT ignored; clusters send SIGTERM when time is over.
@@ -21,9 +20,16 @@ SOON = 0.05  # s
 
 
 class Stopped(BaseException):
-    """A signal asks the process to end; `kept` is what is said of the work so far."""
+    """A signal asks the process to end; `kept` is what is said of the work so far. freed: what is done
+    when nobody has it any more."""
 
     kept = "no half-written file is left."
+
+    def __init__(self, freed):
+        self.freed = freed
+
+    def __del__(self):
+        self.freed()
 
 
 @contextmanager
@@ -35,11 +41,7 @@ def stoppable():
         if number in ALARM or time.monotonic() - last[0] > AGAIN:
             asked.append(number)
             last[0] = time.monotonic()
-            raise followed(Stopped())
-
-    def followed(stopped):
-        weakref.finalize(stopped, lost).atexit = False
-        return stopped
+            raise Stopped(lost)
 
     def lost():
         if ALARM and signal.getsignal(*ALARM) is stop:  # the work goes on
