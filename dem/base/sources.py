@@ -148,10 +148,8 @@ def from_elsewhere(module: str) -> dict[str, str]:
         for name in dict.fromkeys(each.partition(".")[0] for each in _names(own)):
             if name in sys.stdlib_module_names or name in ROOTS or _is_beside(own, name):
                 continue
-            there = sys.modules.get(name)
             with suppress(ImportError, ValueError):
-                spec = getattr(there, "__spec__", None) if there else find_spec(name)
-                origin = getattr(spec, "origin", None)
+                origin = getattr(find_spec(name), "origin", None)
                 if origin and not INSTALLED & set(Path(origin).parts):
                     found[name] = origin
     return found
@@ -198,7 +196,7 @@ class Source(NamedTuple):
     Some names are not modules but members of one.
     """
 
-    imports: tuple[str, ...]
+    imports: list[str]
     code: str
     no_bits: bool
     defined: dict[str, list[str]]  # classes and functions by name: the functions in it
@@ -224,8 +222,7 @@ def _read(path: Path) -> Source:
     with suppress(OSError, ValueError):  # absent, or damaged
         seal, _, text = kept.read_text().partition("\n")
         if seal == _digest(text.encode()):
-            imports, *others = json.loads(text)
-            return Source(tuple(imports), *others)
+            return Source(*json.loads(text))
     source = _parse(content, path)
     text = json.dumps(source)
     with suppress(OSError), atomic(kept) as part:  # nothing is lost where it cannot be kept
@@ -253,7 +250,7 @@ def _parse(content: bytes, path: Path) -> Source:
     return Source(_imported(tree), code, b"\nNO_BITS = " in content, defined)
 
 
-def _imported(tree: ast.Module) -> tuple[str, ...]:
+def _imported(tree: ast.Module) -> list[str]:
     names, packages = [], {}
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
@@ -268,7 +265,7 @@ def _imported(tree: ast.Module) -> tuple[str, ...]:
     for node in ast.walk(tree):  # dem.Disc after `import dem`
         if isinstance(node, ast.Attribute) and (name := _dotted(node, packages)):
             names.append(name)
-    return tuple(dict.fromkeys(names))
+    return list(dict.fromkeys(names))
 
 
 def _dotted(node, packages: dict[str, str]) -> str | None:
