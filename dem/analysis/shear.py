@@ -48,22 +48,20 @@ def rheology(dataset: xr.Dataset) -> dict[tuple, Curves]:
         raise InputError("its runs do not differ in shear.inertial_number.")
     if "seed" not in dataset.dims:
         dataset = dataset.expand_dims("seed")
-    shear, normal, lid_shear, lid_normal, fraction, rate = (
-        dataset[name].mean("shear_strain", skipna=False)
-        for name in (
-            "shear_stress", "normal_stress", "lid_shear_stress", "lid_normal_stress",
-            "shear_fraction", "shear_rate",
-        )
-    )  # fmt: skip
+
+    def steady(name):
+        return dataset[name].mean("shear_strain", skipna=False)
+
+    normal, on_lid = steady("normal_stress"), steady("lid_normal_stress")
     asked = value_of(dataset, "shear.pressure")
     area = 0.25 * np.pi * dataset["diameter"] ** 2
-    rate = rate * np.sqrt(dataset["density"] * area / asked) / dataset[AXIS]
+    rate = steady("shear_rate") * np.sqrt(dataset["density"] * area / asked) / dataset[AXIS]
     measured = {
         "number": dataset[AXIS] * rate / np.sqrt(normal / asked),
-        "friction": lid_shear / lid_normal,
-        "middle": shear / normal,
-        "fraction": fraction,
-        "pressure": lid_normal / asked,
+        "friction": steady("lid_shear_stress") / on_lid,
+        "middle": steady("shear_stress") / normal,
+        "fraction": steady("shear_fraction"),
+        "pressure": on_lid / asked,
         "rate": rate,
     }
     others = axes_beside(dataset, AXIS)

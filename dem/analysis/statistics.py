@@ -39,9 +39,8 @@ def by_case(dataset: xr.Dataset) -> xr.Dataset | None:
     for any other. A shape of a sweep without cases is its own case."""
     dims = set(dataset["run_id"].dims)
     if dims == {"shape", "seed"}:
-        shapes = dataset["shape"].values
-        dataset = dataset.drop_vars("shape").rename_dims(shape="case")
-        dataset = dataset.assign_coords(case=("case", shapes), shape=("case", shapes))
+        dataset = dataset.rename(shape="case")
+        dataset = dataset.assign_coords(shape=("case", dataset["case"].values))
     elif dims != {"case", "seed"}:
         return None
     return dataset.transpose("case", "seed", ...)
