@@ -25,8 +25,7 @@ def plot(dataset: xr.Dataset) -> Figure:
 
     One of the two cases is enough; raises InputError when both are missing.
     """
-    found = {shape: find(dataset, shape) for shape in CODES}
-    found = {shape: label for shape, label in found.items() if label}
+    found = {shape: label for shape in CODES if (label := find(dataset, shape))}
     if not found:
         raise InputError("there is no case of shape c1 or e0 in the data.")
     figure = Figure(figsize=(style.WIDTH, 5.0))

@@ -36,7 +36,7 @@ def plot(dataset: xr.Dataset) -> Figure:
         what = style.describe(numbers.sel(case=labels[0]), "\n")
         ticks.append(f"{', '.join(labels)}\n{what}")
     style.finish_bars(axes, ticks, dataset)
-    compared = {float(numbers["density"].sel(case=each)) for own in groups.values() for each in own}
+    compared = set(numbers["density"].values.tolist())
     paper = f"; paper: at most {PAPER} %" if compared == BETWEEN else ""
     above = f"Above each group: change with density{style.its_interval(dataset)}{paper}"
     axes.set_title(above, loc="left")

@@ -30,6 +30,7 @@ WORDS = {"speed": "speed", "force": "sum of normal forces", "layer": "layers",
 SIZE, DPI = (12.8, 7.2), 100  # 720p
 MAP = "viridis"
 SECONDS = 10.0  # of a film
+RC = style.RC | {"font.size": 13.0}
 
 
 class Stage(Figure):
@@ -122,8 +123,7 @@ class Scene:
         """Draw one frame."""
         frames = self.frames
         cylinder = None if frames.cylinder is None else frames.cylinder[frame]
-        walls = frames.walls[frame]
-        self.bed.move(frames.position[frame], frames.angle[frame], cylinder, walls)
+        self.bed.move(frames.position[frame], frames.angle[frame], cylinder, frames.walls[frame])
         if (colors := frames.paints.get(self.color)) is None:
             moved = self.color == "speed"
             colors = self.map.to_rgba(frames.speed(frame) if moved else self.contacts[frame][2])
@@ -149,10 +149,6 @@ def _contacts(frames: Frames, frame: int):
     return np.stack([start, end], axis=1), touching.force, total
 
 
-def _rc():
-    return matplotlib.rc_context(style.RC | {"font.size": 13.0})
-
-
 def picture(
     motion: Motion, path: Path, displacement: float | None, color: str, forces: bool
 ) -> None:
@@ -166,7 +162,7 @@ def picture(
         raise InputError(
             f"displacement is {displacement:g} m; it must lie between 0 and the stroke, {stroke:g} m."
         )
-    with _rc():
+    with matplotlib.rc_context(RC):
         scene = Scene(frames_of(motion), color, forces)
         scene.show(motion.nearest(displacement))
         with atomic(path) as part:
@@ -237,7 +233,7 @@ def film(
     if count < 2:
         raise InputError(f"result has {count} frame; a film needs two: simulate with more frames.")
     rate = max(2.0, count / SECONDS)
-    with _rc():
+    with matplotlib.rc_context(RC):
         scene = Scene(frames, color, forces)
         if encoded:
             matplotlib.rcParams["animation.ffmpeg_path"] = encoder()

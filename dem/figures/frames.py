@@ -116,15 +116,15 @@ def of_result(result: Result) -> Frames:
 
 def _view(result: Result) -> np.ndarray:
     """Corners (2, 2) in m of a view that holds all frames, and the corners of walls that are near."""
-    reach, periodic = result.scene.shape.bounding_radius[:, None], result.scene.periodic
-    turns = np.array([period is not None for period in periodic or (None, None)])
+    reach = result.scene.shape.bounding_radius[:, None]
+    periods = np.array(result.scene.periodic or (None, None), float)  # NaN: none
+    turns = np.isfinite(periods)
     low, high = (result.position - reach).min((0, 1)), (result.position + reach).max((0, 1))
     if result.cylinder_position is not None:
         half = 0.5 * result.scene.cylinder.diameter
         low = np.minimum(low, result.cylinder_position.min(0) - half)
         high = np.maximum(high, result.cylinder_position.max(0) + half)
-    if periodic is not None:
-        low, high = np.where(turns, 0.0, low), np.where(turns, np.array(periodic, float), high)
+    low, high = np.where(turns, 0.0, low), np.where(turns, periods, high)
     size = (high - low).max()
     wide = np.array([low - size, high + size])
     ends = np.concatenate([bed.edges(each, wide)[0].reshape(-1, 2) for each in result.walls])

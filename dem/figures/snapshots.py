@@ -54,8 +54,7 @@ def _row(row, here, snapshots, colors, attrs) -> None:
         else bed.layer_colors(place[0], height[0], int(attrs["layers"]))
     )  # fmt: skip
     for axes, snapshot in zip(row, snapshots, strict=True):
-        view = bed.box_view(width, height.max())
-        drawn = bed.Drawing(axes, rings, view, diameter, periods)
+        drawn = bed.Drawing(axes, rings, bed.box_view(width, height.max()), diameter, periods)
         drawn.joints.set_visible(False)  # panels are too small for them
         angle = here["bed_angle"].values[snapshot, known]
         axis = 0.5 * width, float(here["bed_cylinder_y"][snapshot])

@@ -220,7 +220,6 @@ def _lines(axes, runs: xr.DataArray, roles: Roles, along: xr.DataArray, marks=Fa
 
 def _finish(figure: Figure, dataset, runs, roles: Roles, more: str = "") -> None:
     """Common title, y axis and legend."""
-    first = figure.axes[0]
     style.from_zero(*figure.axes)
     for axes in figure.axes:
         if axes.get_subplotspec().is_first_col():
@@ -233,4 +232,5 @@ def _finish(figure: Figure, dataset, runs, roles: Roles, more: str = "") -> None
     notes = "; ".join(filter(None, (bars, over)))
     figure.suptitle(f"Mean drag over what was varied\n({notes}{more})")
     if roles.line:
-        style.legend(figure, first, "outside lower center", ncols=min(4, runs.sizes[roles.line]))
+        columns = min(4, runs.sizes[roles.line])
+        style.legend(figure, figure.axes[0], "outside lower center", ncols=columns)
