@@ -39,9 +39,8 @@ def open_run(path: Path, select: list[str]) -> tuple[Replicate, dict]:
     with open_lazily(path) as dataset:
         if "run_id" not in dataset.variables:
             raise InputError(f"{path}: it holds no runs; name drag.nc or a file of runs.")
-        columns = columns_of(dataset)
         ids = dataset["run_id"].values.ravel()
-        row = _chosen(path, columns, ids, select)
+        row = _chosen(path, columns_of(dataset), ids, select)
         if dataset["run_id"].dims == ("run",):
             return _row(path, dataset, row)
         run = str(ids[row])

@@ -21,8 +21,7 @@ class Changed(ValueError):
 def seal(path: Path) -> None:
     """Add the checksum of a file that has been written."""
     with Path(path).open("rb+") as file:
-        found = _checksum(file, file.seek(0, 2))
-        file.write(MARK + found)
+        file.write(MARK + _checksum(file, file.seek(0, 2)))
 
 
 def is_sealed(path: Path) -> bool:

@@ -73,8 +73,8 @@ def open_results(path: str | Path) -> xr.Dataset:
                     f"it is a configuration: make its results with dem sweep {path}, and name those"
                 )
             raise InputError(f"{path}: it is not a readable netCDF file; {why}.") from None
-        large = {name: _pieces(v) for name, v in dataset.items() if v.nbytes > 2 * PIECE}
-        found = dataset.assign({name: dataset[name].chunk(sizes) for name, sizes in large.items()})
+        large = {name: v for name, v in dataset.items() if v.nbytes > 2 * PIECE}
+        found = dataset.assign({name: v.chunk(_pieces(v)) for name, v in large.items()})
         found.set_close(dataset.close)
         return found
 

@@ -105,8 +105,8 @@ def _table(dataset: xr.Dataset, columns: dict[str, tuple[xr.DataArray, str]]) ->
     for values, form in (axes | columns).values():
         by_place = values.broadcast_like(places).transpose(*places.dims).values.ravel()
         cells.append([_text(each, form) for each in by_place[:ROWS].tolist()])
-    rows = zip(*cells, strict=True)
-    return numbers(*axes, *columns, rows=rows), max(0, places.size - ROWS)
+    table = numbers(*axes, *columns, rows=zip(*cells, strict=True))
+    return table, max(0, places.size - ROWS)
 
 
 def _text(value, form: str) -> str:
@@ -178,13 +178,12 @@ def _told(attrs: dict, about: dict, table: Table, more: int = 0, legend: str = "
 
 def _means(path: Path, dataset: xr.Dataset) -> Group:
     """Means of the first quantities of a combined file without drag, over the runs."""
-    attrs = dataset.attrs
     runs = run_means(path, dataset, MEANS)
     counts = xr.Dataset(runs).count("seed").to_array().max("variable")
     columns = {"runs": (counts, "")} | {
         f"{name}\n± {LEVEL:.0%}": (_with_interval(dataset, name, values), "") for name, values in runs.items()
     }
-    return _told(attrs, {"seeds": _seeds(dataset)}, *_table(dataset, columns))
+    return _told(dataset.attrs, {"seeds": _seeds(dataset)}, *_table(dataset, columns))
 
 
 def _with_interval(dataset: xr.Dataset, name: str, sample: xr.DataArray) -> xr.DataArray:

@@ -97,8 +97,7 @@ def write_flow(campaign: Campaign, block: str, output: Path, progress=lambda sha
         if "snapshots" in _recorded(campaign, block) and base in ({"case"}, {"shape"}):
             _keep_beds(file, campaign, found, base.pop())
 
-    wanted = sources(campaign, block)
-    combine(wanted, campaign.sweep, found, "flow", output, progress, more)
+    combine(sources(campaign, block), campaign.sweep, found, "flow", output, progress, more)
 
 
 def _recorded(campaign: Campaign, block: str) -> tuple[str, ...]:
