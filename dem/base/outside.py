@@ -6,7 +6,6 @@ running it. Only `loaded` runs one, for who makes runs, or asks to draw shapes a
 """
 
 import importlib
-import re
 import sys
 from functools import cache
 from importlib.util import find_spec
@@ -23,9 +22,8 @@ KEYS = "kind", "observables", "experiment"  # of configurations, that may name a
 
 def is_outside(word) -> bool:
     """Whether a word names something in a file of a user's own, such as stones.Stone or rest.py."""
-    return isinstance(word, str) and bool(
-        re.fullmatch(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)+", word, re.ASCII)
-    )
+    parts = word.split(".") if isinstance(word, str) and word.isascii() else []
+    return len(parts) > 1 and all(map(str.isidentifier, parts))
 
 
 def placed(data, folder: Path):
