@@ -194,5 +194,4 @@ def _about(field: FieldInfo | None) -> str:
 
 def units_of(field: FieldInfo) -> str | None:
     """Units of a value, "1" for none; None of what is no number."""
-    extra = field.json_schema_extra
-    return extra.get("units") if isinstance(extra, dict) else None
+    return (field.json_schema_extra or {}).get("units")

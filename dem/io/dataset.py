@@ -137,9 +137,8 @@ def write(path: Path, values: dict, attrs: dict, layout: dict) -> None:
             for dim, size in zip(dims, array.shape, strict=True):
                 if dim not in file.dimensions:
                     file.createDimension(dim, size)
-            options = {"zlib": True, "shuffle": True} if array.nbytes > COMPRESSED else {}
-            if dims:  # any program that reads the file then notices damage
-                options["fletcher32"] = True
+            # with fletcher32 any program that reads the file notices damage
+            options = {"zlib": array.nbytes > COMPRESSED, "fletcher32": bool(dims)}
             add(file, name, dims, array, attributes(name, layout), bool(dims), **options)
 
 
