@@ -591,6 +591,14 @@ def test_a_signal_is_not_lost(capfd, where):
 
 
 @posix
+def test_no_alarm_is_left_where_the_work_ends_before_it():
+    """It would kill the process after its last words."""
+    with reported(), suppress(Stopped):
+        signal.raise_signal(signal.SIGTERM)
+    assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
+
+
+@posix
 def test_what_a_signal_cut_is_not_freed(tmp_path):
     """A compiler may crash as it frees half of its work; what is to be done at the end is done."""
     (tmp_path / "cut.py").write_text(
