@@ -571,9 +571,9 @@ def test_the_console_script_is_the_application():
 
 
 @posix
-@pytest.mark.parametrize("where", ["destructor", "library"])
+@pytest.mark.parametrize("where", ["destructor", "library", "failure"])
 def test_a_signal_is_not_lost(capfd, where):
-    """Python ignores what is raised in a destructor, and a library may catch everything."""
+    """Python ignores what is raised in a destructor, and a library may catch everything, then fail."""
 
     class Cleaned:
         def __del__(self):
@@ -585,16 +585,25 @@ def test_a_signal_is_not_lost(capfd, where):
         else:
             with suppress(Stopped):
                 signal.raise_signal(signal.SIGTERM)
+        if where == "failure":
+            raise RunError("it failed.")
         time.sleep(10.0)
     assert end.value.exit_code == 128 + signal.SIGTERM
     assert capfd.readouterr().err == "Interrupted; no half-written file is left.\n"
 
 
 @posix
-def test_no_alarm_is_left_where_the_work_ends_before_it():
+@pytest.mark.parametrize("freed", ["before the end", "after it"])
+def test_no_alarm_is_left_where_the_work_ends_before_it(freed):
     """It would kill the process after its last words."""
-    with reported(), suppress(Stopped):
-        signal.raise_signal(signal.SIGTERM)
+    held = []
+    with reported():
+        try:
+            signal.raise_signal(signal.SIGTERM)
+        except Stopped as stopped:
+            if freed == "after it":
+                held.append(stopped)
+    held.clear()
     assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
 
 
@@ -612,6 +621,7 @@ def test_what_a_signal_cut_is_not_freed(tmp_path):
         "    half = Half()\n"
         "    signal.raise_signal(signal.SIGTERM)\n"
         "atexit.register(print, 'at the end')\n"
+        "atexit.register(signal.raise_signal, signal.SIGTERM)\n"
         "app()\n"
     )
     done = subprocess.run([sys.executable, "cut.py"], cwd=tmp_path, capture_output=True, text=True)

@@ -1,4 +1,4 @@
-"""A signal ends a verb, wherever it comes: what is half-written is cleared away, then one sentence."""
+"""A signal ends a verb: what is half-written is cleared away, then one sentence."""
 
 import atexit
 import math
@@ -7,7 +7,6 @@ import signal
 import sys
 import threading
 import time
-from contextlib import contextmanager
 
 # The workflow starts its jobs with SIGINT ignored; clusters send SIGTERM when time is over.
 STOPS = signal.SIGINT, signal.SIGTERM
@@ -32,47 +31,71 @@ class Stopped(BaseException):
         self.freed()
 
 
-@contextmanager
-def stoppable():
-    """Raise Stopped at a signal. Yields the list of the signals that came."""
-    asked, last = [], [-math.inf]
+class Stops:
+    """The signals of some work, a context: each raises Stopped. asked: those that came.
 
-    def stop(number, frame):
-        if number in ALARM or time.monotonic() - last[0] > AGAIN:
-            asked.append(number)
-            last[0] = time.monotonic()
-            raise Stopped(lost)
+    Python hands signals to its main thread only, so that work in another thread has none.
+    """
 
-    def lost():
-        if ALARM and signal.getsignal(*ALARM) is stop:  # the work goes on
-            signal.setitimer(signal.ITIMER_REAL, SOON)
+    def __init__(self):
+        self.asked, self.last, self.over = [], -math.inf, True
+        self.before, self.hook = {}, sys.unraisablehook
 
-    def unraised(what):
-        if not asked:  # else it comes again, or it is of something that was cut
-            hook(what)
+    def __enter__(self):
+        if threading.current_thread() is threading.main_thread():
+            self.before = {each: signal.signal(each, self.stop) for each in (*STOPS, *ALARM)}
+            sys.unraisablehook = self.unraised
+            self.over = False
+        return self
 
-    main = threading.current_thread() is threading.main_thread()
-    before = {each: signal.signal(each, stop) for each in (*STOPS, *ALARM) if main}
-    hook, sys.unraisablehook = sys.unraisablehook, unraised
-    try:
-        yield asked
-    finally:
-        sys.unraisablehook = hook
-        if asked and ALARM:
-            signal.setitimer(signal.ITIMER_REAL, 0.0)
-        for each, handler in before.items():
+    def __exit__(self, *error):
+        self.end()
+        for each, handler in self.before.items():
             signal.signal(each, handler)
+        if self.before:
+            sys.unraisablehook = self.hook
+
+    def end(self) -> None:
+        """The work is over: no signal disturbs its last words."""
+        self.over = True
+        if self.asked:
+            _ring(0.0)
+
+    def stop(self, number: int, frame) -> None:
+        """Handle a signal."""
+        again = number in ALARM and self.asked
+        if self.over or not (again or time.monotonic() - self.last > AGAIN):
+            return
+        _ring(0.0)
+        self.last = time.monotonic()
+        if not again:
+            self.asked.append(number)
+        raise Stopped(self.freed)
+
+    def freed(self) -> None:
+        """A stop is gone: where the work goes on, it was lost."""
+        if not self.over:
+            _ring(SOON)
+
+    def unraised(self, what) -> None:
+        """Python lost what was raised: it is a stop that comes again, or of something that was cut."""
+        if not (self.asked and ALARM):
+            self.hook(what)
 
 
-def be_deaf() -> None:
-    """Let no signal of the work disturb its last words."""
-    for each in (*STOPS, *ALARM):
-        signal.signal(each, signal.SIG_IGN)
+def _ring(seconds: float) -> None:
+    """Let the alarm ring; 0 cancels it."""
+    if ALARM:
+        signal.setitimer(signal.ITIMER_REAL, seconds)
 
 
 def end_at_once(code: int) -> None:
-    """End without freeing what a signal cut: a compiler may crash as it frees half of its work."""
-    atexit._run_exitfuncs()
-    for stream in (sys.stdout, sys.stderr):
-        stream.flush()
-    os._exit(code)
+    """End without freeing what a signal cut, where no other thread needs it: a compiler may crash as it
+    frees half of its work."""
+    if threading.active_count() == 1:
+        for each in STOPS:
+            signal.signal(each, signal.SIG_IGN)
+        atexit._run_exitfuncs()
+        for stream in (sys.stdout, sys.stderr):
+            stream.flush()
+        os._exit(code)

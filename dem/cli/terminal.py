@@ -16,7 +16,7 @@ from dem.base.files import Place, check_paths, reason
 from dem.base.plain import plain
 from dem.base.say import say, say_over
 from dem.cli.options import Writes
-from dem.cli.stopping import STOPS, Stopped, be_deaf, end_at_once, stoppable
+from dem.cli.stopping import STOPS, Stopped, Stops, end_at_once
 from dem.cli.streams import open_streams, what_was_lost
 from dem.io.progress import Stage
 
@@ -82,19 +82,18 @@ def show(text: str) -> None:
 @contextmanager
 def reported():
     """One sentence and an exit status instead of a traceback."""
-    with stoppable() as asked:
+    with Stops() as stops:
         try:
             yield
-        except (InputError, RunError, OSError) as error:
+        except (Stopped, Exception) as error:
+            stops.end()
+            if stops.asked:  # what lost a stop may fail later, as LLVM does
+                say(f"Interrupted; {getattr(error, 'kept', Stopped.kept)}")
+                raise typer.Exit(128 + stops.asked[0]) from None
+            if not isinstance(error, InputError | RunError | OSError):
+                raise
             say(plain(sentence_of(error)))  # control characters from a file or a path have no effect
             raise typer.Exit(2 if isinstance(error, InputError) else 1) from None
-        except (Stopped, Exception) as error:
-            # LLVM calls back while it compiles, and swallows what is raised there: it fails later.
-            if not asked:
-                raise
-            be_deaf()
-            say(f"Interrupted; {getattr(error, 'kept', Stopped.kept)}")
-            raise typer.Exit(128 + asked[0]) from None
 
 
 TICK = 0.2  # s between two looks at work that lasts
