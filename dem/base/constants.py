@@ -4,6 +4,7 @@ A folder is then the list of what is in it: figures, kinds of experiment, studie
 """
 
 import ast
+import re
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
@@ -36,7 +37,8 @@ class _Filled(ast.NodeTransformer):
 @cache
 def described(folder: Path, sign: str) -> dict[str, dict]:
     """Constants of those files of a folder that set `sign`, by name without .py."""
+    written = re.compile(rb"^%s\s*=" % sign.encode(), re.MULTILINE)
     files = sorted(Path(folder).glob("*.py"))
-    some = [path for path in files if sign.encode() in path.read_bytes()]  # parsing takes longer
+    some = [path for path in files if written.search(path.read_bytes())]  # parsing takes longer
     found = {path.stem: constants(path) for path in some}
     return {name: each for name, each in found.items() if sign in each}
