@@ -138,7 +138,7 @@ SENTENCES = [
     ("sweep", {"blocks": {"a": 3}}, "sweep.blocks.a is 3; it must be a group of keys."),
     ("sweep", {"blocks": {"a": {"needs": "b"}}}, "sweep.blocks.a.needs is 'b'; it must be a block before it: there is none."),
     ("sweep", {"blocks": {"a": {"case": "c1"}, "b": {"case": "c1", "needs": "a"}}},
-     "sweep.blocks.b.needs is 'a', a block of the experiment drag; it must be one of jamming, from which values can be derived."),
+     "sweep.blocks.b.needs is 'a', a block of the experiment drag; it must be a block of the experiment jamming, whose results give values."),
     ("batch", 0, "batch is 0; it must be at least 1."),
     ("gravity", float("nan"), "gravity is nan; it must be a finite number, in m s-2."),
     ("gravity", -(10**5000), "gravity is a value of type int; its magnitude must be at most 1e+15, in m s-2."),
@@ -284,7 +284,7 @@ NO_CONFIGURATION = {
     BOMB.replace(TENS, "[{x: 1}]").replace("[", "{<<: [").replace("]", "]}"): "aliases repeat",
     "a: 1\nb: 2\n'a': 3": "line 3: 'a' is a key here and in line 1; remove one.",
     "a: {0.1: 1,\n 1.0e-1: 2}": "line 2: 0.1 is a key here and in line 1; remove one.",
-    "seed: {until: 5 %,\n off: drag}": "line 2: YAML reads the key off as false; it must be the name of a value.",
+    "seed: {until: 5 %,\n off: drag}": "line 2: YAML reads the key off as a truth value; use another name, or quotes.",
     PAPER + "\ncases: {}": "'cases' is a key here and in line ",
 }
 

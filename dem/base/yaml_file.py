@@ -83,7 +83,7 @@ def _check(node: yaml.Node, path, loader: yaml.SafeLoader, left: list[int], dept
             if key in lines:
                 words = f"{key!r} is a key here and in line {lines[key]}; remove one"
             elif isinstance(key, bool):
-                words = f"YAML reads the key {own.value} as {str(key).lower()}; it must be the name of a value"
+                words = f"YAML reads the key {own.value} as a truth value; use another name, or quotes"
             if words:
                 raise _fault(path, own.start_mark.line + 1, words)
             lines[key] = own.start_mark.line + 1

@@ -99,11 +99,11 @@ class Sweep(Configuration):
             needed = self.needed(name)
             self.block(name)
             for each in needed:
-                own = self.block(each).runs[0].replicate.configuration
-                if "jam_fraction" not in own.module.layout(own):
+                kind = self.block(each).runs[0].replicate.configuration.experiment
+                if kind != "jamming":
                     raise InputError(
-                        f"sweep.blocks.{name}.needs is {each!r}, a block of the experiment {own.experiment}; it must "
-                        "be one of jamming, from which values can be derived."
+                        f"sweep.blocks.{name}.needs is {each!r}, a block of the experiment {kind}; it must be a block "
+                        "of the experiment jamming, whose results give values."
                     )
 
     @cached_property
