@@ -504,6 +504,37 @@ def test_files_follow_the_cf_conventions(finished):
     assert run.returncode == 0, run.stdout
 
 
+# What turns a file into another format of netCDF or of HDF5, or reads its texts; {} are files.
+PROGRAMS = {
+    "ncdump": "ncdump {0}",
+    "nccopy": "nccopy -k classic {0} {1}",
+    "ncks": "ncks -O -3 {0} {1}",
+    "h5repack": "h5repack -f GZIP=1 {0} {1}",
+    "octave": "octave --norc --eval \"pkg load netcdf; ncread('{0}', 'shape'); ncread('{0}', 'run_id');\"",
+}
+
+
+def test_other_programs_read_every_kind_of_file(finished, tmp_path):
+    """The classic model has no strings of variable length and no whole numbers of 64 bits, on which
+    programs stop. Each program that this computer has is asked."""
+    results = finished / "results/smoke"
+    paths = [next(results.glob(name)) for name in ("drag.nc", "flow.nc", "../store/batches/*.nc")]
+    paths.append(tmp_path / "means.nc")
+    run = CliRunner().invoke(app, ["means", str(paths[0]), "-o", str(paths[-1])])
+    assert run.exit_code == 0, run.output
+    scene, state = dem.Scene(dem.Disc([1e-3, 1e-3])), dem.State([[0, 0], [2.1e-3, 0]])
+    paths.append(dem.simulate(scene, state, duration=1e-5).to_netcdf(tmp_path / "result.nc"))
+    for path in paths:
+        with netCDF4.Dataset(path) as file:
+            assert file.data_model == "NETCDF4_CLASSIC"
+        for program in filter(shutil.which, PROGRAMS):
+            if program != "octave" or path.name == "drag.nc":  # it takes a second to start
+                command = PROGRAMS[program].format(path, tmp_path / "other.nc")
+                run = subprocess.run(command, shell=True, capture_output=True, text=True)
+                assert run.returncode == 0, f"{command}: {run.stdout[-500:]} {run.stderr}"
+    assert len(paths) == 5
+
+
 def test_info_shows_every_case(finished):
     """dem info prints a line a case with its mean drag."""
     run = CliRunner().invoke(app, ["info", str(finished / "results/smoke/drag.nc")])

@@ -11,6 +11,7 @@ from dem.analysis.values import designs_of
 from dem.base.errors import InputError
 from dem.base.files import atomic
 from dem.io.checksums import seal
+from dem.io.dataset import FORMAT
 from dem.io.lazily import open_lazily, require
 from dem.sweep.precision import known
 
@@ -112,7 +113,7 @@ def write_means(found: xr.Dataset, output: Path) -> None:
         raise InputError(f"output is {str(output)!r}; it must end in .csv or .nc.")
     with atomic(output) as part:
         if output.suffix == ".nc":
-            found.to_netcdf(part)
+            found.to_netcdf(part, format=FORMAT)
             seal(part)
             return
         table_of(found).to_csv(part, index=False)

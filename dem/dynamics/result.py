@@ -255,6 +255,8 @@ class Result(NamedTuple):
     def to_netcdf(self, path: str | os.PathLike[str]) -> Path:
         """Write to_dataset() to one netCDF file, whole or not at all.
 
+        What there is none of, such as walls, is left out.
+
         Parameters
         ----------
         path : str or path
@@ -285,5 +287,8 @@ class Result(NamedTuple):
         """
         path = Path(path)
         with atomic(path) as part:
-            self.to_dataset().to_netcdf(part, engine="netcdf4")
+            dataset = self.to_dataset()
+            empty = [dimension for dimension, size in dataset.sizes.items() if not size]
+            # a netCDF dimension of size zero would be one without end
+            dataset.drop_dims(empty).to_netcdf(part, engine="netcdf4", format="NETCDF4_CLASSIC")
         return path

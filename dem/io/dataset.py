@@ -2,7 +2,8 @@
 
 Every file is sealed with a checksum (dem.io.checksums) and read only if it holds.
 
-CF-1.11, SI units. Studies keep tables of the same form beside them (studies.benchmark.layout,
+CF-1.11, SI units, in the classic model of netCDF-4 (characters, whole numbers of 32 bits), which programs
+without strings and other formats can take over. Studies keep tables of the same form beside them (studies.benchmark.layout,
 studies.accuracy.layout).
 """
 
@@ -55,7 +56,6 @@ OF_RUN = {
     "packing_pressure": ((), "Pa", "mean normal stress on the walls before the cylinder moves"),
     **{name: BED[name] for name in ("packing_coordination_number", "packing_net_force", "packing_max_overlap")},
 }  # fmt: skip
-WHOLE = ("steps",)  # whole numbers of a run, -1 where it failed; all others are NaN there
 OF_STORE = {  # of a run in a file of many
     "run_id": ((), None, "identity of the run: a hash of the values that it reads and the code that it runs"),
     "bed_family": ((), None, "all that beds like that of the run depend on, but packing fraction, friction and seed"),
@@ -72,6 +72,7 @@ OF_SWEEP = {
 # Why a run failed, and the attributes of the variable `failure` that say so (CF, section 3.5).
 FAILURES = ("none", PackingError.__name__, OverlapError.__name__, StateError.__name__, "other")
 AGAIN = "delete it and run again"
+FORMAT = "NETCDF4_CLASSIC"
 COMPRESSED = 8192  # bytes of an array from which compressing it makes the file smaller
 WALLS = ("left", "right", "bottom", "top")
 UNITLESS = ("displacement_bounds", "failure")  # numbers whose attributes say more than a unit
@@ -122,7 +123,7 @@ def global_attributes(title: str, source: str, **more) -> dict:
 def create(path: Path):
     """A netCDF4.Dataset to fill; atomic, and sealed in the end."""
     with atomic(path) as part:
-        with netCDF4.Dataset(part, "w") as file:
+        with netCDF4.Dataset(part, "w", format=FORMAT) as file:
             yield file
         seal(part)
 
@@ -139,29 +140,27 @@ def write(path: Path, values: dict, attrs: dict, layout: dict) -> None:
                     file.createDimension(dim, size)
             # with fletcher32 any program that reads the file notices damage
             options = {"zlib": array.nbytes > COMPRESSED, "fletcher32": bool(dims)}
-            add(file, name, dims, array, attributes(name, layout), bool(dims), **options)
+            add(file, name, dims, array, attributes(name, layout), **options)
 
 
-def add(
-    file, name: str, dims: tuple, values: np.ndarray, attrs: dict, characters: bool, **options
-) -> None:
-    """Add a variable to a file; characters: whether texts are such, because CF keeps strings off an
-    axis. options: of createVariable, for numbers."""
-    kind = values.dtype
-    if kind.kind == "U":
-        kind, options = str, {}
-        if characters:
-            values = np.char.encode(values, "utf-8")
-            width = values.dtype.itemsize
-            file.createDimension(f"{name}_length", width)
-            kind, dims = "S1", (*dims, f"{name}_length")
-            values = values.view("S1").reshape(*values.shape, width)
-    made = file.createVariable(name, kind, dims, **options)
+def add(file, name: str, dims: tuple, values: np.ndarray, attrs: dict, **options) -> None:
+    """Add a variable to a file: texts as characters, along a dimension of their length, and whole
+    numbers in 32 bits, or as real ones where they are larger. options: of createVariable, for numbers."""
+    kind = values.dtype.kind
+    if kind == "U":
+        values = np.char.encode(values, "utf-8")
+        width = values.dtype.itemsize
+        file.createDimension(f"{name}_length", width)
+        dims, options = (*dims, f"{name}_length"), {}
+        values = np.frombuffer(values.tobytes(), "S1").reshape(*values.shape, width)
+    elif values.dtype == np.int64:
+        values = values.astype("i4" if np.abs(values).max(initial=0) < 2**31 else float)
+    made = file.createVariable(name, values.dtype, dims, **options)
     made.setncatts(attrs)
-    if kind == "S1":
+    if kind == "U":
         made._Encoding = "utf-8"
         made.set_auto_chartostring(False)
-    made[...] = values.astype(object) if kind is str else values
+    made[...] = values
 
 
 def read(path: Path, names: tuple[str, ...]) -> tuple[dict, dict]:

@@ -19,7 +19,7 @@ from dem.experiment import resume
 from dem.experiment.bed import make_bed, periods
 from dem.experiment.config import Replicate
 from dem.experiment.warmup import compile_kernels
-from dem.io.dataset import FAILURES, LABELS, OF_STORE, WHOLE, global_attributes, read, write
+from dem.io.dataset import FAILURES, LABELS, OF_STORE, global_attributes, read, write
 from dem.io.results_folder import lock_of
 from dem.packing.random import Bed
 from dem.sweep.store import Store, kernels_of
@@ -140,14 +140,14 @@ def layout_of(replicate: Replicate) -> dict:
 
 
 def write_batch(path: Path, replicates: list[Replicate], rows: list[dict]) -> None:
-    """Write the runs of a batch; what a failed run lacks is NaN, or -1."""
+    """Write the runs of a batch; what a failed run lacks is NaN."""
     first = replicates[0]
     experiment, layout = first.configuration.module, layout_of(first)
     sizes, values = experiment.sizes(first), experiment.axes(first.configuration)
     for name in experiment.layout(first.configuration):
         shape = tuple(sizes[dim] for dim in layout[name][0][1:])
-        gap = np.full(shape, *((-1, np.int64) if name in WHOLE else (np.nan, float)))
-        values[name] = np.stack([np.asarray(row.get(name, gap), gap.dtype) for row in rows])
+        gap = np.full(shape, np.nan)
+        values[name] = np.stack([np.asarray(row.get(name, gap), float) for row in rows])
     labels = [replicate.labels() for replicate in replicates]
     values |= {name: np.array([label[name] for label in labels]) for name in LABELS}
     values |= {

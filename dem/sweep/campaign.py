@@ -279,7 +279,7 @@ class Campaign:
     def sign(self, file) -> None:
         """Write into a combined file, a netCDF4.Dataset, which sweep it is of."""
         if self.file is not None:
-            file.setncattr_string(OWNER, self.file)
+            file.setncattr(OWNER, self.file)
 
     def make(self, workers: Workers, progress=lambda done, failed, compiles: None) -> None:
         """Make all that is not there yet, on some workers, but flow.nc (dem.analysis.flow); raises

@@ -147,10 +147,9 @@ def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> No
         file.variables[REPLICATES].setncatts(block.until.model_dump() | parsed)
     for name, values in sample.items():
         sizes = (*[1] * (len(block.dims) - 1), min(BLOCK, block.shape[-1]), *values.shape[1:])
-        gap = np.nan if values.dtype.kind == "f" else -1
         made = file.createVariable(
             name, values.dtype, layout[name][0], zlib=True, complevel=4, shuffle=True, fletcher32=True,
-            chunksizes=sizes, fill_value=gap if gaps else False,
+            chunksizes=sizes, fill_value=np.nan if gaps else False,
         )  # fmt: skip
         # runs mostly come in order, and what is full is written and forgotten
         size = 2 * int(np.prod(sizes)) * values.dtype.itemsize
@@ -167,7 +166,7 @@ def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> No
 def _write(
     file, name: str, dims, values: np.ndarray, entry: Entry | None = None, layout=None
 ) -> None:
-    """An axis or a label; texts of an axis are characters, CF keeps strings off it."""
+    """An axis or a label."""
     known = LABELS | OF_SWEEP | (layout or {})
     if entry is not None and entry.about:
         about = {"long_name": entry.about, "units": entry.units}
@@ -178,8 +177,7 @@ def _write(
         values = values.astype("i1")
     if values.dtype == object:
         values = values.astype(str)
-    characters = name in file.dimensions or len(dims) > 1 or name in OF_STORE
-    add(file, name, tuple(dims), values, about, characters, fill_value=False)
+    add(file, name, tuple(dims), values, about, fill_value=False)
 
 
 def _fill(file, values: dict, places: list[tuple[tuple[int, ...], int]]) -> None:

@@ -19,6 +19,7 @@ import xarray as xr
 from dem.base.files import atomic
 from dem.base.sources import ROOT, _read
 from dem.io.checksums import seal
+from dem.io.dataset import FORMAT
 
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE.parent.parent), str(HERE.parent / "_ext")]
@@ -76,7 +77,7 @@ def release(results: Path) -> None:
             if values.dtype.kind in "fiu" and values.dims
         }
         with atomic(each.path) as part:
-            kept.to_netcdf(part, encoding=packed)
+            kept.to_netcdf(part, format=FORMAT, encoding=packed)
             seal(part)
         print(f"{each.path}: {each.path.stat().st_size / 1e6:.2f} MB")
 

@@ -115,7 +115,7 @@ def run(
             saved_at = time.monotonic()
     whole = Record(*map(np.concatenate, zip(*going.records, strict=True)))
     seen = Seen(replicate, bed, whole, going.states)
-    values = {"run_time": going.spent, "steps": np.int64(simulation.steps)}
+    values = {"run_time": going.spent, "steps": simulation.steps}
     values |= stacked(going.looks)
     for module in observables:
         if hasattr(module, "measure"):

@@ -135,7 +135,7 @@ def run(replicate: Replicate, bed: Bed | None = None, progress=lambda done: None
     ]
     found = {name: np.array([each[name] for each in samples]) for name in samples[0]}
     spent = time.process_time() - started
-    return found | {"run_time": spent, "steps": np.int64(simulation.steps)}
+    return found | {"run_time": spent, "steps": simulation.steps}
 
 
 def _sample(simulation: Simulation, cell: Cell, interval: float) -> dict[str, float]:
