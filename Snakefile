@@ -9,7 +9,6 @@
     snakemake -j2 verification                            known cases against what is expected
     snakemake -j2 precision                               how often a mean is as near as a sweep asks for
     snakemake -j2 budget                                  what a budget of processor time buys
-    snakemake -j2 refinement                              how many runs a curve takes
     snakemake -j2 claims                                  which of the paper's claims hold
     snakemake -j2 report                                  one page of everything
 

@@ -6,7 +6,7 @@ runs and the code that made them.
 REQUIRED INPUTS
     none; results/store/batches/{batch}.json, which is written before, says what the runs are
 OUTPUTS
-    results/store/batches/{batch}.nc; {folder}/rounds/{number}, an empty file, after each round of replicates or points
+    results/store/batches/{batch}.nc; {folder}/rounds/{number}, an empty file, after each round of replicates
 """
 
 
@@ -27,7 +27,7 @@ localrules:
     round,
 
 
-# of a block that grows until a precision, by seeds or by points of what is refined: what a round gave decides whether another follows
+# of a block that grows until a precision: what a round gave decides whether another follows
 checkpoint round:
     message:
         "Round {wildcards.number} of {wildcards.folder} is made"

@@ -227,6 +227,8 @@ MISTAKES = [
     ("sweep.p", {"a": {"gravity": [1, 2]}}, "sweep.p.a.gravity is [1, 2]; it must be a number", ""),
     ("sweep.p", {"design": "sobol", "points": 12, "over": {"gravity": {"low": 0, "high": 1}}}, "sweep.p: points is 12; a Sobol sequence", "take 8 or 16"),
     ("sweep.p", {"design": "sobol", "points": 4, "over": {"gravity": [0, 1]}}, "over.gravity is [0, 1]", "its keys are low, high, scale"),
+    ("sweep.p", {"design": "sobol", "points": 4, "over": {"gravity": {"low": 1, "high": 1}}}, "gravity: low is 1; it must be less than high, 1", ""),
+    ("sweep.p", {"design": "sobol", "points": 4, "over": {"gravity": {"low": 0, "high": 1, "scale": "log"}}}, "gravity: low is 0; on a log scale it must be above 0", ""),
     ("sweep.p", {"design": "sobol", "points": 4, "over": {"gravity": {"min": 0, "high": 1}}}, "over.gravity.min is not a known key", "there are low, high, scale"),
 ]  # fmt: skip
 

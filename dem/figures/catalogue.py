@@ -10,7 +10,7 @@ from dem.base.errors import InputError
 from dem.base.hints import choice
 from dem.io.dataset import LABELS
 from dem.io.lazily import open_lazily, require
-from dem.sweep.axis import POINT, REFINED
+from dem.sweep.axis import POINT
 
 BY_CASE = {"case", "seed"}, {"shape", "seed"}  # axes of runs that make cases
 # by file: observables one of which runs must record, and what the file must hold, if a figure says neither
@@ -81,7 +81,7 @@ def possible(block, figures: dict[str, Drawn] = FIGURES) -> list[str]:
     """Names of the figures that the runs of a block will suffice for."""
     runs = [run.replicate for run in block.runs]
     labels = {name: dims for name, (_, dims, _) in block.labels().items()}
-    designs = [axis.name for axis in block.axes if axis.entry.about == POINT and axis.name != REFINED]
+    designs = [axis.name for axis in block.axes if axis.entry.about == POINT]
     sizes = _sizes(dict(zip(block.dims, block.shape, strict=True)), labels, designs)
     cases = list(dict.fromkeys((run.label, run.density) for run in runs))
     cases = cases if set(block.dims) in BY_CASE else None
@@ -116,7 +116,7 @@ def drawable_from(data: Path, dataset, figures: dict[str, Drawn] = FIGURES) -> l
     if any(each.cases is not None or each.axes for each in figures.values()):
         require(dataset, data, {}, ("run_id",))
         axes = dict(dataset["run_id"].sizes)
-        designs = [dim for dim in designs_of(dataset["run_id"]) if dim != REFINED]
+        designs = designs_of(dataset["run_id"])
         labels = {str(name): values.dims for name, values in dataset.coords.items()}
         sizes = _sizes(axes, labels, designs)
         if (found := by_case(dataset)) is not None:

@@ -3,21 +3,19 @@ is known. It only reads, so any terminal may ask while the sweep runs."""
 
 import time
 from collections import Counter
-from contextlib import suppress
 from math import ceil, isfinite
 
 from rich.console import Group
 from rich.text import Text
 
 from dem.analysis.tables import numbers
-from dem.base.errors import InputError, RunError
+from dem.base.errors import InputError
 from dem.io.progress import span
 from dem.sweep.axis import POINT, Axis
 from dem.sweep.campaign import Campaign
 from dem.sweep.estimate import cost
 from dem.sweep.expand import Block
 from dem.sweep.precision import Until, all_known, expected, numbers_of
-from dem.sweep.refine import known_to
 
 ROWS = 60  # of a table, at most
 VARIED = 4  # values of a design that are shown, at most
@@ -37,9 +35,6 @@ def status(campaign: Campaign) -> Group:
         left += [run for run in block.unique() if under_way.get(run.id, 0.0) is not None and run.id not in there]
         failed.update(numbers.failed[run] for run in block.places if run in numbers.failed)
         parts += [Text(campaign.folder_of(name), style="bold"), _table(block, until, there, under_way, numbers.failed)]
-        if block.refined and all(run.id in there for run in block.unique()):
-            with suppress(RunError):  # where that means nothing, which combining says
-                parts += [Text(known_to(block, campaign.values(block)))]
     running = sum(run.id in under_way for run in left)
     verb = "run is" if running == 1 else "runs are"
     words = f"{running} {verb} under way and {len(left) - running} wait. " if left else "All runs are made. "
@@ -56,7 +51,7 @@ def _usual(block: Block) -> Until:
     names = numbers_of(block.runs[0].replicate.configuration)
     if not names:
         raise InputError(f"runs of {block.name} record no number, whose mean could be known.")
-    return Until(until=USUAL, of=block.asked.of if block.asked else "drag" if "drag" in names else names[0])
+    return Until(until=USUAL, of="drag" if "drag" in names else names[0])
 
 
 def _table(block: Block, until: Until, there: dict, under_way: dict, failed: dict):

@@ -28,14 +28,12 @@ from dem.experiment.observables import OBSERVABLES, variables_of
 from dem.experiment.sections import OwnSection
 from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE
 from dem.sweep import design
-from dem.sweep.precision import Precision, Until
-from dem.sweep.refine import Refine, Step
+from dem.sweep.precision import Until
 
 OWN = tuple(OwnSection.model_fields)  # of a run, beside the values of its configuration
 RUNS = {name: Entry(name, units_of(f), "", f) for name, f in OwnSection.model_fields.items()}
 RUNS["case"] = RUNS["shape"]._replace(path="case")  # a row of the table
 POINT = "point of the design"  # long name of an axis that is a design
-REFINED = "refined"  # name of the axis of two values that are refined
 
 
 class Derive(Section):
@@ -50,17 +48,14 @@ class Derive(Section):
 class Axis(NamedTuple):
     """A dimension: name, units and words, coordinate, and the changes of every point by path.
 
-    until: of seeds without an end, or of values whose points are placed round by round; refine: these values by
-    path; steps: their points.
+    until: of seeds without an end.
     """
 
     name: str
     entry: Entry
     coordinate: list
     points: list[dict]
-    until: Precision | None = None
-    refine: dict[str, Refine] | None = None
-    steps: list[Step] | None = None
+    until: Until | None = None
 
     @property
     def paths(self) -> list[str]:
@@ -89,20 +84,9 @@ def place_in(sweep: Configuration, where: str) -> Place:
     return Place(sweep, entries(sweep.shapes), where)
 
 
-def axes_of(specs: dict, place: Place, steps: list[Step] | None, replicates: int | None) -> list[Axis]:
-    """The dimensions of the keys of a block; steps: of what is refined, replicates: of seeds without an end, of the
-    first round if absent."""
-    known = place.paths | RUNS
-    asked = {key: spec for key, spec in specs.items() if key in known and isinstance(spec, dict) and "refine" in spec}
-    others = list(asked)[1:]  # on the axis of the first
-    return [
-        _refined(asked, steps, place) if key in asked else axis_of(key, spec, place, replicates)
-        for key, spec in specs.items() if key not in others
-    ]  # fmt: skip
-
-
 def axis_of(key: str, spec, place: Place, replicates: int | None = None) -> Axis:
-    """The dimension of a key; raises InputError with the key and the value at fault."""
+    """The dimension of a key; raises InputError with the key and the value at fault. replicates: of seeds
+    without an end, of the first round if absent."""
     here, entry = place.at(key), RUNS.get(key) or place.paths.get(key)
     if key == "seed" and isinstance(spec, dict):
         until = validated(Until, spec, at=here.where)
@@ -136,35 +120,6 @@ def _design(key: str, spec: dict, here: Place) -> Axis:
     if wanted.first_seed is not None:
         points = [point | {"seed": wanted.first_seed + k} for k, point in enumerate(points)]
     return Axis(name_of(key), Entry(key, "1", POINT), list(range(len(points))), points)
-
-
-def _refine(spec: dict, entry: Entry, here: Place) -> Refine:
-    """How a number is refined, between two that it may be."""
-    if entry.units is None or entry.field.annotation in (int, bool):
-        here.refuse(f"has refine: {spec['refine']}; it is no number that may have any value, so list its values")
-    found = validated(Refine, spec, at=here.where)
-    for end in ("low", "high"):
-        _values(getattr(found, end), entry, here.at(end))
-    return found
-
-
-def _refined(specs: dict, steps: list[Step] | None, place: Place) -> Axis:
-    """The dimension of one refined value, or of two, whose points are on it together."""
-    table = place.paths | RUNS
-    asked = {path: _refine(spec, table[path], place.at(path)) for path, spec in specs.items()}
-    if len(asked) > 2:
-        place.refuse(f"refines {', '.join(asked)}; it must refine two values at most: list the others")
-    first, *others = asked
-    told = [f"{each.words()}, with {each.least} to {each.most} points" for each in asked.values()]
-    if told[0] != told[-1]:
-        place.at(others[0]).refuse(f"asks for {told[1]}; it must be as {first}, whose points it shares: {told[0]}")
-    steps = steps or asked[first].first(len(asked))
-    points = [{path: each.values[at] for (path, each), at in zip(asked.items(), step, strict=True)} for step in steps]
-    axis = Axis(REFINED, Entry(REFINED, "1", POINT), list(range(len(points))), points, asked[first], asked, steps)
-    if others:
-        return axis
-    name = first if first in RUNS else name_of(first)
-    return axis._replace(name=name, entry=table[first], coordinate=[point[first] for point in points])
 
 
 def name_of(path: str) -> str:
@@ -203,8 +158,6 @@ def _known(path, paths, place: Place) -> None:
 
 def _derived(path: str, asked: dict, here: Place) -> Derive:
     """How a value follows from another result."""
-    if "refine" in asked:
-        here.refuse("has refine, as only a key of a block may; name it there")
     if path != "packing.fraction":
         here.refuse("cannot be derived, only packing.fraction")
     found = validated(Derive, asked, at=here.where)

@@ -18,7 +18,6 @@ from dem.sweep.config import CONFIG, Sweep, file_of, load, parse, save
 from dem.sweep.earlier import OWNER, read_earlier, refuse_other, replaced
 from dem.sweep.expand import Block
 from dem.sweep.precision import Lead, Numbers, short_of
-from dem.sweep.refine import known_to
 from dem.sweep.store import FOLDER, Batch, Store, plan
 from dem.sweep.workers import Workers, make_batches
 
@@ -98,7 +97,7 @@ class Campaign:
     def block(self, name: str, rounds: int | None = None) -> Block:
         """All runs of a block; what is derived is as the file has it until it can be known.
 
-        rounds: of replicates or points, after the first; all that the runs that there were suffice for if absent.
+        rounds: of replicates, after the first; all that the runs that there were suffice for if absent.
         """
         if name not in self._blocks:
             if not self.is_known(name):
@@ -117,7 +116,7 @@ class Campaign:
     def grow(self, name: str) -> bool:
         """Add a round to a block, where all its runs are there and it takes one."""
         found = self._blocks[name]
-        if found[-1].asked is None:
+        if found[-1].until is None:
             return False
         values = self.values(found[-1])
         if any(len(values[place]) < n for place, n in found[-1].counts.items()):
@@ -127,13 +126,13 @@ class Campaign:
             return False  # more runs failed than may; combining says so
         if (grown := found[-1].grown(values, len(found))) is None:
             return False
-        found.append(self.sweep.block(name, grown=grown))
+        found.append(self.sweep.block(name, counts=grown))
         return True
 
     def values(self, block: Block) -> dict[Lead, np.ndarray]:
         """What is wanted of the runs of a block that there are, by place: one value a run, in the order of
         the seeds, up to the first that is not there."""
-        there = self.numbers(block.asked.variable).of(block)
+        there = self.numbers(block.until.variable).of(block)
         return {
             place: np.array([there[run.id] for run in takewhile(lambda run: run.id in there, runs)])
             for place, runs in block.replicates.items()
@@ -145,7 +144,7 @@ class Campaign:
 
     def rounds(self, name: str) -> Iterator[int]:
         """The rounds of a block, one after another; each must be made before the next."""
-        if self.block(name).asked:
+        if self.block(name).until:
             for number, found in enumerate(self._blocks[name]):  # which grow meanwhile
                 yield number
                 if found is self._blocks[name][-1]:
@@ -268,9 +267,8 @@ class Campaign:
 
         def sign(file):
             self.sign(file)
-            if found.asked and not partial and observable == self.observables(block)[0]:
-                values = self.values(found)
-                self.said += [known_to(found, values)] if found.refined else short_of(found, values)
+            if found.until and not partial and observable == self.observables(block)[0]:
+                self.said += short_of(found, self.values(found))
 
         combine(files, self.sweep, found, observable, output, progress, sign, partial)
         if output == self.first(block) and self.sweep.needed(block):

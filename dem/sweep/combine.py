@@ -119,8 +119,6 @@ def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> No
     labels = block.labels()
     for axis in block.axes:
         _write(file, axis.name, (axis.name,), np.asarray(axis.coordinate), axis.entry)
-        if axis.refine:
-            file.variables[axis.name].refined = axis.until.words()
     for name, values in axes.items():
         if name in layout:
             dims = layout[name][0]

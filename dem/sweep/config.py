@@ -19,7 +19,8 @@ from dem.base.schema import Label, NotNegative, Positive, Section, Whole, valida
 from dem.base.sources import ROOT
 from dem.base.yaml_file import read
 from dem.experiment.config import Configuration
-from dem.sweep.expand import Block, Derived, Grown, expand
+from dem.sweep.expand import Block, Derived, expand
+from dem.sweep.precision import Lead
 
 DISTRIBUTION = "granular-drag"
 FOLDERS = ("store", "flow", "figures", "logs", "rounds")  # of results
@@ -120,15 +121,16 @@ class Sweep(Configuration):
         return validated(Blocks, self.sweep["blocks"], at="sweep.blocks")
 
     def block(
-        self, name: str, derived: Derived | None = None, grown: Grown | None = None
+        self, name: str, derived: Derived | None = None, counts: dict[Lead, int] | None = None
     ) -> Block:
         """All runs of a block; raises InputError for impossible runs.
 
         derived: gives the values that follow from another block's result; without it, a run has
-        the values in the file. grown: what rounds have made of it, the first if absent.
+        the values in the file. counts: replicates of each place after some rounds, of the
+        first if absent.
         """
-        if derived is not None or grown is not None:
-            return expand(self, name, self._spec(name), derived, grown)
+        if derived is not None or counts is not None:
+            return expand(self, name, self._spec(name), derived, counts)
         if name not in self._expanded:
             self._expanded[name] = expand(self, name, self._spec(name), None)
         return self._expanded[name]

@@ -10,11 +10,12 @@ DRAWS = 20  # hypercubes, of which the one of the lowest discrepancy is taken
 MANY = 5_000  # points from which that takes too long, and one is drawn
 
 
-class Bounds(Section):
-    """A value between two bounds; subclasses have a scale, linear or log."""
+class Range(Section):
+    """A value that is uniform between two bounds, or its logarithm if scale is log."""
 
     low: Number
     high: Number
+    scale: Literal["linear", "log"] = "linear"
 
     @model_validator(mode="after")
     def _check_bounds(self):
@@ -36,12 +37,6 @@ def _value(value):
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise ValueError("it must be a number or text")
     return value if isinstance(value, str) else number(value)
-
-
-class Range(Bounds):
-    """A value that is uniform between two bounds, or its logarithm if scale is log."""
-
-    scale: Literal["linear", "log"] = "linear"
 
 
 class Choice(Section):

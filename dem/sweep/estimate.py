@@ -50,7 +50,7 @@ def summary(campaign: Campaign, jobs: int, again: bool = False) -> str:
             f"{len(there)} are there{f' and {len(failed)} failed ({words})' if failed else ''}; "
             f"{len(beds)} beds to pack."
         )
-        if block.until or (block.refined and left):
+        if block.until:
             lines.append(f"  {_outlook(campaign, block, runs, jobs)}")
         lines += [f"  {run.words()}{_values(block, run)}" for run in islice(left, LISTED)]
         if len(left) > LISTED:
@@ -71,22 +71,22 @@ def summary(campaign: Campaign, jobs: int, again: bool = False) -> str:
 def _outlook(campaign: Campaign, block, runs: list[Replicate], jobs: int) -> str:
     """What a precision takes, in words."""
     values = campaign.values(block)
-    some, least, most = (0, len(block.runs), block.most) if block.refined else outlook(block, values)
+    some, least, most = outlook(block, values)
     seconds = cost(campaign.store, runs)[0] / len(runs) / jobs  # a run
-    if any(map(len, values.values())) and not block.refined:
+    if any(map(len, values.values())):
         said = f"some {some:,} runs in all by the scatter so far ({least:,} to {most:,}), {span(seconds * some)}"
     else:
         said = f"{least:,} runs at least and {most:,} at most, {span(seconds * least)} to {span(seconds * most)}"
-        said, some = f"{said}; {'each' if block.refined else 'the first'} round will tell", most
+        said, some = f"{said}; the first round will tell", most
     left = some - sum(map(len, values.values()))
-    return f"{block.asked.words()} takes {said}.{_shorter(block, runs[0], seconds * some, seconds * left)}"
+    return f"{block.until.words()} takes {said}.{_shorter(block, runs[0], seconds * some, seconds * left)}"
 
 
 def _shorter(block, replicate: Replicate, whole: float, left: float) -> str:
     """Words about a stroke that ends with the window, where it takes less time (s) than what is left: the mean drag
     stays, and of all settings it saves most (study budget)."""
     own = replicate.configuration
-    if own.experiment != "drag" or block.asked.variable != "drag":
+    if own.experiment != "drag" or block.until.variable != "drag":
         return ""
     end, stroke = own.record.window[1], own.cylinder.stroke
     time = whole * end / stroke

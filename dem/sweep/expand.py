@@ -13,9 +13,8 @@ from dem.base.errors import InputError
 from dem.base.schema import MOST
 from dem.experiment.config import Configuration, Entry, Replicate, entries
 from dem.experiment.fit import check_rooms
-from dem.sweep.axis import OWN, Axis, Derive, axes_of, axis_of, changes, name_of, place_in
+from dem.sweep.axis import OWN, Axis, Derive, axis_of, changes, name_of, place_in
 from dem.sweep.precision import Lead, counts
-from dem.sweep.refine import Step, after, by_curve
 
 WORDS = ("needs", "values")  # of a block, beside what varies
 MOST_AXES = 24  # dimensions of a sweep; a variable of netCDF-4 has at most 32 with its own
@@ -23,7 +22,6 @@ SAME = (
     "cylinder.stroke", "record.bins", "record.snapshots", "shear.strain", "shear.samples", "experiment",
 )  # fmt: skip
 
-Grown = dict[Lead, int] | list[Step]  # by rounds: replicates of each place, or points of what is refined
 # gives a value: what is asked for (a group with `derive`), values of the run so far
 Derived = Callable[[dict, Replicate], Any]
 
@@ -41,9 +39,7 @@ class Block:
 
     def __init__(self, name: str, axes: list[Axis], runs: list[Run], fixed: Iterable[str] = ()):
         self.name, self.axes, self.runs, self.fixed = name, axes, runs, tuple(fixed)
-        self.asked = next((axis.until for axis in axes if axis.until), None)  # that rounds go on until
-        self.refined = next((axis for axis in axes if axis.refine), None)
-        self.until = None if self.refined else self.asked
+        self.until = next((axis.until for axis in axes if axis.until), None)  # that rounds go on until
 
     @property
     def dims(self) -> tuple[str, ...]:
@@ -54,11 +50,6 @@ class Block:
     def beside_seed(self) -> list[Axis]:
         """The axes but that of the seeds."""
         return [axis for axis in self.axes if axis.name != "seed"]
-
-    @property
-    def most(self) -> int:
-        """Runs at most, after any rounds."""
-        return prod(max(len(axis.points), axis.until.most if axis.until else 0) for axis in self.axes)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -77,16 +68,13 @@ class Block:
             found.setdefault(self.lead(run.place), []).append(run.replicate)
         return found
 
-    def words(self, place: Lead, without: Axis | None = None) -> str:
-        """What the runs of a place share, in words: where it is on the axes, but for one of them."""
+    def words(self, place: Lead) -> str:
+        """What the runs of a place share, in words: where it is on the axes."""
         at = zip(self.beside_seed, place, strict=True)
-        return ", ".join(f"{axis.name} {axis.coordinate[k]}" for axis, k in at if axis is not without)
+        return ", ".join(f"{axis.name} {axis.coordinate[k]}" for axis, k in at)
 
-    def grown(self, values: dict[Lead, np.ndarray], rounds: int) -> Grown | None:
-        """What the block has after one round more, or as many as values suffice for; None where all is known."""
-        if self.refined:
-            found = after(self.asked, self.refined.steps, by_curve(self, values).values())
-            return None if found == self.refined.steps else found
+    def grown(self, values: dict[Lead, np.ndarray], rounds: int) -> dict[Lead, int] | None:
+        """Replicates of each place after one round more, or as many as values suffice for; None where all is known."""
         found = counts(self.until, values, self.partners, rounds)
         return None if found == self.counts else found
 
@@ -158,18 +146,18 @@ class Block:
 
 
 def expand(
-    sweep, name: str, block: dict, derived: Derived | None, grown: Grown | None = None
+    sweep, name: str, block: dict, derived: Derived | None, counts: dict[Lead, int] | None = None
 ) -> Block:
     """All runs of a block of a sweep; raises InputError that names key and value.
 
-    grown: what rounds have made of it; what the first round has if absent.
+    counts: replicates of each place after some rounds; those of the first round if absent.
     """
-    counts, steps = (grown, None) if isinstance(grown, dict) else (None, grown)
     where = "sweep" if name == "drag" else f"sweep.blocks.{name}"
     place = place_in(sweep, where)
     fixed = changes(block.get("values", {}), place.at("values"))
     specs = {key: spec for key, spec in block.items() if key not in WORDS}
-    axes = axes_of(specs, place, steps, max(counts.values()) if counts else None)
+    replicates = max(counts.values()) if counts else None
+    axes = [axis_of(key, spec, place, replicates) for key, spec in specs.items()]
     if "shape" in fixed:
         axes.insert(0, axis_of("shape", [fixed.pop("shape")], place))
     given = {path for axis in axes for path in axis.paths}
@@ -196,22 +184,17 @@ def expand(
     if twice := [path for path, count in ways.items() if count > 1]:
         place.refuse(f"varies {min(twice)} in two ways; name it once")
     found = Block(name, axes, [], fixed)
-    if (count := found.most) > MOST:
-        place.refuse(f"has {count:,} runs; it must have at most {MOST:,}")
+    most = prod(max(len(axis.points), axis.until.most if axis.until else 0) for axis in axes)
+    if most > MOST:
+        place.refuse(f"has {most:,} runs; it must have at most {MOST:,}")
     found.runs = _runs(sweep, where, fixed, axes, derived, counts)
-    if found.asked:
-        key, kind = (next(iter(found.refined.refine)), "values") if found.refined else ("seed", "seeds")
+    if found.until:
         if "needs" in block:
-            place.at(key).refuse(
-                f"has until, and needs {block['needs']}; list the {kind} of a block whose values follow from another"
-            )
-        if found.refined and (any(axis.until and not axis.refine for axis in axes) or min(found.counts.values()) < 2):
             place.at("seed").refuse(
-                f"is {block.get('seed', 'missing')}, and {key} is refined; it must list two seeds or more, such as "
-                "1 to 4, whose scatter tells how well means are known"
+                f"has until, and needs {block['needs']}; list the seeds of a block whose values follow from another"
             )
         labels = (axis.coordinate for axis in axes if axis.name in ("case", "shape"))
-        found.asked.check(f"{where}.{key}", found.runs[0].replicate.configuration, next(labels, ()))
+        found.until.check(f"{where}.seed", found.runs[0].replicate.configuration, next(labels, ()))
     return found
 
 

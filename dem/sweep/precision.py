@@ -50,19 +50,24 @@ def _level(text) -> str:
     return str(text)
 
 
-class Precision(Section):
-    """How well a mean is asked to be known."""
+class Until(Section):
+    """Seeds without an end: replicates are added, place by place, until a mean is known well enough."""
 
     until: Annotated[str, BeforeValidator(_asked)] = value(None, "half of the interval of the mean: 5 % of it, or 50 N")
     of: str = value(None, "what runs record, or its ratio to a case or shape: drag / c1", "drag")
     confidence: Annotated[str, BeforeValidator(_level)] = value(None, "level of the interval", "95 %")
+    first: Seed = value("1", "first seed", 1)
+    least: Whole = value("1", "replicates of the first round", 10, ge=3, le=MOST)
+    most: Whole = value("1", "replicates of a place at most", 100, ge=3, le=MOST)
 
     @model_validator(mode="after")
-    def _check_precision(self):
-        if self.least > self.most:  # which each kind has
+    def _check(self):
+        if self.least > self.most:
             raise ValueError(f"least is {self.least}, above most, {self.most}; it must be at most that")
         if self.target[1] and self.target[0] >= 1.0:
             raise ValueError(f"until is {self.until}; it must be below 100 %")
+        if self.first + self.most > SEEDS:
+            raise ValueError(f"first is {self.first} and most {self.most}; the last seed must be below {SEEDS}")
         return self
 
     @property
@@ -108,20 +113,6 @@ class Precision(Section):
         if unit != "%" and (self.reference or unit != units):
             other = "" if self.reference else f", or a number of {units}"
             raise InputError(f"{where}.until is {self.until!r}; it must be a percentage{other}.")
-
-
-class Until(Precision):
-    """Seeds without an end: replicates are added, place by place, until a mean is known well enough."""
-
-    first: Seed = value("1", "first seed", 1)
-    least: Whole = value("1", "replicates of the first round", 10, ge=3, le=MOST)
-    most: Whole = value("1", "replicates of a place at most", 100, ge=3, le=MOST)
-
-    @model_validator(mode="after")
-    def _check_seeds(self):
-        if self.first + self.most > SEEDS:
-            raise ValueError(f"first is {self.first} and most {self.most}; the last seed must be below {SEEDS}")
-        return self
 
 
 def numbers_of(configuration) -> list[str]:

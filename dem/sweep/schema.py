@@ -16,7 +16,6 @@ from dem.sweep.axis import RUNS, Derive
 from dem.sweep.config import Sweep
 from dem.sweep.design import Design
 from dem.sweep.precision import Until
-from dem.sweep.refine import Refine
 
 FILE = ROOT / "config/schema.json"
 LIMITS = {
@@ -28,7 +27,7 @@ LEFT_OUT = {"required": list, "title": str, "before": object}  # by the type tha
 def schema() -> dict:
     """The schema as plain groups."""
     found = _plain(Sweep.model_json_schema())
-    for model in (Design, Derive, Until, Refine):
+    for model in (Design, Derive, Until):
         own = _plain(model.model_json_schema())
         found["$defs"] |= own.pop("$defs", {}) | {model.__name__: own}
     values = {name: _one(entry) for name, entry in (entries(()) | RUNS).items()}
