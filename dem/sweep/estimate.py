@@ -76,21 +76,11 @@ def _outlook(campaign: Campaign, block, runs: list[Replicate], jobs: int) -> str
     if any(map(len, values.values())):
         said = f"some {some:,} runs in all by the scatter so far ({least:,} to {most:,}), {span(seconds * some)}"
     else:
-        said = f"{least:,} runs at least and {most:,} at most, {span(seconds * least)} to {span(seconds * most)}"
-        said, some = f"{said}; the first round will tell", most
-    left = some - sum(map(len, values.values()))
-    return f"{block.until.words()} takes {said}.{_shorter(block, runs[0], seconds * some, seconds * left)}"
-
-
-def _shorter(block, replicate: Replicate, whole: float, left: float) -> str:
-    """Words about a stroke that ends with the window, where it takes less time (s) than what is left: the mean drag
-    stays, and of all settings it saves most (study budget)."""
-    own = replicate.configuration
-    if own.experiment != "drag" or block.until.variable != "drag":
-        return ""
-    end, stroke = own.record.window[1], own.cylinder.stroke
-    time = whole * end / stroke
-    return f" With cylinder.stroke {end:g}, where the window ends, it would take {span(time)}." if time < left else ""
+        said = (
+            f"{least:,} runs at least and {most:,} at most, {span(seconds * least)} to {span(seconds * most)}; "
+            "the first round will tell"
+        )
+    return f"{block.until.words()} takes {said}."
 
 
 def cost(store: Store, runs: list[Replicate]) -> tuple[float, str]:
