@@ -196,22 +196,6 @@ def means(
 
 
 @app.command()
-def sensitivity(
-    data: argument(Path, "drag.nc of a sweep over a design."),
-    output: TextOption = None,
-):
-    """Print which factors of a design decide the mean drag: main effects and Sobol indices.
-
-    Example: dem sensitivity results/drag.nc
-    """
-    with bar(f"reading {data}"):
-        from dem.report.sensitivity import summary
-
-        found = summary(data)
-    print_or_write(found, output)
-
-
-@app.command()
 def report(
     data: argument(Path, "drag.nc; the page shows the files next to it."),
     output: option(Path, "HTML file to write.", *OUTPUT, writes=".html"),

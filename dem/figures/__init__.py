@@ -6,8 +6,7 @@ FILE       file of results that it is drawn from, without .nc: drag, flow, shear
 CAPTION    what it shows
 CASES      it needs runs by case, or shape, and seed alone: {} for any; {"any": labels} or {"all": labels} of
            shapes, or {"densities": 2}
-AXES       it needs so many values along these axes: {"cylinder_velocity": 4}; {"point of the design": 2} for
-           so many points more than twice the factors of a design
+AXES       it needs so many values along these axes: {"cylinder_velocity": 4}
 RECORDED   observables, one of which runs must record; if absent the one named FILE, snapshots for flow
 VARIABLES  the file must hold these; if absent drag of a file drag, the beds of a file flow
 """

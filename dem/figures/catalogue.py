@@ -8,9 +8,7 @@ from typing import NamedTuple
 from dem.base.constants import described
 from dem.base.errors import InputError
 from dem.base.hints import choice
-from dem.io.dataset import LABELS
 from dem.io.lazily import open_lazily, require
-from dem.sweep.axis import POINT
 
 BY_CASE = {"case", "seed"}, {"shape", "seed"}  # axes of runs that make cases
 # by file: observables one of which runs must record, and what the file must hold, if a figure says neither
@@ -81,8 +79,7 @@ def possible(block, figures: dict[str, Drawn] = FIGURES) -> list[str]:
     """Names of the figures that the runs of a block will suffice for."""
     runs = [run.replicate for run in block.runs]
     labels = {name: dims for name, (_, dims, _) in block.labels().items()}
-    designs = [axis.name for axis in block.axes if axis.entry.about == POINT]
-    sizes = _sizes(dict(zip(block.dims, block.shape, strict=True)), labels, designs)
+    sizes = _sizes(dict(zip(block.dims, block.shape, strict=True)), labels)
     cases = list(dict.fromkeys((run.label, run.density) for run in runs))
     cases = cases if set(block.dims) in BY_CASE else None
     sizes |= {"granules": len({run.shape.granules for run in runs})}
@@ -93,32 +90,27 @@ def possible(block, figures: dict[str, Drawn] = FIGURES) -> list[str]:
     ]  # fmt: skip
 
 
-def _sizes(axes: dict[str, int], labels: dict[str, tuple], designs: list[str]) -> dict[str, int]:
-    """Sizes of axes, and of each value in which alone the points of an axis differ; as POINT, by how much
-    the points of a design are more than twice its factors. labels: names of values beside the axes,
-    and the dimensions of each."""
+def _sizes(axes: dict[str, int], labels: dict[str, tuple]) -> dict[str, int]:
+    """Sizes of axes, and of each value in which alone the points of an axis differ. labels: names of values
+    beside the axes, and the dimensions of each."""
     found = dict(axes)
     for axis, size in axes.items():
         own = [name for name, dims in labels.items() if axis in dims and name != axis]
         if len(own) == 1:
             found[own[0]] = size
-        if axis in designs:
-            found[POINT] = size - 2 * len(set(own) - set(LABELS))
     return found
 
 
 def drawable_from(data: Path, dataset, figures: dict[str, Drawn] = FIGURES) -> list[str]:
     """Names of those of some figures that a file suffices for."""
     from dem.analysis.statistics import by_case, cases_of
-    from dem.analysis.values import designs_of
 
     held, sizes, cases = set(dataset.variables), {}, None
     if any(each.cases is not None or each.axes for each in figures.values()):
         require(dataset, data, {}, ("run_id",))
         axes = dict(dataset["run_id"].sizes)
-        designs = designs_of(dataset["run_id"])
         labels = {str(name): values.dims for name, values in dataset.coords.items()}
-        sizes = _sizes(axes, labels, designs)
+        sizes = _sizes(axes, labels)
         if (found := by_case(dataset)) is not None:
             require(found, data, {}, ("shape", "density"))
             cases = [case for _, *case in cases_of(found)]

@@ -24,7 +24,6 @@ from dem.figures.style import percent
 from dem.io.lazily import open_lazily, require
 from dem.report.info import drag_table
 from dem.report.interactive import beds, chart
-from dem.report.sensitivity import sensitivity_table
 from dem.sweep.combine import open_combined
 
 # What the report needs of drag.nc, beside what all readers need.
@@ -50,7 +49,7 @@ def build(drag: Path, output: Path, notes: Path | None = None) -> None:
         require(dataset, drag, {}, NEEDED, ORIGIN)
         names = drawable_from(drag, dataset)
         parts = {"title": dataset.attrs["title"], "runs": runs(dataset)}
-        parts |= of_drag(dataset) | {"factors": of_factors(dataset) if "sensitivity" in names else {}}
+        parts |= of_drag(dataset)
     parts |= {"beds": "", "studies": studies(folder)}
     if flow.is_file():
         with open_lazily(flow) as moves:
@@ -79,15 +78,6 @@ def of_drag(dataset: xr.Dataset) -> dict:
         "densities": [] if found is None else densities(found),
         "chart": "" if found is None else Markup(chart(found)),
     }
-
-
-def of_factors(dataset: xr.Dataset) -> dict:
-    """Which factors of a design decide the drag: a table and what is said below it."""
-    try:
-        table, notes = sensitivity_table(dataset)
-    except InputError:  # too many runs failed
-        return {}
-    return cells(table) | {"notes": notes}
 
 
 def cells(table: Table) -> dict:

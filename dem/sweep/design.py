@@ -46,11 +46,6 @@ class Choice(Section):
         tuple[Annotated[int | float | str, BeforeValidator(_value)], ...], Field(min_length=2)
     ]
 
-    @property
-    def different(self) -> tuple:
-        """Each value once, in the order given."""
-        return tuple(dict.fromkeys(self.choices))
-
     def at(self, place: float):
         """The value at a place from 0 to 1."""
         return self.choices[min(int(place * len(self.choices)), len(self.choices) - 1)]

@@ -6,7 +6,6 @@ from typing import NamedTuple
 import numpy as np
 from scipy.stats import t
 
-from dem.analysis.sensitivity import plane
 from dem.analysis.statistics import LEVEL, find
 from dem.base.errors import InputError
 
@@ -38,6 +37,17 @@ def responses(points) -> dict[str, np.ndarray]:
         return {}
     others = {f"{shape} over c1": drag[shape] / drag["c1"] for shape in drag if shape != "c1"}
     return {"drag of c1": drag["c1"]} | others
+
+
+def plane(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
+    """Slopes (k,) of the plane of least squares through y (n,) at x (n, k), their standard errors, and
+    degrees of freedom."""
+    matrix = np.column_stack([np.ones(len(y)), x])
+    found, *_ = np.linalg.lstsq(matrix, y, rcond=None)
+    free = len(y) - matrix.shape[1]
+    scatter = ((y - matrix @ found) ** 2).sum() / free
+    error = np.sqrt(scatter * np.linalg.pinv(matrix.T @ matrix).diagonal())
+    return found[1:], error[1:], free
 
 
 def influences(points, response: np.ndarray) -> list[Influence]:

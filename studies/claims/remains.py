@@ -7,10 +7,10 @@ import numpy as np
 import xarray as xr
 from scipy.stats import t
 
-from dem.analysis.sensitivity import plane
 from dem.analysis.statistics import LEVEL
 from dem.sweep.derive import Jamming
 from studies.claims.evidence import reference, rows, with_case
+from studies.claims.influence import plane
 
 EQUAL = "equal fraction"
 

@@ -15,9 +15,9 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.analysis.compare import Comparison
-from dem.analysis.sensitivity import plane
 from dem.analysis.statistics import densities, find
 from studies.claims.evidence import Evidence, curves
+from studies.claims.influence import plane
 from studies.claims.numbers import Growth, Prediction
 
 INFINITE = float("inf")

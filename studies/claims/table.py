@@ -167,7 +167,8 @@ def place_of(block: Block, run: Run, factors: dict[str, Range | Choice]) -> np.n
 
 def number_of(factor: Range | Choice, value) -> float:
     """A value as a number: of a choice, which one it is."""
-    return float(factor.different.index(value)) if isinstance(factor, Choice) else float(value)
+    different = list(dict.fromkeys(factor.choices)) if isinstance(factor, Choice) else None
+    return float(value if different is None else different.index(value))
 
 
 # Beds that jam

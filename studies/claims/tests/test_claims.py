@@ -1,6 +1,7 @@
 """Claims: verdicts that deserve their names, a design that fills its space, a row a run, jamming."""
 
 import io
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -395,6 +396,12 @@ def test_influences_find_what_a_response_depends_on():
         assert each.low < 1.02 * np.exp(slope) and each.high > 0.98 * np.exp(slope)
         assert each.decides == (slope > 0.0)
     assert_allclose([each.share for each in found], [0.8, 0.2, 0.0], atol=0.08)
+
+
+def test_the_package_that_ranks_influences_is_named_where_it_is_missing(monkeypatch):
+    monkeypatch.setitem(sys.modules, "SALib.analyze", None)
+    with pytest.raises(InputError, match=r"SALib: pip install 'granular-drag\[design\]'"):
+        influences(None, None)
 
 
 # Jamming
