@@ -5,7 +5,9 @@ import json
 import math
 import os
 import re
+import tempfile
 import time
+from pathlib import Path
 
 import pytest
 import yaml
@@ -17,6 +19,7 @@ from conftest import CONFIG, posix
 from dem.base.errors import InputError
 from dem.base.yaml_file import LARGEST, read
 from dem.experiment.fit import height_of_box, sample_diameters
+from dem.sweep.campaign import Campaign
 from dem.sweep.config import Sweep, load, parse, save
 from dem.sweep.schema import schema
 
@@ -274,9 +277,18 @@ NO_CONFIGURATION = {
     "": "it must hold keys with values",
     "a: 1\n---\nb: 2": "line 2: it is not valid YAML",
     "a: !!python/object:os.system x": "line 1: it is not valid YAML",
-    "a: !!timestamp x": "line 1: 'x' is no valid timestamp.",
-    "title: 2024-13-45": "line 1: '2024-13-45' is no valid timestamp.",
-    "title: 2001-01-01 99:99:99": "line 1: '2001-01-01 99:99:99' is no valid timestamp.",
+    "title: 2026-01-01": "line 1: YAML reads '2026-01-01' as a date; put it in quotes.",
+    "a: !!timestamp x": "line 1: YAML reads 'x' as a date; put it in quotes.",
+    "2001-01-01 99:99:99: 1": "line 1: YAML reads '2001-01-01 99:99:99' as a date; put it in quotes.",
+    "density: [3900,\n 02500]": "line 2: YAML reads 02500 as 1344; write 2500, or quotes.",
+    "gravity: -010": "line 1: YAML reads -010 as -8; write -10, or quotes.",
+    "granules: 0_100": "line 1: YAML reads 0_100 as 64; write 100, or quotes.",
+    "granules: !!int 0100": "line 1: YAML reads 0100 as 64; write 100, or quotes.",
+    "granules: 0x40": "line 1: YAML reads 0x40 as 64; write 64, or quotes.",
+    "granules: 0b100": "line 1: YAML reads 0b100 as 4; write 4, or quotes.",
+    "velocity: 1:30.5": "line 1: YAML reads 1:30.5 as 90.5; write 90.5, or quotes.",
+    "seed: 1:10": "line 1: YAML reads 1:10 as 70; write 70, or quotes.",
+    "box: {010: {}}": "line 1: YAML reads 010 as 8; write 10, or quotes.",
     "seeds: [" + "9" * 5000 + "]": "is no valid int.",
     "[" * 5000: "line 1: values are nested more than 20 deep",
     "- " * 5000: "line 1: values are nested more than 20 deep",
@@ -302,6 +314,31 @@ def test_files_that_are_no_configuration_are_refused(tmp_path, text):
     assert "\n" not in str(error.value)
     assert NO_CONFIGURATION[text] in str(error.value)
     assert time.perf_counter() - start < 60.0  # it would not end otherwise
+
+
+@given(st.integers(0, 10**6), st.sampled_from(["{}", "0{}", "00{}", "+{}", "{}.0", "0{}.50", "{}e0", "0{}e1", "{:_}"]))
+@example(100, "0{}")
+def test_a_number_is_what_its_digits_say_or_refused(value, form):
+    """YAML 1.1 has octal numbers and such to base 60."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "own.yaml")
+        path.write_text(f"gravity: {form.format(value)}")
+        try:
+            found = read(path)["gravity"]
+        except InputError:
+            assert form.startswith("0")
+        else:
+            assert float(found) == float(form.format(value))
+
+
+def test_snakemake_gets_the_numbers_that_its_files_show(tmp_path):
+    """It reads them itself: the files' own text is looked at, also where there are several."""
+    first, second = (tmp_path / f"{name}.yaml" for name in ("first", "second"))
+    first.write_text(PAPER)
+    second.write_text("batch: 010\n")
+    values = yaml.safe_load(PAPER) | yaml.safe_load(second.read_text())
+    with pytest.raises(InputError, match=r"second\.yaml, line 1: YAML reads 010 as 8; write 10"):
+        Campaign.of_values(values, [str(first), str(second)])
 
 
 def test_aliases_and_merges_are_read(tmp_path):

@@ -1,6 +1,8 @@
 """YAML files: a regular file of UTF-8 text in, plain values out, one sentence for anything else."""
 
+import re
 import stat
+from contextlib import suppress
 from pathlib import Path
 
 import yaml
@@ -12,6 +14,7 @@ from dem.base.hints import of_missing_file
 LARGEST = 2_000_000  # bytes of a file
 DEEPEST = 20  # groups and lists within each other
 REPEATED = 10_000  # values that aliases may repeat; ten aliases ten deep would be 10^10
+OTHER_BASE = re.compile(r"[-+]?0\w+|.*:.*")  # of a number in YAML 1.1: 8, 16, 2 or 60
 TOO_DEEP = f"values are nested more than {DEEPEST} deep, or an alias contains itself"
 
 
@@ -90,11 +93,18 @@ def _check(node: yaml.Node, path, loader: yaml.SafeLoader, left: list[int], dept
 
 
 def _construct(node: yaml.ScalarNode, path, loader: yaml.SafeLoader):
-    """The value of a node that holds no others."""
-    line, kind = node.start_mark.line + 1, node.tag.rpartition(":")[2]
+    """The value of a node that holds no others; what YAML reads as something else than it looks is a fault."""
+    line, kind, text = node.start_mark.line + 1, node.tag.rpartition(":")[2], node.value
     if kind == "merge":
-        return node.value
+        return text
+    if kind == "timestamp":
+        raise _fault(path, line, f"YAML reads {text[:40]!r} as a date; put it in quotes")
     try:
-        return loader.construct_object(node)
+        value = plain = loader.construct_object(node)
     except (AttributeError, LookupError, OverflowError, TypeError, ValueError):
-        raise _fault(path, line, f"{node.value[:40]!r} is no valid {kind}") from None
+        raise _fault(path, line, f"{text[:40]!r} is no valid {kind}") from None
+    if kind in ("int", "float") and OTHER_BASE.fullmatch(text):
+        with suppress(ValueError):
+            plain = int(text)
+        raise _fault(path, line, f"YAML reads {text[:40]} as {value}; write {plain}, or quotes")
+    return value

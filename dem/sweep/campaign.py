@@ -57,8 +57,9 @@ class Campaign:
     def of_values(cls, values: dict, files: list, root: str = "") -> "Campaign":
         """The sweep of the values that Snakemake has read of some files, and perhaps changed."""
         names = [os.path.relpath(file) for file in files]
+        written = [read(Path(name)) for name in names]  # which refuses what Snakemake reads otherwise
         sweep = parse(values, ", ".join(names) or "the configuration")
-        alone = len(names) == 1 and read(Path(names[0])) == values
+        alone = written == [values]
         return cls(sweep, None, file_of(sweep, names[0]) if alone else "", root)
 
     @property
