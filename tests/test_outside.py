@@ -253,6 +253,23 @@ WRONG_FILES = {  # what a sweep says: which file is there, and what is told
         "VARIABLES = {'drag': ((), 'N', 'force')}\ndef look(it):\n    pass\n",
         "record.observables has 'rest.py'; runs have a variable drag without it",
     ),
+    "record: {observables: [drag, rest.py]}  # of the store": (
+        "VARIABLES = {'spent': ((), 's', 'time')}\ndef look(it):\n    pass\n",
+        "spent has two meanings in files of its runs; rename yours.",
+    ),
+    "experiment: rest.py  # labels": (
+        "VARIABLES = {'density': ((), '1', 'words')}\ndef run(it):\n    pass\n",
+        "density has two meanings in files of its runs; rename yours.",
+    ),
+    "experiment: rest.py  # axis": (
+        "VARIABLES = {'at': ((), '1', 'words')}\nSIZES = {'at': 2}\nAXIS = {'at': (('at',), '1', 'words')}\n"
+        "def run(it):\n    pass\n",
+        "at has two meanings in files of its runs; rename yours.",
+    ),
+    "experiment: rest.py  # dimension": (
+        "VARIABLES = {'at': (('seed',), '1', 'words')}\nSIZES = {'seed': 2}\ndef run(it):\n    pass\n",
+        "seed has two meanings in files of its runs; rename yours.",
+    ),
     "record: {observables: [rest.py, drag]}": (
         "VARIABLES = {'turn': (('snap',), 'N', 'force')}\ndef look(it):\n    pass\n",
         "the variable turn is over snap; its dimensions may be bound, displacement",
@@ -273,6 +290,21 @@ def test_what_is_wrong_with_a_file_of_an_experiment_is_one_sentence(tmp_path, wo
         load(tmp_path / "sweep.yaml")
     said = str(error.value)
     assert told in said and said.endswith(".") and "\n" not in said
+    assert not (tmp_path / "ran").exists()
+
+
+@pytest.mark.parametrize("group", ["rest_load", "rest_at"])
+def test_a_group_with_the_name_of_ones_own_variable_is_refused_before_any_run(tmp_path, group):
+    (tmp_path / "rest.py").write_text(
+        TELLING
+        + "VARIABLES = {'rest_load': (('rest_at',), '1', 'load')}\nSIZES = {'rest_at': 2}\ndef run(it):\n    pass\n"
+    )
+    (tmp_path / "sweep.yaml").write_text(
+        "extends: config/smoke.yaml\nresults: results/mine\nexperiment: rest.py\n"
+        f"sweep: {{shape: c1, {group}: {{a: {{}}, b: {{gravity: 1}}}}}}\n"
+    )
+    with pytest.raises(dem.InputError, match=f"two things named {group}; rename one"):
+        load(tmp_path / "sweep.yaml")
     assert not (tmp_path / "ran").exists()
 
 

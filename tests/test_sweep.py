@@ -175,8 +175,8 @@ def test_a_dry_run_warns_once_of_a_velocity_in_another_unit(tmp_path):
 
 def test_a_name_that_a_variable_has_gets_a_suffix():
     """So that both stand in one file."""
-    block = small({"shape": "c1", "steps": {"few": {}}, "wall": {"rough": {"friction.wall": 1}}})
-    assert block.block("drag").dims == ("shape", "steps_swept", "wall_swept", "seed")
+    block = small({"shape": "c1", "steps": {"few": {}}, "wall": {"rough": {"friction.wall": 1}}, "replicates": {"one": {}}})
+    assert block.block("drag").dims == ("shape", "steps_swept", "wall_swept", "replicates_swept", "seed")
 
 
 @pytest.mark.parametrize("kind", ["latin_hypercube", "sobol"])
@@ -264,8 +264,12 @@ def test_a_value_of_the_command_line_is_the_number_that_a_file_would_give():
         ({"shape": "c1", "box": {"a": {"seed": 1.7}}}, "sweep.box.a.seed is 1.7; it must be a whole number"),
         ({"shape": "c1", "box": {1: {}, "1": {}}}, "has '1' twice"),
         ({"shape": "c1", "friction.granule": [0, -0.0]}, "twice; list each once"),
-        ({"shape": "c1", "gravity": [0], "friction.wall": [1], "friction_wall": {"a": {"box_width": 0.01}}}, "has the dimension friction_wall and another value of this name in files; rename one"),
-        ({"shape": "c1", "friction_wall": {"a": {"friction.wall": 0.1}}}, "has the dimension friction_wall and another value of this name in files; rename one"),
+        ({"shape": "c1", "gravity": [0], "friction.wall": [1], "friction_wall": {"a": {"box_width": 0.01}}}, "gives files of results two things named friction_wall; rename one"),
+        ({"shape": "c1", "friction_wall": {"a": {"friction.wall": 0.1}}}, "sweep gives files of results two things named friction_wall; rename one"),
+        ({"shape": "c1", "box": {"a": {}}, "box_length": {"b": {}}}, "two things named box_length; rename one"),
+        ({"shape": "c1", "run_id_length": {"b": {}}}, "two things named run_id_length; rename one"),
+        ({"shape": "c1", "ellipse.contact": "common_normal", "ellipse_contact_length": {"b": {}}}, "two things named ellipse_contact_length"),
+        ({"blocks": {"a": {"shape": "c1", "s": {"x": {}}, "s_length": {"y": {}}}}}, "sweep.blocks.a gives files of results two things named s_length"),
         ({"blocks": {"flow": {"shape": "c1"}}}, "it must be no folder of results"),
         ({"blocks": {"a": {"shape": "c1"}, "b": {"needs": "a", "shape": "c1", "s": {"x": {"packing.fraction": {"derive": "equal_load", "friction": 0.3}}}}}}, "leave friction out"),
         ({"blocks": {"a": {"shape": "c1", "needs": "b"}}}, "it must be a block before it"),

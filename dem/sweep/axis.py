@@ -26,7 +26,7 @@ from dem.base.validate import shown
 from dem.experiment.config import Configuration, Entry, entries
 from dem.experiment.observables import OBSERVABLES, variables_of
 from dem.experiment.sections import OwnSection
-from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE
+from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP
 from dem.sweep import design
 from dem.sweep.precision import Until
 
@@ -126,7 +126,7 @@ def name_of(path: str) -> str:
     """The name of a value in files of results, with a suffix if what runs record has that name."""
     name = path.replace(".", "_")
     taken = {"run", "bound", "snapshot", "granule", "shear_strain", *OBSERVABLES}
-    for table in (AXES, LABELS, OF_RUN, OF_STORE, *map(variables_of, OBSERVABLES)):
+    for table in (AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP, *map(variables_of, OBSERVABLES)):
         taken |= set(table)
     return f"{name}_swept" if name in taken else name
 

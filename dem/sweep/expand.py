@@ -13,6 +13,7 @@ from dem.base.errors import InputError
 from dem.base.schema import MOST
 from dem.experiment.config import Configuration, Entry, Replicate, entries
 from dem.experiment.fit import check_rooms
+from dem.io.dataset import LABELS, OF_STORE
 from dem.sweep.axis import OWN, Axis, Derive, axis_of, changes, name_of, place_in
 from dem.sweep.precision import Lead, counts
 
@@ -169,10 +170,6 @@ def expand(
             "values, and values that go together under one name"
         )
     given |= set(fixed)
-    names = [axis.name for axis in axes]
-    names += map(name_of, given - {axis.entry.path for axis in axes})
-    if twice := [axis.name for axis in axes if names.count(axis.name) > 1]:
-        place.refuse(f"has the dimension {twice[0]} and another value of this name in files; rename one")
     if "shape" not in given and len(sweep.shapes) > 1:
         place.refuse(f"must vary shape or case; there are {', '.join(sweep.shapes)}")
     if same := [path for path in SAME if path in given - set(fixed)]:
@@ -188,6 +185,12 @@ def expand(
     if most > MOST:
         place.refuse(f"has {most:,} runs; it must have at most {MOST:,}")
     found.runs = _runs(sweep, where, fixed, axes, derived, counts)
+    first = found.runs[0].replicate.configuration
+    names = [*found.dims, *map(name_of, given - {axis.entry.path for axis in axes})]
+    recorded = first.module.names(first)
+    lengths = {f"{name}_length" for name in (*names, *recorded, *LABELS, *OF_STORE)}  # of texts
+    if twice := [name for name in names if names.count(name) > 1 or name in recorded | lengths]:
+        place.refuse(f"gives files of results two things named {twice[0]}; rename one")
     if found.until:
         if "needs" in block:
             place.at("seed").refuse(

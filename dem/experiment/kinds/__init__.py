@@ -24,7 +24,7 @@ from dem.base.constants import described
 from dem.base.errors import InputError
 from dem.base.outside import file_found, loaded, said_in
 from dem.experiment.observables import OBSERVABLES, place_of, variables_of
-from dem.io.dataset import AXES, LABELS, OF_RUN
+from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP
 
 NO_BITS = "describes kinds of experiment"
 EXPERIMENTS = described(Path(__file__).parent, "SECTIONS")
@@ -96,6 +96,11 @@ class Experiment:
         name = own if own in configuration.observables else observable
         return variables_of(name, configuration.beside) | OF_RUN
 
+    def names(self, configuration) -> set[str]:
+        """Names of the variables and dimensions of a run."""
+        every = self.layout(configuration) | self.AXIS
+        return {*every, *(dim for dims, *_ in every.values() for dim in dims)}
+
     def sizes(self, replicate) -> dict[str, int]:
         """Length of every dimension of a run."""
         at, sizes = replicate.configuration.at, self.says.get("SIZES", {})
@@ -117,7 +122,11 @@ class Experiment:
         for name in configuration.observables:
             place_of(name, configuration.beside)
         known = {"run", *self.says.get("SIZES", {}), "granule"}
-        for name, (dims, *_) in (self.layout(configuration) if self.place else {}).items():
+        layout = self.layout(configuration) if self.place else {}
+        taken = self.names(configuration) & {*LABELS, *OF_STORE, *OF_SWEEP} | layout.keys() & self.AXIS.keys()
+        if taken:
+            raise InputError(f"{min(taken)} has two meanings in files of its runs; rename yours.")
+        for name, (dims, *_) in layout.items():
             if strange := [dim for dim in dims if dim not in known]:
                 raise InputError(
                     f"the variable {name} is over {strange[0]}; its dimensions may be {', '.join(sorted(known))}."
