@@ -1,5 +1,6 @@
 """What a sweep promises: any value varies, a run is known by what it reads, nothing is made twice."""
 
+import json
 import multiprocessing
 import os
 import re
@@ -458,6 +459,23 @@ def test_an_n_dimensional_file_holds_every_run(tmp_path, batch):
         alone = dem.run_experiment(run.replicate.values())
         np.testing.assert_array_equal(dataset["drag"][run.place].values, alone["drag"].values)
         assert dataset["run_id"][run.place] == alone.attrs["run_id"]
+
+
+def test_a_combined_file_tells_the_values_that_its_runs_had(tmp_path):
+    """Of a block, also those that all points of a group share, and not those of the file."""
+    same = {"friction.wall": 0.2, "shapes.c1.granules": 25, "material.thickness": 1e-3}
+    block = {
+        "values": {"friction.granule": 0.1, "shape": "c1"},
+        "box": {"a": same, "b": same},
+        "gravity": [0.0, 1.0],
+    }
+    found = combined(done(small({"blocks": {"a": block}}), tmp_path), tmp_path, "a")
+    told = json.loads(found.attrs["configuration"])
+    assert told["friction"] == {"granule": 0.1, "wall": 0.2, "cylinder": 0.3, "stiffness": 1.0}
+    assert told["shapes"]["c1"]["granules"] == 25 and told["material"]["thickness"] == 1e-3
+    assert told["sweep"] == {"blocks": {"a": block}} and told["shapes"]["e3"]["granules"] == 60
+    assert found.coords["friction_granule"].item() == 0.1 and found.coords["friction_wall"].item() == 0.2
+    assert found["gravity"].values.tolist() == [0.0, 1.0] and found.coords["granules"].values.tolist() == [25]
 
 
 def test_a_run_that_no_file_holds_is_named(tmp_path):

@@ -1,7 +1,7 @@
 """What the runs of a combined file had of a value of the configuration.
 
 A value that varies is a coordinate: of an axis of its own, or over the points of another axis. The
-configuration in the attributes is that of the file, and tells nothing of a value that varies.
+configuration in the attributes has what all runs share, and tells nothing of a value that varies.
 """
 
 import json

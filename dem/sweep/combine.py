@@ -8,6 +8,7 @@ there are. What has a value for every granule stays in the batches.
 import json
 from collections import Counter
 from contextlib import contextmanager
+from functools import reduce
 from itertools import groupby
 from pathlib import Path
 
@@ -30,6 +31,7 @@ from dem.io.dataset import (
     read,
 )
 from dem.io.lazily import open_lazily, require
+from dem.sweep.axis import OWN
 from dem.sweep.config import Sweep
 from dem.sweep.expand import Block
 
@@ -134,7 +136,7 @@ def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> No
         for run in block.runs:
             texts[run.place] = getattr(run.replicate, attribute)
         _write(file, name, block.dims, texts, layout=layout)
-    aside = " ".join(name for name, (_, dims, _) in labels.items() if dims)
+    aside = " ".join(labels)
     if block.until:
         array = np.zeros([len(axis.points) for axis in block.beside_seed], np.int64)
         for place, count in block.counts.items():
@@ -216,21 +218,30 @@ def about(
     sweep: Sweep, block: Block, provenance: dict, source: str = "dem batch, dem combine"
 ) -> dict:
     """Attributes of the file. The averaging window is among them, so that figures need nothing
-    else, and the cylinder's velocity where all runs have the same."""
+    else, and the cylinder's velocity where all runs have the same. The configuration is that of the sweep
+    with what the block sets for all its runs."""
     drawn = {}
     if sweep.record and sweep.cylinder:
         drawn["window_start"], drawn["window_stop"] = sweep.record.window
         drawn |= shared(block, cylinder_velocity="cylinder.velocity")
-    configuration = json.dumps(sweep.dump())
+    configuration = sweep.dump()
+    set_here = {path: path for path in block.paths if path not in OWN}
+    for path, value in shared(block, **set_here).items():
+        *groups, last = path.split(".")
+        reduce(dict.__getitem__, groups, configuration)[last] = value
     return global_attributes(
-        sweep.title, source, configuration=configuration, **provenance, **drawn
+        sweep.title, source, configuration=json.dumps(configuration), **provenance, **drawn
     )
 
 
 def shared(block: Block, **paths: str) -> dict:
-    """Attributes by name, from values by path: those that are the same in all runs of a block. What
-    varies is a coordinate."""
-    values = {name: {run.replicate.at(path) for run in block.runs} for name, path in paths.items()}
+    """Attributes by name, from values by path: those that are the same in all runs of a block, or in
+    all of the shape whose value it is. What varies is a coordinate."""
+    runs = [run.replicate for run in block.runs]
+    values = {
+        name: {run.at(path) for run in runs if not path.startswith("shapes.") or path.split(".")[1] == run.label}
+        for name, path in paths.items()
+    }
     return {name: each.pop() for name, each in values.items() if len(each) == 1}
 
 

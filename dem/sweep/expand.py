@@ -57,6 +57,11 @@ class Block:
         """Lengths of the axes."""
         return tuple(len(axis.points) for axis in self.axes)
 
+    @property
+    def paths(self) -> list[str]:
+        """What varies along the axes, or is set for all runs."""
+        return list(dict.fromkeys([*(path for axis in self.axes for path in axis.paths), *self.fixed]))
+
     def lead(self, place: tuple[int, ...]) -> Lead:
         """A place without its seed."""
         return tuple(at for at, axis in zip(place, self.axes, strict=True) if axis.name != "seed")
@@ -118,8 +123,7 @@ class Block:
                 forced = base if name != "seed" else []
                 found[name] = (None, *self._along([each[name] for each in labels], forced))
         known = entries(dict.fromkeys(replicate.label for replicate in replicates))
-        varied = (path for axis in self.axes for path in axis.paths)
-        for path in dict.fromkeys((*varied, *self.fixed)):
+        for path in self.paths:
             name = name_of(path)
             if path in known and name not in self.dims and not path.startswith("shapes."):
                 of_runs = [r.configuration.at(path) for r in replicates]
