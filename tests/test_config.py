@@ -75,7 +75,7 @@ WRONG = [
     ("record.snapshots", 8, "snapshots - 1 (7)"),
     ("cases.c1.shape", "c9", "cases.c1.shape is 'c9'"),
     ("cases.c12.density", 3.9e3, "cases.c12 repeats cases.c1"),
-    ("cases", {}, "sweep must vary shape or case; there are c1, d1"),
+    ("cases", {}, "sweep must give all runs a shape or a case; there are c1, d1"),
     ("sweep.seed", [1, 2, 1], "sweep.seed has 1 twice"),
     ("sweep.seed", [], "sweep.seed is []"),
     ("sweep.seed", -1, "sweep.seed is -1"),

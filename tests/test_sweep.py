@@ -211,6 +211,13 @@ def test_values_of_a_block_hold_in_all_of_it():
         assert run.configuration.friction.wall == 0.1
 
 
+def test_a_point_without_a_seed_has_the_usual_one():
+    """Beside points that have one."""
+    block = small({"shape": "c1", "box": {"a": {"seed": 5}, "b": {"gravity": 1}}}).block("drag")
+    assert [run.replicate.seed for run in block.runs] == [5, 1]
+    assert block.labels()["seed"][1:][0] == ("box",)
+
+
 def test_named_cases_are_the_papers_tables():
     """The dimension case, with shape and density of each."""
     block = load(CONFIG / "paper.yaml").block("drag")
@@ -252,7 +259,8 @@ def test_a_value_of_the_command_line_is_the_number_that_a_file_would_give():
         ({"shape": "c1", "seed": "5 to 1"}, "must run from less to more"),
         ({"shape": "c1", "seed": [1.5]}, "sweep.seed is 1.5; it must be a whole number"),
         ({"shape": "c1", "case": "all"}, "varies shape in two ways"),
-        ({"friction.granule": [0.1]}, "must vary shape or case"),
+        ({"friction.granule": [0.1]}, "sweep must give all runs a shape or a case; there are c1, d1, e0, e3"),
+        ({"box": {"a": {"shape": "c1"}, "b": {"gravity": 1}}}, "sweep must give all runs a shape or a case; there are c1, d1"),
         ({"shape": "c1", "cylinder.stroke": [1e-3]}, "runs of one block share"),
         ({"shape": "c1", "ellipse.contact": {"times": [2]}}, "which has no multiples"),
         ({"shape": "c1", "cylinder.start": [0.25, 0.01]}, "asks for an impossible run"),

@@ -174,8 +174,9 @@ def expand(
             "values, and values that go together under one name"
         )
     given |= set(fixed)
-    if "shape" not in given and len(sweep.shapes) > 1:
-        place.refuse(f"must vary shape or case; there are {', '.join(sweep.shapes)}")
+    shaped = (axis for axis in axes if axis.points and all("shape" in point for point in axis.points))
+    if len(sweep.shapes) > 1 and not any(shaped):
+        place.refuse(f"must give all runs a shape or a case; there are {', '.join(sweep.shapes)}")
     if same := [path for path in SAME if path in given - set(fixed)]:
         place.refuse(f"varies {same[0]}, which runs of one block share; use blocks")
     points = [fixed, *(point for axis in axes for point in axis.points)]
@@ -211,7 +212,7 @@ def _runs(sweep, where, fixed, axes, derived, counts) -> list[Run]:
     for place in product(*(range(len(axis.points)) for axis in axes)):
         if counts and place[seeded] >= counts[*place[:seeded], *place[seeded + 1 :]]:
             continue
-        own = dict(fixed)
+        own = {"seed": 1} | fixed
         for axis, at in zip(axes, place, strict=True):
             own |= axis.points[at]
         shape, density, seed = (own.pop(key, None) for key in OWN)
