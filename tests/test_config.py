@@ -174,7 +174,14 @@ MISTAKES = [
     ("packing.fraction", "1e999 mm", "it must be a number", ""),
     ("cylinder.start", 50, "is 50; it must be less than 1", ""),
     ("packing.fraction", "84 %", "is '84 %'; it must be a number", ""),
-    ("packing.fraction", "0,84", "is '0,84'; it must be a number", ""),
+    ("packing.fraction", "0,84", "is '0,84'; it must be a number", ", such as 0.84."),
+    ("sweep.gravity", ["0,3"], "is '0,3'; it must be a number", ", such as 0.3, in m s-2."),
+    ("gravity", "1,000,000", "is '1,000,000'; it must be a number", ", in m s-2"),
+    ("gravity", None, "gravity is null; it must be a number", ", in m s-2"),
+    ("sweep.gravity", None, "sweep.gravity is null; it must be a number", ", in m s-2"),
+    ("sweep.p", {"a": None}, "p is no value that can vary", ""),
+    ("sweep.material/thickness", [None, None], "sweep.material.thickness has null twice", "list each once"),
+    ("record.bins", "60.0", "is '60.0'; it must be a whole number", "without a point"),
     ("packing.fraction", {"derive": "equal_load"}, "packing.fraction is {'derive': 'equal_load'}; it must be a number", ""),
     ("box_width", "20 mm", "is '20 mm'; it must be a number", ", in m"),
     ("box_width", "20 parsecs", "is '20 parsecs'; it must be a number", ", in m"),
@@ -194,11 +201,11 @@ MISTAKES = [
     ("sweep.p", {"a": {"density": {"times": 2}}}, "sweep.p.a.density is {'times': 2}; it must be a number", ""),
     ("sweep.p", {"a": {"seed": {"times": 2}}}, "sweep.p.a.seed is {'times': 2}; it must be a whole number", ""),
     ("sweep.p", {"a": {"shape": {"times": 2}}}, "sweep.p.a.shape is {'times': 2}; it must be text", ""),
-    ("sweep.p", {"a": {"shear.pressure": {"times": 2}}}, "sweep.p.a.shear.pressure is None, which has no multiples", ""),
+    ("sweep.p", {"a": {"shear.pressure": {"times": 2}}}, "sweep.p.a.shear.pressure is null, which has no multiples", ""),
     ("sweep.numerics/allow_unstable", {"times": [2]}, "sweep.numerics.allow_unstable is False, which has no multiples", ""),
     ("sweep", {"shape": "c1"} | {f"p{n}": {"a": {"gravity": n}} for n in range(70)}, "sweep has 72 dimensions; it must have at most 24", "belongs under values"),
     ("sweep", {"blocks": {"a": {None: [1]}}}, "sweep.blocks.a: None is no value that can vary", ""),
-    ("sweep", {"blocks": {"a": {None: {"a": {"gravity": 1}}}}}, "a name in sweep.blocks.a is None; it must be text", ""),
+    ("sweep", {"blocks": {"a": {None: {"a": {"gravity": 1}}}}}, "a name in sweep.blocks.a is null; it must be text", ""),
     ("extends", "a\u202eb", r"extends is 'a\u202eb'; it must be the name of a file", ""),
     ("results", "results/" + "a" * 300, "it must be results or a folder below it", "at most 200 in all"),
     ("extends", "a\0b", r"extends is 'a\x00b'; it must be the name of a file", ""),
@@ -339,6 +346,12 @@ def test_snakemake_gets_the_numbers_that_its_files_show(tmp_path):
     values = yaml.safe_load(PAPER) | yaml.safe_load(second.read_text())
     with pytest.raises(InputError, match=r"second\.yaml, line 1: YAML reads 010 as 8; write 10"):
         Campaign.of_values(values, [str(first), str(second)])
+
+
+def test_a_whole_number_may_be_a_text():
+    """As those of a group are that Snakemake's --config changes."""
+    told = parse(changed(["sweep"], {"case": "c1", "seed": ["3", "089"]}) | {"batch": "20"})
+    assert told.batch == 20 and told.block("drag").axes[-1].coordinate == [3, 89]
 
 
 def test_aliases_and_merges_are_read(tmp_path):

@@ -10,7 +10,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, Field, TypeAdap
 from pydantic.fields import FieldInfo
 
 from dem.base.errors import InputError
-from dem.base.hints import choice
+from dem.base.hints import choice, is_number
 from dem.base.validate import shown
 
 NO_BITS = "checks values, which are part of what a run is known by"
@@ -38,12 +38,26 @@ def number(value):
         with suppress(ValueError):
             value = float(value)
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError("it must be a number")
+        decimal = str(value).replace(",", ".")
+        raise ValueError(f"it must be a number{f', such as {decimal}' if is_number(decimal) else ''}")
     if not abs(value) < math.inf:
         raise ValueError("it must be a finite number")
     if not abs(value) <= MOST_NUMBER:  # before an integer of any size is made a float
         raise ValueError(f"its magnitude must be at most {MOST_NUMBER:g}")
     return value + 0  # -0.0 is 0.0
+
+
+def whole(value):
+    """A whole number, also in a text, as Snakemake's --config hands it over."""
+    if isinstance(value, str):
+        with suppress(ValueError):
+            return int(value)
+    return value
+
+
+def written(value) -> str:
+    """A value in a sentence, as a file has it."""
+    return "null" if value is None else shown(value)
 
 
 def _label(value: str) -> str:
@@ -82,7 +96,7 @@ Number = Annotated[float, BeforeValidator(number)]
 Factor = Annotated[int | float, BeforeValidator(number)]  # a whole number stays one
 Positive = Annotated[Number, Field(ge=LEAST_POSITIVE)]
 NotNegative = Annotated[Number, Field(ge=0)]
-Whole = Annotated[int, Field(strict=True)]
+Whole = Annotated[int, BeforeValidator(whole), Field(strict=True)]
 Seed = Annotated[Whole, Field(ge=0, lt=SEEDS)]
 Label = Annotated[str, AfterValidator(_label)]
 
@@ -166,7 +180,7 @@ def _sentence(fault, at: str, section, field: FieldInfo | None) -> str:
         return f"{key} is not a known key{choice(place[-1], section.model_fields)}."
     if kind == "value_error" and isinstance(given, dict | BaseModel) and inner:
         return f"{key + ': ' if key else ''}{limits['error']}."
-    said = f"{key or 'the whole'} is {shown(given)}"
+    said = f"{key or 'the whole'} is {written(given)}"
     if kind == "value_error":
         units = units_of(field) if field else None
         return f"{said}; {limits['error']}{f', in {units}' if units not in (None, '1') else ''}."

@@ -5,7 +5,6 @@ gives factors on the file's own value. Any other name takes named points, each a
 that change together, or a design over ranges.
 """
 
-from contextlib import suppress
 from typing import Annotated, Any, Literal, NamedTuple, NoReturn
 
 from pydantic import BeforeValidator, TypeAdapter
@@ -21,8 +20,8 @@ from dem.base.schema import (
     units_of,
     validated,
     value,
+    written,
 )
-from dem.base.validate import shown
 from dem.experiment.config import Configuration, Entry, entries
 from dem.experiment.observables import OBSERVABLES, variables_of
 from dem.experiment.sections import OwnSection
@@ -134,7 +133,7 @@ def name_of(path: str) -> str:
 def changes(values, place: Place) -> dict:
     """Values by path, checked; a group is a factor or a derived value."""
     if not isinstance(values, dict):
-        place.refuse(f"is {shown(values)}; it must be values by path")
+        place.refuse(f"is {written(values)}; it must be values by path")
     found = {}
     for path, each in values.items():
         here = place.at(path)
@@ -180,8 +179,6 @@ def changes_of_words(configuration: Configuration, words: list[str]) -> dict:
         if path in OWN:
             raise InputError(f"{word!r} is said by an option; write --{path} {text}.")
         found[path] = text
-        with suppress(ValueError):
-            found[path] = int(text)
     return changes(found, place_in(configuration, "values"))
 
 
@@ -194,7 +191,7 @@ def _values(spec, entry: Entry, here: Place) -> list:
     if isinstance(spec, dict) and set(spec) == {"times"} and entry.path in here.paths:
         base, factors = here.sweep.at(entry.path), TypeAdapter(Factor)
         if isinstance(base, str | bool) or base is None:
-            here.refuse(f"is {base!r}, which has no multiples")
+            here.refuse(f"is {written(base)}, which has no multiples")
         given = spec["times"] if isinstance(spec["times"], list) else [spec["times"]]
         given = [validated(factors, each, at=here.where) * base for each in given]
     elif entry.path == "seed" and isinstance(spec, str):
@@ -203,7 +200,7 @@ def _values(spec, entry: Entry, here: Place) -> list:
         given = spec if isinstance(spec, list) else [spec]
     if not given or (isinstance(spec, dict) and given == [spec]):
         factors = ", or factors: {times: [0.5, 2]}" if entry.path in here.paths else ""
-        here.refuse(f"is {shown(spec)}; it must be a list of values{factors}")
+        here.refuse(f"is {written(spec)}; it must be a list of values{factors}")
     field = entry.field
     one = TypeAdapter(Annotated[(field.annotation, field)])
     found = [validated(one, each, at=here.where, field=field) for each in given]
@@ -219,4 +216,4 @@ def _values(spec, entry: Entry, here: Place) -> list:
 def _once(values: list, here: Place) -> None:
     if len(set(values)) < len(values):
         twice = next(each for each in values if values.count(each) > 1)
-        here.refuse(f"has {twice!r} twice; list each once")
+        here.refuse(f"has {written(twice)} twice; list each once")
