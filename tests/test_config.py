@@ -348,6 +348,20 @@ def test_snakemake_gets_the_numbers_that_its_files_show(tmp_path):
         Campaign.of_values(values, [str(first), str(second)])
 
 
+def test_keys_for_anchors_are_ignored(tmp_path):
+    """At the top of a file and of that which it extends, also by editors; elsewhere they are no keys."""
+    (tmp_path / "base.yaml").write_text(f"x-notes: [1, 2]\n{PAPER}")
+    own = tmp_path / "own.yaml"
+    text = "x-rough: &rough {granule: 0.5, wall: 0.5}\nextends: base.yaml\nresults: results/own\nfriction: {<<: *rough, wall: 0.1}\n"
+    own.write_text(text)
+    found = load(own)
+    assert (found.friction.granule, found.friction.wall) == (0.5, 0.1)
+    assert "x-rough" not in found.dump() and not list(Draft202012Validator(schema()).iter_errors(read(own)))
+    own.write_text(text + "numerics: {x-a: 1}\n")
+    with pytest.raises(InputError, match=r"numerics\.x-a is not a known key"):
+        load(own)
+
+
 def test_a_whole_number_may_be_a_text():
     """As those of a group are that Snakemake's --config changes."""
     told = parse(changed(["sweep"], {"case": "c1", "seed": ["3", "089"]}) | {"batch": "20"})

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import yaml
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from dem.base.errors import InputError
 from dem.base.files import atomic
@@ -51,7 +51,11 @@ def _file_name(name: str) -> str:
     return name
 
 
-FileName = Annotated[str, AfterValidator(_file_name)]
+def _text(name):
+    return os.fspath(name) if isinstance(name, os.PathLike) else name
+
+
+FileName = Annotated[str, BeforeValidator(_text), AfterValidator(_file_name)]
 Blocks = Annotated[
     dict[Annotated[Label, AfterValidator(_block)], dict[Any, Any]], Field(min_length=1)
 ]
@@ -188,6 +192,8 @@ def parse(data, source: str = "configuration") -> Sweep:
 def extended(data, source: str, depth: int = 0):
     """A file's content merged over the file that it extends; raises InputError."""
     data = placed(data, _folder_of(source))
+    if isinstance(data, dict):  # keys for anchors of YAML, as Docker Compose has them
+        data = {key: each for key, each in data.items() if not str(key).startswith("x-")}
     if not isinstance(data, dict) or "extends" not in data:
         return data
     name = validated(FileName, data["extends"], source, "extends")

@@ -38,6 +38,7 @@ def schema() -> dict:
     block["blocks"] = {"type": "object", "additionalProperties": {"$ref": "#/$defs/Block"}}
     found["$defs"]["Block"] = {"type": "object", "properties": block}
     found["properties"]["sweep"] = {"$ref": "#/$defs/Block"}
+    found["patternProperties"] = {"^x-": {}}  # for anchors
     found["properties"]["extends"] = {"type": "string", "description": "file that this one changes"}
     return found
 
