@@ -26,6 +26,8 @@ from dem.experiment.config import Replicate, entries
 from dem.io.checksums import Changed, seal
 from dem.io.dataset import read as read_runs
 from dem.io.results_folder import hold
+from dem.report.info import drag_table
+from dem.report.status import _cells
 from dem.sweep import batch as making
 from dem.sweep import store as stores
 from dem.sweep.axis import changes_of_words
@@ -484,6 +486,24 @@ def test_a_combined_file_tells_the_values_that_its_runs_had(tmp_path):
     assert told["sweep"] == {"blocks": {"a": block}} and told["shapes"]["e3"]["granules"] == 60
     assert found.coords["friction_granule"].item() == 0.1 and found.coords["friction_wall"].item() == 0.2
     assert found["gravity"].values.tolist() == [0.0, 1.0] and found.coords["granules"].values.tolist() == [25]
+
+
+def test_null_beside_numbers_is_a_label_of_its_axis(tmp_path):
+    """Without units, as texts have none; a table and a figure show it."""
+    work = done(small({"shape": "c1", "material.thickness": [None, 1e-3]}), tmp_path)
+    found = combined(work, tmp_path)["material_thickness"]
+    assert found.values.tolist() == ["null", "0.001"] and "units" not in found.attrs
+    for words in (["info"], ["figure", "sweep", "-o", str(tmp_path)]):
+        ran = CliRunner().invoke(app, [*words, str(tmp_path / "drag_drag.nc")])
+        assert ran.exit_code == 0, ran.output
+        assert words != ["info"] or "null" in ran.output
+
+
+def test_values_that_hardly_differ_are_told_apart(tmp_path):
+    work = done(small({"shape": "c1", "friction.granule": [2, 2.0000001]}), tmp_path)
+    table, _ = drag_table(combined(work, tmp_path))
+    assert list(table.columns[1].cells) == ["2", "2.0000001"]
+    assert [_cells(work.block("drag").axes[1], at)[0] for at in (0, 1)] == ["2", "2.0000001"]
 
 
 def test_a_run_that_no_file_holds_is_named(tmp_path):

@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter, MaxNLocator
 
 from dem.analysis.statistics import half_interval, over_seeds, summarise
+from dem.analysis.tables import digits
 from dem.analysis.values import designs_of, factors_of
 from dem.base.errors import InputError
 from dem.figures import style
@@ -100,7 +101,7 @@ def _told(runs: xr.DataArray | xr.Dataset, dim: str, at) -> str:
     if units in PREFIXED:
         number = EngFormatter(units, sep="\N{NO-BREAK SPACE}")(at)
     else:
-        number = f"{at:.5g} {_units(values) if units != '1' else ''}".strip()
+        number = f"{at:{digits(values.values.tolist())}} {_units(values) if units != '1' else ''}".strip()
     return f"{_quantity(values)}: {number}"
 
 
@@ -213,7 +214,7 @@ def _lines(axes, runs: xr.DataArray, roles: Roles, along: xr.DataArray, marks=Fa
         far = values.max() > DECADES * values.min()
         style.logarithmic(axes, "x", (1.0,) if far else (1.0, 2.0, 5.0))
     if len(names) <= FEW and not marks:
-        axes.set_xticks(names, [f"{name:.4g}" for name in names])
+        axes.set_xticks(names, [format(name, digits(names, 4)) for name in names])
     elif not logarithmic:
         axes.xaxis.set_major_locator(MaxNLocator(4))
 

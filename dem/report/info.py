@@ -12,7 +12,7 @@ from rich.text import Text
 from dem.analysis.means import WINDOW, run_means
 from dem.analysis.one_run import columns_of, replicate_of
 from dem.analysis.statistics import LEVEL, asked, by_case, over_seeds, summarise, takes, window_text
-from dem.analysis.tables import numbers
+from dem.analysis.tables import digits, numbers
 from dem.analysis.values import designs_of, factors_of, value_of
 from dem.base.errors import InputError
 from dem.base.schema import seed_words
@@ -100,7 +100,7 @@ def _table(dataset: xr.Dataset, columns: dict[str, tuple[xr.DataArray, str]]) ->
     axes, designs = {}, designs_of(places)
     for dim in (str(dim) for dim in places.dims if dim != "run"):
         for name in factors_of(dataset, dim)[:VARIED] if dim in designs else [dim]:
-            axes[name] = dataset[name], ".5g"
+            axes[name] = dataset[name], digits(dataset[name].values.ravel().tolist())
     cells = []
     for values, form in (axes | columns).values():
         by_place = values.broadcast_like(places).transpose(*places.dims).values.ravel()

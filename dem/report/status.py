@@ -8,7 +8,7 @@ from math import ceil, isfinite
 from rich.console import Group
 from rich.text import Text
 
-from dem.analysis.tables import numbers
+from dem.analysis.tables import digits, numbers
 from dem.base.errors import InputError
 from dem.io.progress import span
 from dem.sweep.axis import POINT, Axis
@@ -108,4 +108,5 @@ def _names(axis: Axis) -> list[str]:
 
 def _cells(axis: Axis, at: int) -> list[str]:
     values = list(axis.points[at].values())[:VARIED] if axis.entry.about == POINT else [axis.coordinate[at]]
-    return [f"{each:.5g}" if isinstance(each, float) else str(each) for each in values]
+    form = digits(axis.coordinate)
+    return [format(each, form) if isinstance(each, float) else str(each) for each in values]

@@ -97,6 +97,8 @@ def axis_of(key: str, spec, place: Place, replicates: int | None = None) -> Axis
             points = [dict(place.sweep.cases[each]) for each in found]
         else:
             points = [{key: each} for each in found]
+        if None in found:  # texts, because a coordinate has no gaps
+            entry, found = entry._replace(units=None), list(map(written, found))
         return Axis(key if key in RUNS else name_of(key), entry, found, points)
     points = spec.values() if isinstance(spec, dict) and "design" not in spec else ()
     if not isinstance(spec, dict) or not spec or not all(isinstance(p, dict) for p in points):
