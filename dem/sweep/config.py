@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import yaml
-from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from dem.base.errors import InputError
 from dem.base.files import atomic
@@ -51,11 +51,7 @@ def _file_name(name: str) -> str:
     return name
 
 
-def _text(name):
-    return os.fspath(name) if isinstance(name, os.PathLike) else name
-
-
-FileName = Annotated[str, BeforeValidator(_text), AfterValidator(_file_name)]
+FileName = Annotated[str, AfterValidator(_file_name)]
 Blocks = Annotated[
     dict[Annotated[Label, AfterValidator(_block)], dict[Any, Any]], Field(min_length=1)
 ]

@@ -104,7 +104,7 @@ def _whole(values: dict) -> dict:
         return values
     own = {key: new for key, new in values.items() if key not in ("shape", "density", "seed")}
     base = load(Path(values["extends"]))
-    found = extended(own | {"results": base.results}, "values")
+    found = extended(own | {"results": base.results, "extends": str(values["extends"])}, "values")
     known = {*base.values(), *own, "beside"} - {"results"}
     found = {key: new for key, new in found.items() if key in known}
     if "shape" not in values:

@@ -78,7 +78,7 @@ class Experiment:
         found = dict(OF_RUN)
         for name in configuration.observables:
             more = variables_of(name, configuration.beside)
-            if twice := more.keys() & {*found, *AXES, *LABELS}:
+            if twice := more.keys() & found.keys():
                 raise InputError(
                     f"record.observables has {name!r}; runs have a variable {min(twice)} without it, "
                     "rename that in your file."
