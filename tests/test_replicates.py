@@ -16,10 +16,12 @@ from scipy import stats
 
 import dem
 from conftest import posix
-from dem.analysis.statistics import half_interval, summarise
+from dem.analysis.means import means
+from dem.analysis.statistics import half_interval
 from dem.base.errors import InputError, RunError
 from dem.base.sources import ROOT
 from dem.cli.show import PlainConsole
+from dem.report.info import summary as summary_of
 from dem.report.status import status
 from dem.sweep import precision
 from dem.sweep.batch import make
@@ -86,12 +88,17 @@ def result() -> xr.Dataset:
         return found.load()
 
 
-def said(campaign) -> str:
-    """The table of a sweep's status as text."""
+def text_of(shown) -> str:
+    """A table as text."""
     console = PlainConsole(width=200)
     with console.capture() as text:
-        console.print(status(campaign))
+        console.print(shown)
     return text.get()
+
+
+def said(campaign) -> str:
+    """The table of a sweep's status as text."""
+    return text_of(status(campaign))
 
 
 def test_replicates_are_added_until_the_mean_is_as_well_known_as_asked(sweep):
@@ -115,6 +122,17 @@ def test_a_round_at_most_doubles_the_replicates(sweep):
     assert counts[0] == {(0,): 10, (1,): 10} and len(counts) > 3
     for before, after in pairwise(counts):
         assert all(before[place] <= after[place] <= 2 * before[place] for place in before)
+
+
+def test_the_interval_that_is_printed_is_that_of_the_runs(sweep):
+    """And not what the replicates were added until, which is wider."""
+    of_file(sweep("{until: 50 %, of: force}"))
+    path = Path("results/drawn/drawn.nc")
+    force = result()["force"].sel(case="a").dropna("seed")
+    half = stats.t.ppf(0.975, force.size - 1) * force.std("seed", ddof=1) / np.sqrt(force.size)
+    assert float(half) < 0.4 * float(force.mean())
+    assert float(means(path)["force_half_interval"].sel(case="a")) == pytest.approx(float(half))
+    assert f"{float(force.mean()):.4g} ± {float(half):.2g}" in text_of(summary_of(path))
 
 
 def test_a_dry_run_says_how_many_runs_a_precision_takes(sweep):
@@ -166,7 +184,7 @@ def test_snakemake_makes_the_same_replicates(sweep):
 def test_the_file_says_what_was_asked_for(sweep):
     of_file(sweep())
     attrs = result()["replicates"].attrs
-    assert attrs["until"] == "10 %" and (attrs["target"], attrs["relative"], attrs["level"]) == (0.1, 1, 0.95)
+    assert (attrs["until"], attrs["of"], attrs["confidence"]) == ("10 %", "force", "95 %")
 
 
 @posix
@@ -328,19 +346,6 @@ def test_a_partial_file_holds_what_is_there_and_says_so(sweep):
         assert part.attrs["partial"] == "10 of 20 runs"
         assert int(part["force"].count()) == 10 == int((part["run_id"] != "").sum())
         assert int(part["replicates"].sum()) == 10
-
-
-def test_a_table_of_drag_claims_no_more_than_was_asked_for():
-    """Who stops as soon as an interval is narrow finds it too narrow."""
-    drag = 100.0 + np.array([[-1.0, 1.0, -1.0, 1.0]])
-    dataset = xr.Dataset(
-        {"drag": (("case", "seed", "displacement"), drag[..., None])},
-        {"displacement": [2e-3]}, {"window_start": 1e-3, "window_stop": 5e-3},
-    )  # fmt: skip
-    narrow = summarise(dataset)["half_interval"].item()
-    asked = {"of": "drag", "target": 0.05, "relative": 1, "level": 0.95}
-    dataset["replicates"] = ("case", [4], asked)
-    assert narrow < 5.0 and summarise(dataset)["half_interval"].item() == pytest.approx(5.0)
 
 
 def test_a_sweep_that_varies_seeds_alone_has_one_place():

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from dem.analysis.statistics import LEVEL, asked, over_seeds
+from dem.analysis.statistics import LEVEL, half_interval, over_seeds
 from dem.analysis.values import designs_of
 from dem.base.errors import InputError
 from dem.base.files import atomic
@@ -51,7 +51,7 @@ def means(path: Path) -> xr.Dataset:
             found[name] = sample.mean("seed").assign_attrs(sample.attrs)
             words = f"half the {LEVEL:.0%} interval of the mean of {name}"
             about = {"units": sample.attrs.get("units", "1"), "long_name": words}
-            found[f"{name}_half_interval"] = asked(dataset, sample, name).assign_attrs(about)
+            found[f"{name}_half_interval"] = half_interval(sample).assign_attrs(about)
         count = xr.Dataset(runs).count("seed").to_array().max("variable")
         found["runs"] = count.assign_attrs(units="1", long_name="number of runs")
         about = {key: dataset.attrs[key] for key in ("title", "configuration") if key in dataset.attrs}

@@ -108,26 +108,13 @@ def takes(sample: xr.DataArray, share: float) -> xr.DataArray:
     return np.ceil(sample.count("seed") * (half_interval(sample) / (share * sample.mean("seed"))) ** 2)
 
 
-def asked(dataset: xr.Dataset, sample: xr.DataArray, name: str = "drag") -> xr.DataArray:
-    """Half the interval of the mean of a sample (seed, ...) of a quantity, but not less than what the
-    replicates were added until: those who stop as soon as an interval is narrow find it too narrow
-    (docs/results/precision.md)."""
-    half = half_interval(sample)
-    wanted = dataset["replicates"].attrs if "replicates" in dataset else {}
-    if wanted.get("of") != name or wanted["level"] != LEVEL:
-        return half
-    size = abs(sample.mean("seed")) if wanted["relative"] else 1.0
-    return np.maximum(half, wanted["target"] * size)
-
-
 def summarise(dataset: xr.Dataset) -> xr.Dataset:
     """Drag within the averaging window: one number a case, or a place on the axes of any sweep, and
     `run_mean` (..., seed).
 
     All in N: `mean` over the runs; `sd_over_run`, of the drag about the mean of its own run (root
     mean square over the runs); `sd_between_runs` and `half_interval`, of and from the run means
-    (NaN for a single run); where replicates were added until a precision, half the interval is at least
-    that. The coordinates but seed stay.
+    (NaN for a single run). The coordinates but seed stay.
     """
     drag = within(dataset["drag"], dataset.attrs["window_start"], dataset.attrs["window_stop"])
     drag = drag if drag.chunks else drag.compute()  # once, and not for each of these
@@ -142,7 +129,7 @@ def summarise(dataset: xr.Dataset) -> xr.Dataset:
         ),
         "sd_between_runs": (spread(runs["mean"]), "standard deviation between the runs' means"),
         "half_interval": (
-            asked(dataset, runs["mean"]),
+            half_interval(runs["mean"]),
             f"half the {LEVEL:.0%} confidence interval of the mean",
         ),
     }  # fmt: skip

@@ -11,7 +11,15 @@ from rich.text import Text
 
 from dem.analysis.means import WINDOW, run_means
 from dem.analysis.one_run import columns_of, replicate_of
-from dem.analysis.statistics import LEVEL, asked, by_case, over_seeds, summarise, takes, window_text
+from dem.analysis.statistics import (
+    LEVEL,
+    by_case,
+    half_interval,
+    over_seeds,
+    summarise,
+    takes,
+    window_text,
+)
 from dem.analysis.tables import digits, numbers
 from dem.analysis.values import designs_of, factors_of, value_of
 from dem.base.errors import InputError
@@ -181,18 +189,18 @@ def _means(path: Path, dataset: xr.Dataset) -> Group:
     runs = run_means(path, dataset, MEANS)
     counts = xr.Dataset(runs).count("seed").to_array().max("variable")
     columns = {"runs": (counts, "")} | {
-        f"{name}\n± {LEVEL:.0%}": (_with_interval(dataset, name, values), "") for name, values in runs.items()
+        f"{name}\n± {LEVEL:.0%}": (_with_interval(values), "") for name, values in runs.items()
     }
     return _told(dataset.attrs, {"seeds": _seeds(dataset)}, *_table(dataset, columns))
 
 
-def _with_interval(dataset: xr.Dataset, name: str, sample: xr.DataArray) -> xr.DataArray:
+def _with_interval(sample: xr.DataArray) -> xr.DataArray:
     """Mean over the runs and half its interval as text."""
 
     def words(mean, half):
         return f"{_text(mean, '.4g')} ± {_text(half, '.2g')}"
 
-    mean, half = sample.mean("seed"), asked(dataset, sample, name)
+    mean, half = sample.mean("seed"), half_interval(sample)
     return xr.apply_ufunc(words, mean, half, vectorize=True, output_dtypes=[object])
 
 

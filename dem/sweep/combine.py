@@ -142,9 +142,7 @@ def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> No
         for place, count in block.counts.items():
             array[place] = count
         _write(file, REPLICATES, [axis.name for axis in block.beside_seed], array)
-        target, relative = block.until.target
-        parsed = {"target": target, "relative": int(relative), "level": block.until.level}
-        file.variables[REPLICATES].setncatts(block.until.model_dump() | parsed)
+        file.variables[REPLICATES].setncatts(block.until.model_dump())
     for name, values in sample.items():
         sizes = (*[1] * (len(block.dims) - 1), min(BLOCK, block.shape[-1]), *values.shape[1:])
         made = file.createVariable(
