@@ -43,6 +43,9 @@ VARIABLES = {"force": ((), "N", "a drawn number"), "offset": ((), "N", "one abou
 def run(replicate, bed=None, progress=lambda done: None):
     if replicate.seed == 7 and replicate.density == 300.0:
         raise RunError("this one fails")
+    friction = replicate.configuration.friction.granule
+    if replicate.density == 400.0 and (replicate.seed <= 10 or friction > 0.4):
+        raise RunError("the first fail, or all")
     number = np.random.default_rng([replicate.seed, int(replicate.density)]).standard_normal()
     left = Path("left")  # so many runs until the process is killed
     if left.exists():
@@ -63,6 +66,7 @@ cases:
   a: {{shape: c1, density: 100}}
   b: {{shape: c2, density: 200}}  # of other beds
   c: {{shape: c1, density: 300}}
+  d: {{shape: c1, density: 400}}
 sweep:
   case: {cases}
   seed: {seed}
@@ -231,6 +235,18 @@ def test_a_failed_run_counts_and_is_not_replaced(sweep):
     assert np.isnan(found["force"].sel(seed=7)) and "1 failed: this one fails" in said(campaign)
     seen = campaign.values(campaign.block("drag"))[1,]
     np.testing.assert_array_equal(seen, found["force"].values[there])
+
+
+def test_a_place_whose_first_runs_fail_gets_more_and_one_whose_all_fail_is_said(sweep):
+    cases = "[b, d]\n  friction.granule: [0.2, 0.5]"
+    campaign = of_file(sweep("{until: 20 %, of: force, most: 40}", cases, "failures: 0.9\n"))
+    found = result().sel(case="d")
+    assert found["replicates"].values.tolist()[1] == 40
+    known = found["force"].sel(friction_granule=0.2).dropna("seed")
+    assert known.size >= 10 and float(half_interval(known)) <= 0.2 * float(known.mean())
+    (sentence,) = campaign.said
+    assert "1 of 4 places" in sentence and "case d, friction_granule 0.5" in sentence
+    assert "is not known after 40 replicates" in sentence
 
 
 def test_an_absolute_precision_is_in_the_units_of_what_is_measured(sweep):

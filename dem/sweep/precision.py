@@ -137,11 +137,11 @@ class Known(NamedTuple):
         return max(self.high - self.value, self.value - self.low)
 
     def excess(self, until: Until) -> float:
-        """Half the interval over what is asked for; NaN where too few runs are there."""
+        """Half the interval over what is asked for; endless where too few runs are there."""
         target, relative = until.target
         wanted = target * abs(self.value) if relative else target
         if self.runs < 2 or math.isnan(self.value):
-            return math.nan
+            return math.inf
         return self.half / wanted if wanted > 0.0 else math.inf
 
     def is_near_zero(self, until: Until) -> bool:
@@ -207,14 +207,15 @@ def short_of(block, values: dict[Lead, np.ndarray]) -> list[str]:
                 f"may be zero, so {until.until} of it means nothing; ask for a number with a unit, such as "
                 "until: 50 N, or take the place out."
             )
-        if found.excess(until) > 1.0:  # where too few were made, combining says so
-            wide.append((found.half / abs(found.value), words, found.runs))
+        if (excess := found.excess(until)) > 1.0:
+            told = f"{found.value:.3g} ± {found.half:.3g}" if excess < math.inf else "not known"
+            wide.append((excess, f"{words}, is {told} after {len(values[place])}"))
     if not wide:
         return []
-    worst, words, runs = max(wide)
+    _, worst = max(wide)
     return [
         f"{len(wide)} of {len(values)} places are not as well known as asked for, {until.words()}: the worst, "
-        f"{words}, is within {worst:.2g} of it after {runs} replicates; raise most, {until.most}."
+        f"{worst} replicates; raise most, {until.most}."
     ]
 
 
