@@ -10,10 +10,14 @@ from typer.testing import CliRunner
 
 import dem
 from dem.analysis.means import compared, means, table_of, write_means
+from dem.analysis.statistics import summarise
 from dem.base.errors import InputError
 from dem.cli.app import app
+from dem.cli.show import PlainConsole
 from dem.io.checksums import seal
+from dem.report.info import summary
 from dem.sweep.axis import POINT
+from dem.sweep.precision import known
 
 
 @pytest.fixture
@@ -25,7 +29,7 @@ def file(tmp_path):
         drag = 100.0 + shift + rng.normal(0.0, 5.0, (3, 4, 6))
         dataset = xr.Dataset(
             {"drag": (("point", "seed", "displacement"), drag, {"units": "N"}),
-             "run_id": (("point", "seed"), np.arange(12).reshape(3, 4).astype(str))},
+             "run_id": (("point", "seed"), [[f"{shift:g} {4 * k + n}" for n in range(4)] for k in range(3)])},
             {"point": ("point", [0, 1, 2], {"long_name": POINT, "units": "1"}),
              "friction_granule": ("point", [0.1, 0.2, 0.3], {"units": "1"}),
              "seed": [1, 2, 3, 4], "displacement": np.arange(6) * 1e-3},
@@ -48,7 +52,7 @@ def test_the_mean_of_a_place_is_that_of_its_runs_within_the_window(file, tmp_pat
     assert [float(row["drag_half_interval (N)"]) for row in rows] == pytest.approx(half)
     # the values that vary, and not the number of the point
     assert [row["friction_granule"] for row in rows] == ["0.1", "0.2", "0.3"] and "point" not in rows[0]
-    assert {row["runs"] for row in rows} == {"4"}
+    assert {row["drag_runs"] for row in rows} == {"4"}
 
 
 def test_means_can_be_opened_as_results(file, tmp_path):
@@ -62,8 +66,6 @@ def test_two_sweeps_are_compared_where_both_have_a_place(file):
     assert found["point"].values.tolist() == [1, 2]
     assert found["ratio"].values == pytest.approx((found["first"].values + 50.0) / found["first"].values)
     assert (found["ratio_low"] < found["ratio"]).all() and (found["ratio"] < found["ratio_high"]).all()
-    same = compared(file(), file(), "drag")
-    assert (same["ratio"] == 1.0).all()
 
 
 def test_the_terminal_shows_one_quantity_by_what_varies(file):
@@ -84,3 +86,88 @@ def test_the_terminal_shows_one_quantity_by_what_varies(file):
 def test_what_cannot_be_shown_is_refused(file, tmp_path, call, words):
     with pytest.raises(InputError, match=words):
         call(file, tmp_path)
+
+
+def changed(path, edit):
+    """Write a file again as `edit` has it."""
+    with xr.open_dataset(path) as dataset:
+        found = edit(dataset.load())
+    found.to_netcdf(path)
+    seal(path)
+    return path
+
+
+def test_each_quantity_counts_its_own_runs(file):
+    def edit(dataset):
+        lift = dataset["drag"].where(dataset["seed"] < 3).mean("displacement").assign_attrs(units="N")
+        return dataset.assign(lift=lift)
+
+    found = means(changed(file(), edit))
+    assert (found["drag_runs"] == 4).all() and (found["lift_runs"] == 2).all()
+
+
+def test_an_infinite_result_counts_as_none_wherever_means_are_shown(file):
+    def edit(dataset):
+        dataset["drag"][0, 0] = np.inf
+        return dataset
+
+    path = changed(file(), edit)
+    found = means(path)
+    with dem.open_results(path) as dataset:
+        of_drag = summarise(dataset)
+    wanted = known(of_drag["run_mean"][0], 0.95)
+    assert found["drag"][0] == pytest.approx(wanted.value) == of_drag["mean"][0]
+    assert found["drag_half_interval"][0] == pytest.approx(wanted.half) == of_drag["half_interval"][0]
+    assert found["drag_runs"][0] == 3
+
+
+def test_points_of_different_designs_are_no_pairs(file):
+    """They have numbers, and the same number means nothing."""
+    other = changed(file("other.nc"), lambda d: d.assign_coords(friction_granule=d["friction_granule"] + 0.1))
+    third = changed(file("third.nc"), lambda d: d.rename(friction_granule="friction_boundary"))
+    for path in (other, third):
+        with pytest.raises(InputError, match="have no place in common"):
+            compared(file(), path, "drag")
+
+
+def test_runs_that_both_files_have_count_once(file):
+    """Fieller's interval is of independent samples."""
+
+    def apart(dataset):  # the seeds 1 and 2 have the same runs
+        of_both = dataset["run_id"].str.replace("50 ", "0 ")
+        return dataset.assign(run_id=of_both.where(dataset["seed"] < 3, dataset["run_id"]))
+
+    other = changed(file("other.nc", shift=50.0), apart)
+    found = compared(file(), other, "drag")
+    with dem.open_results(file("other.nc", shift=50.0)) as dataset:
+        runs = summarise(dataset)["run_mean"]
+    np.testing.assert_allclose(found["second"], runs.sel(seed=[3, 4]).mean("seed"))
+    assert compared(file(), file("same.nc"), "drag")["ratio"].isnull().all()
+
+
+def test_places_of_a_name_are_compared_whatever_their_granules_are(file):
+    """And the table says what differs."""
+
+    def named(granules):
+        coordinates = {"case": ("point", ["a", "b", "c"]), "granules": ("point", granules)}
+        return lambda d: (
+            d.drop_vars(["point", "friction_granule"]).assign_coords(coordinates).swap_dims(point="case")
+        )
+
+    one = changed(file("one.nc"), named([60, 60, 60]))
+    two = changed(file("two.nc"), named([60, 90, 60]))
+    found = table_of(compared(one, two, "drag"))
+    assert found["first_granules"].tolist() == [60, 60, 60]
+    assert found["second_granules"].tolist() == [60, 90, 60]
+
+
+def test_the_summary_counts_the_runs_of_all_quantities(file):
+    def edit(dataset):
+        lift = dataset["drag"].where(dataset["seed"] < 3).mean("displacement")
+        origin = dict.fromkeys(("history", "git_revision", "source_hash", "versions"), "-")
+        return dataset.assign(lift=lift, fall=dataset["drag"]).drop_vars("drag").assign_attrs(origin)
+
+    console = PlainConsole(width=200)
+    with console.capture() as text:
+        console.print(summary(changed(file(), edit)))
+    assert "2 to 4" in text.get()

@@ -22,7 +22,7 @@ OF_RATIO = {"ratio": "value", "ratio_low": "low", "ratio_high": "high"}
 
 def run_means(path: Path, dataset: xr.Dataset, most: int | None = None) -> dict[str, xr.DataArray]:
     """Of every quantity, or of the first ones, the mean of each run (..., seed), within the window where it
-    is along the stroke."""
+    is along the stroke; NaN where it is infinite, as for the rule that adds replicates."""
     dims = set(dataset["run_id"].dims)
     inside = dataset
     for name in ALONG:
@@ -36,14 +36,15 @@ def run_means(path: Path, dataset: xr.Dataset, most: int | None = None) -> dict[
         name for name, values in inside.data_vars.items()
         if dims <= set(values.dims) and values.dtype.kind == "f"
     ][:most]  # fmt: skip
-    return {
-        str(name): over_seeds(inside[name].mean(set(inside[name].dims) - dims, keep_attrs=True).compute())
-        for name in names
-    }  # fmt: skip
+    found = {}
+    for name in names:
+        mean = inside[name].mean(set(inside[name].dims) - dims, keep_attrs=True).compute()
+        found[str(name)] = over_seeds(mean).where(np.isfinite)
+    return found
 
 
 def means(path: Path) -> xr.Dataset:
-    """Means over the seeds with half their intervals, in SI units, and how many runs there are."""
+    """Means over the seeds with half their intervals, in SI units, and how many runs each is of."""
     with open_lazily(path) as dataset:
         runs = run_means(path, dataset)
         found = {}
@@ -52,8 +53,8 @@ def means(path: Path) -> xr.Dataset:
             words = f"half the {LEVEL:.0%} interval of the mean of {name}"
             about = {"units": sample.attrs.get("units", "1"), "long_name": words}
             found[f"{name}_half_interval"] = half_interval(sample).assign_attrs(about)
-        count = xr.Dataset(runs).count("seed").to_array().max("variable")
-        found["runs"] = count.assign_attrs(units="1", long_name="number of runs")
+            about = {"units": "1", "long_name": f"number of runs that the mean of {name} is of"}
+            found[f"{name}_runs"] = sample.count("seed").assign_attrs(about)
         about = {key: dataset.attrs[key] for key in ("title", "configuration") if key in dataset.attrs}
         return xr.Dataset(found, attrs=about).drop_vars("seed", errors="ignore")
 
@@ -63,24 +64,33 @@ def only(found: xr.Dataset, name: str, path: Path) -> xr.Dataset:
     if name not in found:
         known_ones = (each for each in found if f"{each}_half_interval" in found)
         raise InputError(f"{path}: it has no {name}; it has {', '.join(known_ones)}.")
-    return found[[name, f"{name}_half_interval", "runs"]]
+    return found[[name, f"{name}_half_interval", f"{name}_runs"]]
 
 
 def compared(path: Path, other: Path, name: str) -> xr.Dataset:
-    """Means of one quantity in two files, where both have a place, and their ratio with Fieller's interval;
-    raises InputError where they have nothing in common."""
-    samples = []
+    """Means of one quantity in two files, where both have a place, and their ratio with Fieller's interval.
+
+    The samples must be independent, so runs that both files have count for the first alone. Labels
+    and values that differ are there twice, such as first_granules and second_granules. Raises
+    InputError where the files have nothing in common: points of designs have numbers, which are the
+    same place only where all their values are the same.
+    """
+    samples, there = [], []
     for each in (path, other):
         with open_lazily(each) as dataset:
             runs = run_means(each, dataset)
             if name not in runs:
                 raise InputError(f"{each}: it has no {name}; it has {', '.join(runs)}.")
             samples.append(runs[name].drop_vars("seed", errors="ignore"))
-    one, two = samples
+            there.append(over_seeds(dataset["run_id"].drop_vars("seed", errors="ignore").load()))
+    samples[1] = samples[1].where(~there[1].isin(there[0]))
     axes = [set(each.dims) - {"seed"} for each in samples]
     if axes[0] == axes[1]:
-        one, two = xr.align(one, two, join="inner", exclude=["seed"])
-    if axes[0] != axes[1] or not one.size:
+        samples = xr.align(*samples, join="inner", exclude=["seed"])
+    labels = [each.coords.variables for each in samples]
+    same = [key for key in labels[0] if key in labels[1] and labels[0][key].equals(labels[1][key])]
+    differ = {*labels[0], *labels[1]}.difference(same)
+    if axes[0] != axes[1] or not samples[0].size or (differ and designs_of(samples[0])):
         told = (", ".join(sorted(each)) or "one place" for each in axes)
         raise InputError(f"{path} and {other} have no place in common; they are over {' and over '.join(told)}.")
 
@@ -88,6 +98,10 @@ def compared(path: Path, other: Path, name: str) -> xr.Dataset:
         found = known(above, LEVEL, below)
         return tuple(getattr(found, key) for key in OF_RATIO.values())
 
+    one, two = (
+        each.rename({key: f"{order}_{key}" for key in differ if key in each.coords})
+        for order, each in zip(("first", "second"), samples, strict=True)
+    )
     parts = xr.apply_ufunc(
         ratio, two.rename(seed="second"), one, input_core_dims=[["second"], ["seed"]],
         output_core_dims=[[]] * len(OF_RATIO), vectorize=True,

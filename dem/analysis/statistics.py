@@ -114,10 +114,11 @@ def summarise(dataset: xr.Dataset) -> xr.Dataset:
 
     All in N: `mean` over the runs; `sd_over_run`, of the drag about the mean of its own run (root
     mean square over the runs); `sd_between_runs` and `half_interval`, of and from the run means
-    (NaN for a single run). The coordinates but seed stay.
+    (NaN for a single run). A run whose drag is infinite counts as failed. The coordinates but seed
+    stay.
     """
     drag = within(dataset["drag"], dataset.attrs["window_start"], dataset.attrs["window_stop"])
-    drag = drag if drag.chunks else drag.compute()  # once, and not for each of these
+    drag = (drag if drag.chunks else drag.compute()).where(np.isfinite)  # once, and not for each of these
     along = {"dim": "displacement", "skipna": False}  # a run is there as a whole or not at all
     runs = xr.Dataset({"mean": drag.mean(**along), "sd": drag.std(**along)})
     runs = runs.compute().map(over_seeds)

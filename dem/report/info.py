@@ -187,7 +187,10 @@ def _told(attrs: dict, about: dict, table: Table, more: int = 0, legend: str = "
 def _means(path: Path, dataset: xr.Dataset) -> Group:
     """Means of the first quantities of a combined file without drag, over the runs."""
     runs = run_means(path, dataset, MEANS)
-    counts = xr.Dataset(runs).count("seed").to_array().max("variable")
+    counts = xr.Dataset(runs).count("seed").to_array()
+    counts = xr.apply_ufunc(
+        _range, counts, input_core_dims=[["variable"]], vectorize=True, output_dtypes=[object]
+    )
     columns = {"runs": (counts, "")} | {
         f"{name}\n± {LEVEL:.0%}": (_with_interval(values), "") for name, values in runs.items()
     }
