@@ -11,13 +11,21 @@ from typer.testing import CliRunner
 import dem
 from dem.analysis.means import compared, means, table_of, write_means
 from dem.analysis.statistics import summarise
+from dem.analysis.tables import numbers
 from dem.base.errors import InputError
+from dem.base.sources import ROOT
 from dem.cli.app import app
-from dem.cli.show import PlainConsole
+from dem.cli.show import PlainConsole, print_or_write
 from dem.io.checksums import seal
-from dem.report.info import summary
+from dem.report.info import plain_table, summary
 from dem.sweep.axis import POINT
 from dem.sweep.precision import known
+
+FILES = [
+    ROOT / path
+    for path in ("docs/data/precise.nc", *(f"studies/{name}/{name}.nc" for name in ("pressure", "shear", "velocity")))
+    if (ROOT / path).is_file()
+]  # fmt: skip
 
 
 @pytest.fixture
@@ -171,3 +179,34 @@ def test_the_summary_counts_the_runs_of_all_quantities(file):
     with console.capture() as text:
         console.print(summary(changed(file(), edit)))
     assert "2 to 4" in text.get()
+
+
+@pytest.mark.parametrize("width", [30, 80, 1000])
+def test_no_number_of_a_table_is_cut(width):
+    """On a narrow terminal the last columns are below, beside the first one again."""
+    names = [f"value {number}" for number in range(12)]
+    rows = [[f"row{row}", *(f"{row}.{number:09d}" for number in range(11))] for row in range(3)]
+    console = PlainConsole(width=width)
+    with console.capture() as text:
+        console.print(numbers(*names, rows=rows))
+    lines = text.get().splitlines()
+    assert max(map(len, lines)) <= width
+    for row in rows:
+        assert {cell for line in lines if row[0] in line for cell in line.split()} == set(row)
+
+
+def test_a_pipe_gets_tables_as_wide_as_they_are(file, capsys):
+    names = {f"quantity_of_a_long_name_{number:02d}": ("point", [1.0 / 3.0] * 3) for number in range(20)}
+    print_or_write(plain_table(table_of(xr.Dataset(names))), None)
+    lines = capsys.readouterr().out.split("\n")
+    assert all(any(line.count(name) == 1 for line in lines) for name in names)
+    assert lines[1].split() == ["point", *names]
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_every_released_file_of_runs_has_a_summary(path):
+    """Also where it holds less than a sweep writes."""
+    console = PlainConsole(width=1000)
+    with console.capture() as text:
+        console.print(summary(path))
+    assert "±" in text.get()

@@ -43,12 +43,14 @@ def run_means(path: Path, dataset: xr.Dataset, most: int | None = None) -> dict[
     return found
 
 
-def means(path: Path) -> xr.Dataset:
-    """Means over the seeds with half their intervals, in SI units, and how many runs each is of."""
+def means(path: Path, only: str | None = None) -> xr.Dataset:
+    """Means over the seeds with half their intervals, in SI units, and how many runs each is of; of all
+    quantities or of one, InputError is raised where the file has not got it."""
     with open_lazily(path) as dataset:
         runs = run_means(path, dataset)
         found = {}
-        for name, sample in runs.items():
+        for name in [only] if only else runs:
+            sample = _named(runs, name, path)
             found[name] = sample.mean("seed").assign_attrs(sample.attrs)
             words = f"half the {LEVEL:.0%} interval of the mean of {name}"
             about = {"units": sample.attrs.get("units", "1"), "long_name": words}
@@ -59,12 +61,10 @@ def means(path: Path) -> xr.Dataset:
         return xr.Dataset(found, attrs=about).drop_vars("seed", errors="ignore")
 
 
-def only(found: xr.Dataset, name: str, path: Path) -> xr.Dataset:
-    """The means of one quantity; raises InputError for one that the file has not."""
-    if name not in found:
-        known_ones = (each for each in found if f"{each}_half_interval" in found)
-        raise InputError(f"{path}: it has no {name}; it has {', '.join(known_ones)}.")
-    return found[[name, f"{name}_half_interval", f"{name}_runs"]]
+def _named(runs: dict[str, xr.DataArray], name: str, path: Path) -> xr.DataArray:
+    if name not in runs:
+        raise InputError(f"{path}: it has no {name}; it has {', '.join(runs)}.")
+    return runs[name]
 
 
 def compared(path: Path, other: Path, name: str) -> xr.Dataset:
@@ -79,9 +79,7 @@ def compared(path: Path, other: Path, name: str) -> xr.Dataset:
     for each in (path, other):
         with open_lazily(each) as dataset:
             runs = run_means(each, dataset)
-            if name not in runs:
-                raise InputError(f"{each}: it has no {name}; it has {', '.join(runs)}.")
-            samples.append(runs[name].drop_vars("seed", errors="ignore"))
+            samples.append(_named(runs, name, each).drop_vars("seed", errors="ignore"))
             there.append(over_seeds(dataset["run_id"].drop_vars("seed", errors="ignore").load()))
     samples[1] = samples[1].where(~there[1].isin(there[0]))
     axes = [set(each.dims) - {"seed"} for each in samples]

@@ -53,13 +53,6 @@ def over_seeds(values: xr.DataArray) -> xr.DataArray:
     return values.drop_vars("seed", errors="ignore").expand_dims("seed", -1)
 
 
-def spread(sample: xr.DataArray) -> xr.DataArray:
-    """Standard deviation of a sample (seed, ...) between runs; NaN for a single run."""
-    runs = sample.count("seed")
-    squares = ((sample - sample.mean("seed")) ** 2).sum("seed")
-    return np.sqrt(squares / (runs - 1).where(runs > 1))
-
-
 def half_interval(sample: xr.DataArray) -> xr.DataArray:
     """Half the confidence interval of the mean of a sample (seed, ...), by Student's t.
 
@@ -69,7 +62,7 @@ def half_interval(sample: xr.DataArray) -> xr.DataArray:
 
     runs = sample.count("seed").compute()
     quantile = stdtrit((runs - 1).where(runs > 1), 0.5 + 0.5 * LEVEL)
-    return runs.copy(data=quantile) * spread(sample) / np.sqrt(runs)
+    return runs.copy(data=quantile) * sample.std("seed", ddof=1) / np.sqrt(runs)
 
 
 class Estimate(NamedTuple):
@@ -128,7 +121,7 @@ def summarise(dataset: xr.Dataset) -> xr.Dataset:
         "sd_over_run": (
             np.sqrt((runs["sd"] ** 2).mean("seed")), "standard deviation of the drag over the run",
         ),
-        "sd_between_runs": (spread(runs["mean"]), "standard deviation between the runs' means"),
+        "sd_between_runs": (runs["mean"].std("seed", ddof=1), "standard deviation between the runs' means"),
         "half_interval": (
             half_interval(runs["mean"]),
             f"half the {LEVEL:.0%} confidence interval of the mean",

@@ -187,12 +187,14 @@ def means(
     from dem.report.info import plain_table
 
     with bar(f"reading {data}"):
-        found = made.means(data) if other is None else made.compared(data, other, quantity)
+        if other is None:
+            found = made.means(data, None if output else quantity)
+        else:
+            found = made.compared(data, other, quantity)
     if output is not None:
         made.write_means(found, output)
         return
-    shown = found if other is not None else made.only(found, quantity, data)
-    print_or_write(plain_table(made.table_of(shown)), None)
+    print_or_write(plain_table(made.table_of(found)), None)
 
 
 @app.command()

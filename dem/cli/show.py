@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.live import Live
 from rich.segment import Segment
 
+from dem.analysis.tables import WIDE
 from dem.base.files import FOLDER, Place, atomic, check_paths
 from dem.base.plain import plain
 from dem.cli.terminal import bar
@@ -47,9 +48,9 @@ def watched(make) -> None:
 
 
 def print_or_write(table, output: Path | None) -> None:
-    """Show a table, or write it to a text file."""
+    """Show a table, or write it to a text file; only a terminal limits its width."""
     if output is None:
-        PlainConsole(width=None if sys.stdout.isatty() else 160).print(table)
+        PlainConsole(width=None if sys.stdout.isatty() else WIDE).print(table)
         return
     with atomic(output) as part, part.open("w", encoding="utf-8") as file:
-        PlainConsole(file=file, width=160).print(table)
+        PlainConsole(file=file, width=WIDE).print(table)

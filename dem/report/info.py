@@ -32,12 +32,10 @@ ROWS = 60  # of a table, at most
 LEGEND = """\
 mean drag within the window; 95 % interval of the mean by Student's t over the runs; standard
 deviation of the drag over a run and of the means between runs, both over the mean drag; how many runs
-a mean within 5 % takes; greatest overlap over the smaller granule radius; median time step; mean
-processor time of a run"""
+a mean within 5 % takes; where the file has them, greatest overlap over the smaller granule radius,
+median time step and mean processor time of a run"""
 FEW = 3  # runs below which the scatter, and so every interval, is a guess
 ORIGIN = ("title", "history", "git_revision", "source_hash", "versions")
-OF_A_RUN = ("drag", "displacement", "max_overlap", "time_step", "run_time")
-BETWEEN = ("runs", "95 %\n± N", "betw.\nruns %", "runs\nfor 5 %")  # columns that take several runs
 VARIED = 4  # values more that runs of a file differ in, at most
 MEANS = 5  # quantities of a file without drag that are shown
 
@@ -55,7 +53,7 @@ def summary(path: Path) -> Group:
         if "drag" not in dataset:
             return _means(path, dataset)
     with open_combined(path) as dataset:
-        require(dataset, path, {}, OF_A_RUN, (*ORIGIN, "configuration"))
+        require(dataset, path, {}, (), (*ORIGIN, "configuration"))
         return _sweep(dataset)
 
 
@@ -79,10 +77,12 @@ def drag_table(dataset: xr.Dataset) -> tuple[Table, int]:
 
 
 def _of_drag(dataset: xr.Dataset) -> dict[str, tuple[xr.DataArray, str]]:
-    """Columns of drag as _table has them; those of BETWEEN say nothing of a single run."""
+    """Columns of drag as _table has them."""
     found = summarise(dataset)
-    mean, overlap, step = found["mean"], dataset["max_overlap"], dataset["time_step"]
-    spent = dataset["run_time"]
+    mean, size = found["mean"], abs(found["mean"])
+    overlap, step, spent = (
+        dataset.get(name, np.nan * mean) for name in ("max_overlap", "time_step", "run_time")
+    )
     if step.chunks:  # a median needs all values of a place, one place after another
         step = step.chunk({dim: 1 if dim in mean.dims else -1 for dim in step.dims})
     middle = step.median(set(step.dims) - set(mean.dims))
@@ -90,8 +90,8 @@ def _of_drag(dataset: xr.Dataset) -> dict[str, tuple[xr.DataArray, str]]:
         "runs": (found["run_mean"].count("seed"), ""),
         "mean\nN": (mean, ".0f"),
         "95 %\n± N": (found["half_interval"], ".0f"),
-        "sd of\nrun %": (100.0 * found["sd_over_run"] / mean, ".1f"),
-        "betw.\nruns %": (100.0 * found["sd_between_runs"] / mean, ".1f"),
+        "sd of\nrun %": (100.0 * found["sd_over_run"] / size, ".1f"),
+        "betw.\nruns %": (100.0 * found["sd_between_runs"] / size, ".1f"),
         "runs\nfor 5 %": (takes(found["run_mean"], 0.05), ".0f"),
         "over-\nlap": (overlap.max(set(overlap.dims) - set(mean.dims)), ".3f"),
         "step\nns": (1e9 * middle.compute(scheduler="synchronous"), ".1f"),
@@ -102,18 +102,20 @@ def _of_drag(dataset: xr.Dataset) -> dict[str, tuple[xr.DataArray, str]]:
 def _table(dataset: xr.Dataset, columns: dict[str, tuple[xr.DataArray, str]]) -> tuple[Table, int]:
     """One row per place on the axes, the last one fastest, and the number of rows left out.
 
-    columns: values over some of the axes by heading, and the format of their numbers.
+    columns: values over some of the axes by heading, and the format of their numbers; those without any
+    number are left out.
     """
     places = over_seeds(dataset["run_id"]).isel(seed=0)
-    axes, designs = {}, designs_of(places)
+    axes, designs, cells = {}, designs_of(places), {}
     for dim in (str(dim) for dim in places.dims if dim != "run"):
         for name in factors_of(dataset, dim)[:VARIED] if dim in designs else [dim]:
             axes[name] = dataset[name], digits(dataset[name].values.ravel().tolist())
-    cells = []
-    for values, form in (axes | columns).values():
+    for name, (values, form) in (axes | columns).items():
         by_place = values.broadcast_like(places).transpose(*places.dims).values.ravel()
-        cells.append([_text(each, form) for each in by_place[:ROWS].tolist()])
-    table = numbers(*axes, *columns, rows=zip(*cells, strict=True))
+        words = [_text(each, form) for each in by_place[:ROWS].tolist()]
+        if set(words) != {"-"}:
+            cells[name] = words
+    table = numbers(*cells, rows=zip(*cells.values(), strict=True))
     return table, max(0, places.size - ROWS)
 
 
@@ -225,10 +227,9 @@ def _runs(path: Path, dataset: xr.Dataset) -> Group:
     }
     columns = {name: (xr.DataArray(values, dims="run"), ".5g") for name, values in told.items()}
     if "drag" in dataset:
-        require(dataset, path, {}, OF_A_RUN)
         window = dict(zip(WINDOW, replicates[0].configuration.record.window, strict=True))
-        own = _of_drag(dataset.assign_attrs(window))
-        columns |= {name: own[name] for name in own if name not in BETWEEN}
+        columns |= _of_drag(dataset.assign_attrs(window))
+        del columns["runs"]  # one each
     failed = [each.strip()[:60] for each in dataset["failure_reason"].values.tolist()]
     columns["processor\ntime s"] = dataset["spent"], ".1f"
     columns["failed"] = xr.DataArray(failed, dims="run"), ""
