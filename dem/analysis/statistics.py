@@ -5,6 +5,7 @@ averaging window in its attributes; the values that the sweep varies come before
 be a file whose variables are read when they are needed.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -53,16 +54,24 @@ def over_seeds(values: xr.DataArray) -> xr.DataArray:
     return values.drop_vars("seed", errors="ignore").expand_dims("seed", -1)
 
 
-def half_interval(sample: xr.DataArray) -> xr.DataArray:
+def half_interval(sample: xr.DataArray, over: Sequence[str] = ()) -> xr.DataArray:
     """Half the confidence interval of the mean of a sample (seed, ...), by Student's t.
 
-    Runs are independent, so the sample is one value a run; NaN for a single run.
+    Runs are independent, so the sample is one value a run; NaN for a single run. over: axes along which
+    the means are averaged. There, runs of one seed belong together, and places may have other seeds: the
+    degrees of freedom are Satterthwaite's, but at most those of all seeds.
     """
     from scipy.special import stdtrit  # scipy.stats takes half a second to load
 
-    runs = sample.count("seed").compute()
-    quantile = stdtrit((runs - 1).where(runs > 1), 0.5 + 0.5 * LEVEL)
-    return runs.copy(data=quantile) * sample.std("seed", ddof=1) / np.sqrt(runs)
+    sample = sample.compute()
+    runs = sample.count("seed")
+    free = (runs - 1).where(runs > 1)
+    off = (sample - sample.mean("seed")) / np.sqrt(runs * free)
+    parts = (off**2).sum("seed").clip(1e-150)  # where all runs are the same
+    satterthwaite = parts.sum(over) ** 2 / (parts**2 / free).sum(over, skipna=False)
+    freedom = np.minimum(satterthwaite, sample.notnull().any(over).sum("seed") - 1)
+    error = np.sqrt((off.fillna(0.0).mean(over) ** 2).sum("seed"))
+    return freedom.copy(data=stdtrit(freedom, 0.5 + 0.5 * LEVEL)) * error
 
 
 class Estimate(NamedTuple):

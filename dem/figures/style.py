@@ -165,9 +165,10 @@ def band(axes, x, mean, half, color: str, alpha: float = 0.22, label: str | None
 
 
 def intervals(axes, x, estimates, **look) -> None:
-    """Values with their intervals; estimates (k, 3): value and both ends."""
-    value, low, high = np.asarray(estimates).T
-    axes.errorbar(x, value, [value - low, high - value], **look)
+    """Values with their intervals, in the order of x (k,); estimates (k, 3): value and both ends."""
+    order = np.argsort(x)
+    value, low, high = np.asarray(estimates)[order].T
+    axes.errorbar(np.asarray(x)[order], value, [value - low, high - value], **look)
 
 
 def above_and_below(title: str):

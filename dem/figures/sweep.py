@@ -14,7 +14,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter, MaxNLocator
 
-from dem.analysis.statistics import half_interval, over_seeds, summarise
+from dem.analysis.statistics import half_interval, summarise
 from dem.analysis.tables import digits
 from dem.analysis.values import designs_of, factors_of
 from dem.base.errors import InputError
@@ -39,6 +39,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     runs = summarise(dataset)["run_mean"]
     if not bool(runs.notnull().any()):
         raise InputError("all its runs failed.")
+    runs = runs.sortby([dim for dim in runs.dims if runs[dim].dtype.kind in "iuf"])
     if set(runs.dims) == {"seed"}:  # one place: its shape is the axis
         runs = runs.expand_dims("shape")
     designs = designs_of(runs)
@@ -130,9 +131,8 @@ class Roles:
             self.panels.reverse()
 
     def reduced(self, runs: xr.DataArray) -> xr.DataArray:
-        """Without the axes that are averaged over, and those of one value."""
-        single = [dim for dim in runs.dims if runs.sizes[dim] == 1 and dim not in (self.x, "seed")]
-        return runs.squeeze(single).mean(self.averaged, skipna=False)
+        """Without the axes of one value."""
+        return runs.squeeze([d for d in runs.dims if runs.sizes[d] == 1 and d not in (self.x, "seed")])
 
 
 def _grid(dataset: xr.Dataset, runs: xr.DataArray) -> Figure:
@@ -185,7 +185,6 @@ def _panels(count: int, columns: int, **shared):
 
 def _lines(axes, runs: xr.DataArray, roles: Roles, along: xr.DataArray, marks=False) -> None:
     """Means (x,) with intervals: one line per value, marks for categories and designs."""
-    runs = over_seeds(runs)
     numeric = along.dtype.kind in "iuf"
     values = along.values / 10.0 ** _power(along) if numeric else along.values
     names = list(dict.fromkeys(values.tolist()))
@@ -198,8 +197,9 @@ def _lines(axes, runs: xr.DataArray, roles: Roles, along: xr.DataArray, marks=Fa
         own = runs.sel({roles.line: line}) if roles.line else runs
         place = scaled + (number - 0.5 * (len(lines) - 1)) * step
         axes.errorbar(
-            np.exp(place) if logarithmic else place, own.mean("seed").values,
-            half_interval(own).values,
+            np.exp(place) if logarithmic else place,
+            own.mean("seed").mean(roles.averaged, skipna=False).values,
+            half_interval(own, roles.averaged).values,
             **style.numbered(number),
             markersize=6.5, markerfacecolor="white" if number % 2 else None, capsize=3,
             elinewidth=1.2, linewidth=1.6,
@@ -226,7 +226,7 @@ def _finish(figure: Figure, dataset, runs, roles: Roles, more: str = "") -> None
         if axes.get_subplotspec().is_first_col():
             axes.set_ylabel(f"Mean drag from\n{style.window_text(dataset)} (N)")
     over = f"averaged over {', '.join(roles.averaged)}" if roles.averaged else ""
-    counts = over_seeds(runs).count("seed")
+    counts = runs.count(["seed", *roles.averaged])
     least, count = int(counts.min()), int(counts.max())
     each = f"{count}" if least == count else f"{least} to {count}"
     bars = f"{each} runs each; bars: 95 % intervals" if count > 1 else "one run each"
