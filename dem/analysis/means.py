@@ -23,6 +23,7 @@ OF_RATIO = {"ratio": "value", "ratio_low": "low", "ratio_high": "high"}
 def run_means(path: Path, dataset: xr.Dataset, most: int | None = None) -> dict[str, xr.DataArray]:
     """Of every quantity, or of the first ones, the mean of each run (..., seed), within the window where it
     is along the stroke; NaN where it is infinite, as for the rule that adds replicates."""
+    require(dataset, path, {}, ("run_id",))
     dims = set(dataset["run_id"].dims)
     inside = dataset
     for name in ALONG:
@@ -114,9 +115,14 @@ def compared(path: Path, other: Path, name: str) -> xr.Dataset:
 def table_of(found: xr.Dataset) -> pd.DataFrame:
     """One row a place, the values that vary first; of a design those of its points, and not their numbers."""
     frame = found.to_dataframe().reset_index().drop(columns=designs_of(found))
-    units = {name: found[name].attrs.get("units", "1") for name in frame if name in found.variables}
-    frame.columns = [f"{n} ({units[n]})" if units.get(n, "1") != "1" else n for n in frame]
+    frame.columns = [heading(found[name]) for name in frame]
     return frame
+
+
+def heading(values: xr.DataArray) -> str:
+    """Name and units of a column."""
+    units = values.attrs.get("units", "1")
+    return f"{values.name} ({units})" if units != "1" else str(values.name)
 
 
 def write_means(found: xr.Dataset, output: Path) -> None:

@@ -148,7 +148,7 @@ def change(run_mean: xr.DataArray, before: str, after: str) -> tuple[float, floa
     """
     difference = run_mean.sel(case=after) - run_mean.sel(case=before)
     base = run_mean.sel(case=before).where(difference.notnull()).mean("seed")
-    return float(difference.mean("seed") / base), float(half_interval(difference) / base)
+    return float(difference.mean("seed") / base), float(half_interval(difference) / abs(base))
 
 
 def running_mean(dataset: xr.Dataset, length: float) -> xr.DataArray:

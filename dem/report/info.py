@@ -9,7 +9,7 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
-from dem.analysis.means import WINDOW, run_means
+from dem.analysis.means import WINDOW, heading, run_means
 from dem.analysis.one_run import columns_of, replicate_of
 from dem.analysis.statistics import (
     LEVEL,
@@ -194,7 +194,7 @@ def _means(path: Path, dataset: xr.Dataset) -> Group:
         _range, counts, input_core_dims=[["variable"]], vectorize=True, output_dtypes=[object]
     )
     columns = {"runs": (counts, "")} | {
-        f"{name}\n± {LEVEL:.0%}": (_with_interval(values), "") for name, values in runs.items()
+        f"{heading(values)}\n± {LEVEL:.0%}": (_with_interval(values), "") for values in runs.values()
     }
     return _told(dataset.attrs, {"seeds": _seeds(dataset)}, *_table(dataset, columns))
 
