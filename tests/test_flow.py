@@ -240,20 +240,38 @@ def test_a_film_is_a_film(motion, tmp_path):
     assert written.suffix == ".mp4" and written.read_bytes()[4:8] == b"ftyp"
 
 
-def test_export_for_paraview(results, tmp_path):
-    """Polygons with the granules' areas and numbers, a file a snapshot, and one that lists them."""
-    motion = read_motion(results / "drag.nc", ["case=e3"])
+@pytest.mark.parametrize(("data", "run"), [("results", "case=e3"), ("swept", "d1")])
+def test_export_for_paraview(request, tmp_path, data, run):
+    """One polygon a granule with its area, also of a dumbbell; a file a snapshot, and one that lists them."""
+    folder = request.getfixturevalue(data)
+    select = [run] if "=" in run else [f"shape={run}", "friction.granule=0.3", "box=same", "seed=1"]
+    motion = read_motion(folder / "drag.nc", select)
     export(motion, tmp_path / "vtk/bed.pvd")
-    listed = (tmp_path / "vtk/bed.pvd").read_text()
-    assert listed.count("<DataSet") == 13
-    mesh = meshio.read(tmp_path / "vtk/bed0012.vtu")
-    corners = mesh.cells[0].data
-    x, y = np.moveaxis(mesh.points[corners][..., :2], -1, 0)
+    snapshots, granules = motion.angle.shape
+    assert (tmp_path / "vtk/bed.pvd").read_text().count("<DataSet") == snapshots
+    mesh = meshio.read(tmp_path / f"vtk/bed{snapshots - 1:04d}.vtu")
+    polygons, lines = (mesh.points[cells.data][..., :2] for cells in mesh.cells)
+    x, y = np.moveaxis(polygons, -1, 0)
     area = 0.5 * (x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1)
-    number = mesh.cell_data["granule"][0]
-    assert number.tolist() == [*range(60), -1]
-    np.testing.assert_allclose(area[:60], np.pi / 4 * motion.diameters**2, rtol=0.01)
-    np.testing.assert_allclose(x[:60].mean(axis=1), motion.position[12, :, 0], atol=1e-9)
+    values = {name: each[0] for name, each in mesh.cell_data.items()}
+    assert values["granule"].tolist() == [*range(granules), -1]
+    np.testing.assert_allclose(area[:granules], np.pi / 4 * motion.diameters**2, rtol=0.01)
+    middle = 0.5 * (polygons[:granules].min(1) + polygons[:granules].max(1))
+    np.testing.assert_allclose(middle, motion.position[-1], atol=0.02 * motion.diameters.max())
+    # what the granules went since the snapshot before, and the cylinder at its velocity
+    cylinder = motion.replicate.configuration.cylinder
+    time = np.diff(motion.displacement)[-1] / cylinder.velocity
+    went = np.append(np.diff(motion.position[-2:], axis=0)[0], [[0.0, np.diff(motion.cylinder_y)[-1]]], axis=0)
+    np.testing.assert_allclose(values["velocity"][:, :2] * time, went, rtol=1e-6, atol=1e-12)
+    contacts = motion.contacts(snapshots - 1)
+    assert (mesh.cell_data["granule"][1] == -2).all() and len(lines) == len(contacts.force)
+    np.testing.assert_allclose(mesh.cell_data["force"][1], contacts.force)
+    # each force acts on both bodies, and on walls, which have no polygon, alone
+    on_walls = contacts.force[contacts.partner < -1].sum()
+    assert values["force"].sum() + on_walls == pytest.approx(2.0 * contacts.force.sum())
+    between = contacts.partner >= 0
+    ends = motion.position[-1][np.stack([contacts.granule, contacts.partner], axis=1)[between]]
+    np.testing.assert_allclose(lines[between], ends, atol=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -126,7 +126,8 @@ class Scene:
         self.bed.move(frames.position[frame], frames.angle[frame], cylinder, frames.walls[frame])
         if (colors := frames.paints.get(self.color)) is None:
             moved = self.color == "speed"
-            colors = self.map.to_rgba(frames.speed(frame) if moved else self.contacts[frame][2])
+            speed = np.linalg.norm(frames.velocity(frame), axis=-1)
+            colors = self.map.to_rgba(speed if moved else self.contacts[frame][2])
         self.bed.paint(colors)
         if self.forces:
             segments, forces, _ = self.contacts[frame]

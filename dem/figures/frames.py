@@ -24,7 +24,7 @@ UNITS = ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns"))
 class Frames(NamedTuple):
     """f frames of n granules, SI units.
 
-    title: None for none. speed(frame) (n,) and contacts(frame) are asked for when they are drawn.
+    title: None for none. velocity(frame) (n, 2) and contacts(frame) are asked for when they are drawn.
     walls (f, w, 3): planes as of dem.Scene; view: as of bed.Drawing. cylinder (f, 2): its places, None without one.
     fastest: top of the scale of speeds. paints (n,): colours that stay, by what they show. captions: of the frames. boxed: draw the box alone,
     without numbers. record(axes): draws curves beside the bed, None without any; marks (f,): where
@@ -39,7 +39,7 @@ class Frames(NamedTuple):
     view: np.ndarray
     cylinder: np.ndarray | None
     diameter: float | None
-    speed: Callable[[int], np.ndarray]
+    velocity: Callable[[int], np.ndarray]
     contacts: Callable[[int], ContactList]
     fastest: float
     paints: dict[str, np.ndarray]
@@ -62,10 +62,10 @@ def of_motion(motion: Motion) -> Frames:
     axis = np.column_stack([np.full_like(motion.cylinder_y, 0.5 * width), motion.cylinder_y])
     moved = style.millimetres(motion.displacement)
 
-    def speed(snapshot):
-        """Mean since the last snapshot, or until the next for the first."""
+    def mean_velocity(snapshot):
+        """Since the last snapshot, or until the next for the first."""
         first = max(snapshot - 1, 0)
-        way = np.linalg.norm(motion.position[first + 1] - motion.position[first], axis=1)
+        way = motion.position[first + 1] - motion.position[first]
         return way / (motion.displacement[first + 1] - motion.displacement[first]) * velocity
 
     def record(axes):
@@ -81,7 +81,7 @@ def of_motion(motion: Motion) -> Frames:
         position=motion.position, angle=motion.angle, rings=motion.outlines,
         walls=np.array([bed.box_walls(width, each, motion.periodic) for each in motion.height]),
         view=bed.box_view(width, motion.height.max()),
-        cylinder=axis, diameter=size, speed=speed, contacts=motion.contacts, fastest=velocity,
+        cylinder=axis, diameter=size, velocity=mean_velocity, contacts=motion.contacts, fastest=velocity,
         paints={
             "layer": bed.layer_colors(motion.position[0], motion.height[0], LAYERS),
             "cluster": bed.cluster_colors(motion.position[0], axis[0], size),
@@ -96,7 +96,6 @@ def of_result(result: Result) -> Frames:
     """Frames of a result: its granules, walls and cylinder, and the forces on them against time."""
     result = one_of(Result)("result", result)
     scene, cylinder = result.scene, result.cylinder_position
-    speed = np.linalg.norm(result.velocity, axis=-1)
     low, high = np.quantile(result.position[0, :, 1], [0.0, 1.0])
     time, unit = in_units(result.time)
     interval = time[-1] / max(len(time) - 1, 1) or 1.0
@@ -106,7 +105,8 @@ def of_result(result: Result) -> Frames:
         title=None, position=result.position, angle=result.angle, rings=scene.shape.polygons(),
         walls=result.walls, view=_view(result), cylinder=cylinder,
         diameter=None if scene.cylinder is None else scene.cylinder.diameter,
-        speed=speed.__getitem__, contacts=result.contacts, fastest=float(speed.max()) or 1.0,
+        velocity=result.velocity.__getitem__, contacts=result.contacts,
+        fastest=float(np.linalg.norm(result.velocity, axis=-1).max()) or 1.0,
         paints={"layer": bed.layer_colors(result.position[0] - [0.0, low], high - low or 1.0, LAYERS)},
         captions=[f"t = {each:.{digits}f} {unit}" for each in time], boxed=False,
         record=(lambda axes: draw_forces(axes, result, groups[0])) if groups else None, marks=time,
