@@ -72,7 +72,7 @@ WRONG = [
     ("record.window", [1e-3, 7e-3], "record.window ends at 0.007"),
     ("record.window", [5e-3, 1e-3], "window [0.005, 0.001]"),
     ("record.window", [1e-3], "record.window.1 is missing"),
-    ("record.snapshots", 8, "snapshots - 1 (7)"),
+    ("record.snapshots", 8, "record.snapshots - 1, which is 7"),
     ("cases.c1.shape", "c9", "cases.c1.shape is 'c9'"),
     ("cases.c12.density", 3.9e3, "cases.c12 repeats cases.c1"),
     ("cases", {}, "sweep must give all runs a shape or a case; there are c1, d1"),
@@ -551,3 +551,12 @@ def said_falsely(line):
         "be a list.": shown.startswith(("[", "(")),
         "be a group of keys.": shown.startswith("{"),
     }.get(asked, False)
+
+
+def test_only_runs_with_snapshots_need_bins_that_fit_them():
+    """Runs of the onset of jamming take none."""
+    data = changed(["record"], {"bins": 7, "snapshots": 4, "window": [1e-3, 5e-3]})
+    data |= {"experiment": "onset"}
+    assert parse(data).record.bins == 7
+    with pytest.raises(InputError, match=r"record\.bins is 7; it must be a multiple of"):
+        parse(data | {"experiment": "drag"})

@@ -11,6 +11,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 import xarray as xr
 from forked import snakemake
@@ -18,6 +19,9 @@ from forked import snakemake
 import dem
 from conftest import posix
 from dem.base.sources import ROOT
+from dem.experiment.config import of_values
+from dem.figures.catalogue import draw
+from dem.report.build import build
 from dem.sweep.campaign import Campaign
 from dem.sweep.config import load, parse
 from dem.sweep.store import Store
@@ -240,6 +244,14 @@ def test_what_is_wrong_with_a_file_of_a_shape_ends_with_status_2(tmp_path):
     assert "Pebble is no shape; decorate it with smooth" in said and "Traceback" not in said
 
 
+RESTING = """
+SECTIONS = {"cylinder": False, "record": False}
+VALUES = {"margin": (0.0, "m", 'width', {'ge': 0}), "layers": (4, "1", "layers")}
+VARIABLES = {'count': (("layer",), "1", "granules")}
+SIZES = {"layer": "rest.layers"}
+def run(replicate):
+    pass
+""".replace('"margin"', "'margin'")
 WRONG_FILES = {  # what a sweep says: which file is there, and what is told
     "experiment: rests.py": ("", "experiment is 'rests.py'; there is no file"),
     "experiment: rests": ("", "experiment is 'rests'; it must be 'drag'"),
@@ -270,6 +282,29 @@ WRONG_FILES = {  # what a sweep says: which file is there, and what is told
         "VARIABLES = {'at': (('seed',), '1', 'words')}\nSIZES = {'seed': 2}\ndef run(it):\n    pass\n",
         "seed has two meanings in files of its runs; rename yours.",
     ),
+    "experiment: rest.py\nrest: {margn: 0}": (RESTING, "rest.margn is not a known key; the nearest is margin"),
+    "experiment: rest.py\nrest: {margin: -1}": (RESTING, "rest.margin is -1; it must be at least 0."),
+    "experiment: rest.py\nrest: {margin: wide}": (RESTING, "rest.margin is 'wide'; it must be a number, in m."),
+    "experiment: rest.py\nrest: {layers: 1.5}": (RESTING, "rest.layers is 1.5; it must be a whole number"),
+    "experiment: rest.py\nrest: 3": (RESTING, "rest is 3; it must be a group of keys; its keys are margin, layers."),
+    "experiment: drag\nrest: {margin: 0}": (RESTING, "rest is not a known key"),
+    "experiment: title.py": (RESTING, "experiment is 'title.py'; its VALUES need a section title, which is another key"),
+    "experiment: rest.py\n# default": (RESTING.replace("0.0", "-1.0"), "rest.margin is -1.0; it must be at least 0."),
+    "experiment: rest.py\n# words": (RESTING.replace("'width', ", ""), "its VALUES must be plain values, name: (default"),
+    "experiment: rest.py\n# limit": (RESTING.replace("'ge'", "'least'"), "its VALUES must be plain values, name: (default"),
+    "experiment: rest.py\n# name": (RESTING.replace("'margin'", "'copy'"), "its VALUES must be plain values, name: (default"),
+    "experiment: rest.py\n# no path": (RESTING.replace("rest.layers", "rest.layer"), "the dimension layer of SIZES has the length None"),
+    "experiment: rest.py\n# label": (RESTING.replace("'count'", "'seed'"), "seed has two meanings in files of its runs; rename yours."),
+    "experiment: rest.py\nsweep: {shape: c1, density: 3900, seed: 1, rest.layers: [2, 3]}": (
+        RESTING, "sweep varies rest.layers, which runs of one block share; use blocks."
+    ),
+    "experiment: rest.py\nsweep: {shape: c1, density: 3900, seed: 1, rest.margin: [0, 1]}": (
+        RESTING.replace("'count'", "'rest_margin'"),
+        "sweep gives files of results two things named rest_margin; rename one.",
+    ),
+    "experiment: rest.py\nsweep: {shape: c1, density: 3900, seed: 1, rest.margn: [0, 1]}": (
+        RESTING, "rest.margn is no value that can vary; the nearest is rest.margin."
+    ),
     "record: {observables: [rest.py, drag]}": (
         "VARIABLES = {'turn': (('snap',), 'N', 'force')}\ndef look(it):\n    pass\n",
         "the variable turn is over snap; its dimensions may be bound, displacement",
@@ -281,10 +316,11 @@ WRONG_FILES = {  # what a sweep says: which file is there, and what is told
 def test_what_is_wrong_with_a_file_of_an_experiment_is_one_sentence(tmp_path, words):
     """Which comes without running it."""
     text, told = WRONG_FILES[words]
-    for name in ("rest.py", "drag.py"):
+    for name in ("rest.py", "drag.py", "title.py"):
         (tmp_path / name).write_text(TELLING + text)
     (tmp_path / "sweep.yaml").write_text(
-        f"extends: config/smoke.yaml\nresults: results/mine\n{words}\nsweep: {{shape: c1, density: 3900, seed: 1}}\n"
+        f"extends: config/smoke.yaml\nresults: results/mine\n{words}\n"
+        + "sweep: {shape: c1, density: 3900, seed: 1}\n" * ("sweep" not in words)
     )
     with pytest.raises(dem.InputError) as error:
         load(tmp_path / "sweep.yaml")
@@ -321,8 +357,22 @@ def test_an_experiment_in_a_file_of_ones_own_is_swept(tmp_path):
     (folder / "rest.py").write_text(FILES["rest.py"])
     run("-m", "dem", "sweep", "mine/rest.yaml", cwd=tmp_path)
     with xr.open_dataset(tmp_path / "results/rest/rest.nc") as made:
-        assert dict(made["rest_load"].sizes) == {"shape": 2, "packing_fraction": 2, "seed": 2}
-        assert made["rest_contacts"].notnull().all()
+        runs = {"shape": 2, "rest_margin": 2, "seed": 2}
+        assert dict(made["rest_load"].sizes) == runs
+        assert dict(made["rest_granules"].sizes) == runs | {"layer": 3}
+        granules = made["rest_granules"].sum("layer")
+        assert (granules == made["granules"]).all()
+        assert made["layer"].values == pytest.approx([1 / 6, 1 / 2, 5 / 6])
+        assert made["rest_margin"].attrs["units"] == "m"
+        # at rest each contact between granules is one of the list, and walls have the others
+        everywhere, above = (made["rest_force"].sel(rest_margin=margin).count("contact") for margin in (0.0, 1e-3))
+        assert (everywhere >= 0.5 * (made["rest_contacts"] * made["granules"])).all()
+        assert (above < everywhere).all()
+    data = tmp_path / "results/rest/rest.nc"
+    draw("sweep", data, data.parent / "figures", of="rest_force")
+    build(data, tmp_path / "page.html")
+    page = (tmp_path / "page.html").read_text()
+    assert page.count("rest_granules") == 1 and 'id="sweep"' in page and "Mean drag" not in page
     folder = folder.rename(tmp_path / "moved")
     dry = *dry[:3], "moved/rest.yaml", "-n"
     assert "8 runs, of which 8 are there" in run(*dry, cwd=tmp_path)
@@ -333,6 +383,76 @@ def test_an_experiment_in_a_file_of_ones_own_is_swept(tmp_path):
     for words in (["info", "results/rest/rest.nc"], ["store"]):
         run("-m", "dem", *words, cwd=tmp_path)
     assert not (folder / "ran").exists()
+
+
+NEAR = '''
+"""Which contacts carry most, and how granules are turned."""
+
+import numpy as np
+
+SIZES = {"contact": 900, "sector": 4}
+AXIS = {"sector": (("sector",), "rad", "middle of the sector")}
+VARIABLES = {
+    "contact_force": (("snapshot", "contact"), "N", "normal force of a contact"),
+    "contact_number": (("snapshot",), "1", "number of contacts"),
+    "sector_granules": (("sector",), "1", "granules that are turned into a sector"),
+}
+
+
+def axes(configuration):
+    return {"sector": (np.arange(4) + 0.5) * np.pi / 2}
+
+
+def look(simulation):
+    force = simulation.contacts().force
+    return {"contact_force": force, "contact_number": len(force)}
+
+
+def measure(seen):
+    turned = seen.motion.angle[-1] % (2 * np.pi)
+    return {"sector_granules": np.histogram(turned, 4, (0, 2 * np.pi))[0]}
+'''
+
+
+@pytest.mark.parametrize("length", [900, 3])
+def test_an_observable_gives_grids_and_lists_of_any_length(tmp_path, length):
+    """Rows end in NaN; a list that is longer than it may be is refused and not cut."""
+    (tmp_path / f"near{length}.py").write_text(NEAR.replace("900", str(length)))
+    values = {
+        "extends": "config/smoke.yaml", "shape": "c1", "beside": str(tmp_path),
+        "record": {"observables": ["drag", f"near{length}.py"]},
+    }  # fmt: skip
+    if length == 3:
+        with pytest.raises(dem.InputError, match=r"the variable contact_force has the shape \(5, \d+\); it may have 5 along snapshot and 3"):
+            dem.run_experiment(values)
+        return
+    found = dem.run_experiment(values)
+    assert (found["contact_force"].count("contact") == found["contact_number"]).all()
+    assert len(np.unique(found["contact_number"])) > 1
+    assert found["sector"].attrs["units"] == "rad" and found["sector_granules"].sum() == found["granules"]
+
+
+def test_an_experiment_gives_all_that_it_says(tmp_path):
+    """And not NaN in its place."""
+    text = RESTING.replace("pass", "return {}").replace("def run(replicate)", "def run(replicate, bed=None)")
+    (tmp_path / "rest.py").write_text(text)
+    values = {"extends": "config/smoke.yaml", "shape": "c1", "beside": str(tmp_path), "experiment": "rest.py"}
+    with pytest.raises(dem.InputError, match="the variable count must be both in VARIABLES and"):
+        dem.run_experiment(values)
+
+
+def test_values_of_ones_own_are_read_where_the_file_is_away(tmp_path):
+    """As the values of runs are, which name no folder; and they are part of what a run is known by."""
+    (tmp_path / "rest.py").write_text(RESTING)
+    (tmp_path / "sweep.yaml").write_text(
+        "extends: config/smoke.yaml\nresults: results/mine\nexperiment: rest.py\nrest: {layers: 2}\n"
+        "sweep: {shape: c1, density: 3900, seed: 1, rest.margin: [0, 1e-3]}\n"
+    )
+    one, two = load(tmp_path / "sweep.yaml").block("drag").unique()
+    assert one.id != two.id
+    away = of_values(two.values(beside=False))
+    assert away.configuration.rest.margin == two.configuration.rest.margin == 1e-3
+    assert away.with_shapes(tmp_path).id == two.id
 
 
 def test_beside_names_another_folder(tmp_path):

@@ -231,7 +231,7 @@ def test_a_figure_and_an_experiment_are_one_file_each(extended):
         assert ran.returncode == 0, ran.stderr
     assert (extended / "drawn/scatter.svg").is_file()
     with xr.open_dataset(extended / "results/rest/rest.nc") as made:
-        assert dict(made["rest_load"].sizes) == {"shape": 2, "packing_fraction": 2, "seed": 2}
+        assert dict(made["rest_load"].sizes) == {"shape": 2, "rest_margin": 2, "seed": 2}
 
 
 @whole

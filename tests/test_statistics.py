@@ -70,8 +70,10 @@ def test_a_figure_that_averages_uses_all_runs_and_joins_values_in_their_order():
         np.random.default_rng(5).normal(100.0, 5.0, tuple(sizes.values())), dims=list(sizes),
         coords={name: [4.0, 3.0] for name in "abcde"} | {"seed": range(10), "displacement": [2e-3]},
     )  # fmt: skip
-    drag = drag.where((drag["seed"] < 4) | (drag["e"] == 3.0))
-    dataset = xr.Dataset({"drag": drag}, attrs={"window_start": 1e-3, "window_stop": 5e-3})
+    drag = drag.where((drag["seed"] < 4) | (drag["e"] == 3.0)).assign_attrs(units="N")
+    runs = xr.full_like(drag.isel(displacement=0, drop=True), "run", dtype=object)
+    window = {"window_start": 1e-3, "window_stop": 5e-3}
+    dataset = xr.Dataset({"drag": drag, "run_id": runs}, attrs=window)
     figure = plot(dataset)
     told = figure.get_suptitle()
     (averaged,) = re.search(r"averaged over (\w)", told).groups()

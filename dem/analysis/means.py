@@ -33,15 +33,31 @@ def run_means(path: Path, dataset: xr.Dataset, most: int | None = None) -> dict[
             moved = dataset[name].values
             held = np.flatnonzero((moved >= start) & (moved <= stop))
             inside = inside.isel({dataset[name].dims[0]: held})
-    names = [
-        name for name, values in inside.data_vars.items()
-        if dims <= set(values.dims) and values.dtype.kind == "f"
-    ][:most]  # fmt: skip
     found = {}
-    for name in names:
+    for name in quantities_of(dataset)[:most]:
         mean = inside[name].mean(set(inside[name].dims) - dims, keep_attrs=True).compute()
-        found[str(name)] = over_seeds(mean).where(np.isfinite)
+        found[name] = over_seeds(mean).where(np.isfinite)
     return found
+
+
+def quantities_of(dataset: xr.Dataset) -> list[str]:
+    """Names of the numbers that a combined file has of each run."""
+    dims = set(dataset["run_id"].dims)
+    return [
+        str(name) for name, values in dataset.data_vars.items()
+        if dims <= set(values.dims) and values.dtype.kind == "f"
+    ]  # fmt: skip
+
+
+def run_mean(dataset: xr.Dataset, name: str | None = None) -> xr.DataArray:
+    """The mean of each run (..., seed) of a quantity; of drag, or the first one, if None. Raises InputError
+    for one that the file has not."""
+    known = quantities_of(dataset)
+    name = name or next((each for each in known if each == "drag"), known[0] if known else "quantity")
+    if name not in known:
+        raise InputError(f"it has no {name}; it has {', '.join(known)}.")
+    kept = {name, "run_id", *ALONG}.intersection(dataset.variables)
+    return run_means(Path(), dataset[list(kept)])[name]
 
 
 def means(path: Path, only: str | None = None) -> xr.Dataset:

@@ -20,6 +20,9 @@ MOST_NUMBER, LEAST_POSITIVE = 1e15, 1e-15
 MOST = 1_000_000  # seeds of a list, and runs of a block
 SEEDS = 2**31  # beyond all seeds
 NEEDED = object()
+LIMITS = {
+    "ge": "minimum", "gt": "exclusiveMinimum", "le": "maximum", "lt": "exclusiveMaximum",
+}  # of values, and their words in a schema  # fmt: skip
 
 
 def value(units: str | None, about: str, default: Any = ..., before=NEEDED, **limits) -> Any:
@@ -107,13 +110,13 @@ class Section(BaseModel):
     model_config = {"extra": "forbid", "frozen": True, "validate_default": True}
 
 
-def known_by(section: BaseModel, model: type[BaseModel], head: str = "") -> dict[str, Any]:
+def known_by(section: BaseModel, fields: dict[str, FieldInfo], head: str = "") -> dict[str, Any]:
     """Values by path that a run is known by: all but those that are as before there was the key."""
     found = {}
-    for name, field in model.model_fields.items():
+    for name, field in fields.items():
         own, extra = getattr(section, name), field.json_schema_extra or {}
         if isinstance(own, BaseModel):
-            found |= known_by(own, type(own), f"{head}{name}.")
+            found |= known_by(own, type(own).model_fields, f"{head}{name}.")
         elif own != extra.get("before", NEEDED):
             found[head + name] = own
     return found

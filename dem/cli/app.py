@@ -117,7 +117,6 @@ def simulate(
     from dem.base.errors import InputError
     from dem.experiment import resume
     from dem.experiment.bed import make_bed, read_bed
-    from dem.experiment.kinds import drag
     from dem.sweep.batch import write_one
 
     replicate = _replicate(config, shape, density, seed, values)
@@ -133,7 +132,7 @@ def simulate(
         with bar(f"packing {shape}, seed {seed}"):
             at_rest = make_bed(replicate)
     with bar(f"{shape}, {density:g} kg/m3, seed {seed}", 1.0) as update:
-        found = drag.run(replicate, at_rest, update, threads, checkpoint)
+        found = replicate.configuration.module.run(replicate, at_rest, update, threads, checkpoint)
     write_one(output, replicate, found)
     if checkpoint:
         resume.forget(checkpoint)
@@ -144,6 +143,7 @@ def figure(
     name: argument(str, "Name of a figure, such as figure13, or all; a wrong name lists them."),
     data: argument(Path, "drag.nc, flow.nc, shear.nc or onset.nc."),
     output: FolderOption = None,
+    of: option(str | None, "Quantity of the figure sweep; drag, or the first of the file, if absent.") = None,
 ):
     """Draw a figure of results, as SVG and PNG.
 
@@ -151,7 +151,7 @@ def figure(
     """
     from dem.figures.catalogue import FIGURES
 
-    draw_figure(name, data, output, FIGURES)
+    draw_figure(name, data, output, FIGURES, of)
 
 
 @app.command()

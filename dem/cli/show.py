@@ -29,14 +29,16 @@ class PlainConsole(Console):
             yield Segment(text if control else plain(text), style, control)
 
 
-def draw_figure(name: str, data: Path, output: Path | None, figures: dict) -> None:
+def draw_figure(
+    name: str, data: Path, output: Path | None, figures: dict, of: str | None = None
+) -> None:
     """Draw one of some figures into a folder, figures/ beside the data if none is given."""
     from dem.figures.catalogue import draw
 
     folder = output or data.parent / "figures"
     check_paths([Place("output", folder, FOLDER)])
     with bar(f"drawing {name}"):
-        draw(name, data, folder, figures)
+        draw(name, data, folder, figures, of)
 
 
 def watched(make) -> None:

@@ -9,10 +9,10 @@ import json
 from collections.abc import Iterable
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple, get_origin
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, get_origin
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, create_model, model_validator
 from pydantic.fields import FieldInfo
 
 from dem.base.errors import InputError
@@ -32,7 +32,6 @@ from dem.base.schema import (
 from dem.base.sources import code_hash
 from dem.experiment.fit import check_room
 from dem.experiment.kinds import EXPERIMENTS, Experiment
-from dem.experiment.observables import place_of
 from dem.experiment.sections import (
     CylinderSection,
     EllipseSection,
@@ -69,8 +68,9 @@ PRESSED_BY = (
 
 
 class Configuration(Section):
-    """All values that a run can read."""
+    """All values that a run can read, by `read`; those of a sweep file are more."""
 
+    read: ClassVar[dict[str, FieldInfo]]
     experiment: Annotated[str, or_file(EXPERIMENTS)] = value(
         None, "what is done with the bed, or a file of your own", "drag"
     )
@@ -122,8 +122,13 @@ class Configuration(Section):
                 f"packing.pressure is {pressure:g} Pa and periodic {self.periodic}; a pressure needs a "
                 "top wall, let periodic be none or x"
             )
-        if record is None or cylinder is None:
+        if record is None or cylinder is None or not self.module.observed:
             return self
+        if record.bins % (record.snapshots - 1):
+            raise ValueError(
+                f"record.bins is {record.bins}; it must be a multiple of record.snapshots - 1, which is "
+                f"{record.snapshots - 1}, so that every snapshot falls on the end of a bin"
+            )
         if record.window[1] > cylinder.stroke:
             raise ValueError(
                 f"record.window ends at {record.window[1]:g} m, beyond cylinder.stroke, "
@@ -155,7 +160,7 @@ class Configuration(Section):
 
     def values(self) -> dict:
         """The values of a run as plain groups, without the other keys of a file."""
-        found = json.loads(self.model_dump_json(include=set(Configuration.model_fields)))
+        found = json.loads(self.model_dump_json(include=set(self.read)))
         return found if self.beside else {key: found[key] for key in found if key != "beside"}
 
     def kind_of(self, shape: str) -> Kind:
@@ -168,12 +173,12 @@ class Configuration(Section):
     @cached_property
     def known(self) -> dict[str, dict[str, Any]]:
         """The values that a run of each shape is known by, by path, but for density and seed."""
-        known = known_by(self, Configuration).items()
+        known = known_by(self, self.read).items()
         own = {path: each for path, each in known if path not in UNREAD}
         plain = {path: each for path, each in own.items() if not path.startswith("ellipse.")}
         return {
             label: (own if shape.kind == "ellipse" else plain)
-            | known_by(shape, ShapeSection, "shape.")
+            | known_by(shape, ShapeSection.model_fields, "shape.")
             | {"shape.aspect_ratio": shape.ratio}
             for label, shape in self.shapes.items()
         }
@@ -240,6 +245,9 @@ class Configuration(Section):
         words = ", ".join(f"{path} {new}" for path, new in changes.items())
         source = f"{shape} with {words}" if changes else shape
         return parse(data, source).checked()
+
+
+Configuration.read = dict(Configuration.model_fields)
 
 
 class Replicate:
@@ -328,15 +336,16 @@ class Replicate:
         """All that the run depends on, as text."""
         c = self.configuration
         if c.module.says.get("BED_ALONE"):
-            return f"{c.experiment} {self.bed_key()}"
+            known, head = c.known[self.label].items(), f"{c.module.label}."
+            own = {path: value for path, value in known if path.startswith(head)}
+            return " ".join([c.experiment, *([json.dumps(own)] if own else ()), self.bed_key()])
         return f"{c._known_as_text[self.label]} {self.density} {self.seed}"
 
     @property
     def modules(self) -> tuple[str, ...]:
         """The modules that make the run: experiment, observables and shape."""
         c = self.configuration
-        observables = c.observables if c.module.observed else ()
-        return c.module.place, *(place_of(name, c.beside) for name in observables), self.kind.module
+        return *c.module.places(c), self.kind.module
 
     @property
     def source_hash(self) -> str:
@@ -373,7 +382,39 @@ def of_values(data: dict, source: str = "values") -> Replicate:
 
 def parse(data, source: str = "configuration") -> Configuration:
     """Values from the content of a file; raises InputError with one sentence per fault."""
-    return validated(Configuration, data, source)
+    return validated(model_of(Configuration, data), data, source)
+
+
+MODELS = {}  # that are made, because that takes longer than to use them
+
+
+def model_of(base: type[Configuration], data) -> type[Configuration]:
+    """The model that takes data: with a section for the VALUES of their experiment, named after it.
+
+    Raises InputError where the file of the experiment cannot be used for that.
+    """
+    group = data if isinstance(data, dict) else {}
+    name, beside = group.get("experiment"), group.get("beside")
+    if not isinstance(name, str) or not isinstance(beside, str | None):
+        return base
+    experiment = Experiment(name, beside)
+    label = experiment.label
+    table = experiment.values(group.get(label))
+    if not table:
+        return base
+    if (key := (base, name, repr(table))) in MODELS:
+        return MODELS[key]
+    if label in {*base.model_fields, *OwnSection.model_fields, "extends"}:
+        raise InputError(
+            f"experiment is {name!r}; its VALUES need a section {label}, which is another key: give the file "
+            "another name."
+        )
+    section = experiment.section(table)
+    default = validated(section, {}, at=label)
+    model = create_model(base.__name__, __base__=base, **{label: (section, default)})
+    model.read = base.read | {label: model.model_fields[label]}
+    MODELS[key] = model
+    return model
 
 
 class Entry(NamedTuple):
@@ -386,20 +427,22 @@ class Entry(NamedTuple):
     field: FieldInfo | None = None
 
 
-def entries(shapes: Iterable[str]) -> dict[str, Entry]:
+def entries(
+    shapes: Iterable[str], read: dict[str, FieldInfo] = Configuration.read
+) -> dict[str, Entry]:
     """All values of a configuration that may vary, by path; shapes: labels of the configuration."""
     found = {}
 
-    def visit(model, head):
-        for name, field in model.model_fields.items():
+    def visit(fields, head):
+        for name, field in fields.items():
             path, section = head + name, section_of(field.annotation)
             if get_origin(field.annotation) is dict:
                 for label in shapes:
-                    visit(section, f"{path}.{label}.")
+                    visit(section.model_fields, f"{path}.{label}.")
             elif section:
-                visit(section, f"{path}.")
+                visit(section.model_fields, f"{path}.")
             elif path not in ("record.window", "record.observables", "beside"):
                 found[path] = Entry(path, units_of(field), field.description, field)
 
-    visit(Configuration, "")
+    visit(read, "")
     return found

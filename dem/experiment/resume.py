@@ -16,6 +16,7 @@ from dem.base.say import say
 from dem.dynamics.result import Record
 from dem.dynamics.simulation import Simulation
 from dem.experiment.config import Replicate
+from dem.experiment.kinds import filled
 from dem.io.checksums import Changed, is_sealed, seal
 from dem.packing.random import Bed
 from dem.scene import State
@@ -29,7 +30,7 @@ class Going(NamedTuple):
 
     records: list[Record]
     states: list[State]
-    looks: list[dict[str, float]]
+    looks: list[dict]
     spent: float
 
     @property
@@ -127,9 +128,14 @@ def resumed(path: Path, replicate: Replicate, bed: Bed, simulation: Simulation) 
             return Going([record], states, looks, float(arrays["spent"]))
 
 
-def stacked(looks: list[dict[str, float]]) -> dict[str, np.ndarray]:
-    """What observables saw (snapshots,), by name."""
-    return {name: np.array([each[name] for each in looks]) for name in looks[0]}
+def stacked(looks: list[dict]) -> dict[str, np.ndarray]:
+    """What observables saw (snapshots, ...), by name; what is shorter than the longest ends in NaN."""
+    found = {}
+    for name in looks[0]:
+        shapes = zip(*(np.shape(look[name]) for look in looks), strict=True)
+        longest = dict(enumerate(map(max, shapes)))
+        found[name] = np.stack([filled(name, look[name], longest) for look in looks])
+    return found
 
 
 def beginning(file: Mapping[str, np.ndarray], head: str) -> dict[str, np.ndarray]:

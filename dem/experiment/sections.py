@@ -113,11 +113,6 @@ class RecordSection(Section):
     def _check(self):
         if not self.window[0] < self.window[1]:
             raise ValueError(f"window {list(self.window)} must run from less to more")
-        if self.bins % (self.snapshots - 1):
-            raise ValueError(
-                f"bins ({self.bins}) must be a multiple of snapshots - 1 ({self.snapshots - 1}), "
-                "so that every snapshot falls on the end of a bin"
-            )
         return self
 
 

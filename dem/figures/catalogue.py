@@ -122,23 +122,30 @@ def drawable_from(data: Path, dataset, figures: dict[str, Drawn] = FIGURES) -> l
     ]  # fmt: skip
 
 
-def draw(name: str, data: Path, folder: Path, figures: dict[str, Drawn] = FIGURES) -> list[Path]:
-    """Draw a figure, or "all" that drag.nc suffices for, into a folder; returns the files, SVG and PNG.
+def draw(
+    name: str, data: Path, folder: Path, figures: dict[str, Drawn] = FIGURES, of: str | None = None
+) -> list[Path]:
+    """Draw a figure, or "all" that a file suffices for, into a folder; returns the files, SVG and PNG.
 
-    Raises InputError if there is nothing to draw, or no such figure.
+    of: the quantity of the figure sweep. Raises InputError if there is nothing to draw, or no such
+    figure.
     """
     if name not in (known := [*sorted(figures), "all"]):
         raise InputError(f"figure is {name!r}; there is no such figure{choice(name, known)}.")
     names = [name]
     if name == "all":
-        require_drag(data)
         own = {name: each for name, each in figures.items() if each.file == "drag"}
         with open_lazily(data) as dataset:
-            names = drawable_from(data, dataset, own) or list(own)
+            names = drawable_from(data, dataset, own)
+        if not names:
+            require_drag(data)
+            names = list(own)
+    if of and names != ["sweep"]:
+        raise InputError(f"of is {of!r}; only the figure sweep shows another quantity, leave it out.")
     files, faults = [], []
     for each in names:
         try:
-            files += _drawn(figures[each], data, folder)
+            files += _drawn(figures[each], data, folder, {"of": of} if of else {})
         except InputError as error:
             faults.append(str(error))
     if not files:
@@ -146,13 +153,13 @@ def draw(name: str, data: Path, folder: Path, figures: dict[str, Drawn] = FIGURE
     return files
 
 
-def _drawn(each: Drawn, data: Path, folder: Path) -> list[Path]:
-    """Draw one figure."""
+def _drawn(each: Drawn, data: Path, folder: Path, options: dict) -> list[Path]:
+    """Draw one figure; options: of its function."""
     from dem.analysis.statistics import by_case
     from dem.figures.style import save
     from dem.sweep.combine import open_combined
 
-    of_drag = each.file == "drag"
+    of_drag = "drag" in each.variables
     with open_lazily(data) as dataset:
         if absent := [name for name in each.variables if name not in dataset.variables]:
             raise InputError(
@@ -170,7 +177,9 @@ def _drawn(each: Drawn, data: Path, folder: Path) -> list[Path]:
             )
         require(whole, data, _layout_of(each), ())
         try:
-            figure = import_module(each.module).plot(whole if of_drag else whole.load())
+            figure = import_module(each.module).plot(
+                whole if each.file == "drag" else whole.load(), **options
+            )
         except InputError as error:
             raise InputError(f"{data}: {each.name} cannot be drawn: {error}") from None
         return save(figure, Path(folder) / each.name, each.caption)

@@ -1,4 +1,4 @@
-"""Mean drag against the values that a sweep varied.
+"""Mean drag, or that of another quantity, against the values that a sweep varied.
 
 A grid of values: the numeric axis with most values is along x. The next axis (the shape, if it
 varies) has one line per value, the others one panel per value. A design: one panel per factor, one
@@ -14,14 +14,16 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter, MaxNLocator
 
-from dem.analysis.statistics import half_interval, summarise
+from dem.analysis.means import run_mean
+from dem.analysis.statistics import half_interval
 from dem.analysis.tables import digits
 from dem.analysis.values import designs_of, factors_of
 from dem.base.errors import InputError
 from dem.figures import style
 
 FILE = "drag"
-CAPTION = "Mean drag over what was varied"
+CAPTION = "Means over what was varied"
+VARIABLES = ("run_id",)
 PANELS = 12  # at most
 COLUMNS = 4  # of panels, at most
 LINES = ("-", (0, (5, 1.5)), (0, (1, 1)), (0, (3, 1, 1, 1)), (0, (7, 1.5, 1, 1.5)))
@@ -34,9 +36,10 @@ PREFIXED = ("m", "s", "N", "Pa")  # units of which a value is told as "20 mm"
 
 
 @style.styled
-def plot(dataset: xr.Dataset) -> Figure:
-    """Means with their intervals; raises InputError where no run is there."""
-    runs = summarise(dataset)["run_mean"]
+def plot(dataset: xr.Dataset, of: str | None = None) -> Figure:
+    """Means of a quantity with their intervals, of the drag or the first one if None; raises InputError
+    where no run is there, or no such quantity."""
+    runs = run_mean(dataset, of)
     if not bool(runs.notnull().any()):
         raise InputError("all its runs failed.")
     runs = runs.sortby([dim for dim in runs.dims if runs[dim].dtype.kind in "iuf"])
@@ -221,17 +224,22 @@ def _lines(axes, runs: xr.DataArray, roles: Roles, along: xr.DataArray, marks=Fa
 
 def _finish(figure: Figure, dataset, runs, roles: Roles, more: str = "") -> None:
     """Common title, y axis and legend."""
+    values = dataset[runs.name]
+    name = f"Mean {_quantity(values).removeprefix('mean ')}"
+    windowed = {"displacement", "snapshot"}.intersection(values.dims)
+    within = f"from\n{style.window_text(dataset)} " if windowed else ""
+    units = f"({_units(values)})" if values.attrs["units"] != "1" else ""
     style.from_zero(*figure.axes)
     for axes in figure.axes:
         if axes.get_subplotspec().is_first_col():
-            axes.set_ylabel(f"Mean drag from\n{style.window_text(dataset)} (N)")
+            axes.set_ylabel(f"{name} {within}{units}".strip())
     over = f"averaged over {', '.join(roles.averaged)}" if roles.averaged else ""
     counts = runs.count(["seed", *roles.averaged])
     least, count = int(counts.min()), int(counts.max())
     each = f"{count}" if least == count else f"{least} to {count}"
     bars = f"{each} runs each; bars: 95 % intervals" if count > 1 else "one run each"
     notes = "; ".join(filter(None, (bars, over)))
-    figure.suptitle(f"Mean drag over what was varied\n({notes}{more})")
+    figure.suptitle(f"{name} over what was varied\n({notes}{more})")
     if roles.line:
         columns = min(4, runs.sizes[roles.line])
         style.legend(figure, figure.axes[0], "outside lower center", ncols=columns)

@@ -135,12 +135,17 @@ def write(path: Path, values: dict, attrs: dict, layout: dict) -> None:
         for name, value in values.items():
             dims = layout[name][0]
             array = np.asarray(value)
-            for dim, size in zip(dims, array.shape, strict=True):
-                if dim not in file.dimensions:
-                    file.createDimension(dim, size)
+            add_dimensions(file, dims, array.shape)
             # with fletcher32 any program that reads the file notices damage
             options = {"zlib": array.nbytes > COMPRESSED, "fletcher32": bool(dims)}
             add(file, name, dims, array, attributes(name, layout), **options)
+
+
+def add_dimensions(file, dims: tuple, shape: tuple) -> None:
+    """Add those of some dimensions that a file lacks."""
+    for dim, size in zip(dims, shape, strict=True):
+        if dim not in file.dimensions:
+            file.createDimension(dim, size)
 
 
 def add(file, name: str, dims: tuple, values: np.ndarray, attrs: dict, **options) -> None:

@@ -19,10 +19,10 @@ from dem.analysis.statistics import by_case, change, summarise
 from dem.analysis.statistics import densities as densities_of
 from dem.base.errors import InputError
 from dem.base.files import atomic
-from dem.figures.catalogue import drawable_from, require_drag
+from dem.figures.catalogue import drawable_from
 from dem.figures.style import percent
 from dem.io.lazily import open_lazily, require
-from dem.report.info import drag_table
+from dem.report.info import drag_table, means_table
 from dem.report.interactive import beds, chart
 from dem.sweep.combine import open_combined
 
@@ -39,17 +39,18 @@ def build(drag: Path, output: Path, notes: Path | None = None) -> None:
     """Write the report of a folder of results, atomically; raises InputError for other files.
 
     It shows the figures and studies beside drag.nc, and flow.nc if it is there. A sweep of values
-    other than cases or shapes has a table over its axes instead. notes: a file that tells what the
-    paper leaves open, for its runs.
+    other than cases or shapes has a table over its axes instead, and a file without drag one of its first
+    quantities. notes: a file that tells what the paper leaves open, for its runs.
     """
     folder = Path(drag).parent
     flow = folder / "flow.nc"
-    require_drag(drag)
-    with open_combined(drag) as dataset:
-        require(dataset, drag, {}, NEEDED, ORIGIN)
+    with open_lazily(drag) as dataset:
+        has_drag = "drag" in dataset.variables
+    with (open_combined if has_drag else open_lazily)(drag) as dataset:
+        require(dataset, drag, {}, NEEDED if has_drag else ("run_id",), ORIGIN)
         names = drawable_from(drag, dataset)
-        parts = {"title": dataset.attrs["title"], "runs": runs(dataset)}
-        parts |= of_drag(dataset)
+        parts = {"title": dataset.attrs["title"], "runs": runs(dataset), "has_drag": has_drag}
+        parts |= of_drag(dataset) if has_drag else of_means(drag, dataset)
     parts |= {"beds": "", "studies": studies(folder)}
     if flow.is_file():
         with open_lazily(flow) as moves:
@@ -78,6 +79,12 @@ def of_drag(dataset: xr.Dataset) -> dict:
         "densities": [] if found is None else densities(found),
         "chart": "" if found is None else Markup(chart(found)),
     }
+
+
+def of_means(path: Path, dataset: xr.Dataset) -> dict:
+    """The same of a file without drag: the table of its first quantities."""
+    table, more = means_table(path, dataset)
+    return {"table": cells(table) | {"more": more}, "densities": [], "chart": ""}
 
 
 def cells(table: Table) -> dict:
@@ -145,12 +152,12 @@ def _text(file: Path) -> str:
 
 
 def runs(dataset: xr.Dataset) -> dict:
-    """Run times, versions and provenance."""
-    spent = dataset["run_time"].values
+    """Run times, if the file has them, versions and provenance."""
+    spent = dataset["run_time"].values if "run_time" in dataset else np.zeros(dataset["run_id"].size)
     spent = spent[np.isfinite(spent)]
     return {
         "count": spent.size, "total": f"{spent.sum():.0f}", "median": f"{np.median(spent):.1f}",
-        "steps": f"{int(dataset['steps'].sum()):,}",
+        "steps": f"{int(dataset['steps'].sum()):,}" if "steps" in dataset else "",
         "versions": dataset.attrs["versions"], "revision": dataset.attrs["git_revision"],
         "references": dataset.attrs["references"],
     }  # fmt: skip

@@ -51,7 +51,7 @@ def summary(path: Path) -> Group:
         if dataset["run_id"].dims == ("run",):
             return _runs(path, dataset)
         if "drag" not in dataset:
-            return _means(path, dataset)
+            return _told(dataset.attrs, {"seeds": _seeds(dataset)}, *means_table(path, dataset))
     with open_combined(path) as dataset:
         require(dataset, path, {}, (), (*ORIGIN, "configuration"))
         return _sweep(dataset)
@@ -186,8 +186,9 @@ def _told(attrs: dict, about: dict, table: Table, more: int = 0, legend: str = "
     return Group(Text(attrs["title"], style="bold"), origin, "", table, *rest, Text(legend, style="dim"))
 
 
-def _means(path: Path, dataset: xr.Dataset) -> Group:
-    """Means of the first quantities of a combined file without drag, over the runs."""
+def means_table(path: Path, dataset: xr.Dataset) -> tuple[Table, int]:
+    """Means of the first quantities of a combined file without drag, over the runs, and the number of
+    rows left out."""
     runs = run_means(path, dataset, MEANS)
     counts = xr.Dataset(runs).count("seed").to_array()
     counts = xr.apply_ufunc(
@@ -196,7 +197,7 @@ def _means(path: Path, dataset: xr.Dataset) -> Group:
     columns = {"runs": (counts, "")} | {
         f"{heading(values)}\n± {LEVEL:.0%}": (_with_interval(values), "") for values in runs.values()
     }
-    return _told(dataset.attrs, {"seeds": _seeds(dataset)}, *_table(dataset, columns))
+    return _table(dataset, columns)
 
 
 def _with_interval(sample: xr.DataArray) -> xr.DataArray:

@@ -80,7 +80,7 @@ class Place(NamedTuple):
 
 def place_in(sweep: Configuration, where: str) -> Place:
     """The top of what a file says of a sweep."""
-    return Place(sweep, entries(sweep.shapes), where)
+    return Place(sweep, entries(sweep.shapes, sweep.read), where)
 
 
 def axis_of(key: str, spec, place: Place, replicates: int | None = None) -> Axis:

@@ -134,7 +134,7 @@ def layout_of(replicate: Replicate) -> dict:
     """The variables of a batch of such runs, as in dem.io.dataset."""
     experiment = replicate.configuration.module
     of_run = experiment.layout(replicate.configuration) | LABELS | OF_STORE
-    return experiment.AXIS | {
+    return experiment.along(replicate.configuration) | {
         name: (("run", *dims), *rest) for name, (dims, *rest) in of_run.items()
     }
 

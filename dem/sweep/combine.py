@@ -24,6 +24,7 @@ from dem.io.dataset import (
     OF_SWEEP,
     REPLICATES,
     add,
+    add_dimensions,
     attributes,
     content_of,
     create,
@@ -102,7 +103,7 @@ def layout_of(block: Block, observable: str) -> tuple[dict, list[str]]:
     """Layout of the combined file, and the names of what its runs give."""
     first = block.runs[0].replicate
     experiment = first.configuration.module
-    of_run, axes = experiment.variables(first.configuration, observable), experiment.AXIS
+    of_run, axes = experiment.variables(first.configuration, observable), experiment.along(first.configuration)
     own = {name: entry for name, entry in of_run.items() if "granule" not in entry[0]}
     store = {name: OF_STORE[name] for name in ("run_id", "bed_family", "failure")}
     layout = {name: ((*block.dims, *dims), *rest) for name, (dims, *rest) in (own | store).items()}
@@ -116,6 +117,10 @@ def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> No
     then has a value for."""
     first = block.runs[0].replicate.configuration
     axes = first.module.axes(first)
+    for own in {id(run.replicate.configuration): run.replicate.configuration for run in block.runs}.values():
+        for name, values in own.module.axes(own).items():
+            if not np.array_equal(values, axes[name]):
+                raise InputError(f"the coordinate {name} must be the same in all runs of {block.name}; use blocks.")
     for axis in block.axes:
         file.createDimension(axis.name, len(axis.points))
     labels = block.labels()
@@ -124,9 +129,7 @@ def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> No
     for name, values in axes.items():
         if name in layout:
             dims = layout[name][0]
-            for dim, length in zip(dims, values.shape, strict=True):
-                if dim not in file.dimensions:
-                    file.createDimension(dim, length)
+            add_dimensions(file, dims, values.shape)
             _write(file, name, dims, values, layout=layout)
     for name, (entry, dims, values) in labels.items():
         _write(file, name, dims, np.asarray(values), entry)
@@ -145,6 +148,7 @@ def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> No
         file.variables[REPLICATES].setncatts(block.until.model_dump())
     for name, values in sample.items():
         sizes = (*[1] * (len(block.dims) - 1), min(BLOCK, block.shape[-1]), *values.shape[1:])
+        add_dimensions(file, layout[name][0][len(block.dims) :], values.shape[1:])
         made = file.createVariable(
             name, values.dtype, layout[name][0], zlib=True, complevel=4, shuffle=True, fletcher32=True,
             chunksizes=sizes, fill_value=np.nan if gaps else False,

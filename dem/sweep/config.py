@@ -18,7 +18,7 @@ from dem.base.outside import placed
 from dem.base.schema import Label, NotNegative, Positive, Section, Whole, validated, value
 from dem.base.sources import ROOT
 from dem.base.yaml_file import read
-from dem.experiment.config import Configuration
+from dem.experiment.config import Configuration, model_of
 from dem.sweep.expand import Block, Derived, expand
 from dem.sweep.precision import Lead
 
@@ -175,7 +175,8 @@ class Sweep(Configuration):
 
 def parse(data, source: str = "configuration") -> Sweep:
     """Sweep from the content of a file; raises InputError with one sentence per fault."""
-    sweep = validated(Sweep, extended(data, source), source)
+    data = extended(data, source)
+    sweep = validated(model_of(Sweep, data), data, source)
     try:
         sweep.check()
     except InputError as error:

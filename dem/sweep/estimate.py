@@ -252,7 +252,7 @@ def _matches(replicate: Replicate, path: str, value: str) -> bool:
 def differing(runs: list[Replicate]) -> str:
     """Values in which runs differ, beside shape, density and seed."""
     found = []
-    for path in entries(()):
+    for path in entries((), runs[0].configuration.read):
         values = dict.fromkeys(str(run.at(path)) for run in runs)
         if len(values) > 1:
             found.append(f"{path} {_few(values)}")

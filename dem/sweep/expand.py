@@ -19,9 +19,7 @@ from dem.sweep.precision import Lead, counts
 
 WORDS = ("needs", "values")  # of a block, beside what varies
 MOST_AXES = 24  # dimensions of a sweep; a variable of netCDF-4 has at most 32 with its own
-SAME = (
-    "cylinder.stroke", "record.bins", "record.snapshots", "shear.strain", "shear.samples", "experiment",
-)  # fmt: skip
+SAME = "cylinder.stroke", "shear.strain", "experiment"  # beside the sizes of runs
 
 # gives a value: what is asked for (a group with `derive`), values of the run so far
 Derived = Callable[[dict, Replicate], Any]
@@ -122,7 +120,7 @@ class Block:
             if name not in self.dims:
                 forced = base if name != "seed" else []
                 found[name] = (None, *self._along([each[name] for each in labels], forced))
-        known = entries(dict.fromkeys(replicate.label for replicate in replicates))
+        known = entries({run.label: None for run in replicates}, replicates[0].configuration.read)
         for path in self.paths:
             name = name_of(path)
             if path in known and name not in self.dims and not path.startswith("shapes."):
@@ -177,7 +175,8 @@ def expand(
     shaped = (axis for axis in axes if axis.points and all("shape" in point for point in axis.points))
     if len(sweep.shapes) > 1 and not any(shaped):
         place.refuse(f"must give all runs a shape or a case; there are {', '.join(sweep.shapes)}")
-    if same := [path for path in SAME if path in given - set(fixed)]:
+    same = (*SAME, *sweep.module.said(sweep, "SIZES").values())
+    if same := [path for path in same if path in given - set(fixed)]:
         place.refuse(f"varies {same[0]}, which runs of one block share; use blocks")
     points = [fixed, *(point for axis in axes for point in axis.points)]
     if "needs" not in block and any(isinstance(v, Derive) for point in points for v in point.values()):

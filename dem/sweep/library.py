@@ -83,7 +83,7 @@ def run_experiment(values: dict) -> xr.Dataset:
     own = replicate.configuration.checked()
     experiment = own.module
     found = experiment.run(replicate)
-    layout = experiment.layout(own) | experiment.AXIS | LABELS
+    layout = experiment.layout(own) | experiment.along(own) | LABELS
     coordinates = experiment.axes(own) | replicate.labels()
     used = {dim for name in found for dim in layout[name][0]}
     dataset = xr.Dataset({name: (layout[name][0], value) for name, value in found.items()})

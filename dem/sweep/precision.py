@@ -19,7 +19,7 @@ from pydantic import BeforeValidator, model_validator
 from dem.base.errors import InputError, RunError
 from dem.base.hints import choice
 from dem.base.schema import MOST, SEEDS, Section, Seed, Whole, value
-from dem.io.dataset import OF_RUN, read
+from dem.io.dataset import AXES, OF_RUN, read
 
 GROWTH = 2  # a round at most doubles the replicates of a place
 SAFETY = 1.05  # on the interval, because who looks and stops finds it too narrow
@@ -298,9 +298,12 @@ class Numbers:
         for row in np.flatnonzero(failed):
             self.failed[ids[row]] = str(values["failure_reason"][row])
         array = values[self.variable].astype(float)
-        for name, along in own.module.axes(own).items() if own.record else ():
-            if name.endswith("displacement") and own.module.AXIS[name][0] == dims[-1:]:
-                start, stop = own.record.window  # of the way of the cylinder, alone
+        for name in ("displacement", "snapshot_displacement") if own.module.observed else ():
+            if AXES[name][0] == dims[-1:]:  # of the way of the cylinder, alone
+                along, (start, stop) = own.module.code.axes(own)[name], own.record.window
                 array = array[..., (along >= start) & (along <= stop)]
         array[failed] = np.nan
-        return dict(zip(ids, array.reshape(len(array), -1).mean(1).tolist(), strict=True))
+        flat = array.reshape(len(array), -1)
+        with np.errstate(invalid="ignore"):
+            means = np.nansum(flat, axis=1) / np.isfinite(flat).sum(axis=1)
+        return dict(zip(ids, means.tolist(), strict=True))

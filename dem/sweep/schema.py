@@ -10,6 +10,7 @@ from typing import Annotated
 from pydantic import TypeAdapter
 
 from dem.base.files import atomic
+from dem.base.schema import LIMITS
 from dem.base.sources import ROOT
 from dem.experiment.config import entries
 from dem.sweep.axis import RUNS, Derive
@@ -18,9 +19,6 @@ from dem.sweep.design import Design
 from dem.sweep.precision import Until
 
 FILE = ROOT / "config/schema.json"
-LIMITS = {
-    "ge": "minimum", "gt": "exclusiveMinimum", "le": "maximum", "lt": "exclusiveMaximum",
-}  # fmt: skip
 LEFT_OUT = {"required": list, "title": str, "before": object}  # by the type that the word has then
 
 
@@ -37,6 +35,7 @@ def schema() -> dict:
     block |= {"needs": names, "values": {"type": "object", "properties": shared}}
     block["blocks"] = {"type": "object", "additionalProperties": {"$ref": "#/$defs/Block"}}
     found["$defs"]["Block"] = {"type": "object", "properties": block}
+    found["additionalProperties"] = {"type": "object", "description": "values of an experiment of your own"}
     found["properties"]["sweep"] = {"$ref": "#/$defs/Block"}
     found["patternProperties"] = {"^x-": {}}  # for anchors
     found["properties"]["extends"] = {"type": "string", "description": "file that this one changes"}

@@ -4,7 +4,9 @@ Constants at the top are read without running the file:
 
 SECTIONS   sections of the configuration that it reads beside those of all, and whether it needs them
 VARIABLES  what a run gives, name: (dimensions, units, words); of an OBSERVED one, its observables say it
-SIZES      length of each of its dimensions, or the path of the value that says it
+VALUES     values of its own, name: (default, units, words) or (default, units, words, limits), in a section of the
+           configuration that has the name of the file
+SIZES      length of each of its dimensions, or the path of the value that says it; shorter rows end in NaN
 AXIS       variables along these dimensions, as VARIABLES
 ASKS       values that it asks for, by path, and why
 OBSERVED   True where it records record.observables, and takes bed and checkpoint
@@ -19,15 +21,46 @@ All but run may be left out.
 
 from contextlib import suppress
 from pathlib import Path
+from types import MappingProxyType
 
+import numpy as np
+from pydantic import create_model
+
+from dem.base import sources
 from dem.base.constants import described
 from dem.base.errors import InputError
 from dem.base.outside import file_found, loaded, said_in
+from dem.base.schema import LIMITS, Number, Section, Whole, value
 from dem.experiment.observables import OBSERVABLES, place_of, variables_of
 from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP
 
 NO_BITS = "describes kinds of experiment"
 EXPERIMENTS = described(Path(__file__).parent, "SECTIONS")
+TYPES = {bool: bool, int: Whole, float: Number, str: str}  # of values, by those of their defaults
+
+
+def _field(name: str, default, units, about, limits=MappingProxyType({})) -> tuple:
+    """Type and description of a value; raises TypeError and others where they are none."""
+    bounds = [default, *limits.values()] if limits else []
+    texts = isinstance(about, str) and isinstance(units, str | None)
+    numbers = all(isinstance(each, int | float) for each in bounds)
+    known = name.isidentifier() and not hasattr(Section, name) and limits.keys() <= LIMITS.keys()
+    if not (texts and numbers and known):
+        raise TypeError
+    return TYPES[type(default)], value(units, about, default, **limits)
+
+
+def filled(name: str, values, sizes: dict[str, int]) -> np.ndarray:
+    """A variable with NaN up to the lengths of its dimensions; raises InputError where it is longer."""
+    values, shape = np.asarray(values), tuple(sizes.values())
+    if values.shape == shape:
+        return values
+    if values.ndim != len(shape) or np.any(values.shape > np.array(shape)):
+        words = " and ".join(f"{size} along {dim}" for dim, size in sizes.items()) or "one value"
+        raise InputError(f"the variable {name} has the shape {values.shape}; it may have {words}.")
+    found = np.full(shape, np.nan)
+    found[tuple(map(slice, values.shape))] = values
+    return found
 
 
 class Experiment:
@@ -35,6 +68,11 @@ class Experiment:
 
     def __init__(self, name: str, beside: str | None = None):
         self.name, self.beside = name, beside
+
+    @property
+    def label(self) -> str:
+        """Its name in files."""
+        return self.name.removesuffix(".py")
 
     @property
     def place(self) -> str:
@@ -51,25 +89,62 @@ class Experiment:
             return said_in(self.place)
         return {}
 
+    def values(self, given) -> dict:
+        """Its VALUES; without its file, as for readers of results, what can be told of given ones."""
+        if self.says or not isinstance(given, dict):
+            return self.says.get("VALUES", {})
+        return {name: (type(value)(), None, "") for name, value in given.items()}
+
+    def section(self, table: dict) -> type[Section]:
+        """The section of such VALUES; raises InputError where they are none."""
+        try:
+            fields = {name: _field(name, *entry) for name, entry in table.items()}
+            return create_model(self.label, __base__=Section, **fields)
+        except (AttributeError, KeyError, TypeError):
+            raise InputError(
+                f"experiment is {self.name!r}; its VALUES must be plain values, name: (default, units, words) or "
+                "(default, units, words, limits), such as 'gap': (1e-3, 'm', 'gap between plates', {'gt': 0})."
+            ) from None
+
     @property
     def code(self):
         """Its module, loaded."""
         return loaded(self.place)
 
-    @property
-    def run(self):
-        """What makes a run."""
-        return self.code.run
+    def run(self, replicate, *args, **options) -> dict:
+        """Make one run; its variables by name, each as long as `sizes` says. Raises InputError where
+        they are not those of its layout."""
+        found, sizes = self.code.run(replicate, *args, **options), self.sizes(replicate)
+        layout = self.layout(replicate.configuration)
+        if wrong := found.keys() ^ layout.keys():
+            raise InputError(
+                f"the variable {min(wrong)} must be both in VARIABLES and in what {self.name} gives."
+            )
+        return {
+            name: filled(name, each, {dim: sizes[dim] for dim in layout[name][0]})
+            for name, each in found.items()
+        }
 
     @property
     def observed(self) -> bool:
         """Whether it records record.observables."""
         return self.says.get("OBSERVED", False)
 
-    @property
-    def AXIS(self) -> dict:
-        """Variables along its dimensions."""
-        return AXES if self.observed else self.says.get("AXIS", {})
+    def places(self, configuration) -> tuple[str, ...]:
+        """Its module and those of its observables; raises InputError where a file cannot be used."""
+        names = configuration.observables if self.observed else ()
+        return self.place, *(place_of(name, configuration.beside) for name in names)
+
+    def said(self, configuration, name: str) -> dict:
+        """A constant of all these modules."""
+        found = {}
+        for place in self.places(configuration):
+            found |= said_in(place).get(name, {})
+        return found
+
+    def along(self, configuration) -> dict:
+        """Variables along its dimensions, as VARIABLES."""
+        return (AXES if self.observed else {}) | self.said(configuration, "AXIS")
 
     def layout(self, configuration) -> dict:
         """The variables of a run, as in dem.io.dataset; raises InputError where two have one name."""
@@ -98,18 +173,25 @@ class Experiment:
 
     def names(self, configuration) -> set[str]:
         """Names of the variables and dimensions of a run."""
-        every = self.layout(configuration) | self.AXIS
+        every = self.layout(configuration) | self.along(configuration)
         return {*every, *(dim for dims, *_ in every.values() for dim in dims)}
 
     def sizes(self, replicate) -> dict[str, int]:
         """Length of every dimension of a run."""
-        at, sizes = replicate.configuration.at, self.says.get("SIZES", {})
-        found = {dim: at(size) if isinstance(size, str) else size for dim, size in sizes.items()}
-        return found | {"granule": replicate.shape.granules}
+        return self.lengths(replicate.configuration) | {"granule": replicate.shape.granules}
+
+    def lengths(self, configuration) -> dict[str, int]:
+        """Length of the dimensions that all runs of a configuration share."""
+        sizes = self.said(configuration, "SIZES").items()
+        return {dim: configuration.at(size) if isinstance(size, str) else size for dim, size in sizes}
 
     def axes(self, configuration) -> dict:
-        """Values along the dimensions that all runs of a configuration share, by the names of AXIS."""
-        return self.code.axes(configuration) if self.AXIS else {}
+        """Values along these dimensions, by the names of `along`."""
+        found = {}
+        for place in self.places(configuration):
+            if "axes" in sources.defined_in(place):
+                found |= loaded(place).axes(configuration)
+        return found
 
     def duration(self, replicate) -> float | None:
         """Time (s) that a run simulates; None where it prepares beds, or is a file that would run here."""
@@ -121,9 +203,17 @@ class Experiment:
         """Raise InputError where its file or one of an observable cannot be used."""
         for name in configuration.observables:
             place_of(name, configuration.beside)
-        known = {"run", *self.says.get("SIZES", {}), "granule"}
-        layout = self.layout(configuration) if self.place else {}
-        taken = self.names(configuration) & {*LABELS, *OF_STORE, *OF_SWEEP} | layout.keys() & self.AXIS.keys()
+        lengths = self.lengths(configuration)
+        for dim, length in lengths.items():
+            if type(length) is not int or length < 1:
+                raise InputError(
+                    f"the dimension {dim} of SIZES has the length {length}; it must be a whole number from 1 on, or "
+                    "the path of one."
+                )
+        known = {*lengths, "granule"}
+        layout = self.layout(configuration)
+        taken = self.names(configuration) & {*LABELS, *OF_STORE, *OF_SWEEP}
+        taken |= layout.keys() & {*known, *self.along(configuration)}
         if taken:
             raise InputError(f"{min(taken)} has two meanings in files of its runs; rename yours.")
         for name, (dims, *_) in layout.items():
