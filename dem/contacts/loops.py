@@ -15,11 +15,11 @@ from dem.contacts.blocks import (
     take,
 )
 from dem.jit.address import local
-from dem.jit.block_memory import BLOCK, EIGHT, FORCE_X, FORCE_Y, NX, NY, TORQUE_2, WORK
-from dem.jit.columns import DVX, DVY, DW, FX, FY, VX, VY, W
+from dem.jit.block_memory import BLOCK, EIGHT, FORCE_X, FORCE_Y, NX, NY, TORQUE_2
+from dem.jit.columns import FX, FY
 from dem.jit.compilation import compiled
 from dem.jit.instructions import prefetch
-from dem.jit.optional import given, optional, plus, times
+from dem.jit.optional import given, optional
 
 
 @optional
@@ -57,8 +57,8 @@ def _boundary_contacts(surface, world, dt):
     """Add the forces of the contacts with walls, or with the cylinder, and sum up those on them."""
     shape, frame, contacts, lanes = world.shape, world.frame, local(surface.contacts), world.lanes
     turns, planes, radius = world.inverse_inertia, surface.planes, surface.radius
-    motion, on, loads = world.boundaries.motion, world.boundaries.force, world.boundaries.loads
-    rows, others = world.constituents.reshape(-1), motion.reshape(-1)
+    on, loads = world.boundaries.force, world.boundaries.loads
+    rows, others = world.constituents.reshape(-1), world.boundaries.motion.reshape(-1)
     flat, count = world.constituent_force.reshape(-1), contacts.constituent.shape[0]
     for start in range(0, count, BLOCK):
         stop = min(start + BLOCK, count)
@@ -77,7 +77,6 @@ def _boundary_contacts(surface, world, dt):
             shear_wall(given(planes, contacts.friction), loads, b, lanes.values, k)
             load_circle(radius, loads, b, shares)
             turn_circle(torque, loads, b)
-            add_work(lanes.account, motion, b, shares, torque)
 
 
 @optional
@@ -101,15 +100,3 @@ def load_circle(radius, loads, b, shares):
 @optional
 def turn_circle(torque, loads, b):
     loads[b, 4] += torque
-
-
-@optional
-def add_work(account, motion, boundary, shares, torque):
-    """Power (W) of a boundary on a granule: shares (N), see boundary_reaction, and torque act on it."""
-    fx, fy = shares[0] + shares[2], shares[1] + shares[3]
-    vx, vy = (
-        motion[boundary, VX] + motion[boundary, DVX],
-        motion[boundary, VY] + motion[boundary, DVY],
-    )
-    spin = motion[boundary, W] + motion[boundary, DW]
-    account[WORK] -= plus(fx * vx + fy * vy, times(torque, spin))

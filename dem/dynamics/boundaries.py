@@ -4,7 +4,8 @@ import math
 
 from dem.dynamics.forces import greater
 from dem.dynamics.world import DAMPING, LIGHT, PUSH
-from dem.jit.columns import DVX, DVY, FX, FY, VX, VY, X, Y
+from dem.jit.block_memory import WORK
+from dem.jit.columns import DVX, DVY, FX, FY, TAU, VX, VY, W, X, Y
 from dem.jit.compilation import compiled, inlined
 from dem.jit.optional import either, given, optional, plus
 
@@ -71,6 +72,21 @@ def push(boundaries, b, kick, dt):
 
 
 @optional
+def add_work(account, boundaries, b, kick, before):
+    """Work (J) of boundary b on the granules over a kick (s): at the mean of its velocities before and after, as
+    the kick changes kinetic energies. before: x, y (m/s) and spin (rad/s)."""
+    motion, force, torque = boundaries.motion, boundaries.force, boundaries.loads[b, 4]
+    twice = force[b, FX] * (before[0] + motion[b, VX]) + force[b, FY] * (before[1] + motion[b, VY])
+    account[WORK] -= 0.5 * kick * (twice + torque * (before[2] + motion[b, W]))
+
+
+@optional
+def add_work_of_spin(account, kick, force, bodies, i):
+    """Work (J) of held granule i, of its spin."""
+    account[WORK] -= kick * force[i, TAU] * bodies[i, W]
+
+
+@optional
 def shift_walls(walls, motion, dt):
     planes = walls.planes
     for k in range(planes.shape[0]):
@@ -90,12 +106,14 @@ def move_boundaries(world, kick, dt):
         boundaries.sums,
     )
     for b in range(motion.shape[0]):
+        before = motion[b, VX], motion[b, VY], motion[b, W]
         for c in range(sums.shape[1]):
             sums[b, c] += kick * loads[b, c]
         if first[b] < first[b + 1]:
             follow(boundaries, b, dt)
         else:
             push(boundaries, b, kick, dt)
+        add_work(world.lanes.account, boundaries, b, kick, before)
         motion[b, X] += dt * motion[b, VX]
         motion[b, Y] += dt * motion[b, VY]
     boundaries.clock[0] += dt
@@ -120,12 +138,12 @@ def surface_moved(surface, boundaries):
 
 
 @optional
-def carry(held, motion, bodies, full, low, high):
-    """Take the held among granules low to high along with their groups, of which motion has rows.
+def carry(held, world, full, kick, low, high):
+    """Take the held among granules low to high along with their groups, after a kick (s).
 
     full: dem.dynamics.world.at_full_steps.
     """
-    member, start = held.member, held.start
+    bodies, motion, member, start = world.bodies, world.boundaries.motion, held.member, held.start
     q, end = 0, member.shape[0]
     while q < end:  # the first member of the patch
         middle = (q + end) // 2
@@ -142,6 +160,7 @@ def carry(held, motion, bodies, full, low, high):
         bodies[i, VY] = plus(motion[b, VY], given(full, motion[b, DVY]))
         bodies[i, DVX] = motion[b, DVX]
         bodies[i, DVY] = motion[b, DVY]
+        add_work_of_spin(world.lanes.account, kick, world.force, bodies, i)
         q += 1
 
 

@@ -1,7 +1,7 @@
 """The energy ledger: the energy that a bed holds, gains and loses.
 
-The kernels sum three powers over time (dem.jit.block_memory): those that dashpots and tangential springs take,
-and that of walls, cylinder and held granules. Kinetic and elastic energies follow from the state. What springs
+The kernels sum two powers over time (dem.jit.block_memory): those that dashpots and tangential springs take. They
+sum the work of walls, cylinder and held granules as they kick them. Kinetic and elastic energies follow from the state. What springs
 have taken and do not hold is lost by sliding; energy that a spring loses while the overlap shrinks is
 included. Powers count with the kicks of their forces, up to the time of the state: the trapezoidal rule, of
 second order in the time step.
@@ -14,7 +14,7 @@ import numpy as np
 
 from dem.contacts.response import spring_energy
 from dem.dynamics.diagnostics import kinetic, measured
-from dem.jit.block_memory import ACCOUNTS, LOST_DAMPED, TAKEN, WORK
+from dem.jit.block_memory import ACCOUNTS, WORK
 from dem.jit.compilation import compiled
 from dem.jit.optional import either, optional
 
@@ -111,10 +111,10 @@ def fallen(world) -> float:
 def energies(world, held: float, height: float, later: float) -> Ledger:
     """The ledger now, of a bed that held an energy (J) at the start, and had a `fallen` (J); later (s): kicks that
     its arrays lacked."""
-    powers, before = world.lanes.account.reshape(2, ACCOUNTS)
-    account = before + later * powers
+    account = world.lanes.account
+    damped, taken = account[ACCOUNTS:WORK] + later * account[:ACCOUNTS]
     moving, normal, tangential = balance(world)
     return Ledger(
-        moving, normal, tangential, float(account[LOST_DAMPED]), float(account[TAKEN] - tangential),
+        moving, normal, tangential, float(damped), float(taken - tangential),
         float(account[WORK]), fallen(world) - height, held,
     )  # fmt: skip

@@ -3,12 +3,12 @@
 import numpy as np
 
 from dem.contacts.loops import boundary_contacts, pair_contacts
-from dem.dynamics.world import at_full_steps, granules_of, number_of_patches
+from dem.dynamics.world import granules_of, number_of_patches
 from dem.jit.address import by_address
-from dem.jit.block_memory import ACCOUNTS, FOUR, ONE, TWO, WORK, ZERO
-from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
+from dem.jit.block_memory import ACCOUNTS, FOUR, ONE, TWO, ZERO
+from dem.jit.columns import FX, FY, X, Y
 from dem.jit.compilation import compiled, inlined
-from dem.jit.optional import either, optional, plus, unless
+from dem.jit.optional import either, optional
 from dem.shapes.protocol import collect, place
 
 
@@ -81,29 +81,16 @@ def farthest(motion, reference, low, high, limit):
 
 
 @optional
-def add_work_on(account, motion, full, force, row):
-    """Power (W) of a held constituent on what touches it."""
-    vx = plus(motion[row, VX], unless(full, motion[row, DVX]))
-    vy = plus(motion[row, VY], unless(full, motion[row, DVY]))
-    spin = motion[row, W] + motion[row, DW]
-    account[WORK] -= force[row, FX] * vx + force[row, FY] * vy + force[row, TAU] * spin
-
-
-@optional
-def weigh_held(held, boundaries, motion, full, force, account):
-    """Sum up what the contacts exert on each group, in one order whatever the number of threads.
-
-    motion, force: of the constituents; full: dem.dynamics.world.at_full_steps.
-    """
-    on, loads, member = boundaries.force, boundaries.loads, held.member
-    per = motion.shape[0] // held.group.shape[0]
+def weigh_held(held, world):
+    """Sum up what the contacts exert on each group, in one order whatever the number of threads."""
+    on, loads, member = world.boundaries.force, world.boundaries.loads, held.member
+    force, per = world.constituent_force, world.constituents.shape[0] // held.group.shape[0]
     for q in range(member.shape[0]):
         b = held.group[member[q]]
         for c in range(per):
             row = per * member[q] + c
             on[b, FX] += force[row, FX]
             on[b, FY] += force[row, FY]
-            add_work_on(account, motion, full, force, row)
     for b in range(held.first, on.shape[0]):
         loads[b, 0], loads[b, 1] = on[b, FX], on[b, FY]
 
@@ -131,13 +118,12 @@ def pair_forces(world, dt, patch):
 @compiled
 def boundary_forces(world, dt):
     """Add the forces of walls and cylinder, and those on all boundaries."""
-    boundaries, account = world.boundaries, world.lanes.account
+    boundaries = world.boundaries
     clear(boundaries.force, 0, boundaries.force.shape[0])
     clear(boundaries.loads, 0, boundaries.loads.shape[0])
     boundary_contacts(world.walls, world, dt)
     boundary_contacts(world.cylinder, world, dt)
-    motion, force, full = world.constituents, world.constituent_force, at_full_steps(world)
-    weigh_held(world.held, boundaries, motion, full, force, account)
+    weigh_held(world.held, world)
 
 
 @inlined

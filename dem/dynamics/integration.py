@@ -105,7 +105,7 @@ def drift(world, kick, dt, low, high):
         bodies[i, DVY] = dvy
         spin = spin_up(inverse_inertia, last, bodies, force, i, kick, half)
         turn(spin, frame, angle, i, dt)
-    carry(world.held, world.boundaries.motion, bodies, full, low, high)
+    carry(world.held, world, full, kick, low, high)
     place(world.shape, bodies, frame, world.constituents, low, high)
 
 

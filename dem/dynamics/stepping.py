@@ -15,6 +15,7 @@ from dem.dynamics.neighbor_list import rebuild_neighbor_list
 from dem.dynamics.skin import MARGIN
 from dem.dynamics.world import Boundaries, Surface, World
 from dem.jit.address import by_address
+from dem.jit.block_memory import Lanes
 from dem.jit.columns import X, Y
 from dem.jit.compilation import INLINED, compiled, inlined
 from dem.jit.optional import either, optional
@@ -208,7 +209,7 @@ def copied_walls(walls):
 def look(world, owed, ahead):
     """A world at a time `ahead` (s) after the positions of this one, which stays as it is; owed: see
     dem.dynamics.integration.look_ahead. Lists and what contacts remember are shared."""
-    b, bodies = world.boundaries, world.bodies.copy()
+    b, bodies, lanes = world.boundaries, world.bodies.copy(), world.lanes
     alone = world.constituents.shape[0] == world.bodies.shape[0]
     rows = bodies if alone else world.constituents.copy()  # one array where a granule is its own
     boundaries = Boundaries(
@@ -219,7 +220,7 @@ def look(world, owed, ahead):
         world.shape, bodies, world.angle.copy(), copied(world.frame), world.inverse_mass,
         world.inverse_inertia, world.force, rows, world.constituent_force, world.reference,
         copied(world.last), world.pairs, boundaries, copied_walls(world.walls), world.cylinder,
-        world.gravity, world.lanes, world.patches, world.held,
+        world.gravity, Lanes(lanes.motion, lanes.values, copied(lanes.account)), world.patches, world.held,
     )  # fmt: skip
     look_ahead(by_address(seen), owed, ahead)
     return seen

@@ -23,8 +23,8 @@ OUTLINE = 8  # numbers of an outline, at most
 class Lanes(NamedTuple):
     """motion and values: rows of BLOCK lanes and a LINE of padding, see the offsets below.
 
-    account (6,): three powers (W) now, and the energies (J) that they have made with the kicks so far
-    (dem.dynamics.energy); None without an energy ledger.
+    account (5,): two powers (W) now, the energies (J) that they have made with the kicks so far, and the
+    work (J) of the boundaries (dem.dynamics.energy); None without an energy ledger.
     """
 
     motion: np.ndarray
@@ -50,13 +50,13 @@ OTHER = np.uint64(OWN + OUTLINE * ROW)
 VALUES = int(OTHER + OUTLINE * ROW)  # numbers in all
 
 
-# account: power (W) that dashpots take, and tangential springs; that of the boundaries on the granules
-LOST_DAMPED, TAKEN, WORK, ACCOUNTS = 0, 1, 2, 3
+# account: power (W) that dashpots take, and tangential springs; their energies; work on the granules
+LOST_DAMPED, TAKEN, ACCOUNTS, WORK = 0, 1, 2, 4
 
 
 def make_lanes(accounted: bool = False) -> Lanes:
     """Scratch memory for one thread; accounted: keep the energies of the ledger."""
-    account = rows(1, 2 * ACCOUNTS)[0] if accounted else None
+    account = rows(1, WORK + 1)[0] if accounted else None
     return Lanes(rows(1, 16 * (BLOCK + LINE))[0], rows(1, VALUES)[0], account)
 
 
