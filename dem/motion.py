@@ -231,8 +231,8 @@ class Held(Kept):
     Notes
     -----
     Held granules keep their places in the group and the spins of the state; their velocities in the
-    state do not count. They do not feel gravity, nor each other. In a contact with a free granule
-    they have infinite mass.
+    state do not count. They do not feel gravity, nor each other. In a contact they have the mass of their
+    `Drive` along the axes that it drives, and infinite mass along others.
 
     Examples
     --------

@@ -21,6 +21,7 @@ def path(*velocities, spin=None):
 TO_AND_FRO = ((0.0, 1.0), (1.0, -1.0), (2.0, 1.0), (0.0, -1.0))  # m/s
 LID = dem.Drive(force=(None, -0.2), mass=5e-6, velocity=(0.3, 0.0))
 DAMPED = dem.Drive(force=(0.1, -0.3), mass=2e-5, damping=0.05, velocity=(1.0, 2.0))
+GUIDED = dem.Drive(force=(None, -0.3), mass=2e-5, damping=0.05, velocity=(1.0, 2.0))
 FREE = dem.Drive(force=(0.1, -0.3), mass=2e-5, velocity=(1.0, 2.0))
 WALLS = dem.box(WIDTH, HEIGHT)
 
@@ -56,7 +57,7 @@ def scene_of(name):
             dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), DAMPED, spin=500.0),
             gravity=(3e3, -1e4), thickness=1e-3, boundary=dem.Material(2e3, 2e8, 0.2, 0.9),
             wall_motion=[None, (-1.0, 2.0), path(*TO_AND_FRO), LID],
-            held=[dem.Held([0, 1], (0.5, 1.0)), dem.Held([9, 13, 14], DAMPED)],
+            held=[dem.Held([0, 1], (0.5, 1.0)), dem.Held([9, 13, 14], GUIDED)],
         ), state  # fmt: skip
     if name == "smooth discs":
         shape, state = granules(dem.Disc)

@@ -324,11 +324,26 @@ class Boundaries(Bodies):
                 self.last[b, axis] = now
 
 
-class Contacts:
-    """All contacts of one kind that there could be: constituents `one`, and `two`: constituents or boundaries."""
+def lightness_of(motions):
+    """Inverse masses (1/kg) of boundaries along x and y: zero along an axis whose velocity is given."""
+    driven = [
+        each if isinstance(each, dem.Drive) else dem.Drive((None, None), 1.0) for each in motions
+    ]
+    return np.array(
+        [[0.0 if push is None else 1.0 / each.mass for push in each.force] for each in driven]
+    ).reshape(-1, 2)
 
-    def __init__(self, scene, kind, one, two, mass):
-        self.law, self.one, self.two, self.mass = Law(scene, kind), one, two, mass
+
+class Contacts:
+    """All contacts of one kind that there could be: constituents `one`, and `two`: constituents or boundaries.
+
+    lightness (k, 2): the sum of inverse masses (1/kg) of both along x and y; where nothing yields, that of the
+    granule.
+    """
+
+    def __init__(self, scene, kind, one, two, lightness, mass):
+        self.law, self.one, self.two = Law(scene, kind), one, two
+        self.lightness = np.where(lightness > 0.0, lightness, 1.0 / mass[:, None])
         self.memory = np.zeros(len(one)), np.zeros(len(one))
 
 
@@ -353,14 +368,21 @@ class Twin:
         one, two = np.triu_indices(len(owner), 1)
         real = (owner[one] != owner[two]) & (free[owner[one]] | free[owner[two]])
         one, two = one[real], two[real]
-        lightness = np.where(free, 1.0 / mass, 0.0)[owner]  # a held granule is infinitely heavy
-        self.pairs = Contacts(scene, "granule", one, two, 1.0 / (lightness[one] + lightness[two]))
+        lightness = np.repeat(
+            1.0 / mass[:, None], 2, axis=1
+        )  # of held granules, that of their group
+        lightness[~free] = lightness_of(self.held.motions)[self.group[~free]]
+        lightness, mass = lightness[owner], mass[owner]
+        self.pairs = Contacts(
+            scene, "granule", one, two, lightness[one] + lightness[two], mass[one]
+        )  # fmt: skip
 
         self.planes = np.zeros((0, 3)) if scene.walls is None else np.array(scene.walls)
         count = len(self.planes)
         self.walls = Boundaries(np.zeros((count, 2)), scene.wall_motion or [None] * count)
         one, two = np.divmod(np.arange(len(owner) * count), max(count, 1))
-        self.at_walls = Contacts(scene, "wall", one, two, mass[owner[one]])
+        yields = lightness_of(self.walls.motions)
+        self.at_walls = Contacts(scene, "wall", one, two, lightness[one] + yields[two], mass[one])
 
         self.cylinder, self.at_cylinder = None, None
         if scene.cylinder is not None:
@@ -368,7 +390,8 @@ class Twin:
                 [scene.cylinder.position], [scene.cylinder.velocity], scene.cylinder.spin
             )
             one = np.arange(len(owner))
-            self.at_cylinder = Contacts(scene, "cylinder", one, 0 * one, mass[owner])
+            yields = lightness_of(self.cylinder.motions)
+            self.at_cylinder = Contacts(scene, "cylinder", one, 0 * one, lightness + yields, mass)
         self.sums, self.kicked = self.no_sums(), 0.0
         self.find_forces(0.0)
         self.last = self.accelerations()
@@ -475,8 +498,9 @@ class Twin:
         mine, theirs = self.bodies.velocity_at(g, arm), partners.velocity_at(h, other)
         middle, end = theirs[0] - mine[0], theirs[1] - mine[1]
         memory = [each[may] for each in contacts.memory]
+        mass = 1.0 / (contacts.lightness[may] * n**2).sum(axis=1)  # m*, along the normal
         normal, tangential, memory = contacts.law.push(
-            memory, touch.overlap, 1.0 / (1.0 / radii[0] + 1.0 / radii[1]), contacts.mass[may],
+            memory, touch.overlap, 1.0 / (1.0 / radii[0] + 1.0 / radii[1]), mass,
             (dot(middle, n), dot(middle, t)), (dot(end, n), dot(end, t)), dt,
         )  # fmt: skip
         contacts.memory = np.zeros((2, len(contacts.one)))

@@ -18,24 +18,35 @@ def local_stiffness(radius, modulus):
 
 
 @optional
-def damped_force(damping, p, elastic, root, rate):
-    return damped(elastic, root, damping[p], rate)
+def _yielding(mass_ratio, damping, p, nx, ny):
+    return damping[p] / math.sqrt(mass_ratio[0, p] * nx * nx + mass_ratio[1, p] * ny * ny)
 
 
 @optional
-def dashpot(damping, p, ratio, root, slip_rate):
-    return ratio * damping[p] * root * slip_rate
+def dashpot_constant(damping, mass_ratio, p, nx, ny):
+    """alpha sqrt(m* k) of contact p, with the effective mass m* along its normal."""
+    return either(_yielding(mass_ratio, damping, p, nx, ny), damping[p])
+
+
+@optional
+def damped_force(damping, elastic, root, rate):
+    return damped(elastic, root, damping, rate)
+
+
+@optional
+def dashpot(damping, ratio, root, slip_rate):
+    return ratio * damping * root * slip_rate
 
 
 @optional
 def friction_force(friction, contacts, p, normal, elastic, slip, account, dt):
     """The spring is capped first, then spring and dashpot, so that friction does no positive work.
 
-    elastic: stiffness (N m^-1.5), sqrt_overlap (m^0.5), and the root of the dashpot (m^0.25); slip: in
+    elastic: stiffness (N m^-1.5), sqrt_overlap (m^0.5), constant and root (m^0.25) of the dashpot; slip: in
     this step (m), and its rate at the full step (m/s). Returns the force (N) and the powers (W) that dashpot and spring take,
     None without an energy ledger.
     """
-    stiffness, sqrt_overlap, root = elastic
+    stiffness, sqrt_overlap, damping, root = elastic
     distance, rate = slip
     limit = friction.coefficient * normal
     stiffness = friction.stiffness_ratio * stiffness
@@ -44,7 +55,7 @@ def friction_force(friction, contacts, p, normal, elastic, slip, account, dt):
     force = capped(force, limit)
     contacts.tangential_force[p] = force
     contacts.sqrt_overlap[p] = sqrt_overlap
-    dashpot_force = dashpot(contacts.damping, p, friction.damping_ratio, root, rate)
+    dashpot_force = dashpot(damping, friction.damping_ratio, root, rate)
     total = capped(minus(force, dashpot_force), limit)
     return total, lost(account, total - force, rate), lost(account, force, rate)
 
@@ -90,12 +101,13 @@ def respond(contacts, p, geometry, velocity, change, root, dt, account):
     stiffness = either(local, contacts.stiffness[p])
     elastic = hertz(overlap, sqrt_overlap, stiffness)
     rate = -plus(velocity[0], change[0])
-    normal = either(damped_force(contacts.damping, p, elastic, root, rate), elastic)
+    damping = dashpot_constant(contacts.damping, contacts.mass_ratio, p, geometry.nx, geometry.ny)
+    normal = either(damped_force(damping, elastic, root, rate), elastic)
     # what the force exceeds the elastic one by
-    damped_away = lost(given(contacts.damping, account), normal - elastic, -rate)
+    damped_away = lost(given(damping, account), normal - elastic, -rate)
     tangential, damped_too, slid = either(
         friction_force(
-            contacts.friction, contacts, p, normal, (stiffness, sqrt_overlap, root),
+            contacts.friction, contacts, p, normal, (stiffness, sqrt_overlap, damping, root),
             (velocity[1] * dt, plus(velocity[1], change[1])), account, dt,
         ),
         (None, None, None),

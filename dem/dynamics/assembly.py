@@ -179,13 +179,17 @@ def boundaries(scene: Scene) -> Boundaries:
     )  # fmt: skip
 
 
-def surfaces(scene: Scene, table: GranuleTable) -> tuple[Surface | None, Surface | None]:
-    """Walls and cylinder."""
+def surfaces(
+    scene: Scene, table: GranuleTable, drive: np.ndarray
+) -> tuple[Surface | None, Surface | None]:
+    """Walls and cylinder; drive: of Boundaries."""
     count, walls, cylinder = number_of_walls(scene), None, None
     if scene.walls is not None:
-        walls = Surface(0, count, np.array(scene.walls), None, contacts(scene, table, "wall"))
+        walls = Surface(
+            0, count, np.array(scene.walls), None, contacts(scene, table, "wall", drive)
+        )
     if scene.cylinder is not None:
-        radius, listed = 0.5 * scene.cylinder.diameter, contacts(scene, table, "cylinder")
+        radius, listed = 0.5 * scene.cylinder.diameter, contacts(scene, table, "cylinder", drive)
         cylinder = Surface(count, count + 1, None, radius, listed)
     return walls, cylinder
 
@@ -202,8 +206,11 @@ def held_groups(scene: Scene, bodies: np.ndarray, motion: np.ndarray) -> HeldGro
     return HeldGroups(first, group, member, bodies[np.ix_(member, [X, Y])])
 
 
-def contacts(scene: Scene, table: GranuleTable, kind: str) -> Contacts:
-    """The contacts of one kind (granule, wall or cylinder), none yet: see dem.dynamics.neighbor_list."""
+def contacts(scene: Scene, table: GranuleTable, kind: str, drive: np.ndarray) -> Contacts:
+    """The contacts of one kind (granule, wall or cylinder), none yet: see dem.dynamics.neighbor_list.
+
+    drive: rows of Boundaries.drive of those that may be part of them.
+    """
     index, numbers = np.empty(0, np.uint32), np.empty(0)
     friction = friction_parameters(scene, kind)
     memory = numbers if friction else None
@@ -217,6 +224,9 @@ def contacts(scene: Scene, table: GranuleTable, kind: str) -> Contacts:
         stiffness=numbers,
         modulus=4.0 / 3.0 * effective_modulus(*partners(scene, boundary=kind != "granule")),
         damping=numbers if table.alpha > 0.0 else None,
+        mass_ratio=np.empty((2, 0))
+        if table.alpha > 0.0 and drive[:, LIGHT:DAMPING].any()
+        else None,
         friction=friction,
         tangential_force=memory,
         sqrt_overlap=memory,
@@ -237,7 +247,7 @@ def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = 
     inverse_mass, inverse_inertia = mobilities(scene)
     turned = np.column_stack([np.cos(state.angle), np.sin(state.angle)])
     moving, none = boundaries(scene), np.zeros(0, np.int64)
-    walls, cylinder = surfaces(scene, table)
+    walls, cylinder = surfaces(scene, table, moving.drive)
     return World(
         shape=own(scene.shape),
         bodies=bodies,
@@ -250,7 +260,9 @@ def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = 
         constituent_force=force if alone else rows(n * table.per, 4),
         reference=np.zeros((n * table.per, 2)),
         last=rows(n, 4) if table.alpha > 0.0 else None,
-        pairs=contacts(scene, table, "granule"),
+        pairs=contacts(
+            scene, table, "granule", moving.drive[len(moving.drive) - len(scene.held) :]
+        ),
         boundaries=moving,
         walls=walls,
         cylinder=cylinder,

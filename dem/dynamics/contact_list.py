@@ -90,7 +90,7 @@ def _columns(world, names, listed, geometries, partner, second):
     nearing = _velocity(second, point) - _velocity(first, point)
     rates = np.column_stack([(nearing * normal).sum(axis=1), (nearing * tangent).sum(axis=1)])
     pushed = np.empty_like(rates)
-    _respond_now(_copied(listed, touch, overlap, stiffness), overlap, rates, pushed)
+    _respond_now(_copied(listed, touch, overlap, stiffness), overlap, normal, rates, pushed)
     spring = listed.tangential_force
     return (
         names[granule], partner, point, normal, branch, overlap, stiffness * overlap**1.5,
@@ -110,6 +110,8 @@ def _copied(listed, touch, overlap, stiffness):
     kept = {"stiffness": stiffness} | dict.fromkeys(UNREAD)
     if listed.damping is not None:
         kept["damping"] = listed.damping[touch]
+    if listed.mass_ratio is not None:
+        kept["mass_ratio"] = listed.mass_ratio[:, touch]
     if listed.friction is not None:
         kept["tangential_force"] = listed.tangential_force[touch]
         kept["sqrt_overlap"] = np.sqrt(overlap)
@@ -117,10 +119,11 @@ def _copied(listed, touch, overlap, stiffness):
 
 
 @compiled
-def _respond_now(contacts, overlap, rates, pushed):
+def _respond_now(contacts, overlap, normals, rates, pushed):
     """Fill pushed (m, 2): forces N and T (N) at relative velocities (m, 2) along n and t (m/s)."""
     for p in range(overlap.shape[0]):
-        geometry = ContactGeometry(overlap[p], 1.0, 0.0, 0.0, None, None, None, None)
+        nx, ny = normals[p, 0], normals[p, 1]
+        geometry = ContactGeometry(overlap[p], nx, ny, 0.0, None, None, None, None)
         velocity = rates[p, 0], rates[p, 1]
         root = given(contacts.damping, math.sqrt(math.sqrt(overlap[p])))
         normal, tangential, _, _ = respond(

@@ -7,7 +7,7 @@ import numpy as np
 
 from dem.contacts.blocks import imaged, remembered
 from dem.contacts.force_law import damping_ratio, impact_overlap
-from dem.contacts.response import local_stiffness
+from dem.contacts.response import dashpot_constant, local_stiffness
 from dem.dynamics.boundaries import driven_acceleration, fastest, lightness
 from dem.dynamics.forces import clear, greater
 from dem.dynamics.stable_step import (
@@ -17,7 +17,6 @@ from dem.dynamics.stable_step import (
     add_pair_stiffness,
     add_pair_tangent,
     longest_step,
-    normal_damping,
     shortest,
     weight,
 )
@@ -25,7 +24,7 @@ from dem.dynamics.world import Surface, at_full_steps
 from dem.jit.address import by_address, local
 from dem.jit.columns import DVX, FX, FY, TAU, VX, W, X, Y
 from dem.jit.compilation import compiled, inlined
-from dem.jit.optional import either, given, minus, optional, plus, unless
+from dem.jit.optional import either, given, minus, optional, plus, times, unless
 from dem.shapes.protocol import circle, collect, outline, solve_contact, support
 
 
@@ -166,7 +165,8 @@ def survey_pairs(world, table, bounds, begin, end, spare):
             apart = 0.5 * min(overlap, 0.0)  # the surfaces, not the middle of a gap
             mine = levers(granules, motion, g, i, (nx, ny), (n1 + apart, either(t1, 0.0)))
             theirs = levers(granules, motion, h, j, (nx, ny), (-n2 - apart, either(t2, 0.0)))
-            damping = normal_damping(contacts.damping, p, sqrt_overlap)
+            damping = dashpot_constant(contacts.damping, contacts.mass_ratio, p, nx, ny)
+            damping = times(damping, math.sqrt(sqrt_overlap))
             k, spring = 1.5 * stiffness * sqrt_overlap, (stiffness, sqrt_overlap, damping)
             one, two = body_of(world, table, g, mine), body_of(world, table, h, theirs)
             pair = one[0] if i >= low else spare, two[0] if j < high else spare
@@ -203,7 +203,8 @@ def _survey_surface(surface, world, table, bounds, worst):
         sqrt_overlap = math.sqrt(max(overlap, bounds.least))
         n1 += 0.5 * min(overlap, 0.0)
         mine = levers(granules, motion, g, i, (nx, ny), (n1, t1))
-        damping = normal_damping(contacts.damping, p, sqrt_overlap)
+        damping = dashpot_constant(contacts.damping, contacts.mass_ratio, p, nx, ny)
+        damping = times(damping, math.sqrt(sqrt_overlap))
         k, spring = 1.5 * stiffness * sqrt_overlap, (stiffness, sqrt_overlap, damping)
         row, along, across = body_of(world, table, g, mine)
         pair, other = (row, granules.shape[0] + b), lightness(boundaries, b)

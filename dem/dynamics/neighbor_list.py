@@ -6,7 +6,7 @@ import numpy as np
 
 from dem.contacts.blocks import imaged, put, sizes_of
 from dem.dynamics.neighbors import image, match, near_circle, near_pairs, near_planes
-from dem.dynamics.world import PATCH, Contacts, Patches, Surface, World, number_of_patches
+from dem.dynamics.world import LIGHT, PATCH, Contacts, Patches, Surface, World, number_of_patches
 from dem.jit.address import by_address
 from dem.jit.columns import X, Y
 from dem.jit.compilation import compiled, inlined
@@ -69,7 +69,7 @@ def renewed(old, first, constituent, partner, force_row, shape):
     source = match(constituent, partner, old.constituent, old.partner)
     return Contacts(
         first, constituent, partner, force_row, np.empty(count), old.modulus,
-        fresh(old.damping, count), old.friction, carried(old.tangential_force, source),
+        fresh(old.damping, count), fresh(old.mass_ratio, (2, count)), old.friction, carried(old.tangential_force, source),
         carried(old.sqrt_overlap, source), carried(old.normal_x, source),
         carried(old.normal_y, source), fresh(old.shift_x, count), fresh(old.shift_y, count),
         room_for_sizes(old.sizes, shape, count),
@@ -104,6 +104,24 @@ def mass_of_free(held, mass, i, j, reduced):
     if held[i]:
         return mass[j]
     return mass[i] if held[j] else reduced
+
+
+@optional
+def lightness_of_group(held, boundaries, g, c):
+    return boundaries.drive[held.group[g], LIGHT + c] if held.group[g] >= 0 else 0.0
+
+
+@inlined
+def lightness_of_granule(world, g, c):
+    """Inverse mass (1/kg) that granule g has along x or y; if it is held, that of its group."""
+    held = either(lightness_of_group(world.held, world.boundaries, g, c), 0.0)
+    return world.inverse_mass[g] + held
+
+
+@optional
+def put_mass_ratio(mass_ratio, p, c, mass, lightness):
+    """m/m* of contact p along an axis; along one where neither body yields, that of the mass (kg) itself."""
+    mass_ratio[c, p] = mass * lightness if lightness > 0.0 else 1.0
 
 
 @optional
@@ -178,6 +196,10 @@ def list_pairs(world, table):
         reduced_mass = mass[i] * mass[j] / (mass[i] + mass[j])
         reduced_mass = either(mass_of_free(table.held, mass, i, j, reduced_mass), reduced_mass)
         set_constants(new, p, reduced_radius, reduced_mass, table.alpha)
+        for c in range(2):
+            one = lightness_of_granule(world, i // table.per, c)
+            other = lightness_of_granule(world, j // table.per, c)
+            put_mass_ratio(new.mass_ratio, p, c, reduced_mass, one + other)
         aim(new, p, rows[j, X] - rows[i, X], rows[j, Y] - rows[i, Y], period)
         put_sizes(new.sizes, p, shape, frame, i, j)
     return new, patches
@@ -190,8 +212,9 @@ def with_curvature(radius, other):
 
 
 @optional
-def list_surface(surface, motion, rows, table, patches):
-    """Walls, or the cylinder, with a new list of contacts; motion: of Boundaries."""
+def list_surface(surface, world, table, patches):
+    """Walls, or the cylinder, with a new list of contacts."""
+    motion, drive, rows = world.boundaries.motion, world.boundaries.drive, world.constituents
     old, radius, first = surface.contacts, surface.radius, surface.first
     constituent, partner = either(
         near_planes(surface.planes, rows, table.bounding, table.skin),
@@ -204,6 +227,9 @@ def list_surface(surface, motion, rows, table, patches):
         i, b = constituent[p], partner[p]
         reduced = either(with_curvature(radius, table.radius[i]), table.radius[i])
         set_constants(new, p, reduced, table.mass[i], table.alpha)
+        for c in range(2):
+            lightness = lightness_of_granule(world, i // table.per, c) + drive[b, LIGHT + c]
+            put_mass_ratio(new.mass_ratio, p, c, table.mass[i], lightness)
         aim(new, p, motion[b, X] - rows[i, X], motion[b, Y] - rows[i, Y], table.period)
     reach_patches(patches, constituent, table.per)
     return Surface(first, surface.end, surface.planes, radius, new)
@@ -236,8 +262,8 @@ def rebuild_neighbor_list(world, table):
     note_places(rows, reference)
     note_places(boundaries.motion, boundaries.reference)
     pairs, patches = list_pairs(world, table)
-    walls = list_surface(world.walls, boundaries.motion, rows, table, patches)
-    cylinder = list_surface(world.cylinder, boundaries.motion, rows, table, patches)
+    walls = list_surface(world.walls, world, table, patches)
+    cylinder = list_surface(world.cylinder, world, table, patches)
     reach_held(world.held, patches)
     own, old = rows.shape[0], world.constituent_force
     constituent_force = either(room_for_forces(patches, old, own), old)

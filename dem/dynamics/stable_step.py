@@ -45,11 +45,6 @@ class Bounds(NamedTuple):
 
 
 @optional
-def normal_damping(damping, p, sqrt_overlap):
-    return damping[p] * math.sqrt(sqrt_overlap)
-
-
-@optional
 def weight_of_spin(root_inverse_inertia, lever, i):
     """Mass-weighted lever of granule i."""
     return lever * root_inverse_inertia[i]

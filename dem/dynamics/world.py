@@ -29,7 +29,8 @@ class Contacts(NamedTuple):
     constituent, partner (m,): the constituent, and its partner: one with a higher index, or a boundary. force_row (m,): where the force on the partner is added, see Patches. first
     (constituents + 1,): the pairs of constituent i are the rows first[i] to first[i + 1]; None for
     walls and cylinder. stiffness (m,): 4/3 E* sqrt(R*), N m^-1.5. modulus: 4/3 E*, Pa. damping
-    (m,): alpha sqrt(m* k), or None. friction: its parameters, or None; what a frictional contact
+    (m,): alpha sqrt(m k), or None. mass_ratio (2, m): m/m* for a normal along x and along y, where a boundary
+    that is driven yields; None where none does: m is then m*. friction: its parameters, or None; what a frictional contact
     remembers, or None: tangential_force (m,) of the spring (N), and sqrt_overlap (m,), the last one
     (m^0.5). normal_x, normal_y (m,): last normal of two granules that are not round, or None.
     shift_x, shift_y (m,): along a periodic side, whole periods (m) that lead from the place of the
@@ -45,6 +46,7 @@ class Contacts(NamedTuple):
     stiffness: np.ndarray
     modulus: float
     damping: np.ndarray | None
+    mass_ratio: np.ndarray | None
     friction: FrictionParameters | None
     tangential_force: np.ndarray | None
     sqrt_overlap: np.ndarray | None
