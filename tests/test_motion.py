@@ -288,6 +288,49 @@ def test_a_driven_group_and_a_disc_share_their_momentum():
     assert_allclose(apart, [0.0, 0.9e-3], rtol=0.0, atol=1e-15)
 
 
+def driven(mover, ratio, drive, gap, **changes):
+    """A disc beside a boundary that has `ratio` times its mass, at its right, with a fixed wall at its left; drive:
+    of force, mass and velocity along x and y."""
+    r, at = 1e-3, 0.3 * FAR
+    mass = dem.Scene(dem.Disc([r]), SOFT, thickness=1e-3).mass[0]
+    each = dem.Drive(drive, ratio * mass)
+    places = {"wall": {"motions": {RIGHT: each}, "walls": [[-1, 0, -at], [1, 0, at + 2 * r + gap]]},
+              "cylinder": {"cylinder": dem.Cylinder(2 * r, (at + 3 * r + gap, 0.5), each)},
+              "held": {"held": [dem.Held([1], each)]}}[mover]  # fmt: skip
+    walls = np.array(places.pop("walls", [[-1, 0, -at], [1, 0, FAR]]), float)
+    motions = places.pop("motions", {})
+    return scene(
+        dem.Disc([r, r]), walls=walls, wall_motion=[STILL, motions.get(RIGHT, STILL)], **places | changes
+    ), np.array([[at + r, 0.5], [at + 3 * r + gap, 0.5 if mover == "held" else 0.1]]), mass  # fmt: skip
+
+
+@pytest.mark.parametrize("ratio", [0.1, 1.0, 10.0])
+@pytest.mark.parametrize("mover", ["wall", "cylinder", "held"])
+def test_a_driven_boundary_returns_the_restitution_that_is_asked_for(mover, ratio):
+    """To 1 %, at any ratio of masses: the speed of separation over that of approach."""
+    made, place, mass = driven(mover, ratio, (0.0, None), 1e-5)
+    run = dem.Simulation(made, dem.State(place, [[1.0, 0.0], [0.0, 0.0]]), ledger=True)
+    impulse, before = 0.0, run.ledger().before
+    while not impulse or run.contacts().granule.size:
+        run.advance(2e-5)
+        impulse = mass * (1.0 - run.state.velocity[0, 0])
+    separation = impulse / (ratio * mass) - run.state.velocity[0, 0]
+    assert separation == pytest.approx(SOFT.restitution, rel=1e-2)
+    ledger = run.ledger()
+    assert ledger.residual < 1e-2 and ledger.before == before
+
+
+@pytest.mark.parametrize("ratio", [0.1, 1.0, 10.0])
+@pytest.mark.parametrize("mover", ["wall", "cylinder", "held"])
+def test_the_work_of_a_driven_boundary_is_what_it_loses(mover, ratio):
+    """A force presses it from rest on a disc: the ledger adds up to a thousandth."""
+    made, place, _ = driven(mover, ratio, (-0.5, None), 5e-6, material=ELASTIC)
+    run = dem.Simulation(made, dem.State(place), ledger=True, step_fraction=0.05)
+    run.advance(2e-4)
+    ledger = run.ledger()
+    assert ledger.work > 0.0 and ledger.residual < 1e-3
+
+
 def test_the_stress_between_held_granules_is_the_force_on_them():
     """Across a line through a disc that two held ones squeeze."""
     r, middle = 1e-3, 0.3 * FAR

@@ -366,8 +366,9 @@ def greatest_acceleration(force, inverse_mass, inverse_inertia, table):
 
 @inlined
 def expected_speed(world, skin, speed_bound):
-    """Greatest speed (m/s) before the lists are rebuilt: of granules, boundaries, and a fall."""
+    """Greatest speed (m/s) before the lists are rebuilt: of granules, boundaries that may be driven, and a fall."""
     squared = greater(fastest(world.boundaries), speed_bound * speed_bound)
+    squared += 2.0 * skin * driven_acceleration(world.boundaries)
     return math.sqrt(plus(squared, fall_squared(world.gravity, skin)))
 
 
