@@ -1,6 +1,7 @@
 """What the library takes and what it refuses: every argument of every public class and function."""
 
 import os
+import re
 import warnings
 
 import numpy as np
@@ -234,6 +235,17 @@ def test_what_granules_refuse_is_said_with_the_shape(monkeypatch):
     monkeypatch.setattr(dem.Superellipse, "of_size", of_size)
     said = of_class(monkeypatch, "dem.shapes.superellipse", "Superellipse")
     assert said == "shapes.c1 (disc): bulge is 1.0; it must lie in 0 to 0.12."
+
+
+def test_granules_have_the_areas_of_discs_of_their_diameters(monkeypatch):
+    """Others would make a bed of another packing fraction: refused with the class and both areas."""
+    right = dem.Superellipse.of_size
+    monkeypatch.setattr(dem.Superellipse, "of_size", lambda size, ratio: right(1.001 * size, ratio))
+    said = of_class(monkeypatch, "dem.shapes.superellipse", "Superellipse")
+    assert said.startswith("shapes.c1 (disc): Superellipse.of_size gives a granule of ")
+    found, diameter, wanted = map(float, re.findall(r"\S+e-\d+|0\.\d+", said))
+    assert found / wanted == pytest.approx(1.001**2, rel=1e-6)
+    assert wanted == pytest.approx(0.25 * np.pi * diameter**2, rel=1e-5)
 
 
 KINDS = {

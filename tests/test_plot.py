@@ -1,6 +1,7 @@
 """Figures, films and files of a user's own result."""
 
 from io import BytesIO
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,8 +11,11 @@ from numpy.testing import assert_allclose
 from PIL import Image
 
 import dem
-from dem.figures import bed, film, style
+from dem.figures import bed, figure09, film, style
 from dem.figures.frames import frames_of, of_result
+from dem.report import interactive
+
+FLOW = Path(__file__).parent.parent / "docs/data/flow.nc"
 
 SOFT = dem.Material(young_modulus=1e6)  # so that a contact lasts for all frames
 RADIUS = np.array([1e-3, 0.6e-3])
@@ -216,3 +220,22 @@ def test_a_folder_and_a_file_of_somebody_are_kept(results, tmp_path, name):
             result.to_netcdf(path) if name.endswith(".nc") else dem.film(result, path)
     assert not list(folder.iterdir()) and notes.read_text() == "notes"
     assert len(list(tmp_path.iterdir())) == 2
+
+
+AS_DISCS = ", drawn as discs of equal area"
+
+
+@pytest.mark.parametrize(("kind", "words"), [("disc", ""), ("pebbles.Pebble", AS_DISCS)])
+def test_a_picture_says_where_outlines_are_not_those_of_the_granules(kind, words):
+    """No reader of results runs the file of a shape of one's own, so that its granules are drawn as discs."""
+    with xr.open_dataset(FLOW) as flow:
+        flow = flow.load()
+    flow["kind"] = ("case", np.where(flow["case"] == "c1", kind, flow["kind"]))
+    (label,) = (
+        text.get_text()
+        for axes in figure09.plot(flow.sel(case=["c1"])).axes
+        for text in axes.texts
+        if "c1" in text.get_text()
+    )
+    assert label.endswith(words or "µm") and kind in label
+    assert interactive.beds(flow)["cases"]["c1"]["drawn"] == words

@@ -168,12 +168,20 @@ def half(patch, name):
     return like_round(patch, **{name: property(lambda shape: 0.5 * function(shape))})
 
 
+def narrow(patch):
+    """The round shape whose of_size takes no account of its aspect ratio."""
+    made = round_shapes()
+    patch.setattr(made, "of_size", lambda size, ratio: made(0.5 * size), raising=False)
+    return round_shapes()(SIZES)
+
+
 def open_polygons(shape, points=64):
     return smooth.polygons(shape, points + 20)[:, :, :points]
 
 
 WRONG = {
     "area is": lambda patch: half(patch, "area"),
+    "of_size gives a granule of 3.490659e-07 m2": narrow,
     "gyration_squared is": lambda patch: half(patch, "gyration_squared"),
     "bounding_radius is": lambda patch: half(patch, "bounding_radius"),
     "constituent_bounding_radius does not hold": lambda patch: half(

@@ -15,6 +15,7 @@ from dem.packing.pressed import START, compact
 from dem.packing.random import Bed, Room, pack
 from dem.periodic import Periods, periods_of
 from dem.scene import Cylinder
+from dem.shapes import of_size
 
 PREPARATIONS = {"relaxed": pack, "grown": grow}  # by packing.preparation
 
@@ -23,7 +24,7 @@ def shaped(replicate: Replicate, diameters: np.ndarray, *options):
     """Granules with the area of discs of these diameters (m); raises InputError with the shape."""
     shape = replicate.shape
     try:
-        return replicate.kind.shape.of_size(diameters, shape.ratio, *options)
+        return of_size(replicate.kind.shape, diameters, shape.ratio, *options)
     except InputError as error:
         raise InputError(f"shapes.{replicate.label} ({shape.kind}): {error}") from None
 

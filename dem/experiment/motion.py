@@ -7,12 +7,11 @@ import numpy as np
 
 from dem.dynamics.contact_list import ContactList
 from dem.dynamics.simulation import Simulation
-from dem.experiment.bed import periods
+from dem.experiment.bed import periods, shaped
 from dem.experiment.config import Replicate
 from dem.experiment.scene import make_scene
 from dem.packing.random import Bed
 from dem.periodic import Periods
-from dem.shapes import outlines
 
 
 class Motion(NamedTuple):
@@ -40,10 +39,7 @@ class Motion(NamedTuple):
     @property
     def outlines(self) -> np.ndarray:
         """Outlines (n, rings, points, 2) in m about the centre at angle zero."""
-        shape = self.replicate.shape
-        return outlines(
-            shape.kind, self.diameters, shape.ratio, self.replicate.configuration.beside
-        )
+        return shaped(self.replicate, self.diameters).polygons(33)
 
     def nearest(self, displacement: float) -> int:
         """The snapshot nearest to a displacement of the cylinder (m)."""

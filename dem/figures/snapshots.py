@@ -28,9 +28,10 @@ def beds(dataset: xr.Dataset, shapes: tuple[str, ...], colors: str, title: str) 
     figure = Figure(figsize=(style.WIDTH, 0.9 + 3.05 * len(there)))
     grid = figure.subplots(len(there), len(snapshots), squeeze=False)
     for row, case in zip(grid, there, strict=True):
-        _row(row, dataset.sel(case=case), snapshots, colors, dataset.attrs)
+        one = dataset.sel(case=case)
+        _row(row, one, snapshots, colors, dataset.attrs)
         row[0].annotate(
-            f"{case}: {style.describe(dataset.sel(case=case))}", (-0.04, 0.5), rotation=90,
+            f"{case}: {style.describe(one)}{style.drawn(one)}", (-0.04, 0.5), rotation=90,
             xycoords="axes fraction", ha="right", va="center", fontsize=11,
         )  # fmt: skip
     for axes, snapshot in zip(grid[0], snapshots, strict=True):

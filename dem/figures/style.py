@@ -98,6 +98,11 @@ def describe(case: xr.Dataset, separator: str = ", ") -> str:
     return separator.join(parts + [f"{ratio:g}:1"] * free)
 
 
+def drawn(case: xr.Dataset) -> str:
+    """What is to be said of a picture of a bed: nothing, unless dem.shapes.outlines draws others."""
+    return "" if str(case["kind"].values) in KINDS else ", drawn as discs of equal area"
+
+
 def runs(dataset: xr.Dataset) -> str:
     """How many runs each number comes from: "5 runs", or "5 to 10 runs"."""
     values = dataset["run_mean"] if "run_mean" in dataset else dataset["drag"].isel(displacement=0)

@@ -85,7 +85,7 @@ def beds(flow: xr.Dataset) -> dict:
             "granules": int(known.sum()), "diameter": one["bed_diameter"].values[known].round(9).tolist(),
             "x": _packed(x, scale), "y": _packed(y, scale),
             "angle": _packed(np.mod(angle, 2.0 * np.pi), 2.0 * np.pi),
-            "axis": one["bed_cylinder_y"].values.tolist(),
+            "axis": one["bed_cylinder_y"].values.tolist(), "drawn": style.drawn(one),
         }  # fmt: skip
     moved = (1e3 * flow["snapshot_displacement"].values).tolist()
     return {

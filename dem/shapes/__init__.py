@@ -7,6 +7,7 @@ wrong with a shape. Here you may add a shape, or a way to find a contact. Shapes
 own: dem.base.outside.
 """
 
+import math
 from pathlib import Path
 from typing import NamedTuple
 
@@ -17,6 +18,7 @@ from dem.base.sources import defined_in, file_of
 
 NO_BITS = "finds the file of a shape"
 HOW = "docs/howto/shape.md"
+SAME = 1e-6  # relative error of the areas of granules that are asked for by their diameters
 
 
 class Kind(NamedTuple):
@@ -67,11 +69,24 @@ def kind_of(name: str, beside: str | None = None) -> Kind:
     return Kind(where, last)
 
 
-def outlines(kind: str, diameters, ratio: float, beside: str | None = None):
+def of_size(cls: type, diameters, ratio: float, *options):
+    """Granules of a class with the areas of discs of these diameters (n,) in m; raises InputError where
+    they have others."""
+    made, asked = cls.of_size(diameters, ratio, *options), 0.25 * math.pi * diameters**2
+    off = abs(made.area / asked - 1.0)
+    if not off.max() <= SAME:
+        g = off.argmax()
+        raise InputError(
+            f"{cls.__name__}.of_size gives a granule of {made.area[g]:.7g} m2 for a diameter of {diameters[g]:g} m; "
+            f"it must have the area of that disc, {asked[g]:.7g} m2."
+        )
+    return made
+
+
+def outlines(kind: str, diameters, ratio: float):
     """Outlines (n, rings, points, 2) in m about the centre at angle zero, to draw.
 
-    Those of a user's own are ellipses where it is not said that their file may run: readers of
-    results run no code that the results name.
+    Those of a user's own are discs of equal area: readers of results run no code that the
+    results name.
     """
-    known = kind if kind in KINDS or beside else "ellipse"
-    return kind_of(known, beside).shape.of_size(diameters, ratio).polygons(33)
+    return KINDS.get(kind, KINDS["disc"]).shape.of_size(diameters, ratio).polygons(33)

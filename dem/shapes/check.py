@@ -15,7 +15,7 @@ from dem.jit.block_memory import OUTLINE
 from dem.jit.columns import FX, FY, TAU, X, Y, rows
 from dem.jit.compilation import compiled
 from dem.jit.optional import either
-from dem.shapes import smooth
+from dem.shapes import of_size, smooth
 from dem.shapes.protocol import (
     circle,
     collect,
@@ -41,6 +41,7 @@ POINTS = 1025
 DIRECTIONS = 4096  # at which the outline is felt
 FINE = 2**18  # at which it is felt for jumps of the lever: one of 0.03 sizes is beyond BEND
 TURN = 2.1  # rad
+RATIO = 1.5  # length over width of granules that are asked for by their size
 LOOSE = 1.2  # bounding circle over the outline's own
 BEND = 1e3  # over size: at overlaps of a thousandth it turns a granule as the longest lever does
 
@@ -149,7 +150,8 @@ def check_shape(shape) -> None:
     ------
     InputError
         If these are no granules, or they break a law, with one sentence for each: area, inertia and bounding circle
-        fit the outline, a contact is the same from both sides, and forces have a potential.
+        fit the outline, `of_size` gives the area of a disc, a contact is the same from both sides, and forces have
+        a potential.
 
     Notes
     -----
@@ -167,6 +169,8 @@ def check_shape(shape) -> None:
     name = type(shape).__name__
     _refuse(name, [shape.fault or ""])
     _refuse(name, _wrong_numbers(shape))
+    if hasattr(shape, "of_size"):
+        of_size(type(shape), 2.0 * np.sqrt(shape.area / np.pi), RATIO)
     pairs = _pairs(shape)
     for numbers in pairs:
         two = Two(resized(shape, lambda size, numbers=numbers: size[numbers]))

@@ -61,7 +61,7 @@ function draw() {
   pen.lineWidth = 2 / scale;
   pen.strokeStyle = "black";
   pen.strokeRect(0, 0, BEDS.width, bed.height[snapshot]);
-  document.getElementById("where").textContent = `${shown} after ${moved[snapshot].toFixed(2)} mm`;
+  document.getElementById("where").textContent = `${shown} after ${moved[snapshot].toFixed(2)} mm${bed.drawn}`;
   document.getElementById("bed").setAttribute("aria-label", `The bed of ${shown} after ${moved[snapshot].toFixed(2)} mm, granules in layers`);
   slider.value = snapshot;
   slider.setAttribute("aria-valuetext", `${moved[snapshot].toFixed(2)} mm`);
