@@ -19,18 +19,23 @@ SIZES = 1e-3 * np.array([0.5, 0.7, 1.0])
 
 
 def egg_support(nx, ny, sizes):
-    """Three bulges: h = r (1 + e cos 3 phi), without a centre of symmetry."""
-    r, e = sizes
+    """Three bulges: h = r (1 + e cos 3 phi + c cos phi), without a centre of symmetry."""
+    r, e, c = sizes
     cosine, sine = nx * (4.0 * nx * nx - 3.0), ny * (3.0 - 4.0 * ny * ny)
-    return r * (1.0 + e * cosine), -3.0 * r * e * sine, r * (1.0 - 8.0 * e * cosine)
+    return r * (1.0 + e * cosine + c * nx), -r * (3.0 * e * sine + c * ny), r * (1.0 - 8.0 * e * cosine)
 
 
 @smooth.smooth(egg_support)
 class Egg(NamedTuple):
-    """Granules that no half turn brings back."""
+    """Granules that no half turn brings back; loaded: how far the outline is off the centre of mass, over r."""
 
     radius: np.ndarray
     bulge: float = 0.08
+    loaded: float = 0.0
+
+    @property
+    def gyration_squared(self):
+        return smooth.gyration_squared(self)
 
 
 def granules(kind, diameters=SIZES):
@@ -39,6 +44,7 @@ def granules(kind, diameters=SIZES):
 
 RIGHT = {kind: lambda kind=kind: granules(kind) for kind in KINDS} | {
     "egg": lambda: Egg(SIZES),
+    "loaded egg": lambda: Egg(SIZES, 0.05, 0.3),
     "one granule": lambda: dem.Superellipse.of_size(SIZES[:1], 1.5),
     "box": lambda: dem.Superellipse.of_size(SIZES, 3.0, 20.0, 0.01),
     "star": lambda: dem.Superellipse.of_size(SIZES, 1.0, 1.2, 0.1),
@@ -346,6 +352,23 @@ def test_elastic_bounces_keep_energy_alike(name):
     error = [np.median(np.abs(gains(scene, state, step))) for step in steps]
     assert np.polyfit(np.log(steps), np.log(error), 1)[0] > 2.0
     assert error[-1] < 3e-8
+
+
+def test_a_granule_turns_about_its_centre_of_mass_wherever_its_outline_is():
+    """An elastic hit on a floor gives a loaded disc the momentum and the spin of a rigid body whose lever is the
+    distance of its centre of mass from the line of the force."""
+    disc, speed, lever = Egg(np.array([1e-3]), 0.0, 0.3), 1.0, 0.3e-3
+    scene = dem.Scene(
+        disc, dem.Material(restitution=1.0 - 1e-12), friction=LEAST,
+        **APART | {"walls": [[0.0, -1.0, 0.0], *APART["walls"][:3]]},
+    )  # fmt: skip
+    start = dem.State([[0.0, 1.01e-3]], velocity=[[0.0, -speed]])
+    after = dem.simulate(scene, start, 5e-5).state
+    inertia = disc.gyration_squared[0] / lever**2  # over mass and lever squared
+    spin = 2.0 * speed / lever / (1.0 + inertia)
+    assert after.velocity[0, 1] == pytest.approx(speed * (inertia - 1.0) / (inertia + 1.0), rel=1e-3)
+    assert after.angular_velocity[0] == pytest.approx(spin, rel=1e-3)
+    assert abs(after.velocity[0, 0]) < 1e-9 * speed
 
 
 def test_granules_without_symmetry_pack():

@@ -302,10 +302,12 @@ def _curvature_fault(shape, g, bend, size):
 
 
 def _outline_faults(two):
-    """Polygons must be closed, convex, about the centroid, with the stated area and inertia."""
+    """Polygons must be closed, convex, with the stated area and inertia, and about the centroid unless the
+    class states an inertia of its own: its mass is then not spread evenly."""
     from scipy.spatial import ConvexHull
 
     shape, said = two.shape, []
+    uniform = getattr(type(shape).gyration_squared, "fget", None) is smooth.gyration_squared
     rings = np.asarray(shape.polygons(POINTS))
     if rings.ndim != 4 or rings.shape[0] != 2 or rings.shape[2:] != (POINTS, 2):
         return [
@@ -324,10 +326,12 @@ def _outline_faults(two):
         if not np.isclose(area, told, rtol=NEAR):
             said.append(f"area is {told:g} m2; its outline has {area:g} m2.")
         if math.hypot(x, y) > NEAR * size:
-            said.append(
-                f"the centre of mass is at c = ({x:.6g}, {y:.6g}) m; it must be the centre: subtract "
-                "c_x nx + c_y ny from the support function h, and c_y nx - c_x ny from q."
-            )
+            if uniform:
+                said.append(
+                    f"the centre of mass is at c = ({x:.6g}, {y:.6g}) m; it must be the centre: subtract "
+                    "c_x nx + c_y ny from the support function h, and c_y nx - c_x ny from q; or define "
+                    "gyration_squared, if the mass is not spread evenly."
+                )
         elif not np.isclose(moment / area, spread, rtol=NEAR):
             said.append(f"gyration_squared is {spread:g} m2; its outline has {moment / area:g} m2.")
         far = np.hypot(*own.reshape(-1, 2).T).max()
