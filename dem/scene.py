@@ -39,6 +39,8 @@ from dem.motion import (
 )
 from dem.periodic import ROOM, Periods, walled
 
+ROUNDED, EXACT = 1e-3, 1e-8  # off 1: the length of a normal that is rounded, and of a unit vector
+DIGITS = 12  # in which two walls are one
 POISSON = number("lie above -1 and up to 0.5", math.nextafter(-1.0, 0.0), 0.5)
 
 
@@ -241,13 +243,18 @@ def granules(name: str, value: Any) -> Any:
 
 def planes(name: str, value: Any) -> np.ndarray:
     """Kind: walls, as box returns them; returned as a copy that cannot be written."""
-    rows = fixed(array(FINITE, None, 3, each="row")(name, value))
-    for row, length in enumerate(np.hypot(rows[:, 0], rows[:, 1])):
-        if abs(length - 1.0) > 1e-8:
-            raise InputError(
-                f"{name} of row {row} has a normal (nx, ny) of length {length:.6g}; it must be 1."
-            )
-    return rows
+    rows = array(FINITE, None, 3, each="row")(name, value)
+    length = np.hypot(rows[:, :1], rows[:, 1:2])
+    off = np.abs(length - 1.0)
+    if off.max() > ROUNDED:
+        row = off.argmax()
+        raise InputError(
+            f"{name} of row {row} has a normal (nx, ny) of length {length[row, 0]:.6g}; it must be 1."
+        )
+    rows = np.where(off > EXACT, rows / length, rows)
+    if len(np.unique(rows.round(DIGITS) + 0.0, axis=0)) < len(rows):  # without negative zeros
+        raise InputError(f"{name} has a wall twice; give it once, because both would push.")
+    return fixed(rows)
 
 
 PERIODS = sides(
@@ -277,7 +284,8 @@ class Scene(Kept):
     friction : Friction, optional
         Friction of all contacts; None for smooth ones.
     walls : array_like of shape (w, 3), optional
-        One row (nx, ny, offset) per wall, offset in m, as `box` returns them.
+        One row (nx, ny, offset) per wall, offset in m, as `box` returns them. A normal whose length is
+        1 within a thousandth is rounded, and its row is divided by its length.
     cylinder : Cylinder, optional
         Cylinder that moves through the granules.
     gravity : tuple of float, optional
@@ -302,7 +310,7 @@ class Scene(Kept):
     ------
     InputError
         If a value cannot be used, for instance if a wall's normal is not a unit vector, if a wall
-        crosses a periodic side, or if a period is so short that a granule could touch two images
+        is given twice or crosses a periodic side, or if a period is so short that a granule could touch two images
         of one body.
 
     Notes

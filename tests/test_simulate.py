@@ -58,7 +58,11 @@ WRONG = {
     "thickness is 0.0": lambda: two_discs(thickness=0.0),
     "gravity": lambda: two_discs(gravity=(0.0, NAN)),
     "walls has shape (1, 2)": lambda: two_discs(walls=[[1.0, 0.0]]),
-    "length 1": lambda: two_discs(walls=[[1.0, 1.0, 0.0]]),
+    "of length 1.41421; it must be 1": lambda: two_discs(walls=[[1.0, 1.0, 0.0]]),
+    "of length 1.0015; it must be 1": lambda: two_discs(walls=[[1.0015, 0.0, 1.0]]),
+    "walls has a wall twice; give it once": lambda: two_discs(
+        walls=[[0.6, 0.8, 1.0], [1.0, 0.0, 1.0], [0.60006, 0.80008, 1.0001]]
+    ),
     "box width is -1.0": lambda: dem.box(-1.0, 1.0),
     "density is 0.0": lambda: dem.Material(density=0.0),
     "young_modulus is nan": lambda: dem.Material(young_modulus=NAN),
