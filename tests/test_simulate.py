@@ -1,6 +1,7 @@
 """The library call: what it refuses, where it stops, and what its time step promises."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -192,15 +193,48 @@ def test_overlap_guard_names_granule_and_step(small_bed, kind):
         dem.simulate(small.scene(), small.state, 1e-3, max_overlap=limit)
 
 
+LONG = "time_step is .* s, longer than the critical one, .* at step {}, time .* allow_unstable"
+
+
 @pytest.mark.parametrize("factor", [6.0, 10.0, 1e3, 1e6])
 @pytest.mark.parametrize(("kind", "fraction"), STIFF)
 def test_too_large_a_time_step_is_an_error_with_a_name(small_bed, kind, fraction, factor):
-    """A fixed step far beyond the critical one ends in a RunError, not in numbers."""
+    """A fixed step beyond the critical one is refused, and where it is allowed, far beyond it ends in a
+    RunError, not in numbers."""
     small = small_bed(kind, fraction=fraction)
     run = dem.Simulation(small.scene(), small.state)
     step = factor * run.diagnose().critical_time_step
-    with pytest.raises(dem.RunError, match="step"):
-        dem.simulate(small.scene(), small.state, 300 * step, time_step=step)
+    arguments = small.scene(), small.state, 300 * step, step
+    with pytest.raises(dem.StateError, match=LONG.format(0)):
+        dem.simulate(*arguments)
+    with pytest.warns(RuntimeWarning, match="critical"), pytest.raises(dem.RunError, match="step"):
+        dem.simulate(*arguments, allow_unstable=True)
+
+
+def test_a_fixed_step_is_refused_from_the_critical_one_on(small_bed):
+    """Just below it a simulation is made without a word."""
+    small = small_bed("disc")
+    critical = dem.Simulation(small.scene(), small.state, 1e-9).diagnose().critical_time_step
+    dem.Simulation(small.scene(), small.state, 0.999 * critical)
+    with pytest.raises(dem.StateError, match=LONG.format(0)):
+        dem.Simulation(small.scene(), small.state, 1.001 * critical)
+
+
+def test_a_fixed_step_that_becomes_too_long_ends_the_run(small_bed):
+    """Faster collisions are stiffer: the run ends before they come, where a longer step is not allowed."""
+    small = small_bed("disc")
+    still = replace(small.cylinder, velocity=(0.0, 0.0))
+    probe = dem.Simulation(small.scene(cylinder=still), small.state)
+    step = 0.9 * probe.diagnose().critical_time_step
+    for allowed in (False, True):
+        run = dem.Simulation(small.scene(cylinder=still), small.state, step, allow_unstable=allowed)
+        run.advance(10 * step)
+        run.set_cylinder_velocity((0.0, 100.0))
+        if allowed:
+            run.advance(step)
+            continue
+        with pytest.raises(dem.StateError, match=LONG.format(10)):
+            run.advance(step)
 
 
 def test_critical_time_step_does_not_depend_on_how_contacts_are_found():

@@ -22,6 +22,7 @@ from dem.dynamics.stepping import (
     OUTSIDE,
     PAUSED,
     TOO_LONG,
+    UNSTABLE,
     Progress,
     Schedule,
     StepControl,
@@ -241,6 +242,11 @@ class Engine:
                 f"the time step has shrunk too far {when}. The time step is {value:.3g} s, less than the contacts "
                 f"of this scene and its speeds at the start can ask for ({self._rules.collapsed:.3g} s), and what "
                 f"remains would take more than {MOST_WORK / len(self._order):.0e} steps: granules are too fast."
+            )
+        if outcome == UNSTABLE:
+            raise StateError(
+                f"time_step is {self._rules.time_step:.4g} s, longer than the critical one, {value:.4g} s, {when}: "
+                "make it shorter, leave it out, or set allow_unstable."
             )
         if outcome == OUTSIDE:
             assert self._world.walls is not None

@@ -2,6 +2,7 @@
 
 import math
 import os
+import warnings
 from collections.abc import Mapping
 from typing import Annotated
 
@@ -73,7 +74,8 @@ class Simulation(Engine):
     state : State
         Positions and velocities at the start.
     time_step : float, optional
-        Fixed time step (s). None for one that is held below the critical one (recommended).
+        Fixed time step (s), not longer than the critical one at any time. None for one that is held below
+        it (recommended).
     step_fraction : float
         Time step over the critical one, both without damping, without unit, above 0 and up to 1. The
         default keeps the energy of elastic gases; 0.5 is enough for dense beds with damping.
@@ -89,8 +91,9 @@ class Simulation(Engine):
     ledger : bool
         Keep an energy ledger. A run takes about ten per cent longer.
     allow_unstable : bool
-        Take the requested step, even if it is unstable. `step_fraction` may then exceed
-        1, and no step is shortened for fast granules.
+        Take the requested step, even if it is unstable. `step_fraction` may then exceed 1, no step is
+        shortened for fast granules, and a `time_step` that is longer than the critical one at the start
+        is a RuntimeWarning.
 
     Attributes
     ----------
@@ -104,9 +107,9 @@ class Simulation(Engine):
     Raises
     ------
     InputError
-        If a value cannot be used, or the state is not for the granules of the scene.
+        If a value cannot be used, or the state is not for the granules and the boundaries of the scene.
     StateError
-        If a granule is outside the walls.
+        If a granule is outside the walls, or `time_step` is longer than the critical one.
 
     See Also
     --------
@@ -184,6 +187,13 @@ class Simulation(Engine):
             collapsed=least,
         )
         super().__init__(world, table, rules, self._order, threads)
+        critical = self._latest()[1].diagnostics.critical_time_step
+        if rules.time_step > critical:
+            warnings.warn(
+                f"time_step is {time_step:.4g} s, longer than the critical one, {critical:.4g} s: motions can grow.",
+                RuntimeWarning,
+                stacklevel=3,
+            )
         self._start = (sum(balance(self._world)), fallen(self._world)) if ledger else None
 
     @property
@@ -594,8 +604,8 @@ class Simulation(Engine):
         InputError
             If the duration takes too many time steps.
         StateError
-            If a position or velocity is not a number, a granule leaves the walls, or the time step
-            shrinks too far. The message names step, time and granule.
+            If a position or velocity is not a number, a granule leaves the walls, the time step
+            shrinks too far, or the critical one becomes shorter than a fixed one. The message names step, time and granule.
         OverlapError
             If an overlap exceeds `max_overlap`.
 

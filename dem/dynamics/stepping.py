@@ -20,7 +20,7 @@ from dem.jit.columns import X, Y
 from dem.jit.compilation import INLINED, compiled, inlined
 from dem.jit.optional import either, optional
 
-FINE, LOST, TOO_DEEP, OUTSIDE, TOO_LONG, COLLAPSED, PAUSED = range(7)
+FINE, LOST, TOO_DEEP, OUTSIDE, TOO_LONG, COLLAPSED, UNSTABLE, PAUSED = range(8)
 MOST_STEPS = 1e11  # an hour or more for two granules, weeks for a bed of hundreds
 MOST_WORK = 4e8  # steps times granules, once the step has collapsed: less than a minute
 SURVEY = 20  # steps that take as long as a survey, roughly
@@ -35,8 +35,8 @@ class StepControl(NamedTuple):
 
     time_step (s): fixed, or 0 for a rung of the ladder below the bound. max_overlap: over the smaller
     radius. reach (m): displacement of a constituent that stops the run, because a contact may have been
-    missed; lists are rebuilt before. flies: whether no step is shortened for fast granules. frame (2,):
-    velocity (m/s) that is taken off all. collapsed (s): a step below has collapsed
+    missed; lists are rebuilt before. flies: whether no step is shortened for fast granules, and a fixed one may
+    be longer than the critical one. frame (2,): velocity (m/s) that is taken off all. collapsed (s): a step below has collapsed
     (dem.dynamics.assembly.least_step); 0 where the step is fixed.
     """
 
@@ -311,6 +311,9 @@ def run_steps(world, table, rules, schedule, before, record, threads):
                 pace = min(pace, dt)
         if n < intervals and not diagnostics.max_overlap <= rules.max_overlap:
             outcome, value, granule = TOO_DEEP, diagnostics.max_overlap, diagnostics.deepest
+            break
+        if rules.time_step > diagnostics.critical_time_step and not rules.flies:
+            outcome, value = UNSTABLE, diagnostics.critical_time_step
             break
         ends = begin + (n + 1) * interval
         if not max(until, ends) - time <= MOST_STEPS * dt:

@@ -89,7 +89,7 @@ def follow(scene: Scene, state: State, steps: int, numbers):
     were apart touch at the next look. NaN: energies after it has burst; the latter if it has not.
     """
     duration = first_speed()[1]
-    run = Simulation(scene, state, time_step=duration / steps)
+    run = Simulation(scene, state, time_step=duration / steps, allow_unstable=True)
     energy = np.full(len(numbers), np.nan)
     first, touching, done, filled = run.diagnose().kinetic_energy, 0, 0, 0
     while filled < len(numbers):

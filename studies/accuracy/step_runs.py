@@ -46,7 +46,7 @@ def ours(scene, fraction, share, pairs) -> Outcome:
     """Run a scene as users do."""
     steps, time_step = scene.steps(fraction * scene.critical_step, share)
     built, start = scene.start(time_step, pairs)
-    run = Simulation(built, start, time_step, skin=scene.skin)
+    run = Simulation(built, start, time_step, skin=scene.skin, allow_unstable=True)
     seconds, _ = _timed(lambda: run.advance(steps * time_step))
     return Outcome(scene.read(built, start, run.state), seconds)
 
