@@ -424,6 +424,9 @@ def reach(scene: Scene) -> float:
     return radius + max(radius, 0.5 * scene.cylinder.diameter if scene.cylinder else 0.0)
 
 
+ARRAYS = {"position": (2,), "velocity": (2,), "angle": (), "angular_velocity": ()}  # of a granule
+
+
 @dataclass(init=False)
 class State:
     """Positions and velocities of n granules; what is not given is zero.
@@ -438,6 +441,10 @@ class State:
         Angles (rad), anticlockwise; at zero the long axis is along x.
     angular_velocity : array_like of shape (n,), optional
         Angular velocities (rad/s), anticlockwise.
+    boundaries : array_like, optional
+        Of a state that a run has reached: offsets (m) of walls, place (m) of the cylinder and velocities (m/s,
+        rad/s) of all boundaries, if they are not those of the start. Only a scene where they are the same
+        goes on from it. None for a state that any scene may start from.
 
     Raises
     ------
@@ -458,6 +465,7 @@ class State:
     velocity: np.ndarray
     angle: np.ndarray
     angular_velocity: np.ndarray
+    boundaries: np.ndarray | None
 
     def __init__(
         self,
@@ -465,18 +473,14 @@ class State:
         velocity: ArrayLike | None = None,
         angle: ArrayLike | None = None,
         angular_velocity: ArrayLike | None = None,
+        boundaries: ArrayLike | None = None,
     ):
-        self.position = reals(None, 2)("position", position)
-        for name, value in (
-            ("velocity", velocity), ("angle", angle), ("angular_velocity", angular_velocity)
-        ):  # fmt: skip
-            shape = self._shapes(len(self.position))[name]
+        position = reals(None, 2)("position", position)
+        given = position, velocity, angle, angular_velocity
+        for (name, each), value in zip(ARRAYS.items(), given, strict=True):
+            shape = len(position), *each
             setattr(self, name, np.zeros(shape) if value is None else reals(*shape)(name, value))
-
-    @staticmethod
-    def _shapes(granules: int) -> dict[str, tuple[int, ...]]:
-        pair, one = (granules, 2), (granules,)
-        return {"position": pair, "velocity": pair, "angle": one, "angular_velocity": one}
+        self.boundaries = or_none(reals(None))("boundaries", boundaries)
 
     def checked(self, granules: int) -> "State":
         """A copy of the state, after a check that a simulation can start from it.
@@ -496,5 +500,6 @@ class State:
         InputError
             If an array is not for n granules, or a number is not finite.
         """
-        shapes = self._shapes(granules).items()
-        return State(*(array(FINITE, *s)(k, getattr(self, k)).copy() for k, s in shapes))
+        kinds = {name: array(FINITE, granules, *each) for name, each in ARRAYS.items()}
+        arrays = (kind(name, getattr(self, name)).copy() for name, kind in kinds.items())
+        return State(*arrays, self.boundaries)

@@ -152,7 +152,7 @@ def test_a_large_bed_keeps_momentum_and_the_order_of_its_granules():
     assert_allclose((m * (after.velocity - state.velocity)).sum(axis=0), 0.0, atol=1e-12 * total)
     order = np.random.default_rng(2).permutation(free.granules)
     shape = Disc(free.shape.radius[order])
-    fields = (value[order] for value in vars(state.checked(free.granules)).values())
+    fields = (value[order] for value in list(vars(state.checked(free.granules)).values())[:4])
     held = [Held(free.is_held[order])]
     other = Simulation(replace(free, shape=shape, held=held), State(*fields))
     other.record(1e-4, 1)

@@ -1,6 +1,7 @@
 """Walls, cylinder and held granules that move: on paths, or as the forces on them say."""
 
 import io
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -189,6 +190,42 @@ def test_a_boundary_on_a_path_is_where_its_velocity_leads():
     x = 1e-4 * np.array([0.0, 1.0, 1.5, 1.0, 0.5, 0.5, 0.5])
     y = 1e-4 * np.array([0.0, 0.0, 0.5, 2.0, 4.0, 6.0, 8.0])
     assert_allclose(moved, np.column_stack([x, y]), rtol=0.0, atol=1e-12)
+
+
+def test_a_run_goes_on_from_a_state_only_where_its_boundaries_are(small_bed):
+    """A state that was reached with moved boundaries is refused in a scene that has them at the start."""
+    lid = dem.Drive((None, -5.0), 1e-3)
+    path = dem.PrescribedMotion([0.0], [(0.5, 1.0)])
+    for motions, change in (
+        ({}, {"cylinder": replace(small_bed("disc").cylinder, velocity=path)}),
+        ({TOP: lid}, {}),
+        ({LEFT: (0.1, 0.0)}, {}),
+    ):
+        made, start = bed(small_bed, motions, **change)
+        run = dem.Simulation(made, start)
+        dem.Simulation(made, run.state)
+        run.advance(1e-5)
+        stopped, copied = replace(run.state, velocity=None), pickle.loads(pickle.dumps(run.state))
+        for state in (run.state, stopped, copied):
+            with pytest.raises(dem.InputError, match="state was reached with boundaries in other"):
+                dem.simulate(made, state, 1e-5)
+        dem.Simulation(made, replace(run.state, boundaries=None))
+
+
+def test_a_run_goes_on_where_its_boundaries_are_put(small_bed):
+    """What a Result says of walls and cylinder makes the scene, and forces go on; what is at rest binds none."""
+    velocity = dem.PrescribedMotion([0.0], [(0.0, 1.0)])
+    cylinder = replace(small_bed("disc").cylinder, velocity=velocity)
+    made, start = bed(small_bed, {TOP: (0.0, -0.1)}, cylinder=cylinder)
+    first = dem.simulate(made, start, 1e-5)
+    axis = replace(cylinder, position=first.cylinder_position[-1])
+    there = replace(made, walls=first.walls[-1], cylinder=axis)
+    second = dem.simulate(there, first.state, 1e-6)
+    assert second.wall_offset[0, TOP] == first.wall_offset[-1, TOP] < made.walls[TOP, 2]
+    assert_allclose(second.cylinder_position[-1], cylinder.position + np.array([0.0, 1.1e-5]))
+    resting = dem.simulate(*bed(small_bed), 1e-6).state
+    assert resting.boundaries is None
+    dem.simulate(made, resting, 1e-6)
 
 
 def test_a_held_granule_in_the_place_of_the_cylinder_feels_what_it_feels(small_bed):

@@ -11,7 +11,9 @@ from dem.base.files import atomic
 from dem.base.target import file_of
 from dem.base.validate import checked, whole
 from dem.dynamics.contact_list import ContactList
-from dem.scene import Scene, State
+from dem.dynamics.world import World
+from dem.jit.columns import VX, VY, W, X, Y
+from dem.scene import ARRAYS, Scene, State
 
 if TYPE_CHECKING:
     import xarray
@@ -70,6 +72,14 @@ def shares(scene: Scene, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.n
     return walls, cylinder.sum(axis=-2), held  # the cylinder: of one row or none
 
 
+def bearings(scene: Scene, world: World) -> np.ndarray:
+    """Offsets (m) of walls, place (x, y) in m of the cylinder, and velocities (m/s, rad/s) of all boundaries."""
+    motion = world.boundaries.motion
+    offsets = np.empty(0) if world.walls is None else world.walls.planes[:, 2]
+    place = shares(scene, motion)[1][[X, Y]]
+    return np.concatenate([offsets, place, motion[:, [VX, VY, W]].ravel()])
+
+
 # of a Result as a dataset: name: (dimensions, units, long name)
 RESULT = {
     "time": (("time",), "s", "time since the start"),
@@ -116,7 +126,8 @@ class Result(NamedTuple):
         Mean normal force on each wall since the frame before (N); NaN in the first frame.
     state : State
         The last state, from which another run can start. It does not hold the tangential springs
-        of the contacts: another run starts without them. Simulation.checkpoint keeps them.
+        of the contacts: another run starts without them. Simulation.checkpoint keeps them. Where boundaries
+        have moved, only a scene that has them there goes on from it.
     time_step : float
         Shortest time step taken (s).
     scene : Scene
@@ -207,7 +218,7 @@ class Result(NamedTuple):
             scene = replace(scene, cylinder=replace(scene.cylinder, position=place[frame]))
         if scene.walls is not None:
             scene = replace(scene, walls=self.walls[frame])
-        state = State(*(getattr(self, name)[frame] for name in vars(self.state)))
+        state = State(*(getattr(self, name)[frame] for name in ARRAYS))
         from dem.dynamics.simulation import Simulation  # which imports this file
 
         found = Simulation(scene, state).contacts()

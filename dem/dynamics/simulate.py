@@ -9,7 +9,7 @@ from dem.base.errors import InputError
 from dem.base.validate import checked
 from dem.dynamics.result import Result
 from dem.dynamics.simulation import DURATION, LARGEST_OVERLAP, PIECES, STEP_FRACTION, Simulation
-from dem.scene import Scene, State
+from dem.scene import ARRAYS, Scene, State
 
 MOST_KEPT = 2**30  # bytes of the frames of a result
 
@@ -102,8 +102,8 @@ def simulate(
 
 def _seen(run: Simulation, interval: float) -> dict[str, Any]:
     """The simulation as it is, and the mean forces (N) since the frame before, an interval (s) ago."""
-    world, (walls, cylinder, held) = run.world, run._collect()
-    found = vars(run.state) | {
+    world, state, (walls, cylinder, held) = run.world, run.state, run._collect()
+    found = {name: getattr(state, name) for name in ARRAYS} | {
         "time": run.time,
         "cylinder_force": (cylinder[:2] + cylinder[2:4]) / interval,
         "wall_force": walls[:, 0] / interval,

@@ -40,7 +40,7 @@ from dem.dynamics.diagnostics import Diagnostics
 from dem.dynamics.energy import Ledger, balance, energies, fallen
 from dem.dynamics.engine import Engine
 from dem.dynamics.ordering import order_of, ordered
-from dem.dynamics.result import Record, shares
+from dem.dynamics.result import Record, bearings, shares
 from dem.dynamics.skin import SKIN, skin_for
 from dem.dynamics.stepping import (
     MOST_STEPS,
@@ -165,6 +165,7 @@ class Simulation(Engine):
         self.scene, self.time_step = scene, time_step
         self.step_fraction, self.max_overlap = step_fraction, max_overlap
         state, frame = state.checked(scene.granules), (0.0, 0.0)
+        reached = state.boundaries
         if scene.walls is None and not scene.cylinder and not scene.held:
             x, y = np.average(state.velocity, axis=0, weights=scene.mass)
             frame = float(x), float(y)
@@ -173,6 +174,12 @@ class Simulation(Engine):
         scene, state = ordered(scene, state, self._order)
         table, least = granule_table(scene, skin or SKIN, step_fraction), 0.0
         world = assemble(scene, state, table, ledger)
+        self._begun = bearings(scene, world)
+        if reached is not None and not np.array_equal(reached, self._begun):
+            raise InputError(
+                "state was reached with boundaries in other places or at other speeds than those of scene; "
+                "go on with a Simulation, or move them in the scene and make boundaries of the state None."
+            )
         if skin is None:
             table = table._replace(skin=skin_for(scene, world, table, time_step))
         if not time_step:
@@ -190,7 +197,8 @@ class Simulation(Engine):
         critical = self._latest()[1].diagnostics.critical_time_step
         if rules.time_step > critical:
             warnings.warn(
-                f"time_step is {time_step:.4g} s, longer than the critical one, {critical:.4g} s: motions can grow.",
+                f"time_step is {time_step:.4g} s, longer than the critical one, {critical:.4g} s: "
+                "motions can grow.",
                 RuntimeWarning,
                 stacklevel=3,
             )
@@ -234,10 +242,12 @@ class Simulation(Engine):
 
     @property
     def state(self) -> State:
-        """Copy of positions (m), velocities (m/s), angles (rad) and angular velocities (rad/s)."""
+        """Copy of positions (m), velocities (m/s), angles (rad), angular velocities (rad/s) and `boundaries`."""
         back = np.argsort(self._order)
         bodies, angle = self._world.bodies[back], self._world.angle[back]
-        return State(bodies[:, :2].copy(), bodies[:, [VX, VY]], angle, bodies[:, W].copy())
+        reached = bearings(self.scene, self._world)
+        moved = None if np.array_equal(reached, self._begun) else reached
+        return State(bodies[:, :2].copy(), bodies[:, [VX, VY]], angle, bodies[:, W].copy(), moved)
 
     def collect_impulses(self) -> tuple[np.ndarray, np.ndarray]:
         """Impulses of the granules on cylinder and walls since the last call.
