@@ -228,10 +228,10 @@ def test_a_damaged_note_of_a_source_is_made_again(tmp_path, monkeypatch, damage)
     """And one that is there is used: hashes come without parsing."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     path = ROOTS["dem"] / "scene.py"
-    right = sources._read.__wrapped__(path)
+    right = sources._source(path.read_bytes(), path)
     (note,) = tmp_path.rglob("*.json")
     whole = note.read_bytes()
     note.write_bytes(damage)
-    assert sources._read.__wrapped__(path) == right and note.read_bytes() == whole
+    assert sources._source(path.read_bytes(), path) == right and note.read_bytes() == whole
     monkeypatch.setattr(sources, "_parse", None)
-    assert sources._read.__wrapped__(path) == right
+    assert sources._source(path.read_bytes(), path) == right

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from dem.analysis.flow.collect import make_flow
 from dem.base.errors import InputError
+from dem.base.outside import loaded
 from dem.io.lazily import open_results
 from dem.io.results_folder import prepare
 from dem.sweep.campaign import Campaign
@@ -56,6 +57,10 @@ def run_sweep(path: str | Path, executor=None, block: str | None = None) -> xr.D
     if block is not None and block not in campaign.sweep.blocks:
         raise InputError(f"block is {block!r}; {path} has {', '.join(campaign.sweep.blocks)}.")
     workers = workers_of(executor, campaign.store)
+    if executor is None:
+        for name in campaign.sweep.blocks:
+            for module in {each for run in campaign.block(name).unique() for each in run.modules}:
+                loaded(module)  # what cannot be is said before anything is written
     held, _ = prepare(campaign.results, campaign.store.folder)
     try:
         with workers:

@@ -6,9 +6,10 @@ running it. Only `loaded` runs one, for who makes runs, or asks to draw shapes a
 """
 
 import importlib
+import os
 import sys
 from functools import cache
-from importlib.util import find_spec
+from importlib.machinery import PathFinder
 from pathlib import Path
 from types import ModuleType
 
@@ -117,40 +118,65 @@ def said_in(where: str) -> dict:
     return constants(sources.file_of(where))
 
 
-@cache
+def reread() -> None:
+    """Read files of a user's own again where they have changed; raises InputError where this package has."""
+    if sources.reread():
+        found.cache_clear()
+        constants.cache_clear()
+        for name in sources.IMPORTED.keys() & sys.modules.keys():
+            if not Path(sys.modules[name].__file__).exists():  # Python would take it all the same
+                del sys.modules[name]
+
+
 def loaded(where: str) -> ModuleType:
-    """A module, of this package or a file of a user's own, which is run; raises InputError."""
+    """A module, of this package or a file of a user's own, which is run; raises InputError.
+
+    Modules of a user's own that Python has by other code, or by code that is unknown, are imported again.
+    """
     folder, _, module = where.rpartition(":")
     if not folder:
         return importlib.import_module(module)
+    files = sources.own_files(where)
+    codes = {name: sources.code_hash(f"{folder}:{name}", bits=True) for name in files}
+    changed = {
+        name.partition(".")[0]: files[name]
+        for name, code in codes.items()
+        if sources.IMPORTED.get(name) != code
+    }
+    if module in sys.modules and not changed:
+        return sys.modules[module]
+    for name, file in changed.items():
+        _check_name(name, file)
+    before = {
+        name: sys.modules.pop(name)
+        for name in list(sys.modules)
+        if name.partition(".")[0] in changed
+    }
     path = sources.file_of(where)
-    if folder not in sys.path:
-        sys.path.append(folder)  # last, so that it hides nothing
+    elsewhere = [each for each in sys.path if each != folder]
+    sys.path[:] = folder, *elsewhere
     importlib.invalidate_caches()
-    writes, sys.dont_write_bytecode = sys.dont_write_bytecode, True  # nothing beside a sweep file
+    # no compiled files beside a sweep file: none is written, nor read, because their times are of seconds
+    writes, sys.dont_write_bytecode = sys.dont_write_bytecode, True
+    prefix, sys.pycache_prefix = sys.pycache_prefix, os.devnull
     try:
-        for own, file in sources.own_files(where).items():
-            _check_place(own.partition(".")[0], folder, file)
-        made = importlib.import_module(module)
-    except InputError:
-        raise
+        imported = importlib.import_module(module)
+        if not sources.is_current(where):
+            raise InputError("it has changed while it was used; start again.")
     except Exception as error:
+        sys.modules.update(before)
         words = " ".join(f"{type(error).__name__}: {error}".split())
-        raise InputError(f"{path}: it cannot be imported ({words}).") from error
+        said = error if isinstance(error, InputError) else f"it cannot be imported ({words})."
+        raise InputError(f"{path}: {said}") from error
     finally:
-        sys.dont_write_bytecode = writes
-    if not sources.is_current(where):
-        raise InputError(f"{path}: it has changed while it was used; start again.")
-    return made
+        sys.dont_write_bytecode, sys.pycache_prefix = writes, prefix
+        sys.path[:] = *elsewhere, folder  # last, so that it hides nothing
+    sources.IMPORTED.update(codes)
+    return imported
 
 
-def _check_place(name: str, folder: str, file: Path) -> None:
-    """Raise InputError where Python takes another module of this name than that in a folder."""
-    there = sys.modules.get(name)
-    taken = there.__file__ if there else getattr(find_spec(name), "origin", None)
-    if taken is None or Path(taken).resolve().is_relative_to(Path(folder).resolve()):
-        return
-    at = sources.address(name, taken) if there else None
-    if at and sources.code_hash(at, bits=True) == sources.code_hash(f"{folder}:{name}", bits=True):
-        return  # a copy of the same code
-    raise InputError(f"{file}: Python takes {taken} for {name}; give your file another name.")
+def _check_name(name: str, file: Path) -> None:
+    """Raise InputError where a file has the name of a module of Python or of what is installed."""
+    installed = [each for each in sys.path if sources.INSTALLED & set(Path(each).parts)]
+    if name in sys.stdlib_module_names or PathFinder.find_spec(name, installed):
+        raise InputError(f"{file}: {name} is installed, or of Python; give your file another name.")

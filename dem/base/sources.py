@@ -28,6 +28,7 @@ from typing import NamedTuple
 
 from platformdirs import user_cache_path
 
+from dem.base.errors import InputError
 from dem.base.files import atomic
 
 NO_BITS = "finds out what a run depends on"
@@ -136,8 +137,30 @@ def own_files(module: str) -> dict[str, Path]:
 
 
 def is_current(module: str) -> bool:
-    """Whether the files of a user's module are as they were when their code was read."""
-    return all(_digest(path.read_bytes()) == _SEEN[path] for path in own_files(module).values())
+    """Whether the code of a user's module is what it was when it was read."""
+    return all(map(_is_as_read, own_files(module).values()))
+
+
+def reread() -> bool:
+    """Forget the code of users where any of it has changed since it was read; returns whether it has.
+
+    Raises InputError where code of ROOTS has, because this process goes on with what it was.
+    """
+    changed = [
+        module
+        for module, path in _FILES.items()
+        if path != _file(module) or (path in _READ and not _is_as_read(path))
+    ]
+    for module in filter(is_ours, changed):
+        raise InputError(
+            f"{file_of(module)} has changed since this process read it; start Python, or the workers, again."
+        )
+    if changed:
+        for module in [each for each in _FILES if ":" in each]:
+            _READ.pop(_FILES.pop(module), None)
+        closure.cache_clear()
+        code_hash.cache_clear()
+    return bool(changed)
 
 
 def from_elsewhere(module: str) -> dict[str, str]:
@@ -167,9 +190,14 @@ def codes(*modules: str, bits: bool = False) -> dict[str, str]:
     return {plain(name): _read(file_of(name)).code for name in closure(*modules, bits=bits)}
 
 
-@cache
 def file_of(module: str) -> Path | None:
     """Source of a module, or None if neither a package of ROOTS nor the folder that it names has it."""
+    if module not in _FILES:
+        _FILES[module] = _file(module)
+    return _FILES[module]
+
+
+def _file(module: str) -> Path | None:
     folder, _, own = module.rpartition(":")
     name, *rest = own.split(".")
     if not name or not (folder or name in ROOTS):
@@ -207,17 +235,34 @@ def defined_in(module: str) -> dict[str, list[str]]:
     return _read(file_of(module)).defined
 
 
-_SEEN: dict[Path, str] = {}  # digests of the files that were read
+IMPORTED: dict[
+    str, str
+] = {}  # hashes of the code of users that Python has, by the names of modules
+_FILES: dict[str, Path | None] = {}  # what file_of has said
+_READ: dict[Path, tuple[str, Source]] = {}  # files that were read: digest and source
 
 
-@cache
 def _read(path: Path) -> Source:
-    """Source of a file, from a cache on disk, because parsing takes time.
+    """Source of a file, as it was when it was first read."""
+    if path not in _READ:
+        content = path.read_bytes()
+        _READ[path] = _digest(content), _source(content, path)
+    return _READ[path][1]
+
+
+def _is_as_read(path: Path) -> bool:
+    """Whether the code of a file is still what was read."""
+    content, (digest, source) = path.read_bytes(), _READ[path]
+    with suppress(*UNREADABLE):
+        return _digest(content) == digest or _source(content, path).code == source.code
+    return False
+
+
+def _source(content: bytes, path: Path) -> Source:
+    """Source of a file of some content, from a cache on disk, because parsing takes time.
 
     The key is the content of the file and of this module. A digest reveals damage.
     """
-    content = path.read_bytes()
-    _SEEN[path] = _digest(content)
     kept = cache_folder() / "sources" / f"{_digest(content + Path(__file__).read_bytes())}.json"
     with suppress(OSError, ValueError):  # absent, or damaged
         seal, _, text = kept.read_text().partition("\n")

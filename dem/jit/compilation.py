@@ -29,6 +29,7 @@ from numba.core.serialize import dumps
 import dem.jit.return_values  # noqa: F401 takes effect by being imported
 from dem.base.say import say
 from dem.base.sources import (
+    IMPORTED,
     UNREADABLE,
     address,
     cache_folder,
@@ -74,7 +75,7 @@ def remember(cls: type) -> None:
     try:
         whole = cls.__qualname__ in defined_in(found) and not from_elsewhere(found)
         if whole and is_current(found):
-            OUTSIDE[cls] = code_hash(found, bits=True)
+            OUTSIDE[cls] = IMPORTED[cls.__module__] = code_hash(found, bits=True)
     except UNREADABLE:
         return
 
@@ -103,7 +104,6 @@ def with_classes(key) -> str | None:
     return repr((numba.__version__, sys.implementation.cache_tag, *map(str, key), classes))
 
 
-@functools.cache
 def kernel_hash(module: str, file) -> str:
     """SHA-256 of the code that the kernels of a module depend on; of its file where that is unknown."""
     try:

@@ -250,7 +250,7 @@ def answer(cls, *functions, questions=SHAPE_QUESTIONS, **renamed):
     if any(each is not cls and each.__name__ == cls.__name__ for each in questions[0].answers):
         raise InputError(
             f"{cls.__name__} is the name of a class that the kernels know already, and Numba tells "
-            "classes apart by their names; choose another name, or start Python again."
+            "classes apart by their names; choose another name, or start Python, or the workers, again."
         )
     named = {each.__name__: each for each in functions} | renamed
     known = {each.__name__: each for each in questions}

@@ -14,7 +14,7 @@ from pydantic import AfterValidator, Field, model_validator
 from dem.base.errors import InputError
 from dem.base.files import atomic
 from dem.base.hints import choice, meant
-from dem.base.outside import placed
+from dem.base.outside import placed, reread
 from dem.base.schema import Label, NotNegative, Positive, Section, Whole, validated, value
 from dem.base.sources import ROOT
 from dem.base.yaml_file import read
@@ -236,6 +236,7 @@ def found(name: str | Path, beside: Path = Path()) -> Path:
 
 def load(path: Path) -> Sweep:
     """Sweep from a YAML file; raises InputError with one sentence per fault."""
+    reread()
     path = found(path)
     return parse(read(path), str(path))
 

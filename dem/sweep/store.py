@@ -21,6 +21,7 @@ from filelock import FileLock
 
 from dem.base.errors import InputError
 from dem.base.files import atomic, check_file
+from dem.base.outside import reread
 from dem.base.sources import code_hash
 from dem.experiment.config import Replicate, of_values
 from dem.io.checksums import Changed, is_sealed, seal
@@ -113,14 +114,15 @@ class Store:
         """What the runs of a batch are; raises InputError where its plan is not of today's code."""
         path = self.plan_of(batch)
         check_file(path)
-        try:
-            head, body = path.read_text(encoding="utf-8").splitlines()
-            values, of = json.loads(body)
-            found = [of_values(values[at] | own) for at, own in of]
-            if json.loads(head)[1:] == [each.id for each in found]:
-                return found
-        except (OSError, ValueError, KeyError, TypeError, IndexError, RecursionError):
-            pass  # what is wrong with it does not matter, because it is made again
+        for prepare in (lambda: None, reread):  # files may have changed since they were read
+            prepare()
+            # what is wrong with a plan does not matter, because it is made again
+            with suppress(OSError, ValueError, KeyError, TypeError, IndexError, RecursionError):
+                head, body = path.read_text(encoding="utf-8").splitlines()
+                values, of = json.loads(body)
+                found = [of_values(values[at] | own) for at, own in of]
+                if json.loads(head)[1:] == [each.id for each in found]:
+                    return found
         raise InputError(
             f"{path}: it is no plan of a batch for this version of the code; start the sweep again, "
             "which writes it."

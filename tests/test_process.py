@@ -1,0 +1,188 @@
+"""Files of a user's own that change, or fail, while a process lives: a notebook, workers, a sweep."""
+
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+
+import pytest
+from test_outside import SHAPE
+
+import dem
+from conftest import CONFIG
+from dem.base import sources
+from dem.base.sources import ROOTS
+from dem.experiment.config import Replicate
+from dem.sweep import workers
+from dem.sweep.config import load
+
+SEEDS = [1, 2, 3]
+EXPERIMENT = """
+from factors import FACTOR
+
+SECTIONS = {"cylinder": False, "record": False}
+VARIABLES = {"product": ((), "1", "seed times a factor")}
+
+
+def run(replicate, bed=None, progress=None):
+    return {"product": FACTOR * replicate.seed}
+
+
+def warm_up(replicate):
+    pass
+"""
+SWEEP = f"""
+extends: {CONFIG}/smoke.yaml
+results: results/product
+experiment: product.py
+failures: 0.5
+batch: 1
+sweep: {{shape: c1, density: 3900, seed: [1, 2, 3]}}
+"""
+
+
+@pytest.fixture
+def file(tmp_path, monkeypatch):
+    """A sweep of an experiment that takes no time, and imports a file beside it."""
+    monkeypatch.chdir(tmp_path)
+    folder = tmp_path / "mine"
+    folder.mkdir()
+    write(folder, "product.py", EXPERIMENT)
+    write(folder, "factors.py", "FACTOR = 2\n")
+    return write(folder, "sweep.yaml", SWEEP)
+
+
+def write(folder: Path, name: str, text: str) -> Path:
+    (folder / name).write_text(text)
+    return folder / name
+
+
+def products(file, executor=None) -> list[float]:
+    """What a sweep gives; the dataset stays open, as in a notebook."""
+    return dem.run_sweep(file, executor)["product"].values.ravel().tolist()
+
+
+EDITS = {  # files that are written, and the factor then
+    "the file": ({"product.py": EXPERIMENT.replace("FACTOR *", "3 *")}, 3),
+    "a helper": ({"product.py": EXPERIMENT, "factors.py": "FACTOR = 5\n"}, 5),
+    "a new helper": ({"factors.py": "from more import FACTOR\n", "more.py": "FACTOR = 7\n"}, 7),
+    "a helper's helper": ({"more.py": "FACTOR = 11\n"}, 11),
+    "a folder in place of a helper": (
+        {"more.py": "raise ValueError\n", "more/__init__.py": "FACTOR = 13\n"},
+        13,
+    ),
+    "a helper that may be absent": (
+        {"factors.py": "try:\n    from less import FACTOR\nexcept ImportError:\n    FACTOR = 17\n"},
+        17,
+    ),
+    "a helper that is there": ({"less.py": "FACTOR = 19\n"}, 19),
+    "a helper that is gone": ({"less.py": None}, 17),
+    "as at first": ({"factors.py": "FACTOR = 2\n"}, 2),
+}
+
+
+def check_edits(file, executor=None):
+    assert products(file, executor) == [2 * seed for seed in SEEDS]
+    for edit, (texts, factor) in EDITS.items():
+        for name, text in texts.items():
+            (file.parent / name).parent.mkdir(exist_ok=True)
+            (file.parent / name).unlink(missing_ok=True)
+            if text is not None:
+                write(file.parent, name, text)
+        assert products(file, executor) == [factor * seed for seed in SEEDS], edit
+
+
+def test_a_sweep_runs_files_as_they_are_now(file):
+    check_edits(file)
+
+
+def test_workers_that_live_on_run_files_as_they_are_now(file):
+    with ProcessPoolExecutor(2, get_context("spawn")) as pool:
+        check_edits(file, pool)
+
+
+def test_workers_of_dask_that_live_on_run_files_as_they_are_now(file, monkeypatch):
+    """Also where they do not see the client's store and have copies of its files."""
+    distributed = pytest.importorskip("distributed")
+    with (
+        distributed.LocalCluster(
+            n_workers=1, threads_per_worker=1, dashboard_address=":0"
+        ) as local,
+        distributed.Client(local) as client,
+    ):
+        first, *_ = products(file, client)
+        monkeypatch.setattr(workers, "_marks", lambda path: (0, 0))
+        write(file.parent, "factors.py", "FACTOR = 3\n")
+        second, *_ = products(file, client)
+        write(file.parent, "factors.py", "FACTOR = 4\n")
+        third, *_ = products(file, client)
+    assert (first, second, third) == (2, 3, 4)
+
+
+def test_what_a_user_has_imported_is_imported_again(file, monkeypatch):
+    """From one's own tests of the file, which was edited since."""
+    monkeypatch.syspath_prepend(str(file.parent))
+    import product
+
+    assert product.FACTOR == 2
+    write(file.parent, "factors.py", "FACTOR = 3\n")
+    assert products(file) == [3 * seed for seed in SEEDS]
+
+
+def test_one_run_and_one_sweep_file_are_read_as_they_are_now(file):
+    (values, *_) = dem.load_sweep(file)
+    assert float(dem.run_experiment(values)["product"]) == 2
+    write(file.parent, "factors.py", "FACTOR = 3\n")
+    assert float(dem.run_experiment(values)["product"]) == 3
+    write(file.parent, "sweep.yaml", SWEEP.replace("[1, 2, 3]", "[5]"))
+    assert [each["seed"] for each in dem.load_sweep(file)] == [5] and products(file) == [15]
+
+
+def test_variables_are_those_of_now(file):
+    products(file)
+    write(file.parent, "product.py", EXPERIMENT.replace('"1", "seed', '"kg", "seed'))
+    assert dem.run_sweep(file)["product"].units == "kg"
+
+
+def test_files_of_one_name_in_two_folders_are_two(file, tmp_path):
+    other = tmp_path / "other"
+    other.mkdir()
+    write(other, "product.py", EXPERIMENT)
+    write(other, "factors.py", "FACTOR = 3\n")
+    write(other, "sweep.yaml", SWEEP.replace("results/product", "results/other"))
+    for folder, factor in ((file.parent, 2), (other, 3), (file.parent, 2), (other, 3)):
+        (values, *_) = dem.load_sweep(folder / "sweep.yaml")
+        assert float(dem.run_experiment(values)["product"]) == factor
+
+
+def test_an_edited_shape_is_one_sentence_and_nothing_is_written(file):
+    """Numba would not tell the old class from the new one; the old file is good again."""
+    text = SHAPE.replace("Pebble", "EditedPebble")
+    write(file.parent, "edited_pebbles.py", text)
+    words = (
+        "{p: {kind: edited_pebbles.EditedPebble, diameter: 1e-3, granules: 60, aspect_ratio: 1.0}}"
+    )
+    write(file.parent, "sweep.yaml", SWEEP.replace("shape: c1", "shape: p") + f"shapes: {words}\n")
+    run = of_first(file)
+    first = run.kind.shape
+    write(file.parent, "edited_pebbles.py", text.replace("0.08", "0.07"))
+    with pytest.raises(
+        dem.InputError, match=r"edited_pebbles\.py: .*start Python, or the workers, again\.$"
+    ):
+        dem.run_sweep(file)
+    assert not Path("results").exists()
+    write(file.parent, "edited_pebbles.py", f"{text}# a comment\n")
+    assert of_first(file).kind.shape is first
+
+
+def of_first(file) -> Replicate:
+    return next(load(file).block("drag").unique())
+
+
+def test_an_edited_package_is_one_sentence_and_nothing_is_written(file, monkeypatch):
+    """Its old code goes on in this process."""
+    path = ROOTS["dem"] / "scene.py"
+    monkeypatch.setitem(sources._READ, path, ("", sources._read(path)._replace(code="")))
+    for call in (dem.run_sweep, dem.load_sweep):
+        with pytest.raises(dem.InputError, match=r"scene\.py has changed .* start Python"):
+            call(file)
+    assert not Path("results").exists()
