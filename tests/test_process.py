@@ -1,6 +1,12 @@
 """Files of a user's own that change, or fail, while a process lives: a notebook, workers, a sweep."""
 
+import os
+import signal
+import subprocess
+import sys
+import time
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import suppress
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -8,7 +14,7 @@ import pytest
 from test_outside import SHAPE
 
 import dem
-from conftest import CONFIG
+from conftest import CONFIG, posix
 from dem.base import sources
 from dem.base.sources import ROOTS
 from dem.experiment.config import Replicate
@@ -186,3 +192,31 @@ def test_an_edited_package_is_one_sentence_and_nothing_is_written(file, monkeypa
         with pytest.raises(dem.InputError, match=r"scene\.py has changed .* start Python"):
             call(file)
     assert not Path("results").exists()
+
+
+@posix
+@pytest.mark.parametrize("compiles", [False, True])
+def test_workers_end_with_the_process_that_started_them(tmp_path, compiles):
+    """However it ends: they would keep memory, and a pipe that somebody reads."""
+    write(
+        tmp_path, "sweep.yaml",
+        f"extends: {CONFIG}/smoke.yaml\nresults: results/many\nsweep: {{case: [c1], seed: 1 to 400}}\n",
+    )  # fmt: skip
+    cache = tmp_path / "cache" if compiles else sources.cache_folder()
+    command = [sys.executable, "-m", "dem", "sweep", "sweep.yaml", "-j2"]
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(cache), "PYTHONPATH": str(sources.ROOT)}
+    options = {"cwd": tmp_path, "env": environment, "start_new_session": True}
+    with subprocess.Popen(
+        command, **options, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
+    ) as process:
+        try:
+            begun = cache / "kernels" if compiles else tmp_path / "results/store/runs"
+            ended = time.monotonic() + 120.0
+            while not any(begun.rglob("*.lock")):
+                assert process.poll() is None and time.monotonic() < ended
+                time.sleep(0.05)
+            process.kill()
+            process.communicate(timeout=30.0)  # until nobody has the pipe
+        finally:
+            with suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)

@@ -8,6 +8,7 @@ and the file travels back: only the client writes into its own store.
 import hashlib
 import json
 import multiprocessing
+import os
 import platform
 import shutil
 import signal
@@ -202,10 +203,17 @@ class Processes(Workers):
 
 
 def _begin(shared) -> None:
-    """Prepare a process that makes batches: Ctrl-C is for the first process, which ends the others."""
+    """Prepare a process that makes batches: Ctrl-C is for the first process, which ends the others, and
+    whose own end is theirs."""
     global SHARED
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     SHARED = shared
+
+
+def _end_with_parent() -> None:
+    multiprocessing.parent_process().join()
+    os._exit(1)
 
 
 def _make_here(task: Task) -> bytes | None:
