@@ -11,6 +11,8 @@ from multiprocessing import get_context
 from pathlib import Path
 
 import pytest
+import xarray as xr
+from rich.console import Console
 from test_outside import SHAPE
 
 import dem
@@ -18,7 +20,10 @@ from conftest import CONFIG, posix
 from dem.base import sources
 from dem.base.sources import ROOTS
 from dem.experiment.config import Replicate
+from dem.report.info import summary
+from dem.report.status import status
 from dem.sweep import workers
+from dem.sweep.campaign import Campaign
 from dem.sweep.config import load
 
 SEEDS = [1, 2, 3]
@@ -192,6 +197,67 @@ def test_an_edited_package_is_one_sentence_and_nothing_is_written(file, monkeypa
         with pytest.raises(dem.InputError, match=r"scene\.py has changed .* start Python"):
             call(file)
     assert not Path("results").exists()
+
+
+WRONG = {  # what is put instead of the result: why the run failed
+    "1 / 0": "product.py, line 9: ZeroDivisionError: division by zero",
+    "replicate.grains": "product.py, line 9: AttributeError: 'Replicate' object has no attribute 'grains'",
+    "dem.Friction(-1.0).granule": "product.py, line 9: InputError: friction granule is -1.0; it must be",
+    "exit(3)": "product.py, line 9: SystemExit: 3",
+    "helped()": "factors.py, line 4: KeyError: 'a'",
+    "'four'": "the run gives no product that are numbers of the shape ().",
+    "[1.0, 2.0]": "the run gives no product that are numbers of the shape ().",
+    "1} and {'other': 1": "the run gives no product that are numbers of the shape ().",
+    "1} and None or {0": "the run gives no product that are numbers of the shape ().",
+    "1, 'other': set()": None,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("wrong", WRONG)
+def test_an_error_in_an_experiment_of_ones_own_fails_its_run_only(file, wrong):
+    """With the line of the file that is wrong, in the terminal and in the files."""
+    write(file.parent, "factors.py", "FACTOR = 2\n\ndef helped():\n    return {}['a']\n")
+    text = EXPERIMENT.replace("import FACTOR", "import FACTOR, helped").replace(
+        'return {"product": FACTOR * replicate.seed}',
+        f'return {{"product": 1}} if replicate.seed != 2 else {{"product": {wrong}}}',
+    )
+    write(file.parent, "product.py", f"import dem{text}")
+    dem.run_sweep(file).close()
+    with xr.open_dataset("results/product/product.nc") as made:
+        failed = made["failure"].values.ravel().astype(bool).tolist()
+        assert failed == [False, WRONG[wrong] is not None, False]
+    if why := WRONG[wrong]:
+        assert why in said(summary(Path("results/product/product.nc")))
+        assert f"1 failed: {why}" in said(status(Campaign.of(file)))
+
+
+def said(thing) -> str:
+    """What a terminal shows, in one line."""
+    console = Console(width=400)
+    with console.capture() as shown:
+        console.print(thing)
+    return " ".join(shown.get().split())
+
+
+OBSERVABLE = """
+VARIABLES = {"turn": ((), "rad", "a number")}
+
+
+def measure(seen):
+    seed = seen.replicate.seed
+    return {"turn": seen.missing} if seed == 2 else None if seed == 3 else {"turn": 1.0}
+"""
+
+
+def test_an_error_in_an_observable_of_ones_own_fails_its_run_only(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    write(tmp_path, "turn.py", OBSERVABLE)
+    sweep = f"extends: {CONFIG}/smoke.yaml\nresults: results/turn\nfailures: 0.9\n"
+    sweep += "record: {observables: [drag, turn.py]}\nsweep: {case: [c1], seed: [1, 2, 3]}\n"
+    made = dem.run_sweep(write(tmp_path, "sweep.yaml", sweep))
+    assert made["failure"].values.ravel().astype(bool).tolist() == [False, True, True]
+    assert "turn.py, line 7: AttributeError: 'Seen' object has no" in made["failure"].comment
+    assert "drag.py, line " in made["failure"].comment and "NoneType" in made["failure"].comment
 
 
 @posix

@@ -51,7 +51,7 @@ def summary(path: Path) -> Group:
         if dataset["run_id"].dims == ("run",):
             return _runs(path, dataset)
         if "drag" not in dataset:
-            return _told(dataset.attrs, {"seeds": _seeds(dataset)}, *means_table(path, dataset))
+            return _told(dataset.attrs, _runs_of(dataset), *means_table(path, dataset))
     with open_combined(path) as dataset:
         require(dataset, path, {}, (), (*ORIGIN, "configuration"))
         return _sweep(dataset)
@@ -142,11 +142,7 @@ def _sweep(dataset: xr.Dataset) -> Group:
     table, more = drag_table(dataset)
     speed = _range(value_of(dataset, "cylinder.velocity"))
     window = f"{window_text(dataset)} of displacement, cylinder at {speed} m/s"
-    about = {"seeds": _seeds(dataset), "window": window}
-    if "partial" in attrs:
-        about["so far"] = attrs["partial"]
-    if "failure" in dataset and (missing := _missing(dataset["failure"], int((dataset["run_id"] != "").sum()))):
-        about["missing"] = missing
+    about = _runs_of(dataset) | {"window": window}
     return _told(attrs, about, table, more, LEGEND + _few(dataset["drag"]))
 
 
@@ -163,8 +159,14 @@ def _range(values: xr.DataArray) -> str:
     return " to ".join(f"{end:g}" for end in ends)
 
 
-def _seeds(dataset: xr.Dataset) -> str:
-    return seed_words(dataset["seed"].values.ravel()) if "seed" in dataset else "-"
+def _runs_of(dataset: xr.Dataset) -> dict[str, str]:
+    """Seeds of the runs of a combined file, how many there are so far, and which are missing and why."""
+    told = {"seeds": seed_words(dataset["seed"].values.ravel()) if "seed" in dataset else "-"}
+    if "partial" in dataset.attrs:
+        told["so far"] = dataset.attrs["partial"]
+    if "failure" in dataset and (missing := _missing(dataset["failure"], int((dataset["run_id"] != "").sum()))):
+        told["missing"] = missing
+    return told
 
 
 def _told(attrs: dict, about: dict, table: Table, more: int = 0, legend: str = "") -> Group:
@@ -243,4 +245,5 @@ def _missing(failure: xr.DataArray, total: int) -> str:
     meanings = failure.attrs["flag_meanings"].split()
     counts = np.bincount(failure.values.ravel(), minlength=len(meanings))
     words = [f"{n} {word}" for n, word in zip(counts[1:], meanings[1:], strict=True) if n]
-    return f"{counts[1:].sum()} of {total} runs: {', '.join(words)}" if words else ""
+    why = f" ({failure.attrs['comment']})" if "comment" in failure.attrs else ""
+    return f"{counts[1:].sum()} of {total} runs: {', '.join(words)}{why}" if words else ""

@@ -7,6 +7,8 @@ last run did since its checkpoint. A run that fails is a row with its reason.
 import hashlib
 import json
 import time
+import traceback
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +16,7 @@ import numpy as np
 from dem.base import provenance
 from dem.base.errors import InputError, RunError
 from dem.base.files import check_file
-from dem.base.sources import cache_folder, codes
+from dem.base.sources import cache_folder, codes, own_files
 from dem.experiment import resume
 from dem.experiment.bed import make_bed, periods
 from dem.experiment.config import Replicate
@@ -40,7 +42,8 @@ def make(store: Store, batch: str, progress=lambda done, failed, compiles=False:
         with store.locked(store.run_of(replicate.id, ".lock")):
             if (row := _made(store, replicate)) is None:
                 done = len(rows)
-                _compile(replicate, lambda d=done, f=failed: progress(d, f, True))
+                with suppress(Exception):  # the run says it better
+                    _compile(replicate, lambda d=done, f=failed: progress(d, f, True))
                 row = _row(store, replicate, lambda s, d=done, f=failed: progress(d + s, f))
         rows.append(row)
         failed += int(row["failure"]) != 0
@@ -104,17 +107,59 @@ def _row(store: Store, replicate: Replicate, progress) -> dict:
     """What a run gives, made and kept in the store."""
     started = time.process_time()
     try:
-        found = _run(store, replicate, progress) | {"failure": 0, "failure_reason": ""}
+        found = _checked(_run(store, replicate, progress), replicate)
+        found |= {"failure": 0, "failure_reason": ""}
     except RunError as error:
-        name = type(error).__name__
-        found = {
-            "failure": FAILURES.index(name if name in FAILURES else "other"),
-            "failure_reason": str(error)[:500],
-        }
+        found = _failure(str(error), type(error).__name__)
+    except (Exception, SystemExit) as error:
+        if (place := _place(error, replicate)) is None:
+            raise
+        found = _failure(f"{place}: {type(error).__name__}: {error}")
     found["spent"] = time.process_time() - started
     store.keep(replicate.id, found)
     store.run_of(replicate.id, ".checkpoint.npz").unlink(missing_ok=True)
     return found
+
+
+def _failure(reason: str, name: str = "other") -> dict:
+    """What the row of a failed run says of it."""
+    kind = FAILURES.index(name if name in FAILURES else "other")
+    return {"failure": kind, "failure_reason": " ".join(reason.split())[:500]}
+
+
+def _place(error: BaseException, replicate: Replicate) -> str | None:
+    """Where an error of a run that uses files of a user's own arose, in these if it can be; None where
+    it is not of the run."""
+    own = {name for module in replicate.modules for name in own_files(module)}
+    places = [
+        (frame.f_globals["__name__"] in own, f"{Path(frame.f_code.co_filename).name}, line {line}")
+        for frame, line in traceback.walk_tb(error.__traceback__)
+    ]
+    last = {is_own: place for is_own, place in places}
+    return (
+        last.get(True) if isinstance(error, InputError) or not own else last.get(True, last[False])
+    )
+
+
+def _checked(given, replicate: Replicate) -> dict:
+    """The variables that a run gave; raises RunError where they are not what they must be."""
+    found = {}
+    for name, gap in _gaps(replicate).items():
+        with suppress(LookupError, TypeError, ValueError):
+            found[name] = np.asarray(given[name], float)
+        if name not in found or found[name].shape != gap.shape:
+            raise RunError(f"the run gives no {name} that are numbers of the shape {gap.shape}.")
+    return found
+
+
+def _gaps(replicate: Replicate) -> dict[str, np.ndarray]:
+    """What the variables of a run are where it failed."""
+    experiment = replicate.configuration.module
+    sizes = experiment.sizes(replicate)
+    return {
+        name: np.full([sizes[dim] for dim in dims], np.nan)
+        for name, (dims, *_) in experiment.layout(replicate.configuration).items()
+    }
 
 
 def _run(store: Store, replicate: Replicate, progress) -> dict:
@@ -143,10 +188,8 @@ def write_batch(path: Path, replicates: list[Replicate], rows: list[dict]) -> No
     """Write the runs of a batch; what a failed run lacks is NaN."""
     first = replicates[0]
     experiment, layout = first.configuration.module, layout_of(first)
-    sizes, values = experiment.sizes(first), experiment.axes(first.configuration)
-    for name in experiment.layout(first.configuration):
-        shape = tuple(sizes[dim] for dim in layout[name][0][1:])
-        gap = np.full(shape, np.nan)
+    values = experiment.axes(first.configuration)
+    for name, gap in _gaps(first).items():
         values[name] = np.stack([np.asarray(row.get(name, gap), float) for row in rows])
     labels = [replicate.labels() for replicate in replicates]
     values |= {name: np.array([label[name] for label in labels]) for name in LABELS}

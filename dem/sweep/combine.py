@@ -38,6 +38,7 @@ from dem.sweep.expand import Block
 
 PROVENANCE = ("versions", "git_revision", "source_hash", "processor")
 BLOCK = 64  # runs along the last axis that are kept, compressed and read together
+REASONS = 5  # of failed runs that a file tells, at most
 HELD = 8_000_000  # bytes of a variable that are in memory until they are written
 
 
@@ -94,6 +95,8 @@ def combine(
         if gaps:
             for place, flag, _ in failed:
                 file.variables["failure"][place] = flag
+            if reasons := list(dict.fromkeys(reason for *_, reason in failed)):
+                file.variables["failure"].comment = "; ".join(reasons[:REASONS])
         found = {name: "; ".join(kept) for name, kept in provenance.items()}
         file.setncatts(about(sweep, block, found))
         more(file)
