@@ -42,8 +42,12 @@ def make(store: Store, batch: str, progress=lambda done, failed, compiles=False:
         with store.locked(store.run_of(replicate.id, ".lock")):
             if (row := _made(store, replicate)) is None:
                 done = len(rows)
-                with suppress(Exception):  # the run says it better
+                try:
                     _compile(replicate, lambda d=done, f=failed: progress(d, f, True))
+                except InputError:  # such as a file that cannot be imported
+                    raise
+                except Exception:  # the run fails too, with its own words
+                    pass
                 row = _row(store, replicate, lambda s, d=done, f=failed: progress(d + s, f))
         rows.append(row)
         failed += int(row["failure"]) != 0
