@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 import dem
 from conftest import STIFF, assert_not_blank
 from dem.analysis.flow.collect import write_flow
-from dem.analysis.one_run import open_run, read_motion
+from dem.analysis.one_run import _chosen, open_run, read_motion
 from dem.base.errors import InputError
 from dem.cli.app import app
 from dem.experiment import flow_measures as measures
@@ -179,6 +179,16 @@ def test_a_run_is_found_by_its_values(swept):
         break
     else:
         raise AssertionError("no file holds the run")
+
+
+def test_of_values_that_print_alike_the_one_that_is_written_is_selected():
+    """Any of them can be named, and a rounded one where nothing is equal to it."""
+    ids, values = np.array(["a", "b", "c"]), np.array([2.0, 2.0000001, 0.1 + 0.2])
+    rows = [
+        _chosen("drag.nc", {"velocity": values}, ids, [f"velocity={text}"])
+        for text in ("2", "2.0000001", "0.3")
+    ]
+    assert rows == [0, 1, 2]
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dem.base.errors import InputError
-from dem.base.hints import is_written, meant
+from dem.base.hints import is_number, is_written, meant
 from dem.experiment.config import Replicate, of_values
 from dem.experiment.motion import Motion
 from dem.io.dataset import LABELS, content_of
@@ -117,7 +117,7 @@ def _chosen(path, columns: dict[str, np.ndarray], ids, select: list[str]) -> int
             varied = ", ".join(each for each in columns if len(set(_words(columns[each]))) > 1)
             hint = meant(name.replace(".", "_"), known) or f"; they differ in {varied}"
             raise InputError(f"{path}: its runs have no value named {name}{hint}.")
-        found = left & [_is(each, value) for each in columns[column]]
+        found = left & _like(columns[column], value, left)
         if not found.any():
             values = list(dict.fromkeys(_words(columns[column][left])))
             words = ", ".join(values[:SHOWN]) + (", ..." if len(values) > SHOWN else "")
@@ -139,9 +139,13 @@ def _chosen(path, columns: dict[str, np.ndarray], ids, select: list[str]) -> int
     )
 
 
-def _is(value, text: str) -> bool:
-    number = isinstance(value, int | float | np.number)
-    return is_written(value, text) if number else str(value) == text
+def _like(values, text: str, among: np.ndarray) -> np.ndarray:
+    """Which values a text means: of those `among` which to look the equal ones, else what prints so."""
+    numbers = [isinstance(value, int | float | np.number) for value in values]
+    pairs = list(zip(values, numbers, strict=True))
+    printed = np.array([is_written(v, text) if number else str(v) == text for v, number in pairs])
+    equal = np.array([number and is_number(text) and v == float(text) for v, number in pairs])
+    return equal if (equal & among).any() else printed
 
 
 def _words(values) -> list[str]:
