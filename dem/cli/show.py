@@ -2,6 +2,7 @@
 
 import sys
 import time
+from contextlib import nullcontext
 from pathlib import Path
 
 from rich.console import Console
@@ -11,6 +12,7 @@ from rich.segment import Segment
 from dem.analysis.tables import WIDE
 from dem.base.files import FOLDER, Place, atomic, check_paths
 from dem.base.plain import plain
+from dem.cli.streams import nobody_reads
 from dem.cli.terminal import bar
 
 
@@ -41,11 +43,22 @@ def draw_figure(
         draw(name, data, folder, figures, of)
 
 
-def watched(make) -> None:
-    """Show what `make` gives again and again, every few s, until Ctrl-C."""
-    with Live(console=PlainConsole(), auto_refresh=False) as live:
+def watched(look) -> None:
+    """Show a table every few s, in place on a terminal, until nothing is left or nobody reads it.
+
+    look: gives the table, and whether anything is left.
+    """
+    terminal = sys.stdout.isatty()
+    console = PlainConsole(width=None if terminal else 160)
+    with Live(console=console, auto_refresh=False) if terminal else nullcontext() as live:
         while True:
-            live.update(make(), refresh=True)
+            table, left = look()
+            if live:
+                live.update(table, refresh=True)
+            else:
+                console.print(table)
+            if not left or nobody_reads():
+                return
             time.sleep(3.0)
 
 

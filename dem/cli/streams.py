@@ -56,6 +56,13 @@ def _opened(name: str, number: int) -> Outlet | None:
     return outlet
 
 
+def nobody_reads() -> bool:
+    """Whether standard output is a pipe whose reader has ended."""
+    sys.stdout.flush()
+    fault = getattr(getattr(sys.stdout.buffer, "raw", sys.stdout.buffer), "fault", None)
+    return fault is not None and fault.errno == errno.EPIPE
+
+
 def what_was_lost(outlet: Outlet | None) -> str | None:
     """A sentence if results that were shown went nowhere, unless their reader had enough of them."""
     sys.stdout.flush()

@@ -92,8 +92,13 @@ def status(
     from dem.report.status import status as told
     from dem.sweep.campaign import Campaign
 
+    def look():
+        campaign = Campaign.of(file)
+        there, total = campaign.counts()
+        return told(campaign), there < total
+
     if watch:
-        watched(lambda: told(Campaign.of(file)))
+        watched(look)
     else:
         print_or_write(told(Campaign.of(file)), None)
 

@@ -13,7 +13,7 @@ from dem.base.errors import InputError
 from dem.io.progress import span
 from dem.sweep.axis import POINT, Axis
 from dem.sweep.campaign import Campaign
-from dem.sweep.estimate import cost
+from dem.sweep.estimate import time_of
 from dem.sweep.expand import Block
 from dem.sweep.precision import Until, all_known, expected, numbers_of
 
@@ -30,7 +30,7 @@ def status(campaign: Campaign) -> Group:
         block = campaign.block(name)
         until = block.until or _usual(block)
         numbers = campaign.numbers(until.variable)
-        there = numbers.of(block)
+        there = numbers.of(block, kept=True)
         made |= there.keys()
         left += [run for run in block.unique() if under_way.get(run.id, 0.0) is not None and run.id not in there]
         failed.update(numbers.failed[run] for run in block.places if run in numbers.failed)
@@ -39,8 +39,8 @@ def status(campaign: Campaign) -> Group:
     verb = "run is" if running == 1 else "runs are"
     words = f"{running} {verb} under way and {len(left) - running} wait. " if left else "All runs are made. "
     if left:
-        seconds, how = cost(campaign.store, left)
-        words += f"About {span(seconds / max(1, running))} left with {max(1, running)} processes ({how}). "
+        seconds, how = time_of(campaign, left, max(1, running))
+        words += f"About {span(seconds)} left with {max(1, running)} processes ({how}). "
     files = (campaign.store.file_of(each.id) for each in campaign.store.sealed().values() if made.intersection(each.runs))
     words += f"{1e-6 * sum(path.stat().st_size for path in files if path.exists()):.1f} MB of disk are used."
     told = [Text(f"{count} failed: {why}") for why, count in failed.most_common(REASONS)]

@@ -5,17 +5,20 @@ import os
 from collections.abc import Iterator
 from contextlib import suppress
 from functools import cached_property
+from hashlib import sha256
 from itertools import takewhile
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
 from dem.base.errors import InputError
 from dem.base.files import Place, check_own
+from dem.base.sources import code_hash
 from dem.base.yaml_file import read
 from dem.experiment.config import Replicate
 from dem.sweep.config import CONFIG, Sweep, file_of, load, parse, save
-from dem.sweep.earlier import OWNER, read_earlier, refuse_other, replaced
+from dem.sweep.earlier import OWNER, RECIPE, Earlier, read_earlier, refuse_other, replaced
 from dem.sweep.expand import Block
 from dem.sweep.precision import Lead, Numbers, short_of
 from dem.sweep.store import FOLDER, Batch, Store, plan
@@ -258,22 +261,51 @@ class Campaign:
         from dem.sweep.combine import combine
 
         found, before = self.block(block), read_earlier(output)
-        files = [path for path in self.files(block) if path.is_file() or not partial]
         if partial and output.resolve() in (path.resolve() for _, path in self.combined()):
             raise InputError(
                 f"output is {str(output)!r}, where the whole of the sweep will be; name another file for a part."
             )
-        if partial and not files:
-            raise InputError(f"no run of {block} is in a finished batch yet; dem status shows what is there.")
+
+        if found.until and not partial and observable == self.observables(block)[0]:
+            self.said += short_of(found, self.values(found))
+        text = f"{code_hash('dem.sweep.combine')} {self.text(block)} {observable}"
+        recipe = sha256(text.encode()).hexdigest()
+        if not partial and self._is_current(block, output, before, recipe):
+            return
 
         def sign(file):
             self.sign(file)
-            if found.until and not partial and observable == self.observables(block)[0]:
-                self.said += short_of(found, self.values(found))
+            file.setncattr(RECIPE, recipe)
 
-        combine(files, self.sweep, found, observable, output, progress, sign, partial)
+        with TemporaryDirectory() as folder:
+            files = self._parts(block, Path(folder)) if partial else self.files(block)
+            combine(files, self.sweep, found, observable, output, progress, sign, partial)
         if output == self.first(block) and self.sweep.needed(block):
             self.said += replaced(output, before, found.places)
+
+    def _is_current(self, block: str, path: Path, earlier: Earlier | None, recipe: str) -> bool:
+        """Whether a combined file need not be written again; what is drawn from it then stays too."""
+        runs = set(self.block(block).places)
+        if earlier is None or (earlier.recipe, set(earlier.runs)) != (recipe, runs):
+            return False
+        written = path.stat().st_mtime_ns
+        return all(file.stat().st_mtime_ns <= written for file in self.files(block))
+
+    def _parts(self, block: str, folder: Path) -> list[Path]:
+        """Files of the runs of a block that are there: finished batches, and in a folder those of others."""
+        from dem.sweep.batch import write_batch
+
+        files, runs = [], {run.id: run for run in self.block(block).unique()}
+        for batch in self.batches(block):
+            path = self.store.file_of(batch.id)
+            if not path.is_file():
+                path, kept = folder / path.name, {run: self.store.kept(run) for run in batch.runs if run in runs}
+                if kept := {run: row for run, row in kept.items() if row}:
+                    write_batch(path, [runs[run] for run in kept], list(kept.values()))
+            files += [path] if path.is_file() else []
+        if not files:
+            raise InputError(f"no run of {block} is finished yet; dem status shows what is there.")
+        return files
 
     def sign(self, file) -> None:
         """Write into a combined file, a netCDF4.Dataset, which sweep it is of."""

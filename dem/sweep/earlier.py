@@ -8,12 +8,15 @@ from dem.base.errors import InputError
 from dem.sweep.config import Sweep
 
 OWNER = "sweep_file"  # attribute: the file of the sweep, empty where it has none
+RECIPE = "combined_by"  # attribute: hash of the code and the values by which runs were combined
 
 
 class Earlier(NamedTuple):
-    """A combined file. file: None where it does not say its sweep."""
+    """A combined file. file: None where it does not say its sweep; recipe: hash of the code and the
+    values by which its runs were combined, empty where it has none."""
 
     file: str | None
+    recipe: str
     title: str
     runs: tuple[str, ...]
 
@@ -32,7 +35,8 @@ def read_earlier(path: Path) -> Earlier | None:
             )
     except Exception:  # damage makes the library raise many errors; nothing good is lost
         return None
-    return Earlier(told.get(OWNER), told.get("title", ""), tuple(filter(None, map(str, runs))))
+    ids = tuple(filter(None, map(str, runs)))
+    return Earlier(told.get(OWNER), told.get(RECIPE, ""), told.get("title", ""), ids)
 
 
 def refuse_other(path: Path, earlier: Earlier | None, sweep: Sweep, file: str | None) -> None:

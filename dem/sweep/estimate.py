@@ -1,6 +1,7 @@
 """What a sweep will cost, and what the store holds, in words and tables."""
 
 import json
+import math
 import shlex
 from contextlib import suppress
 from itertools import islice
@@ -22,7 +23,10 @@ from dem.sweep.prune import sweeps
 from dem.sweep.store import Store
 from dem.sweep.why import reasons
 
-GUESS = 3e-8  # s an effort, where no run was made yet: of a usual processor
+# s an effort, where no run was made yet: of a usual processor, by kind of granule
+GUESS = {"disc": 3e-8, "dumbbell": 6e-8, "ellipse": 6e-8}
+ITERATED = 6e-7  # the same of shapes whose contacts are found by iteration, as of superellipses
+MEASURED = 2e-5  # s a granule and snapshot: to measure flow of snapshots
 DAMPED = 30.0  # by how much damping bounds the step, over how much stiffness does, a damping ratio (study budget)
 LISTED = 40  # runs, or batches, that are shown
 # of the list of batches
@@ -59,9 +63,9 @@ def summary(campaign: Campaign, jobs: int, again: bool = False) -> str:
             f"  {n} because {why}." for why, n in reasons(campaign.store, left).most_common(LISTED)
         ]
     if coming:
-        seconds, how = cost(campaign.store, coming)
+        seconds, how = time_of(campaign, coming, jobs)
         lines.append(
-            f"About {span(seconds / jobs)} with {jobs} processes ({how}) and "
+            f"About {span(seconds)} with {jobs} processes ({how}) and "
             f"{1e-6 * sum(map(bytes_of, coming)):.1f} MB of disk, and some minutes where kernels are not "
             "compiled yet."
         )
@@ -72,7 +76,7 @@ def _outlook(campaign: Campaign, block, runs: list[Replicate], jobs: int) -> str
     """What a precision takes, in words."""
     values = campaign.values(block)
     some, least, most = outlook(block, values)
-    seconds = cost(campaign.store, runs)[0] / len(runs) / jobs  # a run
+    seconds = sum(costs(campaign, runs)[0]) / len(runs) / jobs  # a run
     if any(map(len, values.values())):
         said = f"some {some:,} runs in all by the scatter so far ({least:,} to {most:,}), {span(seconds * some)}"
     else:
@@ -83,11 +87,34 @@ def _outlook(campaign: Campaign, block, runs: list[Replicate], jobs: int) -> str
     return f"{block.until.words()} takes {said}."
 
 
-def cost(store: Store, runs: list[Replicate]) -> tuple[float, str]:
-    """Processor time (s) that some runs will take, and how that is known."""
-    speeds = speeds_of(store)
-    how = "as runs like these took" if speeds else "a guess: no run was made here yet"
-    return sum(_effort(run) * speeds.get(_kind(run), GUESS) for run in runs), how
+def time_of(campaign: Campaign, runs: list[Replicate], processes: int) -> tuple[float, str]:
+    """Time (s) in which some processes make some runs, and how that is known: at least that of the
+    longest batch, which one process makes."""
+    seconds, how = costs(campaign, runs)
+    of_run = dict(zip((run.id for run in runs), seconds, strict=True))
+    known = [name for name in campaign.sweep.blocks if campaign.is_known(name)]
+    batches = (batch.runs for name in known for batch in campaign.batches(name))
+    longest = max((sum(of_run.get(run, 0.0) for run in some) for some in batches), default=0.0)
+    return max(sum(seconds) / processes, longest), how
+
+
+def costs(campaign: Campaign, runs: list[Replicate]) -> tuple[list[float], str]:
+    """Processor time (s) that each of some runs will take, and how that is known."""
+    speeds = speeds_of(campaign)
+    new = sorted({kind for run in runs if (kind := _kind(run)) not in speeds})
+    how = f"a guess: no run of {' and '.join(new)} was made here yet" if new else "as runs like these took"
+    speed = {
+        run.shape.kind: speeds.get(_kind(run), GUESS.get(run.shape.kind, ITERATED)) for run in runs
+    }
+    return [_effort(run) * speed[run.shape.kind] + _measuring(run) for run in runs], how
+
+
+def _measuring(replicate: Replicate) -> float:
+    """Processor time (s) after a run in which its flow is measured from its snapshots."""
+    record = replicate.configuration.record
+    if "snapshots" not in record.observables or "flow" in record.observables:
+        return 0.0
+    return MEASURED * record.snapshots * replicate.shape.granules
 
 
 def _values(block, replicate: Replicate) -> str:
@@ -156,10 +183,17 @@ def _effort(replicate: Replicate) -> float:
     return shape.granules * duration * speed / shape.diameter / step
 
 
-def speeds_of(store: Store) -> dict[str, float]:
-    """Processor time (s) over effort, by kind of granule, of some runs that are there."""
-    found = {}
-    for path in islice(sorted((store.folder / "batches").glob("*.nc")), LISTED):
+def speeds_of(campaign: Campaign) -> dict[str, float]:
+    """Processor time (s) over effort, by kind of granule, of runs that are there: of the sweep, or else
+    of some others."""
+    found, others = {}, {}
+    for name in campaign.sweep.blocks:
+        block = campaign.block(name)
+        spent = campaign.numbers("spent").of(block, kept=True)
+        for run in block.unique():
+            if math.isfinite(spent.get(run.id, math.nan)):
+                found.setdefault(_kind(run), []).append(spent[run.id] / _effort(run))
+    for path in islice(sorted((campaign.store.folder / "batches").glob("*.nc")), LISTED):
         try:
             values, attrs = read(path, ("spent", "failure"))
             runs = [of_values(each) for each in json.loads(attrs["values"])]
@@ -167,8 +201,8 @@ def speeds_of(store: Store) -> dict[str, float]:
             continue
         for run, spent, failure in zip(runs, values["spent"], values["failure"], strict=True):
             if not failure:
-                found.setdefault(_kind(run), []).append(float(spent) / _effort(run))
-    return {kind: float(np.median(some)) for kind, some in found.items()}
+                others.setdefault(_kind(run), []).append(float(spent) / _effort(run))
+    return {kind: float(np.median(some)) for kind, some in (others | found).items()}
 
 
 def _kind(replicate: Replicate) -> str:

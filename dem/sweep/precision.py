@@ -10,6 +10,7 @@ often the true mean is as near as that.
 import math
 import re
 from collections.abc import Sequence
+from contextlib import suppress
 from functools import cached_property
 from typing import Annotated, NamedTuple
 
@@ -19,7 +20,7 @@ from pydantic import BeforeValidator, model_validator
 from dem.base.errors import InputError, RunError
 from dem.base.hints import choice
 from dem.base.schema import MOST, SEEDS, Section, Seed, Whole, value
-from dem.io.dataset import AXES, OF_RUN, read
+from dem.io.dataset import AXES, OF_RUN, OF_STORE, read
 
 GROWTH = 2  # a round at most doubles the replicates of a place
 SAFETY = 1.05  # on the interval, because who looks and stops finds it too narrow
@@ -269,35 +270,43 @@ def counts(
 
 
 class Numbers:
-    """What the finished runs of a store gave, one number each; sealed files never change, so each is read
-    once."""
+    """What the runs of a store gave, one number each; files of runs never change, so each is read once."""
 
     def __init__(self, store, variable: str):
         self.store, self.variable, self._of = store, variable, {}
         self._read: set[str] = set()
         self.failed: dict[str, str] = {}  # why, by the runs that failed
 
-    def of(self, block) -> dict[str, float]:
-        """The numbers of those runs of a block that are there, by identity; NaN of one that failed."""
+    def of(self, block, kept: bool = False) -> dict[str, float]:
+        """The numbers of those runs of a block that are there, by identity; NaN of one that failed.
+
+        kept: also of batches that have not ended. Decisions wait for these, so that they are the same
+        after any stop.
+        """
         replicates = {run.id: run for run in block.unique()}
         for batch in self.store.sealed().values():
             if batch.id not in self._read and not replicates.keys().isdisjoint(batch.runs):
                 self._read.add(batch.id)
-                self._of |= self._in(batch, replicates)
-        return {run: self._of[run] for run in replicates if run in self._of}
+                names = "run_id", "failure", "failure_reason", self.variable
+                with suppress(InputError):  # damaged: who needs it says so
+                    values, _ = read(self.store.file_of(batch.id), names)
+                    own = next(replicates[run] for run in batch.runs if run in replicates)
+                    self._of |= self._means(own.configuration, values)
+        found = {run: self._of[run] for run in replicates if run in self._of}
+        for run in replicates.keys() - found if kept else ():
+            if (row := self.store.kept(run)) is not None:
+                values = {name: value[None] for name, value in row.items()} | {"run_id": np.array([run])}
+                found |= self._means(replicates[run].configuration, values)
+        return found
 
-    def _in(self, batch, replicates) -> dict[str, float]:
-        own = next(replicates[run] for run in batch.runs if run in replicates).configuration
-        dims = own.module.layout(own)[self.variable][0]
-        names = "run_id", "failure", "failure_reason", self.variable
-        try:
-            values, _ = read(self.store.file_of(batch.id), names)
-        except InputError:  # damaged: who needs it says so
-            return {}
+    def _means(self, own, values: dict[str, np.ndarray]) -> dict[str, float]:
+        """The number of each run of a configuration, from the variables of some (run, ...)."""
         ids, failed = values["run_id"].tolist(), values["failure"] != 0
-        for row in np.flatnonzero(failed):
-            self.failed[ids[row]] = str(values["failure_reason"][row])
+        self.failed |= zip(np.array(ids)[failed].tolist(), map(str, values["failure_reason"][failed]), strict=True)
+        if self.variable not in values:  # of a run that failed
+            return dict.fromkeys(ids, math.nan)
         array = values[self.variable].astype(float)
+        dims = (own.module.layout(own) | OF_STORE)[self.variable][0]
         for name in ("displacement", "snapshot_displacement") if own.module.observed else ():
             if AXES[name][0] == dims[-1:]:  # of the way of the cylinder, alone
                 along, (start, stop) = own.module.code.axes(own)[name], own.record.window
