@@ -28,9 +28,7 @@ def test(
     if not 0.0 <= margin <= 1.0:
         raise InputError(f"margin is {margin}; it must be between 0 and 1.")
     from dem.cli.show import PlainConsole
-    from dem.figures.catalogue import require_drag
 
-    require_drag(data)
     with bar(f"testing claims on {data}"):
         from studies.claims.report import verdicts  # this may take longer than the file
 

@@ -572,6 +572,13 @@ def test_claims_are_tested_on_no_foreign_file(tmp_path, fault):
     assert "mine.nc" in run.stderr if run.exit_code else "nan" not in run.stdout
 
 
+def test_claims_are_tested_on_the_file_of_the_study():
+    """The released one, also where one claim is asked for."""
+    file = Path(__file__).parents[1] / "claims.nc"
+    run = CliRunner().invoke(app, ["claims", "test", str(file), "--claim", CLAIMS[0].name])
+    assert run.exit_code == 0 and f"{CLAIMS[0].name}: " in run.stdout
+
+
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
