@@ -35,6 +35,7 @@ STUDY_NAMES = sorted(path.parent.name for path in STUDIES.glob("*/rules.smk"))
 ROOT = workflow.modifier.path_modifier.prefix or ""  # of a module
 SWEEP = Campaign.of_values(config, workflow.configfiles, ROOT)
 RESULTS = SWEEP.sweep.results
+SMOKE = "--smoke" if SWEEP.sweep.studies == "smoke.yaml" else ""  # of verbs that measure
 SWEEP.check()
 
 # Jobs run the Python that runs Snakemake, for any PATH, and this package, for any working folder. Ctrl-C

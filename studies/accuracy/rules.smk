@@ -12,9 +12,6 @@ OUTPUTS
     {RESULTS}/figures/accuracy_{figure}.svg, {RESULTS}/figures/accuracy_{figure}.png
 """
 
-SMOKE = "--smoke" if SWEEP.sweep.studies == "smoke.yaml" else ""
-
-
 localrules:
     accuracy,
 

@@ -7,14 +7,12 @@ import typer
 
 from dem.cli.options import ConfigOption, OutputOption
 from dem.cli.terminal import Verbs, bar, start_lean
+from studies.common.verbs import SmokeOption
 
 app = Verbs(help="Study of error against run time, part by part.", no_args_is_help=True)
 
 ACCURACY = Path("studies/accuracy/sweep.yaml")
 HERE = "studies.accuracy"
-
-
-SmokeOption = Annotated[bool, typer.Option("--smoke", help="As little as shows that it works.")]
 
 
 @app.command()

@@ -7,6 +7,7 @@ computer affects all of them. Every repeat starts from the same state.
 import math
 import os
 import platform
+from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
@@ -31,7 +32,8 @@ from studies.common.timing import one_core
 class Plan(NamedTuple):
     """How often and how long: repeats, steps of each after `warm` others, steps of comparisons.
 
-    beds: of the comparison of drag. tiles, threads: of large beds (studies.benchmark.sizes).
+    beds: of the comparison of drag. tiles, threads: of large beds (studies.benchmark.sizes). scenes: how
+    many of those that lack things are timed, all if None; each is a kernel to compile.
     """
 
     repeats: int = 15  # medians of five can differ by a tenth where the computer is shared
@@ -41,9 +43,11 @@ class Plan(NamedTuple):
     beds: int = 12
     tiles: tuple[int, ...] = TILES
     threads: tuple[int, ...] = (1, 2)
+    scenes: int | None = None
 
 
 USUAL = Plan()
+SMOKE = Plan(2, 2, 20, compared=(10,), beds=2, tiles=(1,), scenes=1)
 
 
 def measure(sweep: Sweep, plan: Plan = USUAL, progress=lambda done: None) -> dict:
@@ -59,7 +63,7 @@ def measure(sweep: Sweep, plan: Plan = USUAL, progress=lambda done: None) -> dic
         progress(0.3)
         stages = compare_stages(cases, plan)
         progress(0.4)
-        scenes = compare_scenes(variants(cases), plan)
+        scenes = compare_scenes(dict(islice(variants(cases).items(), plan.scenes)), plan)
         progress(0.5)
         motion = compare_motion(cases, plan)
         progress(0.6)

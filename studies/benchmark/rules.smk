@@ -30,9 +30,10 @@ rule measure:
     params:
         code=code_of("studies.benchmark.measure", shapes=SWEEP.sweep.shapes),
         sweep=SWEEP.text(None, "record", "sweep", "title", "failures"),
+        smoke=SMOKE,
         config=lambda w: config_of(SWEEP),
     threads: lambda w: workflow.cores
     log:
         f"{RESULTS}/logs/benchmark.log",
     shell:
-        "python -P -m studies benchmark measure --config {params.config} -o {output} 2> {log}"
+        "python -P -m studies benchmark measure --config {params.config} {params.smoke} -o {output} 2> {log}"

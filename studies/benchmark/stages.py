@@ -140,12 +140,12 @@ def stage_times(case: Case, times: int) -> dict[str, float]:
     table, dt = granule_table(case.scene, SKIN), STILL * case.time_step
     world = assemble(case.scene, case.state.checked(case.scene.granules), table)
     world = rebuild_neighbor_list(world, table)
-    advance(world, dt, WARM, math.inf, None)
+    advance(world, dt, dt, WARM, math.inf, None)
     calls = {name: partial(pairs, world, dt, times, wanted) for name, wanted in UPTO.items()}
     calls["walls and cylinder"] = partial(boundaries, world, dt, times)
     calls["clear forces, look for the farthest"] = partial(looks, world, math.inf, times)
     calls["move"] = partial(moves, world, times)
-    calls["whole step"] = partial(advance, world, dt, times, math.inf, None)
+    calls["whole step"] = partial(advance, world, dt, dt, times, math.inf, None)
     spent = {name: timed(call) / times for name, call in calls.items()}
     upto = [spent[name] for name in UPTO]
     return spent | dict(zip(UPTO, np.diff(upto, prepend=0.0), strict=True))

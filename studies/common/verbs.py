@@ -1,9 +1,14 @@
 """Verbs that several studies have."""
 
 from pathlib import Path
+from typing import Annotated
+
+import typer
 
 from dem.cli.options import ConfigOption, OutputOption
 from dem.cli.terminal import bar, start_lean
+
+SmokeOption = Annotated[bool, typer.Option("--smoke", help="As little as shows that it works.")]
 
 
 def table_of(name: str):
