@@ -1,4 +1,5 @@
-"""Copy into docs/data what the pages show of a folder of results: the variables they need, compressed.
+"""Copy into docs/data what the pages show of a folder of results: the variables they need, compressed. Draw the
+picture of the README.
 
     python docs/data/release.py results
 
@@ -15,9 +16,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import xarray as xr
+from PIL import Image
+from PIL.PngImagePlugin import PngInfo
 
 from dem.base.files import atomic
-from dem.base.sources import ROOT, _read
+from dem.base.sources import ROOT
 from dem.io.checksums import seal
 from dem.io.dataset import FORMAT
 
@@ -25,14 +28,9 @@ HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE.parent.parent), str(HERE.parent / "_ext")]
 from findings import FILES  # noqa: E402
 
-# What decides how granules move. The rest of dem.dynamics drives these kernels and reads them.
-ROOMS = "contacts", "dynamics", "jit", "packing", "shapes"
-DRIVERS = (
-    "dynamics/simulation.py",
-    "dynamics/engine.py",
-    "dynamics/checkpoint.py",
-    "shapes/check.py",
-)
+from docs.data.kernels import digest, kernels  # noqa: E402
+
+PICTURE = ROOT / "docs/images/bed.png"
 LEFT_OUT = {  # on no page, in no figure
     "drag": ("wall_force", "transverse_force", "kinetic_energy"),
     "precise": (
@@ -82,19 +80,6 @@ def release(results: Path) -> None:
         print(f"{each.path}: {each.path.stat().st_size / 1e6:.2f} MB")
 
 
-def kernels(package: Path) -> dict[str, str]:
-    """Hash of the code of every module that decides how granules move, by its path in the package.
-
-    Comments, docstrings and the words of errors do not count.
-    """
-    found = {
-        path.relative_to(package).as_posix(): path
-        for room in ROOMS
-        for path in sorted((package / room).rglob("*.py"))
-    }
-    return {name: _read(path).code[:16] for name, path in found.items() if name not in DRIVERS}
-
-
 def kernels_at(revision: str) -> dict[str, str]:
     """The same of a revision; if it is several ("a; b"), they must agree."""
     found = [_kernels_at(each.strip()) for each in revision.split(";")]
@@ -116,5 +101,16 @@ def _kernels_at(revision: str) -> dict[str, str]:
         return kernels(Path(folder) / "dem")
 
 
+def draw(results: Path) -> None:
+    """Draw the picture of the README, from the runs behind drag.nc, with their kernels as text of the PNG."""
+    run = [results / "drag.nc", "case=e3", "seed=1", "--forces", "-o", PICTURE]
+    subprocess.run([sys.executable, "-m", "dem", "draw", *map(str, run)], cwd=ROOT, check=True)
+    with xr.open_dataset(results / "drag.nc") as dataset, Image.open(PICTURE) as picture:
+        note = PngInfo()
+        note.add_text("kernels", digest(kernels_at(dataset.attrs["git_revision"])))
+        picture.save(PICTURE, pnginfo=note)
+
+
 if __name__ == "__main__":
     release(Path(sys.argv[1]))
+    draw(Path(sys.argv[1]).resolve())

@@ -18,6 +18,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
 from mutants import Mutant, made  # noqa: E402
 
 from dem.base import provenance  # noqa: E402
+from docs.data.kernels import digest  # noqa: E402
 
 FILE = ROOT / "studies/verification/laws.json"
 CASES = (
@@ -77,6 +78,7 @@ def main():
         kept = json.loads(FILE.read_text()) if FILE.exists() else {"laws": {}, "revisions": {}}
         kept["laws"][LAWS[number].kind] = found
         kept["revisions"][LAWS[number].kind] = revision
+        kept.setdefault("kernels", {})[LAWS[number].kind] = digest()
         FILE.write_text(json.dumps(kept, indent=1) + "\n")
         print(LAWS[number].kind, found, flush=True)
 
