@@ -115,7 +115,10 @@ def compile(
     config: ConfigOption = PAPER,
     shape: option(str | None, "Label of a shape; all shapes if absent.") = None,
 ):
-    """Compile the kernels that the runs of a sweep need, and keep them on disk."""
+    """Compile the kernels that the runs of a sweep need, and keep them on disk.
+
+    Example: dem compile --shape c1
+    """
     start_lean()
     from dem.experiment.warmup import compile_kernels
     from dem.sweep.config import load
