@@ -236,8 +236,9 @@ class Result(NamedTuple):
         -------
         xarray.Dataset
             Dimensions are time, granule, axis, wall and group (of held granules). Every variable has
-            units and a long name (CF). Walls are numbered in the order of the scene. Without a
-            cylinder there is none of its variables but its force, which is zero.
+            units and a long name (CF). Walls are numbered in the order of the scene. Without
+            walls or held groups there is none of their variables; without a cylinder there is none of its
+            variables but its force, which is zero.
         """
         import xarray
 
@@ -258,15 +259,14 @@ class Result(NamedTuple):
             if values.get(name) is not None
         }
         attrs = {"Conventions": "CF-1.11", "title": "Motion of granules and forces on walls"}
-        return xarray.Dataset(
-            variables, {"axis": ("axis", ["x", "y"], {"long_name": "direction"})}, attrs
-        )
+        axis = {"axis": ("axis", ["x", "y"], {"long_name": "direction"})}
+        dataset = xarray.Dataset(variables, axis, attrs)
+        # a netCDF dimension of size zero would be one without end
+        return dataset.drop_dims([name for name, size in dataset.sizes.items() if not size])
 
     @checked(path=file_of(".nc"))
     def to_netcdf(self, path: str | os.PathLike[str]) -> Path:
         """Write to_dataset() to one netCDF file, whole or not at all.
-
-        What there is none of, such as walls, is left out.
 
         Parameters
         ----------
@@ -298,8 +298,5 @@ class Result(NamedTuple):
         """
         path = Path(path)
         with atomic(path) as part:
-            dataset = self.to_dataset()
-            empty = [dimension for dimension, size in dataset.sizes.items() if not size]
-            # a netCDF dimension of size zero would be one without end
-            dataset.drop_dims(empty).to_netcdf(part, engine="netcdf4", format="NETCDF4_CLASSIC")
+            self.to_dataset().to_netcdf(part, engine="netcdf4", format="NETCDF4_CLASSIC")
         return path

@@ -15,6 +15,7 @@ DRIVERS = (
     "dynamics/simulation.py",
     "dynamics/engine.py",
     "dynamics/checkpoint.py",
+    "dynamics/result.py",
     "shapes/check.py",
 )
 
