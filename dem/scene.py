@@ -478,7 +478,7 @@ class State:
         position = reals(None, 2)("position", position)
         given = position, velocity, angle, angular_velocity
         for (name, each), value in zip(ARRAYS.items(), given, strict=True):
-            shape = len(position), *each
+            shape = np.shape(position)[0], *each
             setattr(self, name, np.zeros(shape) if value is None else reals(*shape)(name, value))
         self.boundaries = or_none(reals(None))("boundaries", boundaries)
 
@@ -501,5 +501,5 @@ class State:
             If an array is not for n granules, or a number is not finite.
         """
         kinds = {name: array(FINITE, granules, *each) for name, each in ARRAYS.items()}
-        arrays = (kind(name, getattr(self, name)).copy() for name, kind in kinds.items())
-        return State(*arrays, self.boundaries)
+        arrays = {name: kind(name, getattr(self, name)).copy() for name, kind in kinds.items()}
+        return State(**arrays, boundaries=self.boundaries)
