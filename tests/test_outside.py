@@ -424,7 +424,7 @@ def test_an_observable_gives_grids_and_lists_of_any_length(tmp_path, length):
         "record": {"observables": ["drag", f"near{length}.py"]},
     }  # fmt: skip
     if length == 3:
-        with pytest.raises(dem.InputError, match=r"the variable contact_force has the shape \(5, \d+\); it may have 5 along snapshot and 3"):
+        with pytest.raises(dem.RunError, match=r"the variable contact_force has the shape \(5, \d+\); it may have 5 along snapshot and 3"):
             dem.run_experiment(values)
         return
     found = dem.run_experiment(values)

@@ -8,7 +8,6 @@ import hashlib
 import json
 import time
 import traceback
-from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -111,8 +110,7 @@ def _row(store: Store, replicate: Replicate, progress) -> dict:
     """What a run gives, made and kept in the store."""
     started = time.process_time()
     try:
-        found = _checked(_run(store, replicate, progress), replicate)
-        found |= {"failure": 0, "failure_reason": ""}
+        found = _run(store, replicate, progress) | {"failure": 0, "failure_reason": ""}
     except RunError as error:
         found = _failure(str(error), type(error).__name__)
     except (Exception, SystemExit) as error:
@@ -143,17 +141,6 @@ def _place(error: BaseException, replicate: Replicate) -> str | None:
     return (
         last.get(True) if isinstance(error, InputError) or not own else last.get(True, last[False])
     )
-
-
-def _checked(given, replicate: Replicate) -> dict:
-    """The variables that a run gave; raises RunError where they are not what they must be."""
-    found = {}
-    for name, gap in _gaps(replicate).items():
-        with suppress(LookupError, TypeError, ValueError):
-            found[name] = np.asarray(given[name], float)
-        if name not in found or found[name].shape != gap.shape:
-            raise RunError(f"the run gives no {name} that are numbers of the shape {gap.shape}.")
-    return found
 
 
 def _gaps(replicate: Replicate) -> dict[str, np.ndarray]:

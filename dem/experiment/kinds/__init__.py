@@ -28,9 +28,10 @@ from pydantic import create_model
 
 from dem.base import sources
 from dem.base.constants import described
-from dem.base.errors import InputError
+from dem.base.errors import InputError, RunError
 from dem.base.outside import file_found, loaded, said_in
 from dem.base.schema import LIMITS, Number, Section, Whole, value
+from dem.base.validate import shown
 from dem.experiment.observables import OBSERVABLES, place_of, variables_of
 from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP
 
@@ -51,13 +52,18 @@ def _field(name: str, default, units, about, limits=MappingProxyType({})) -> tup
 
 
 def filled(name: str, values, sizes: dict[str, int]) -> np.ndarray:
-    """A variable with NaN up to the lengths of its dimensions; raises InputError where it is longer."""
-    values, shape = np.asarray(values), tuple(sizes.values())
+    """A variable with NaN up to the lengths of its dimensions; raises RunError where it is longer, or no
+    numbers."""
+    shape = tuple(sizes.values())
+    try:
+        values = np.asarray(values, float)
+    except (TypeError, ValueError):
+        raise RunError(f"the variable {name} is {shown(values)}; it must be numbers.") from None
     if values.shape == shape:
         return values
     if values.ndim != len(shape) or np.any(values.shape > np.array(shape)):
         words = " and ".join(f"{size} along {dim}" for dim, size in sizes.items()) or "one value"
-        raise InputError(f"the variable {name} has the shape {values.shape}; it may have {words}.")
+        raise RunError(f"the variable {name} has the shape {values.shape}; it may have {words}.")
     found = np.full(shape, np.nan)
     found[tuple(map(slice, values.shape))] = values
     return found
@@ -112,12 +118,12 @@ class Experiment:
         return loaded(self.place)
 
     def run(self, replicate, *args, **options) -> dict:
-        """Make one run; its variables by name, each as long as `sizes` says. Raises InputError where
+        """Make one run; its variables by name, each as long as `sizes` says. Raises RunError where
         they are not those of its layout."""
         found, sizes = self.code.run(replicate, *args, **options), self.sizes(replicate)
         layout = self.layout(replicate.configuration)
-        if wrong := found.keys() ^ layout.keys():
-            raise InputError(
+        if wrong := set(found if isinstance(found, dict) else ()) ^ layout.keys():
+            raise RunError(
                 f"the variable {min(wrong)} must be both in VARIABLES and in what {self.name} gives."
             )
         return {
