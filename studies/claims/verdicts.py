@@ -69,7 +69,6 @@ def share(claim: Claim, found: Evidence) -> Share | None:
 def evidence_in(path: Path, margin: float = MARGIN) -> Evidence:
     """Runs in claims.nc, or in drag.nc with the flow.nc beside it; raises InputError."""
     from dem.analysis.flow.layout import VARIABLES as FLOW
-    from dem.figures.catalogue import require_drag
     from dem.io.dataset import content_of
     from dem.io.lazily import open_lazily, require
     from dem.sweep.combine import open_combined
@@ -79,7 +78,8 @@ def evidence_in(path: Path, margin: float = MARGIN) -> Evidence:
         if "run_part" in dataset:
             require(dataset, path, VARIABLES, ("run_drag",), ("window_start", "window_stop"))
             return from_study(dataset.load(), margin)
-    require_drag(path)
+        if "drag" not in dataset:
+            raise InputError(f"{path}: it holds no drag; name drag.nc.")
     flow = Path(path).parent / "flow.nc"
     with open_combined(path) as dataset:
         dims = dataset["run_id"].dims
