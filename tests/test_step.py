@@ -227,7 +227,7 @@ def place_of(run):
 
 def test_the_cylinder_takes_another_velocity_at_that_time(bed):
     """Not at the end of the step, also where it takes several within one."""
-    run = dem.Simulation(*bed, time_step=1e-7)
+    run = dem.Simulation(*bed, time_step=5e-8)
     place, way = place_of(run), np.array([0.0, 1.23e-6])
     run.advance(1.23e-6)
     changes = (0.0, 2.0, 0.55e-6), (1.0, -1.0, 0.02e-6), (0.0, 3.0, 0.03e-6), (0.0, 0.5, 1e-6)
