@@ -117,11 +117,17 @@ def by_hand():
                 yield path
 
 
-@pytest.mark.parametrize("path", by_hand(), ids=lambda path: path.name)
+@pytest.mark.parametrize("path", list(by_hand()), ids=lambda path: path.name)
 def test_numbers_and_pictures_are_of_todays_kernels(path):
-    """What is written by hand has what `python docs/data/kernels.py` says."""
-    said = KERNELS[path.suffix](path)
-    assert {*(said.values() if isinstance(said, dict) else [said])} == {digest()}, (
+    """What is written by hand has what `python docs/data/kernels.py` says, or docs/data/unchanged.yaml
+    says why what was measured before holds for these kernels too."""
+    said, listed = KERNELS[path.suffix](path), (DOCS / "data/unchanged.yaml").read_text("utf-8")
+    known = {digest()} | {
+        each["digest"][0]
+        for each in yaml.safe_load(listed)
+        if each["why"] and path.name in each.get("of", ()) and digest() == each.get("digest", [0])[-1]
+    }
+    assert known.issuperset(said.values() if isinstance(said, dict) else [said]), (
         f"{path.name} is stale; docs/data/README.md says how it is made."
     )
 
@@ -136,7 +142,7 @@ def test_a_released_file_is_of_todays_kernels(file):
         (module, before, hashes[-1])
         for each in listed
         if each["why"] and file.name in each.get("of", [file.name])
-        for module, hashes in each["edits"].items()
+        for module, hashes in each.get("edits", {}).items()
         for before in hashes[:-1]
     }
     changed = [
