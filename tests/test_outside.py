@@ -438,7 +438,7 @@ def test_an_experiment_gives_all_that_it_says(tmp_path):
     text = RESTING.replace("pass", "return {}").replace("def run(replicate)", "def run(replicate, bed=None)")
     (tmp_path / "rest.py").write_text(text)
     values = {"extends": "config/smoke.yaml", "shape": "c1", "beside": str(tmp_path), "experiment": "rest.py"}
-    with pytest.raises(dem.InputError, match="the variable count must be both in VARIABLES and"):
+    with pytest.raises(dem.RunError, match="the variable count must be both in VARIABLES and"):
         dem.run_experiment(values)
 
 
