@@ -1,8 +1,11 @@
 """The one calibrated number: what cannot be fitted is refused by a sentence."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import xarray as xr
+import yaml
 from typer.testing import CliRunner
 
 import dem
@@ -83,3 +86,10 @@ def test_the_beds_are_none_of_the_papers_sweep():
     moduli = {run.replicate.configuration.material.young_modulus for run in own.runs}
     assert len(own.runs) == len(seeds) * len(moduli) == 500
     assert min(moduli) < paper.material.young_modulus < max(moduli)
+
+
+def test_the_modulus_of_the_paper_is_within_the_interval():
+    """The sweep keeps the modulus of the first fit; a later one must not contradict it."""
+    fitted = yaml.safe_load(Path("studies/calibration/calibration.yaml").read_text("utf-8"))
+    low, high = fitted["interval"]
+    assert low < load("config/paper.yaml").material.young_modulus < high
