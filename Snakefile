@@ -51,9 +51,9 @@ include: "rules/figures.smk"
 include: "rules/report.smk"
 
 
-for name in STUDY_NAMES:
+if REPORTED:
 
-    include: f"studies/{name}/rules.smk"
+    include: "rules/studies.smk"
 
 
 onstart:

@@ -24,18 +24,17 @@ from snakemake.io import IOFile
 
 HERE = Path(str(workflow.current_basedir)).parent
 STUDIES = HERE / "studies"  # may be absent, and each study
-KNOWN_FIGURES, REPORTED = FIGURES, ()
+KNOWN_FIGURES, REPORTED = FIGURES, {}
 if STUDIES.is_dir():
     sys.path.insert(0, str(HERE))
+    from studies import FOLDERS, has_sweep, package_of
     from studies.catalogue import figures, reported
 
     KNOWN_FIGURES, REPORTED = figures(), reported()
-STUDY_NAMES = sorted(path.parent.name for path in STUDIES.glob("*/rules.smk"))
 
 ROOT = workflow.modifier.path_modifier.prefix or ""  # of a module
 SWEEP = Campaign.of_values(config, workflow.configfiles, ROOT)
 RESULTS = SWEEP.sweep.results
-SMOKE = "--smoke" if SWEEP.sweep.studies == "smoke.yaml" else ""  # of verbs that measure
 SWEEP.check()
 
 # Jobs run the Python that runs Snakemake, for any PATH, and this package, for any working folder. Ctrl-C
@@ -50,16 +49,17 @@ shell.prefix(
 
 @cache
 def study(name):
-    """The sweep of a study."""
-    found = Campaign.of(STUDIES / name / SWEEP.sweep.studies, ROOT)
+    """The sweep that a study reads: its own, or else that of the configuration."""
+    if not has_sweep(name):
+        return SWEEP
+    found = Campaign.of(FOLDERS[name] / SWEEP.sweep.studies, ROOT)
     found.check()
     return found
 
 
 def place_of(folder):
     """The sweep of a folder, and the block whose combined files are in it."""
-    with_sweeps = (name for name in STUDY_NAMES if (STUDIES / name / SWEEP.sweep.studies).is_file())
-    for sweep in chain([SWEEP], map(study, with_sweeps)):
+    for sweep in chain([SWEEP], map(study, REPORTED)):
         if folder in sweep.folders:
             return sweep, sweep.folders[folder]
     raise ValueError(f"{folder} is no folder of this sweep")
@@ -114,13 +114,6 @@ def keep_whole(files):
         noted = workflow.persistence.metadata(file := IOFile(str(path)))
         if noted is None or noted.endtime < path.stat().st_mtime:
             workflow.persistence.cleanup_metadata(file)
-
-
-def study_batches(name, derived=False):
-    """The batches of those blocks of a study whose values are derived from other blocks, or of the others."""
-    sweep = study(name)
-    folders = [folder for folder, block in sweep.folders.items() if bool(sweep.needed(block)) == derived]
-    return list(dict.fromkeys(batch for folder in folders for batch in batches_in(folder)))
 
 
 # Code is a parameter of a rule, and not an input: the hash of what its module and the shapes depend on,

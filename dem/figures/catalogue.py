@@ -187,9 +187,10 @@ def _drawn(each: Drawn, data: Path, folder: Path, options: dict) -> list[Path]:
 
 def _layout_of(each: Drawn) -> dict:
     """What the file of a figure must look like: that of flow.nc, or of a study's own file."""
-    package = "dem.analysis.flow" if each.file == "flow" else each.package
-    own = package != "dem" and find_spec(f"{package}.layout")
-    return import_module(f"{package}.layout").VARIABLES if own else {}
+    if each.file == "flow":
+        return import_module("dem.analysis.flow.layout").VARIABLES
+    own = each.package != "dem" and find_spec(f"{each.package}.results")
+    return import_module(f"{each.package}.results").VARIABLES if own else {}
 
 
 def require_drag(data: Path) -> None:

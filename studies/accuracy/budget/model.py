@@ -63,7 +63,11 @@ class Model(NamedTuple):
     def biases(self, at: Settings) -> np.ndarray:
         """Biases of the mean by step, box and window, over the mean."""
         box = _box(self.box, at.granules)
-        found = self.step * self.time_step(at.fraction), box, np.interp(at.stop, self.stops, self.window)
+        found = (
+            self.step * self.time_step(at.fraction),
+            box,
+            np.interp(at.stop, self.stops, self.window),
+        )
         return np.stack(np.broadcast_arrays(*found))
 
     def spread(self, at: Settings):
@@ -81,7 +85,11 @@ class Runs:
         self.table = pd.DataFrame({name: mine[f"run_{name}"].values for name in names})
         self.drag, self.stops = mine["run_drag"].values, mine["window_stop"].values
         self.table["drag"] = self.drag[:, -1]
-        there = self.table.part.isin(PARTS) & (self.table.fraction != LEFT_OUT) & self.table.drag.notna()
+        there = (
+            self.table.part.isin(PARTS)
+            & (self.table.fraction != LEFT_OUT)
+            & self.table.drag.notna()
+        )
         self.fitted = np.flatnonzero(there)
 
     def again(self, rng: np.random.Generator) -> np.ndarray:
@@ -102,9 +110,15 @@ class Runs:
         square, line = np.linalg.lstsq(parts, np.ones(len(lengths)))[0]
         bounds = float(square**-0.5), float(1.0 / line)
 
-        packed = some[some.part.isin(("reference", "boxes"))]  # others have the beds of the reference
+        packed = some[
+            some.part.isin(("reference", "boxes"))
+        ]  # others have the beds of the reference
         bed = (packed.spent - packed.time).groupby(packed.granules).median()
-        run = (some.time * _time_step(bounds, some.fraction) / some.stroke).groupby(some.granules).median()
+        run = (
+            (some.time * _time_step(bounds, some.fraction) / some.stroke)
+            .groupby(some.granules)
+            .median()
+        )
 
         x = paper.time_step - paper.groupby("seed").time_step.transform("mean")
         slope = (x * paper.drag).sum() / (x * x).sum()
@@ -114,10 +128,18 @@ class Runs:
 
         boxes = some[(some.part == "boxes") | reference].groupby("granules").drag
         scatter = boxes.std() / mean
-        spread = float(np.linalg.lstsq(-size.to_numpy()[:, None], np.log(scatter / scatter[PAPER]).to_numpy())[0][0])
-        others = boxes.mean().drop(PAPER) / mean - step * _time_step(bounds, some.fraction[some.part == "boxes"].median())
+        spread = float(
+            np.linalg.lstsq(-size.to_numpy()[:, None], np.log(scatter / scatter[PAPER]).to_numpy())[
+                0
+            ][0]
+        )
+        others = boxes.mean().drop(PAPER) / mean - step * _time_step(
+            bounds, some.fraction[some.part == "boxes"].median()
+        )
         x = -size.drop(PAPER).to_numpy()
-        box = tuple(np.linalg.lstsq(np.column_stack([x, x * x]), np.log(others.to_numpy()))[0].tolist())
+        box = tuple(
+            np.linalg.lstsq(np.column_stack([x, x * x]), np.log(others.to_numpy()))[0].tolist()
+        )
 
         of_window = drag[reference]
         return Model(

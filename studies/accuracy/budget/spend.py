@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from studies.budget.model import PAPER, Model, Runs, Settings
+from studies.accuracy.budget.model import PAPER, Model, Runs, Settings
 
 DRAWS = 200
 FRACTIONS = (0.1, 0.15, 0.2, 0.3, 0.5, 0.95)  # steps beyond the critical one are refused
@@ -55,7 +55,9 @@ class Shape:
         biases = np.array([(model.biases(at) ** 2).sum(axis=0) for model in self.draws])
         with np.errstate(divide="ignore"):
             scatter = self.model.spread(at) ** 2 / count
-            each = np.sqrt(biases + np.array([model.spread(at) ** 2 for model in self.draws]) / count)
+            each = np.sqrt(
+                biases + np.array([model.spread(at) ** 2 for model in self.draws]) / count
+            )
         return count, np.sqrt(biases.mean(axis=0) + scatter), each
 
     def spent(self, at: Settings, budget: float) -> Spent:
@@ -85,7 +87,9 @@ class Levels(NamedTuple):
 def levels(shape: Shape, coarse: float, fine: float) -> Levels:
     """What two levels would gain; beds are packed once for both steps."""
     some = shape.runs.table[shape.runs.table.granules == PAPER]
-    drags = some[some.part.isin(("reference", "steps", "longest"))].pivot(index="seed", columns="fraction", values="drag")
+    drags = some[some.part.isin(("reference", "steps", "longest"))].pivot(
+        index="seed", columns="fraction", values="drag"
+    )
     pairs = drags[[coarse, fine]].dropna().to_numpy()
     bed, end = shape.model.bed[0], shape.runs.stops[-1]
     alone = {f: shape.model.time(Settings(f, PAPER, end, end)) for f in (coarse, fine)}
@@ -93,7 +97,9 @@ def levels(shape: Shape, coarse: float, fine: float) -> Levels:
 
     def of(pairs):
         coarse_ones, fine_ones = pairs.T
-        two = np.sqrt(coarse_ones.var() * alone[coarse]) + np.sqrt((fine_ones - coarse_ones).var() * both)
+        two = np.sqrt(coarse_ones.var() * alone[coarse]) + np.sqrt(
+            (fine_ones - coarse_ones).var() * both
+        )
         return np.corrcoef(pairs.T)[0, 1], fine_ones.var() * alone[fine] / two**2
 
     rng = np.random.default_rng(2)

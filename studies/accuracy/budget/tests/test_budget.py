@@ -11,12 +11,12 @@ from dem.io.dataset import global_attributes, write
 from dem.io.lazily import open_lazily
 from dem.sweep.campaign import Campaign
 from dem.sweep.config import parse
-from studies.budget.findings import budget
-from studies.budget.layout import VARIABLES
-from studies.budget.model import LEFT_OUT, PAPER, Model, Runs, Settings
-from studies.budget.spend import WAYS, WINDOW, Shape, levels
-from studies.budget.table import make
-from studies.budget.trial import NAMES, interval, ratio, tried
+from studies.accuracy.budget.findings import budget
+from studies.accuracy.budget.layout import VARIABLES
+from studies.accuracy.budget.model import LEFT_OUT, PAPER, Model, Runs, Settings
+from studies.accuracy.budget.spend import WAYS, WINDOW, Shape, levels
+from studies.accuracy.budget.table import make
+from studies.accuracy.budget.trial import NAMES, interval, ratio, tried
 
 STOPS = np.linspace(1.0e-3, WINDOW, 11)[1:]
 TRUE = Model(
@@ -34,7 +34,10 @@ def runs_of(model: Model, beds: int, seed: int = 0) -> dict:
             at = Settings(fraction, granules, STOPS, stroke)
             own = np.random.default_rng([seed, first + number, granules]).normal()
             draw = (own + rng.normal() / 3.0) / np.hypot(1.0, 1.0 / 3.0)
-            mean, time = model.mean * (1.0 + model.biases(at).sum(axis=0)), model.time(at) * rng.normal(1.0, 0.02)
+            mean, time = (
+                model.mean * (1.0 + model.biases(at).sum(axis=0)),
+                model.time(at) * rng.normal(1.0, 0.02),
+            )
             bed = model.bed[0] * (granules / PAPER) ** model.bed[1]
             rows.append({
                 "part": part, "shape": "c1", "seed": first + number, "fraction": fraction, "granules": granules,
@@ -51,7 +54,9 @@ def runs_of(model: Model, beds: int, seed: int = 0) -> dict:
     add("recommended_1", 0.5, PAPER, 9000, count=400)
     for way, at in WAYS.items():
         add(f"{way}_1", at.fraction, at.granules, 9000, at.stroke, 400)
-    return {f"run_{key}": np.array([row[key] for row in rows]) for key in rows[0]} | {"window_stop": STOPS}
+    return {f"run_{key}": np.array([row[key] for row in rows]) for key in rows[0]} | {
+        "window_stop": STOPS
+    }
 
 
 def write_runs(path):
@@ -69,7 +74,13 @@ def dataset(tmp_path_factory):
 
 def test_the_model_finds_what_made_the_runs(dataset):
     found = Runs(dataset, "c1").fit()
-    for name, off in {"mean": 0.03, "bounds": 1e-6, "bed": 0.05, "run": 0.05, "scatter": 0.15}.items():
+    for name, off in {
+        "mean": 0.03,
+        "bounds": 1e-6,
+        "bed": 0.05,
+        "run": 0.05,
+        "scatter": 0.15,
+    }.items():
         assert getattr(found, name) == pytest.approx(getattr(TRUE, name), rel=off), name
     assert found.step == pytest.approx(TRUE.step, abs=3e5)
     assert found.box == pytest.approx(TRUE.box, abs=0.03)
@@ -90,9 +101,15 @@ def test_no_way_does_better_than_the_settings_that_are_recommended(dataset):
 def test_an_error_is_that_of_means_drawn_with_these_settings(dataset):
     """Root mean square over many draws from what made the runs, where biases do not cancel by chance."""
     shape, rng = Shape(dataset, "c1"), np.random.default_rng(5)
-    for at in (Settings(0.3, PAPER, WINDOW, WINDOW), Settings(0.1, 200, WINDOW, WINDOW), Settings(0.1, PAPER, 3.0e-3, 3.0e-3)):
+    for at in (
+        Settings(0.3, PAPER, WINDOW, WINDOW),
+        Settings(0.1, 200, WINDOW, WINDOW),
+        Settings(0.1, PAPER, 3.0e-3, 3.0e-3),
+    ):
         told = shape.spent(at, 30.0)
-        off = TRUE.biases(at).sum() + TRUE.spread(at) * rng.normal(size=(4000, told.runs)).mean(axis=1)
+        off = TRUE.biases(at).sum() + TRUE.spread(at) * rng.normal(size=(4000, told.runs)).mean(
+            axis=1
+        )
         assert told.error == pytest.approx(np.sqrt((off**2).mean()), rel=0.15)
 
 
@@ -103,7 +120,13 @@ def test_two_levels_gain_where_runs_agree_and_fine_ones_are_dear(dataset):
     assert found.correlation[1] < found.correlation[0] < found.correlation[2]
     assert found.gain[2] < 1.0  # three times the step is not thrice as fast, because of damping
     alike = dataset.copy(deep=True)
-    first = {seed: drag for part, seed, drag in zip(*(alike[f"run_{n}"].values for n in ("part", "seed", "drag")), strict=True) if part == "reference"}
+    first = {
+        seed: drag
+        for part, seed, drag in zip(
+            *(alike[f"run_{n}"].values for n in ("part", "seed", "drag")), strict=True
+        )
+        if part == "reference"
+    }
     for row in np.flatnonzero(alike["run_part"].values == "steps"):
         alike["run_drag"][row] = first[int(alike["run_seed"][row])]
     assert levels(Shape(alike, "c1"), 0.95, 0.1).gain[0] > 1.5
@@ -113,7 +136,10 @@ def test_two_levels_take_what_the_best_numbers_of_runs_take(dataset):
     """Among all numbers of runs, by the times that the runs of the file took: a bed is packed once for both steps."""
     table = Runs(dataset, "c1").table
     beds = range(300)
-    coarse, fine = (table[table.fraction == f].set_index("seed").query("granules == @PAPER").loc[beds] for f in (0.3, 0.1))
+    coarse, fine = (
+        table[table.fraction == f].set_index("seed").query("granules == @PAPER").loc[beds]
+        for f in (0.3, 0.1)
+    )
     fine, coarse = fine[fine.part == "reference"], coarse[coarse.part == "steps"]
     own, both = fine.spent.mean(), fine.spent.mean() + coarse.spent.mean()
     packed = coarse.spent.mean() + fine.spent.mean() - fine.time.mean()
@@ -121,7 +147,9 @@ def test_two_levels_take_what_the_best_numbers_of_runs_take(dataset):
     one, two = runs[:, None], runs[None]
     variance = coarse.drag.var() / one + (fine.drag - coarse.drag).var() / two
     least = (variance * (one * packed + two * both)).min()
-    assert levels(Shape(dataset, "c1"), 0.3, 0.1).gain[0] == pytest.approx(fine.drag.var() * own / least, rel=0.03)
+    assert levels(Shape(dataset, "c1"), 0.3, 0.1).gain[0] == pytest.approx(
+        fine.drag.var() * own / least, rel=0.03
+    )
 
 
 def test_repetitions_show_a_bias_and_a_scatter(dataset):
@@ -161,23 +189,44 @@ def test_every_run_is_a_row_with_what_it_gave(tmp_path, monkeypatch):
     blocks = {
         "reference": {"shape": "c1", "seed": [1, 2]},
         "steps": {"shape": ["c1", "d1"], "numerics.step_fraction": [0.5, 0.9], "seed": 1},
-        "boxes": {"values": {"shapes.c1.granules": 30, "box_width": 6.0e-3}, "shape": "c1", "seed": 3},
+        "boxes": {
+            "values": {"shapes.c1.granules": 30, "box_width": 6.0e-3},
+            "shape": "c1",
+            "seed": 3,
+        },
     }
     record = {"observables": ["drag"], "bins": 12}
-    work = Campaign(parse({"extends": str(SMOKE), "results": "results", "record": record, "sweep": {"blocks": blocks}}))
+    work = Campaign(
+        parse(
+            {
+                "extends": str(SMOKE),
+                "results": "results",
+                "record": record,
+                "sweep": {"blocks": blocks},
+            }
+        )
+    )
     run_all(work)
     make(work, Path("budget.nc"))
     found = xr.load_dataset("budget.nc")
     assert found.sizes["run"] == 2 + 4 + 1
     for row in range(found.sizes["run"]):
         own = found.isel(run=row)
-        at = {"seed": int(own["run_seed"]), "shape": str(own["run_shape"].values), "numerics_step_fraction": float(own["run_fraction"])}
+        at = {
+            "seed": int(own["run_seed"]),
+            "shape": str(own["run_shape"].values),
+            "numerics_step_fraction": float(own["run_fraction"]),
+        }
         drags = xr.load_dataset(work.first(str(own["run_part"].values)))
         run = drags.sel({key: each for key, each in at.items() if key in drags.dims})
-        inside = (run["displacement"] > drags.attrs["window_start"]) & (run["displacement"] < drags.attrs["window_stop"])
+        inside = (run["displacement"] > drags.attrs["window_start"]) & (
+            run["displacement"] < drags.attrs["window_stop"]
+        )
         assert float(own["run_drag"][-1]) == pytest.approx(float(run["drag"].where(inside).mean()))
         assert float(own["run_time"]) == float(run["run_time"])
-        assert float(own["run_time_step"]) * int(run["steps"]) * 2.0 == pytest.approx(float(own["run_stroke"]))  # at 2 m/s
+        assert float(own["run_time_step"]) * int(run["steps"]) * 2.0 == pytest.approx(
+            float(own["run_stroke"])
+        )  # at 2 m/s
         assert int(own["run_granules"]) == int(run["granules"])
 
 

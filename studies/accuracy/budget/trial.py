@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from studies.budget.spend import Shape
+from studies.accuracy.budget.spend import Shape
 
 NAMES = "default", "paper", "recommended"  # the first words of blocks
 REPETITIONS = 10
@@ -37,12 +37,19 @@ def tried(shape: Shape) -> list[Way]:
     reference = table.drag[parts == "reference"].dropna().to_numpy()
     budget = RUNS * table.spent[parts == "paper"].mean()
     rng = np.random.default_rng(int(1e3 * budget))  # of each shape another
-    truths = np.append(reference.mean(), rng.choice(reference, (DRAWS, len(reference))).mean(axis=1))
+    truths = np.append(
+        reference.mean(), rng.choice(reference, (DRAWS, len(reference))).mean(axis=1)
+    )
     chance = reference.var() / len(reference)
-    return [_way(name, table[(parts == name) & table.drag.notna()], truths, chance, budget, rng) for name in NAMES]
+    return [
+        _way(name, table[(parts == name) & table.drag.notna()], truths, chance, budget, rng)
+        for name in NAMES
+    ]
 
 
-def _way(name: str, some: pd.DataFrame, truths: np.ndarray, chance: float, budget: float, rng) -> Way:
+def _way(
+    name: str, some: pd.DataFrame, truths: np.ndarray, chance: float, budget: float, rng
+) -> Way:
     """truths: the true mean (N) and draws of it, with the variance of it."""
     exact = budget / some.spent.mean()
     count = min(int(exact + 1e-9), len(some) // REPETITIONS)
@@ -55,12 +62,18 @@ def _way(name: str, some: pd.DataFrame, truths: np.ndarray, chance: float, budge
     within = again.var(axis=1, ddof=1)
     known = within / len(drags) + chance  # by which the means differ anyway
     known[1:] *= 2.0  # where they are drawn again
-    whole = np.sqrt(np.maximum((again.mean(axis=1) - truths) ** 2 - known, 0.0) + within / exact) / truths[0]
+    whole = (
+        np.sqrt(np.maximum((again.mean(axis=1) - truths) ** 2 - known, 0.0) + within / exact)
+        / truths[0]
+    )
     return Way(name, count, count * float(some.spent.mean()), np.append(found, repeated), whole)
 
 
 def ratio(shapes: list[list[Way]], name: str, other: str, by: str) -> np.ndarray:
     """Error of a way over that of another, `repeated` or by the `whole`, of all shapes together, with both ends of
     its interval."""
-    pairs = ([getattr({way.name: way for way in ways}[each], by) for each in (name, other)] for ways in shapes)
+    pairs = (
+        [getattr({way.name: way for way in ways}[each], by) for each in (name, other)]
+        for ways in shapes
+    )
     return interval(np.exp(np.mean([np.log(one / two) for one, two in pairs], axis=0)))

@@ -9,7 +9,11 @@ import numpy as np
 from dem.io.dataset import read
 
 CASES = "c1", "d1", "e1", "e3"  # with forty beds each
-UNJAMMED, DRAG, WITHIN = 0.3, 0.2, 0.1  # share of unjammed beds, their drag over that of jammed, scatter of each
+UNJAMMED, DRAG, WITHIN = (
+    0.3,
+    0.2,
+    0.1,
+)  # share of unjammed beds, their drag over that of jammed, scatter of each
 
 
 class Source(NamedTuple):
@@ -49,5 +53,12 @@ def again(runs: Path) -> Iterator[Source]:
     """The beds of the paper's cases in claims.nc, drawn again with replacement."""
     values, _ = read(runs, ("run_part", "run_case", "run_drag"))
     for name in CASES:
-        own = values["run_drag"][(values["run_part"] == "replicates") & (values["run_case"] == name)]
-        yield Source(name, own.mean(), own.std() / own.mean(), lambda rng, scatter, n, own=own: rng.choice(own, n))
+        own = values["run_drag"][
+            (values["run_part"] == "replicates") & (values["run_case"] == name)
+        ]
+        yield Source(
+            name,
+            own.mean(),
+            own.std() / own.mean(),
+            lambda rng, scatter, n, own=own: rng.choice(own, n),
+        )

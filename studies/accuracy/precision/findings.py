@@ -7,7 +7,7 @@ from rich.table import Table
 
 from dem.analysis.tables import numbers
 from studies.common.findings import Findings
-from studies.precision.stopping import FEW, ROUNDS
+from studies.accuracy.precision.stopping import FEW, ROUNDS
 
 __all__ = ["precision"]
 
@@ -81,13 +81,21 @@ class Precision(Findings):
 
     def rules(self) -> Table:
         """Rules beside each other."""
-        alike = self._every.groupby(["source", "scatter", "target"]).filter(lambda some: len(some) > 1)
+        alike = self._every.groupby(["source", "scatter", "target"]).filter(
+            lambda some: len(some) > 1
+        )
         rows = alike[alike.rule != FEW].sort_values(["source", "target", "scatter"], kind="stable")
         return self._table(rows, "rule", *SHOWN)
 
     def five(self) -> Table:
         """What five runs promise."""
-        columns = "a run gives", "scatter", "within 5 %", "half the interval", "within the interval found"
+        columns = (
+            "a run gives",
+            "scatter",
+            "within 5 %",
+            "half the interval",
+            "within the interval found",
+        )
         return self._table(self.rows(FEW, target=0.05), *columns)
 
 

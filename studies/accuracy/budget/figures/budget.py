@@ -5,15 +5,19 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from dem.figures import style
-from studies.budget.findings import budget
-from studies.budget.spend import WAYS
-from studies.budget.trial import NAMES, interval
+from studies.accuracy.budget.findings import budget
+from studies.accuracy.budget.spend import WAYS
+from studies.accuracy.budget.trial import NAMES, interval
 
 FILE = "budget"
 CAPTION = "By how much the mean drag is off, against processor time"
 TIMES = np.geomspace(3.0, 3600.0, 19)  # s
 LINES = {"default": (0, (5, 1.5)), "paper": (0, (1, 1)), "recommended": "-"}
-LABELS = {"default": "the default", "paper": "the paper's sweep", "recommended": "the best settings"}
+LABELS = {
+    "default": "the default",
+    "paper": "the paper's sweep",
+    "recommended": "the best settings",
+}
 MARKS = dict(zip(NAMES, "s^o", strict=True))
 
 
@@ -21,16 +25,24 @@ MARKS = dict(zip(NAMES, "s^o", strict=True))
 def plot(dataset: xr.Dataset) -> Figure:
     """One panel a shape: the model as lines, what ten repetitions gave as marks."""
     found = budget.of(dataset)
-    figure, grid = style.panels(len(found.shapes), len(found.shapes), 1.2, 3.6, sharex=True, sharey=True)
+    figure, grid = style.panels(
+        len(found.shapes), len(found.shapes), 1.2, 3.6, sharex=True, sharey=True
+    )
     for axes, (name, shape) in zip(grid, found.shapes.items(), strict=True):
         best = [shape.best(seconds) for seconds in TIMES]
-        curves = {way: [shape.spent(at, seconds).error for seconds in TIMES] for way, at in WAYS.items()}
+        curves = {
+            way: [shape.spent(at, seconds).error for seconds in TIMES] for way, at in WAYS.items()
+        }
         curves["recommended"] = [each.error for each in best]
         for number, (way, curve) in enumerate(curves.items()):
             color = style.CASES[number] if way != "recommended" else "black"
-            axes.plot(TIMES, 100.0 * np.array(curve), color=color, linestyle=LINES[way], label=LABELS[way])
+            axes.plot(
+                TIMES, 100.0 * np.array(curve), color=color, linestyle=LINES[way], label=LABELS[way]
+            )
         low, high = 100.0 * np.array([(each.low, each.high) for each in best]).T
-        axes.fill_between(TIMES, low, high, color="0.85", linewidth=0.0, zorder=0, label="their 95 % interval")
+        axes.fill_between(
+            TIMES, low, high, color="0.85", linewidth=0.0, zorder=0, label="their 95 % interval"
+        )
         for shift, way in zip((0.85, 1.0, 1.18), found.ways[name], strict=True):
             style.intervals(
                 axes, [way.time * shift], [100.0 * interval(way.repeated)], linestyle="none", color="0.15", marker=MARKS[way.name], markersize=6,

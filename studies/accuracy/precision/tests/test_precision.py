@@ -11,10 +11,10 @@ from dem.figures.catalogue import draw
 from dem.sweep.precision import Until, known
 from studies.__main__ import app
 from studies.catalogue import figures
-from studies.precision.calibrate import tried
-from studies.precision.findings import precision
-from studies.precision.sources import UNJAMMED, Source, gamma, lognormal, mixture, normal
-from studies.precision.stopping import OTHERS, ROUNDS, RULES, first_narrow
+from studies.accuracy.precision.calibrate import tried
+from studies.accuracy.precision.findings import precision
+from studies.accuracy.precision.sources import UNJAMMED, Source, gamma, lognormal, mixture, normal
+from studies.accuracy.precision.stopping import OTHERS, ROUNDS, RULES, first_narrow
 
 TRIALS, ERRORS = 6_000, 2.0
 SOURCES = {
@@ -47,14 +47,20 @@ def test_the_first_narrow_interval_is_right_less_often(name):
 
 @pytest.mark.parametrize(
     ("rule", "least", "share", "stays"),
-    [("first narrow interval", 5, 0.05, 0), ("Law and Kelton", 10, 0.05 / 1.05, 0), ("Hoad and others", 3, 0.05, 5)],
+    [
+        ("first narrow interval", 5, 0.05, 0),
+        ("Law and Kelton", 10, 0.05 / 1.05, 0),
+        ("Hoad and others", 3, 0.05, 5),
+    ],
 )
 def test_other_rules_stop_where_their_papers_say(rule, least, share, stays):
     """Hoad's rule looks ahead for longer once there are more than a hundred runs."""
     until, rng = Until(until=f"{100.0 * share!r} %"), np.random.default_rng(3)
     for scatter in (0.1, 0.2, 0.3):
         sample = rng.normal(1.0, scatter, 400)
-        narrow = [n >= least and known(sample[:n], until.level).excess(until) <= 1.0 for n in range(401)]
+        narrow = [
+            n >= least and known(sample[:n], until.level).excess(until) <= 1.0 for n in range(401)
+        ]
         ahead = [max(stays, stays * n // 100) for n in range(401)]
         first = next(n for n in range(401) if narrow[n] and all(narrow[n : n + ahead[n] + 1]))
         asked = Until(until="5 %", most=5000)
