@@ -28,7 +28,6 @@ extensions = [
     "sphinx_design",
     "sphinxcontrib.video",
     "pages",  # docs/_ext: fills in numbers, draws the gallery, sets mathematics
-    "links",  # docs/_ext: checks them in the finished pages
 ]
 exclude_patterns = ["_build", "_ext", "data", "readme.md"]
 templates_path = ["_templates"]

@@ -25,7 +25,7 @@ from dem.sweep.schema import schema
 
 FILES = [
     path
-    for path in [*CONFIG.glob("*.yaml"), *CONFIG.parent.glob("studies/*/*.yaml")]
+    for path in [*CONFIG.glob("*.yaml"), *CONFIG.parent.glob("studies/**/*.yaml")]
     if path.name not in ("catalogue.yaml", "calibration.yaml")  # no sweeps
 ]
 PAPER = (CONFIG / "paper.yaml").read_text(encoding="utf-8")

@@ -120,11 +120,7 @@ PAGES = [
 LEFT_OUT = {"_build", "_generated", "jupyter_execute", "readme.md"}
 PAGES = [path for path in PAGES if not LEFT_OUT & set(path.parts)]
 SOURCES = [path for room in OURS for path in sorted((ROOT / room).rglob("*.py"))]
-RULES = [
-    ROOT / "Snakefile",
-    *sorted(ROOT.glob("rules/*.smk")),
-    *sorted(ROOT.glob("studies/*/rules.smk")),
-]
+RULES = [ROOT / "Snakefile", *sorted(ROOT.glob("rules/*.smk"))]
 
 
 def blocks(text):
@@ -295,9 +291,7 @@ def called_by_rules():
 
 def test_every_verb_is_shown_or_called_by_a_rule():
     """So that what runs above, and the targets below, enter all of them; what is neither has no use."""
-    called = set(called_by_rules()) | (
-        {"catalogue", "limits"} if "{wildcards.part}" in set(called_by_rules()) else set()
-    )
+    called = set(called_by_rules())
     unused = [
         shlex.join(verb) for verb in verbs()
         if not any(words[: len(verb)] == verb for words in SHOWN) and verb[-1] not in called

@@ -13,6 +13,7 @@ from dem.experiment.config import SECTIONS, Configuration
 from dem.experiment.kinds import jamming, onset, shear
 from dem.experiment.observables import OBSERVABLES, module_of
 from dem.io import dataset
+from studies import package_of
 from studies.catalogue import reported
 
 FOLDER = Path("_generated")  # in docs
@@ -88,8 +89,8 @@ def files() -> str:
         parts += [f"## Experiment `{name}`\n", _first_line(module), _variables(module.VARIABLES)]
     parts += ["## `flow.nc`\n", LAG, _variables({"run_id": dataset.OF_STORE["run_id"]} | FLOW)]
     for name in reported():
-        layout = import_module(f"studies.{name}.layout")
-        parts += [f"## `{name}.nc`\n", _variables(layout.VARIABLES)]
+        results = import_module(f"{package_of(name)}.results")
+        parts += [f"## `{name}.nc`\n", _variables(results.VARIABLES)]
     return "\n".join(parts)
 
 

@@ -26,7 +26,7 @@ def window_means(dataset: xr.Dataset, start: float, stop: float) -> np.ndarray:
     return dataset["replicate_drag"].values[:, inside].mean(axis=1)
 
 
-def replicates(dataset: xr.Dataset) -> Replicates:
+def cost(dataset: xr.Dataset) -> Replicates:
     """How the interval of the mean shrinks with replicates."""
     means = window_means(dataset, dataset.attrs["window_start"], dataset.attrs["window_stop"])
     scatter = means.std(ddof=1) / means.mean()

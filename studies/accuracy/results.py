@@ -5,7 +5,7 @@ The block `replicates` is of many beds of one shape, with a longer stroke; all o
 
 import numpy as np
 
-from dem.base.errors import InputError
+from dem.base.errors import InputError, RunError
 from dem.experiment.kinds import drag
 from dem.io.dataset import FAILURES
 from studies.accuracy.bias import LARGEST
@@ -44,64 +44,64 @@ VARIABLES = {
 REPLICATES = "replicates"
 
 
-def make(campaign, jobs: int, progress) -> tuple[dict, dict]:
-    """See studies.common.results."""
-    steps = [name for name in campaign.sweep.blocks if name != REPLICATES]
-    if not steps or REPLICATES not in campaign.sweep.blocks:
+def check(sweep) -> None:
+    """Raise InputError where the study cannot be made of the blocks of a sweep."""
+    steps, default = {}, sweep.numerics.step_fraction
+    replicates = {}
+    for name in sweep.blocks:
+        for run in sweep.block(name).unique():
+            if name == REPLICATES:
+                replicates[run.id] = run.label
+            else:
+                steps.setdefault(run.label, set()).add(run.configuration.numerics.step_fraction)
+    if not steps or not replicates:
         raise InputError(
             f"sweep.blocks must be {REPLICATES}, and others that vary numerics.step_fraction; see "
             "studies/accuracy/sweep.yaml."
         )
-    values = trials(campaign, steps, lambda share: progress(0.8 * share)) | replicates(campaign)
-    progress(1.0)
-    return values, {}
-
-
-def trials(campaign, blocks: list[str], progress=lambda share: None) -> dict:
-    """Variables over `trial`. A run that failed is NaN and says why: where runs break is part of the question."""
-    found, default = {}, campaign.sweep.numerics.step_fraction
-    for _, run, values in runs(
-        campaign, ("drag", "run_time", "steps", "failure"), blocks, progress
-    ):
-        configuration, failure = run.replicate.configuration, int(values["failure"])
-        cylinder = configuration.cylinder
-        found[run.replicate.id] = {
-            "shape": run.replicate.label,
-            "fraction": configuration.numerics.step_fraction,
-            "seed": run.replicate.seed,
-            "drag": values["drag"][configuration.in_window].mean(),
-            "time": values["run_time"],
-            "time_step": np.nan
-            if failure
-            else cylinder.stroke / cylinder.velocity / values["steps"],
-            "status": FAILURES[failure] if failure else "ran",
-        }
-    rows, labels = list(found.values()), [row["shape"] for row in found.values()]
-    for label in dict.fromkeys(labels):
-        fractions = {row["fraction"] for row in rows if row["shape"] == label}
+    if len(labels := set(replicates.values())) > 1 or len(replicates) < 2:
+        raise InputError(
+            f"sweep.blocks.{REPLICATES} is {len(replicates)} runs of {', '.join(sorted(labels))}; it must be "
+            "two or more of one shape."
+        )
+    for label, fractions in steps.items():
         if default not in fractions or sum(step <= LARGEST for step in fractions) < 2:
             raise InputError(
                 f"sweep.blocks run {label} at numerics.step_fraction {sorted(fractions)}; it must be that of "
                 f"the file, {default:g}, and another up to {LARGEST:g}."
             )
+
+
+def make(campaign, jobs: int, progress) -> tuple[dict, dict]:
+    """See studies.common.results."""
+    check(campaign.sweep)
+    trials, replicates, names = {}, [], ("drag", "run_time", "steps", "failure")
+    for block, run, values in runs(campaign, names, progress=progress):
+        configuration, failure = run.replicate.configuration, int(values["failure"])
+        if block.name == REPLICATES:
+            if failure:
+                raise RunError(
+                    f"{run.replicate.words()} could not be made; replicates must all run."
+                )
+            replicates.append((run.replicate, values))
+            continue
+        cylinder = configuration.cylinder
+        time_step = cylinder.stroke / cylinder.velocity / values["steps"]
+        trials[run.replicate.id] = {  # where runs break is part of the question
+            "shape": run.replicate.label,
+            "fraction": configuration.numerics.step_fraction,
+            "seed": run.replicate.seed,
+            "drag": values["drag"][configuration.in_window].mean(),
+            "time": values["run_time"],
+            "time_step": np.nan if failure else time_step,
+            "status": FAILURES[failure] if failure else "ran",
+        }
+    rows, labels = list(trials.values()), [row["shape"] for row in trials.values()]
     rows.sort(key=lambda row: (labels.index(row["shape"]), row["seed"], row["fraction"]))
-    return columns("trial", rows)
-
-
-def replicates(campaign) -> dict:
-    """Variables over `replicate`: drag along the stroke."""
-    found = sorted(
-        runs(campaign, ("drag", "run_time"), [REPLICATES]), key=lambda each: each[1].replicate.seed
-    )
-    shapes = {run.replicate.label for _, run, _ in found}
-    if len(shapes) > 1 or len(found) < 2:
-        raise InputError(
-            f"sweep.blocks.{REPLICATES} is {len(found)} runs of {', '.join(sorted(shapes))}; it must be "
-            "two or more of one shape."
-        )
-    return {
-        "replicate": np.array([run.replicate.seed for _, run, _ in found]),
-        "replicate_displacement": drag.axes(found[0][1].replicate.configuration)["displacement"],
-        "replicate_drag": np.array([values["drag"] for *_, values in found]),
-        "replicate_time": np.array([values["run_time"] for *_, values in found]),
-    }
+    replicates.sort(key=lambda each: each[0].seed)
+    return columns("trial", rows) | {
+        "replicate": np.array([run.seed for run, _ in replicates]),
+        "replicate_displacement": drag.axes(replicates[0][0].configuration)["displacement"],
+        "replicate_drag": np.array([values["drag"] for _, values in replicates]),
+        "replicate_time": np.array([values["run_time"] for _, values in replicates]),
+    }, {}

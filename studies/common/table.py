@@ -62,11 +62,15 @@ def every_run(
         wanted, files, of_run = wanted_of([campaign.block(name)]), campaign.files(name), {}
         for ids, values in rows(files, names, wanted):
             for at, run in enumerate(ids):
-                of_run[run] = row(name, wanted[run], {key: array[at] for key, array in values.items()})
+                of_run[run] = row(
+                    name, wanted[run], {key: array[at] for key, array in values.items()}
+                )
         every += files
         found += [{"part": name} | of_run[run] for run in wanted]
         progress((done + 1) / len(campaign.sweep.blocks))
-    return {f"run_{key}": np.array([each[key] for each in found]) for key in found[0]}, origin(every)
+    return {f"run_{key}": np.array([each[key] for each in found]) for key in found[0]}, origin(
+        every
+    )
 
 
 def write_part(

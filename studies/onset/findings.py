@@ -109,16 +109,22 @@ class Onset(Findings):
         found = self.limits
         sizes = found.granules[0], found.granules[-1]
         made = numbers(
-            "aspect ratio", *(f"packing fraction, {n} granules" for n in sizes),
-            "infinitely many", *(f"contacts per granule, {n} granules" for n in sizes),
-            "infinitely many", "rattlers",
-        )  # fmt: skip
+            "aspect ratio",
+            *(f"packing fraction, {n} granules" for n in sizes),
+            "infinitely many",
+            *(f"contacts per granule, {n} granules" for n in sizes),
+            "infinitely many",
+            "rattlers",
+        )
         for at, ratio in enumerate(found.ratio.tolist()):
             made.add_row(
-                f"{ratio:g}", *(f"{found.fractions[at, n]:.4f}" for n in (0, -1)),
-                self.fraction(ratio), *(f"{found.contacts[at, n]:.2f}" for n in (0, -1)),
-                self.contacts(ratio), self.rattlers(ratio),
-            )  # fmt: skip
+                f"{ratio:g}",
+                *(f"{found.fractions[at, n]:.4f}" for n in (0, -1)),
+                self.fraction(ratio),
+                *(f"{found.contacts[at, n]:.2f}" for n in (0, -1)),
+                self.contacts(ratio),
+                self.rattlers(ratio),
+            )
         return made
 
 

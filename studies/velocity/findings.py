@@ -127,23 +127,33 @@ class Velocity(Findings):
     def laws(self) -> Table:
         """One row per friction: the law."""
         made = numbers(
-            "friction", "limit, N", "exponent", f"above the limit at {PAPER:g} m/s, %",
+            "friction",
+            "limit, N",
+            "exponent",
+            f"above the limit at {PAPER:g} m/s, %",
             "10 % above it at, m/s",
-        )  # fmt: skip
+        )
         for friction in ("0.0", "0.3"):
             law = self._law(friction)
             made.add_row(
-                friction, self._told(law.limit), self._told(law.exponent, digits=2),
-                self._told(100.0 * law.above(PAPER)), self._told(law.reaches(0.1), digits=1),
-            )  # fmt: skip
+                friction,
+                self._told(law.limit),
+                self._told(law.exponent, digits=2),
+                self._told(100.0 * law.above(PAPER)),
+                self._told(law.reaches(0.1), digits=1),
+            )
         return made
 
     def table(self) -> Table:
         """One row per velocity: mean drags and their ratio, beds paired."""
         made = numbers(
-            "velocity, m/s", "inertial number", "drag without friction, N", "with friction, N",
-            "with over without", words=0,
-        )  # fmt: skip
+            "velocity, m/s",
+            "inertial number",
+            "drag without friction, N",
+            "with friction, N",
+            "with over without",
+            words=0,
+        )
         for v in self.rates.velocity.tolist():
             smooth, rough = (self._means(friction, v) for friction in ("0.0", "0.3"))
             told = self._told(smooth), self._told(rough), self._told(rough / smooth, digits=2)

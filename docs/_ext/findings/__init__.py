@@ -14,9 +14,18 @@ from pathlib import Path
 from jinja2 import Environment, StrictUndefined
 
 import studies
-from studies.common.findings import ROOT, Findings, holds, interval, table
+from studies.common.findings import (
+    ROOT,
+    Findings,
+    clock,
+    estimate,
+    holds,
+    interval,
+    percent,
+    table,
+)
 
-from . import contact, drag, dumbbells, scale, steps
+from . import drag, dumbbells, scale
 
 TEMPLATES = Environment(
     undefined=StrictUndefined,
@@ -24,18 +33,16 @@ TEMPLATES = Environment(
     comment_end_string="#>",
     keep_trailing_newline=True,
 )
+TEMPLATES.filters |= {"clock": clock, "estimate": estimate, "percent": percent}
 FRONT_MATTER = re.compile(r"\A---\n.*?\n---\n+", re.S)  # not shown
-OF_STUDIES = [import_module(f"studies.{name}.findings") for name in studies.NAMES]
+OF_STUDIES = [import_module(f"{studies.package_of(name)}.findings") for name in studies.NAMES]
 NAMES = {
     "table": table,
     "interval": interval,
     "holds": holds,
-    "contact": contact,
     "dumbbells": dumbbells,
 } | {
-    name: getattr(module, name)
-    for module in (drag, scale, steps, *OF_STUDIES)
-    for name in module.__all__
+    name: getattr(module, name) for module in (drag, scale, *OF_STUDIES) for name in module.__all__
 }
 # written by docs/data/release.py
 FILES = list(

@@ -16,10 +16,18 @@ def ratios(precise, claims, preparation, pressure) -> Table:
 
     precise: of as many beds as the ratio takes; claims, preparation, pressure: the findings of these studies.
     """
-    made = numbers("page", "file", "box", "beds made", "compared at", "beds a shape", "d1 over c1", words=5)  # fmt: skip
+    made = numbers(
+        "page", "file", "box", "beds made", "compared at", "beds a shape", "d1 over c1", words=5
+    )
     made.add_row(
-        _link("drag"), _name(precise), PAPER, "relaxed", "0.84", precise.beds_of("d1", "c1"), precise.over("d1")
-    )  # fmt: skip
+        _link("drag"),
+        _name(precise),
+        PAPER,
+        "relaxed",
+        "0.84",
+        precise.beds_of("d1", "c1"),
+        precise.over("d1"),
+    )
     for page, file, beds, judged in (
         ("drag", drag, "relaxed", claims.on(drag.dataset)),
         ("claims", claims, "relaxed", claims.judged),

@@ -143,9 +143,17 @@ class Runs:
 
         of_window = drag[reference]
         return Model(
-            mean, bounds, _power(size, bed), _power(size, run), step, box, (float(scatter[PAPER]), spread), self.stops,
-            of_window.mean(axis=0) / at_reference - 1.0, of_window.std(axis=0) / of_window[:, -1].std(),
-        )  # fmt: skip
+            mean,
+            bounds,
+            _power(size, bed),
+            _power(size, run),
+            step,
+            box,
+            (float(scatter[PAPER]), spread),
+            self.stops,
+            of_window.mean(axis=0) / at_reference - 1.0,
+            of_window.std(axis=0) / of_window[:, -1].std(),
+        )
 
 
 def _time_step(bounds: tuple[float, float], fraction):

@@ -6,8 +6,8 @@ import pandas as pd
 from rich.table import Table
 
 from dem.analysis.tables import numbers
-from studies.common.findings import Findings
 from studies.accuracy.precision.stopping import FEW, ROUNDS
+from studies.common.findings import Findings
 
 __all__ = ["precision"]
 
@@ -55,22 +55,25 @@ class Precision(Findings):
             made.add_row(*(cell(name, row) for name in columns))
         return made
 
-    def samples(self) -> str:
+    @property
+    def samples(self) -> int:
         """Trials of each row."""
-        return f"{self._every.samples[0]:,}"
+        return int(self._every.samples[0])
 
-    def error(self) -> str:
+    @property
+    def error(self) -> float:
         """Standard error of a share of 95 %."""
-        return f"{100.0 * (0.95 * 0.05 / self._every.samples[0]) ** 0.5:.2f} %"
+        return (0.95 * 0.05 / self.samples) ** 0.5
 
     def one(self, column: str, rule: str = ROUNDS, **wanted) -> str:
         """A number of the first of some rows."""
         return cell(column, next(self.rows(rule, **wanted).itertuples()))
 
     def least(self, *sources: str) -> float:
-        """Least share of means as near as asked for, in per cent."""
-        return 100.0 * self.rows(source=sources).asked.min()
+        """Least share of means as near as asked for."""
+        return self.rows(source=sources).asked.min()
 
+    @property
     def dearest(self) -> float:
         """Most runs over those needed, where twenty or more are needed."""
         return self.rows().query("needed >= 20").over.max()

@@ -55,7 +55,10 @@ def _first(until: Until, good: np.ndarray) -> int:
 
 
 RULES = {
-    "rounds that double": rounds, "first narrow interval": first_narrow, "Law and Kelton": law_kelton,
-    "Hoad and others": hoad, "five runs": lambda until, sample: FIVE,
-}  # fmt: skip
+    "rounds that double": rounds,
+    "first narrow interval": first_narrow,
+    "Law and Kelton": law_kelton,
+    "Hoad and others": hoad,
+    "five runs": lambda until, sample: FIVE,
+}
 ROUNDS, *OTHERS, FEW = RULES

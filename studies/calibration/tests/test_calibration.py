@@ -56,10 +56,13 @@ def runs(seeds, failed=()):
     dims = "material_young_modulus", "seed"
     return xr.Dataset(
         {"drag": ((*dims, "displacement"), np.repeat(means.T[..., None], 3, axis=-1))},
-        {"material_young_modulus": moduli, "seed": np.arange(seeds),
-         "displacement": [1e-3, 2e-3, 3e-3]},
+        {
+            "material_young_modulus": moduli,
+            "seed": np.arange(seeds),
+            "displacement": [1e-3, 2e-3, 3e-3],
+        },
         {"window_start": 0.5e-3, "window_stop": 3.5e-3},
-    )  # fmt: skip
+    )
 
 
 def test_a_bed_of_which_a_run_failed_is_left_out():

@@ -95,9 +95,13 @@ def seconds(scene: Scene, state: State, time_step: float, warm: int, steps: int)
 def _values(scene, state):
     material, friction, cylinder = scene.material, scene.friction, scene.cylinder
     columns = (
-        state.position, state.velocity, state.angular_velocity,
-        scene.shape.radius, scene.mass, scene.inertia,
-    )  # fmt: skip
+        state.position,
+        state.velocity,
+        state.angular_velocity,
+        scene.shape.radius,
+        scene.mass,
+        scene.inertia,
+    )
     return {
         "young_modulus": material.young_modulus,
         "poisson_ratio": material.poisson_ratio,

@@ -43,11 +43,20 @@ def plot(dataset: xr.Dataset) -> Figure:
         axes.fill_between(
             TIMES, low, high, color="0.85", linewidth=0.0, zorder=0, label="their 95 % interval"
         )
-        for shift, way in zip((0.85, 1.0, 1.18), found.ways[name], strict=True):
+        for shift, (way, each) in zip((0.85, 1.0, 1.18), found.ways[name].items(), strict=True):
             style.intervals(
-                axes, [way.time * shift], [100.0 * interval(way.repeated)], linestyle="none", color="0.15", marker=MARKS[way.name], markersize=6,
-                markerfacecolor="white", capsize=3, label=f"{LABELS[way.name]}, ten repetitions", zorder=5,
-            )  # fmt: skip
+                axes,
+                [each.time * shift],
+                [100.0 * interval(each.repeated)],
+                linestyle="none",
+                color="0.15",
+                marker=MARKS[way],
+                markersize=6,
+                markerfacecolor="white",
+                capsize=3,
+                label=f"{LABELS[way]}, ten repetitions",
+                zorder=5,
+            )
         style.logarithmic(axes, "x", (1.0,))
         style.logarithmic(axes)
         axes.set_title(name, loc="left")

@@ -4,15 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
-from conftest import assert_not_blank, needs_study
-from dem.figures.catalogue import draw
 from dem.sweep.precision import Until, known
-from studies.__main__ import app
-from studies.catalogue import figures
-from studies.accuracy.precision.calibrate import tried
 from studies.accuracy.precision.findings import precision
+from studies.accuracy.precision.results import tried
 from studies.accuracy.precision.sources import UNJAMMED, Source, gamma, lognormal, mixture, normal
 from studies.accuracy.precision.stopping import OTHERS, ROUNDS, RULES, first_narrow
 
@@ -79,15 +74,6 @@ def test_samples_have_the_mean_and_the_scatter_that_they_say(name):
 def test_no_rule_goes_beyond_the_cap():
     sample = np.array([1.0, 9.0] * 10)
     assert first_narrow(Until(until="1 %", most=20), sample) == 20
-
-
-@needs_study("claims")
-def test_a_small_calibration_can_be_shown_and_drawn(tmp_path):
-    file = tmp_path / "precision.nc"
-    for words in (["calibrate", "--samples", "3", "-o", file], ["info", file]):
-        run = CliRunner().invoke(app, ["precision", *map(str, words)])
-        assert run.exit_code == 0, run.output
-    assert_not_blank(draw("precision", file, tmp_path, figures())[1])
 
 
 @pytest.mark.skipif(not precision.path.is_file(), reason="precision.nc is not there yet")
