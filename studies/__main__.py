@@ -66,7 +66,7 @@ for name, folder in studies.FOLDERS.items():
         verbs.command()(make_of(name))
         verbs.command()(info_of(name))
     if (folder / "verbs.py").is_file():
-        for verb in getattr(import_module(f"{studies.package_of(name)}.verbs"), "VERBS", ()):
+        for verb in import_module(f"{studies.package_of(name)}.verbs").VERBS:
             verbs.command()(verb)
     if verbs.registered_commands:
         app.add_typer(verbs, name=name)

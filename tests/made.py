@@ -30,9 +30,8 @@ def assert_shown_and_drawn(study: str, path: Path) -> None:
 
     run = CliRunner().invoke(app, [study, "info", str(path)])
     assert run.exit_code == 0, run.output
-    for name, figure in figures().items():
-        if figure.file == study:
-            assert_not_blank(draw(name, path, path.parent, figures())[1])
+    for name in [name for name, each in figures().items() if each.file == study]:
+        assert_not_blank(draw(name, path, path.parent, figures())[1])
 
 
 def run_all(work: Campaign) -> None:

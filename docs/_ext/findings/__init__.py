@@ -33,17 +33,19 @@ TEMPLATES = Environment(
     comment_end_string="#>",
     keep_trailing_newline=True,
 )
-TEMPLATES.filters |= {"clock": clock, "estimate": estimate, "percent": percent}
+FORMATS = {"clock": clock, "estimate": estimate, "interval": interval, "percent": percent}
+TEMPLATES.filters |= FORMATS
 FRONT_MATTER = re.compile(r"\A---\n.*?\n---\n+", re.S)  # not shown
 OF_STUDIES = [import_module(f"{studies.package_of(name)}.findings") for name in studies.NAMES]
-NAMES = {
-    "table": table,
-    "interval": interval,
-    "holds": holds,
-    "dumbbells": dumbbells,
-} | {
-    name: getattr(module, name) for module in (drag, scale, *OF_STUDIES) for name in module.__all__
-}
+NAMES = (
+    FORMATS
+    | {"table": table, "holds": holds, "dumbbells": dumbbells}
+    | {
+        name: getattr(module, name)
+        for module in (drag, scale, *OF_STUDIES)
+        for name in module.__all__
+    }
+)
 # written by docs/data/release.py
 FILES = list(
     {
