@@ -63,24 +63,18 @@ class Drag(Findings):
         ratio = f" {ratio:g}:1" if kind == "ellipse" else ""
         return f"{kind}{ratio}, {1e6 * float(one['diameter']):.0f} µm"
 
-    def change(self, case: str, other: str) -> str:
-        """How much the mean of `other` differs from that of `case`, beds paired."""
-        value, half = change(self.summary["run_mean"], case, other)
-        return interval(100 * value, 100 * half, "%")
+    def change(self, case: str, other: str) -> tuple[float, float]:
+        """How much the mean of `other` differs from that of `case`, beds paired, and half the interval."""
+        return change(self.summary["run_mean"], case, other)
 
     def density(self) -> str:
         """Range over the shapes of what ten times the density does to the mean drag."""
         found = [
-            100 * change(self.summary["run_mean"], case, case + DENSER)[0]
+            100 * self.change(case, case + DENSER)[0]
             for case in self.dataset["case"].values.tolist()
             if case + DENSER in self.dataset["case"].values
         ]
         return span(min(found), max(found), "%", 0)
-
-    def ratio(self, case: str, other: str) -> str:
-        """Mean drag of `case` over that of `other`."""
-        means = self.summary["mean"]
-        return f"{float(means.sel(case=case) / means.sel(case=other)):.2f}"
 
     def falls(self, *cases: str) -> bool:
         """Whether the mean falls from case to case."""
@@ -91,10 +85,6 @@ class Drag(Findings):
         (high, a), (low, b) = self._mean(case), self._mean(other)
         return high - a > low + b
 
-    def overlap(self, case: str, other: str) -> bool:
-        """Whether the intervals of two cases overlap."""
-        return not (self.apart(case, other) or self.apart(other, case))
-
     def parts(self, case: str, other: str, share: float) -> str:
         """Displacements, over the seeds, at which the drags of two cases first differ by a share."""
         a, b = (self.dataset["drag"].sel(case=each) for each in (case, other))
@@ -102,10 +92,10 @@ class Drag(Findings):
         found = 1e3 * self.dataset["displacement"].values[first.values]
         return span(found.min(), found.max(), "mm", 1)
 
-    def scatter(self, case: str) -> str:
-        """Standard deviation of the drag over a run, over the mean."""
+    def scatter(self, case: str, of: str = "over_run") -> float:
+        """Standard deviation of the drag over a run, or of the means `between_runs`, over the mean."""
         one = self.summary.sel(case=case)
-        return f"{100 * float(one['sd_over_run'] / one['mean']):.0f} %"
+        return float(one[f"sd_{of}"] / one["mean"])
 
     def pressure(self, *cases: str) -> float:
         """Mean pressure (Pa) on the walls of the packed beds of some cases."""
@@ -139,18 +129,14 @@ class Drag(Findings):
         """Those cases whose drag still grows within the window."""
         return ", ".join(case for case in cases if self.still_grows(case))
 
-    def largest_overlap(self, *cases: str) -> str:
+    def largest_overlap(self, *cases: str) -> float:
         """Greatest overlap of some cases, over the smaller radius."""
-        return f"{float(self.dataset['max_overlap'].sel(case=list(cases)).max()):.2f}"
+        return float(self.dataset["max_overlap"].sel(case=list(cases)).max())
 
-    def window(self) -> str:
-        """Displacements that means are taken over."""
-        start, stop = (1e3 * self.dataset.attrs[f"window_{end}"] for end in ("start", "stop"))
-        return f"{start:g} and {stop:g} mm"
-
-    def run_time(self) -> str:
-        """Median processor time of a run."""
-        return f"{float(np.nanmedian(self.dataset['run_time'])):.1f} s"
+    @property
+    def run_time(self) -> float:
+        """Median processor time (s) of a run."""
+        return float(np.nanmedian(self.dataset["run_time"]))
 
     def beds(self) -> Table:
         """Means over the seeds before the cylinder moves, per case of one density."""
@@ -169,29 +155,25 @@ class Drag(Findings):
             )
         return made
 
-    def height(self) -> str:
-        """Mean height of the boxes of c1, in mm."""
-        return f"{1e3 * float(self.dataset['box_height'].sel(case='c1').mean()):.1f} mm"
+    @property
+    def height(self) -> float:
+        """Mean height (m) of the boxes of c1."""
+        return float(self.dataset["box_height"].sel(case="c1").mean())
 
-    def scatter_of_mean(self, case: str) -> str:
-        """The same of the mean of all runs at each displacement."""
+    def scatter_of_mean(self, case: str) -> float:
+        """Scatter along the window, over the mean, of the mean of all runs at each displacement."""
         start, stop = self.dataset.attrs["window_start"], self.dataset.attrs["window_stop"]
         inside = self.dataset["drag"].sel(case=case, displacement=slice(start, stop))
         curve = inside.mean("seed")
-        return f"{100 * float(curve.std('displacement', ddof=1) / curve.mean()):.0f} %"
+        return float(curve.std("displacement", ddof=1) / curve.mean())
 
-    def scatter_between(self, case: str) -> str:
-        """Standard deviation between the mean drags of the runs over their mean."""
-        one = self.summary.sel(case=case)
-        return f"{100 * float(one['sd_between_runs'] / one['mean']):.0f} %"
+    def step(self, case: str) -> float:
+        """Median time step (s) of a case."""
+        return float(np.median(self.dataset["time_step"].sel(case=case)))
 
-    def step(self, case: str) -> str:
-        """Median time step of a case, in ns."""
-        return f"{1e9 * float(np.median(self.dataset['time_step'].sel(case=case))):.0f} ns"
-
-    def steps(self, case: str) -> str:
+    def steps(self, case: str) -> float:
         """Mean number of time steps of a run."""
-        return f"{float(self.dataset['steps'].sel(case=case).mean()):,.0f}"
+        return float(self.dataset["steps"].sel(case=case).mean())
 
 
 class Precise(Drag):
@@ -282,10 +264,12 @@ class Flow(Findings):
         rounding = 1e-9  # m
         return (at >= attrs["window_start"] - rounding) & (at <= attrs["window_stop"] + rounding)
 
-    def overlap_ahead(self) -> str:
+    @property
+    def overlap_ahead(self) -> float:
         """Mean overlap of discs ahead of the cylinder, over the smaller radius."""
-        return f"{float(self._ahead.mean()):.2f}"
+        return float(self._ahead.mean())
 
+    @property
     def more_irregular(self) -> bool:
         """Whether any measure of e3 is above that of c1, interval included."""
         found = [self._compared(name) for name in MEASURES]
