@@ -1,8 +1,8 @@
 """Sphinx configuration: `make docs` builds docs/_build/html, without a network, warnings as errors.
 
 Sphinx with myst-nb and numpydoc is what NumPy, SciPy and xarray use: the reference comes from the
-docstrings, tutorials are notebooks that run in the build, and pages are Markdown. The builder `linkcheck` of Sphinx
-looks at links to other sites; it needs a network.
+docstrings, tutorials are notebooks that run in the build, and pages are Markdown. The builder
+`linkcheck` of Sphinx looks at links to other sites; it needs a network.
 """
 
 import sys

@@ -2,15 +2,16 @@
 
 page.md       what came out, a page of the documentation
 sweep.yaml    the runs; smoke.yaml: the smallest ones that show that it works
-results.py    the file of results NAME.nc and what makes it, where the sweep alone does not: see studies/common/results.py
+results.py    the file of results NAME.nc and what makes it, where the sweep alone does not;
+              see studies/common/results.py
 findings.py   each number and table of the page; `python -m studies NAME info` prints them
 figures/      as dem/figures
 verbs.py      VERBS, functions that `python -m studies NAME` has beside `make` and `info`
 NAME.nc       the released file
 tests/        of this folder alone
 
-A large question has parts, each a folder in its folder. A study imports dem and studies.common, and no other
-study. Remove a folder, and it is gone.
+A large question has parts, each a folder in its folder. A study imports dem and studies.common, and
+no other study. Remove a folder, and it is gone.
 """
 
 from pathlib import Path

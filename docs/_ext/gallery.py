@@ -1,7 +1,7 @@
 """Draw everything that can be drawn, and write the page that shows it.
 
-Figures come from the released files; films and pictures from runs that the build simulates. The page shows
-the command lines that drew them.
+Figures come from the released files; films and pictures from runs that the build simulates. The
+page shows the command lines that drew them.
 """
 
 import shlex
@@ -63,7 +63,8 @@ def write(docs: Path) -> None:
 
 
 def _figures(folder: Path, code: float) -> dict[str, tuple[str, str]]:
-    """Draw every figure of a released file; command line and caption by file, in the order of the paper."""
+    """Draw every figure of a released file; command line and caption by file, in the order of
+    the paper."""
     figures, found = catalogue.figures(), {}
     for file in FILES:
         of = Path(file.source).stem

@@ -47,7 +47,8 @@ class Accuracy(Findings):
 
     @cached_property
     def replicates(self) -> Replicates:
-        """Scatter of one run over the mean, runs that the interval wanted takes, and time of one (s)."""
+        """Scatter of one run over the mean, runs that the interval wanted takes, and time of one
+        (s)."""
         return cost(self.dataset)
 
     target = TARGET
@@ -76,7 +77,8 @@ class Accuracy(Findings):
         return bias.lengths(self.dataset, shape)[fraction] / self._default
 
     def change(self, shape: str, fraction: float) -> tuple[float, float]:
-        """Change of the mean drag at a step, over the bound, against the default, and half its interval."""
+        """Change of the mean drag at a step, over the bound, against the default, and half its
+        interval."""
         found = bias.change(bias.table(self.dataset, shape), self._default).sel(fraction=fraction)
         return float(found["value"]), float(found["half"])
 
@@ -89,7 +91,8 @@ class Accuracy(Findings):
         return made
 
     def steps(self) -> Table:
-        """By shape and step fraction: change of the mean drag against the paper's step over the same beds."""
+        """By shape and step fraction: change of the mean drag against the paper's step over the
+        same beds."""
         made = numbers("shape", "step fraction", "beds", "change", "failed", "s a run")
         runs = pd.DataFrame(
             {

@@ -12,7 +12,7 @@ TARGET = 0.02  # wanted half-interval over the mean
 
 
 class Replicates(NamedTuple):
-    """scatter of one run over the mean; runs needed for a half-interval of TARGET; time (s) of one."""
+    """scatter of one run over the mean; runs needed for TARGET; time (s) of one."""
 
     scatter: float
     needed: int

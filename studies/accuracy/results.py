@@ -1,6 +1,7 @@
 """accuracy.nc: what the time step and more beds do to the mean drag, one row a run.
 
-The block `replicates` is of many beds of one shape, with a longer stroke; all others vary numerics.step_fraction.
+The block `replicates` is of many beds of one shape, with a longer stroke; all others vary
+numerics.step_fraction.
 """
 
 import numpy as np
@@ -61,14 +62,14 @@ def check(sweep) -> None:
         )
     if len(labels := set(replicates.values())) > 1 or len(replicates) < 2:
         raise InputError(
-            f"sweep.blocks.{REPLICATES} is {len(replicates)} runs of {', '.join(sorted(labels))}; it must be "
-            "two or more of one shape."
+            f"sweep.blocks.{REPLICATES} is {len(replicates)} runs of {', '.join(sorted(labels))}; "
+            "it must be two or more of one shape."
         )
     for label, fractions in steps.items():
         if default not in fractions or sum(step <= LARGEST for step in fractions) < 2:
             raise InputError(
-                f"sweep.blocks run {label} at numerics.step_fraction {sorted(fractions)}; it must be that of "
-                f"the file, {default:g}, and another up to {LARGEST:g}."
+                f"sweep.blocks run {label} at numerics.step_fraction {sorted(fractions)}; it must "
+                f"be that of the file, {default:g}, and another up to {LARGEST:g}."
             )
 
 

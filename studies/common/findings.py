@@ -68,7 +68,8 @@ SHOWN = (Table, str, int, float)  # kinds of findings that a summary shows
 
 
 class Findings:
-    """What one released file says: numbers as attributes, tables and what takes an argument as methods.
+    """What one released file says: numbers as attributes, tables and what takes an argument as
+    methods.
 
     The docstring of a finding says what it is; the sentence around it is on the page.
     """
@@ -86,7 +87,8 @@ class Findings:
         return other
 
     def summary(self) -> Group:
-        """All findings that take no argument, for the terminal: what can be said in words, then tables."""
+        """All findings that take no argument, for the terminal: what can be said in words, then
+        tables."""
         lines, tables = [self.dataset.attrs.get("versions", "")], []
         for name, member in vars(type(self)).items():
             function = getattr(member, "fget", None) or getattr(member, "func", member)
@@ -137,7 +139,8 @@ class Findings:
 
     @cached_property
     def revision(self) -> str:
-        """Of the code that made the results; several where files of several revisions were combined."""
+        """Of the code that made the results; several where files of several revisions were
+        combined."""
         return ", ".join(each.strip()[:7] for each in self.dataset.attrs["git_revision"].split(";"))
 
     @cached_property

@@ -4,18 +4,20 @@ A study that writes a file describes it in `results.py` of its folder, by names 
 
 TITLE       what the file is about; it follows the title of the sweep where the study has one
 VARIABLES   the layout of the file, as in dem.io.dataset: name: (dimensions, units, long name)
-MEASURES    optional: True where `make` simulates or measures by itself, and so wants the whole computer
+MEASURES    optional: True where `make` simulates or measures by itself, alone on the computer
 READS       optional: other files that `make` reads, as paths below the root of the checkout
 make        function: make(campaign, jobs, progress) -> values, attributes
 
-campaign: the sweep of the study (`sweep.yaml`, or `smoke.yaml`, in its folder), whose runs are there; the sweep of
-the configuration where the study has none. jobs: processes that may work side by side. progress: called with
-the share done, 0 to 1. values: arrays by the names of VARIABLES. attributes: of the file, beside those that
-`write_results` gives to all. Where `is_smoke(campaign)`, `make` does as little as shows that it works.
+campaign: the sweep of the study (`sweep.yaml`, or `smoke.yaml`, in its folder), whose runs are
+there; the sweep of the configuration where the study has none. jobs: processes that may work side
+by side. progress: called with the share done, 0 to 1. values: arrays by the names of VARIABLES.
+attributes: of the file, beside those that `write_results` gives to all. Where `is_smoke(campaign)`,
+`make` does as little as shows that it works.
 
-Everything else follows from that: `python -m studies NAME make` and `info`, the target NAME of Snakemake
-(rules/studies.smk), the check of a file before it is shown or drawn, and the page of the reference.
-`runs` reads what the runs of a sweep gave. See studies/accuracy/budget/results.py for an example.
+Everything else follows from that: `python -m studies NAME make` and `info`, the target NAME of
+Snakemake (rules/studies.smk), the check of a file before it is shown or drawn, and the page of the
+reference. `runs` reads what the runs of a sweep gave. See studies/accuracy/budget/results.py for an
+example.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -78,9 +80,9 @@ def runs(
 ) -> Iterator[tuple[Block, Run, dict[str, np.ndarray]]]:
     """The runs of a sweep in order: block, run, and values by name.
 
-    names: variables over `run`; blocks: names, all if empty. A block at a time is in memory. A run that failed is
-    NaN or -1, and a RunError unless `failure` is one of names. Raises InputError for a file that is damaged, and
-    for a run that no file holds.
+    names: variables over `run`; blocks: names, all if empty. A block at a time is in memory. A run
+    that failed is NaN or -1, and a RunError unless `failure` is one of names. Raises InputError for
+    a file that is damaged, and for a run that no file holds.
     """
     names = tuple(names)
     needed = tuple(dict.fromkeys((*names, "run_id", "failure", "failure_reason")))

@@ -65,7 +65,8 @@ class Onset(Findings):
 
     @property
     def hypostatic(self) -> bool:
-        """Whether ellipses of all aspect ratios have fewer contacts than that, beyond the intervals."""
+        """Whether ellipses of all aspect ratios have fewer contacts than that, beyond the
+        intervals."""
         return all(each.high < ELLIPSES for each in self.limits.coordination)
 
     @property

@@ -84,7 +84,8 @@ class Velocity(Findings):
         return self.rates.interval(last / first).high < 1.0
 
     def within(self, friction: str, share: float) -> bool:
-        """Whether the drag at the paper's velocity is within a share of its limit, interval included."""
+        """Whether the drag at the paper's velocity is within a share of its limit, interval
+        included."""
         _, low, high = self.above[friction]
         return max(abs(low), abs(high)) < 100.0 * share
 
@@ -93,7 +94,8 @@ class Velocity(Findings):
         return velocity * inertial_number(self.dataset)
 
     def change(self, friction: str) -> Estimate:
-        """Change of the mean drag from the lowest velocity to the paper's, beds paired, without a law, in %."""
+        """Change of the mean drag from the lowest velocity to the paper's, beds paired, without
+        a law, in %."""
         slowest = self._means(friction, self.rates.velocity[0])
         return self.rates.interval(100.0 * (self._means(friction, PAPER) / slowest - 1.0))
 

@@ -64,7 +64,8 @@ class Drag(Findings):
         return f"{kind}{ratio}, {1e6 * float(one['diameter']):.0f} µm"
 
     def change(self, case: str, other: str) -> tuple[float, float]:
-        """How much the mean of `other` differs from that of `case`, beds paired, and half the interval."""
+        """How much the mean of `other` differs from that of `case`, beds paired, and half the
+        interval."""
         return change(self.summary["run_mean"], case, other)
 
     def density(self) -> str:
@@ -86,14 +87,14 @@ class Drag(Findings):
         return high - a > low + b
 
     def parts(self, case: str, other: str, share: float) -> str:
-        """Displacements, over the seeds, at which the drags of two cases first differ by a share."""
+        """Displacements, over the seeds, at which two drags first differ by a share."""
         a, b = (self.dataset["drag"].sel(case=each) for each in (case, other))
         first = (abs(a - b) > share * abs(b)).argmax("displacement")
         found = 1e3 * self.dataset["displacement"].values[first.values]
         return span(found.min(), found.max(), "mm", 1)
 
     def scatter(self, case: str, of: str = "over_run") -> float:
-        """Standard deviation of the drag over a run, or of the means `between_runs`, over the mean."""
+        """Standard deviation `over_run` or of the means `between_runs`, over the mean."""
         one = self.summary.sel(case=case)
         return float(one[f"sd_{of}"] / one["mean"])
 
@@ -120,7 +121,7 @@ class Drag(Findings):
         return made
 
     def still_grows(self, case: str) -> bool:
-        """Whether the drag from 4 to 5 mm is above that from 1 to 2 mm, by more than the interval."""
+        """Whether the drag at 4 to 5 mm is above that at 1 to 2 mm, interval included."""
         found = self._along.sel(case=case)
         rise = (found[..., 4] - found[..., 1]).values
         return rise.mean() > 2.78 * rise.std(ddof=1) / np.sqrt(rise.size)
@@ -236,9 +237,11 @@ class Flow(Findings):
 
     @cached_property
     def _ahead(self) -> np.ndarray:
-        """Overlaps of discs over the smaller radius, ahead of the cylinder, at the snapshots of the window.
+        """Overlaps of discs over the smaller radius, ahead of the cylinder, at the snapshots of the
+        window.
 
-        Of one bed of c1: contacts in the path of the cylinder, up to one diameter before its surface.
+        Of one bed of c1: contacts in the path of the cylinder, up to one diameter before its
+        surface.
         """
         own, reach = self.dataset.sel(case="c1"), float(self.dataset.attrs["cylinder_diameter"])
         diameter = own["bed_diameter"].dropna("granule").values

@@ -119,7 +119,8 @@ class Overhead(Measured):
 
 
 def worst(name: str, least: float = 0.0) -> float:
-    """Greatest excess of the restitution of any phase, either way, in %; of restitutions from `least` on.
+    """Greatest excess of the restitution of any phase, either way, in %; of restitutions from
+    `least` on.
 
     name: before, half (now, at a step fraction of 0.5) or now.
     """
@@ -128,7 +129,8 @@ def worst(name: str, least: float = 0.0) -> float:
 
 
 def off_centre(restitution: float) -> str:
-    """What two dumbbells return at right angles to their axes, by the law of docs/explanation/contact.md."""
+    """What two dumbbells return at right angles to their axes, by the law of
+    docs/explanation/contact.md."""
     alpha = damping_from_restitution(restitution) * DUMBBELLS**0.5
     return f"{restitution_from_damping(alpha):.{2 if restitution >= 0.2 else 3}f}"
 

@@ -68,7 +68,8 @@ class Budget(Findings):
 
     @property
     def shortest(self) -> bool:
-        """Whether the least error of long budgets takes the shortest step, and that of the shortest the longest one."""
+        """Whether the least error of long budgets takes the shortest step, and that of the
+        shortest the longest one."""
         steps = [[each.at.fraction for each in some] for some in self.best.values()]
         first, last = FRACTIONS[-1], FRACTIONS[0]
         return all(each[0] == first and each[-1] == each[-2] == last for each in steps)
@@ -97,15 +98,15 @@ class Budget(Findings):
         return f"{int(self.dataset['run_drag'][:, -1].isnull()[other].sum())} of {int(other.sum())}"
 
     def bias(self, shape: str, part: int = 0, **changes) -> tuple[float, float]:
-        """A bias of the longest stable step, with some settings changed, and half its interval; part: 0 of the
-        step, 1 of the box, 2 of the window."""
+        """A bias of the longest stable step, with some settings changed, and half its interval;
+        part: 0 of the step, 1 of the box, 2 of the window."""
         at, own = LONGEST._replace(**changes), self.shapes[shape]
         drawn = [model.biases(at)[part] for model in own.draws]
         return float(own.model.biases(at)[part]), 1.96 * float(np.std(drawn))
 
     @property
     def unbiased(self) -> bool:
-        """Whether the interval of the bias of the longest stable step holds zero, for every shape."""
+        """Whether the biases of the longest stable step have intervals that hold zero."""
         return all(abs(value) < half for value, half in map(self.bias, self.shapes))
 
     def boxed(self, shape: str, granules: int) -> tuple[float, float]:
@@ -118,7 +119,8 @@ class Budget(Findings):
         return ratio - 1.0, half
 
     def frontier(self) -> Table:
-        """Settings with the least error by budget of one core, and the errors of the default and of the paper's sweep there."""
+        """Settings with the least error by budget of one core, and the errors of the default and
+        of the paper's sweep there."""
         made = numbers(
             "shape",
             "budget",
@@ -145,7 +147,8 @@ class Budget(Findings):
         return made
 
     def model(self) -> Table:
-        """The model: bias at the longest stable step, of half and of twice the granules, scatter and its power, times."""
+        """The model: bias at the longest stable step, of half and of twice the granules, scatter
+        and its power, times."""
         made = numbers(
             "shape",
             "mean N",
@@ -174,8 +177,8 @@ class Budget(Findings):
 
     @cached_property
     def _checked(self) -> list[tuple]:
-        """By shape and place that the model was not fitted to: times by the model and of runs; scatter and change by the
-        model, of runs, and half their intervals."""
+        """By shape and place that the model was not fitted to: times by the model and of runs;
+        scatter and change by the model, of runs, and half their intervals."""
         found = []
         for name, shape in self.shapes.items():
             table, model = shape.runs.table, shape.model
@@ -198,7 +201,8 @@ class Budget(Findings):
 
     @property
     def outside(self) -> str:
-        """Scatters and changes of the model that are outside the intervals of the runs that it was not fitted to."""
+        """Scatters and changes of the model that are outside the intervals of the runs that it
+        was not fitted to."""
         parts = [part for *_, spread, change in self._checked for part in (spread, change)]
         return f"{sum(abs(told - found) > half for told, found, half in parts)} of {len(parts)}"
 
@@ -208,7 +212,8 @@ class Budget(Findings):
         return max(abs(told / found - 1.0) for _, _, (told, found), *_ in self._checked)
 
     def checks(self) -> Table:
-        """The model at places that it was not fitted to, against runs there: time of a run, its scatter over the mean, change of the mean."""
+        """The model at places that it was not fitted to, against runs there: time of a run, its
+        scatter over the mean, change of the mean."""
         heads = "time, model s", "found s", "scatter, model", "found", "change, model", "found"
         made = numbers("shape", "granules", "step fraction", *heads)
         for name, at, times, *parts in self._checked:
@@ -224,7 +229,8 @@ class Budget(Findings):
         return own.spent(WAYS[way], time) if way in WAYS else own.best(time)
 
     def trial(self) -> Table:
-        """The same processor time spent in three ways, ten times each: error by these means, by all their runs, and by the model."""
+        """The same processor time spent in three ways, ten times each: error by these means, by
+        all their runs, and by the model."""
         heads = "runs", "time s", "error", "by all runs", "by the model"
         made = numbers("shape", "way", *heads, words=2)
         for name, ways in self.ways.items():
@@ -250,7 +256,8 @@ class Budget(Findings):
         )
 
     def ratio(self, other: str, by: str) -> np.ndarray:
-        """Error of the recommended settings over that of another way, over all shapes, and the ends of its interval."""
+        """Error of the recommended settings over that of another way, over all shapes, and the
+        ends of its interval."""
         return trial.ratio(self.ways.values(), NAMES[-1], other, by)
 
     def decided(self, other: str, by: str) -> bool:
@@ -278,7 +285,8 @@ class Budget(Findings):
         return max(each.gain[2] for some in self.every_level.values() for each in some)
 
     def levels(self) -> Table:
-        """Two steps of the same beds: correlation of their drags, and time of one level over that of two for the same error."""
+        """Two steps of the same beds: correlation of their drags, and time of one level over
+        that of two for the same error."""
         made = numbers("shape", "steps", "correlation", "time of one over two levels", words=2)
         for name, some in self.every_level.items():
             for each in some:

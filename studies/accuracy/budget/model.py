@@ -1,8 +1,9 @@
-"""How far a mean drag is off after some processor time, by its settings: what is fitted to budget.nc.
+"""How far a mean drag is off after some processor time, by its settings: what is fitted to
+budget.nc.
 
-Settings are a step fraction f, a number of granules N (the box keeps its form), the displacement s at which
-the mean ends, and that at which the run ends. Against the mean drag of the paper's box over the whole window
-for a step of zero:
+Settings are a step fraction f, a number of granules N (the box keeps its form), the displacement s
+at which the mean ends, and that at which the run ends. Against the mean drag of the paper's box
+over the whole window for a step of zero:
 
     step        (dt / (A f))^2 + dt / B = 1: stiffness and damping bound it together
     time        a (N / N1)^q + b (N / N1)^r stroke / dt: bed and run; N1: granules of the paper's box
@@ -11,10 +12,10 @@ for a step of zero:
                 of the window, as found in the paper's box
     scatter     c (N1 / N)^u, times that of the window over that of the whole
 
-The mean of n runs is off by the root of the squared biases and of scatter^2 / n. Squares are added, so that
-biases of two kinds do not cancel: where they do, it is by chance. A bias is known from some beds only. Its
-square is that of the estimate and of its standard error together, so that no setting is chosen because its
-bias is small by chance. For intervals, beds are drawn again.
+The mean of n runs is off by the root of the squared biases and of scatter^2 / n. Squares are added,
+so that biases of two kinds do not cancel: where they do, it is by chance. A bias is known from some
+beds only. Its square is that of the estimate and of its standard error together, so that no setting
+is chosen because its bias is small by chance. For intervals, beds are drawn again.
 """
 
 from typing import Any, NamedTuple
@@ -29,7 +30,8 @@ LEFT_OUT = 0.7  # step fraction that it is tested at
 
 
 class Settings(NamedTuple):
-    """A step fraction, a number of granules, the ends (m) of the mean and of the stroke; numbers or arrays."""
+    """A step fraction, a number of granules, the ends (m) of the mean and of the stroke; numbers
+    or arrays."""
 
     fraction: Any
     granules: Any

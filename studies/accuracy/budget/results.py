@@ -1,4 +1,5 @@
-"""budget.nc: one row a run of the sweep, with its drag over windows of several lengths and what it took."""
+"""budget.nc: one row a run of the sweep, with its drag over windows of several lengths and what
+it took."""
 
 import numpy as np
 

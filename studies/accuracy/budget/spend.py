@@ -1,4 +1,5 @@
-"""How to spend a budget of processor time: the settings whose mean is least far off, and how far others are."""
+"""How to spend a budget of processor time: the settings whose mean is least far off, and how far
+others are."""
 
 from functools import cached_property
 from itertools import product
@@ -20,8 +21,9 @@ WAYS = {
 
 
 class Spent(NamedTuple):
-    """Settings, how many runs the budget suffices for, and by how much the mean is off, over the mean: as the
-    model has it, and the ends of its interval; NaN where it does not suffice for two."""
+    """Settings, how many runs the budget suffices for, and by how much the mean is off, over the
+    mean: as the model has it, and the ends of its interval; NaN where it does not suffice for
+    two."""
 
     at: Settings
     runs: int
@@ -49,8 +51,8 @@ class Shape:
         return Settings(fractions, granules, stops, stops)
 
     def error(self, at: Settings, budget: float):
-        """Errors over the mean: with the model of all runs, and with each of beds drawn again (draw, ...);
-        first, how many runs the budget suffices for, on average."""
+        """Errors over the mean: with the model of all runs, and with each of beds drawn again
+        (draw, ...); first, how many runs the budget suffices for, on average."""
         count = budget / self.model.time(at)
         biases = np.array([(model.biases(at) ** 2).sum(axis=0) for model in self.draws])
         with np.errstate(divide="ignore"):
@@ -75,8 +77,9 @@ class Shape:
 
 
 class Levels(NamedTuple):
-    """Two steps of the same beds: correlation of their drags, and the time that a mean of fine steps takes
-    alone over that which two levels take (Giles 2008, Oper. Res. 56, 607), with both ends of their intervals."""
+    """Two steps of the same beds: correlation of their drags, and the time that a mean of fine
+    steps takes alone over that which two levels take (Giles 2008, Oper. Res. 56, 607), with both
+    ends of their intervals."""
 
     coarse: float
     fine: float

@@ -67,7 +67,7 @@ def _way(some: pd.DataFrame, truths: np.ndarray, chance: float, budget: float, r
 
 
 def ratio(shapes: Iterable[dict[str, Way]], name: str, other: str, by: str) -> np.ndarray:
-    """Error of a way over that of another, `repeated` or by the `whole`, of all shapes together, with both ends of
-    its interval."""
+    """Error of a way over that of another, `repeated` or by the `whole`, of all shapes together,
+    with both ends of its interval."""
     logs = [np.log(getattr(ways[name], by) / getattr(ways[other], by)) for ways in shapes]
     return interval(np.exp(np.mean(logs, axis=0)))

@@ -1,4 +1,5 @@
-"""precision.nc: one row a rule, a distribution and a target; each rule is tried on many samples whose mean is known."""
+"""precision.nc: one row a rule, a distribution and a target; each rule is tried on many samples
+whose mean is known."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -26,7 +27,8 @@ VARIABLES = {
     "row_asked": (
         ("row",),
         "1",
-        "share of trials whose mean is as near as asked for; where runs ended before, whose interval holds the true mean",
+        "share of trials whose mean is as near as asked for; where runs ended before, whose interval "
+        "holds the true mean",
     ),
     "row_found": (
         ("row",),
@@ -82,7 +84,8 @@ def needed(source: Source, until: Until) -> float:
 
 
 def trial(rule: Callable, until: Until, source: Source, rng: np.random.Generator) -> Known:
-    """What is known of a place once a rule wants no more runs; those that it may want are drawn at once."""
+    """What is known of a place once a rule wants no more runs; those that it may want are drawn
+    at once."""
     sample = source.draw(rng, source.scatter, math.ceil(1.3 * needed(source, until)))
     while (wanted := rule(until, sample)) > len(sample):
         sample = np.append(sample, source.draw(rng, source.scatter, wanted - len(sample)))

@@ -1,5 +1,5 @@
-"""Rules that say how many runs a place gets. A rule is given the runs that there are, and returns how many
-it wants; where these are more, it is asked again with as many."""
+"""Rules that say how many runs a place gets. A rule is given the runs that there are, and
+returns how many it wants; where these are more, it is asked again with as many."""
 
 import math
 
@@ -22,7 +22,7 @@ def first_narrow(until: Until, sample: np.ndarray) -> int:
 
 
 def law_kelton(until: Until, sample: np.ndarray) -> int:
-    """The same from ten on, for an interval that is narrower by as much as the mean may be wrong."""
+    """The same from ten on, for an interval narrower by as much as the mean may be wrong."""
     share = until.target[0]
     return _first(until, _narrow(sample, 10, share / (1.0 + share), until.level))
 
@@ -39,7 +39,7 @@ def hoad(until: Until, sample: np.ndarray) -> int:
 
 
 def _narrow(sample: np.ndarray, least: int, share: float, level: float) -> np.ndarray:
-    """By number of runs, from none to all: whether their interval is within a share of their mean."""
+    """By number of runs, from none on: whether their interval is within a share of the mean."""
     from scipy.special import stdtrit
 
     n = np.arange(least, len(sample) + 1)

@@ -1,4 +1,5 @@
-"""By how much the mean drag is off, against processor time: the frontier, the default and the paper's sweep."""
+"""By how much the mean drag is off, against processor time: the frontier, the default and the
+paper's sweep."""
 
 import numpy as np
 import xarray as xr

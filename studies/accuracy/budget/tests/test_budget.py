@@ -29,7 +29,8 @@ TRUE = Model(
 
 
 def runs_of(model: Model, beds: int, seed: int = 0) -> dict:
-    """Runs that follow a model; those of one bed at several steps differ by a third of their scatter."""
+    """Runs that follow a model; those of one bed at several steps differ by a third of their
+    scatter."""
     rng, rows = np.random.default_rng(seed), []
 
     def add(part, fraction, granules, first, stroke=WINDOW, count=beds):
@@ -95,7 +96,8 @@ def test_the_model_finds_what_made_the_runs(dataset):
 
 
 def test_no_way_does_better_than_the_settings_that_are_recommended(dataset):
-    """And they are such as the true model asks for: the bias of small boxes is worth it for small budgets only."""
+    """And they are such as the true model asks for: the bias of small boxes is worth it for
+    small budgets only."""
     shape = Shape(dataset, "c1")
     for seconds in (5.0, 60.0, 3600.0):
         best = shape.best(seconds)
@@ -105,7 +107,8 @@ def test_no_way_does_better_than_the_settings_that_are_recommended(dataset):
 
 
 def test_an_error_is_that_of_means_drawn_with_these_settings(dataset):
-    """Root mean square over many draws from what made the runs, where biases do not cancel by chance."""
+    """Root mean square over many draws from what made the runs, where biases do not cancel by
+    chance."""
     shape, rng = Shape(dataset, "c1"), np.random.default_rng(5)
     for at in (
         Settings(0.3, PAPER, WINDOW, WINDOW),
@@ -139,7 +142,8 @@ def test_two_levels_gain_where_runs_agree_and_fine_ones_are_dear(dataset):
 
 
 def test_two_levels_take_what_the_best_numbers_of_runs_take(dataset):
-    """Among all numbers of runs, by the times that the runs of the file took: a bed is packed once for both steps."""
+    """Among all numbers of runs, by the times that the runs of the file took: a bed is packed
+    once for both steps."""
     table = Runs(dataset, "c1").table
     beds = range(300)
     coarse, fine = (

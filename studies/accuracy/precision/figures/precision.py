@@ -1,4 +1,5 @@
-"""How often the mean is as near as asked for, and at how many runs over those needed, against the scatter."""
+"""How often the mean is as near as asked for, and at how many runs over those needed, against
+the scatter."""
 
 import xarray as xr
 from matplotlib.figure import Figure
@@ -22,7 +23,8 @@ COLUMNS = {
 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
-    """The rule of sweeps on several distributions on the left, several rules on normal values on the right."""
+    """The rule of sweeps on several distributions on the left, several rules on normal values on
+    the right."""
     found, (figure, grid) = (
         precision.of(dataset),
         style.panels(4, 2, 1.0, 3.1, sharex=True, sharey="row"),

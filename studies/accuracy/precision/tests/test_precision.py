@@ -22,7 +22,8 @@ SOURCES = {
 
 
 def shortfall(rule, name):
-    """By how many standard errors the true mean is within what was asked for less often than promised."""
+    """By how many standard errors the true mean is within what was asked for less often than
+    promised."""
     source, target, promised = SOURCES[name]
     _, _, _, _, _, asked, *_ = tried(rule, source, target, TRIALS, seed=7)
     return (promised - asked) / math.sqrt(promised * (1.0 - promised) / TRIALS)
