@@ -3,7 +3,7 @@
 Normal force: Hertz for spheres with a dashpot and no tension; tangential: a Mindlin spring and a
 dashpot under Coulomb's cap. The dashpot's constant follows from the coefficient of restitution.
 
-Symbols: overlap delta (m), root = sqrt(delta), stiffness k = 4/3 E* sqrt(R*) (N m^-1.5),
+Symbols: overlap delta (m), overlap_quarter = delta^(1/4), stiffness k = 4/3 E* sqrt(R*) (N m^-1.5),
 damping c = alpha sqrt(m* k), E* and G* the effective moduli (Pa), R* and m* the effective radius
 (m) and mass (kg).
 """
@@ -24,7 +24,7 @@ def hertz(overlap, sqrt_overlap, stiffness):
 
 
 @inlined
-def mean_root(overlap, change):
+def mean_overlap_quarter(overlap, change):
     """Mean of delta^(1/4) (m^0.25) over a step at whose middle the overlap is as given.
 
     change (m): what the overlap changes in half a step; before touch delta counts as zero. A dashpot that
@@ -40,9 +40,9 @@ def mean_root(overlap, change):
 
 
 @inlined
-def damped(elastic, root, damping, rate):
-    """Normal force (N) with the dashpot c delta^(1/4) d(delta)/dt; root: delta^(1/4). A contact never pulls."""
-    return max(elastic + damping * root * rate, 0.0)
+def damped(elastic, overlap_quarter, damping, rate):
+    """Normal force (N) with the dashpot c delta^(1/4) d(delta)/dt. A contact never pulls."""
+    return max(elastic + damping * overlap_quarter * rate, 0.0)
 
 
 @inlined
@@ -50,7 +50,7 @@ def mindlin(spring, sqrt_overlap, last_sqrt_overlap, stiffness, slip):
     """Tangential spring force (N) after a further slip (m), against the slip.
 
     A contact remembers this force. Its increment is k_t slip, where
-    k_t = stiffness * root = 8 G* sqrt(R* delta) is the mean over both ends of the step while the
+    k_t = stiffness * sqrt(delta) = 8 G* sqrt(R* delta) is the mean over both ends of the step while the
     overlap grows. This makes the increment second order. While the contact unloads, the force
     shrinks with the contact radius (Thornton, Cummins and Cleary 2013, Powder Technol. 233, 30). In
     both cases the stored energy spring^2 / (2 k_t) can only fall when the overlap changes: no

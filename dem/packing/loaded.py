@@ -37,7 +37,7 @@ def pack_under(shape: Any, room: Room, load: float) -> Bed:
     while len(seen) < STEPS:
         iterations, enough = (LONGEST, REST * unit) if met else (PATIENCE, near)
         world, rest = minimise(room.scene(shape), state, iterations, enough)
-        borne = float(world.boundaries.loads[world.walls.end - 1, 0]) / (
+        borne = float(world.boundaries.contact_forces[world.walls.end - 1, 0]) / (
             modulus * room.width * load
         )
         polished, met = met, abs(borne - 1.0) < NEAR

@@ -348,7 +348,7 @@ def pressure_of(world: World, room: Room) -> float:
     else:
         x, y = SIDES[room.periodic]
         length = 2.0 * ((0.0 if y else room.width) + (0.0 if x else room.height))
-        stress = float(world.boundaries.loads[: world.walls.end, 0].sum()) / length
+        stress = float(world.boundaries.contact_forces[: world.walls.end, 0].sum()) / length
     return float(stress / effective_modulus(SOFT, SOFT))
 
 

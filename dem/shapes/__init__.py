@@ -45,8 +45,8 @@ class Kind(NamedTuple):
 
 
 KINDS = {
-    name: Kind(f"dem.shapes.{name}", own["SHAPE"], own.get("ASPECT_RATIO"))
-    for name, own in described(Path(__file__).parent, "SHAPE").items()
+    name: Kind(f"dem.shapes.{name}", constants["SHAPE"], constants.get("ASPECT_RATIO"))
+    for name, constants in described(Path(__file__).parent, "SHAPE").items()
 }
 
 

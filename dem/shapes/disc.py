@@ -159,7 +159,7 @@ class Disc(NamedTuple):
 TINY = 1e-300  # m, in place of a distance of zero
 
 
-def outline(shape, constituent, frame):
+def outline(shape, constituent, orientation):
     return (shape.radius[constituent],)
 
 
@@ -167,17 +167,17 @@ def circle(shape, radius):
     return (radius,)
 
 
-def support(shape, own, nx, ny):
-    return own[0], None, None
+def support(shape, outline_1, nx, ny):
+    return outline_1[0], None, None
 
 
-def find_contact(shape, dx, dy, own, other, guess):
+def find_contact(shape, dx, dy, outline_1, outline_2, guess):
     distance = math.sqrt(dx * dx + dy * dy)
     inverse = 1.0 / max(distance, TINY)
-    overlap = own[0] + other[0] - distance
+    overlap = outline_1[0] + outline_2[0] - distance
     half = 0.5 * overlap
     nx = dx * inverse if distance > 0.0 else 1.0  # concentric: any normal is as good
-    n1, n2 = own[0] - half, other[0] - half
+    n1, n2 = outline_1[0] - half, outline_2[0] - half
     return ContactGeometry(overlap, nx, dy * inverse, n1, None, n2, None, None), None
 
 

@@ -168,15 +168,15 @@ class Dumbbell(NamedTuple):
         return self.radius[:, None, None, None] * pair
 
 
-def outline(shape, constituent, frame):
+def outline(shape, constituent, orientation):
     return (shape.radius[constituent // 2],)
 
 
-def place(shape, bodies, frame, constituents, low, high):
+def place(shape, bodies, orientation, constituents, low, high):
     for each in range(low, high):
         g = np.uint64(each)  # unsigned: no test for an index that counts from the end
-        ox = shape.radius[g] * frame[g, 0]
-        oy = shape.radius[g] * frame[g, 1]
+        ox = shape.radius[g] * orientation[g, 0]
+        oy = shape.radius[g] * orientation[g, 1]
         spin, dspin = bodies[g, W], bodies[g, DW]
         for q in range(2):
             sign = 1.0 - 2.0 * q
@@ -192,11 +192,11 @@ def place(shape, bodies, frame, constituents, low, high):
             constituents[row, DW] = dspin
 
 
-def collect(shape, constituent_force, frame, force, low, high):
+def collect(shape, constituent_force, orientation, force, low, high):
     for each in range(low, high):
         g = np.uint64(each)
-        ox = shape.radius[g] * frame[g, 0]
-        oy = shape.radius[g] * frame[g, 1]
+        ox = shape.radius[g] * orientation[g, 0]
+        oy = shape.radius[g] * orientation[g, 1]
         a, b = TWO * g, TWO * g + ONE
         force[g, FX] = constituent_force[a, FX] + constituent_force[b, FX]
         force[g, FY] = constituent_force[a, FY] + constituent_force[b, FY]

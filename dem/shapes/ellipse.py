@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dem.base.validate import OUTLINE, RATIO, SIZES, checked, named, positive
-from dem.jit.optional import optional
 from dem.shapes.common_normal import CommonNormal, half_width
 from dem.shapes.geometric_potential import GeometricPotential
 from dem.shapes.protocol import ContactGeometry, answer, ellipse_contact, ellipse_normal
@@ -230,9 +229,9 @@ class Ellipse(_Fields):
         return np.stack([x, y], axis=-1)[:, None]
 
 
-def outline(shape, constituent, frame):
+def outline(shape, constituent, orientation):
     return (
-        frame[constituent, 0], frame[constituent, 1],
+        orientation[constituent, 0], orientation[constituent, 1],
         shape.semi_major[constituent], shape.semi_minor[constituent],
     )  # fmt: skip
 
@@ -245,30 +244,22 @@ def local_radius(shape):
     return shape.local_curvature
 
 
-@optional
-def flat_radius(local_curvature, rho):
-    return rho
+def support(shape, outline_1, nx, ny):
+    h, q, rho = half_width(outline_1, nx, ny)
+    return h, q, None if shape.local_curvature is None else rho
 
 
-@optional
-def effective_radius(local_curvature, rho1, rho2):
-    return rho1 * rho2 / (rho1 + rho2)
-
-
-def support(shape, own, nx, ny):
-    h, q, rho = half_width(own, nx, ny)
-    return h, q, flat_radius(shape.local_curvature, rho)
-
-
-def find_contact(shape, dx, dy, own, other, guess):
-    found, rho, converged = ellipse_contact(shape.contact, dx, dy, own, other, guess)
+def find_contact(shape, dx, dy, outline_1, outline_2, guess):
+    found, (rho1, rho2), converged = ellipse_contact(
+        shape.contact, dx, dy, outline_1, outline_2, guess
+    )
     overlap, nx, ny, n1, t1, n2, t2 = found
-    radius = effective_radius(shape.local_curvature, rho[0], rho[1])
+    radius = None if shape.local_curvature is None else rho1 * rho2 / (rho1 + rho2)
     return ContactGeometry(overlap, nx, ny, n1, t1, n2, t2, radius), converged
 
 
-def refine_normal(shape, dx, dy, own, other, guess):
-    return ellipse_normal(shape.contact, dx, dy, own, other, guess)
+def refine_normal(shape, dx, dy, outline_1, outline_2, guess):
+    return ellipse_normal(shape.contact, dx, dy, outline_1, outline_2, guess)
 
 
 answer(Ellipse, outline, circle, support, find_contact, refine_normal, local_radius)

@@ -19,7 +19,6 @@ from numba.extending import overload
 
 from dem.base.errors import InputError
 from dem.jit.compilation import INLINED, inlined, remember
-from dem.jit.optional import either, optional
 
 SEPARATED = -1.0  # overlap of constituents that do not touch
 
@@ -125,7 +124,7 @@ def _question(stub):
 
 
 @_question
-def outline(shape, constituent, frame):
+def outline(shape, constituent, orientation):
     """Numbers (a tuple, at most 8) that describe a constituent in its present orientation."""
     raise NotImplementedError
 
@@ -137,7 +136,7 @@ def circle(shape, radius):
 
 
 @_question
-def support(shape, own, nx, ny):
+def support(shape, outline_1, nx, ny):
     """Where a constituent touches a straight line with outward normal n: (h, q, radius).
 
     h (m) is the distance of that line from the centre; q = dh/d(angle) (m) the coordinate along t
@@ -147,7 +146,7 @@ def support(shape, own, nx, ny):
 
 
 @_question
-def find_contact(shape, dx, dy, own, other, guess):
+def find_contact(shape, dx, dy, outline_1, outline_2, guess):
     """Contact of two constituents, without a branch: (ContactGeometry, converged).
 
     The overlap is negative where they do not touch; `guess` a normal near the right one, what the
@@ -158,7 +157,7 @@ def find_contact(shape, dx, dy, own, other, guess):
 
 
 @_question
-def refine_normal(shape, dx, dy, own, other, guess):
+def refine_normal(shape, dx, dy, outline_1, outline_2, guess):
     """A guess near enough for find_contact, from any other."""
     return guess
 
@@ -176,7 +175,7 @@ def local_radius(shape):
 
 
 @_question
-def place(shape, bodies, frame, constituents, low, high):
+def place(shape, bodies, orientation, constituents, low, high):
     """Motion of the constituents of granules low to high from the motion of the granules.
 
     The default is for granules with one constituent: both are one array.
@@ -185,37 +184,37 @@ def place(shape, bodies, frame, constituents, low, high):
 
 
 @_question
-def collect(shape, constituent_force, frame, force, low, high):
+def collect(shape, constituent_force, orientation, force, low, high):
     """Forces (N) and torques (N m) on granules low to high from those on their constituents."""
     return
 
 
 @_question
-def ellipse_contact(method, dx, dy, own, other, guess):
+def ellipse_contact(method, dx, dy, outline_1, outline_2, guess):
     """Contact of two ellipses by a method: (overlap, nx, ny, n1, t1, n2, t2), (rho1, rho2),
     converged, with rho the radii of curvature (m) there."""
     raise NotImplementedError
 
 
 @_question
-def ellipse_normal(method, dx, dy, own, other, guess):
+def ellipse_normal(method, dx, dy, outline_1, outline_2, guess):
     """A guess near enough for ellipse_contact, from any other."""
     return guess
 
 
 @inlined
-def solve_contact(shape, dx, dy, own, other, guess):
+def solve_contact(shape, dx, dy, outline_1, outline_2, guess):
     """Contact of two constituents: the ContactGeometry, from any guess."""
-    geometry, converged = find_contact(shape, dx, dy, own, other, guess)
-    return either(_refined(converged, geometry, shape, dx, dy, own, other, guess), geometry)
+    geometry, converged = find_contact(shape, dx, dy, outline_1, outline_2, guess)
+    return _refined(converged, geometry, shape, dx, dy, outline_1, outline_2, guess)
 
 
-@optional
-def _refined(converged, geometry, shape, dx, dy, own, other, guess):
-    if converged:
+@inlined
+def _refined(converged, geometry, shape, dx, dy, outline_1, outline_2, guess):
+    if converged is None or converged:
         return geometry
-    better = refine_normal(shape, dx, dy, own, other, guess)
-    return find_contact(shape, dx, dy, own, other, better)[0]
+    guess = refine_normal(shape, dx, dy, outline_1, outline_2, guess)
+    return find_contact(shape, dx, dy, outline_1, outline_2, guess)[0]
 
 
 SHAPE_QUESTIONS = (
