@@ -22,7 +22,7 @@ AGAIN = {
     "a constant of the law": ("dem/contacts/force_law.py", "zeta = alpha / math.sqrt(5.0)", "zeta = alpha / math.sqrt(5.1)"),
     "less for at most": ("dem/packing/minimise.py", "push > 0.0 else 0.0", "push >= 0.0 else 0.0"),
     "a constant of packing": ("dem/packing/minimise.py", "MIXING = 0.25", "MIXING = 0.26"),
-    "a constant of the step": ("dem/dynamics/stable_step.py", "* 2.0 / max(rate + root", "* 1.9 / max(rate + root"),
+    "a constant of the step": ("dem/dynamics/critical_step.py", "* 2.0 / max(rate + root", "* 1.9 / max(rate + root"),
     "the skin": ("dem/dynamics/skin.py", "SKIN = 0.12", "SKIN = 0.13"),
     "a flag of the compiler": ("dem/jit/compilation.py", '{"contract", "arcp", "nsz"}', '{"arcp", "nsz"}'),
     "the version of Numba": ("dem/base/provenance.py", 'names = ("numpy", "numba", "llvmlite")', 'names = ("numpy", "numba", "llvmlite", "scipy")'),
@@ -39,7 +39,7 @@ KEPT = {
     "a local variable of a kernel": ("dem/contacts/force_law.py", "kept", "held"),
     "a local variable of the reader": ("dem/experiment/config.py", "plain", "bare"),
     "an import for types": ("dem/dynamics/result.py", "if TYPE_CHECKING:\n", "if TYPE_CHECKING:\n    import pandas\n"),
-    "an error's sentence": ("dem/dynamics/engine.py", "put it inside, or take", "set it inside, or take"),
+    "an error's sentence": ("dem/dynamics/simulation.py", "put it inside, or take", "set it inside, or take"),
     "how a value is checked": ("dem/experiment/config.py", 'raise InputError(f"shape is', 'raise ValueError(f"shape is'),
     "a key with a default": (
         "dem/experiment/config.py", "    ellipse: EllipseSection = EllipseSection()\n",

@@ -12,7 +12,7 @@ from test_neighbors import parts
 
 import dem
 from dem.dynamics.energy import balance
-from dem.dynamics.neighbors import near_circle, near_pairs
+from dem.dynamics.cell_list import near_circle, near_pairs
 from dem.dynamics.ordering import order_of
 from dem.experiment import flow_measures as measures
 from dem.experiment.config import of_values, parse
