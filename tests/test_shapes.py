@@ -294,7 +294,7 @@ def test_an_open_question_is_refused_when_the_shape_is_made_known(missing):
 def test_a_missing_member_is_refused_when_the_shape_is_made_known():
     """A class that lacks what Python asks is refused, with both names."""
     answers = smooth.outline, smooth.circle, smooth.support, smooth.find_contact
-    with pytest.raises(dem.InputError, match="Stranger has no needs_angle"):
+    with pytest.raises(dem.InputError, match="Stranger has no area"):
         protocol.answer(Stranger, *answers)
     assert not protocol.is_shape(Stranger)
 

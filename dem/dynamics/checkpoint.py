@@ -1,7 +1,6 @@
-"""A run as named arrays, from which it continues later with the same bits.
+"""Checkpoints: a run as named arrays, from which it continues later with the same bits.
 
-A checkpoint holds a hash of all its arrays. That refuses whatever no simulation has written, so that nothing
-else looks at them.
+A checkpoint holds a hash of all its arrays, so that arrays that no simulation has written are refused.
 """
 
 import hashlib
@@ -22,10 +21,10 @@ def named_arrays(tree, path="world") -> dict:
     """All arrays of a tree of named tuples, by their path in it; no copies."""
     if isinstance(tree, np.ndarray):
         return {path: tree}
-    found = {}
+    arrays = {}
     for name in getattr(tree, "_fields", ()):
-        found |= named_arrays(getattr(tree, name), f"{path}.{name}")
-    return found
+        arrays |= named_arrays(getattr(tree, name), f"{path}.{name}")
+    return arrays
 
 
 def read_only(tree):
@@ -61,9 +60,9 @@ def spelled(tree):
     return tree
 
 
-def fingerprint(*held) -> np.ndarray:
+def fingerprint(*values) -> np.ndarray:
     """SHA-256 (32,) of numbers and arrays in trees of tuples: tells scenes apart."""
-    return np.frombuffer(hashlib.sha256(repr(spelled(held)).encode()).digest(), np.uint8)
+    return np.frombuffer(hashlib.sha256(repr(spelled(values)).encode()).digest(), np.uint8)
 
 
 def numbers_of(tree) -> list[float]:
@@ -84,9 +83,9 @@ def with_numbers(tree, numbers):
 
 def written(world, **more) -> dict:
     """A checkpoint: copies of the arrays of a World that a run changes, by their path in it, and more."""
-    found = {k: v.copy() for k, v in named_arrays(world).items() if not k.startswith(LEFT_OUT)}
-    found |= {name: np.array(value) for name, value in more.items()}
-    return found | {SEAL: fingerprint(*sorted(found.items()))}
+    arrays = {k: v.copy() for k, v in named_arrays(world).items() if not k.startswith(LEFT_OUT)}
+    arrays |= {name: np.array(value) for name, value in more.items()}
+    return arrays | {SEAL: fingerprint(*sorted(arrays.items()))}
 
 
 def read(saved) -> dict:
@@ -108,10 +107,10 @@ def replaced(tree, arrays: dict, path="world"):
     """The tree with the arrays of a checkpoint. One of the same shape is overwritten in place, so that two
     that are one stay one."""
     if isinstance(tree, np.ndarray):
-        found = arrays.get(path, tree)
-        if found.shape != tree.shape:
-            return found.copy()
-        tree[...] = found
+        saved = arrays.get(path, tree)
+        if saved.shape != tree.shape:
+            return saved.copy()
+        tree[...] = saved
         return tree
     if not hasattr(tree, "_fields"):
         return tree

@@ -76,9 +76,7 @@ class Ledger(NamedTuple):
 def velocity_later(world, i, c, later):
     """Component c of the velocity of granule i after kicks of a time `later` (s)."""
     kick = later * world.inverse_mass[i] * world.force[i, FX + c]
-    velocity = minus(
-        world.bodies[i, VX + c], given(at_full_steps(world), world.bodies[i, DVX + c])
-    )
+    velocity = minus(world.bodies[i, VX + c], given(at_full_steps(world), world.bodies[i, DVX + c]))
     velocity += kick
     if world.gravity is not None:
         velocity += later * world.gravity[c]

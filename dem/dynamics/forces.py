@@ -117,7 +117,10 @@ def add_forces_across_patches(world, patch):
     """Add to the constituents of a patch the forces of pairs of other patches, see Patches."""
     patches = world.patches
     if patches is not None:
-        force, constituents = world.constituent_force.reshape(-1), np.uint64(world.constituents.shape[0])
+        force, constituents = (
+            world.constituent_force.reshape(-1),
+            np.uint64(world.constituents.shape[0]),
+        )
         for q in range(patches.first[patch], patches.first[patch + 1]):
             source = FOUR * (constituents + patches.incoming[q])
             target = FOUR * patches.target[patches.incoming[q]]

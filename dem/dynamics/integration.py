@@ -76,7 +76,9 @@ def drift(world, kick, dt, low, high):
             alpha = force[i, TAU] * inverse_inertia[i]
             bodies[i, W] += kick * alpha
             bodies[i, DW] = half * extrapolated(previous, i, TAU, alpha)
-            rotate(orientation, angle, i, bodies[i, W], dt)
+            spin = bodies[i, W]
+            angle[i] += dt * spin
+            rotate(orientation, i, angle[i], dt * spin)
     move_held(world.held, world, full, kick, low, high)
     place(world.shape, bodies, orientation, world.constituents, low, high)
 

@@ -50,7 +50,9 @@ def room_for_sizes(old, shape, count):
 def put_sizes(sizes, p, shape, orientation, i, j):
     """The sizes of constituents i and j of pair p."""
     if sizes is not None:
-        numbers = sizes_of(outline(shape, i, orientation)) + sizes_of(outline(shape, j, orientation))
+        numbers = sizes_of(outline(shape, i, orientation)) + sizes_of(
+            outline(shape, j, orientation)
+        )
         for row in range(len(numbers)):
             sizes[row, p] = numbers[row]
 
@@ -257,9 +259,7 @@ def list_surface(surface, world, table, patches):
         set_constants(new, p, reduced, table.mass[i], table.alpha, inverse_masses)
         set_image(new, p, motion[b, X] - rows[i, X], motion[b, Y] - rows[i, Y], table.period)
     reach_patches(patches, constituent, per)
-    return Surface(
-        first=first, end=surface.end, planes=surface.planes, radius=radius, contacts=new
-    )
+    return Surface(first=first, end=surface.end, planes=surface.planes, radius=radius, contacts=new)
 
 
 @inlined

@@ -18,7 +18,9 @@ SKIN = 0.12
 WIDEST = 1.0
 MARGIN = 0.75  # share of skin / 2 that a constituent may move before the lists are rebuilt
 SKIN_OF_PACKING = 0.3  # while a bed is packed, where granules move far
-REBUILD_COST = 60.0  # of a list over what a wider skin costs, fitted to gases, soft and stiff, thin and dense
+REBUILD_COST = (
+    60.0  # of a list over what a wider skin costs, fitted to gases, soft and stiff, thin and dense
+)
 
 
 def skin_for(scene, world, table, time_step: float | None) -> float:

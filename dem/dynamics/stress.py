@@ -93,9 +93,13 @@ def edges(name: str, value: Any) -> np.ndarray:
 
 
 def stress(
-    contacts: ContactList, state: State, scene: Scene, planes: np.ndarray, place: np.ndarray,
+    contacts: ContactList,
+    state: State,
+    scene: Scene,
+    planes: np.ndarray,
+    place: np.ndarray,
     bins: tuple[int, np.ndarray] | None = None,
-) -> Stress:  # fmt: skip
+) -> Stress:
     """Stress of the granules of a scene with these contacts; planes (w, 3): its walls; place (m): of its
     cylinder; bins: their axis and edges (m).
 

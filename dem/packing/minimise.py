@@ -77,12 +77,13 @@ def mix(world, alpha, speed, push):
 @compiled
 def move(world, dt):
     """Move all granules over dt (s)."""
-    bodies, inverse_inertia = world.bodies, world.inverse_inertia
+    bodies, angle, inverse_inertia = world.bodies, world.angle, world.inverse_inertia
     for i in range(bodies.shape[0]):
         bodies[i, X] += dt * bodies[i, VX]
         bodies[i, Y] += dt * bodies[i, VY]
         if inverse_inertia is not None:
-            rotate(world.orientation, world.angle, i, bodies[i, W], dt)
+            angle[i] += dt * bodies[i, W]
+            rotate(world.orientation, i, angle[i], dt * bodies[i, W])
 
 
 @compiled

@@ -180,10 +180,13 @@ def scatter(shape: Any, room: Room, rng: np.random.Generator) -> np.ndarray:
 
 
 ROOM: dict[str, Any] = {
-    "shape": granules, "width": positive("m"), "height": positive("m"),
-    "cylinder": or_none(one_of(Cylinder)), "seed": whole(0, 2**63 - 1),
+    "shape": granules,
+    "width": positive("m"),
+    "height": positive("m"),
+    "cylinder": or_none(one_of(Cylinder)),
+    "seed": whole(0, 2**63 - 1),
     "periodic": named({key: key for key in SIDES}),
-}  # fmt: skip
+}
 
 
 @checked(**ROOM)

@@ -326,7 +326,10 @@ def _forces(two, at):
     change = np.abs(force - two.pair(at, (1, 0))[1])
     if (change > NEAR * depth * np.array([1.0, 1.0, size, 1.0])).any():
         yield "a contact depends on which of two granules is asked: swapping them changes it."
-    for broken, what in ((wrong[:2], "normal of a contact is"), (wrong[2:], "levers of a contact are")):
+    for broken, what in (
+        (wrong[:2], "normal of a contact is"),
+        (wrong[2:], "levers of a contact are"),
+    ):
         if broken.any():
             yield (
                 f"the {what} not the gradient of its overlap: bounces would make or lose energy."

@@ -80,7 +80,9 @@ def widest(dx, dy, outline_1, outline_2):
     for k in range(DIRECTIONS):
         angle = 2.0 * math.pi * k / DIRECTIONS
         nx, ny = math.cos(angle), math.sin(angle)
-        gap = nx * dx + ny * dy - half_width(outline_1, nx, ny)[0] - half_width(outline_2, nx, ny)[0]
+        gap = (
+            nx * dx + ny * dy - half_width(outline_1, nx, ny)[0] - half_width(outline_2, nx, ny)[0]
+        )
         if gap > best:
             best, bx, by = gap, nx, ny
     return bx, by
@@ -122,37 +124,57 @@ def settle(dx, dy, outline_1, outline_2, nx, ny, tolerance):
 @inlined
 def deep(gap, outline_1, outline_2):
     """Overlap beyond half the least radius of curvature of either ellipse."""
-    return -2.0 * gap * outline_1[2] > outline_1[3] * outline_1[3] or -2.0 * gap * outline_2[2] > outline_2[3] * outline_2[3]
+    return (
+        -2.0 * gap * outline_1[2] > outline_1[3] * outline_1[3]
+        or -2.0 * gap * outline_2[2] > outline_2[3] * outline_2[3]
+    )
 
 
 def ellipse_contact(method, dx, dy, outline_1, outline_2, guess):
+    """Contact from one evaluation at the last normal and one third-order step of Newton's method.
+
+    gap, slope, bend and twist are s and its derivatives by the angle of the normal, at the last normal; the gap
+    is largest where slope = 0. All below is a Taylor series in the turn to that angle, without branches.
+    """
     nx, ny = guess
     gap, slope, bend, h1, q1, rho1, h2, q2, rho2 = gap_along(dx, dy, outline_1, outline_2, nx, ny)
     reach = outline_1[2] + outline_2[2]
-    first, known = gap, gap > 0.0
+    first, known = gap, gap > 0.0  # a positive gap along any normal proves that they do not touch
     apart = known or dx * dx + dy * dy >= reach * reach
+
+    # The series is trusted if Newton's step is within the tolerance, at a maximum, and the overlap small
     near = abs(slope) <= -method.tolerance * bend
     converged = apart or (near and not deep(gap, outline_1, outline_2))
+
+    # Turn: Newton's step with Chebyshev's correction; ellipses that are apart only climb, over several steps
     inverse = 1.0 / bend
     turn = -slope * inverse
     drho1 = -3.0 * rho1 * q1 / h1
     drho2 = -3.0 * rho2 * q2 / h2
     twist = -slope - drho1 - drho2
-    most = LARGEST_TURN if apart else 0.0  # the normal climbs to the gap, from step to step
+    most = LARGEST_TURN if apart else 0.0
     climb = min(max(slope * abs(inverse), -most), most)
     turn = turn - 0.5 * twist * inverse * turn * turn if near else climb
+
+    # Gap at the new normal, to third order
     gap += turn * (slope + 0.5 * turn * (bend + turn * twist / 3.0))
     far = max(gap, first) if known else -SEPARATED
     gap = far if apart else gap
+
+    # The new normal, rotated by tan(turn) = turn + turn^3 / 3
     tangent = turn * (1.0 + turn * turn / 3.0)
     x, y = nx - tangent * ny, ny + tangent * nx
     scale = 1.5 - 0.5 * (x * x + y * y)  # 1/length to rounding, for turns within tolerance
+
+    # Moment arms to the middle of the overlap, from h and q at the new normal: h'' = rho - h
     half = -0.5 * gap
     square = 0.5 * turn * turn
     n1 = h1 + turn * q1 + square * (rho1 - h1) - half
     n2 = h2 + turn * q2 + square * (rho2 - h2) - half
     t1 = q1 + turn * (rho1 - h1) + square * (drho1 - q1)
     t2 = -(q2 + turn * (rho2 - h2) + square * (drho2 - q2))
+
+    # Radii of curvature at the new normal
     rho1 += turn * drho1
     rho2 += turn * drho2
     return (-gap, x * scale, y * scale, n1, t1, n2, t2), (rho1, rho2), converged

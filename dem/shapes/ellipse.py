@@ -6,10 +6,17 @@ from typing import Any, Literal, NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dem.base.validate import OUTLINE, RATIO, SIZES, checked, named, positive
+from dem.base.validate import OUTLINE, RATIO, SIZES, checked, named
 from dem.shapes.common_normal import CommonNormal, half_width
 from dem.shapes.geometric_potential import GeometricPotential
-from dem.shapes.protocol import ContactGeometry, answer, ellipse_contact, ellipse_normal
+from dem.shapes.protocol import (
+    ContactGeometry,
+    Granules,
+    answer,
+    ellipse_contact,
+    ellipse_normal,
+    unit_circle,
+)
 
 SHAPE = "Ellipse"
 
@@ -37,7 +44,7 @@ class _Fields(NamedTuple):
     contact=named(CONTACTS, CommonNormal, GeometricPotential),
     hertz_radius=named(RADII),
 )
-class Ellipse(_Fields):
+class Ellipse(Granules, _Fields):
     """Ellipses, the elliptical granules of the paper.
 
     Parameters
@@ -83,7 +90,7 @@ class Ellipse(_Fields):
     """
 
     __slots__ = ()
-    needs_angle, lists_sizes = True, True
+    lists_sizes = True
 
     def __new__(
         cls,
@@ -167,11 +174,6 @@ class Ellipse(_Fields):
         return np.sqrt(self.semi_major * self.semi_minor)
 
     @property
-    def constituent_bounding_radius(self) -> np.ndarray:
-        """Radius (n,) in m of the circle that holds the constituent."""
-        return self.semi_major
-
-    @property
     def normal_lever(self) -> np.ndarray:
         """Greatest distance (n,) in m of a line of normal force from the centre."""
         return self.semi_major - self.semi_minor
@@ -180,29 +182,6 @@ class Ellipse(_Fields):
     def normal_bend(self) -> np.ndarray:
         """Greatest second derivative (n,) in m of the support distance with the granule's angle."""
         return self.semi_major**2 / self.semi_minor - self.semi_minor
-
-    @checked(factor=positive("ratio"))
-    def scaled(self, factor: float) -> Self:
-        """Granules of the same shape, all lengths multiplied by a factor.
-
-        Parameters
-        ----------
-        factor : float
-            Ratio of new to old lengths, without unit.
-
-        Returns
-        -------
-        Ellipse
-            The scaled granules.
-
-        Raises
-        ------
-        InputError
-            If `factor` is not positive.
-        """
-        return self._replace(
-            semi_major=self.semi_major * factor, semi_minor=self.semi_minor * factor
-        )
 
     @checked(points=OUTLINE)
     def polygons(self, points: int = 64) -> np.ndarray:
@@ -223,17 +202,17 @@ class Ellipse(_Fields):
         InputError
             If `points` is not a whole number from 2.
         """
-        turn = np.linspace(0.0, 2.0 * np.pi, points)
-        x = self.semi_major[:, None] * np.cos(turn)
-        y = self.semi_minor[:, None] * np.sin(turn)
-        return np.stack([x, y], axis=-1)[:, None]
+        axes = np.column_stack([self.semi_major, self.semi_minor])
+        return axes[:, None, None] * unit_circle(points)
 
 
 def outline(shape, constituent, orientation):
     return (
-        orientation[constituent, 0], orientation[constituent, 1],
-        shape.semi_major[constituent], shape.semi_minor[constituent],
-    )  # fmt: skip
+        orientation[constituent, 0],
+        orientation[constituent, 1],
+        shape.semi_major[constituent],
+        shape.semi_minor[constituent],
+    )
 
 
 def circle(shape, radius):

@@ -100,8 +100,14 @@ def ellipse_contact(method, dx, dy, outline_1, outline_2, guess):
     # those along the normal end in the middle of the gap, as for all contacts
     half = 0.5 * SEPARATED
     apart = (
-        SEPARATED, 1.0, 0.0, outline_1[2] - half, outline_1[2] - outline_1[3], outline_2[2] - half, outline_2[2] - outline_2[3],
-    )  # fmt: skip
+        SEPARATED,
+        1.0,
+        0.0,
+        outline_1[2] - half,
+        outline_1[2] - outline_1[3],
+        outline_2[2] - half,
+        outline_2[2] - outline_2[3],
+    )
     flat = reach, reach
     if dx * dx + dy * dy >= reach * reach:
         return apart, flat, None
@@ -117,9 +123,14 @@ def ellipse_contact(method, dx, dy, outline_1, outline_2, guess):
     rx, ry = x1 - 0.5 * ex, y1 - 0.5 * ey  # contact point from centre 1
     sx, sy = rx - dx, ry - dy  # and from centre 2
     found = (
-        overlap, nx, ny, rx * nx + ry * ny, ry * nx - rx * ny,
-        -(sx * nx + sy * ny), sy * nx - sx * ny,
-    )  # fmt: skip
+        overlap,
+        nx,
+        ny,
+        rx * nx + ry * ny,
+        ry * nx - rx * ny,
+        -(sx * nx + sy * ny),
+        sy * nx - sx * ny,
+    )
     return found, (rho1, rho2), None
 
 

@@ -12,12 +12,13 @@ both. Conventions of a contact between constituents 1 and 2:
   A lever that a shape does not have is None, and so is all arithmetic with it.
 """
 
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, Self
 
 import numpy as np
 from numba.extending import overload
 
 from dem.base.errors import InputError
+from dem.base.validate import checked, positive
 from dem.jit.compilation import INLINED, inlined, remember
 
 SEPARATED = -1.0  # overlap of constituents that do not touch
@@ -42,8 +43,8 @@ class ContactGeometry(NamedTuple):
 
 class Shape(Protocol):
     """What Python asks of n granules with p constituents each, who reads it, and what a wrong
-    answer breaks. `answer` refuses a class without all members; guesses, lists_sizes and fault have
-    a default.
+    answer breaks. `answer` refuses a class without all members; Granules has those that most have in
+    common.
 
     Lengths in m. of_size(diameter, aspect_ratio) is asked only of the shapes that configurations
     name: granules with the area of discs of these diameters (n,).
@@ -51,15 +52,15 @@ class Shape(Protocol):
 
     # Whether a contact remembers its normal. Read by the neighbour lists. Wrong: the search for a
     # normal begins at every step from the line of centres, or contacts keep unused memory.
-    guesses: bool = False
+    guesses: bool
 
     # Whether an outline is cosine and sine of the angle, and then sizes that never change. The list
     # of pairs then has the sizes of both constituents. Read by the neighbour lists. Wrong: contacts
     # have the sizes of the time when the list was made.
-    lists_sizes: bool = False
+    lists_sizes: bool
 
     # Why these granules cannot be used, as a sentence, or None. Read by Scene. Wrong: they run.
-    fault: str | None = None
+    fault: str | None
 
     # Whether the granule looks different when it turns. Read by the integrator. Wrong: granules
     # keep the orientation that they start with.
@@ -102,6 +103,46 @@ class Shape(Protocol):
     def polygons(self, points: int = 64) -> np.ndarray:
         """Outlines (n, rings, points, 2) in m about the centre at angle zero, closed: the first
         point is the last. Read by figures, films, export, report. Wrong: pictures only."""
+
+
+class Granules:
+    """Members that most shapes have in common."""
+
+    __slots__ = ()
+    guesses, lists_sizes, needs_angle = False, False, True
+    fault: str | None = None
+
+    @property
+    def constituent_bounding_radius(self) -> np.ndarray:
+        """Radius (constituents,) in m of the circle that holds the constituent."""
+        return self.bounding_radius
+
+    @checked(factor=positive("ratio"))
+    def scaled(self, factor: float) -> Self:
+        """Granules of the same shape, all lengths multiplied by a factor.
+
+        Parameters
+        ----------
+        factor : float
+            Ratio of new to old lengths, without unit.
+
+        Returns
+        -------
+        Self
+            The scaled granules.
+
+        Raises
+        ------
+        InputError
+            If `factor` is not positive.
+        """
+        return resized(self, lambda size: size * factor)
+
+
+def unit_circle(points):
+    """Closed polygon (points, 2) of a circle of radius one."""
+    turn = np.linspace(0.0, 2.0 * np.pi, points)
+    return np.stack([np.cos(turn), np.sin(turn)], axis=-1)
 
 
 MEMBERS = *Shape.__annotations__, "scaled", "polygons"
@@ -218,9 +259,16 @@ def _refined(converged, geometry, shape, dx, dy, outline_1, outline_2, guess):
 
 
 SHAPE_QUESTIONS = (
-    outline, circle, support, find_contact, refine_normal, tangential_lever, local_radius, place,
+    outline,
+    circle,
+    support,
+    find_contact,
+    refine_normal,
+    tangential_lever,
+    local_radius,
+    place,
     collect,
-)  # fmt: skip
+)
 METHOD_QUESTIONS = ellipse_contact, ellipse_normal
 
 
@@ -266,9 +314,9 @@ def answer(cls, *functions, questions=SHAPE_QUESTIONS, **renamed):
 
 
 def _complete(cls):
-    """Give a shape the members of Shape that have a default; raises InputError for another one."""
+    """Give a shape the members of Granules that it lacks; raises InputError for another one."""
     for name in MEMBERS:
         if not hasattr(cls, name):
-            if not hasattr(Shape, name) or callable(getattr(Shape, name)):
+            if not hasattr(Granules, name):
                 raise InputError(f"{cls.__name__} has no {name}; see dem.shapes.protocol.Shape.")
-            setattr(cls, name, getattr(Shape, name))
+            setattr(cls, name, getattr(Granules, name))

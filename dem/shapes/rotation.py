@@ -15,20 +15,17 @@ def rotated(x, y, angle):
 
 
 @inlined
-def rotate(orientation, angle, i, spin, dt):
-    """Rotate granule i by spin * dt (rad), without trigonometry if that is small.
+def rotate(orientation, i, angle, step):
+    """Orientation of granule i after a rotation by a step to an angle (rad), without trigonometry if it is small.
 
     orientation: None for discs. Its rounding errors of about 1e-16 per step add up until `set_orientation`.
     """
-    angle[i] += dt * spin
     if orientation is not None:
-        step = dt * spin
         if abs(step) < 1e-3:
-            orientation[i, 0], orientation[i, 1] = rotated(
-                orientation[i, 0], orientation[i, 1], step
-            )
+            x, y = rotated(orientation[i, 0], orientation[i, 1], step)
         else:
-            orientation[i, 0], orientation[i, 1] = math.cos(angle[i]), math.sin(angle[i])
+            x, y = math.cos(angle), math.sin(angle)
+        orientation[i, 0], orientation[i, 1] = x, y
 
 
 @inlined

@@ -21,7 +21,7 @@ from numba.extending import overload
 
 from dem.jit.compilation import INLINED, inlined
 from dem.shapes.common_normal import LARGEST_TURN
-from dem.shapes.protocol import ContactGeometry, answer, resized
+from dem.shapes.protocol import ContactGeometry, answer
 from dem.shapes.rotation import rotated
 
 TOLERANCE = 1e-4  # rad: the last turn of the normal may be as large as this; error ~ its 4th power
@@ -116,10 +116,15 @@ def find_contact(shape, dx, dy, outline_1, outline_2, guess):
     gap = max(gap, first) if apart else gap
     half = -0.5 * gap
     geometry = ContactGeometry(
-        -gap, nx, ny,
-        one[0] + turn * one[1] - half, one[1] + turn * (one[2] - one[0]),
-        two[0] + turn * two[1] - half, -two[1] - turn * (two[2] - two[0]), None,
-    )  # fmt: skip
+        -gap,
+        nx,
+        ny,
+        one[0] + turn * one[1] - half,
+        one[1] + turn * (one[2] - one[0]),
+        two[0] + turn * two[1] - half,
+        -two[1] - turn * (two[2] - two[0]),
+        None,
+    )
     deep = -2.0 * gap > one[2] + two[2]
     return geometry, apart or (near and not deep)
 
@@ -170,9 +175,13 @@ def _sampled(cls, key):
 
 def sampled(shape):
     """Angles (ANGLES,) in rad and h, q, rho (n, ANGLES) in m of all granules."""
-    return _sampled(type(shape), tuple(
-        np.ascontiguousarray(v).tobytes() if isinstance(v, np.ndarray) else float(v) for v in shape
-    ))  # fmt: skip
+    return _sampled(
+        type(shape),
+        tuple(
+            np.ascontiguousarray(v).tobytes() if isinstance(v, np.ndarray) else float(v)
+            for v in shape
+        ),
+    )
 
 
 def _integral(values):
@@ -213,22 +222,6 @@ def normal_bend(shape):
     return ROOM * np.maximum(rho - h, 0.0).max(axis=-1)
 
 
-def scaled(shape, factor):
-    """Granules of the same shape, all lengths multiplied by a factor.
-
-    Parameters
-    ----------
-    factor : float
-        Ratio of new to old lengths, without unit.
-
-    Returns
-    -------
-    Shape
-        The scaled granules.
-    """
-    return resized(shape, lambda size: factor * size)
-
-
 def polygons(shape, points=64):
     """Closed outlines about the centre at angle zero, to draw or sample.
 
@@ -263,10 +256,14 @@ def fault(shape):
 
 
 DERIVED = {
-    "area": area, "gyration_squared": gyration_squared, "bounding_radius": bounding_radius,
-    "constituent_radius": constituent_radius, "constituent_bounding_radius": bounding_radius,
-    "normal_lever": normal_lever, "normal_bend": normal_bend, "fault": fault,
-}  # fmt: skip
+    "area": area,
+    "gyration_squared": gyration_squared,
+    "bounding_radius": bounding_radius,
+    "constituent_radius": constituent_radius,
+    "normal_lever": normal_lever,
+    "normal_bend": normal_bend,
+    "fault": fault,
+}
 
 
 def smooth(support_function):
@@ -280,10 +277,10 @@ def smooth(support_function):
     def make(cls):
         _SUPPORT[cls] = inlined(support_function)
         members = {name: property(function) for name, function in DERIVED.items()}
-        for name, member in (members | {"scaled": scaled, "polygons": polygons}).items():
+        for name, member in (members | {"polygons": polygons}).items():
             if name not in cls.__dict__:
                 setattr(cls, name, member)
-        cls.needs_angle, cls.guesses = True, True
+        cls.guesses = True
         answer(cls, outline, circle, support, find_contact, refine_normal)
         return cls
 
