@@ -6,7 +6,8 @@
     contact_forces   force law
     accumulate       forces and torques on the constituents
 
-find_contacts and contact_forces do nearly all arithmetic. They have no branches and become vector code.
+find_contacts and contact_forces do nearly all arithmetic. They have no branches and become vector
+code.
 """
 
 import math
@@ -87,7 +88,8 @@ def gather(turns, one, two, contacts, start, stop, lanes):
 
 @inlined
 def sizes_of(outline):
-    """The numbers of an outline after cosine and sine; where Shape.lists_sizes, they never change."""
+    """The numbers of an outline after cosine and sine; where Shape.lists_sizes, they never
+    change."""
     return outline[2:]
 
 
@@ -243,7 +245,8 @@ def store_geometry(turns, geometry, contacts, p, lanes, k):
 
 @inlined
 def load_geometry(shape, values, k):
-    """The geometry of lane k; n2 and t2 mean nothing for walls, and no arm does where nothing turns."""
+    """The geometry of lane k; n2 and t2 mean nothing for walls, and no arm does where nothing
+    turns."""
     return ContactGeometry(
         overlap=values[lane.OVERLAP + k],
         nx=values[lane.NX + k],
@@ -280,7 +283,8 @@ def unconverged(converged):
 
 @inlined
 def any_unconverged(values, count):
-    """Whether any of the first lanes is; nearly always none is, and vector code is fast to say so."""
+    """Whether any of the first lanes is; nearly always none is, and vector code is fast to say
+    so."""
     found = 0
     for q in range(count):
         found += values[lane.UNCONVERGED + np.uint64(q)] != 0.0
@@ -310,7 +314,8 @@ NEAR = 8.0  # halves of a step's change; beyond, the mean over the step differs 
 
 @inlined
 def mean_overlap_quarters(damping, values, count, dt):
-    """delta^(1/4) of all dashpots: of the few that are near touch its mean over the step, one by one."""
+    """delta^(1/4) of all dashpots: of the few that are near touch its mean over the step, one by
+    one."""
     if damping is None:
         return
     near = 0
@@ -385,7 +390,8 @@ def accumulate(contacts, start, stop, values, inverse_inertia, force):
     """Add the forces of a block to both constituents of each pair.
 
     force (4 constituents,): the rows of dem.jit.columns one after the other. To keep the sum of one
-    constituent in registers from pair to pair takes longer: each pair must choose which sum it adds to.
+    constituent in registers from pair to pair takes longer: each pair must choose which sum it adds
+    to.
     """
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
@@ -400,7 +406,8 @@ def accumulate(contacts, start, stop, values, inverse_inertia, force):
 def boundary_reaction(contacts, p, k, values, inverse_inertia, force):
     """Give the constituent of contact p with a boundary its share.
 
-    Returns the normal force (N) on the boundary, and the forces on it: normal (x, y) and tangential (x, y).
+    Returns the normal force (N) on the boundary, and the forces on it: normal (x, y) and tangential
+    (x, y).
     """
     gx, gy = values[lane.FORCE_X + k], values[lane.FORCE_Y + k]
     torque = either(take(inverse_inertia, values, lane.TORQUE_1 + k), 0.0)

@@ -27,9 +27,10 @@ def hertz(overlap, sqrt_overlap, stiffness):
 def mean_overlap_quarter(overlap, change):
     """Mean of delta^(1/4) (m^0.25) over a step at whose middle the overlap is as given.
 
-    change (m): what the overlap changes in half a step; before touch delta counts as zero. A dashpot that
-    acts at once where two bodies touch would otherwise depend on when within a step they do. The mean,
-    (2/5) ((d + h)^(5/4) - (d - h)^(5/4)) / h, is exact for d < h, and within 3e-3 beyond.
+    change (m): what the overlap changes in half a step; before touch delta counts as zero. A
+    dashpot that acts at once where two bodies touch would otherwise depend on when within a step
+    they do. The mean, (2/5) ((d + h)^(5/4) - (d - h)^(5/4)) / h, is exact for d < h, and within
+    3e-3 beyond.
     """
     near = overlap < change
     ratio = max(min(overlap, change) / max(max(overlap, change), TINY), -1.0)
@@ -49,12 +50,11 @@ def damped(elastic, overlap_quarter, damping, rate):
 def mindlin(spring, sqrt_overlap, last_sqrt_overlap, stiffness, slip):
     """Tangential spring force (N) after a further slip (m), against the slip.
 
-    A contact remembers this force. Its increment is k_t slip, where
-    k_t = stiffness * sqrt(delta) = 8 G* sqrt(R* delta) is the mean over both ends of the step while the
-    overlap grows. This makes the increment second order. While the contact unloads, the force
-    shrinks with the contact radius (Thornton, Cummins and Cleary 2013, Powder Technol. 233, 30). In
-    both cases the stored energy spring^2 / (2 k_t) can only fall when the overlap changes: no
-    contact makes energy.
+    A contact remembers this force. Its increment is k_t slip, where k_t = stiffness * sqrt(delta) =
+    8 G* sqrt(R* delta) is the mean over both ends of the step while the overlap grows. This makes
+    the increment second order. While the contact unloads, the force shrinks with the contact radius
+    (Thornton, Cummins and Cleary 2013, Powder Technol. 233, 30). In both cases the stored energy
+    spring^2 / (2 k_t) can only fall when the overlap changes: no contact makes energy.
     """
     kept = min(
         sqrt_overlap / max(last_sqrt_overlap, TINY), 1.0

@@ -13,7 +13,8 @@ from dem.jit.optional import minus, plus, times
 
 @inlined
 def stiffness_of(contacts, p, radius):
-    """4/3 E* sqrt(R) (N m^-1.5) of contact p, for the effective radius there, or None: that of the list."""
+    """4/3 E* sqrt(R) (N m^-1.5) of contact p, for the effective radius there, or None: that of the
+    list."""
     if radius is None:
         return contacts.stiffness[p]
     return contacts.modulus * math.sqrt(radius)
@@ -21,7 +22,8 @@ def stiffness_of(contacts, p, radius):
 
 @inlined
 def dashpot_constant(contacts, p, nx, ny):
-    """alpha sqrt(m* k) of contact p, with the effective mass m* along its normal; None without a dashpot."""
+    """alpha sqrt(m* k) of contact p, with the effective mass m* along its normal; None without a
+    dashpot."""
     damping, mass_ratio = contacts.damping, contacts.mass_ratio
     if damping is None:
         return None
@@ -32,7 +34,8 @@ def dashpot_constant(contacts, p, nx, ny):
 
 @inlined
 def dissipated_power(account, force, rate):
-    """Power (W) that a force takes: minus that on what moves at `rate` (m/s). None without an energy ledger."""
+    """Power (W) that a force takes: minus that on what moves at `rate` (m/s). None without an
+    energy ledger."""
     return None if account is None else -force * rate
 
 
@@ -46,9 +49,9 @@ def dashpot(damping, ratio, overlap_quarter, slip_rate):
 def friction_force(friction, contacts, p, normal, elastic, slip, account):
     """The spring is capped first, then spring and dashpot, so that friction does no positive work.
 
-    elastic: stiffness (N m^-1.5), sqrt_overlap (m^0.5), constant and overlap_quarter (m^0.25) of the dashpot;
-    slip: in this step (m), and its rate at the full step (m/s). Returns the force (N) and the powers (W) that
-    dashpot and spring take, None without an energy ledger.
+    elastic: stiffness (N m^-1.5), sqrt_overlap (m^0.5), constant and overlap_quarter (m^0.25) of
+    the dashpot; slip: in this step (m), and its rate at the full step (m/s). Returns the force (N)
+    and the powers (W) that dashpot and spring take, None without an energy ledger.
     """
     stiffness, sqrt_overlap, damping, overlap_quarter = elastic
     distance, rate = slip
@@ -69,7 +72,8 @@ def friction_force(friction, contacts, p, normal, elastic, slip, account):
 def relative_velocity(one, two, geometry):
     """Velocity of body 2 relative to body 1 at the contact, along n and along t.
 
-    one, two: velocity x, y (m/s) and spin (rad/s; None where nothing turns), or their changes to the full step.
+    one, two: velocity x, y (m/s) and spin (rad/s; None where nothing turns), or their changes to
+    the full step.
     """
     _, nx, ny, n1, t1, n2, t2, _ = geometry
     gx, gy = two[0] - one[0], two[1] - one[1]
@@ -83,10 +87,11 @@ def respond(contacts, p, geometry, velocity, change, overlap_quarter, dt, accoun
     """Forces N and T (N) of contact p, and powers (W) that dashpots and tangential springs take.
 
     T is None without friction, the powers without an energy ledger. velocity, change: from
-    relative_velocity, of the half step and to the full step. Where nothing turns change is (None, None):
-    the velocity is that of the full step, and no slip follows from it. overlap_quarter (m^0.25): delta^(1/4)
-    for the dashpot, None without one. Bodies that do not touch remember nothing, and feel
-    nothing but the dashpot if they touch within half a step: their overlap counts as zero in the force law.
+    relative_velocity, of the half step and to the full step. Where nothing turns change is (None,
+    None): the velocity is that of the full step, and no slip follows from it. overlap_quarter
+    (m^0.25): delta^(1/4) for the dashpot, None without one. Bodies that do not touch remember
+    nothing, and feel nothing but the dashpot if they touch within half a step: their overlap counts
+    as zero in the force law.
     """
     # Hertz
     overlap = max(geometry.overlap, 0.0)

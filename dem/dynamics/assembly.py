@@ -52,7 +52,8 @@ class GranuleTable(NamedTuple):
     mobility : float
         Greatest 1/m + arm^2/I of a contact (1/kg).
     bend : ndarray of shape (n,)
-        2/3 normal_bend / I (1/(kg m)): bounds the rotational stiffness that a normal force adds, over k delta.
+        2/3 normal_bend / I (1/(kg m)): bounds the rotational stiffness that a normal force adds,
+        over k delta.
     skin : float
         Skin of the neighbour lists (m).
     fraction : float
@@ -88,18 +89,20 @@ class GranuleTable(NamedTuple):
 
 
 def writable(shape):
-    """The granules with arrays that can be written, because read-only ones are another type to Numba."""
+    """The granules with arrays that can be written, because read-only ones are another type to
+    Numba."""
     return resized(shape, np.copy)
 
 
 def widest_skins(scene: Scene) -> list[float]:
-    """Skins (m) with which no list holds two images of one body, nor finds one pair by another image
-    than the list before: for each period."""
+    """Skins (m) with which no list holds two images of one body, nor finds one pair by another
+    image than the list before: for each period."""
     return [0.25 * (each - 2.0 * reach(scene)) for each in scene.periodic or () if each]
 
 
 def granule_table(scene: Scene, skin: float, fraction: float = 1.0) -> GranuleTable:
-    """GranuleTable of a scene; skin as a share of the mean bounding radius, fraction of the critical step."""
+    """GranuleTable of a scene; skin as a share of the mean bounding radius, fraction of the
+    critical step."""
     shape, (inverse_mass, inverse_inertia) = writable(scene.shape), mobilities(scene)
     bounding = shape.constituent_bounding_radius
     per = len(bounding) // scene.granules
@@ -125,7 +128,8 @@ def granule_table(scene: Scene, skin: float, fraction: float = 1.0) -> GranuleTa
 
 
 def mobilities(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
-    """1/mass and 1/inertia (n,) of all granules in 1/kg and 1/(kg m2): no contact moves a held one."""
+    """1/mass and 1/inertia (n,) of all granules in 1/kg and 1/(kg m2): no contact moves a held
+    one."""
     inverse_mass, inverse_inertia = 1.0 / scene.mass, 1.0 / scene.inertia
     if scene.held:
         inverse_mass[scene.is_held] = inverse_inertia[scene.is_held] = 0.0
@@ -142,8 +146,9 @@ def partners(scene: Scene, boundary: bool):
 def friction_parameters(scene: Scene, kind: str) -> FrictionParameters | None:
     """Friction of the contacts of one kind: granule, wall or cylinder; None if no kind has any.
 
-    Where only some kinds have friction, the others have it with a coefficient of zero: all kinds share
-    the lanes of a block, and torques that one kind leaves there must not be read as those of another.
+    Where only some kinds have friction, the others have it with a coefficient of zero: all kinds
+    share the lanes of a block, and torques that one kind leaves there must not be read as those of
+    another.
     """
     friction = scene.friction
     if friction is None or not any(getattr(friction, each) for each in CONTACT_KINDS):
@@ -233,7 +238,8 @@ def surfaces(
 
 
 def held_groups(scene: Scene, bodies: np.ndarray, motion: np.ndarray) -> HeldGroups | None:
-    """The groups of a scene, whose granules take their velocities (of Boundaries.motion) at once."""
+    """The groups of a scene, whose granules take their velocities (of Boundaries.motion) at
+    once."""
     if not scene.held:
         return None
     first, group = len(motion) - len(scene.held), np.full(scene.granules, -1)
@@ -245,7 +251,8 @@ def held_groups(scene: Scene, bodies: np.ndarray, motion: np.ndarray) -> HeldGro
 
 
 def contacts(scene: Scene, table: GranuleTable, kind: str, drive: np.ndarray) -> Contacts:
-    """The contacts of one kind (granule, wall or cylinder), none yet: see dem.dynamics.neighbor_list.
+    """The contacts of one kind (granule, wall or cylinder), none yet: see
+    dem.dynamics.neighbor_list.
 
     drive: rows of Boundaries.drive of those that may be part of them.
     """

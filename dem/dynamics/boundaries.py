@@ -76,8 +76,8 @@ def kick_driven(boundaries, b, kick, dt):
 
 @inlined
 def add_work(account, boundaries, b, kick, before):
-    """Work (J) of boundary b on the granules over a kick (s): at the mean of its velocities before and after, as
-    the kick changes kinetic energies. before: x, y (m/s) and spin (rad/s)."""
+    """Work (J) of boundary b on the granules over a kick (s): at the mean of its velocities before
+    and after, as the kick changes kinetic energies. before: x, y (m/s) and spin (rad/s)."""
     if account is not None:
         motion, force, torque = (
             boundaries.motion,
@@ -94,8 +94,8 @@ def add_work(account, boundaries, b, kick, before):
 def move_boundaries(world, kick, dt):
     """Kick all boundaries over the time `kick` (s) and move them over dt (s).
 
-    Velocities are those of half steps as in dem.dynamics.integration. `move_held` then moves held granules.
-    Impulses take up what kicks: with the momentum of the granules, they are exact.
+    Velocities are those of half steps as in dem.dynamics.integration. `move_held` then moves held
+    granules. Impulses take up what kicks: with the momentum of the granules, they are exact.
     """
     boundaries, walls = world.boundaries, world.walls
     motion, first = boundaries.motion, boundaries.first_waypoint

@@ -42,8 +42,8 @@ def place_of(period, distance, count, size):
 
 @inlined
 def around(period, cell, count):
-    """First and last (excluded) of a cell and those beside it. The cell that follows the last along a
-    periodic side is the first, modulo `count`."""
+    """First and last (excluded) of a cell and those beside it. The cell that follows the last along
+    a periodic side is the first, modulo `count`."""
     if period > 0.0:
         return cell - 1, cell - 1 + min(count, 3)
     return max(cell - 1, 0), min(cell + 2, count)

@@ -1,6 +1,7 @@
 """Checkpoints: a run as named arrays, from which it continues later with the same bits.
 
-A checkpoint holds a hash of all its arrays, so that arrays that no simulation has written are refused.
+A checkpoint holds a hash of all its arrays, so that arrays that no simulation has written are
+refused.
 """
 
 import hashlib
@@ -50,7 +51,8 @@ def writable(tree):
 
 
 def spelled(tree):
-    """Numbers and arrays of a tree of tuples and data classes, as what prints alike only if it is alike."""
+    """Numbers and arrays of a tree of tuples and data classes, as what prints alike only if it is
+    alike."""
     if isinstance(tree, np.ndarray):
         return tree.dtype.str, tree.shape, tree.tobytes()
     if isinstance(tree, tuple | list):
@@ -82,7 +84,8 @@ def with_numbers(tree, numbers):
 
 
 def written(world, **more) -> dict:
-    """A checkpoint: copies of the arrays of a World that a run changes, by their path in it, and more."""
+    """A checkpoint: copies of the arrays of a World that a run changes, by their path in it, and
+    more."""
     arrays = {k: v.copy() for k, v in named_arrays(world).items() if not k.startswith(LEFT_OUT)}
     arrays |= {name: np.array(value) for name, value in more.items()}
     return arrays | {SEAL: fingerprint(*sorted(arrays.items()))}
@@ -104,8 +107,8 @@ def read(saved) -> dict:
 
 
 def replaced(tree, arrays: dict, path="world"):
-    """The tree with the arrays of a checkpoint. One of the same shape is overwritten in place, so that two
-    that are one stay one."""
+    """The tree with the arrays of a checkpoint. One of the same shape is overwritten in place, so
+    that two that are one stay one."""
     if isinstance(tree, np.ndarray):
         saved = arrays.get(path, tree)
         if saved.shape != tree.shape:

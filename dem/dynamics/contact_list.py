@@ -70,8 +70,8 @@ def pairs_of(world):
 
 
 def measured(world, *surfaces):
-    """Contacts between granules, then those with each of some surfaces: the Surface, motion of the partners,
-    and the geometries."""
+    """Contacts between granules, then those with each of some surfaces: the Surface, motion of the
+    partners, and the geometries."""
     partners = [(surface, world.boundaries.motion) for surface in surfaces if surface is not None]
     for surface, motion in [(pairs_of(world), world.constituents), *partners]:
         rows = geometries(world.shape, world.constituents, world.orientation, motion, surface)
@@ -103,7 +103,8 @@ def deepest_with(surface, world, table, worst):
 
 @compiled(allocates=True)
 def contact_summary(world, table):
-    """Number of pairs of constituents that touch, greatest overlap over the smaller radius, its constituent."""
+    """Number of pairs of constituents that touch, greatest overlap over the smaller radius, its
+    constituent."""
     view, touching, worst = by_address(world), 0, (0.0, 0)
     pairs, motion = view.pairs, view.constituents
     rows = geometries(view.shape, motion, view.orientation, motion, pairs_of(view))

@@ -8,16 +8,17 @@ granule 1. For any s > 0
     g g^T <= (1 + s) g1 g1^T + (1 + 1/s) g2 g2^T,
 
 so that blocks of three by three, one per granule, bound both matrices, and the eigenvalues of the
-blocks bound theirs; s = |g2| / |g1|. A boundary that is driven counts as a granule does. The force at
-a contact usually lowers the stiffness. Off the centre of a granule it can raise the rotational
-stiffness, by GranuleTable.bend at most. All contacts are taken to stick. The bound leaves out that contacts
-grow stiffer until the next scan, and that the dashpot of a contact changes with its overlap.
+blocks bound theirs; s = |g2| / |g1|. A boundary that is driven counts as a granule does. The force
+at a contact usually lowers the stiffness. Off the centre of a granule it can raise the rotational
+stiffness, by GranuleTable.bend at most. All contacts are taken to stick. The bound leaves out that
+contacts grow stiffer until the next scan, and that the dashpot of a contact changes with its
+overlap.
 
 Velocity Verlet, of which a dashpot sees the velocity at full steps with an acceleration that is
-extrapolated from the last two (dem.dynamics.integration), is stable if k dt^2 / 4 + 2 c dt <= 1, with k
-and c the greatest eigenvalues of both matrices: a motion that changes its sign in each step then just
-keeps its size. That is exact for one contact; for matrices without common eigenvectors it was tried on
-random ones (tests/test_step.py).
+extrapolated from the last two (dem.dynamics.integration), is stable if k dt^2 / 4 + 2 c dt <= 1,
+with k and c the greatest eigenvalues of both matrices: a motion that changes its sign in each step
+then just keeps its size. That is exact for one contact; for matrices without common eigenvectors it
+was tried on random ones (tests/test_step.py).
 """
 
 import math
@@ -64,7 +65,8 @@ def weight(table, i, arm):
 def magnitude(size):
     """|g| of g = (size[0] e, size[1]), with e a unit vector.
 
-    The arm of the normal force on a disc is only rounding: below 1e-9 of the rest it changes no digit.
+    The arm of the normal force on a disc is only rounding: below 1e-9 of the rest it changes no
+    digit.
     """
     if abs(size[1]) <= 1e-9 * size[0]:
         return size[0]
@@ -104,8 +106,8 @@ def add_pair(rows, pair, k, c, direction, weights):
 def add_contact(rows, pair, friction, spring, normal, along, across):
     """Stiffness and damping of a contact; returns its normal stiffness (N/m).
 
-    spring: stiffness (N m^-1.5), sqrt_overlap (m^0.5), normal damping (N s/m, or None); along, across: weights
-    of both bodies for the normal and for the tangential force.
+    spring: stiffness (N m^-1.5), sqrt_overlap (m^0.5), normal damping (N s/m, or None); along,
+    across: weights of both bodies for the normal and for the tangential force.
     """
     stiffness, sqrt_overlap, damping = spring
     k = 1.5 * stiffness * sqrt_overlap
@@ -134,11 +136,12 @@ def greatest(rows, i, column):
 
 @inlined
 def stable_step(stiffness, damping, fraction):
-    """Time step (s) for greatest eigenvalues of stiffness (1/s2) and damping (1/s): the critical one for a
-    fraction of 1, and stable up to there.
+    """Time step (s) for greatest eigenvalues of stiffness (1/s2) and damping (1/s): the critical
+    one for a fraction of 1, and stable up to there.
 
-    A contact is resolved by its stiffness, and damping only has to be stable, so that the fraction f up to
-    1 is of the step without damping: k dt^2 / (4 f^2) + 2 c dt = 1. Beyond 1 it multiplies the critical one.
+    A contact is resolved by its stiffness, and damping only has to be stable, so that the fraction
+    f up to 1 is of the step without damping: k dt^2 / (4 f^2) + 2 c dt = 1. Beyond 1 it multiplies
+    the critical one.
     """
     part, rate = min(fraction, 1.0), 2.0 * damping
     root = math.sqrt(rate * rate + stiffness / (part * part))
@@ -147,7 +150,8 @@ def stable_step(stiffness, damping, fraction):
 
 @inlined
 def shortest(rows, count, fraction):
-    """Critical step (s) of the bed, and that for a fraction: the least of its first `count` rows."""
+    """Critical step (s) of the bed, and that for a fraction: the least of its first `count`
+    rows."""
     critical, chosen = math.inf, math.inf
     for i in range(count):
         k, c = greatest(rows, i, STIFFNESS), greatest(rows, i, DAMPING)

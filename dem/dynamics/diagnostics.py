@@ -46,7 +46,8 @@ class Diagnostics(NamedTuple):
     critical_time_step : float
         Lower bound on the critical time step (s).
     longest_time_step : float
-        The time step (s) of which `step_fraction` is that fraction; in steps of an eighth root of two it is taken.
+        The time step (s) of which `step_fraction` is that fraction; in steps of an eighth root of
+        two it is taken.
     """
 
     kinetic_energy: float
@@ -72,7 +73,8 @@ def moment_arms(granules, constituents, g, i, normal, point):
 
 @inlined
 def body_of(world, table, g, arms):
-    """Row of Bounds for granule g, and `weight` for both arms: those of its group where it is held."""
+    """Row of Bounds for granule g, and `weight` for both arms: those of its group where it is
+    held."""
     held = world.held
     if held is not None:
         b = held.group[g]
@@ -86,9 +88,10 @@ def body_of(world, table, g, arms):
 def scan_pairs(world, table, bounds, begin, end, spare):
     """Fill the rows of Bounds of granules begin to end with what their pairs do.
 
-    The share of another granule goes to row `spare`, which nobody reads: the thread that scans that granule adds
-    it to its row. Sums have one order, however granules are shared out. Returns how many pairs touch,
-    and the greatest relative overlap with its constituent, of the pairs that begin with these granules.
+    The share of another granule goes to row `spare`, which nobody reads: the thread that scans that
+    granule adds it to its row. Sums have one order, however granules are shared out. Returns how
+    many pairs touch, and the greatest relative overlap with its constituent, of the pairs that
+    begin with these granules.
     """
     view = by_address(world)
     shape, motion, orientation = view.shape, view.constituents, view.orientation
@@ -177,7 +180,8 @@ def greatest_acceleration(force, inverse_mass, inverse_inertia, table):
 
 @inlined
 def expected_speed(world, skin, speed_bound):
-    """Greatest speed (m/s) before the lists are rebuilt: of granules, boundaries that may be driven, and a fall."""
+    """Greatest speed (m/s) before the lists are rebuilt: of granules, boundaries that may be
+    driven, and a fall."""
     squared, gravity = greater(fastest(world.boundaries), speed_bound * speed_bound), world.gravity
     squared += 2.0 * skin * driven_acceleration(world.boundaries)
     if gravity is not None:
@@ -195,8 +199,8 @@ def step_alone(table, least, fraction):
 
 @inlined
 def empty_bounds(world, least, spare):
-    """Bounds with a number of spare rows at the end. Only the rows after those of granules are zero:
-    scan_pairs clears the others, each thread its own, which is then near its memory."""
+    """Bounds with a number of spare rows at the end. Only the rows after those of granules are
+    zero: scan_pairs clears the others, each thread its own, which is then near its memory."""
     granules = world.bodies.shape[0]
     rows = np.empty((granules + world.boundaries.motion.shape[0] + spare, COLUMNS))
     clear(rows, granules, rows.shape[0])
@@ -217,7 +221,8 @@ def scan_boundaries(world, table, bounds, worst):
 
 @compiled(allocates=True)
 def critical_step(world, table, least):
-    """Critical time step (s) of the contacts; least (m): smallest overlap of a listed pair in it."""
+    """Critical time step (s) of the contacts; least (m): smallest overlap of a listed pair in
+    it."""
     view, constants = by_address(world), by_address(table)
     bounds = empty_bounds(view, least, 0)
     _, worst = scan_pairs(view, constants, bounds, 0, view.bodies.shape[0], 0)

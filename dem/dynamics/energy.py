@@ -1,10 +1,10 @@
 """Kinetic energy, and the energy ledger: what a bed holds, gains and loses.
 
-The kernels sum two powers over time (dem.jit.block_memory): those that dashpots and tangential springs take. They
-sum the work of walls, cylinder and held granules as they kick them. Kinetic and elastic energies follow from the state. What springs
-have taken and do not hold is lost by sliding; energy that a spring loses while the overlap shrinks is
-included. Powers count with the kicks of their forces, up to the time of the state: the trapezoidal rule, of
-second order in the time step.
+The kernels sum two powers over time (dem.jit.block_memory): those that dashpots and tangential
+springs take. They sum the work of walls, cylinder and held granules as they kick them. Kinetic and
+elastic energies follow from the state. What springs have taken and do not hold is lost by sliding;
+energy that a spring loses while the overlap shrinks is included. Powers count with the kicks of
+their forces, up to the time of the state: the trapezoidal rule, of second order in the time step.
 """
 
 import math
@@ -38,7 +38,8 @@ class Ledger(NamedTuple):
     slid : float
         Energy lost by sliding since the start (J).
     work : float
-        Work of the boundaries on the granules since the start (J): of walls, cylinder and held granules.
+        Work of the boundaries on the granules since the start (J): of walls, cylinder and held
+        granules.
     fallen : float
         Work of gravity on the granules since the start (J).
     before : float
@@ -87,7 +88,8 @@ def velocity_later(world, i, c, later):
 def kinetic(world, later, frame):
     """Kinetic energy (J) of the granules that are free, and greatest speed (m/s) of all; NaN wins.
 
-    later (s): kicks that velocities lack; frame: velocity (m/s) that is added to all for the energy.
+    later (s): kicks that velocities lack; frame: velocity (m/s) that is added to all for the
+    energy.
     """
     energy, speed_bound, inverse_inertia = 0.0, 0.0, world.inverse_inertia
     for i in range(world.bodies.shape[0]):
@@ -136,8 +138,8 @@ def fallen(world) -> float:
 
 
 def energies(world, held: float, height: float, later: float) -> Ledger:
-    """The ledger now, of a bed that held an energy (J) at the start, and had a `fallen` (J); later (s): kicks that
-    its arrays lacked."""
+    """The ledger now, of a bed that held an energy (J) at the start, and had a `fallen` (J); later
+    (s): kicks that its arrays lacked."""
     account = world.lanes.account
     damped, taken = account[ACCOUNTS:WORK] + later * account[:ACCOUNTS]
     moving, normal, tangential = balance(world)

@@ -88,13 +88,15 @@ def sum_held_forces(world):
 
 @inlined
 def knows_forces(patches, patch, begin):
-    """Whether a thread that has done the pairs of patches `begin` to `patch` knows all forces on the last."""
+    """Whether a thread that has done the pairs of patches `begin` to `patch` knows all forces on
+    the last."""
     return patches is not None and patches.lowest[patch] >= begin
 
 
 @compiled
 def pair_forces(world, dt, patch):
-    """Forces of the pairs of a patch, on its constituents and, for others, in the rows of Patches."""
+    """Forces of the pairs of a patch, on its constituents and, for others, in the rows of
+    Patches."""
     first = world.pairs.first
     low, high = constituents_of(world, patch)
     clear(world.constituent_force, low, high)

@@ -1,13 +1,14 @@
 """Velocity Verlet at one time step, until a number of steps is done or a list is out of date.
 
-Velocities are those of half steps: a kick that ends one step begins the next. `look_ahead` takes a copy from
-there to full steps, or to any time within a step.
+Velocities are those of half steps: a kick that ends one step begins the next. `look_ahead` takes a
+copy from there to full steps, or to any time within a step.
 
-A dashpot sees the velocity at the full step, v(t + dt/2) + a dt/2. The acceleration a is extrapolated from the
-last two, a = 2 a(t) - a(t - dt). With the last one alone the dashpot would be late by a step, brake less while
-the force grows and more while it falls, and take more energy than it should, by two per cent of a restitution
-of 0.5. The next step makes up for the error. Where dem.dynamics.world.at_full_steps, rows of granules hold
-v + a dt/2 instead, and `drift` takes a dt/2 off again.
+A dashpot sees the velocity at the full step, v(t + dt/2) + a dt/2. The acceleration a is
+extrapolated from the last two, a = 2 a(t) - a(t - dt). With the last one alone the dashpot would be
+late by a step, brake less while the force grows and more while it falls, and take more energy than
+it should, by two per cent of a restitution of 0.5. The next step makes up for the error. Where
+dem.dynamics.world.at_full_steps, rows of granules hold v + a dt/2 instead, and `drift` takes a dt/2
+off again.
 """
 
 import math
@@ -35,7 +36,8 @@ from dem.shapes.rotation import rotate
 
 @inlined
 def extrapolated(previous_acceleration, i, c, now):
-    """Acceleration after the coming step, from that of now and the previous one, which becomes that of now.
+    """Acceleration after the coming step, from that of now and the previous one, which becomes that
+    of now.
 
     Where no contact has a dashpot (previous_acceleration is None), that of now.
     """
@@ -112,8 +114,8 @@ def max_displacement(thread, moved):
 
 @inlined
 def move_patch(world, kick, dt, patch, limit):
-    """`drift` of a patch; returns its largest squared displacement (m2) since the lists were made, 0
-    if none is above `limit`."""
+    """`drift` of a patch; returns its largest squared displacement (m2) since the lists were made,
+    0 if none is above `limit`."""
     low, high = granules_of(world.bodies.shape[0], patch)
     drift(world, kick, dt, low, high)
     return farthest_of(world, patch, limit)
@@ -121,15 +123,16 @@ def move_patch(world, kick, dt, patch, limit):
 
 @compiled
 def advance(world, kick, dt, steps, rebuild_at, thread):
-    """Take up to `steps` steps of dt (s); stop when a constituent has moved farther than `rebuild_at` (m).
+    """Take up to `steps` steps of dt (s); stop when a constituent has moved farther than
+    `rebuild_at` (m).
 
-    kick (s): of the first step, what the step before has left of its own and half of this one. A kick of dt
-    goes on as if there had been no call. thread: a dem.dynamics.threads.Place, or None.
+    kick (s): of the first step, what the step before has left of its own and half of this one. A
+    kick of dt goes on as if there had been no call. thread: a dem.dynamics.threads.Place, or None.
     Returns the number of steps done and the largest displacement (m); that of granules counts as 0
     up to `rebuild_at`. Half a step of kicks is then still to come.
 
-    A patch moves as soon as this thread knows all forces on it, while they are in the cache. The other
-    patches wait until all threads have done their pairs.
+    A patch moves as soon as this thread knows all forces on it, while they are in the cache. The
+    other patches wait until all threads have done their pairs.
     """
     patches, count = world.patches, number_of_patches(world.bodies.shape[0])
     begin, end = share_of(thread, count)
@@ -171,10 +174,11 @@ def advance(world, kick, dt, steps, rebuild_at, thread):
 
 @compiled
 def look_ahead(world, pending_kick, ahead):
-    """Take a world from velocities of half a step to its state at a time `ahead` (s) after its positions.
+    """Take a world from velocities of half a step to its state at a time `ahead` (s) after its
+    positions.
 
-    pending_kick (s): kicks to come up to the time of its positions. Within a step forces count as they are: an
-    error of second order, as in a step. It is for a copy: no step begins there.
+    pending_kick (s): kicks to come up to the time of its positions. Within a step forces count as
+    they are: an error of second order, as in a step. It is for a copy: no step begins there.
     """
     half, granules = 0.5 * ahead, world.bodies.shape[0]
     for kick, dt in ((pending_kick + half, ahead), (half, 0.0)):

@@ -59,7 +59,8 @@ def put_sizes(sizes, p, shape, orientation, i, j):
 
 @inlined
 def set_image(contacts, p, dx, dy, period):
-    """Image of the partner of contact p, and the first guess of a normal, along the line of centres.
+    """Image of the partner of contact p, and the first guess of a normal, along the line of
+    centres.
 
     dx, dy (m): position of the partner from the constituent.
     """
@@ -203,7 +204,8 @@ def reach_patches(patches, constituents, per):
 
 @compiled(allocates=True)
 def list_pairs(world, table):
-    """The pairs of the world for the present positions, with their constants and history; and Patches."""
+    """The pairs of the world for the present positions, with their constants and history; and
+    Patches."""
     view = by_address(world)
     old, rows, shape, orientation = view.pairs, view.constituents, view.shape, view.orientation
     radius, period, per, held = table.radius, table.period, table.per, table.held

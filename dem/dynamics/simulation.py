@@ -93,26 +93,26 @@ class Simulation:
     state : State
         Positions and velocities at the start.
     time_step : float, optional
-        Fixed time step (s), not longer than the critical one at any time. None for one that is held below
-        it (recommended).
+        Fixed time step (s), not longer than the critical one at any time. None for one that is held
+        below it (recommended).
     step_fraction : float
-        Time step over the critical one, both without damping, without unit, above 0 and up to 1. The
-        default keeps the energy of elastic gases; 0.5 is enough for dense beds with damping.
+        Time step over the critical one, both without damping, without unit, above 0 and up to 1.
+        The default keeps the energy of elastic gases; 0.5 is enough for dense beds with damping.
     max_overlap : float
         Largest allowed overlap over the smaller radius, without unit, up to 1.5.
     skin : float, optional
-        Skin of the neighbour list over the mean bounding radius, without unit. It changes the speed, and
-        at which steps the time step is chosen again. None for one that follows from the speeds at the
-        start (recommended). A short period makes it smaller.
+        Skin of the neighbour list over the mean bounding radius, without unit. It changes the
+        speed, and at which steps the time step is chosen again. None for one that follows from the
+        speeds at the start (recommended). A short period makes it smaller.
     threads : int
         Number of threads, without unit, for beds of thousands of granules. The result does not
         depend on it. A small bed uses fewer.
     ledger : bool
         Keep an energy ledger. A run takes about ten per cent longer.
     allow_unstable : bool
-        Take the requested step, even if it is unstable. `step_fraction` may then exceed 1, no step is
-        shortened for fast granules, and a `time_step` that is longer than the critical one at the start
-        is a RuntimeWarning.
+        Take the requested step, even if it is unstable. `step_fraction` may then exceed 1, no step
+        is shortened for fast granules, and a `time_step` that is longer than the critical one at
+        the start is a RuntimeWarning.
 
     Attributes
     ----------
@@ -126,7 +126,8 @@ class Simulation:
     Raises
     ------
     InputError
-        If a value cannot be used, or the state is not for the granules and the boundaries of the scene.
+        If a value cannot be used, or the state is not for the granules and the boundaries of the
+        scene.
     StateError
         If a granule is outside the walls, or `time_step` is longer than the critical one.
 
@@ -139,13 +140,14 @@ class Simulation:
     Equations (1) and (2) of the paper, integrated with velocity Verlet. The critical step is a
     lower bound for small motions of the bed as it is. It is computed whenever the neighbour list is
     rebuilt, and every 1000 steps. The time step then becomes shorter at once, and longer only after
-    2000 steps that allowed it; it is one of the powers of two, or of seven steps between two of them.
-    Steps are whole: what you see at a time within a step is a copy, taken there from the last whole
-    step, so that the motion does not depend on when you look. `Material` and `Friction` give the forces.
+    2000 steps that allowed it; it is one of the powers of two, or of seven steps between two of
+    them. Steps are whole: what you see at a time within a step is a copy, taken there from the last
+    whole step, so that the motion does not depend on when you look. `Material` and `Friction` give
+    the forces.
 
-    Ctrl-C is answered within about a second. `time` and everything else then say what has been simulated
-    until then, and you can go on from there. A simulation can be pickled and copied, and used in a forked
-    process. After an error within a step it raises StateError.
+    Ctrl-C is answered within about a second. `time` and everything else then say what has been
+    simulated until then, and you can go on from there. A simulation can be pickled and copied, and
+    used in a forked process. After an error within a step it raises StateError.
 
     Examples
     --------
@@ -196,8 +198,10 @@ class Simulation:
         self._start = bearings(scene, self._world)
         if reached is not None and not np.array_equal(reached, self._start):
             raise InputError(
-                "state was reached with boundaries in other places or at other speeds than those of scene; "
-                "go on with a Simulation, or move them in the scene and make boundaries of the state None."
+                "state was reached with boundaries in other places or at other speeds than those "
+                "of scene; "
+                "go on with a Simulation, or move them in the scene and make boundaries of the "
+                "state None."
             )
         if skin is None:
             table = table._replace(skin=skin_for(scene, self._world, table, time_step))
@@ -264,7 +268,8 @@ class Simulation:
 
     @property
     def state(self) -> State:
-        """Copy of positions (m), velocities (m/s), angles (rad), angular velocities (rad/s) and `boundaries`."""
+        """Copy of positions (m), velocities (m/s), angles (rad), angular velocities (rad/s) and
+        `boundaries`."""
         back = np.argsort(self._order)
         bodies, angle = self._seen.bodies[back], self._seen.angle[back]
         reached = bearings(self.scene, self._seen)
@@ -426,20 +431,21 @@ class Simulation:
         Raises
         ------
         InputError
-            If edges do not rise, are given along both axes, or leave a container that is not closed.
+            If edges do not rise, are given along both axes, or leave a container that is not
+            closed.
 
         Notes
         -----
         The stress of the contacts is the sum of ``f l`` over the volume: force f on the partner,
         branch vector l of `ContactList`. The volume is the thickness times the area between walls,
-        edges and periodic sides, without the cylinder. In bins a contact counts for the share of its branch vector
-        that is in the bin. The fabric counts contacts by their points, the other measures granules
-        by their centres.
+        edges and periodic sides, without the cylinder. In bins a contact counts for the share of
+        its branch vector that is in the bin. The fabric counts contacts by their points, the other
+        measures granules by their centres.
 
         Examples
         --------
-        A disc of 1 mm radius is pressed between floor and lid, 1 um on either side. The force on either
-        over its area, 4 mm times 1 mm, is the stress:
+        A disc of 1 mm radius is pressed between floor and lid, 1 um on either side. The force on
+        either over its area, 4 mm times 1 mm, is the stress:
 
         >>> import dem
         >>> scene = dem.Scene(
@@ -578,8 +584,8 @@ class Simulation:
         Raises
         ------
         InputError
-            If the scene has no cylinder, if it follows a PrescribedMotion or a Drive, or if `velocity` does not
-            hold two finite numbers.
+            If the scene has no cylinder, if it follows a PrescribedMotion or a Drive, or if
+            `velocity` does not hold two finite numbers.
 
         Examples
         --------
@@ -636,15 +642,16 @@ class Simulation:
             If the duration takes too many time steps.
         StateError
             If a position or velocity is not a number, a granule leaves the walls, the time step
-            shrinks too far, or the critical one becomes shorter than a fixed one. The message names step, time and granule.
+            shrinks too far, or the critical one becomes shorter than a fixed one. The message names
+            step, time and granule.
         OverlapError
             If an overlap exceeds `max_overlap`.
 
         Notes
         -----
-        A time step has collapsed if it is below a thousandth of the first one. A run then goes on only if
-        what remains takes less than 4e8 steps times granules, a million steps for 400 granules; otherwise
-        it is a StateError. All runs end at 1e11 steps.
+        A time step has collapsed if it is below a thousandth of the first one. A run then goes on
+        only if what remains takes less than 4e8 steps times granules, a million steps for 400
+        granules; otherwise it is a StateError. All runs end at 1e11 steps.
 
         Examples
         --------
@@ -734,13 +741,15 @@ class Simulation:
         """How far the arrays are; raises StateError where a call has not come to its end."""
         if self._in_kernel:
             raise StateError(
-                "the simulation is in the midst of a step: another thread advances it, this process was "
+                "the simulation is in the midst of a step: another thread advances it, this "
+                "process was "
                 "forked from it there, or an error cut it off there; wait, or make it again."
             )
         return self._progress
 
     def _observe(self) -> tuple[World, Diagnostics]:
-        """A copy of the arrays at the time that was asked for, which may lie within a step, and how they are.
+        """A copy of the arrays at the time that was asked for, which may lie within a step, and how
+        they are.
 
         Lists and contact history are those of the arrays themselves.
         """
@@ -792,13 +801,14 @@ class Simulation:
     ) -> Progress:
         """Call the kernel until it has done all intervals.
 
-        It returns every so often, also inside an interval, so that Python can answer an interrupt. Bits
-        do not depend on how often.
+        It returns every so often, also inside an interval, so that Python can answer an interrupt.
+        Bits do not depend on how often.
         """
         self._progress_now()
         if self._advancing:
             raise StateError(
-                "the simulation advances already, in another thread or outside this signal handler; "
+                "the simulation advances already, in another thread or outside this signal "
+                "handler; "
                 "wait until that has ended."
             )
         record = np.zeros((0, 0)) if record is None else record
@@ -835,7 +845,8 @@ class Simulation:
     def _advance(
         self, name: str, begin: float, interval: float, count: int, record: np.ndarray | None = None
     ) -> float:
-        """Advance to the end of `count` intervals (s) after a time (s); returns the shortest step (s)."""
+        """Advance to the end of `count` intervals (s) after a time (s); returns the shortest step
+        (s)."""
         before = self._progress_now()
         report = self._run_kernel(begin, interval, count, record)
         if report.outcome == TOO_LONG and report.steps == before.steps:
@@ -861,7 +872,8 @@ class Simulation:
         lost = ~np.isfinite(self._world.bodies).all(axis=1)
         if lost.any():
             raise StateError(
-                f"the motion of granule {self._order[lost.argmax()]} is not a number {when}: take a smaller "
+                f"the motion of granule {self._order[lost.argmax()]} is not a number {when}: take "
+                f"a smaller "
                 "time step."
             )
         if outcome == LOST:
@@ -875,18 +887,22 @@ class Simulation:
             )
         if outcome == TOO_LONG:
             raise StateError(
-                f"the time step has shrunk to {value:.3g} s {when}, and what remains would take more "
+                f"the time step has shrunk to {value:.3g} s {when}, and what remains would take "
+                f"more "
                 f"than {MOST_STEPS:.0e}: granules are too fast for a run of this duration."
             )
         if outcome == COLLAPSED:
             raise StateError(
-                f"the time step has shrunk too far {when}: {value:.3g} s is less than {COLLAPSE:g} of the first "
-                f"one, and what remains would take more than {MOST_WORK / len(self._order):.0e} steps: granules "
+                f"the time step has shrunk too far {when}: {value:.3g} s is less than {COLLAPSE:g} "
+                f"of the first "
+                f"one, and what remains would take more than {MOST_WORK / len(self._order):.0e} "
+                f"steps: granules "
                 "are too fast."
             )
         if outcome == UNSTABLE:
             raise StateError(
-                f"time_step is {self._rules.time_step:.4g} s, longer than the critical one, {value:.4g} s, {when}: "
+                f"time_step is {self._rules.time_step:.4g} s, longer than the critical one, "
+                f"{value:.4g} s, {when}: "
                 "make it shorter, leave it out, or set allow_unstable."
             )
         if outcome == OUTSIDE:
@@ -901,7 +917,8 @@ class Simulation:
         if not report.steps:
             remedy = "place the granules farther apart"
         raise OverlapError(
-            f"granule {self._order[granule]} overlaps by {value:.3g} of the smaller radius {when}; the limit is "
+            f"granule {self._order[granule]} overlaps by {value:.3g} of the smaller radius {when}; "
+            f"the limit is "
             f"{self._rules.max_overlap:g}: {remedy}."
         )
 
@@ -984,8 +1001,10 @@ def simulate(
     size = 8 * (frames + 1) * sum(map(np.size, first.values()))
     if size > MOST_FRAME_BYTES:
         raise InputError(
-            f"frames is {frames}; of {scene.granules} granules they fill {size / 2**30:.3g} GiB, more than "
-            f"{MOST_FRAME_BYTES / 2**30:g}: keep fewer, or advance a Simulation and save what you need."
+            f"frames is {frames}; of {scene.granules} granules they fill {size / 2**30:.3g} GiB, "
+            f"more than "
+            f"{MOST_FRAME_BYTES / 2**30:g}: keep fewer, or advance a Simulation and save what you "
+            f"need."
         )
     series = {name: np.empty((frames + 1, *np.shape(value))) for name, value in first.items()}
     for frame in range(frames + 1):
@@ -999,7 +1018,8 @@ def simulate(
 
 
 def _frame(run: Simulation, interval: float) -> dict[str, Any]:
-    """The simulation as it is, and the mean forces (N) since the frame before, an interval (s) ago."""
+    """The simulation as it is, and the mean forces (N) since the frame before, an interval (s)
+    ago."""
     world, state, (walls, cylinder, held) = run.world, run.state, run._take_impulses()
     frame = {name: getattr(state, name) for name in ARRAYS} | {
         "time": run.time,

@@ -26,9 +26,9 @@ REBUILD_COST = (
 def skin_for(scene, world, table, time_step: float | None) -> float:
     """Skin (m) for the speeds of a scene at the start, at least SKIN and at most WIDEST.
 
-    What flies farther in a step needs its lists more often, or wider ones. The sum of both costs is least for
-    a skin that grows with the root of the flight in a step. The speed is that of the fastest boundary, or three
-    times the mean of granules.
+    What flies farther in a step needs its lists more often, or wider ones. The sum of both costs is
+    least for a skin that grows with the root of the flight in a step. The speed is that of the
+    fastest boundary, or three times the mean of granules.
     """
     squared = (world.bodies[:, [VX, VY]] ** 2).sum(axis=1).mean()
     speed = math.sqrt(max(9.0 * float(squared), fastest(world.boundaries)))

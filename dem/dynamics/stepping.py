@@ -40,10 +40,11 @@ class StepControl(NamedTuple):
     max_overlap : float
         Largest allowed overlap over the smaller radius, without unit.
     reach : float
-        Displacement (m) of a constituent that stops the run, because a contact may have been missed;
-        lists are rebuilt before.
+        Displacement (m) of a constituent that stops the run, because a contact may have been
+        missed; lists are rebuilt before.
     allow_unstable : bool
-        Whether no step is shortened for fast granules, and a fixed one may be longer than the critical one.
+        Whether no step is shortened for fast granules, and a fixed one may be longer than the
+        critical one.
     frame : tuple of float
         Velocity (m/s) that is taken off all.
     """
@@ -69,9 +70,11 @@ class Schedule(NamedTuple):
     initialise : bool
         Whether lists and forces are still to be made.
     observe_only : bool
-        Whether nothing is done but to return a copy of the world at the time `begin`, and its Diagnostics.
+        Whether nothing is done but to return a copy of the world at the time `begin`, and its
+        Diagnostics.
     budget : int
-        Steps after which the call returns, if need be inside an interval, so that Python can answer Ctrl-C.
+        Steps after which the call returns, if need be inside an interval, so that Python can answer
+        Ctrl-C.
     """
 
     begin: float
@@ -119,7 +122,8 @@ class Progress(NamedTuple):
     scanned : int
         Step of the last scan, -1 if one is due.
     candidate_dt : float
-        Longer step (s) that has been allowed since step `candidate_since`; inf if it is the one taken.
+        Longer step (s) that has been allowed since step `candidate_since`; inf if it is the one
+        taken.
     candidate_since : int
         See candidate_dt.
     interval_dt : float
@@ -173,13 +177,15 @@ NOTHING_DONE = Progress(
 
 @compiled
 def quantised(step):
-    """The longest of the powers of two, and of seven steps between two of them, up to a step (s)."""
+    """The longest of the powers of two, and of seven steps between two of them, up to a step
+    (s)."""
     return 2.0 ** (math.floor(PER_OCTAVE * math.log2(step) + NEARLY) / PER_OCTAVE)
 
 
 @inlined
 def longest_step(rules, diagnostics):
-    """The step (s) that a scan asks for: by stiffness, and short enough that nothing flies past the lists."""
+    """The step (s) that a scan asks for: by stiffness, and short enough that nothing flies past the
+    lists."""
     if rules.time_step > 0.0:
         return rules.time_step
     flight = 0.5 * rules.reach / max(diagnostics.speed_bound, 1e-300)
@@ -242,14 +248,16 @@ def nearing(world):
 
 # Measurements
 
-# Columns of a record: of the bed; then of each boundary, its impulses over the interval and its place
+# Columns of a record: of the bed; then of each boundary, its impulses over the interval and its
+# place
 ENERGY, CONTACTS, OVERLAP, STEP, OF_BED = range(5)
 PLACE, OF_BOUNDARY = 5, 7
 
 
 @compiled(allocates=True)
 def measure(row, impulses, rate, world, table, frame):
-    """Fill a row of the record but for the step; impulses: those that go on, of which those seen are taken off."""
+    """Fill a row of the record but for the step; impulses: those that go on, of which those seen
+    are taken off."""
     motion, seen, walls = world.boundaries.motion, world.boundaries.impulses, world.walls
     row[ENERGY] = kinetic(by_address(world), 0.0, frame)[0]
     touching, row[OVERLAP], _ = contact_summary(world, table)
@@ -362,14 +370,15 @@ def diagnose_together(threads, world, table, later, frame):
 def run_steps(world, table, rules, schedule, before, record, threads):
     """Advance as a Schedule says; returns the world and a Progress.
 
-    before: the Progress of the call before, which this one goes on from. record: an array with one row per
-    interval, or none of it. threads: None, or dem.dynamics.threads.Threads; this function then runs as it is
-    written, uncompiled.
+    before: the Progress of the call before, which this one goes on from. record: an array with one
+    row per interval, or none of it. threads: None, or dem.dynamics.threads.Threads; this function
+    then runs as it is written, uncompiled.
 
-    Steps are whole: no interval cuts one, and what lies within a step is seen by `look`. The step is chosen
-    where the lists are made, and every SCAN_INTERVAL steps: down at once, up once the bound has allowed it for
-    QUIET steps. A step that follows its bound closely would be long on the way into a contact and short on the
-    way out, and heat the bed. Bits do not depend on where intervals and calls end.
+    Steps are whole: no interval cuts one, and what lies within a step is seen by `look`. The step
+    is chosen where the lists are made, and every SCAN_INTERVAL steps: down at once, up once the
+    bound has allowed it for QUIET steps. A step that follows its bound closely would be long on the
+    way into a contact and short on the way out, and heat the bed. Bits do not depend on where
+    intervals and calls end.
     """
     begin, interval, intervals, until, initialise, observe_only, budget = schedule
     outcome, value, granule = FINE, 0.0, -1

@@ -1,9 +1,9 @@
 """Stress and fabric of a bed: what its contacts carry, and how they are directed.
 
-The stress is that of Love and Weber: a contact with force f on the partner and branch vector l gives
-f l / volume. Volume is the area between the walls, without the cylinder, times the thickness. In bins along x or y a contact counts for the share of
-its branch vector that lies in the bin: the mean force that crosses the lines of the bin is then
-exact (Irving and Kirkwood 1950).
+The stress is that of Love and Weber: a contact with force f on the partner and branch vector l
+gives f l / volume. Volume is the area between the walls, without the cylinder, times the thickness.
+In bins along x or y a contact counts for the share of its branch vector that lies in the bin: the
+mean force that crosses the lines of the bin is then exact (Irving and Kirkwood 1950).
 """
 
 import math
@@ -78,7 +78,8 @@ class Stress(NamedTuple):
 
 
 def _principal(tensor):
-    """Mean and difference of the principal values of the symmetric part, angle (rad) of the greater."""
+    """Mean and difference of the principal values of the symmetric part, angle (rad) of the
+    greater."""
     xx, yy = tensor[..., 0, 0], tensor[..., 1, 1]
     across, both = xx - yy, tensor[..., 0, 1] + tensor[..., 1, 0]
     return 0.5 * (xx + yy), np.hypot(across, both), 0.5 * np.arctan2(both, across)
@@ -100,8 +101,8 @@ def stress(
     place: np.ndarray,
     bins: tuple[int, np.ndarray] | None = None,
 ) -> Stress:
-    """Stress of the granules of a scene with these contacts; planes (w, 3): its walls; place (m): of its
-    cylinder; bins: their axis and edges (m).
+    """Stress of the granules of a scene with these contacts; planes (w, 3): its walls; place (m):
+    of its cylinder; bins: their axis and edges (m).
 
     Raises InputError if the container is not closed.
     """
@@ -201,7 +202,8 @@ def _corners(planes):
         corners = np.reshape(kept, (-1, 2))
     if (np.abs(corners) > 0.999 * far).any():
         raise InputError(
-            "the container of the bed is not closed, so that it has no area; give edges of bins along x or y "
+            "the container of the bed is not closed, so that it has no area; give edges of bins "
+            "along x or y "
             "between which it is, such as y=(0, 0.02)."
         )
     return corners

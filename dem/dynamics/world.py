@@ -84,7 +84,8 @@ EXTERNAL_FORCE, INVERSE_MASS, DAMPING = 0, 2, 4  # columns of Boundaries.drive
 
 
 class Boundaries(NamedTuple):
-    """What granules meet: r bodies, first the walls, then the cylinder, then groups of held granules.
+    """What granules meet: r bodies, first the walls, then the cylinder, then groups of held
+    granules.
 
     Attributes
     ----------
@@ -96,8 +97,8 @@ class Boundaries(NamedTuple):
     force : ndarray of shape (r, 4)
         Force of all contacts (N), as rows of dem.jit.columns, without the torque.
     contact_forces : ndarray of shape (r, 5)
-        Normal forces x and y (N), tangential forces x and y (N), torque (N m). Of a wall x is along its
-        normal (nx, ny) and y along (-ny, nx). Of a group all forces are in the first two.
+        Normal forces x and y (N), tangential forces x and y (N), torque (N m). Of a wall x is along
+        its normal (nx, ny) and y along (-ny, nx). Of a group all forces are in the first two.
     impulses : ndarray of shape (r, 5)
         Integral of contact_forces over time, as far as they have changed velocities.
     previous_acceleration : ndarray of shape (r, 2)
@@ -108,11 +109,11 @@ class Boundaries(NamedTuple):
         The waypoints of boundary b are rows first_waypoint[b] to first_waypoint[b + 1]; none if it
         is driven.
     waypoints : ndarray of shape (k, 4)
-        Time (s), velocity x and y (m/s) and spin (rad/s) of all paths, one after the other. A constant
-        velocity has two.
+        Time (s), velocity x and y (m/s) and spin (rad/s) of all paths, one after the other. A
+        constant velocity has two.
     drive : ndarray of shape (r, 5)
-        Of a driven one: external force along x and y (N), inverse mass along x and y (1/kg; zero where
-        the velocity is kept), damping (N s/m).
+        Of a driven one: external force along x and y (N), inverse mass along x and y (1/kg; zero
+        where the velocity is kept), damping (N s/m).
     """
 
     motion: np.ndarray
@@ -217,11 +218,13 @@ class World(NamedTuple):
     constituents : ndarray of shape (constituents, 8)
         Motion of the constituents; `bodies` where a granule is its own only one.
     constituent_force : ndarray of shape (constituents or more, 4)
-        Forces on the constituents, then rows for Patches; `force` where a granule is its own only one.
+        Forces on the constituents, then rows for Patches; `force` where a granule is its own only
+        one.
     reference : ndarray of shape (constituents, 2)
         Positions (m) at which the neighbour lists were made.
     previous_acceleration : ndarray of shape (n, 4) or None
-        Accelerations (m/s2, rad/s2) a step before those of `force`; None where no contact has a dashpot.
+        Accelerations (m/s2, rad/s2) a step before those of `force`; None where no contact has a
+        dashpot.
     pairs : Contacts
         Contacts between granules.
     boundaries : Boundaries

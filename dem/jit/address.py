@@ -1,11 +1,12 @@
 """Hand a large named tuple to a function by its address.
 
 Numba hands over a named tuple member by member. A World has some sixty arrays of seven numbers or
-more, and each call and each function would take all of them apart. Behind an address only the members
-that a function reads are loaded.
+more, and each call and each function would take all of them apart. Behind an address only the
+members that a function reads are loaded.
 
-The compiler cannot tell whether a store into an array changes what lies behind an address, and would
-load it again for every granule. Read members before a loop, or take a `local` copy of a tuple.
+The compiler cannot tell whether a store into an array changes what lies behind an address, and
+would load it again for every granule. Read members before a loop, or take a `local` copy of a
+tuple.
 """
 
 from numba.core import cgutils, types
@@ -73,7 +74,8 @@ def _member(context, builder, kind, value, name):
 
 
 def by_address(held):
-    """The address of a named tuple, for as long as the caller runs; what is not one goes as it is."""
+    """The address of a named tuple, for as long as the caller runs; what is not one goes as it
+    is."""
     return held
 
 

@@ -28,8 +28,8 @@ class Lanes(NamedTuple):
     motion, values : ndarray
         Rows of BLOCK lanes and a LINE of padding, see the offsets below.
     account : ndarray of shape (5,) or None
-        Energy ledger: two powers (W) now, the energies (J) that they have made with the kicks so far,
-        and the work (J) of the boundaries (dem.dynamics.energy).
+        Energy ledger: two powers (W) now, the energies (J) that they have made with the kicks so
+        far, and the work (J) of the boundaries (dem.dynamics.energy).
     """
 
     motion: np.ndarray
@@ -58,7 +58,8 @@ ROW = np.uint64(BLOCK + LINE)  # from one number of an outline to the next
 OUTLINE_2 = np.uint64(OUTLINE_1 + OUTLINE_SIZE * ROW)
 VALUES = int(OUTLINE_2 + OUTLINE_SIZE * ROW)  # numbers in all
 
-# account: power (W) that dashpots take, and tangential springs; their energies; work on the granules
+# account: power (W) that dashpots take, and tangential springs; their energies; work on the
+# granules
 POWER_DAMPED, POWER_SPRINGS, ACCOUNTS, WORK = 0, 1, 2, 4
 
 

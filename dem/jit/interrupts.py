@@ -1,7 +1,7 @@
 """Signals that arrive while a kernel runs: they are answered when its result is kept.
 
-A kernel changes arrays in place and returns new ones. An exception between its end and the assignment
-of what it returns would leave the old lists with the new positions.
+A kernel changes arrays in place and returns new ones. An exception between its end and the
+assignment of what it returns would leave the old lists with the new positions.
 """
 
 import signal

@@ -1,7 +1,7 @@
 """Arithmetic in which an absent quantity costs nothing.
 
-A disc has no moment arm in the tangential direction, a frictionless contact no tangential force. Such
-a quantity is ``None``: its type is known while compiling, so the terms with it are never
+A disc has no moment arm in the tangential direction, a frictionless contact no tangential force.
+Such a quantity is ``None``: its type is known while compiling, so the terms with it are never
 compiled at all (a float 0.0 would stay, since 0.0 * x is not 0.0 for every x).
 """
 
@@ -16,7 +16,8 @@ NONE = types.none
 def rolled_without_first(function):
     """Decorator: an inlined loop, left rolled (dem.jit.compilers) if its first argument is None.
 
-    The loop is then so short that LLVM would unroll it before the kernel can make vector code of it.
+    The loop is then so short that LLVM would unroll it before the kernel can make vector code of
+    it.
     """
     overload(function, strict=False, jit_options=INLINED)(
         lambda first, *rest: None if first is NONE else function
@@ -28,7 +29,8 @@ def rolled_without_first(function):
 
 
 def _by_presence(stub):
-    """Decorator: `stub` returns the function of two arguments to compile, given which are present."""
+    """Decorator: `stub` returns the function of two arguments to compile, given which are
+    present."""
 
     def operation(a, b):
         raise NotImplementedError("for compiled code only")

@@ -55,8 +55,8 @@ def grow(
     seed : int
         Seed of the random places and angles, without unit, zero or positive.
     periodic : str
-        Along which sides the box repeats itself: "none", "x", "y" or "xy". There are no walls across
-        these.
+        Along which sides the box repeats itself: "none", "x", "y" or "xy". There are no walls
+        across these.
 
     Returns
     -------

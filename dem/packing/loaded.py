@@ -1,8 +1,9 @@
 """A bed that bears a load: a loose bed whose top wall comes down until it carries what is asked.
 
-The granules keep their size, so the height of the box is a result. After every step down the elastic
-energy is minimised without friction, as in dem.packing.random. Above jamming the load to the power
-of 2/3 is nearly linear in the height (see dem.experiment.kinds.jamming), so a secant finds the height.
+The granules keep their size, so the height of the box is a result. After every step down the
+elastic energy is minimised without friction, as in dem.packing.random. Above jamming the load to
+the power of 2/3 is nearly linear in the height (see dem.experiment.kinds.jamming), so a secant
+finds the height.
 """
 
 from typing import Any
@@ -25,9 +26,9 @@ RESTING = 1e-4  # of the force of the load on a granule: enough between two step
 def pack_under(shape: Any, room: Room, load: float) -> Bed:
     """A bed at rest whose top wall bears a load, to one part in a thousand.
 
-    The height of the room is that of the box in which the bed is loose, before its top wall comes down;
-    load (m): normal force on the top wall over width and E*. The cylinder stays where it is; otherwise
-    as dem.pack. Raises PackingError as dem.pack does, and where no height is found.
+    The height of the room is that of the box in which the bed is loose, before its top wall comes
+    down; load (m): normal force on the top wall over width and E*. The cylinder stays where it is;
+    otherwise as dem.pack. Raises PackingError as dem.pack does, and where no height is found.
     """
     state = pack(shape, *room).state
     modulus, unit = effective_modulus(SOFT, SOFT), unit_of(shape)
@@ -52,7 +53,8 @@ def pack_under(shape: Any, room: Room, load: float) -> Bed:
         state.position[:, 1] *= lower / room.height
         room = room._replace(height=lower)
     raise PackingError(
-        f"no height of a box of {room.width:.3g} m was found in which the bed (seed {room.seed}) is at rest "
+        f"no height of a box of {room.width:.3g} m was found in which the bed (seed {room.seed}) "
+        f"is at rest "
         f"under its load; at {room.height:.4g} m it bears {borne:.3g} of it."
     )
 

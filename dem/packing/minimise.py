@@ -34,7 +34,8 @@ PIECE = 1000  # iterations in one call, between which Python answers Ctrl-C
 
 @inlined
 def gyration(world, i):
-    """Inertia over mass (m2), which puts torques and spins on the scale of forces and speeds; 0 if nothing turns."""
+    """Inertia over mass (m2), which puts torques and spins on the scale of forces and speeds; 0 if
+    nothing turns."""
     inverse_inertia = world.inverse_inertia
     if inverse_inertia is None:
         return 0.0
@@ -188,9 +189,9 @@ class Rest(NamedTuple):
 def settle(world, table, goal, memory, left):
     """Minimise, with lists kept up to date; at most PIECE of the iterations that are `left`.
 
-    memory: that of `fire`, zeros at first. Returns the world, the iterations still left, and a Rest.
-    Once the bed is at rest or no iteration is left, the forces on walls and cylinder are those of now,
-    and the Rest counts contacts.
+    memory: that of `fire`, zeros at first. Returns the world, the iterations still left, and a
+    Rest. Once the bed is at rest or no iteration is left, the forces on walls and cylinder are
+    those of now, and the Rest counts contacts.
     """
     table = by_address(table)
     if memory[0] == 0.0:
@@ -219,9 +220,9 @@ def settle(world, table, goal, memory, left):
 def minimise(scene: Scene, state: State, iterations: int, enough: float) -> tuple[World, Rest]:
     """Minimise until no net force exceeds `enough` (N).
 
-    Returns the world, with the forces on its walls, and a Rest. Its net force is greater than `enough` if
-    the iterations did not suffice, and infinite if none was allowed. The time step is stable at overlaps of
-    2 % of the radius. Raises PackingError if a position becomes infinite.
+    Returns the world, with the forces on its walls, and a Rest. Its net force is greater than
+    `enough` if the iterations did not suffice, and infinite if none was allowed. The time step is
+    stable at overlaps of 2 % of the radius. Raises PackingError if a position becomes infinite.
     """
     table = granule_table(scene, SKIN_OF_PACKING)
     world = assemble(scene, state.checked(scene.granules), table)

@@ -75,7 +75,8 @@ class Press:
         """Grow the granules to a packing fraction; returns `pressure`, the mean normal stress on
         the walls, or of the contacts without walls, over E* (unit thickness, m).
 
-        resting: greatest net force (E* R^2) of a bed at rest; patience: iterations of FIRE, at most.
+        resting: greatest net force (E* R^2) of a bed at rest; patience: iterations of FIRE, at
+        most.
         """
         steps = max(1, math.ceil(abs(fraction - self.fraction) / STEP - 1e-9))
         for part in np.linspace(self.fraction, fraction, 1 + steps)[1:]:

@@ -97,8 +97,8 @@ class Bed(NamedTuple):
 
 
 class Room(NamedTuple):
-    """Where a bed is packed, and the seed of its random places and angles: what `pack` takes beside the
-    granules, in the same order."""
+    """Where a bed is packed, and the seed of its random places and angles: what `pack` takes beside
+    the granules, in the same order."""
 
     width: float
     height: float
@@ -215,8 +215,8 @@ def pack(
     seed : int
         Seed of the random places and angles, without unit, zero or positive.
     periodic : str
-        Along which sides the box repeats itself: "none", "x", "y" or "xy". There are no walls across
-        these.
+        Along which sides the box repeats itself: "none", "x", "y" or "xy". There are no walls
+        across these.
 
     Returns
     -------
@@ -323,13 +323,15 @@ def finished(shape: Any, room: Room, world: World, rest: Rest, net_force: float)
         lost |= np.hypot(*away.T) < room.radius
     if lost.any():
         raise PackingError(
-            f"{room.name(shape)} cannot be made: the centre of granule {lost.argmax()} was pushed into the "
+            f"{room.name(shape)} cannot be made: the centre of granule {lost.argmax()} was pushed "
+            f"into the "
             "cylinder or out of the box: ask for a lower packing fraction."
         )
     if not rest.max_overlap <= DEEPEST:
         raise PackingError(
             f"{room.name(shape)} cannot be made: granule {rest.deepest} overlaps by "
-            f"{rest.max_overlap:.2g} of the smaller radius, at most {DEEPEST:g} is allowed: ask for a lower packing fraction."
+            f"{rest.max_overlap:.2g} of the smaller radius, at most {DEEPEST:g} is allowed: ask "
+            f"for a lower packing fraction."
         )
     return Bed(
         position=position,

@@ -107,8 +107,9 @@ class Two:
         return np.column_stack([np.cos(angle), np.sin(angle)]), bodies, constituents
 
     def pair(self, at, order=(0, 1)):
-        """Overlaps (per^2,) in m of the first granule, at zero, with the second, and forces (2, 4); at:
-        place (x, y) in m of the second, angles (rad) of both; order: which of them is asked first."""
+        """Overlaps (per^2,) in m of the first granule, at zero, with the second, and forces (2, 4);
+        at: place (x, y) in m of the second, angles (rad) of both; order: which of them is asked
+        first."""
         overlaps, force = np.zeros(self.per**2), rows(2, 4)
         pushed = force if self.per == 1 else rows(2 * self.per, 4)
         arrays = self._arrays([[0.0, 0.0], at[:2]], at[2:])
@@ -116,7 +117,8 @@ class Two:
         return overlaps, force
 
     def tangents(self, numbers, angle, count, radius=0.0):
-        """Angles (count + 1,) in rad of normals, and h, q, distance and arm (constituents, count + 1) in m."""
+        """Angles (count + 1,) in rad of normals, and h, q, distance and arm (constituents, count +
+        1) in m."""
         turn = 2.0 * np.pi * np.arange(count + 1) / count
         normals = np.column_stack([np.cos(turn), np.sin(turn)])
         lines = np.zeros((len(numbers), 4, count + 1))
@@ -133,8 +135,8 @@ class Two:
 def check_shape(shape) -> None:
     """Test a shape against the laws that the kernels and Python rely on.
 
-    For authors of new shapes. It compiles a few functions for the class, which takes seconds, and takes
-    up to half a second for each granule of another form.
+    For authors of new shapes. It compiles a few functions for the class, which takes seconds, and
+    takes up to half a second for each granule of another form.
 
     Parameters
     ----------
@@ -144,9 +146,9 @@ def check_shape(shape) -> None:
     Raises
     ------
     InputError
-        If these are no granules, or break a law: sizes scale with the granules; area, inertia and bounding
-        circle fit the outline; support function and moment arms fit it too; a contact is the same from both
-        sides; forces have a potential.
+        If these are no granules, or break a law: sizes scale with the granules; area, inertia and
+        bounding circle fit the outline; support function and moment arms fit it too; a contact is
+        the same from both sides; forces have a potential.
 
     Notes
     -----
@@ -181,8 +183,8 @@ def _refuse(name, sentences):
 
 
 def _pairs(shape):
-    """Numbers of the granules that are tested, two at a time: the first two, and all that have no like
-    among those before them, by their sizes over their bounding radius."""
+    """Numbers of the granules that are tested, two at a time: the first two, and all that have no
+    like among those before them, by their sizes over their bounding radius."""
     sizes = np.column_stack([*sizes_of(shape).values()]) / shape.bounding_radius[:, None]
     other = np.unique(np.round(sizes, DIGITS), axis=0, return_index=True)[1]
     numbers = np.union1d(np.arange(min(2, len(sizes))), other)
@@ -190,14 +192,16 @@ def _pairs(shape):
 
 
 def _scaling(shape):
-    """First law: areas and lengths are finite, one a granule or constituent, and scale with the granules."""
+    """First law: areas and lengths are finite, one a granule or constituent, and scale with the
+    granules."""
     larger, n = shape.scaled(2.0), len(next(iter(sizes_of(shape).values())))
     for name, power in POWERS.items():
         value, scaled = np.asarray(getattr(shape, name)), np.asarray(getattr(larger, name))
         count = np.size(shape.constituent_radius) if name.startswith("constituent") else n
         if value.shape != (count,) or not np.allclose(scaled, 2.0**power * value, rtol=SAME):
             yield (
-                f"{name} is {value}; it must be {count} finite numbers that grow by the power {power} of the "
+                f"{name} is {value}; it must be {count} finite numbers that grow by the power "
+                f"{power} of the "
                 "factor of scaled."
             )
 
@@ -205,7 +209,8 @@ def _scaling(shape):
 def _outline(two):
     """Second law: area, centre of mass, inertia and bounding circle are those of the polygons.
 
-    A class that states an inertia of its own may have its mass spread unevenly, and its outline off the centre.
+    A class that states an inertia of its own may have its mass spread unevenly, and its outline off
+    the centre.
     """
     shape = two.shape
     uniform = getattr(type(shape).gyration_squared, "fget", None) is smooth.gyration_squared
@@ -218,8 +223,10 @@ def _outline(two):
         if math.hypot(x, y) > NEAR * size:
             if uniform:
                 yield (
-                    f"the centre of mass is at c = ({x:.6g}, {y:.6g}) m; it must be the centre: subtract "
-                    "c_x nx + c_y ny from the support function h, and c_y nx - c_x ny from q; or define "
+                    f"the centre of mass is at c = ({x:.6g}, {y:.6g}) m; it must be the centre: "
+                    f"subtract "
+                    "c_x nx + c_y ny from the support function h, and c_y nx - c_x ny from q; or "
+                    "define "
                     "gyration_squared, if the mass is not spread evenly."
                 )
         elif not np.isclose(gyration, stated_gyration, rtol=NEAR):
@@ -227,7 +234,8 @@ def _outline(two):
         far = np.hypot(*rings.reshape(-1, 2).T).max()
         if far > size * (1.0 + SAME) or size > LOOSE * far:
             yield (
-                f"bounding_radius is {size:g} m; the outline reaches {far:g} m, and the circle must "
+                f"bounding_radius is {size:g} m; the outline reaches {far:g} m, and the circle "
+                f"must "
                 f"hold it and be at most {LOOSE:g} times as large."
             )
 
@@ -243,7 +251,8 @@ def _moments(rings):
 
 
 def _support(two):
-    """Third law: tangent lines are those of the polygons, q = dh/d(angle), and moment arms are bounded as stated."""
+    """Third law: tangent lines are those of the polygons, q = dh/d(angle), and moment arms are
+    bounded as stated."""
     shape, polygons = two.shape, two.shape.polygons(POINTS)
     holds = shape.constituent_bounding_radius.reshape(2, two.per).max(axis=1)
     for g, size in enumerate(two.size):
@@ -257,15 +266,18 @@ def _support(two):
         steepest = max(shape.normal_bend[g], greatest) / size
         if not steepest <= BEND:
             yield (
-                f"the outline is too flat: its radius of curvature is {steepest:.3g} times its bounding "
-                f"radius, more than {BEND:g}, and no time step is short enough; round its flat sides."
+                f"the outline is too flat: its radius of curvature is {steepest:.3g} times its "
+                f"bounding "
+                f"radius, more than {BEND:g}, and no time step is short enough; round its flat "
+                f"sides."
             )
             return
         if longest > shape.normal_lever[g] * (1.0 + NEAR) + SAME * size:
             yield f"normal_lever is {shape.normal_lever[g]:g} m; normal forces have levers up to {longest:g} m."
         if greatest > shape.normal_bend[g] * (1.0 + NEAR) + NEAR * size:
             yield (
-                f"normal_bend is {shape.normal_bend[g]:g} m; the outline bends by up to {greatest:g} m, "
+                f"normal_bend is {shape.normal_bend[g]:g} m; the outline bends by up to "
+                f"{greatest:g} m, "
                 "and the time step would be too long."
             )
         if np.hypot(h, q).max() > holds[g] * (1.0 + SAME):
@@ -293,7 +305,8 @@ def _contacts(two):
 
 
 def _touching(two, angles, away):
-    """Where the second granule, coming from a direction (rad), overlaps the first by DEPTH, or None."""
+    """Where the second granule, coming from a direction (rad), overlaps the first by DEPTH, or
+    None."""
     from scipy.optimize import bisect
 
     depth, reach = DEPTH * two.size.min(), two.size.sum()
@@ -312,7 +325,8 @@ def _touching(two, angles, away):
 
 
 def _forces(two, at):
-    """Forces and torques are minus the gradient of a potential of the overlaps, and alike from both sides."""
+    """Forces and torques are minus the gradient of a potential of the overlaps, and alike from both
+    sides."""
     overlaps, force = two.pair(at)
     size, depth = two.size.min(), overlaps.max()
 

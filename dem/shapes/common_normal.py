@@ -133,8 +133,9 @@ def deep(gap, outline_1, outline_2):
 def ellipse_contact(method, dx, dy, outline_1, outline_2, guess):
     """Contact from one evaluation at the last normal and one third-order step of Newton's method.
 
-    gap, slope, bend and twist are s and its derivatives by the angle of the normal, at the last normal; the gap
-    is largest where slope = 0. All below is a Taylor series in the turn to that angle, without branches.
+    gap, slope, bend and twist are s and its derivatives by the angle of the normal, at the last
+    normal; the gap is largest where slope = 0. All below is a Taylor series in the turn to that
+    angle, without branches.
     """
     nx, ny = guess
     gap, slope, bend, h1, q1, rho1, h2, q2, rho2 = gap_along(dx, dy, outline_1, outline_2, nx, ny)
@@ -142,11 +143,13 @@ def ellipse_contact(method, dx, dy, outline_1, outline_2, guess):
     first, known = gap, gap > 0.0  # a positive gap along any normal proves that they do not touch
     apart = known or dx * dx + dy * dy >= reach * reach
 
-    # The series is trusted if Newton's step is within the tolerance, at a maximum, and the overlap small
+    # The series is trusted if Newton's step is within the tolerance, at a maximum, and the overlap
+    # small
     near = abs(slope) <= -method.tolerance * bend
     converged = apart or (near and not deep(gap, outline_1, outline_2))
 
-    # Turn: Newton's step with Chebyshev's correction; ellipses that are apart only climb, over several steps
+    # Turn: Newton's step with Chebyshev's correction; ellipses that are apart only climb, over
+    # several steps
     inverse = 1.0 / bend
     turn = -slope * inverse
     drho1 = -3.0 * rho1 * q1 / h1

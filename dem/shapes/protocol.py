@@ -43,8 +43,8 @@ class ContactGeometry(NamedTuple):
 
 class Shape(Protocol):
     """What Python asks of n granules with p constituents each, who reads it, and what a wrong
-    answer breaks. `answer` refuses a class without all members; Granules has those that most have in
-    common.
+    answer breaks. `answer` refuses a class without all members; Granules has those that most have
+    in common.
 
     Lengths in m. of_size(diameter, aspect_ratio) is asked only of the shapes that configurations
     name: granules with the area of discs of these diameters (n,).
@@ -297,7 +297,8 @@ def answer(cls, *functions, questions=SHAPE_QUESTIONS, **renamed):
     if any(each is not cls and each.__name__ == cls.__name__ for each in questions[0].answers):
         raise InputError(
             f"{cls.__name__} is the name of a class that the kernels know already, and Numba tells "
-            "classes apart by their names; choose another name, or start Python, or the workers, again."
+            "classes apart by their names; choose another name, or start Python, or the workers, "
+            "again."
         )
     named = {each.__name__: each for each in functions} | renamed
     known = {each.__name__: each for each in questions}

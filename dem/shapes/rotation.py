@@ -16,9 +16,11 @@ def rotated(x, y, angle):
 
 @inlined
 def rotate(orientation, i, angle, step):
-    """Orientation of granule i after a rotation by a step to an angle (rad), without trigonometry if it is small.
+    """Orientation of granule i after a rotation by a step to an angle (rad), without trigonometry
+    if it is small.
 
-    orientation: None for discs. Its rounding errors of about 1e-16 per step add up until `set_orientation`.
+    orientation: None for discs. Its rounding errors of about 1e-16 per step add up until
+    `set_orientation`.
     """
     if orientation is not None:
         if abs(step) < 1e-3:

@@ -33,7 +33,8 @@ ROOM = 1.0 + 1e-4  # of the bounding circle, for the outline between two of thes
 
 
 def _sizes(fields, g):
-    """Sizes of granule g, a tuple: entries of arrays, ones if g is None, and plain numbers as they are."""
+    """Sizes of granule g, a tuple: entries of arrays, ones if g is None, and plain numbers as they
+    are."""
 
 
 @overload(_sizes, jit_options=INLINED)
@@ -250,7 +251,8 @@ def fault(shape):
     g = int(np.argmax(inwards.any(axis=-1)))
     at = int(np.argmin(rho[g]))
     return (
-        f"granule {g} is not convex: its radius of curvature is {rho[g, at]:.3g} m where the normal is at "
+        f"granule {g} is not convex: its radius of curvature is {rho[g, at]:.3g} m where the "
+        f"normal is at "
         f"{np.degrees(angle[at]):.0f} degrees; it must be positive everywhere."
     )
 
