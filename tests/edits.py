@@ -21,7 +21,7 @@ AGAIN = {
     "the order of a product": ("dem/contacts/force_law.py", "(sqrt_overlap + kept * last_sqrt_overlap) * slip", "(slip * sqrt_overlap + slip * kept * last_sqrt_overlap)"),
     "a constant of the law": ("dem/contacts/force_law.py", "zeta = alpha / math.sqrt(5.0)", "zeta = alpha / math.sqrt(5.1)"),
     "less for at most": ("dem/packing/minimise.py", "push > 0.0 else 0.0", "push >= 0.0 else 0.0"),
-    "a constant of packing": ("dem/packing/minimise.py", "MIXING = 0.25", "MIXING = 0.26"),
+    "a constant of packing": ("dem/packing/minimise.py", "ALPHA_START = 0.25", "ALPHA_START = 0.26"),
     "a constant of the step": ("dem/dynamics/critical_step.py", "* 2.0 / max(rate + root", "* 1.9 / max(rate + root"),
     "the skin": ("dem/dynamics/skin.py", "SKIN = 0.12", "SKIN = 0.13"),
     "a flag of the compiler": ("dem/jit/compilation.py", '{"contract", "arcp", "nsz"}', '{"arcp", "nsz"}'),

@@ -92,18 +92,30 @@ RESULT = {
     "angular_velocity": (("time", "granule"), "rad s-1", "angular velocity, anticlockwise"),
     "cylinder_force": (("time", "axis"), "N", "mean force on the cylinder since the frame before"),
     "cylinder_position": (("time", "axis"), "m", "position of the axis of the cylinder"),
-    "cylinder_torque": (("time",), "N m", "mean torque on the cylinder since the frame before, anticlockwise"),
+    "cylinder_torque": (
+        ("time",),
+        "N m",
+        "mean torque on the cylinder since the frame before, anticlockwise",
+    ),
     "cylinder_diameter": ((), "m", "diameter of the cylinder"),
     "wall_force": (("time", "wall"), "N", "mean normal force on the wall since the frame before"),
-    "wall_tangential_force": (("time", "wall"), "N", "mean tangential force on the wall since the frame before, along its normal turned anticlockwise by a right angle"),
+    "wall_tangential_force": (
+        ("time", "wall"),
+        "N",
+        "mean tangential force on the wall since the frame before, along its normal turned anticlockwise by a right angle",
+    ),
     "wall_normal": (("wall", "axis"), "1", "unit normal of the wall, into the solid"),
     "wall_offset": (("time", "wall"), "m", "distance of the wall from the origin along its normal"),
-    "held_force": (("time", "group", "axis"), "N", "mean force of the contacts on the held group since the frame before"),
+    "held_force": (
+        ("time", "group", "axis"),
+        "N",
+        "mean force of the contacts on the held group since the frame before",
+    ),
     "period": (("axis",), "m", "period of the scene; not a number where it has none"),
     "mass": (("granule",), "kg", "mass of the granule"),
     "bounding_radius": (("granule",), "m", "radius of the circle that holds the granule"),
     "time_step": ((), "s", "shortest time step taken"),
-}  # fmt: skip
+}
 
 
 class Result(NamedTuple):
