@@ -58,8 +58,7 @@ class Kept:
 class PrescribedMotion(Kept):
     """Velocity of a boundary that is given over time, whatever it meets.
 
-    The velocity is linear in time between the rows, and constant before the first and after the
-    last.
+    The velocity is linear in time between the rows, and constant before the first and after the last.
 
     Parameters
     ----------
@@ -108,8 +107,7 @@ class PrescribedMotion(Kept):
         late = np.flatnonzero(np.diff(self.time) <= 0.0)
         if len(late):
             raise InputError(
-                f"path time of row {late[0] + 1} is {self.time[late[0] + 1]:g}; it must be later "
-                f"than "
+                f"path time of row {late[0] + 1} is {self.time[late[0] + 1]:g}; it must be later than "
                 f"the {self.time[late[0]]:g} s of the row before."
             )
 
@@ -155,14 +153,13 @@ class Drive:
 
     Notes
     -----
-    Gravity does not act on a boundary: add its weight to `force`. The time step follows the
-    stiffness of the contacts over `mass` too. A mass of the granules that the boundary touches, or
-    more, leaves it as it is.
+    Gravity does not act on a boundary: add its weight to `force`. The time step follows the stiffness
+    of the contacts over `mass` too. A mass of the granules that the boundary touches, or more, leaves
+    it as it is.
 
     Examples
     --------
-    A lid that presses with 100 kPa on a bed 20 mm wide and 1 mm thick, and neither slides nor
-    swings:
+    A lid that presses with 100 kPa on a bed 20 mm wide and 1 mm thick, and neither slides nor swings:
 
     >>> import dem
     >>> lid = dem.Drive(force=(None, -1e5 * 20e-3 * 1e-3), mass=1e-3, damping=0.5)
@@ -234,8 +231,8 @@ class Held(Kept):
     Notes
     -----
     Held granules keep their places in the group and the spins of the state; their velocities in the
-    state do not count. They do not feel gravity, nor each other. In a contact they have the mass of
-    their `Drive` along the axes that it drives, and infinite mass along others.
+    state do not count. They do not feel gravity, nor each other. In a contact they have the mass of their
+    `Drive` along the axes that it drives, and infinite mass along others.
 
     Examples
     --------
@@ -279,15 +276,13 @@ def numbered(held: Sequence[Held], granules: int) -> tuple[Held, ...]:
         if chosen.dtype == bool:
             if len(chosen) != granules:
                 raise InputError(
-                    f"held group {k} has {len(chosen)} truth values; it must have one for each of "
-                    f"the "
+                    f"held group {k} has {len(chosen)} truth values; it must have one for each of the "
                     f"{granules} granules."
                 )
             chosen = fixed(np.flatnonzero(chosen))
         if chosen[-1] >= granules:
             raise InputError(
-                f"held group {k} has granule {chosen[-1]}; it must have some of the {granules} "
-                f"granules."
+                f"held group {k} has granule {chosen[-1]}; it must have some of the {granules} granules."
             )
         if taken[chosen].any():
             twice = chosen[taken[chosen]][0]

@@ -1,5 +1,4 @@
-"""Boxes that repeat themselves: their periods, and places in them. SI units; x to the right, y
-upwards."""
+"""Boxes that repeat themselves: their periods, and places in them. SI units; x to the right, y upwards."""
 
 from collections.abc import Callable
 
@@ -22,8 +21,7 @@ def walled(periodic: Periods) -> np.ndarray:
 
 
 def wrapped(position: np.ndarray, periodic: Periods) -> np.ndarray:
-    """Positions (..., 2) in m less whole periods: from 0 to below the period along a periodic
-    side."""
+    """Positions (..., 2) in m less whole periods: from 0 to below the period along a periodic side."""
     # twice: of a tiny negative number the first is the period
     return _by_side(position, periodic, lambda x, period: np.mod(np.mod(x, period), period))
 

@@ -180,8 +180,7 @@ class Cylinder:
             and self.velocity.spin is not None
         ):
             raise InputError(
-                f"cylinder spin is {self.spin:g} rad/s; it must be left out, because its path has "
-                f"one."
+                f"cylinder spin is {self.spin:g} rad/s; it must be left out, because its path has one."
             )
 
 
@@ -250,8 +249,7 @@ def planes(name: str, value: Any) -> np.ndarray:
     if off.max() > ROUNDED:
         row = off.argmax()
         raise InputError(
-            f"{name} of row {row} has a normal (nx, ny) of length {length[row, 0]:.6g}; it must be "
-            f"1."
+            f"{name} of row {row} has a normal (nx, ny) of length {length[row, 0]:.6g}; it must be 1."
         )
     rows = np.where(off > EXACT, rows / length, rows)
     if len(np.unique(rows.round(DIGITS) + 0.0, axis=0)) < len(rows):  # without negative zeros
@@ -286,8 +284,8 @@ class Scene(Kept):
     friction : Friction, optional
         Friction of all contacts; None for smooth ones.
     walls : array_like of shape (w, 3), optional
-        One row (nx, ny, offset) per wall, offset in m, as `box` returns them. A normal whose length
-        is 1 within a thousandth is rounded, and its row is divided by its length.
+        One row (nx, ny, offset) per wall, offset in m, as `box` returns them. A normal whose length is
+        1 within a thousandth is rounded, and its row is divided by its length.
     cylinder : Cylinder, optional
         Cylinder that moves through the granules.
     gravity : tuple of float, optional
@@ -302,9 +300,9 @@ class Scene(Kept):
         are not wrapped: a granule that leaves through one side goes on, and meets the images of the
         others.
     wall_motion : sequence, optional
-        For each of the w walls its velocity (x, y) in m/s, a `PrescribedMotion`, a `Drive`, or None
-        if it is at rest. A wall is a straight line: it moves along its normal, and its velocity
-        along itself only drags the granules that touch it.
+        For each of the w walls its velocity (x, y) in m/s, a `PrescribedMotion`, a `Drive`, or None if it is at
+        rest. A wall is a straight line: it moves along its normal, and its velocity along itself only
+        drags the granules that touch it.
     held : sequence of Held
         Groups of granules that are a boundary.
 
@@ -312,8 +310,8 @@ class Scene(Kept):
     ------
     InputError
         If a value cannot be used, for instance if a wall's normal is not a unit vector, if a wall
-        is given twice or crosses a periodic side, or if a period is so short that a granule could
-        touch two images of one body.
+        is given twice or crosses a periodic side, or if a period is so short that a granule could touch two images
+        of one body.
 
     Notes
     -----
@@ -337,8 +335,8 @@ class Scene(Kept):
     >>> print(f"{scene.inertia[0] / (scene.mass[0] * 1e-3**2):.2f}")
     0.50
 
-    A scene around a cylinder that repeats itself along both sides. The first disc is at the right
-    side and touches the second, which is at the left one:
+    A scene around a cylinder that repeats itself along both sides. The first disc is at the right side
+    and touches the second, which is at the left one:
 
     >>> scene = dem.Scene(
     ...     dem.Disc([1e-3, 1e-3]),
@@ -375,8 +373,7 @@ class Scene(Kept):
             walls = 0 if self.walls is None else len(self.walls)
             if len(self.wall_motion) != walls:
                 raise InputError(
-                    f"wall_motion has {len(self.wall_motion)} entries; it must have one for each "
-                    f"of "
+                    f"wall_motion has {len(self.wall_motion)} entries; it must have one for each of "
                     f"the {walls} walls, None for one at rest."
                 )
         if self.held:
@@ -386,8 +383,7 @@ class Scene(Kept):
         name, least = "xy"[axis], ROOM * reach(self)
         if not period >= least:
             raise InputError(
-                f"periodic along {name} is {period:g} m; it must be at least {least:.4g} m, "
-                f"{ROOM:g} "
+                f"periodic along {name} is {period:g} m; it must be at least {least:.4g} m, {ROOM:g} "
                 "times the greatest distance at which two bodies touch."
             )
         walls = np.empty((0, 3)) if self.walls is None else self.walls
@@ -446,9 +442,9 @@ class State:
     angular_velocity : array_like of shape (n,), optional
         Angular velocities (rad/s), anticlockwise.
     boundaries : array_like, optional
-        Of a state that a run has reached: offsets (m) of walls, place (m) of the cylinder and
-        velocities (m/s, rad/s) of all boundaries, if they are not those of the start. Only a scene
-        where they are the same goes on from it. None for a state that any scene may start from.
+        Of a state that a run has reached: offsets (m) of walls, place (m) of the cylinder and velocities (m/s,
+        rad/s) of all boundaries, if they are not those of the start. Only a scene where they are the same
+        goes on from it. None for a state that any scene may start from.
 
     Raises
     ------

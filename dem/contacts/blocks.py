@@ -285,10 +285,10 @@ def unconverged(converged):
 def any_unconverged(values, count):
     """Whether any of the first lanes is; nearly always none is, and vector code is fast to say
     so."""
-    found = 0
+    number = 0
     for q in range(count):
-        found += values[lane.UNCONVERGED + np.uint64(q)] != 0.0
-    return found > 0
+        number += values[lane.UNCONVERGED + np.uint64(q)] != 0.0
+    return number > 0
 
 
 @inlined

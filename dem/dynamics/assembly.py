@@ -97,7 +97,7 @@ def writable(shape):
 def widest_skins(scene: Scene) -> list[float]:
     """Skins (m) with which no list holds two images of one body, nor finds one pair by another
     image than the list before: for each period."""
-    return [0.25 * (each - 2.0 * reach(scene)) for each in scene.periodic or () if each]
+    return [0.25 * (period - 2.0 * reach(scene)) for period in scene.periodic or () if period]
 
 
 def granule_table(scene: Scene, skin: float, fraction: float = 1.0) -> GranuleTable:
@@ -151,7 +151,7 @@ def friction_parameters(scene: Scene, kind: str) -> FrictionParameters | None:
     another.
     """
     friction = scene.friction
-    if friction is None or not any(getattr(friction, each) for each in CONTACT_KINDS):
+    if friction is None or not any(getattr(friction, name) for name in CONTACT_KINDS):
         return None
     materials = partners(scene, boundary=kind != "granule")
     ratio = effective_shear_modulus(*materials) / effective_modulus(*materials)
@@ -243,8 +243,8 @@ def held_groups(scene: Scene, bodies: np.ndarray, motion: np.ndarray) -> HeldGro
     if not scene.held:
         return None
     first, group = len(motion) - len(scene.held), np.full(scene.granules, -1)
-    for b, each in enumerate(scene.held):
-        group[each.granules] = first + b
+    for b, held in enumerate(scene.held):
+        group[held.granules] = first + b
     member = np.flatnonzero(group >= 0)
     bodies[np.ix_(member, [VX, VY])] = motion[np.ix_(group[member], [VX, VY])]
     return HeldGroups(first, group, member, bodies[np.ix_(member, [X, Y])])

@@ -13,7 +13,7 @@ import numpy as np
 from dem.base.errors import InputError
 from dem.base.validate import refuse
 
-# of a World: what the scene holds, and what each step writes before it reads
+# of a World: what the scene holds, and what part step writes before it reads
 LEFT_OUT = "world.shape.", "world.lanes.motion", "world.lanes.values"
 SEAL = "seal"
 
@@ -41,11 +41,11 @@ def writable(tree):
     """The tree with copies of its arrays, which can be written; two that were one stay one."""
     copies = {}
 
-    def copied(each):
-        if isinstance(each, np.ndarray):
-            key = each.ctypes.data, each.shape, each.dtype
-            return copies.setdefault(key, each.copy())
-        return each._make(map(copied, each)) if hasattr(each, "_fields") else each
+    def copied(part):
+        if isinstance(part, np.ndarray):
+            key = part.ctypes.data, part.shape, part.dtype
+            return copies.setdefault(key, part.copy())
+        return part._make(map(copied, part)) if hasattr(part, "_fields") else part
 
     return copied(tree)
 
@@ -69,16 +69,16 @@ def fingerprint(*values) -> np.ndarray:
 
 def numbers_of(tree) -> list[float]:
     """All numbers of a tree of named tuples, in order."""
-    nested = [numbers_of(each) if hasattr(each, "_fields") else [float(each)] for each in tree]
-    return [number for each in nested for number in each]
+    nested = [numbers_of(part) if hasattr(part, "_fields") else [float(part)] for part in tree]
+    return [number for part in nested for number in part]
 
 
 def with_numbers(tree, numbers):
     """The tree with these numbers in place of its own."""
     left = iter(numbers)
 
-    def filled(each):
-        return each._make(map(filled, each)) if hasattr(each, "_fields") else type(each)(next(left))
+    def filled(part):
+        return part._make(map(filled, part)) if hasattr(part, "_fields") else type(part)(next(left))
 
     return filled(tree)
 

@@ -35,8 +35,15 @@ def wall_contact(planes, shape, one, x, y, b):
 def contact_with(two, shape, one, contacts, p, dx, dy):
     """The same of a constituent and another outline, dx, dy (m) from it."""
     dx, dy = shifted(contacts, p, dx, dy)
-    found = solve_contact(shape, dx, dy, one, two, last_normal(contacts, p))
-    return found.overlap, found.nx, found.ny, found.n1, either(found.t1, 0.0), found.radius
+    contact = solve_contact(shape, dx, dy, one, two, last_normal(contacts, p))
+    return (
+        contact.overlap,
+        contact.nx,
+        contact.ny,
+        contact.n1,
+        either(contact.t1, 0.0),
+        contact.radius,
+    )
 
 
 @compiled(allocates=True)

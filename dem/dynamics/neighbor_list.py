@@ -157,7 +157,7 @@ def share_out(old, constituent, partner, granules, per):
     """Rows for the forces of pairs of two patches: force_row (m,) of Contacts, and Patches."""
     if old is None:
         return partner, None
-    own, patches, size = granules * per, number_of_patches(granules), PATCH * per
+    constituents, patches, size = granules * per, number_of_patches(granules), PATCH * per
     force_row = partner.copy()
     target = np.empty(force_row.shape[0], np.uint32)
     first, lowest = np.zeros(patches + 1, np.int64), np.arange(patches)
@@ -166,7 +166,7 @@ def share_out(old, constituent, partner, granules, per):
         home, other = partner[p] // size, constituent[p] // size
         if home != other:
             lowest[home] = min(lowest[home], other)
-            force_row[p], target[count] = own + count, partner[p]
+            force_row[p], target[count] = constituents + count, partner[p]
             first[home + 1] += 1
             count += 1
     for c in range(patches):
@@ -180,15 +180,15 @@ def share_out(old, constituent, partner, granules, per):
 
 
 @inlined
-def room_for_forces(patches, force, own):
+def room_for_forces(patches, force, constituents):
     """Rows of forces, with those of Patches after the constituents' own."""
     if patches is None:
         return force
-    rows = own + patches.target.shape[0]
+    rows = constituents + patches.target.shape[0]
     if force.shape[0] >= rows:
         return force
     longer = np.zeros((rows + rows // 8, 4))
-    for i in range(own):
+    for i in range(constituents):
         for c in range(4):  # number by number: to assign a slice takes ten seconds to compile
             longer[i, c] = force[i, c]
     return longer

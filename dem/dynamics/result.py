@@ -236,12 +236,12 @@ class Result(NamedTuple):
         state = State(*(getattr(self, name)[frame] for name in ARRAYS))
         from dem.dynamics.simulation import Simulation  # which imports this file
 
-        found = Simulation(scene, state).contacts()
+        contacts = Simulation(scene, state).contacts()
         if scene.friction is None:
-            return found
-        return found._replace(
-            tangential_force=np.full_like(found.tangential_force, np.nan),
-            total_force=np.full_like(found.total_force, np.nan),
+            return contacts
+        return contacts._replace(
+            tangential_force=np.full_like(contacts.tangential_force, np.nan),
+            total_force=np.full_like(contacts.total_force, np.nan),
         )
 
     def to_dataset(self) -> "xarray.Dataset":

@@ -87,10 +87,10 @@ def _principal(tensor):
 
 def edges(name: str, value: Any) -> np.ndarray:
     """Kind: edges (m) of bins, at least two, that rise."""
-    found = array("be finite", None, each="edge")(name, value)
-    if len(found) < 2 or not (np.diff(found) > 0.0).all():
+    limits = array("be finite", None, each="edge")(name, value)
+    if len(limits) < 2 or not (np.diff(limits) > 0.0).all():
         raise InputError(f"{name} must hold two or more edges of bins (m) that rise.")
-    return found
+    return limits
 
 
 def stress(
@@ -129,14 +129,14 @@ def stress(
         moving -= _outer(momentum, momentum) / np.maximum(within, LEAST)[:, None, None]
         carried = _outer(contacts.total_force, contacts.branch)
         start, one = position[contacts.granule], np.ones(len(point))
-        found = Stress(
+        measured = Stress(
             contact=held(carried, start, contacts.branch) / volume[:, None, None],
             kinetic=moving / volume[:, None, None],
             fabric=held(_outer(normal, normal), point) / held(one, point)[:, None, None],
             coordination_number=held(np.bincount(ends, minlength=len(mass)), position)
             / held(np.ones(len(mass)), position),
         )
-    return found if bins else Stress(*(each[0] for each in found))
+    return measured if bins else Stress(*(values[0] for values in measured))
 
 
 def _outer(first, second):
@@ -174,13 +174,13 @@ def _areas(planes, periods, axis, limits, bins):
         if period is not None and not (bins and other == axis):
             across = np.eye(2)[other]
             planes += [(*-across, 0.0), (*across, period)]
-    across, found = np.eye(2)[axis], []
+    across, areas = np.eye(2)[axis], []
     for low, high in pairwise(limits):
         sides = [(*-across, -low), (*across, high)] if bins else []
         corners = _corners(np.array(planes + sides).reshape(-1, 3))
         x, y = corners.T
-        found.append(0.5 * np.sum(np.roll(x, 1) * y - x * np.roll(y, 1)))
-    return np.array(found)
+        areas.append(0.5 * np.sum(np.roll(x, 1) * y - x * np.roll(y, 1)))
+    return np.array(areas)
 
 
 def _corners(planes):

@@ -81,25 +81,25 @@ class RolledLibrary(PartLibrary):
 
 def type_of(state, variable):
     """Type of an argument, of a member of one, or of its address; raises GuardException for others."""
-    found = get_definition(state.func_ir, variable)
-    if isinstance(found, ir.Arg):
-        return state.args[found.index]
-    operation = getattr(found, "op", None)
+    definition = get_definition(state.func_ir, variable)
+    if isinstance(definition, ir.Arg):
+        return state.args[definition.index]
+    operation = getattr(definition, "op", None)
     if operation == "getattr":
-        kind = type_of(state, found.value)
+        kind = type_of(state, definition.value)
         kind = getattr(kind, "held", kind)
         if isinstance(kind, types.BaseNamedTuple):
-            return kind.types[kind.fields.index(found.attr)]
+            return kind.types[kind.fields.index(definition.attr)]
     elif operation == "call":
-        function = get_definition(state.func_ir, found.func)
+        function = get_definition(state.func_ir, definition.func)
         if getattr(function, "value", None) in (by_address, local):
-            return type_of(state, found.args[0])
+            return type_of(state, definition.args[0])
     elif operation == "static_getitem":  # of `a, b, c, d = ...`
-        values = get_definition(state.func_ir, found.value)
+        values = get_definition(state.func_ir, definition.value)
         if getattr(values, "op", None) == "exhaust_iter":
             values = get_definition(state.func_ir, values.value)
         if getattr(values, "op", None) == "build_tuple":
-            return type_of(state, values.items[found.index])
+            return type_of(state, values.items[definition.index])
     raise GuardException
 
 
@@ -188,8 +188,8 @@ class KernelCompiler(Compiler):
         (manager,) = super().define_pipelines()
         names = [name for name, _ in manager.passes]
         manager.passes = [
-            (self.lower if each is NativeLowering else each, words)
-            for each, words in manager.passes
+            (self.lower if part is NativeLowering else part, words)
+            for part, words in manager.passes
         ]
         manager.passes.insert(names.index(DeadBranchPrune), (DecideAbsence, "decide absence"))
         manager._finalized = False

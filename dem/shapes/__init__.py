@@ -35,13 +35,13 @@ class Kind(NamedTuple):
     @property
     def shape(self) -> type:
         """The class; the file of a user's own runs here, and nowhere else. Raises InputError."""
-        made = getattr(loaded(self.module), self.name)
-        if not hasattr(made, "lists_sizes"):  # which dem.shapes.protocol gives to each shape
+        granules = getattr(loaded(self.module), self.name)
+        if not hasattr(granules, "lists_sizes"):  # which dem.shapes.protocol gives to each shape
             path = file_of(self.module)
             raise InputError(
                 f"{path}: {self.name} is no shape; decorate it with smooth, see {HOW}."
             )
-        return made
+        return granules
 
 
 KINDS = {
@@ -75,16 +75,16 @@ def kind_of(name: str, beside: str | None = None) -> Kind:
 def of_size(cls: type, diameters, ratio: float, *options):
     """Granules of a class with the areas of discs of these diameters (n,) in m; raises InputError
     where they have others."""
-    made, asked = cls.of_size(diameters, ratio, *options), 0.25 * math.pi * diameters**2
-    off = abs(made.area / asked - 1.0)
+    granules, asked = cls.of_size(diameters, ratio, *options), 0.25 * math.pi * diameters**2
+    off = abs(granules.area / asked - 1.0)
     if not off.max() <= SAME:
         g = off.argmax()
         raise InputError(
-            f"{cls.__name__}.of_size gives a granule of {made.area[g]:.7g} m2 for a diameter of "
+            f"{cls.__name__}.of_size gives a granule of {granules.area[g]:.7g} m2 for a diameter of "
             f"{diameters[g]:g} m; "
             f"it must have the area of that disc, {asked[g]:.7g} m2."
         )
-    return made
+    return granules
 
 
 def outlines(kind: str, diameters, ratio: float):

@@ -54,7 +54,7 @@ class Ellipse(Granules, _Fields):
     semi_minor : array_like of shape (n,)
         Semi-minor axes b (m), at most a.
     contact : str, CommonNormal or GeometricPotential
-        How a contact is found: "common_normal", or "geometric_potential" as in the paper. The
+        How a contact is contact: "common_normal", or "geometric_potential" as in the paper. The
         classes take a tolerance.
     hertz_radius : str
         Radius R (m) in Hertz's law: "volume" for sqrt(ab), "local" for the radius of curvature at
@@ -122,7 +122,7 @@ class Ellipse(Granules, _Fields):
         aspect_ratio : float
             Length over width, without unit, 1 or more.
         contact : str, CommonNormal or GeometricPotential
-            How a contact is found; see the class.
+            How a contact is contact; see the class.
         hertz_radius : str
             Radius (m) in Hertz's law, "volume" or "local"; see the class.
 
@@ -229,10 +229,10 @@ def support(shape, outline_1, nx, ny):
 
 
 def find_contact(shape, dx, dy, outline_1, outline_2, guess):
-    found, (rho1, rho2), converged = ellipse_contact(
+    contact, (rho1, rho2), converged = ellipse_contact(
         shape.contact, dx, dy, outline_1, outline_2, guess
     )
-    overlap, nx, ny, n1, t1, n2, t2 = found
+    overlap, nx, ny, n1, t1, n2, t2 = contact
     radius = None if shape.local_curvature is None else rho1 * rho2 / (rho1 + rho2)
     return ContactGeometry(overlap, nx, ny, n1, t1, n2, t2, radius), converged
 

@@ -122,7 +122,7 @@ def ellipse_contact(method, dx, dy, outline_1, outline_2, guess):
     nx, ny = ex / overlap, ey / overlap
     rx, ry = x1 - 0.5 * ex, y1 - 0.5 * ey  # contact point from centre 1
     sx, sy = rx - dx, ry - dy  # and from centre 2
-    found = (
+    contact = (
         overlap,
         nx,
         ny,
@@ -131,7 +131,7 @@ def ellipse_contact(method, dx, dy, outline_1, outline_2, guess):
         -(sx * nx + sy * ny),
         sy * nx - sx * ny,
     )
-    return found, (rho1, rho2), None
+    return contact, (rho1, rho2), None
 
 
 answer(GeometricPotential, ellipse_contact, questions=METHOD_QUESTIONS)

@@ -294,14 +294,14 @@ def answer(cls, *functions, questions=SHAPE_QUESTIONS, **renamed):
     Raises InputError for an unknown question, an unanswered one without a default, a missing member
     of Shape, or a class with the name of another shape.
     """
-    if any(each is not cls and each.__name__ == cls.__name__ for each in questions[0].answers):
+    if any(other is not cls and other.__name__ == cls.__name__ for other in questions[0].answers):
         raise InputError(
             f"{cls.__name__} is the name of a class that the kernels know already, and Numba tells "
             "classes apart by their names; choose another name, or start Python, or the workers, "
             "again."
         )
-    named = {each.__name__: each for each in functions} | renamed
-    known = {each.__name__: each for each in questions}
+    named = {function.__name__: function for function in functions} | renamed
+    known = {question.__name__: question for question in questions}
     for name in named.keys() - known.keys():
         raise InputError(f"{cls.__name__} answers {name}, which is no question of the kernels.")
     for name, question in known.items():

@@ -169,9 +169,9 @@ def _sampled(cls, key):
     """h, q, rho (n, ANGLES) in m of the granules, at equal steps of the angle of the normal."""
     sizes = [value if isinstance(value, float) else np.frombuffer(value)[:, None] for value in key]
     angle = 2.0 * np.pi * np.arange(ANGLES) / ANGLES
-    found = _SUPPORT[cls].py_func(np.cos(angle), np.sin(angle), sizes)
-    shape = np.broadcast_shapes(*(np.shape(each) for each in (*found, *sizes)))
-    return angle, *(np.broadcast_to(each, shape) for each in found)
+    values = _SUPPORT[cls].py_func(np.cos(angle), np.sin(angle), sizes)
+    shape = np.broadcast_shapes(*(np.shape(value) for value in (*values, *sizes)))
+    return angle, *(np.broadcast_to(value, shape) for value in values)
 
 
 def sampled(shape):
