@@ -13,7 +13,7 @@ from .io.lazily import open_results as open_results
 from .motion import Drive as Drive
 from .motion import Held as Held
 from .motion import PrescribedMotion as PrescribedMotion
-from .packing.grown import grow as grow
+from .packing.swelling import grow as grow
 from .packing.random import Bed as Bed
 from .packing.random import pack as pack
 from .scene import Cylinder as Cylinder

@@ -122,7 +122,7 @@ MUTANTS = (
     # beds
     Mutant("packing/minimise.py", "missing call", "        forces(world, 0.0, math.inf)\n    return", "    return", BED),
     Mutant("packing/random.py", "missing term", "(r + radius[near]) ** 2", "radius[near] ** 2", BED),
-    Mutant("packing/grown.py", "missing factor", "KEPT * end.velocity", "end.velocity", BED),
+    Mutant("packing/swelling.py", "missing factor", "KEPT * end.velocity", "end.velocity", BED),
     # runs
     Mutant("experiment/fit.py", "sign", "(granules / fraction + cylinder)", "(granules / fraction - cylinder)", RUN),
     Mutant("experiment/kinds/drag.py", "order", "min(every - done % every, BINS_A_CALL)", "BINS_A_CALL", RUN),

@@ -27,7 +27,7 @@ from dem.dynamics.ordering import order_of
 from dem.dynamics.stepping import diagnose_together
 from dem.dynamics.threads import Threads
 from dem.dynamics.world import PATCH
-from dem.packing.tiled import tiled
+from dem.packing.tiling import tiled
 from dem.shapes import KINDS
 
 PITCH = 1e-3  # m

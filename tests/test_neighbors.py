@@ -9,8 +9,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 from conftest import STIFF
 from dem import Simulation
 from dem.dynamics.assembly import granule_table
-from dem.dynamics.neighbor_list import share_out
 from dem.dynamics.cell_list import near_circle, near_pairs, near_planes
+from dem.dynamics.neighbor_list import share_out
 from dem.dynamics.world import PATCH
 from dem.shapes import KINDS
 

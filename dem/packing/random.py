@@ -260,7 +260,7 @@ def pack(
     (0.008, None)
     """
     room = Room(width, height, cylinder, seed, periodic)
-    factor, state = sown(shape, room)
+    factor, state = dilute_start(shape, room)
     while factor < 1.0:
         world, _ = relax(room.scene(shape.scaled(factor)), state, PATIENCE, SETTLED)
         state = state_of(world)
@@ -268,7 +268,7 @@ def pack(
     return at_rest(shape, room, state)
 
 
-def sown(shape: Any, room: Room) -> tuple[float, State]:
+def dilute_start(shape: Any, room: Room) -> tuple[float, State]:
     """Small granules at random places and angles, apart from each other.
 
     Returns the factor by which lengths are scaled at the start, and the State at the start.
