@@ -13,9 +13,9 @@ from .io.lazily import open_results as open_results
 from .motion import Drive as Drive
 from .motion import Held as Held
 from .motion import PrescribedMotion as PrescribedMotion
-from .packing.swelling import grow as grow
 from .packing.random import Bed as Bed
 from .packing.random import pack as pack
+from .packing.swelling import grow as grow
 from .scene import Cylinder as Cylinder
 from .scene import Friction as Friction
 from .scene import Material as Material

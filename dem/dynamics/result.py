@@ -102,7 +102,8 @@ RESULT = {
     "wall_tangential_force": (
         ("time", "wall"),
         "N",
-        "mean tangential force on the wall since the frame before, along its normal turned anticlockwise by a right angle",
+        "mean tangential force on the wall since the frame before, along its normal turned "
+        "anticlockwise by a right angle",
     ),
     "wall_normal": (("wall", "axis"), "1", "unit normal of the wall, into the solid"),
     "wall_offset": (("time", "wall"), "m", "distance of the wall from the origin along its normal"),

@@ -2,6 +2,7 @@
 
 import math
 import os
+import threading
 import time
 import warnings
 from collections.abc import Mapping
@@ -199,9 +200,8 @@ class Simulation:
         if reached is not None and not np.array_equal(reached, self._start):
             raise InputError(
                 "state was reached with boundaries in other places or at other speeds than those "
-                "of scene; "
-                "go on with a Simulation, or move them in the scene and make boundaries of the "
-                "state None."
+                "of scene; go on with a Simulation, or move them in the scene and make boundaries "
+                "of the state None."
             )
         if skin is None:
             table = table._replace(skin=skin_for(scene, self._world, table, time_step))
@@ -215,7 +215,7 @@ class Simulation:
         )
         self._threads = min(threads, number_of_patches(len(self._order)))
         self._budget = max(FIRST_BUDGET // len(self._world.constituents), 1)
-        self._advancing = self._in_kernel = False
+        self._lock, self._in_kernel = threading.Lock(), False
         self._view: tuple[Progress, World, Diagnostics] | None = None
         report = self._run_kernel(0.0, 0.0, 0, initialise=True)
         if report.outcome:
@@ -742,8 +742,8 @@ class Simulation:
         if self._in_kernel:
             raise StateError(
                 "the simulation is in the midst of a step: another thread advances it, this "
-                "process was "
-                "forked from it there, or an error cut it off there; wait, or make it again."
+                "process was forked from it there, or an error cut it off there; wait, or make it "
+                "again."
             )
         return self._progress
 
@@ -781,7 +781,10 @@ class Simulation:
     def __getstate__(self) -> dict[str, Any]:
         """For pickle and copy: no two arrays that share memory."""
         self._progress_now()
-        return vars(self) | {"_world": writable(self._world), "_view": None, "_advancing": False}
+        return vars(self) | {"_world": writable(self._world), "_view": None, "_lock": None}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state, _lock=threading.Lock())
 
     def _call(self, before, schedule: Schedule, record: np.ndarray) -> tuple[World, Progress]:
         """Call the kernel once, the only one that a simulation needs."""
@@ -805,16 +808,14 @@ class Simulation:
         Bits do not depend on how often.
         """
         self._progress_now()
-        if self._advancing:
+        if not self._lock.acquire(blocking=False):
             raise StateError(
                 "the simulation advances already, in another thread or outside this signal "
-                "handler; "
-                "wait until that has ended."
+                "handler; wait until that has ended."
             )
-        record = np.zeros((0, 0)) if record is None else record
-        report = self._progress._replace(outcome=FINE)
-        self._advancing = True
         try:
+            record = np.zeros((0, 0)) if record is None else record
+            report = self._progress._replace(outcome=FINE)
             while True:
                 clock = time.perf_counter()
                 schedule = Schedule(
@@ -840,7 +841,7 @@ class Simulation:
                 elif took > LONG:
                     self._budget = max(self._budget // 2, 1)
         finally:
-            self._advancing = False
+            self._lock.release()
 
     def _advance(
         self, name: str, begin: float, interval: float, count: int, record: np.ndarray | None = None
@@ -873,37 +874,31 @@ class Simulation:
         if lost.any():
             raise StateError(
                 f"the motion of granule {self._order[lost.argmax()]} is not a number {when}: take "
-                f"a smaller "
-                "time step."
+                "a smaller time step."
             )
         if outcome == LOST:
             moved = np.linalg.norm(self._world.constituents[:, :2] - self._world.reference, axis=1)
             farthest = int(moved.argmax()) // self._table.per
             what = f"granule {self._order[farthest]}" if moved.max() >= value else "a boundary"
             raise StateError(
-                f"{what} moved {value:.3g} m before its contacts were listed "
-                f"again {when}; it may move {self._rules.reach:.3g} m: take a smaller time "
-                "step."
+                f"{what} moved {value:.3g} m before its contacts were listed again {when}; it may "
+                f"move {self._rules.reach:.3g} m: take a smaller time step."
             )
         if outcome == TOO_LONG:
             raise StateError(
                 f"the time step has shrunk to {value:.3g} s {when}, and what remains would take "
-                f"more "
-                f"than {MOST_STEPS:.0e}: granules are too fast for a run of this duration."
+                f"more than {MOST_STEPS:.0e}: granules are too fast for a run of this duration."
             )
         if outcome == COLLAPSED:
             raise StateError(
                 f"the time step has shrunk too far {when}: {value:.3g} s is less than {COLLAPSE:g} "
-                f"of the first "
-                f"one, and what remains would take more than {MOST_WORK / len(self._order):.0e} "
-                f"steps: granules "
-                "are too fast."
+                "of the first one, and what remains would take more than "
+                f"{MOST_WORK / len(self._order):.0e} steps: granules are too fast."
             )
         if outcome == UNSTABLE:
             raise StateError(
                 f"time_step is {self._rules.time_step:.4g} s, longer than the critical one, "
-                f"{value:.4g} s, {when}: "
-                "make it shorter, leave it out, or set allow_unstable."
+                f"{value:.4g} s, {when}: make it shorter, leave it out, or set allow_unstable."
             )
         if outcome == OUTSIDE:
             assert self._world.walls is not None
@@ -918,8 +913,7 @@ class Simulation:
             remedy = "place the granules farther apart"
         raise OverlapError(
             f"granule {self._order[granule]} overlaps by {value:.3g} of the smaller radius {when}; "
-            f"the limit is "
-            f"{self._rules.max_overlap:g}: {remedy}."
+            f"the limit is {self._rules.max_overlap:g}: {remedy}."
         )
 
 
@@ -1002,9 +996,8 @@ def simulate(
     if size > MOST_FRAME_BYTES:
         raise InputError(
             f"frames is {frames}; of {scene.granules} granules they fill {size / 2**30:.3g} GiB, "
-            f"more than "
-            f"{MOST_FRAME_BYTES / 2**30:g}: keep fewer, or advance a Simulation and save what you "
-            f"need."
+            f"more than {MOST_FRAME_BYTES / 2**30:g}: keep fewer, or advance a Simulation and save "
+            "what you need."
         )
     series = {name: np.empty((frames + 1, *np.shape(value))) for name, value in first.items()}
     for frame in range(frames + 1):

@@ -203,8 +203,7 @@ def _corners(planes):
     if (np.abs(corners) > 0.999 * far).any():
         raise InputError(
             "the container of the bed is not closed, so that it has no area; give edges of bins "
-            "along x or y "
-            "between which it is, such as y=(0, 0.02)."
+            "along x or y between which it is, such as y=(0, 0.02)."
         )
     return corners
 

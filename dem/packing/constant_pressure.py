@@ -1,8 +1,8 @@
 """Beds at a prescribed pressure: the top wall of a loose bed comes down until it bears that.
 
 The granules keep their size, so the height of the box is a result. After every step down the
-elastic energy is minimised without friction, as in dem.packing.random. Above jamming the pressure to
-the power of 2/3 is nearly linear in the height (see dem.experiment.kinds.jamming), so a secant
+elastic energy is minimised without friction, as in dem.packing.random. Above jamming the pressure
+to the power of 2/3 is nearly linear in the height (see dem.experiment.kinds.jamming), so a secant
 finds the height.
 """
 

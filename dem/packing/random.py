@@ -305,8 +305,8 @@ def at_rest(shape: Any, room: Room, state: State) -> Bed:
     world, rest = relax(room.scene(shape), state, LONGEST, REST)
     if not rest.net_force <= REST:
         raise PackingError(
-            f"{room.name(shape)} is not at rest after {LONGEST} "
-            f"iterations: net force {rest.net_force:.2g} E* R^2, asked for {REST:g}."
+            f"{room.name(shape)} is not at rest after {LONGEST} iterations: net force "
+            f"{rest.net_force:.2g} E* R^2, asked for {REST:g}."
         )
     return finished(shape, room, world, rest, rest.net_force)
 
@@ -324,14 +324,13 @@ def finished(shape: Any, room: Room, world: World, rest: Rest, net_force: float)
     if lost.any():
         raise PackingError(
             f"{room.name(shape)} cannot be made: the centre of granule {lost.argmax()} was pushed "
-            f"into the "
-            "cylinder or out of the box: ask for a lower packing fraction."
+            "into the cylinder or out of the box: ask for a lower packing fraction."
         )
     if not rest.max_overlap <= DEEPEST:
         raise PackingError(
             f"{room.name(shape)} cannot be made: granule {rest.deepest} overlaps by "
             f"{rest.max_overlap:.2g} of the smaller radius, at most {DEEPEST:g} is allowed: ask "
-            f"for a lower packing fraction."
+            "for a lower packing fraction."
         )
     return Bed(
         position=position,

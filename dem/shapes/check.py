@@ -161,8 +161,8 @@ def check_shape(shape) -> None:
     >>> dem.check_shape(dem.Disc([1e-3, 2e-3]))  # no news is good news
     """
     if not is_shape(type(shape)):
-        words = "be granules of a shape, such as dem.Disc, or of a class that dem.shapes.smooth.smooth decorates"
-        refuse("shape", shape, words)
+        words = "be granules of a shape, such as dem.Disc, or of a class that"
+        refuse("shape", shape, f"{words} dem.shapes.smooth.smooth decorates")
     name = type(shape).__name__
     _refuse(name, [shape.fault or ""])
     _refuse(name, _scaling(shape))
@@ -201,8 +201,7 @@ def _scaling(shape):
         if value.shape != (count,) or not np.allclose(scaled, 2.0**power * value, rtol=SAME):
             yield (
                 f"{name} is {value}; it must be {count} finite numbers that grow by the power "
-                f"{power} of the "
-                "factor of scaled."
+                f"{power} of the factor of scaled."
             )
 
 
@@ -224,10 +223,8 @@ def _outline(two):
             if uniform:
                 yield (
                     f"the centre of mass is at c = ({x:.6g}, {y:.6g}) m; it must be the centre: "
-                    f"subtract "
-                    "c_x nx + c_y ny from the support function h, and c_y nx - c_x ny from q; or "
-                    "define "
-                    "gyration_squared, if the mass is not spread evenly."
+                    "subtract c_x nx + c_y ny from the support function h, and c_y nx - c_x ny "
+                    "from q; or define gyration_squared, if the mass is not spread evenly."
                 )
         elif not np.isclose(gyration, stated_gyration, rtol=NEAR):
             yield f"gyration_squared is {stated_gyration:g} m2; its outline has {gyration:g} m2."
@@ -235,8 +232,7 @@ def _outline(two):
         if far > size * (1.0 + SAME) or size > LOOSE * far:
             yield (
                 f"bounding_radius is {size:g} m; the outline reaches {far:g} m, and the circle "
-                f"must "
-                f"hold it and be at most {LOOSE:g} times as large."
+                f"must hold it and be at most {LOOSE:g} times as large."
             )
 
 
@@ -267,26 +263,30 @@ def _support(two):
         if not steepest <= BEND:
             yield (
                 f"the outline is too flat: its radius of curvature is {steepest:.3g} times its "
-                f"bounding "
-                f"radius, more than {BEND:g}, and no time step is short enough; round its flat "
-                f"sides."
+                f"bounding radius, more than {BEND:g}, and no time step is short enough; round its "
+                "flat sides."
             )
             return
         if longest > shape.normal_lever[g] * (1.0 + NEAR) + SAME * size:
-            yield f"normal_lever is {shape.normal_lever[g]:g} m; normal forces have levers up to {longest:g} m."
+            yield (
+                f"normal_lever is {shape.normal_lever[g]:g} m; normal forces have levers up to "
+                f"{longest:g} m."
+            )
         if greatest > shape.normal_bend[g] * (1.0 + NEAR) + NEAR * size:
             yield (
                 f"normal_bend is {shape.normal_bend[g]:g} m; the outline bends by up to "
-                f"{greatest:g} m, "
-                "and the time step would be too long."
+                f"{greatest:g} m, and the time step would be too long."
             )
         if np.hypot(h, q).max() > holds[g] * (1.0 + SAME):
-            yield "constituent_bounding_radius does not hold the constituent: contacts would be missed."
+            yield "constituent_bounding_radius does not hold the constituent: contacts are missed."
         turn, _, _, distance, _ = two.tangents(two.constituents(g), ANGLE, DIRECTIONS)
         normals = np.column_stack([np.cos(turn - ANGLE), np.sin(turn - ANGLE)])
         apart = distance.max(axis=0) - (normals @ polygons[g].reshape(-1, 2).T).max(axis=1)
         if np.abs(apart).max() > NEAR * size:
-            yield f"support and the outline of polygons differ, at angle {ANGLE:g} rad: walls would touch elsewhere."
+            yield (
+                f"support and the outline of polygons differ, at angle {ANGLE:g} rad: walls would "
+                "touch elsewhere."
+            )
     radius = 0.37 * two.size[0]
     _, h, q, _, _ = two.tangents([-1], 0.0, DIRECTIONS, radius)
     if not np.allclose([h - radius, q], 0.0, atol=SAME * radius):

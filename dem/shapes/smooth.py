@@ -252,8 +252,7 @@ def fault(shape):
     at = int(np.argmin(rho[g]))
     return (
         f"granule {g} is not convex: its radius of curvature is {rho[g, at]:.3g} m where the "
-        f"normal is at "
-        f"{np.degrees(angle[at]):.0f} degrees; it must be positive everywhere."
+        f"normal is at {np.degrees(angle[at]):.0f} degrees; it must be positive everywhere."
     )
 
 
