@@ -21,7 +21,7 @@ from numba.extending import overload
 
 from dem.jit.compilation import INLINED, inlined
 from dem.shapes.common_normal import LARGEST_TURN
-from dem.shapes.protocol import ContactGeometry, answer
+from dem.shapes.protocol import ContactGeometry, answer, resized
 from dem.shapes.rotation import rotated
 
 TOLERANCE = 1e-4  # rad: the last turn of the normal may be as large as this; error ~ its 4th power
@@ -223,6 +223,22 @@ def normal_bend(shape):
     return ROOM * np.maximum(rho - h, 0.0).max(axis=-1)
 
 
+def scaled(shape, factor):
+    """Granules of the same shape, all lengths multiplied by a factor.
+
+    Parameters
+    ----------
+    factor : float or ndarray of shape (n,)
+        Ratio of new to old lengths, without unit.
+
+    Returns
+    -------
+    Shape
+        The scaled granules.
+    """
+    return resized(shape, lambda size: factor * size)
+
+
 def polygons(shape, points=64):
     """Closed outlines about the centre at angle zero, to draw or sample.
 
@@ -278,7 +294,7 @@ def smooth(support_function):
     def make(cls):
         _SUPPORT[cls] = inlined(support_function)
         members = {name: property(function) for name, function in DERIVED.items()}
-        for name, member in (members | {"polygons": polygons}).items():
+        for name, member in (members | {"scaled": scaled, "polygons": polygons}).items():
             if name not in cls.__dict__:
                 setattr(cls, name, member)
         cls.guesses = True
