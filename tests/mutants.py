@@ -107,7 +107,7 @@ MUTANTS = (
     Mutant("dynamics/stepping.py", "not cleared", "impulses[b, c] -= seen[b, c]", "impulses[b, c] -= 0.0", RUN),
     Mutant("dynamics/critical_step.py", "constant", "* 2.0 / max(rate + root", "* 4.0 / max(rate + root", "tests/test_simulate.py"),
     Mutant("dynamics/energy.py", "constant", "energy += 0.5 * squared", "energy += squared", RUN),
-    Mutant("dynamics/energy.py", "constant", "+= 0.4 * stiffness", "+= 0.5 * stiffness", "tests/test_energy.py"),
+    Mutant("dynamics/energy.py", "constant", "return 0.4 * stiffness", "return 0.5 * stiffness", "tests/test_energy.py"),
     Mutant("dynamics/stress.py", "sign", "moving -= _outer", "moving += _outer", "tests/test_stress.py"),
     Mutant("dynamics/simulation.py", "order", "back = np.argsort(self._order)", "back = self._order", ONE_THREAD),
     Mutant("dynamics/checkpoint.py", "not kept", '"world.shape.", "world.lanes.motion"', '"world.pairs.tangential_force", "world.lanes.motion"', STORE),

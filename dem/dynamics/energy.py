@@ -104,17 +104,19 @@ def kinetic(world, later, frame):
     return energy, math.sqrt(speed_bound)
 
 
+@compiled
+def stored_normal(overlap, stiffness):
+    """Elastic energy (J) of Hertz's law, 2/5 k delta^2.5."""
+    return 0.4 * stiffness * overlap**2 * math.sqrt(overlap) if overlap > 0.0 else 0.0
+
+
 @compiled(allocates=True)
 def elastic(geometries, contacts):
-    """Normal and tangential elastic energy (J) of contacts with these geometries.
-
-    Hertz's law stores 2/5 k delta^2.5, a tangential spring T^2 / (2 k_t).
-    """
+    """Normal and tangential elastic energy (J) of contacts; a spring stores T^2 / (2 k_t)."""
     normal, tangential, friction = 0.0, 0.0, contacts.friction
     for p in range(geometries.shape[0]):
         overlap, stiffness = geometries[p, 0], geometries[p, 5]
-        if overlap > 0.0:
-            normal += 0.4 * stiffness * overlap**2 * math.sqrt(overlap)
+        normal += stored_normal(overlap, stiffness)
         if friction is not None:
             force = contacts.tangential_force[p]
             stiffness = friction.stiffness_ratio * stiffness * contacts.sqrt_overlap[p]
