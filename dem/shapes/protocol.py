@@ -43,7 +43,7 @@ class ContactGeometry(NamedTuple):
 
 class Shape(Protocol):
     """What Python asks of n granules with p constituents each, who reads it, and what a wrong
-    answer breaks. `answer` refuses a class without all members; Granules has those that most have
+    answer breaks. `answer` refuses a class without all members; DEFAULTS has those that most have
     in common.
 
     Lengths in m. of_size(diameter, aspect_ratio) is asked only of the shapes that configurations
@@ -109,8 +109,6 @@ class Granules:
     """Members that most shapes have in common."""
 
     __slots__ = ()
-    guesses, lists_sizes, needs_angle = False, False, True
-    fault: str | None = None
 
     @property
     def constituent_bounding_radius(self) -> np.ndarray:
@@ -145,6 +143,14 @@ def unit_circle(points):
     return np.stack([np.cos(turn), np.sin(turn)], axis=-1)
 
 
+DEFAULTS = {
+    "guesses": False,
+    "lists_sizes": False,
+    "needs_angle": True,
+    "fault": None,
+    "scaled": Granules.scaled,
+    "constituent_bounding_radius": Granules.constituent_bounding_radius,
+}
 MEMBERS = *Shape.__annotations__, "scaled", "polygons"
 
 
@@ -315,9 +321,9 @@ def answer(cls, *functions, questions=SHAPE_QUESTIONS, **renamed):
 
 
 def _complete(cls):
-    """Give a shape the members of Granules that it lacks; raises InputError for another one."""
+    """Give a shape the members with a default that it lacks; raises InputError for another one."""
     for name in MEMBERS:
         if not hasattr(cls, name):
-            if not hasattr(Granules, name):
+            if name not in DEFAULTS:
                 raise InputError(f"{cls.__name__} has no {name}; see dem.shapes.protocol.Shape.")
-            setattr(cls, name, getattr(Granules, name))
+            setattr(cls, name, DEFAULTS[name])
