@@ -786,8 +786,8 @@ class Simulation:
     def __setstate__(self, state: dict[str, Any]) -> None:
         vars(self).update(state, _lock=threading.Lock())
 
-    def _call(self, before, schedule: Schedule, record: np.ndarray) -> tuple[World, Progress]:
-        """Call the kernel once, the only one that a simulation needs."""
+    def _call(self, before: Progress, schedule: Schedule, record: np.ndarray) -> Any:
+        """World and Progress after one call of the kernel, the only one that a simulation needs."""
         given = self._world, self._table, self._rules, schedule, before, record
         if self._threads == 1:
             return run_steps(*given, None)
