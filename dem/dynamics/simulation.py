@@ -51,7 +51,6 @@ from dem.dynamics.stepping import (
     LOST,
     MOST_STEPS,
     MOST_WORK,
-    NOTHING_DONE,
     OF_BED,
     OF_BOUNDARY,
     OUTSIDE,
@@ -205,7 +204,7 @@ class Simulation:
             )
         if skin is None:
             table = table._replace(skin=skin_for(scene, self._world, table, time_step))
-        self._table, self._progress, self._until = table, NOTHING_DONE, 0.0
+        self._table, self._progress, self._until = table, Progress(), 0.0
         self._rules = StepControl(
             time_step=float(time_step or 0.0),
             max_overlap=float(max_overlap),

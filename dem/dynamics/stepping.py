@@ -87,7 +87,7 @@ class Schedule(NamedTuple):
 
 
 class Progress(NamedTuple):
-    """How a run went, and what the next call goes on from.
+    """How a run went, and what the next call goes on from; by default, that nothing is done.
 
     Attributes
     ----------
@@ -130,46 +130,24 @@ class Progress(NamedTuple):
         Shortest step (s) of the interval.
     """
 
-    outcome: int
-    value: float
-    granule: int
-    seen: float
-    time: float
-    steps: int
-    intervals: int
-    shortest: float
-    diagnostics: Diagnostics
-    dt: float
-    first_dt: float
-    dt_since: float
-    steps_at_dt: int
-    pending_kick: float
-    scanned: int
-    candidate_dt: float
-    candidate_since: int
-    interval_dt: float
-
-
-NOTHING_DONE = Progress(
-    outcome=FINE,
-    value=0.0,
-    granule=-1,
-    seen=0.0,
-    time=0.0,
-    steps=0,
-    intervals=0,
-    shortest=math.inf,
-    diagnostics=Diagnostics(0.0, 0.0, 0.0, 0.0, 0, 0.0, 0.0),
-    dt=0.0,
-    first_dt=0.0,
-    dt_since=0.0,
-    steps_at_dt=0,
-    pending_kick=0.0,
-    scanned=-1,
-    candidate_dt=math.inf,
-    candidate_since=0,
-    interval_dt=math.inf,
-)
+    outcome: int = FINE
+    value: float = 0.0
+    granule: int = -1
+    seen: float = 0.0
+    time: float = 0.0
+    steps: int = 0
+    intervals: int = 0
+    shortest: float = math.inf
+    diagnostics: Diagnostics = Diagnostics(0.0, 0.0, 0.0, 0.0, 0, 0.0, 0.0)
+    dt: float = 0.0
+    first_dt: float = 0.0
+    dt_since: float = 0.0
+    steps_at_dt: int = 0
+    pending_kick: float = 0.0
+    scanned: int = -1
+    candidate_dt: float = math.inf
+    candidate_since: int = 0
+    interval_dt: float = math.inf
 
 
 # Choice of the time step
