@@ -30,7 +30,7 @@ from dem.jit.block_memory import (
 )
 from dem.jit.compilation import inlined
 from dem.jit.instructions import add_four, subtract_four
-from dem.jit.optional import either, minus, plus, rolled_without_first, times
+from dem.jit.optional import either, given, minus, plus, rolled_without_first, times
 from dem.shapes.protocol import (
     ContactGeometry,
     circle,
@@ -215,12 +215,12 @@ def store_geometry(turns, geometry, contacts, p, lanes, k):
     """Write contact p to lane k: its geometry, and the velocity and its change at the contact."""
     motion, values = lanes.motion, lanes.values
     at = FOUR * k
-    damping, friction = contacts.damping, contacts.friction
     overlap, nx, ny, n1, t1, n2, t2, radius = geometry
-    spin_1, spin_2 = take(turns, motion, at + lane.W1), take(turns, motion, at + lane.W2)
-    one = motion[at + lane.VX1], motion[at + lane.VY1], spin_1
-    two = motion[at + lane.VX2], motion[at + lane.VY2], spin_2
-    velocity = relative_velocity(one, two, geometry)
+    velocity = relative_velocity(
+        (motion[at + lane.VX1], motion[at + lane.VY1], take(turns, motion, at + lane.W1)),
+        (motion[at + lane.VX2], motion[at + lane.VY2], take(turns, motion, at + lane.W2)),
+        geometry,
+    )
     values[lane.OVERLAP + k], values[lane.NX + k], values[lane.NY + k] = overlap, nx, ny
     if turns is not None:
         values[lane.N1 + k] = n1
@@ -228,17 +228,14 @@ def store_geometry(turns, geometry, contacts, p, lanes, k):
     put(t1, values, lane.T1 + k)
     put(t2, values, lane.T2 + k)
     put(radius, values, lane.RADIUS + k)
-    if damping is not None:
-        values[lane.V_NORMAL + k] = velocity[0]
-    if friction is not None:
-        values[lane.V_TANGENT + k] = velocity[1]
+    # only damping needs the rate, and only friction the slip
+    put(given(contacts.damping, velocity[0]), values, lane.V_NORMAL + k)
+    put(given(contacts.friction, velocity[1]), values, lane.V_TANGENT + k)
     if turns is not None:  # change of that velocity to the full step
-        change_1, change_2 = change_of(motion, at + lane.W1), change_of(motion, at + lane.W2)
-        change = relative_velocity(change_1, change_2, geometry)
-        if damping is not None:
-            values[lane.DV_NORMAL + k] = change[0]
-        if friction is not None:
-            values[lane.DV_TANGENT + k] = change[1]
+        one, two = change_of(motion, at + lane.W1), change_of(motion, at + lane.W2)
+        change = relative_velocity(one, two, geometry)
+        put(given(contacts.damping, change[0]), values, lane.DV_NORMAL + k)
+        put(given(contacts.friction, change[1]), values, lane.DV_TANGENT + k)
     if contacts.normal_x is not None:
         contacts.normal_x[p], contacts.normal_y[p] = nx, ny
 
