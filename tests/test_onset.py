@@ -17,7 +17,7 @@ from dem.experiment.kinds import jamming, onset
 from dem.figures.catalogue import FIGURES
 from dem.figures.onset import plot
 from dem.figures.style import save
-from dem.packing.pressed import Press
+from dem.packing.compaction import Press
 from dem.packing.random import Room
 from dem.shapes import KINDS
 from dem.sweep.config import load
