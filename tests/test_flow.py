@@ -6,6 +6,7 @@ from contextlib import chdir
 
 import meshio
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 from made import made
@@ -15,7 +16,7 @@ from typer.testing import CliRunner
 import dem
 from conftest import STIFF, assert_not_blank
 from dem.analysis.flow.collect import write_flow
-from dem.analysis.one_run import _chosen, open_run, read_motion
+from dem.analysis.one_run import open_run, read_motion, selected
 from dem.base.errors import InputError
 from dem.cli.app import app
 from dem.experiment import flow_measures as measures
@@ -183,12 +184,9 @@ def test_a_run_is_found_by_its_values(swept):
 
 def test_of_values_that_print_alike_the_one_that_is_written_is_selected():
     """Any of them can be named, and a rounded one where nothing is equal to it."""
-    ids, values = np.array(["a", "b", "c"]), np.array([2.0, 2.0000001, 0.1 + 0.2])
-    rows = [
-        _chosen("drag.nc", {"velocity": values}, ids, [f"velocity={text}"])
-        for text in ("2", "2.0000001", "0.3")
-    ]
-    assert rows == [0, 1, 2]
+    runs = pd.DataFrame({"velocity": [2.0, 2.0000001, 0.1 + 0.2]}, index=["a", "b", "c"])
+    found = [selected(runs, [f"velocity={text}"]) for text in ("2", "2.0000001", "0.3")]
+    assert found == ["a", "b", "c"]
 
 
 @pytest.mark.parametrize(
@@ -196,9 +194,9 @@ def test_of_values_that_print_alike_the_one_that_is_written_is_selected():
     [
         (
             ["shape=d1", "seed=1"],
-            "choose one by friction_granule, box, such as friction_granule=0.1",
+            "choose one, such as friction_granule=0.1 box=",
         ),
-        ([], "it has 16 runs; choose one by shape, friction_granule, box, seed"),
+        ([], "it has 16 runs; choose one, such as shape=c1 friction_granule=0.1 box="),
         (
             ["frction.granule=0.1"],
             "its runs have no value named frction.granule; the nearest is fr",

@@ -3,6 +3,7 @@
 import csv
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 from scipy import stats
@@ -11,15 +12,15 @@ from typer.testing import CliRunner
 import dem
 from dem.analysis.means import compared, means, table_of, write_means
 from dem.analysis.statistics import summarise
-from dem.analysis.tables import numbers
+from dem.analysis.tables import Shown
 from dem.base.errors import InputError
+from dem.base.intervals import mean_interval
 from dem.base.sources import ROOT
 from dem.cli.app import app
 from dem.cli.show import PlainConsole, print_or_write
 from dem.io.checksums import seal
-from dem.report.info import plain_table, summary
+from dem.report.info import summary
 from dem.sweep.axis import POINT
-from dem.sweep.precision import known
 
 FILES = [
     ROOT / path
@@ -96,6 +97,13 @@ def test_what_cannot_be_shown_is_refused(file, tmp_path, call, words):
         call(file, tmp_path)
 
 
+def text_of(shown, width=1000):
+    console = PlainConsole(width=width)
+    with console.capture() as text:
+        console.print(shown)
+    return text.get()
+
+
 def changed(path, edit):
     """Write a file again as `edit` has it."""
     with xr.open_dataset(path) as dataset:
@@ -123,7 +131,7 @@ def test_an_infinite_result_counts_as_none_wherever_means_are_shown(file):
     found = means(path)
     with dem.open_results(path) as dataset:
         of_drag = summarise(dataset)
-    wanted = known(of_drag["run_mean"][0], 0.95)
+    wanted = mean_interval(of_drag["run_mean"][0])
     assert found["drag"][0] == pytest.approx(wanted.value) == of_drag["mean"][0]
     assert found["drag_half_interval"][0] == pytest.approx(wanted.half) == of_drag["half_interval"][0]
     assert found["drag_runs"][0] == 3
@@ -175,38 +183,27 @@ def test_the_summary_counts_the_runs_of_all_quantities(file):
         origin = dict.fromkeys(("history", "git_revision", "source_hash", "versions"), "-")
         return dataset.assign(lift=lift, fall=dataset["drag"]).drop_vars("drag").assign_attrs(origin)
 
-    console = PlainConsole(width=200)
-    with console.capture() as text:
-        console.print(summary(changed(file(), edit)))
-    assert "2 to 4" in text.get()
+    assert "2 to 4" in text_of(summary(changed(file(), edit)))
 
 
 @pytest.mark.parametrize("width", [30, 80, 1000])
 def test_no_number_of_a_table_is_cut(width):
     """On a narrow terminal the last columns are below, beside the first one again."""
-    names = [f"value {number}" for number in range(12)]
-    rows = [[f"row{row}", *(f"{row}.{number:09d}" for number in range(11))] for row in range(3)]
-    console = PlainConsole(width=width)
-    with console.capture() as text:
-        console.print(numbers(*names, rows=rows))
-    lines = text.get().splitlines()
+    values = {f"value {n}": [f"{row}.{n:09d}" for row in range(3)] for n in range(11)}
+    frame = pd.DataFrame({"row": ["row0", "row1", "row2"]} | values)
+    lines = text_of(Shown(frame), width).splitlines()
     assert max(map(len, lines)) <= width
-    for row in rows:
+    for row in frame.itertuples(index=False):
         assert {cell for line in lines if row[0] in line for cell in line.split()} == set(row)
 
 
 def test_a_pipe_gets_tables_as_wide_as_they_are(file, capsys):
     names = {f"quantity_of_a_long_name_{number:02d}": ("point", [1.0 / 3.0] * 3) for number in range(20)}
-    print_or_write(plain_table(table_of(xr.Dataset(names))), None)
-    lines = capsys.readouterr().out.split("\n")
-    assert all(any(line.count(name) == 1 for line in lines) for name in names)
-    assert lines[1].split() == ["point", *names]
+    print_or_write(Shown(table_of(xr.Dataset(names))), None)
+    assert capsys.readouterr().out.splitlines()[0].split() == ["point", *names]
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 def test_every_released_file_of_runs_has_a_summary(path):
     """Also where it holds less than a sweep writes."""
-    console = PlainConsole(width=1000)
-    with console.capture() as text:
-        console.print(summary(path))
-    assert "±" in text.get()
+    assert "±" in text_of(summary(path))

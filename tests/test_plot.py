@@ -13,7 +13,6 @@ from PIL import Image
 import dem
 from dem.figures import bed, figure09, film, style
 from dem.figures.frames import frames_of, of_result
-from dem.report import interactive
 
 FLOW = Path(__file__).parent.parent / "docs/data/flow.nc"
 
@@ -238,4 +237,3 @@ def test_a_picture_says_where_outlines_are_not_those_of_the_granules(kind, words
         if "c1" in text.get_text()
     )
     assert label.endswith(words or "µm") and kind in label
-    assert interactive.beds(flow)["cases"]["c1"]["drawn"] == words

@@ -1,13 +1,12 @@
 """Drag against velocity: the law finds what made the drag, and its intervals hold it."""
 
-import io
 import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
-from rich.console import Console
+from test_means import text_of
 
 from conftest import assert_not_blank, needs_study
 from dem.analysis.velocity import AXIS, LEAST, inertial_number, rates
@@ -184,9 +183,8 @@ def test_the_workflow_draws_velocity_of_points_too(more, drawn):
 @needs_study("velocity")
 def test_info_tells_the_velocities_of_the_runs():
     """Not that of the file, where velocity varies."""
-    console = Console(width=200, file=io.StringIO())
-    console.print(summary(ROOT / "studies/velocity/velocity.nc"))
-    assert "cylinder at 0.125 to 32 m/s" in console.file.getvalue()
+    shown = text_of(summary(ROOT / "studies/velocity/velocity.nc"))
+    assert "cylinder at 0.125 to 32 m/s" in shown
 
 
 @pytest.mark.parametrize(("velocity", "marked"), [(2.0, True), (3.0, False)])

@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from dem.analysis.statistics import Estimate, bootstrapped, redrawn
 from dem.base.errors import InputError
+from dem.base.intervals import Estimate, bootstrap_interval, bootstrap_weights
 
 LEAST = 3  # numbers of granules, and seeds
 
@@ -55,12 +55,12 @@ def limits(dataset: xr.Dataset) -> Limits:
     beds, granules = fraction.shape[-1], dataset["granules"].values.astype(float)
     if beds < LEAST:
         raise InputError(f"it has {beds} beds of each size; an interval takes {LEAST}.")
-    weights = redrawn(beds, len(granules))
+    weights = bootstrap_weights(beds, len(granules))
 
     def found(values, power):
         means = np.einsum("rsk,ask->ars", weights, values)
         ends = intercept(granules**power, means, granules)
-        return [bootstrapped(each, beds, len(granules)) for each in ends]
+        return [bootstrap_interval(each, beds, len(granules)) for each in ends]
 
     rattlers = dataset["onset_rattlers"].values[:, -1].mean(axis=-1) / granules[-1]
     return Limits(

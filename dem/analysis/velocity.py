@@ -15,9 +15,10 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from dem.analysis.statistics import Estimate, bootstrapped, over_seeds, redrawn, summarise
+from dem.analysis.statistics import over_seeds, summarise
 from dem.analysis.values import along, axes_beside, places_of, value_of
 from dem.base.errors import InputError
+from dem.base.intervals import Estimate, bootstrap_interval, bootstrap_weights
 
 AXIS = "cylinder_velocity"
 LEAST = {AXIS: 4, "seed": 3}  # values that a fit and its intervals take
@@ -58,7 +59,7 @@ class Rates(NamedTuple):
 
     def interval(self, samples: np.ndarray) -> Estimate:
         """Of a number of all beds and of the resamples (1 + RESAMPLES,)."""
-        return bootstrapped(samples, self.beds)
+        return bootstrap_interval(samples, self.beds)
 
 
 def rates(dataset: xr.Dataset) -> Rates:
@@ -76,11 +77,13 @@ def rates(dataset: xr.Dataset) -> Rates:
             what = "velocities" if dim == AXIS else "beds that were drawn at all velocities"
             raise InputError(f"it has {runs.sizes[dim]} {what}; a fit takes {least}.")
     velocity, beds = runs[AXIS].values, runs.sizes["seed"]
-    weights = redrawn(beds)
+    weights = bootstrap_weights(beds)
     others = axes_beside(dataset, AXIS)
     runs = runs.squeeze([dim for dim in runs.dims if dim not in (*LEAST, *others)])
     rows = runs.transpose(*others, AXIS, "seed").values.reshape(-1, len(velocity), beds)
-    means = {place: weights @ row.T for place, row in zip(places_of(runs, others), rows, strict=True)}
+    means = {
+        place: weights @ row.T for place, row in zip(places_of(runs, others), rows, strict=True)
+    }
     return Rates(velocity, means, {at: fit(velocity, each) for at, each in means.items()}, beds)
 
 

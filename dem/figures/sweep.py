@@ -14,11 +14,11 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter, MaxNLocator
 
-from dem.analysis.means import run_mean
-from dem.analysis.statistics import half_interval
+from dem.analysis.means import quantities_of, run_means
 from dem.analysis.tables import digits
 from dem.analysis.values import designs_of, factors_of
 from dem.base.errors import InputError
+from dem.base.intervals import half_interval
 from dem.figures import style
 
 FILE = "drag"
@@ -39,7 +39,9 @@ PREFIXED = ("m", "s", "N", "Pa")  # units of which a value is told as "20 mm"
 def plot(dataset: xr.Dataset, of: str | None = None) -> Figure:
     """Means of a quantity with their intervals, of the drag or the first one if None; raises InputError
     where no run is there, or no such quantity."""
-    runs = run_mean(dataset, of)
+    names = quantities_of(dataset)
+    of = of or ("drag" if "drag" in names else names[0])
+    runs = run_means(dataset, "", [of])[of]
     if not bool(runs.notnull().any()):
         raise InputError("all its runs failed.")
     runs = runs.sortby([dim for dim in runs.dims if runs[dim].dtype.kind in "iuf"])

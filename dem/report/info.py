@@ -1,39 +1,29 @@
-"""What a file of results holds, as tables for the terminal (100 columns are enough)."""
+"""What a file of results holds, as tables for the terminal and the report."""
 
-from itertools import islice
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 from rich.console import Group
-from rich.table import Table
 from rich.text import Text
 
-from dem.analysis.means import WINDOW, heading, run_means
-from dem.analysis.one_run import columns_of, replicate_of
-from dem.analysis.statistics import (
-    LEVEL,
-    by_case,
-    half_interval,
-    over_seeds,
-    summarise,
-    takes,
-    window_text,
-)
-from dem.analysis.tables import digits, numbers
+from dem.analysis.means import WINDOW, heading, quantities_of, run_means
+from dem.analysis.one_run import replicate_of, values_of_runs
+from dem.analysis.statistics import by_case, over_seeds, replicates_needed, summarise, window_text
+from dem.analysis.tables import Shown, digits
 from dem.analysis.values import designs_of, factors_of, value_of
 from dem.base.errors import InputError
+from dem.base.intervals import LEVEL, half_interval
 from dem.base.schema import seed_words
 from dem.io.dataset import LABELS
 from dem.io.lazily import open_lazily, require
 from dem.sweep.combine import open_combined
 
-ROWS = 60  # of a table, at most
 LEGEND = """\
-mean drag within the window; 95 % interval of the mean by Student's t over the runs; standard
-deviation of the drag over a run and of the means between runs, both over the mean drag; how many runs
-a mean within 5 % takes; where the file has them, greatest overlap over the smaller granule radius,
-median time step and mean processor time of a run"""
+mean: of the drag within the window; ±: half its 95 % interval by Student's t over the runs; over run and
+between runs: standard deviations over the mean; for 5 %: how many runs a mean within 5 % takes;
+overlap: the greatest, over the smaller granule radius; step: the median; time: of a processor, for a run"""
 FEW = 3  # runs below which the scatter, and so every interval, is a guess
 ORIGIN = ("title", "history", "git_revision", "source_hash", "versions")
 VARIED = 4  # values more that runs of a file differ in, at most
@@ -49,12 +39,17 @@ def summary(path: Path) -> Group:
             )
         require(dataset, path, {}, (), ORIGIN)
         if dataset["run_id"].dims == ("run",):
-            return _runs(path, dataset)
+            return _shown(dataset.attrs, {}, runs_table(path, dataset))
         if "drag" not in dataset:
-            return _told(dataset.attrs, _runs_of(dataset), *means_table(path, dataset))
+            return _shown(dataset.attrs, _runs_of(dataset), means_table(path, dataset))
     with open_combined(path) as dataset:
         require(dataset, path, {}, (), (*ORIGIN, "configuration"))
-        return _sweep(dataset)
+        speed = value_of(dataset, "cylinder.velocity")
+        window = f"{window_text(dataset)} of displacement, cylinder at {_range(speed)} m/s"
+        legend = LEGEND + _few(dataset["drag"])
+        return _shown(
+            dataset.attrs, _runs_of(dataset) | {"window": window}, drag_table(dataset), legend
+        )
 
 
 def _study_of(path: Path, dataset: xr.Dataset) -> str:
@@ -63,15 +58,29 @@ def _study_of(path: Path, dataset: xr.Dataset) -> str:
     return f"; {writer} -m studies {rest.split()[0]} info {path} shows this one" if rest else ""
 
 
-def drag_table(dataset: xr.Dataset) -> tuple[Table, int]:
-    """Mean drag and scatter, one row per place on the axes, and the number of rows left out."""
+def _shown(attrs: dict, about: dict, table: pd.DataFrame, legend: str = "") -> Group:
+    """Title, where the numbers come from, more about them, and a table."""
+    origin = {
+        "written": attrs["history"],
+        "revision": attrs["git_revision"],
+        "sources": ", ".join(each[:16] for each in attrs["source_hash"].split("; ")),
+        "versions": attrs["versions"],
+        **about,
+    }
+    lines = "\n".join(f"{name:9} {line}" for name, line in origin.items())
+    title = Text(attrs["title"], style="bold")
+    return Group(title, Text(lines), "", Shown(table), "", Text(legend, style="dim"))
+
+
+def drag_table(dataset: xr.Dataset) -> pd.DataFrame:
+    """Mean drag and scatter, one row per place on the axes."""
     if (cases := by_case(dataset)) is None:
         return _table(dataset, _of_drag(dataset))
     columns = {
         "kind": (cases["kind"], ""),
         "ratio": (cases["aspect_ratio"], "g"),
-        "D_g\nµm": (1e6 * cases["diameter"], ".4g"),
-        "density\nkg/m³": (cases["density"], "g"),
+        "D_g µm": (1e6 * cases["diameter"], ".4g"),
+        "kg/m³": (cases["density"], "g"),
     }
     return _table(cases, columns | _of_drag(cases))
 
@@ -88,19 +97,55 @@ def _of_drag(dataset: xr.Dataset) -> dict[str, tuple[xr.DataArray, str]]:
     middle = step.median(set(step.dims) - set(mean.dims))
     return {
         "runs": (found["run_mean"].count("seed"), ""),
-        "mean\nN": (mean, ".0f"),
-        "95 %\n± N": (found["half_interval"], ".0f"),
-        "sd of\nrun %": (100.0 * found["sd_over_run"] / size, ".1f"),
-        "betw.\nruns %": (100.0 * found["sd_between_runs"] / size, ".1f"),
-        "runs\nfor 5 %": (takes(found["run_mean"], 0.05), ".0f"),
-        "over-\nlap": (overlap.max(set(overlap.dims) - set(mean.dims)), ".3f"),
-        "step\nns": (1e9 * middle.compute(scheduler="synchronous"), ".1f"),
-        "run\ns": (spent.mean(set(spent.dims) - set(mean.dims)), ".1f"),
+        "mean N": (mean, ".0f"),
+        "± N": (found["half_interval"], ".0f"),
+        "over run %": (100.0 * found["sd_over_run"] / size, ".1f"),
+        "between runs %": (100.0 * found["sd_between_runs"] / size, ".1f"),
+        "for 5 %": (replicates_needed(found["run_mean"], 0.05), ".0f"),
+        "overlap": (overlap.max(set(overlap.dims) - set(mean.dims)), ".3f"),
+        "step ns": (1e9 * middle.compute(scheduler="synchronous"), ".1f"),
+        "time s": (spent.mean(set(spent.dims) - set(mean.dims)), ".1f"),
     }
 
 
-def _table(dataset: xr.Dataset, columns: dict[str, tuple[xr.DataArray, str]]) -> tuple[Table, int]:
-    """One row per place on the axes, the last one fastest, and the number of rows left out.
+def means_table(path: Path, dataset: xr.Dataset) -> pd.DataFrame:
+    """Means of the first quantities of a combined file without drag, with half their intervals."""
+    runs = run_means(dataset, path, quantities_of(dataset)[:MEANS])
+    count = runs.count("seed").to_array()
+    columns = {"runs": (_texts(_range, count, core=["variable"]), "")}
+    for values in runs.values():
+        mean, half = values.mean("seed"), half_interval(values)
+        words = _texts(lambda m, h: f"{_text(m, '.4g')} ± {_text(h, '.2g')}", mean, half)
+        columns[f"{heading(values)} ± {LEVEL:.0%}"] = words, ""
+    return _table(dataset, columns)
+
+
+def _texts(words, *values: xr.DataArray, core: list[str] = ()) -> xr.DataArray:
+    """Text of values, place by place."""
+    dims = [list(core)] * len(values)
+    return xr.apply_ufunc(
+        words, *values, input_core_dims=dims, vectorize=True, output_dtypes=[object]
+    )
+
+
+def runs_table(path: Path, dataset: xr.Dataset) -> pd.DataFrame:
+    """The runs of a file of runs, one row each."""
+    values = values_of_runs(dataset)
+    varied = [name for name in values if name not in LABELS and values[name].nunique() > 1]
+    told = {"run": dataset["run_id"].str.slice(0, 12)}
+    told |= {name: values[name].tolist() for name in ("shape", "density", "seed", *varied[:VARIED])}
+    columns = {name: (xr.DataArray(each, dims="run"), ".5g") for name, each in told.items()}
+    if "drag" in dataset:
+        window = replicate_of(path, dataset, 0).configuration.record.window
+        columns |= _of_drag(dataset.assign_attrs(dict(zip(WINDOW, window, strict=True))))
+        del columns["runs"]  # one each
+    columns["processor time s"] = dataset["spent"], ".1f"
+    columns["failed"] = dataset["failure_reason"].str.slice(0, 60), ""
+    return _table(dataset, columns)
+
+
+def _table(dataset: xr.Dataset, columns: dict[str, tuple[xr.DataArray, str]]) -> pd.DataFrame:
+    """One row per place on the axes, the last one fastest, as text.
 
     columns: values over some of the axes by heading, and the format of their numbers; those without any
     number are left out.
@@ -112,11 +157,10 @@ def _table(dataset: xr.Dataset, columns: dict[str, tuple[xr.DataArray, str]]) ->
             axes[name] = dataset[name], digits(dataset[name].values.ravel().tolist())
     for name, (values, form) in (axes | columns).items():
         by_place = values.broadcast_like(places).transpose(*places.dims).values.ravel()
-        words = [_text(each, form) for each in by_place[:ROWS].tolist()]
-        if set(words) != {"-"}:
+        words = [_text(each, form) for each in by_place.tolist()]
+        if not {"-", ""}.issuperset(words):
             cells[name] = words
-    table = numbers(*cells, rows=zip(*cells.values(), strict=True))
-    return table, max(0, places.size - ROWS)
+    return pd.DataFrame(cells)
 
 
 def _text(value, form: str) -> str:
@@ -126,34 +170,15 @@ def _text(value, form: str) -> str:
     return format(value, form) if np.isfinite(value) else "-"
 
 
-def plain_table(frame) -> Table:
-    """A table of numbers and words as it is, its first rows."""
-    rows = frame.head(ROWS).itertuples(index=False)
-    rows = ((_text(each, ".5g") for each in row) for row in rows)
-    table = numbers(*map(str, frame.columns), rows=rows)
-    if len(frame) > ROWS:
-        table.caption = f"and {len(frame) - ROWS} rows more; -o table.csv has all"
-    return table
-
-
-def _sweep(dataset: xr.Dataset) -> Group:
-    """Title, provenance and the table of drag.nc."""
-    attrs = dataset.attrs
-    table, more = drag_table(dataset)
-    speed = _range(value_of(dataset, "cylinder.velocity"))
-    window = f"{window_text(dataset)} of displacement, cylinder at {speed} m/s"
-    about = _runs_of(dataset) | {"window": window}
-    return _told(attrs, about, table, more, LEGEND + _few(dataset["drag"]))
-
-
 def _few(values: xr.DataArray) -> str:
     """A sentence where some places have too few runs for an interval; "" where none has."""
     count = over_seeds(values.isel(displacement=0, missing_dims="ignore")).count("seed")
     few = int((count < FEW).sum())
-    return f"\nOf {few} of {count.size} places there are fewer than {FEW} runs: their intervals are guesses." if few else ""
+    sentence = f"\nOf {few} of {count.size} places there are fewer than {FEW} runs: too few for a reliable interval."
+    return sentence if few else ""
 
 
-def _range(values: xr.DataArray) -> str:
+def _range(values) -> str:
     """A number, or the least and the greatest of those that vary."""
     ends = dict.fromkeys((float(values.min()), float(values.max())))
     return " to ".join(f"{end:g}" for end in ends)
@@ -164,86 +189,11 @@ def _runs_of(dataset: xr.Dataset) -> dict[str, str]:
     told = {"seeds": seed_words(dataset["seed"].values.ravel()) if "seed" in dataset else "-"}
     if "partial" in dataset.attrs:
         told["so far"] = dataset.attrs["partial"]
-    if "failure" in dataset and (missing := _missing(dataset["failure"], int((dataset["run_id"] != "").sum()))):
-        told["missing"] = missing
+    if "failure" in dataset and int((dataset["failure"] != 0).sum()):
+        failure, total = dataset["failure"], int((dataset["run_id"] != "").sum())
+        meanings = failure.attrs["flag_meanings"].split()
+        counts = np.bincount(failure.values.ravel(), minlength=len(meanings))[1:]
+        words = ", ".join(f"{n} {why}" for n, why in zip(counts, meanings[1:], strict=True) if n)
+        why = f" ({failure.attrs['comment']})" if "comment" in failure.attrs else ""
+        told["missing"] = f"{counts.sum()} of {total} runs: {words}{why}"
     return told
-
-
-def _told(attrs: dict, about: dict, table: Table, more: int = 0, legend: str = "") -> Group:
-    """Title, where the numbers come from, more about them, and a table of which `more` rows are left out.
-
-    There is more than one source hash where runs differ.
-    """
-    lines = {
-        "written": attrs["history"],
-        "revision": attrs["git_revision"],
-        "sources": ", ".join(each[:16] for each in attrs["source_hash"].split("; ")),
-        "versions": attrs["versions"],
-        **about,
-    }
-    origin = Table(box=None, padding=(0, 2, 0, 0), pad_edge=False, show_header=False)
-    for name, line in lines.items():
-        origin.add_row(name, Text(line))
-    rest = [Text(f"... and {more} rows more; figure sweep shows all.")] if more else []
-    return Group(Text(attrs["title"], style="bold"), origin, "", table, *rest, Text(legend, style="dim"))
-
-
-def means_table(path: Path, dataset: xr.Dataset) -> tuple[Table, int]:
-    """Means of the first quantities of a combined file without drag, over the runs, and the number of
-    rows left out."""
-    runs = run_means(path, dataset, MEANS)
-    counts = xr.Dataset(runs).count("seed").to_array()
-    counts = xr.apply_ufunc(
-        _range, counts, input_core_dims=[["variable"]], vectorize=True, output_dtypes=[object]
-    )
-    columns = {"runs": (counts, "")} | {
-        f"{heading(values)}\n± {LEVEL:.0%}": (_with_interval(values), "") for values in runs.values()
-    }
-    return _table(dataset, columns)
-
-
-def _with_interval(sample: xr.DataArray) -> xr.DataArray:
-    """Mean over the runs and half its interval as text."""
-
-    def words(mean, half):
-        return f"{_text(mean, '.4g')} ± {_text(half, '.2g')}"
-
-    mean, half = sample.mean("seed"), half_interval(sample)
-    return xr.apply_ufunc(words, mean, half, vectorize=True, output_dtypes=[object])
-
-
-def _runs(path: Path, dataset: xr.Dataset) -> Group:
-    """The runs of a file of runs, one row each."""
-    attrs, whole = dataset.attrs, dataset
-    dataset = dataset.isel(run=slice(ROWS))
-    replicates = [replicate_of(path, dataset, row) for row in range(dataset.sizes["run"])]
-    varied = {
-        name: values[:ROWS] for name, values in columns_of(whole).items()
-        if name not in LABELS and len(set(values.tolist())) > 1
-    }  # fmt: skip
-    told = {
-        "run": [run[:12] for run in dataset["run_id"].values.tolist()],
-        "shape": [each.label for each in replicates],
-        "density\nkg/m³": [f"{each.density:g}" for each in replicates],
-        "seed": [each.seed for each in replicates],
-        **dict(islice(varied.items(), VARIED)),
-    }
-    columns = {name: (xr.DataArray(values, dims="run"), ".5g") for name, values in told.items()}
-    if "drag" in dataset:
-        window = dict(zip(WINDOW, replicates[0].configuration.record.window, strict=True))
-        columns |= _of_drag(dataset.assign_attrs(window))
-        del columns["runs"]  # one each
-    failed = [each.strip()[:60] for each in dataset["failure_reason"].values.tolist()]
-    columns["processor\ntime s"] = dataset["spent"], ".1f"
-    columns["failed"] = xr.DataArray(failed, dims="run"), ""
-    table, _ = _table(dataset, columns)
-    return _told(attrs, {}, table, whole.sizes["run"] - len(replicates))
-
-
-def _missing(failure: xr.DataArray, total: int) -> str:
-    """How many runs failed of all, by the flags of the variable; "" where none did."""
-    meanings = failure.attrs["flag_meanings"].split()
-    counts = np.bincount(failure.values.ravel(), minlength=len(meanings))
-    words = [f"{n} {word}" for n, word in zip(counts[1:], meanings[1:], strict=True) if n]
-    why = f" ({failure.attrs['comment']})" if "comment" in failure.attrs else ""
-    return f"{counts[1:].sum()} of {total} runs: {', '.join(words)}{why}" if words else ""

@@ -12,13 +12,14 @@ import re
 from collections.abc import Sequence
 from contextlib import suppress
 from functools import cached_property
-from typing import Annotated, NamedTuple
+from typing import Annotated
 
 import numpy as np
 from pydantic import BeforeValidator, model_validator
 
 from dem.base.errors import InputError, RunError
 from dem.base.hints import choice
+from dem.base.intervals import Estimate, mean_interval, moments, ratio_interval
 from dem.base.schema import MOST, SEEDS, Section, Seed, Whole, value
 from dem.io.dataset import AXES, OF_RUN, OF_STORE, read
 
@@ -124,93 +125,46 @@ def numbers_of(configuration) -> list[str]:
     return sorted(found, key=lambda name: name in OF_RUN)
 
 
-class Known(NamedTuple):
-    """A mean, or a ratio of means, so far, and the ends of its interval; runs: of the place."""
-
-    value: float
-    low: float
-    high: float
-    runs: int
-
-    @property
-    def half(self) -> float:
-        """The longer part of the interval; that of a ratio is longer above."""
-        return max(self.high - self.value, self.value - self.low)
-
-    def excess(self, until: Until) -> float:
-        """Half the interval over what is asked for; endless where too few runs are there."""
-        target, relative = until.target
-        wanted = target * abs(self.value) if relative else target
-        if self.runs < 2 or math.isnan(self.value):
-            return math.inf
-        return self.half / wanted if wanted > 0.0 else math.inf
-
-    def is_near_zero(self, until: Until) -> bool:
-        """Whether a share of the mean means nothing, because the interval holds zero."""
-        there = self.runs > 1 and math.isfinite(self.value)
-        return until.target[1] and there and not (self.low > 0.0 or self.high < 0.0)
+def excess(found: Estimate, until: Until) -> float:
+    """Half an interval over what is asked for; infinite where too few runs are there."""
+    target, relative = until.target
+    wanted = target * abs(found.value) if relative else target
+    return found.half / wanted if wanted > 0.0 and not math.isnan(found.value) else math.inf
 
 
-def known(sample, level: float, reference=None) -> Known:
-    """The mean of a sample, one value a run, with its interval by Student's t; with that of a reference,
-    the ratio of the means with Fieller's (1954, J. R. Stat. Soc. B 16, 175), the degrees of freedom by
-    Satterthwaite. What failed is NaN. A number that cannot be known has an endless interval."""
-    from scipy.special import stdtrit
-
-    count, mean, variance = _moments(sample)
-    if reference is None:
-        half = float(stdtrit(count - 1, 0.5 + 0.5 * level)) * math.sqrt(variance) if count > 1 else math.inf
-        return Known(mean, mean - half, mean + half, count)
-    others, base, spread = _moments(reference)
-    if min(count, others) < 2 or base == 0.0:
-        return Known(math.nan, -math.inf, math.inf, count)
-    ratio = mean / base
-    parts = variance, ratio**2 * spread
-    weights = (part**2 / (n - 1) for part, n in zip(parts, (count, others), strict=True))
-    freedom = sum(parts) ** 2 / (sum(weights) or math.inf)
-    quantile = float(stdtrit(max(freedom, 1.0), 0.5 + 0.5 * level))
-    a, c = base**2 - quantile**2 * spread, mean**2 - quantile**2 * variance
-    root = (mean * base) ** 2 - a * c
-    if a <= 0.0 or root < 0.0:  # the interval of the reference holds zero
-        return Known(ratio, -math.inf, math.inf, count)
-    ends = ((mean * base + sign * math.sqrt(root)) / a for sign in (-1.0, 1.0))
-    return Known(ratio, *ends, count)
+def is_near_zero(found: Estimate, until: Until) -> bool:
+    """Whether a share of the mean means nothing, because the interval holds zero."""
+    return until.target[1] and math.isfinite(found.half) and found.low <= 0.0 <= found.high
 
 
-def _moments(sample) -> tuple[int, float, float]:
-    """How many values there are, their mean, and the variance of the mean."""
-    there = np.asarray(sample, float)
-    there = there[np.isfinite(there)]
-    if there.size < 2:
-        return there.size, float(there.sum()) if there.size else math.nan, math.nan
-    return there.size, float(there.mean()), float(there.var(ddof=1)) / there.size
-
-
-def all_known(
+def estimates(
     until: Until, values: dict[Lead, np.ndarray], partners: dict[Lead, Lead | None]
-) -> dict[Lead, Known]:
-    """What is wanted of every place, by what its runs gave so far."""
+) -> dict[Lead, Estimate]:
+    """The mean, or ratio of means, of every place, by what its runs gave so far."""
     return {
-        place: known(values[place], until.level, *([values[other]] if other else []))
-        for place, other in partners.items() if other != place
-    }  # fmt: skip
+        place: ratio_interval(values[place], values[other], until.level)
+        if other
+        else mean_interval(values[place], until.level)
+        for place, other in partners.items()
+        if other != place
+    }
 
 
 def short_of(block, values: dict[Lead, np.ndarray]) -> list[str]:
     """A sentence where the cap left places less well known than was asked for; raises RunError where a
     share of a mean means nothing."""
     until, wide = block.until, []
-    for place, found in all_known(until, values, block.partners).items():
-        words = block.words(place)
-        if found.is_near_zero(until):
+    for place, found in estimates(until, values, block.partners).items():
+        words, number = block.words(place), f"{found.value:.3g} ± {found.half:.3g}"
+        if is_near_zero(found, until):
             raise RunError(
-                f"{words}: {until.of} of {found.runs} replicates is {found.value:.3g} ± {found.half:.3g}, which "
+                f"{words}: {until.of} of {len(values[place])} replicates is {number}, which "
                 f"may be zero, so {until.until} of it means nothing; ask for a number with a unit, such as "
                 "until: 50 N, or take the place out."
             )
-        if (excess := found.excess(until)) > 1.0:
-            told = f"{found.value:.3g} ± {found.half:.3g}" if excess < math.inf else "not known"
-            wide.append((excess, f"{words}, is {told} after {len(values[place])}"))
+        if (over := excess(found, until)) > 1.0:
+            number = number if over < math.inf else "not known"
+            wide.append((over, f"{words}, is {number} after {len(values[place])}"))
     if not wide:
         return []
     _, worst = max(wide)
@@ -225,21 +179,21 @@ def outlook(block, values: dict[Lead, np.ndarray]) -> tuple[int, int, int]:
     leaves open (95 %); where nothing is there, the first round and the caps."""
     from scipy.special import chdtri
 
-    until, places = block.until, all_known(block.until, values, block.partners)
+    until, places = block.until, estimates(block.until, values, block.partners)
     total = np.array(3 * [sum(n for place, n in block.counts.items() if place not in places)], float)
     for place, found in places.items():
-        limits = block.counts[place], until.most
-        if found.runs < 2 or not math.isfinite(wanted := expected(found, until)):
-            total += limits[0], *limits
-        else:
-            free = found.runs - 1
+        limits, runs = (block.counts[place], until.most), moments(values[place])[0]
+        if math.isfinite(wanted := replicates_needed(found, runs, until)):
+            free = runs - 1
             total += np.clip(wanted * np.array([1.0, *free / chdtri(free, [0.025, 0.975])]), *limits)
+        else:
+            total += limits[0], *limits
     return tuple(math.ceil(each) for each in total)
 
 
-def expected(found: Known, until: Until) -> float:
-    """How many replicates a place takes by the scatter so far."""
-    return found.runs * (SAFETY * found.excess(until)) ** 2
+def replicates_needed(found: Estimate, runs: int, until: Until) -> float:
+    """How many replicates a place takes by the scatter of its runs so far."""
+    return runs * (SAFETY * excess(found, until)) ** 2 if runs else math.inf
 
 
 def counts(
@@ -257,10 +211,10 @@ def counts(
         now, number = dict.fromkeys(group, until.least), 0
         while number < rounds and all(len(values[place]) >= n for place, n in now.items()):
             after, so_far = dict(now), {place: values[place][:n] for place, n in now.items()}
-            for place, mean in all_known(until, so_far, {each: partners[each] for each in group}).items():
-                excess = SAFETY * mean.excess(until)
-                for each in {place, partners[place] or place} if excess > 1.0 else ():
-                    wanted = min(now[each] * excess**2, GROWTH * now[each], until.most)
+            for place, mean in estimates(until, so_far, {each: partners[each] for each in group}).items():
+                over = SAFETY * excess(mean, until)
+                for each in {place, partners[place] or place} if over > 1.0 else ():
+                    wanted = min(now[each] * over**2, GROWTH * now[each], until.most)
                     after[each] = max(after[each], math.ceil(wanted))
             if after == now:
                 break
