@@ -3,7 +3,8 @@
 from pathlib import Path
 
 from dem.cli.options import OUTPUT, PAPER, BlockOption, ConfigOption, OutputOption, argument, option
-from dem.cli.terminal import bar, start_lean
+from dem.cli.terminal import start_lean
+from dem.io.progress import bar
 
 ShapesOption = option(
     str | None,  # a Path would have to be a file

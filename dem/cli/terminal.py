@@ -1,11 +1,8 @@
-"""What all verbs share: checks of paths, sentences instead of tracebacks, progress bars."""
+"""What all verbs share: checks of paths, sentences instead of tracebacks."""
 
 import functools
-import os
 import sys
-import threading
 from contextlib import contextmanager
-from datetime import datetime
 from pathlib import Path
 from typing import get_type_hints
 
@@ -14,11 +11,10 @@ import typer
 from dem.base.errors import InputError, RunError
 from dem.base.files import Place, check_paths, reason
 from dem.base.plain import plain
-from dem.base.say import say, say_over
+from dem.base.say import say
 from dem.cli.options import Writes
 from dem.cli.stopping import STOPS, Stopped, Stops, end_at_once
 from dem.cli.streams import open_streams, what_was_lost
-from dem.io.progress import Stage
 
 
 class Verbs(typer.Typer):
@@ -94,41 +90,6 @@ def reported():
                 raise
             say(plain(sentence_of(error)))  # control characters from a file or a path have no effect
             raise typer.Exit(2 if isinstance(error, InputError) else 1) from None
-
-
-TICK = 0.2  # s between two looks at work that lasts
-
-
-@contextmanager
-def bar(label: str, total: float | None = None):
-    """Say on stderr what lasts: on one line of a terminal, on a line now and then in a log.
-
-    Short work stays silent. Yields the update function, that of dem.io.progress.Stage. A thread
-    speaks, because compiling and packing take minutes without an update.
-    """
-    stage, over = Stage(plain(label), total), threading.Event()
-    alive = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
-
-    def write(words: str) -> None:
-        say(words if alive else f"{datetime.now():%Y-%m-%d %H:%M:%S} {words}")
-
-    def speak():
-        while not over.wait(TICK):
-            if alive and stage.lasts:
-                say_over(f"{stage.label}: {stage.words()}")
-            elif not alive and (line := stage.line()):
-                write(line)
-        if stage.lasts and stage.finished:
-            write(f"{stage.label}: {stage.end()}")
-
-    speaker = threading.Thread(target=speak, daemon=True)
-    speaker.start()
-    try:
-        yield stage.update
-        stage.finished = True
-    finally:
-        over.set()
-        speaker.join()
 
 
 def start_lean():
