@@ -8,8 +8,6 @@ import matplotlib
 import numpy as np
 from imageio_ffmpeg import get_ffmpeg_exe
 from matplotlib.animation import FFMpegWriter, PillowWriter
-from matplotlib.artist import Artist
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
@@ -33,31 +31,6 @@ SECONDS = 10.0  # of a film
 RC = style.RC | {"font.size": 13.0}
 
 
-class Stage(Figure):
-    """A figure for films: it draws what does not move once."""
-
-    moving: tuple[Artist, ...] = ()
-
-    def begin(self, moving: list[Artist]) -> None:
-        """Draw all but what moves, which is in the order in which it is drawn from now on."""
-        for artist in moving:
-            artist.set_animated(True)
-        self.pixels = FigureCanvasAgg(self)
-        self.pixels.draw()
-        self.rest = self.pixels.copy_from_bbox(self.bbox)
-        self.moving = tuple(moving)
-
-    def savefig(self, fname, **options) -> None:
-        """As of any figure; in a film, the pixels of a frame, which its writer asks for."""
-        if not self.moving:
-            super().savefig(fname, **options)
-            return
-        self.pixels.restore_region(self.rest)
-        for artist in self.moving:
-            artist.draw(self.pixels.get_renderer())
-        fname.write(self.pixels.buffer_rgba())
-
-
 class Scene:
     """A figure with the bed on the left and its record on the right, that can show any frame.
 
@@ -76,7 +49,7 @@ class Scene:
         self.contacts = {each: _contacts(frames, each) for each in felt}
         pushing = (each.max(initial=0.0) for _, each, _ in self.contacts.values())
         self.largest = max(pushing, default=0.0) or 1.0  # force at a contact (N)
-        self.figure = Stage(figsize=size, dpi=DPI)
+        self.figure = Figure(figsize=size, dpi=DPI)
         beside = beside and frames.record is not None
         left, *right = self.figure.subplots(
             1, 1 + beside, width_ratios=(1.15, 1.0)[: 1 + beside], squeeze=False
@@ -97,13 +70,6 @@ class Scene:
         self.figure.get_layout_engine().set(w_pad=0.12, h_pad=0.12)  # inches
         self.figure.draw_without_rendering()
         self.figure.set_layout_engine("none")  # laid out once: that takes as long as drawing
-
-    @property
-    def moving(self) -> list[Artist]:
-        """What is not the same in all frames, and what is drawn over it, from below."""
-        bed = sorted(self.bed.parts, key=Artist.get_zorder)
-        over = [] if self.mark is None else [self.mark, self.mark.axes.get_legend()]
-        return [each for each in (*bed, *over, self.caption) if each is not None]
 
     def _scale(self, axes):
         """Colour scale of speeds or forces, None for layers and cluster."""
@@ -245,7 +211,6 @@ def film(
         with atomic(path) as part:
             target = part if encoded else part.with_suffix(".gif")
             with writer.saving(scene.figure, str(target), DPI):
-                scene.figure.begin(scene.moving)
                 for frame in range(count):
                     scene.show(frame)
                     writer.grab_frame()

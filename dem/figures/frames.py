@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -58,15 +59,9 @@ def frames_of(source: Result | Motion) -> Frames:
 def of_motion(motion: Motion) -> Frames:
     """Frames of a run of the paper: the bed in its box, and the drag along the stroke."""
     run, own = motion.replicate, motion.replicate.configuration
-    width, size, velocity = own.box_width, own.cylinder.diameter, own.cylinder.velocity
+    width, size = own.box_width, own.cylinder.diameter
     axis = np.column_stack([np.full_like(motion.cylinder_y, 0.5 * width), motion.cylinder_y])
     moved = style.millimetres(motion.displacement)
-
-    def mean_velocity(snapshot):
-        """Since the last snapshot, or until the next for the first."""
-        first = max(snapshot - 1, 0)
-        way = motion.position[first + 1] - motion.position[first]
-        return way / (motion.displacement[first + 1] - motion.displacement[first]) * velocity
 
     def record(axes):
         if motion.drag is not None:
@@ -81,7 +76,7 @@ def of_motion(motion: Motion) -> Frames:
         position=motion.position, angle=motion.angle, rings=motion.outlines,
         walls=np.array([bed.box_walls(width, each, motion.periodic) for each in motion.height]),
         view=bed.box_view(width, motion.height.max()),
-        cylinder=axis, diameter=size, velocity=mean_velocity, contacts=motion.contacts, fastest=velocity,
+        cylinder=axis, diameter=size, velocity=partial(mean_velocity, motion), contacts=motion.contacts, fastest=own.cylinder.velocity,
         paints={
             "layer": bed.layer_colors(motion.position[0], motion.height[0], LAYERS),
             "cluster": bed.cluster_colors(motion.position[0], axis[0], size),
@@ -90,6 +85,14 @@ def of_motion(motion: Motion) -> Frames:
         boxed=True,
         record=record, marks=moved, periodic=motion.periodic,
     )  # fmt: skip
+
+
+def mean_velocity(motion: Motion, snapshot: int) -> np.ndarray:
+    """Of granules (n, 2) in m/s, since the snapshot before, or until the next for the first."""
+    first = max(snapshot - 1, 0)
+    way = motion.position[first + 1] - motion.position[first]
+    moved = motion.displacement[first + 1] - motion.displacement[first]
+    return way / moved * motion.replicate.configuration.cylinder.velocity
 
 
 def of_result(result: Result) -> Frames:
@@ -117,22 +120,27 @@ def of_result(result: Result) -> Frames:
 def _view(result: Result) -> np.ndarray:
     """Corners (2, 2) in m of a view that holds all frames, and the corners of walls that are near."""
     reach = result.scene.shape.bounding_radius[:, None]
-    periods = np.array(result.scene.periodic or (None, None), float)  # NaN: none
-    turns = np.isfinite(periods)
-    low, high = (result.position - reach).min((0, 1)), (result.position + reach).max((0, 1))
+    ends = [result.position - reach, result.position + reach]
     if result.cylinder_position is not None:
-        half = 0.5 * result.scene.cylinder.diameter
-        low = np.minimum(low, result.cylinder_position.min(0) - half)
-        high = np.maximum(high, result.cylinder_position.max(0) + half)
-    low, high = np.where(turns, 0.0, low), np.where(turns, periods, high)
+        radius = 0.5 * result.scene.cylinder.diameter
+        ends += [result.cylinder_position - radius, result.cylinder_position + radius]
+    periods = np.array(result.scene.periodic or (None, None), float)  # NaN: none
+    once = [0.0 * periods, periods]  # a period is shown once
+    low, high = np.where(np.isfinite(periods), once, _corners(ends))
     size = (high - low).max()
-    wide = np.array([low - size, high + size])
-    ends = np.concatenate([bed.edges(each, wide)[0].reshape(-1, 2) for each in result.walls])
-    inside = ((ends > wide[0] + 1e-6 * size) & (ends < wide[1] - 1e-6 * size)).all(axis=1)
-    around = np.array([low, high, *ends[inside]])
-    low, high = around.min(0), around.max(0)
-    edge = np.where(turns, 0.0, MARGIN * (high - low).max())  # a period is shown once
-    return np.array([low - edge, high + edge])
+    near = np.array([low - size, high + size])
+    corners = np.concatenate([bed.edges(each, near)[1] for each in result.walls])
+    inside = ((corners > near[0] + 1e-6 * size) & (corners < near[1] - 1e-6 * size)).all(axis=1)
+    low, high = _corners([low, high, corners[inside]])
+    edge = MARGIN * (high - low).max()
+    view = np.array([low - edge, high + edge])
+    return np.where(np.isfinite(periods), once, view)
+
+
+def _corners(places: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Lower left and upper right corner of what holds some places (..., 2)."""
+    every = np.concatenate([each.reshape(-1, 2) for each in places])
+    return every.min(axis=0), every.max(axis=0)
 
 
 def in_units(time) -> tuple[np.ndarray, str]:

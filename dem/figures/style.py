@@ -69,12 +69,7 @@ LOOKS = {
     "dumbbell": Look("#b34700", "#f5c49a", (0, (5, 1.5)), "s", "///"),
     "ellipse": Look("#0f5a30", "#d5eedd", (0, (3, 1, 1, 1)), "D", "..."),
 }
-# of kinds without a look of their own, in turn
-OTHERS = (
-    Look("#5b4a8a", "#d9d2ea", (0, (1, 1)), "^", "xx"),
-    Look("#8a1c4a", "#f0cbdb", (0, (7, 1.5, 1, 1.5)), "v", "\\\\\\"),
-    Look("#55606a", "#d3d8dc", (0, (3, 1, 1, 1, 1, 1)), "P", "++"),
-)
+OTHER = Look("#5b4a8a", "#d9d2ea", (0, (1, 1)), "^", "xx")  # of all other kinds
 
 # of any number of cases in turn, where kinds of granules do not suffice
 CASES = ("#2f7fd1", "#b34700", "#5b4a8a", "#6fae8a", "#2f7d4f", "#0f5a30", "black")
@@ -85,10 +80,7 @@ OUTLINE, STEEL = "0.25", "0.55"  # of granules; the cylinder
 
 def look(case: xr.Dataset) -> Look:
     """Look of one case, by the kind of its granules."""
-    kind = str(case["kind"].values)
-    others = [each for each in KINDS if each not in LOOKS]
-    number = others.index(kind) if kind in others else 0  # of data made with other shapes
-    return LOOKS.get(kind, OTHERS[number % len(OTHERS)])
+    return LOOKS.get(str(case["kind"].values), OTHER)
 
 
 def describe(case: xr.Dataset, separator: str = ", ") -> str:
@@ -156,18 +148,22 @@ def numbered(number: int) -> dict[str, str]:
     return {"color": CASES[number % len(CASES)], "marker": MARKERS[number % len(MARKERS)]}
 
 
-def smoothed(case: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
-    """Running mean (displacement,) in N of the drag, over the runs of one case, and half its interval."""
-    runs = running_mean(case, SMOOTHING)
-    return runs.mean("seed").values, half_interval(runs).values
+def displacement(dataset: xr.Dataset) -> np.ndarray:
+    """Displacements of the cylinder in mm."""
+    return millimetres(dataset["displacement"])
 
 
-def band(axes, x, mean, half, color: str, alpha: float = 0.22, label: str | None = None) -> None:
+def smoothed(dataset: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
+    """Running mean (..., displacement) in N of the drag over the runs, and half its interval."""
+    runs = running_mean(dataset, SMOOTHING)
+    return runs.mean("seed"), half_interval(runs)
+
+
+def band(axes, x, mean, half, color: str, label: str | None = None, alpha: float = 0.22) -> None:
     """The interval of a curve, if it has one everywhere."""
     if np.isfinite(half).all():
-        axes.fill_between(
-            x, mean - half, mean + half, color=color, alpha=alpha, linewidth=0.0, label=label
-        )
+        look = {"color": color, "alpha": alpha, "linewidth": 0.0, "label": label}
+        axes.fill_between(x, mean - half, mean + half, **look)
 
 
 def intervals(axes, x, estimates, **look) -> None:

@@ -47,8 +47,36 @@ def plot(dataset: xr.Dataset, of: str | None = None) -> Figure:
     runs = runs.sortby([dim for dim in runs.dims if runs[dim].dtype.kind in "iuf"])
     if set(runs.dims) == {"seed"}:  # one place: its shape is the axis
         runs = runs.expand_dims("shape")
-    designs = designs_of(runs)
-    return _design(dataset, runs, designs[0]) if designs else _grid(dataset, runs)
+    design = next(iter(designs_of(runs)), None)
+    roles = Roles(runs, design)
+    runs = runs.squeeze(
+        [dim for dim in runs.dims if runs.sizes[dim] == 1 and dim not in (roles.x, "seed")]
+    )
+    factors = factors_of(runs, design) if design else []
+    if design:  # a panel a factor
+        along = factors[:PANELS]
+        places = [{}] * len(along)
+    else:
+        grid = product(*(runs[dim].values for dim in roles.panels[::-1]))
+        places = [dict(zip(roles.panels, place[::-1], strict=True)) for place in grid]
+        along = [roles.x] * len(places)
+    two = len(roles.panels) == 2
+    columns = runs.sizes[roles.panels[0]] if two else min(len(places), COLUMNS - 1)
+    height = 4.0 if len(places) <= columns < 3 else 2.6
+    figure, panels = style.panels(
+        len(places), columns, 1.6, height, sharex=not design, sharey=True
+    )
+    for axes, place, name in zip(panels, places, along, strict=True):
+        here = runs.sel(place)
+        _lines(axes, here, roles, here[name], marks=bool(design))
+        axes.set_title(heading(runs, place, columns), loc="left")
+        if design or axes in panels[-columns:]:
+            axes.tick_params(labelbottom=True)
+            axes.set_xlabel(fill(words(runs[name], _power(runs[name])), 76 // columns))
+    left_out = factors[PANELS:]
+    more = f"; {len(left_out)} factors more are not shown" if left_out else ""
+    _finish(figure, dataset, runs, roles, more)
+    return figure
 
 
 def words(values: xr.DataArray, power: int = 0) -> str:
@@ -135,57 +163,10 @@ class Roles:
         if len(self.panels) == 2 and sizes[self.panels[0]] > COLUMNS:
             self.panels.reverse()
 
-    def reduced(self, runs: xr.DataArray) -> xr.DataArray:
-        """Without the axes of one value."""
-        return runs.squeeze([d for d in runs.dims if runs.sizes[d] == 1 and d not in (self.x, "seed")])
-
-
-def _grid(dataset: xr.Dataset, runs: xr.DataArray) -> Figure:
-    """Panels with the same axes."""
-    roles = Roles(runs)
-    runs = roles.reduced(runs)
-    places = list(product(*(runs[dim].values for dim in roles.panels[::-1])))
-    two = len(roles.panels) == 2
-    columns = runs.sizes[roles.panels[0]] if two else min(len(places), COLUMNS - 1)
-    figure, panels = _panels(len(places), columns, sharex=True, sharey=True)
-    for axes, place in zip(panels, places, strict=True):
-        at = dict(zip(roles.panels, place[::-1], strict=True))
-        here = runs.sel(at)
-        _lines(axes, here, roles, here[roles.x])
-        axes.set_title(heading(runs, at, columns), loc="left")
-    for axes in panels[-columns:]:
-        axes.tick_params(labelbottom=True)
-        _name(axes, runs[roles.x], columns)
-    _finish(figure, dataset, runs, roles)
-    return figure
-
 
 def is_logarithmic(values: np.ndarray) -> bool:
     """Whether values are over an axis that is logarithmic: positive, and far apart."""
     return bool(values.min() > 0.0 and values.max() > FAR * values.min())
-
-
-def _design(dataset: xr.Dataset, runs: xr.DataArray, dim: str) -> Figure:
-    """One panel per factor of a design."""
-    factors, roles = factors_of(runs, dim), Roles(runs, x=dim)
-    runs = roles.reduced(runs)
-    shown = factors[:PANELS]
-    columns = min(len(shown), COLUMNS - 1)
-    figure, panels = _panels(len(shown), columns, sharey=True)
-    for axes, name in zip(panels, shown, strict=True):
-        _lines(axes, runs, roles, runs[name], marks=True)
-        _name(axes, runs[name], columns)
-    more = f"; {len(factors) - PANELS} factors more are not shown" if factors[PANELS:] else ""
-    _finish(figure, dataset, runs, roles, more)
-    return figure
-
-
-def _name(axes, along: xr.DataArray, columns: int) -> None:
-    axes.set_xlabel(fill(words(along, _power(along)), 76 // columns))
-
-
-def _panels(count: int, columns: int, **shared):
-    return style.panels(count, columns, 1.6, 4.0 if count <= columns < 3 else 2.6, **shared)
 
 
 def _lines(axes, runs: xr.DataArray, roles: Roles, along: xr.DataArray, marks=False) -> None:
@@ -193,10 +174,10 @@ def _lines(axes, runs: xr.DataArray, roles: Roles, along: xr.DataArray, marks=Fa
     numeric = along.dtype.kind in "iuf"
     values = along.values / 10.0 ** _power(along) if numeric else along.values
     names = list(dict.fromkeys(values.tolist()))
-    middle = values if numeric else np.array([names.index(value) for value in values.tolist()])
     lines = runs[roles.line].values if roles.line else [None]
     logarithmic = numeric and is_logarithmic(values)
-    scaled = np.log(values) if logarithmic else middle
+    scaled = values if numeric else np.array([names.index(value) for value in values.tolist()])
+    scaled = np.log(values) if logarithmic else scaled
     step = APART[1] * float(np.ptp(scaled)) if numeric else APART[0] / len(lines)
     for number, line in enumerate(lines):
         own = runs.sel({roles.line: line}) if roles.line else runs

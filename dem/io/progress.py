@@ -23,7 +23,9 @@ def bar(label: str, total: float | None = None):
 
         columns = TextColumn("{task.description}", markup=False), BarColumn(), TimeRemainingColumn()
         streams = {"redirect_stdout": False, "redirect_stderr": False}  # workers inherit them
-        with Progress(*columns, console=Console(stderr=True), transient=True, **streams) as progress:
+        with Progress(
+            *columns, console=Console(stderr=True), transient=True, **streams
+        ) as progress:
             task = progress.add_task(label, total=total)
             yield lambda done, label=None: progress.update(task, completed=done, description=label)
         return
