@@ -76,9 +76,8 @@ def compared(path: Path, other: Path, name: str) -> xr.Dataset:
     """Means of one quantity in two files, where both have a place, and their ratio with Fieller's interval.
 
     The samples must be independent, so runs that both files have count for the first alone. Labels
-    that differ are there twice, such as first_granules and second_granules. Raises InputError where the
-    files have nothing in common: points of designs have numbers, which are the same place only where
-    all their values are the same.
+    that differ are left out. Raises InputError where the files have nothing in common: points of designs
+    have numbers, which are the same place only where all their values are the same.
     """
     samples, ids = [], []
     for each in (path, other):
@@ -98,10 +97,7 @@ def compared(path: Path, other: Path, name: str) -> xr.Dataset:
         raise InputError(
             f"{path} and {other} have no place in common; they are over {' and over '.join(told)}."
         )
-    first, second = (
-        each.rename({key: f"{order}_{key}" for key in differ if key in each.coords})
-        for order, each in zip(("first", "second"), samples, strict=True)
-    )
+    first, second = (each.drop_vars(differ, errors="ignore") for each in samples)
     ratios = xr.apply_ufunc(
         ratio_interval,
         second.rename(seed="second"),
@@ -110,6 +106,7 @@ def compared(path: Path, other: Path, name: str) -> xr.Dataset:
         output_core_dims=[[]] * len(RATIO),
         vectorize=True,
     )
+    ratios = [each.drop_attrs() for each in ratios]
     found = {"first": first.mean("seed"), "second": second.mean("seed")}
     found = {key: value.assign_attrs(first.attrs) for key, value in found.items()}
     return xr.Dataset(

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dem.base.errors import InputError
-from dem.base.hints import is_number, is_written, meant
+from dem.base.hints import is_number, meant
 from dem.experiment.config import Replicate, of_values
 from dem.experiment.motion import Motion
 from dem.io.dataset import LABELS, content_of
@@ -145,11 +145,8 @@ def selected(runs: pd.DataFrame, select: list[str]) -> str:
 
 def _like(values: pd.Series, text: str) -> np.ndarray:
     """Which values a text means: those that are equal to it, else those that are printed so."""
-    if not is_number(text):
-        return np.array([str(each) == text for each in values])
-    equal = np.array([each == float(text) for each in values])
-    printed = (isinstance(v, int | float | np.number) and is_written(v, text) for v in values)
-    return equal if equal.any() else np.array(list(printed))
+    equal = np.array([is_number(text) and each == float(text) for each in values])
+    return equal if equal.any() else np.array([_word(each) == text for each in values])
 
 
 def _word(value) -> str:

@@ -50,14 +50,6 @@ def over_seeds(values: xr.DataArray) -> xr.DataArray:
     return values.drop_vars("seed", errors="ignore").expand_dims("seed", -1)
 
 
-def replicates_needed(sample: xr.DataArray, share: float) -> xr.DataArray:
-    """How many replicates a mean needs to be known within a share of it, by the scatter of a sample
-    (seed, ...); NaN for a single run."""
-    return np.ceil(
-        sample.count("seed") * (half_interval(sample) / (share * sample.mean("seed"))) ** 2
-    )
-
-
 def summarise(dataset: xr.Dataset) -> xr.Dataset:
     """Drag within the averaging window: one number a case, or a place on the axes of any sweep, and
     `run_mean` (..., seed).

@@ -10,11 +10,11 @@ from rich.text import Text
 
 from dem.analysis.means import WINDOW, heading, quantities_of, run_means
 from dem.analysis.one_run import replicate_of, values_of_runs
-from dem.analysis.statistics import by_case, over_seeds, replicates_needed, summarise, window_text
+from dem.analysis.statistics import by_case, over_seeds, summarise, window_text
 from dem.analysis.tables import Shown, digits
 from dem.analysis.values import designs_of, factors_of, value_of
 from dem.base.errors import InputError
-from dem.base.intervals import LEVEL, half_interval
+from dem.base.intervals import half_interval
 from dem.base.schema import seed_words
 from dem.io.dataset import LABELS
 from dem.io.lazily import open_lazily, require
@@ -22,9 +22,7 @@ from dem.sweep.combine import open_combined
 
 LEGEND = """\
 mean: of the drag within the window; ±: half its 95 % interval by Student's t over the runs; over run and
-between runs: standard deviations over the mean; for 5 %: how many runs a mean within 5 % takes;
-overlap: the greatest, over the smaller granule radius; step: the median; time: of a processor, for a run"""
-FEW = 3  # runs below which the scatter, and so every interval, is a guess
+between runs: standard deviations over the mean; overlap: the greatest, over the smaller granule radius"""
 ORIGIN = ("title", "history", "git_revision", "source_hash", "versions")
 VARIED = 4  # values more that runs of a file differ in, at most
 MEANS = 5  # quantities of a file without drag that are shown
@@ -46,9 +44,8 @@ def summary(path: Path) -> Group:
         require(dataset, path, {}, (), (*ORIGIN, "configuration"))
         speed = value_of(dataset, "cylinder.velocity")
         window = f"{window_text(dataset)} of displacement, cylinder at {_range(speed)} m/s"
-        legend = LEGEND + _few(dataset["drag"])
         return _shown(
-            dataset.attrs, _runs_of(dataset) | {"window": window}, drag_table(dataset), legend
+            dataset.attrs, _runs_of(dataset) | {"window": window}, drag_table(dataset), LEGEND
         )
 
 
@@ -74,74 +71,50 @@ def _shown(attrs: dict, about: dict, table: pd.DataFrame, legend: str = "") -> G
 
 def drag_table(dataset: xr.Dataset) -> pd.DataFrame:
     """Mean drag and scatter, one row per place on the axes."""
-    if (cases := by_case(dataset)) is None:
-        return _table(dataset, _of_drag(dataset))
-    columns = {
-        "kind": (cases["kind"], ""),
-        "ratio": (cases["aspect_ratio"], "g"),
-        "D_g µm": (1e6 * cases["diameter"], ".4g"),
-        "kg/m³": (cases["density"], "g"),
-    }
-    return _table(cases, columns | _of_drag(cases))
-
-
-def _of_drag(dataset: xr.Dataset) -> dict[str, tuple[xr.DataArray, str]]:
-    """Columns of drag as _table has them."""
+    columns = {}
+    if (cases := by_case(dataset)) is not None:
+        dataset = cases
+        columns = {
+            "kind": (cases["kind"], ""),
+            "ratio": (cases["aspect_ratio"], "g"),
+            "D_g µm": (1e6 * cases["diameter"], ".4g"),
+            "kg/m³": (cases["density"], "g"),
+        }
     found = summarise(dataset)
     mean, size = found["mean"], abs(found["mean"])
-    overlap, step, spent = (
-        dataset.get(name, np.nan * mean) for name in ("max_overlap", "time_step", "run_time")
-    )
-    if step.chunks:  # a median needs all values of a place, one place after another
-        step = step.chunk({dim: 1 if dim in mean.dims else -1 for dim in step.dims})
-    middle = step.median(set(step.dims) - set(mean.dims))
-    return {
+    columns |= {
         "runs": (found["run_mean"].count("seed"), ""),
         "mean N": (mean, ".0f"),
         "± N": (found["half_interval"], ".0f"),
         "over run %": (100.0 * found["sd_over_run"] / size, ".1f"),
         "between runs %": (100.0 * found["sd_between_runs"] / size, ".1f"),
-        "for 5 %": (replicates_needed(found["run_mean"], 0.05), ".0f"),
-        "overlap": (overlap.max(set(overlap.dims) - set(mean.dims)), ".3f"),
-        "step ns": (1e9 * middle.compute(scheduler="synchronous"), ".1f"),
-        "time s": (spent.mean(set(spent.dims) - set(mean.dims)), ".1f"),
     }
+    if "max_overlap" in dataset:
+        overlap = dataset["max_overlap"]
+        columns["overlap"] = overlap.max(set(overlap.dims) - set(mean.dims)), ".3f"
+    return _table(dataset, columns)
 
 
 def means_table(path: Path, dataset: xr.Dataset) -> pd.DataFrame:
     """Means of the first quantities of a combined file without drag, with half their intervals."""
     runs = run_means(dataset, path, quantities_of(dataset)[:MEANS])
-    count = runs.count("seed").to_array()
-    columns = {"runs": (_texts(_range, count, core=["variable"]), "")}
-    for values in runs.values():
-        mean, half = values.mean("seed"), half_interval(values)
-        words = _texts(lambda m, h: f"{_text(m, '.4g')} ± {_text(h, '.2g')}", mean, half)
-        columns[f"{heading(values)} ± {LEVEL:.0%}"] = words, ""
+    columns = {"runs": (runs.count("seed").to_array().max("variable"), "")}
+    for name, values in runs.items():
+        columns[heading(values)] = values.mean("seed"), ".4g"
+        columns[f"± {name}"] = half_interval(values), ".2g"
     return _table(dataset, columns)
-
-
-def _texts(words, *values: xr.DataArray, core: list[str] = ()) -> xr.DataArray:
-    """Text of values, place by place."""
-    dims = [list(core)] * len(values)
-    return xr.apply_ufunc(
-        words, *values, input_core_dims=dims, vectorize=True, output_dtypes=[object]
-    )
 
 
 def runs_table(path: Path, dataset: xr.Dataset) -> pd.DataFrame:
     """The runs of a file of runs, one row each."""
     values = values_of_runs(dataset)
     varied = [name for name in values if name not in LABELS and values[name].nunique() > 1]
-    told = {"run": dataset["run_id"].str.slice(0, 12)}
-    told |= {name: values[name].tolist() for name in ("shape", "density", "seed", *varied[:VARIED])}
-    columns = {name: (xr.DataArray(each, dims="run"), ".5g") for name, each in told.items()}
-    if "drag" in dataset:
-        window = replicate_of(path, dataset, 0).configuration.record.window
-        columns |= _of_drag(dataset.assign_attrs(dict(zip(WINDOW, window, strict=True))))
-        del columns["runs"]  # one each
-    columns["processor time s"] = dataset["spent"], ".1f"
-    columns["failed"] = dataset["failure_reason"].str.slice(0, 60), ""
-    return _table(dataset, columns)
+    frame = values[["shape", "density", "seed", *varied[:VARIED]]].reset_index(names="run")
+    frame["run"] = frame["run"].str[:12]
+    if record := replicate_of(path, dataset, 0).configuration.record:
+        dataset = dataset.assign_attrs(dict(zip(WINDOW, record.window, strict=True)))
+    frame = frame.join(means_table(path, dataset).drop(columns="runs"))
+    return frame.assign(failed=dataset["failure_reason"].str.slice(0, 60))
 
 
 def _table(dataset: xr.Dataset, columns: dict[str, tuple[xr.DataArray, str]]) -> pd.DataFrame:
@@ -170,14 +143,6 @@ def _text(value, form: str) -> str:
     return format(value, form) if np.isfinite(value) else "-"
 
 
-def _few(values: xr.DataArray) -> str:
-    """A sentence where some places have too few runs for an interval; "" where none has."""
-    count = over_seeds(values.isel(displacement=0, missing_dims="ignore")).count("seed")
-    few = int((count < FEW).sum())
-    sentence = f"\nOf {few} of {count.size} places there are fewer than {FEW} runs: too few for a reliable interval."
-    return sentence if few else ""
-
-
 def _range(values) -> str:
     """A number, or the least and the greatest of those that vary."""
     ends = dict.fromkeys((float(values.min()), float(values.max())))
@@ -189,11 +154,7 @@ def _runs_of(dataset: xr.Dataset) -> dict[str, str]:
     told = {"seeds": seed_words(dataset["seed"].values.ravel()) if "seed" in dataset else "-"}
     if "partial" in dataset.attrs:
         told["so far"] = dataset.attrs["partial"]
-    if "failure" in dataset and int((dataset["failure"] != 0).sum()):
-        failure, total = dataset["failure"], int((dataset["run_id"] != "").sum())
-        meanings = failure.attrs["flag_meanings"].split()
-        counts = np.bincount(failure.values.ravel(), minlength=len(meanings))[1:]
-        words = ", ".join(f"{n} {why}" for n, why in zip(counts, meanings[1:], strict=True) if n)
-        why = f" ({failure.attrs['comment']})" if "comment" in failure.attrs else ""
-        told["missing"] = f"{counts.sum()} of {total} runs: {words}{why}"
+    if "failure" in dataset and (failed := int((dataset["failure"] != 0).sum())):
+        total, why = int((dataset["run_id"] != "").sum()), dataset["failure"].attrs.get("comment")
+        told["missing"] = f"{failed} of {total} runs failed ({why})"
     return told
