@@ -250,7 +250,7 @@ def test_a_film_is_a_film(motion, tmp_path):
 
 @pytest.mark.parametrize(("data", "run"), [("results", "case=e3"), ("swept", "d1")])
 def test_export_for_paraview(request, tmp_path, data, run):
-    """One polygon a granule with its area, also of a dumbbell; a file a snapshot, and one that lists them."""
+    """Polygons with the area of their granule, two a dumbbell; a file a snapshot, and one that lists them."""
     folder = request.getfixturevalue(data)
     select = [run] if "=" in run else [f"shape={run}", "friction.granule=0.3", "box=same", "seed=1"]
     motion = read_motion(folder / "drag.nc", select)
@@ -261,10 +261,13 @@ def test_export_for_paraview(request, tmp_path, data, run):
     polygons, lines = (mesh.points[cells.data][..., :2] for cells in mesh.cells)
     x, y = np.moveaxis(polygons, -1, 0)
     area = 0.5 * (x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1)
-    values = {name: each[0] for name, each in mesh.cell_data.items()}
-    assert values["granule"].tolist() == [*range(granules), -1]
-    np.testing.assert_allclose(area[:granules], np.pi / 4 * motion.diameters**2, rtol=0.01)
-    middle = 0.5 * (polygons[:granules].min(1) + polygons[:granules].max(1))
+    body = mesh.cell_data["granule"][0]
+    parts = (len(body) - 1) // granules
+    assert body.tolist() == [*np.repeat(range(granules), parts), -1]
+    values = {name: each[0][::parts] for name, each in mesh.cell_data.items()}
+    area = area[:-1].reshape(granules, parts).sum(axis=1)
+    np.testing.assert_allclose(area, np.pi / 4 * motion.diameters**2, rtol=0.01)
+    middle = polygons[:-1].mean(axis=1).reshape(granules, parts, 2).mean(axis=1)
     np.testing.assert_allclose(middle, motion.position[-1], atol=0.02 * motion.diameters.max())
     # what the granules went since the snapshot before, and the cylinder at its velocity
     cylinder = motion.replicate.configuration.cylinder
