@@ -64,10 +64,16 @@ def limits(dataset: xr.Dataset) -> Limits:
 
     rattlers = dataset["onset_rattlers"].values[:, -1].mean(axis=-1) / granules[-1]
     return Limits(
-        dataset["aspect_ratio"].values, dataset["granules"].values, fraction.mean(axis=-1),
-        contacts.mean(axis=-1), found(fraction, -0.5), found(contacts, -1.0),
-        found(fraction, -1.0), rattlers, beds,
-    )  # fmt: skip
+        dataset["aspect_ratio"].values,
+        dataset["granules"].values,
+        fraction.mean(axis=-1),
+        contacts.mean(axis=-1),
+        found(fraction, -0.5),
+        found(contacts, -1.0),
+        found(fraction, -1.0),
+        rattlers,
+        beds,
+    )
 
 
 def intercept(x: np.ndarray, y: np.ndarray, weight: np.ndarray) -> np.ndarray:

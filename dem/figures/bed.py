@@ -102,7 +102,9 @@ class Drawing:
         rings = placed(self.rings, wrapped(np.asarray(position), self.periodic), np.asarray(angle))
         rings = self._images(rings)
         self.granules.set_verts(rings)
-        if (parts := self.rings.shape[1]) > 1:  # a line from part to part tells which belong together
+        if (
+            parts := self.rings.shape[1]
+        ) > 1:  # a line from part to part tells which belong together
             self.joints.set_segments(rings.mean(axis=1).reshape(-1, parts, 2))
         if cylinder is not None:
             axis = wrapped(np.array([[cylinder]], float), self.periodic)
@@ -122,7 +124,9 @@ class Drawing:
         middle = np.asarray(segments).mean(axis=1, keepdims=True)
         inside = segments - middle + wrapped(middle, self.periodic)
         self.forces.set_segments(self._images(1e3 * inside))
-        self.forces.set_linewidths(np.tile(4.0 * np.minimum(forces / largest, 1.5), len(self.shifts)))
+        self.forces.set_linewidths(
+            np.tile(4.0 * np.minimum(forces / largest, 1.5), len(self.shifts))
+        )
 
 
 def box_walls(width: float, height: float, periodic) -> np.ndarray:

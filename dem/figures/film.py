@@ -23,8 +23,12 @@ from dem.figures.frames import Frames, frames_of
 from dem.periodic import nearest_image
 
 FILMS, PICTURES = (".mp4", ".gif"), (".png", ".svg", ".pdf")
-WORDS = {"speed": "speed", "force": "sum of normal forces", "layer": "layers",
-         "cluster": "granules ahead of the cylinder"}  # fmt: skip
+WORDS = {
+    "speed": "speed",
+    "force": "sum of normal forces",
+    "layer": "layers",
+    "cluster": "granules ahead of the cylinder",
+}
 SIZE, DPI = (12.8, 7.2), 100  # 720p
 MAP = "viridis"
 SECONDS = 10.0  # of a film
@@ -39,7 +43,7 @@ class Scene:
 
     def __init__(
         self, frames: Frames, color: str, forces: bool, shown=None, beside=True, size=SIZE
-    ):  # fmt: skip
+    ):
         known = "speed", "force", *frames.paints
         if color not in known:
             raise InputError(f"color is {color!r}; it must be one of {', '.join(known)}.")

@@ -16,8 +16,13 @@ from dem.figures import bed, style
 from dem.periodic import Periods
 
 MARGIN = 0.05  # of the view of a result, around what it shows
-CURVES = ((style.CURVE, "-"), ("#b34700", (0, (5, 1.5))), ("#5b4a8a", (0, (1, 1))),
-          ("0.45", "-"), ("#6fae8a", (0, (3, 1, 1, 1))))  # fmt: skip
+CURVES = (
+    (style.CURVE, "-"),
+    ("#b34700", (0, (5, 1.5))),
+    ("#5b4a8a", (0, (1, 1))),
+    ("0.45", "-"),
+    ("#6fae8a", (0, (3, 1, 1, 1))),
+)
 SIDES = {(-1, 0): " (left)", (1, 0): " (right)", (0, -1): " (bottom)", (0, 1): " (top)"}
 UNITS = ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns"))
 
@@ -68,23 +73,32 @@ def of_motion(motion: Motion) -> Frames:
             x = style.millimetres(motion.drag_displacement)
             axes.plot(x, motion.drag, color=style.CURVE, linewidth=0.8)
             axes.set_ylim(bottom=min(0.0, motion.drag.min()))
-        axes.set(xlabel="Displacement of the cylinder (mm)", ylabel="Drag (N)",
-                 xlim=(0.0, moved[-1]))  # fmt: skip
+        axes.set(
+            xlabel="Displacement of the cylinder (mm)", ylabel="Drag (N)", xlim=(0.0, moved[-1])
+        )
 
     return Frames(
         title=f"{run.label}, {run.density:g} kg/m³, seed {run.seed}",
-        position=motion.position, angle=motion.angle, rings=motion.outlines,
+        position=motion.position,
+        angle=motion.angle,
+        rings=motion.outlines,
         walls=np.array([bed.box_walls(width, each, motion.periodic) for each in motion.height]),
         view=bed.box_view(width, motion.height.max()),
-        cylinder=axis, diameter=size, velocity=partial(mean_velocity, motion), contacts=motion.contacts, fastest=own.cylinder.velocity,
+        cylinder=axis,
+        diameter=size,
+        velocity=partial(mean_velocity, motion),
+        contacts=motion.contacts,
+        fastest=own.cylinder.velocity,
         paints={
             "layer": bed.layer_colors(motion.position[0], motion.height[0], LAYERS),
             "cluster": bed.cluster_colors(motion.position[0], axis[0], size),
         },
         captions=[f"{float(each):.2f} mm" for each in moved],
         boxed=True,
-        record=record, marks=moved, periodic=motion.periodic,
-    )  # fmt: skip
+        record=record,
+        marks=moved,
+        periodic=motion.periodic,
+    )
 
 
 def mean_velocity(motion: Motion, snapshot: int) -> np.ndarray:
@@ -105,16 +119,26 @@ def of_result(result: Result) -> Frames:
     digits = max(0, 1 - math.floor(math.log10(interval)))
     groups = forces_of(result)
     return Frames(
-        title=None, position=result.position, angle=result.angle, rings=scene.shape.polygons(),
-        walls=result.walls, view=_view(result), cylinder=cylinder,
+        title=None,
+        position=result.position,
+        angle=result.angle,
+        rings=scene.shape.polygons(),
+        walls=result.walls,
+        view=_view(result),
+        cylinder=cylinder,
         diameter=None if scene.cylinder is None else scene.cylinder.diameter,
-        velocity=result.velocity.__getitem__, contacts=result.contacts,
+        velocity=result.velocity.__getitem__,
+        contacts=result.contacts,
         fastest=float(np.linalg.norm(result.velocity, axis=-1).max()) or 1.0,
-        paints={"layer": bed.layer_colors(result.position[0] - [0.0, low], high - low or 1.0, LAYERS)},
-        captions=[f"t = {each:.{digits}f} {unit}" for each in time], boxed=False,
-        record=(lambda axes: draw_forces(axes, result, groups[0])) if groups else None, marks=time,
+        paints={
+            "layer": bed.layer_colors(result.position[0] - [0.0, low], high - low or 1.0, LAYERS)
+        },
+        captions=[f"t = {each:.{digits}f} {unit}" for each in time],
+        boxed=False,
+        record=(lambda axes: draw_forces(axes, result, groups[0])) if groups else None,
+        marks=time,
         periodic=scene.periodic,
-    )  # fmt: skip
+    )
 
 
 def _view(result: Result) -> np.ndarray:
@@ -168,7 +192,8 @@ def draw_forces(axes, result: Result, group) -> None:
     time, unit = in_units(result.time)
     for number, (name, force) in enumerate(curves.items()):
         color, line = CURVES[number % len(CURVES)]
-        axes.stairs(force[1:], time, baseline=None, label=name, color=color, linestyle=line,
-                    linewidth=1.6)  # fmt: skip
+        axes.stairs(
+            force[1:], time, baseline=None, label=name, color=color, linestyle=line, linewidth=1.6
+        )
     axes.set(xlabel=f"Time ({unit})", ylabel=words, xlim=(0.0, time[-1]))
     axes.legend()

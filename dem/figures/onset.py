@@ -28,18 +28,27 @@ def plot(dataset: xr.Dataset) -> Figure:
     ):
         for column, (granules, marker) in enumerate(sizes):
             axes.plot(
-                found.ratio, means[:, column], marker, color="0.15", markersize=5,
+                found.ratio,
+                means[:, column],
+                marker,
+                color="0.15",
+                markersize=5,
                 markerfacecolor=str(0.95 - 0.75 * column / len(found.granules)),
                 label=f"{granules} granules",
-            )  # fmt: skip
+            )
         look = {"marker": "o", "color": style.CURVE, "label": "infinitely many"}
         style.intervals(axes, found.ratio, estimates, capsize=4, **look)
     for level, words in ISOSTATIC.items():
         below.axhline(level, **style.REFERENCE)
         below.annotate(
-            words, (1.0, level), (-2, 3 if level == 4.0 else -4), xycoords=("axes fraction", "data"),
-            textcoords="offset points", ha="right", va="bottom" if level == 4.0 else "top",
-        )  # fmt: skip
+            words,
+            (1.0, level),
+            (-2, 3 if level == 4.0 else -4),
+            xycoords=("axes fraction", "data"),
+            textcoords="offset points",
+            ha="right",
+            va="bottom" if level == 4.0 else "top",
+        )
     above.set_ylabel("Packing fraction\nat the onset of jamming")
     below.set(xlabel="Aspect ratio", ylabel="Contacts per granule there,\nrattlers left out")
     style.legend(figure, above, "outside lower center", ncols=3)

@@ -24,9 +24,14 @@ def plot(dataset: xr.Dataset) -> Figure:
         for number, (place, curves) in enumerate(found.items()):
             words = ", ".join(f"{dim} {at}" for dim, at in zip(others, place, strict=True))
             style.intervals(
-                axes, curves.number, getattr(curves, name), capsize=3, linewidth=1.0,
-                label=words or "mean", **style.numbered(number),
-            )  # fmt: skip
+                axes,
+                curves.number,
+                getattr(curves, name),
+                capsize=3,
+                linewidth=1.0,
+                label=words or "mean",
+                **style.numbered(number),
+            )
     above.set_ylabel("Friction of the bed:\nshear over normal stress")
     below.set(xlabel="Inertial number", xscale="log", ylabel="Packing fraction")
     style.from_zero(above)

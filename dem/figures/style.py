@@ -44,10 +44,22 @@ CURVE = "#17457d"  # where one colour is enough
 WINDOW = {"color": "0.93", "linewidth": 0.0, "zorder": 0}  # shade of the averaging window
 RAW = {"color": "0.6", "linewidth": 0.5}
 REFERENCE = {"color": "black", "linewidth": 1.1, "linestyle": (0, (1.5, 1.5))}
-RUN = {"marker": "o", "markersize": 4.5, "markerfacecolor": "white", "markeredgecolor": "0.15",
-       "linestyle": "none", "zorder": 5}  # fmt: skip
-INTERVAL = {"ecolor": "black", "linestyle": "none", "capsize": 5, "elinewidth": 1.6,
-            "capthick": 1.6, "zorder": 4}  # fmt: skip
+RUN = {
+    "marker": "o",
+    "markersize": 4.5,
+    "markerfacecolor": "white",
+    "markeredgecolor": "0.15",
+    "linestyle": "none",
+    "zorder": 5,
+}
+INTERVAL = {
+    "ecolor": "black",
+    "linestyle": "none",
+    "capsize": 5,
+    "elinewidth": 1.6,
+    "capthick": 1.6,
+    "zorder": 4,
+}
 MANY = 20  # runs, whose dots would hide the interval of their mean
 FAINT = {"markersize": 2.5, "markeredgecolor": "0.45", "zorder": 3}
 FEW = 3  # groups of bars: fewer are not drawn wider

@@ -35,8 +35,16 @@ def plot(dataset: xr.Dataset) -> Figure:
         look["label"] = f"{words or 'mean'}: limit {limit:.0f} N ({low:.0f} to {high:.0f})"
         for axes, over in ((above, 1.0), (below, limit)):
             means = [found.interval(each) for each in (found.means[place] / over).T]
-            style.intervals(axes, found.velocity, means, linestyle="none", capsize=3,
-                            markersize=6, elinewidth=1.4, **look)  # fmt: skip
+            style.intervals(
+                axes,
+                found.velocity,
+                means,
+                linestyle="none",
+                capsize=3,
+                markersize=6,
+                elinewidth=1.4,
+                **look,
+            )
             drag, low, high = np.array([found.interval(law.drag(v) / over) for v in along]).T
             axes.plot(along, drag, color=look["color"], linewidth=1.4)
             axes.fill_between(along, low, high, color=look["color"], alpha=0.15, linewidth=0.0)

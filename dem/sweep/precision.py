@@ -55,9 +55,13 @@ def _level(text) -> str:
 class Until(Section):
     """Seeds without an end: replicates are added, place by place, until a mean is known well enough."""
 
-    until: Annotated[str, BeforeValidator(_asked)] = value(None, "half of the interval of the mean: 5 % of it, or 50 N")
+    until: Annotated[str, BeforeValidator(_asked)] = value(
+        None, "half of the interval of the mean: 5 % of it, or 50 N"
+    )
     of: str = value(None, "what runs record, or its ratio to a case or shape: drag / c1", "drag")
-    confidence: Annotated[str, BeforeValidator(_level)] = value(None, "level of the interval", "95 %")
+    confidence: Annotated[str, BeforeValidator(_level)] = value(
+        None, "level of the interval", "95 %"
+    )
     first: Seed = value("1", "first seed", 1)
     least: Whole = value("1", "replicates of the first round", 10, ge=3, le=MOST)
     most: Whole = value("1", "replicates of a place at most", 100, ge=3, le=MOST)
@@ -65,11 +69,15 @@ class Until(Section):
     @model_validator(mode="after")
     def _check(self):
         if self.least > self.most:
-            raise ValueError(f"least is {self.least}, above most, {self.most}; it must be at most that")
+            raise ValueError(
+                f"least is {self.least}, above most, {self.most}; it must be at most that"
+            )
         if self.target[1] and self.target[0] >= 1.0:
             raise ValueError(f"until is {self.until}; it must be below 100 %")
         if self.first + self.most > SEEDS:
-            raise ValueError(f"first is {self.first} and most {self.most}; the last seed must be below {SEEDS}")
+            raise ValueError(
+                f"first is {self.first} and most {self.most}; the last seed must be below {SEEDS}"
+            )
         return self
 
     @property
@@ -121,7 +129,11 @@ def numbers_of(configuration) -> list[str]:
     """Names of the numbers that a run gives, whose mean may be asked for: first what is measured. How long
     it took is none, because then no file would give the same runs twice."""
     layout = configuration.module.layout(configuration)
-    found = [n for n, (dims, unit, _) in layout.items() if unit and "granule" not in dims and n != "run_time"]
+    found = [
+        n
+        for n, (dims, unit, _) in layout.items()
+        if unit and "granule" not in dims and n != "run_time"
+    ]
     return sorted(found, key=lambda name: name in OF_RUN)
 
 
@@ -180,12 +192,16 @@ def outlook(block, values: dict[Lead, np.ndarray]) -> tuple[int, int, int]:
     from scipy.special import chdtri
 
     until, places = block.until, estimates(block.until, values, block.partners)
-    total = np.array(3 * [sum(n for place, n in block.counts.items() if place not in places)], float)
+    total = np.array(
+        3 * [sum(n for place, n in block.counts.items() if place not in places)], float
+    )
     for place, found in places.items():
         limits, runs = (block.counts[place], until.most), moments(values[place])[0]
         if math.isfinite(wanted := replicates_needed(found, runs, until)):
             free = runs - 1
-            total += np.clip(wanted * np.array([1.0, *free / chdtri(free, [0.025, 0.975])]), *limits)
+            total += np.clip(
+                wanted * np.array([1.0, *free / chdtri(free, [0.025, 0.975])]), *limits
+            )
         else:
             total += limits[0], *limits
     return tuple(math.ceil(each) for each in total)
@@ -211,7 +227,9 @@ def counts(
         now, number = dict.fromkeys(group, until.least), 0
         while number < rounds and all(len(values[place]) >= n for place, n in now.items()):
             after, so_far = dict(now), {place: values[place][:n] for place, n in now.items()}
-            for place, mean in estimates(until, so_far, {each: partners[each] for each in group}).items():
+            for place, mean in estimates(
+                until, so_far, {each: partners[each] for each in group}
+            ).items():
                 over = SAFETY * excess(mean, until)
                 for each in {place, partners[place] or place} if over > 1.0 else ():
                     wanted = min(now[each] * over**2, GROWTH * now[each], until.most)
@@ -249,14 +267,18 @@ class Numbers:
         found = {run: self._of[run] for run in replicates if run in self._of}
         for run in replicates.keys() - found if kept else ():
             if (row := self.store.kept(run)) is not None:
-                values = {name: value[None] for name, value in row.items()} | {"run_id": np.array([run])}
+                values = {name: value[None] for name, value in row.items()} | {
+                    "run_id": np.array([run])
+                }
                 found |= self._means(replicates[run].configuration, values)
         return found
 
     def _means(self, own, values: dict[str, np.ndarray]) -> dict[str, float]:
         """The number of each run of a configuration, from the variables of some (run, ...)."""
         ids, failed = values["run_id"].tolist(), values["failure"] != 0
-        self.failed |= zip(np.array(ids)[failed].tolist(), map(str, values["failure_reason"][failed]), strict=True)
+        self.failed |= zip(
+            np.array(ids)[failed].tolist(), map(str, values["failure_reason"][failed]), strict=True
+        )
         if self.variable not in values:  # of a run that failed
             return dict.fromkeys(ids, math.nan)
         array = values[self.variable].astype(float)
