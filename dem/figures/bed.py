@@ -116,8 +116,15 @@ class Drawing:
 
     def paint(self, colors) -> None:
         """Colours (n, ...), one per granule."""
-        colors = np.repeat(np.asarray(colors), self.rings.shape[1], axis=0)
-        self.granules.set_facecolor(np.concatenate([colors] * len(self.shifts)))
+        self.granules.set_facecolor(self._parts(colors))
+
+    def shade(self, values) -> None:
+        """Colours by numbers (n,), one per granule, on the scale of `granules`."""
+        self.granules.set_array(self._parts(values))
+
+    def _parts(self, values) -> np.ndarray:
+        """Of each granule its value for all its parts and images."""
+        return np.concatenate([np.repeat(values, self.rings.shape[1], axis=0)] * len(self.shifts))
 
     def push(self, segments, forces, largest: float) -> None:
         """Lines (m, 2, 2) in m with the width of the force (m,) in N; the largest is 4 points wide."""

@@ -8,7 +8,6 @@ import matplotlib
 import numpy as np
 from imageio_ffmpeg import get_ffmpeg_exe
 from matplotlib.animation import FFMpegWriter, PillowWriter
-from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 
@@ -20,7 +19,6 @@ from dem.dynamics.result import Result
 from dem.experiment.motion import Motion
 from dem.figures import bed, style
 from dem.figures.frames import Frames, frames_of
-from dem.periodic import nearest_image
 
 FILMS, PICTURES = (".mp4", ".gif"), (".png", ".svg", ".pdf")
 WORDS = {
@@ -30,7 +28,6 @@ WORDS = {
     "cluster": "granules ahead of the cylinder",
 }
 SIZE, DPI = (12.8, 7.2), 100  # 720p
-MAP = "viridis"
 SECONDS = 10.0  # of a film
 RC = style.RC | {"font.size": 13.0}
 
@@ -61,7 +58,8 @@ class Scene:
         self.bed = bed.Drawing(
             left, frames.rings, frames.view, frames.diameter, frames.periodic, not frames.boxed
         )
-        self.map = self._scale(left)
+        if color not in frames.paints:
+            self._scale()
         self.mark = None
         if beside:
             frames.record(right[0])
@@ -75,30 +73,26 @@ class Scene:
         self.figure.draw_without_rendering()
         self.figure.set_layout_engine("none")  # laid out once: that takes as long as drawing
 
-    def _scale(self, axes):
-        """Colour scale of speeds or forces, None for layers and cluster."""
-        if self.color == "speed":
-            scale, words = Normalize(0.0, self.frames.fastest), "Speed (m/s)"
-        elif self.color == "force":
+    def _scale(self):
+        """Colour scale of speeds or forces; none for layers and cluster."""
+        granules, scale = self.bed.granules, Normalize(0.0, self.frames.fastest)
+        words = "Speed (m/s)"
+        if self.color == "force":
             scale = LogNorm(1e-3 * self.largest, 2.0 * self.largest)
-            words = "Sum of normal forces (N)"
-            words += "" if self.frames.boxed else "; white: none"
-        else:
-            return None
-        mapped = ScalarMappable(scale, MAP)
-        self.figure.colorbar(mapped, ax=axes, label=words, shrink=0.8)
-        return mapped
+            words = "Sum of normal forces (N)" + ("" if self.frames.boxed else "; white: none")
+        granules.set(norm=scale, cmap="viridis")
+        self.figure.colorbar(granules, ax=granules.axes, label=words, shrink=0.8)
 
     def show(self, frame: int) -> None:
         """Draw one frame."""
         frames = self.frames
         cylinder = None if frames.cylinder is None else frames.cylinder[frame]
         self.bed.move(frames.position[frame], frames.angle[frame], cylinder, frames.walls[frame])
-        if (colors := frames.paints.get(self.color)) is None:
-            moved = self.color == "speed"
+        if self.color in frames.paints:
+            self.bed.paint(frames.paints[self.color])
+        else:
             speed = np.linalg.norm(frames.velocity(frame), axis=-1)
-            colors = self.map.to_rgba(speed if moved else self.contacts[frame][2])
-        self.bed.paint(colors)
+            self.bed.shade(speed if self.color == "speed" else self.contacts[frame][2])
         if self.forces:
             segments, forces, _ = self.contacts[frame]
             self.bed.push(segments, forces, self.largest)
@@ -109,15 +103,11 @@ class Scene:
 
 def _contacts(frames: Frames, frame: int):
     """Segments (m, 2, 2) in m across contacts, forces (m,) and, by granule, their sums (n,) in N."""
-    touching, place = frames.contacts(frame), frames.position[frame]
-    start = place[touching.granule]
-    between = touching.partner >= 0
-    end = np.where(between[:, None], place[np.where(between, touching.partner, 0)], touching.point)
-    if frames.periodic is not None:
-        end = start + nearest_image(end - start, frames.periodic)
-    total = np.bincount(touching.granule, touching.force, len(place))
-    total += np.bincount(touching.partner[between], touching.force[between], len(place))
-    return np.stack([start, end], axis=1), touching.force, total
+    found, count = frames.contacts(frame), len(frames.position[frame])
+    start, between = frames.position[frame][found.granule], found.partner >= 0
+    total = np.bincount(found.granule, found.force, count)
+    total += np.bincount(found.partner[between], found.force[between], count)
+    return np.stack([start, start + found.branch], axis=1), found.force, total
 
 
 def picture(

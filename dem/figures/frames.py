@@ -1,6 +1,5 @@
 """What is drawn over time: the snapshots of a run of the paper, or the frames of a user's result."""
 
-import math
 from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
@@ -30,11 +29,19 @@ UNITS = ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns"))
 class Frames(NamedTuple):
     """f frames of n granules, SI units.
 
-    title: None for none. velocity(frame) (n, 2) and contacts(frame) are asked for when they are drawn.
-    walls (f, w, 3): planes as of dem.Scene; view: as of bed.Drawing. cylinder (f, 2): its places, None without one.
-    fastest: top of the scale of speeds. paints (n,): colours that stay, by what they show. captions: of the frames. boxed: draw the box alone,
-    without numbers. record(axes): draws curves beside the bed, None without any; marks (f,): where
-    on their horizontal axis a frame is. periodic: periods as of dem.Scene.
+    title:    None for none
+    position, angle, rings: of granules (f, n, 2), (f, n) and outlines at angle zero
+    walls:    planes (f, w, 3) as of dem.Scene
+    view:     as of bed.Drawing
+    cylinder: its places (f, 2), None without one, and its diameter
+    velocity, contacts: functions of a frame, called when it is drawn
+    fastest:  top of the scale of speeds
+    paints:   colours (n,) that stay, by what they show
+    captions: of the frames
+    boxed:    draw the box alone, without numbers
+    record:   function that draws curves on axes beside the bed, None without any
+    marks:    where on the horizontal axis of the record a frame is (f,)
+    periodic: periods as of dem.Scene
     """
 
     title: str | None
@@ -115,8 +122,6 @@ def of_result(result: Result) -> Frames:
     scene, cylinder = result.scene, result.cylinder_position
     low, high = np.quantile(result.position[0, :, 1], [0.0, 1.0])
     time, unit = in_units(result.time)
-    interval = time[-1] / max(len(time) - 1, 1) or 1.0
-    digits = max(0, 1 - math.floor(math.log10(interval)))
     groups = forces_of(result)
     return Frames(
         title=None,
@@ -133,7 +138,7 @@ def of_result(result: Result) -> Frames:
         paints={
             "layer": bed.layer_colors(result.position[0] - [0.0, low], high - low or 1.0, LAYERS)
         },
-        captions=[f"t = {each:.{digits}f} {unit}" for each in time],
+        captions=[f"t = {each:.4g} {unit}" for each in time],
         boxed=False,
         record=(lambda axes: draw_forces(axes, result, groups[0])) if groups else None,
         marks=time,

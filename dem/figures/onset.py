@@ -17,7 +17,8 @@ ISOSTATIC = {4.0: "isostatic discs, 4", 6.0: "isostatic ellipses, 6"}
 def plot(dataset: xr.Dataset) -> Figure:
     """Packing fraction at the onset above, contacts per granule below."""
     found = limits(dataset)
-    figure, above, below = style.above_and_below(
+    figure, (above, below) = style.panels(2, 1, 0.0, 3.8, sharex=True)
+    figure.suptitle(
         f"Onset of jamming without friction: means of {found.beds} beds of each size,\n"
         "and the lines through them at infinite size (95 % intervals)"
     )

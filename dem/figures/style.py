@@ -185,13 +185,6 @@ def intervals(axes, x, estimates, **look) -> None:
     axes.errorbar(np.asarray(x)[order], value, [value - low, high - value], **look)
 
 
-def above_and_below(title: str):
-    """A figure of two panels over the same axis: it, and both axes."""
-    figure = Figure(figsize=(WIDTH, 7.6))
-    figure.suptitle(title)
-    return figure, *figure.subplots(2, 1, sharex=True)
-
-
 def panels(count: int, columns: int, around: float, row: float, **shared):
     """A figure of panels in rows, and their axes; heights in inches: around the rows, and of one."""
     rows = -(-count // columns)

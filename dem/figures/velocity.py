@@ -23,7 +23,8 @@ def plot(dataset: xr.Dataset) -> Figure:
     others = axes_beside(dataset, AXIS)
     usual = json.loads(dataset.attrs["configuration"])["cylinder"].get("velocity")
     marked = usual in found.velocity  # else no run has it
-    figure, above, below = style.above_and_below(
+    figure, (above, below) = style.panels(2, 1, 0.0, 3.8, sharex=True)
+    figure.suptitle(
         f"Drag against velocity: means of {found.beds} beds, and the law fitted to them\n"
         f"(95 % intervals; dotted: limits{f'; grey line: {usual:g} m/s' if marked else ''})"
     )
