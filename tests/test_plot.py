@@ -83,12 +83,6 @@ def test_what_is_hatched_is_what_no_granule_can_enter(planes):
     assert len(lines) == len(planes) and abs(beyond.max(axis=1)).max() < 1e-12
 
 
-def test_a_wall_out_of_view_is_not_drawn():
-    lines, corners = bed.edges(np.array([[0.0, -1.0, 9.0]]), [[0.0, 0.0], [1.0, 2.0]])
-    assert len(lines) == 0
-    assert {tuple(each) for each in corners.round(9)} == {(0, 0), (1, 0), (1, 2), (0, 2)}
-
-
 def test_all_frames_are_in_view(results):
     """Granules and cylinder from first to last, and the corner of the wedge."""
     result = results["both"]
@@ -186,19 +180,6 @@ def test_what_cannot_be_drawn_is_refused(results, tmp_path, call, sentence):
         call(results["empty space"], tmp_path)
     assert sentence in str(error.value) and "\n" not in str(error.value)
     assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize("name", ["run.mp4", "run.gif", "run.nc"])
-def test_a_folder_and_a_file_of_somebody_are_kept(results, tmp_path, name):
-    """A path that is a folder, or a file that holds something else, is refused and stays."""
-    result, folder, notes = results["walls"], tmp_path / name, tmp_path / f"my{name}"
-    folder.mkdir()
-    notes.write_text("notes")
-    for path, words in ((folder, "it is a folder, and must be a file"), (notes, "something else")):
-        with pytest.raises(dem.InputError, match=words):
-            result.to_netcdf(path) if name.endswith(".nc") else dem.film(result, path)
-    assert not list(folder.iterdir()) and notes.read_text() == "notes"
-    assert len(list(tmp_path.iterdir())) == 2
 
 
 AS_DISCS = ", drawn as discs of equal area"

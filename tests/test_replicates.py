@@ -128,7 +128,7 @@ def test_the_interval_that_is_printed_is_that_of_the_runs(sweep):
     half = stats.t.ppf(0.975, force.size - 1) * force.std("seed", ddof=1) / np.sqrt(force.size)
     assert float(half) < 0.4 * float(force.mean())
     assert float(means(path)["force_half_interval"].sel(case="a")) == pytest.approx(float(half))
-    assert re.search(rf"{float(force.mean()):.4g} +{float(half):.2g}", text_of(summary_of(path)))
+    assert re.search(rf"{float(force.mean()):.5g} +{float(half):.5g}", text_of(summary_of(path)))
 
 
 def test_a_dry_run_says_how_many_runs_a_precision_takes(sweep):

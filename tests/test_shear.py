@@ -13,7 +13,7 @@ from conftest import assert_not_blank, needs_study
 from dem.analysis.shear import AXIS, LEAST, rheology
 from dem.base.errors import InputError, RunError
 from dem.experiment.bed import make_bed
-from dem.experiment.config import Replicate, of_values
+from dem.experiment.config import of_values
 from dem.experiment.kinds import shear
 from dem.figures.catalogue import FIGURES
 from dem.figures.shear import plot
@@ -131,12 +131,6 @@ def test_values_of_another_experiment_cannot_vary():
     own = of_values(values()).configuration
     with pytest.raises(InputError, match="the experiment shear has no cylinder"):
         own.changed({"cylinder.velocity": 1.0}, "disc")
-
-
-def test_runs_are_the_same_after_their_values_were_written_down():
-    own = of_values(values())
-    assert of_values(own.values()).id == own.id
-    assert Replicate(own.configuration, "disc", 2500.0, 2).id != own.id
 
 
 NUMBERS = np.array([0.01, 0.1])

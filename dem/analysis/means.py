@@ -54,22 +54,28 @@ def run_means(dataset: xr.Dataset, path: Path | str, names: list[str] | None = N
 
 
 def means(path: Path, only: str | None = None) -> xr.Dataset:
-    """Means over the seeds with half their intervals, in SI units, and how many runs each is of; of all
-    quantities or of one."""
+    """Means of a file of all quantities, or of one."""
     with open_lazily(path) as dataset:
-        runs, found = run_means(dataset, path, [only] if only else None), {}
-        for name, sample in runs.items():
-            of = f"of the mean of {name}"
-            about = {"units": sample.attrs.get("units", "1")}
-            about["long_name"] = f"half the {LEVEL:.0%} interval {of}"
-            found[name] = sample.mean("seed", keep_attrs=True)
-            found[f"{name}_half_interval"] = half_interval(sample).assign_attrs(about)
-            about = {"units": "1", "long_name": f"number of runs {of}"}
-            found[f"{name}_runs"] = sample.count("seed").assign_attrs(about)
+        found = means_of(dataset, path, [only] if only else None)
         attrs = {
             key: dataset.attrs[key] for key in ("title", "configuration") if key in dataset.attrs
         }
-        return xr.Dataset(found, attrs=attrs).drop_vars("seed", errors="ignore")
+        return found.assign_attrs(attrs)
+
+
+def means_of(dataset: xr.Dataset, path: Path, names: list[str] | None = None) -> xr.Dataset:
+    """Means over the seeds with half their intervals, in SI units, and how many runs each is of; of all
+    quantities or of some."""
+    found = {}
+    for name, sample in run_means(dataset, path, names).items():
+        of = f"of the mean of {name}"
+        about = {"units": sample.attrs.get("units", "1")}
+        about["long_name"] = f"half the {LEVEL:.0%} interval {of}"
+        found[name] = sample.mean("seed", keep_attrs=True)
+        found[f"{name}_half_interval"] = half_interval(sample).assign_attrs(about)
+        about = {"units": "1", "long_name": f"number of runs {of}"}
+        found[f"{name}_runs"] = sample.count("seed").assign_attrs(about)
+    return xr.Dataset(found).drop_vars("seed", errors="ignore")
 
 
 def compared(path: Path, other: Path, name: str) -> xr.Dataset:

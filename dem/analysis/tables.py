@@ -9,6 +9,7 @@ from rich.text import Text
 
 WIDE = 10_000  # characters: no table is wider
 ROWS = 60  # of a table on a terminal, at most
+NUMBER = "{:.5g}".format
 
 
 class Shown:
@@ -16,12 +17,12 @@ class Shown:
     first column again."""
 
     def __init__(self, frame: pd.DataFrame):
-        self.frame = frame
+        self.frame = frame.dropna(axis="columns", how="all")
 
     def __rich_console__(self, console, options):
         first, width = self.frame.columns[0], options.max_width
         rows = self.frame.head(ROWS).set_index(first).rename_axis(index=None, columns=first)
-        yield Text(rows.to_string(line_width=width, na_rep="-", float_format="{:.5g}".format))
+        yield Text(rows.to_string(line_width=width, na_rep="-", float_format=NUMBER))
         if (more := len(self.frame) - ROWS) > 0:
             yield Text(f"... and {more} rows more")
 

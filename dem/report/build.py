@@ -12,7 +12,7 @@ from PIL import Image
 from plotly.io import to_html
 
 from dem.analysis.statistics import by_case, running_mean
-from dem.analysis.tables import ROWS
+from dem.analysis.tables import NUMBER, ROWS
 from dem.base.errors import InputError
 from dem.base.files import atomic
 from dem.figures import style
@@ -49,7 +49,9 @@ def build(drag: Path, output: Path) -> None:
     html = page.render(
         parts,
         legend=LEGEND if has_drag else "Means over the runs, with half the 95 % interval.",
-        table=Markup(table.head(ROWS).to_html(index=False, border=0)),
+        table=Markup(
+            table.head(ROWS).to_html(index=False, border=0, na_rep="-", float_format=NUMBER)
+        ),
         more=len(table) - ROWS,
         figures=map(embedded, pictures),
         studies=[(file.stem, file.read_text(encoding="utf-8")) for file in texts],

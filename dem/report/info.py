@@ -2,27 +2,26 @@
 
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 import xarray as xr
 from rich.console import Group
 from rich.text import Text
 
-from dem.analysis.means import WINDOW, heading, quantities_of, run_means
+from dem.analysis.means import WINDOW, heading, means_of, quantities_of, run_means, table_of
 from dem.analysis.one_run import replicate_of, values_of_runs
-from dem.analysis.statistics import by_case, over_seeds, summarise, window_text
-from dem.analysis.tables import Shown, digits
-from dem.analysis.values import designs_of, factors_of, value_of
+from dem.analysis.statistics import summarise, window_text
+from dem.analysis.tables import Shown
+from dem.analysis.values import value_of
 from dem.base.errors import InputError
-from dem.base.intervals import half_interval
 from dem.base.schema import seed_words
 from dem.io.dataset import LABELS
 from dem.io.lazily import open_lazily, require
 from dem.sweep.combine import open_combined
 
 LEGEND = """\
-mean: of the drag within the window; ±: half its 95 % interval by Student's t over the runs; over run and
-between runs: standard deviations over the mean; overlap: the greatest, over the smaller granule radius"""
+mean: of the drag within the window; ±: half its 95 % interval by Student's t over the runs;
+over run and between runs: standard deviations over the mean; overlap: the greatest, over the
+smaller granule radius"""
 ORIGIN = ("title", "history", "git_revision", "source_hash", "versions")
 VARIED = 4  # values more that runs of a file differ in, at most
 MEANS = 5  # quantities of a file without drag that are shown
@@ -71,76 +70,48 @@ def _shown(attrs: dict, about: dict, table: pd.DataFrame, legend: str = "") -> G
 
 def drag_table(dataset: xr.Dataset) -> pd.DataFrame:
     """Mean drag and scatter, one row per place on the axes."""
-    columns = {}
-    if (cases := by_case(dataset)) is not None:
-        dataset = cases
-        columns = {
-            "kind": (cases["kind"], ""),
-            "ratio": (cases["aspect_ratio"], "g"),
-            "D_g µm": (1e6 * cases["diameter"], ".4g"),
-            "kg/m³": (cases["density"], "g"),
-        }
     found = summarise(dataset)
     mean, size = found["mean"], abs(found["mean"])
-    columns |= {
-        "runs": (found["run_mean"].count("seed"), ""),
-        "mean N": (mean, ".0f"),
-        "± N": (found["half_interval"], ".0f"),
-        "over run %": (100.0 * found["sd_over_run"] / size, ".1f"),
-        "between runs %": (100.0 * found["sd_between_runs"] / size, ".1f"),
+    columns = {
+        "runs": found["run_mean"].count("seed"),
+        "mean (N)": mean,
+        "± (N)": found["half_interval"],
+        "over run (%)": 100.0 * found["sd_over_run"] / size,
+        "between runs (%)": 100.0 * found["sd_between_runs"] / size,
     }
     if "max_overlap" in dataset:
         overlap = dataset["max_overlap"]
-        columns["overlap"] = overlap.max(set(overlap.dims) - set(mean.dims)), ".3f"
-    return _table(dataset, columns)
+        columns["overlap"] = overlap.max(set(overlap.dims) - set(mean.dims))
+    columns = {name: values.drop_attrs(deep=False) for name, values in columns.items()}
+    return _table(xr.Dataset(columns).drop_vars("seed", errors="ignore"))
 
 
 def means_table(path: Path, dataset: xr.Dataset) -> pd.DataFrame:
     """Means of the first quantities of a combined file without drag, with half their intervals."""
-    runs = run_means(dataset, path, quantities_of(dataset)[:MEANS])
-    columns = {"runs": (runs.count("seed").to_array().max("variable"), "")}
-    for name, values in runs.items():
-        columns[heading(values)] = values.mean("seed"), ".4g"
-        columns[f"± {name}"] = half_interval(values), ".2g"
-    return _table(dataset, columns)
+    return _table(means_of(dataset, path, quantities_of(dataset)[:MEANS]))
+
+
+def _table(found: xr.Dataset) -> pd.DataFrame:
+    """A table without what belongs to a shape, which its label says, and what is the same everywhere."""
+    coords = found.coords.items()
+    labels = [
+        name for name, values in coords if name not in found.dims and {"shape"} >= set(values.dims)
+    ]
+    return table_of(found.drop_vars(labels))
 
 
 def runs_table(path: Path, dataset: xr.Dataset) -> pd.DataFrame:
-    """The runs of a file of runs, one row each."""
+    """The runs of a file of runs, one row each, with their means of the first quantities."""
     values = values_of_runs(dataset)
     varied = [name for name in values if name not in LABELS and values[name].nunique() > 1]
-    frame = values[["shape", "density", "seed", *varied[:VARIED]]].reset_index(names="run")
-    frame["run"] = frame["run"].str[:12]
+    values = values[["shape", "density", "seed", *varied[:VARIED]]]
     if record := replicate_of(path, dataset, 0).configuration.record:
         dataset = dataset.assign_attrs(dict(zip(WINDOW, record.window, strict=True)))
-    frame = frame.join(means_table(path, dataset).drop(columns="runs"))
-    return frame.assign(failed=dataset["failure_reason"].str.slice(0, 60))
-
-
-def _table(dataset: xr.Dataset, columns: dict[str, tuple[xr.DataArray, str]]) -> pd.DataFrame:
-    """One row per place on the axes, the last one fastest, as text.
-
-    columns: values over some of the axes by heading, and the format of their numbers; those without any
-    number are left out.
-    """
-    places = over_seeds(dataset["run_id"]).isel(seed=0)
-    axes, designs, cells = {}, designs_of(places), {}
-    for dim in (str(dim) for dim in places.dims if dim != "run"):
-        for name in factors_of(dataset, dim)[:VARIED] if dim in designs else [dim]:
-            axes[name] = dataset[name], digits(dataset[name].values.ravel().tolist())
-    for name, (values, form) in (axes | columns).items():
-        by_place = values.broadcast_like(places).transpose(*places.dims).values.ravel()
-        words = [_text(each, form) for each in by_place.tolist()]
-        if not {"-", ""}.issuperset(words):
-            cells[name] = words
-    return pd.DataFrame(cells)
-
-
-def _text(value, form: str) -> str:
-    """A value as text, a dash where there is no number."""
-    if not isinstance(value, float):
-        return str(value)
-    return format(value, form) if np.isfinite(value) else "-"
+    found = run_means(dataset, path, quantities_of(dataset)[:MEANS]).isel(seed=0)
+    for quantity in found.values():
+        values[heading(quantity)] = quantity.values
+    values["failed"] = dataset["failure_reason"].str.slice(0, 60).values
+    return values.set_index(values.index.str[:12]).reset_index(names="run")
 
 
 def _range(values) -> str:
