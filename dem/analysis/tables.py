@@ -27,13 +27,6 @@ class Shown:
             yield Text(f"... and {more} rows more")
 
 
-def digits(values: Iterable, least: int = 5) -> str:
-    """Format of numbers, with as many digits as tell them apart, and at least these."""
-    distinct = {each for each in values if isinstance(each, float) and each == each}
-    spread = (len({f"{each:.{n}g}" for each in distinct}) for n in range(least, 17))
-    return f".{least + sum(count < len(distinct) for count in spread)}g"
-
-
 def numbers(*columns: str, words: int = 1, rows: Iterable[Iterable[str]] = ()) -> Table:
     """A table of a page with these headings: columns of words first, as many as `words`, then of numbers."""
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)

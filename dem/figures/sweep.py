@@ -15,7 +15,6 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter, MaxNLocator
 
 from dem.analysis.means import quantities_of, run_means
-from dem.analysis.tables import digits
 from dem.analysis.values import designs_of, factors_of
 from dem.base.errors import InputError
 from dem.base.intervals import half_interval
@@ -166,7 +165,7 @@ def at_place(runs: xr.DataArray | xr.Dataset, dim: str, at) -> str:
             return f"{dim.replace('_', ' ')}: {at}"
         values, at = only, only.sel({dim: at}).item()
     unit = values.attrs.get("units", "1")
-    number = f"{at:{digits(values.values.tolist())}}"
+    number = f"{at:.6g}"
     if unit in PREFIXED:
         number = EngFormatter(unit, sep="\N{NO-BREAK SPACE}")(at)
     elif unit != "1":
@@ -207,7 +206,7 @@ def _lines(axes, means: xr.Dataset, line: str | None, along: xr.DataArray, marks
         far = values.max() > DECADES * values.min()
         style.logarithmic(axes, "x", (1.0,) if far else (1.0, 2.0, 5.0))
     if len(names) <= FEW and not marks:
-        axes.set_xticks(names, [format(name, digits(names, 4)) for name in names])
+        axes.set_xticks(names, [f"{name:.6g}" for name in names])
     elif not logarithmic:
         axes.xaxis.set_major_locator(MaxNLocator(4))
     if np.abs(values).max() >= LARGE:

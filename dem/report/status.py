@@ -3,13 +3,13 @@ known. It only reads, so any terminal may ask while the sweep runs."""
 
 import time
 from collections import Counter
-from math import ceil, isfinite
+from math import ceil, isfinite, nan
 
 import pandas as pd
 from rich.console import Group
 from rich.text import Text
 
-from dem.analysis.tables import Shown, digits
+from dem.analysis.tables import Shown
 from dem.base.errors import InputError
 from dem.base.intervals import moments
 from dem.io.progress import span
@@ -76,11 +76,10 @@ def _table(block: Block, until: Until, results: dict, under_way: dict, failed: d
     for place, runs in block.replicates.items():
         row = {}
         for at, axis in zip(place, axes, strict=True):
-            if axis in shown:
-                point = list(axis.points[at].items())[:VARIED]
-                form = digits(axis.coordinate)
-                cells = point if axis.entry.about == POINT else [(axis.name, axis.coordinate[at])]
-                row |= {n: f"{v:{form}}" if isinstance(v, float) else str(v) for n, v in cells}
+            if axis in shown and axis.entry.about == POINT:
+                row |= list(axis.points[at].items())[:VARIED]
+            elif axis in shown:
+                row[axis.name] = axis.coordinate[at]
         since = [
             under_way[run.id] for run in runs if under_way.get(run.id) and run.id not in results
         ]
@@ -89,21 +88,21 @@ def _table(block: Block, until: Until, results: dict, under_way: dict, failed: d
         row |= {"runs": len(runs), "done": done - bad}
         row["running"] = f"{len(since)}, {span(time.time() - min(since))}" if since else 0
         row |= {"waiting": len(runs) - done - len(since), "failed": bad}
-        heads = f"{until.of} {units}".strip(), "±", "within", f"for {until.until}"
+        heads = f"{until.of} {units}".strip(), "±", "within %", f"for {until.until}"
         row |= zip(heads, _mean(means.get(place), moments(values[place])[0], until), strict=True)
-        rows.append({name: str(cell or "-") for name, cell in row.items()})
+        rows.append(row)
     frame = pd.DataFrame(rows)
-    return frame.loc[:, (frame != "-").any()]
+    empty = [name for name in ("running", "waiting", "failed") if not frame[name].any()]
+    return frame.drop(columns=empty)
 
 
-def _mean(found, runs: int, until: Until) -> list[str]:
+def _mean(found, runs: int, until: Until) -> tuple:
     """A mean, half its interval, that as a share, and how many replicates what is asked for takes."""
     if found is None:  # the reference of all ratios
-        return ["1"] + 3 * ["-"]
-    value, half = f"{found.value:.4g}", f"{found.half:.3g}"
+        return 1, nan, nan, nan
     if runs < 3 or not isfinite(found.half):
-        return [value if runs else "-", "-", "-", "too few runs"]
+        return found.value, nan, nan, "too few runs"
     if is_near_zero(found, until):
-        return [value, half, "-", "near zero"]
-    share = f"{100.0 * found.half / abs(found.value):.2g} %"
-    return [value, half, share, str(ceil(replicates_needed(found, runs, until)))]
+        return found.value, found.half, nan, "near zero"
+    share = 100.0 * found.half / abs(found.value)
+    return found.value, found.half, share, ceil(replicates_needed(found, runs, until))
