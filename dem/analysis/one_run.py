@@ -7,13 +7,14 @@ of a sweep, whose runs are in the store.
 from __future__ import annotations
 
 import json
+from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dem.base.errors import InputError
-from dem.base.hints import is_number, meant
+from dem.base.hints import is_number, is_written, meant
 from dem.experiment.config import Replicate, of_values
 from dem.experiment.motion import Motion
 from dem.io.dataset import LABELS, content_of
@@ -146,7 +147,8 @@ def selected(runs: pd.DataFrame, select: list[str]) -> str:
 def _like(values: pd.Series, text: str) -> np.ndarray:
     """Which values a text means: those that are equal to it, else those that are printed so."""
     equal = np.array([is_number(text) and each == float(text) for each in values])
-    return equal if equal.any() else np.array([_word(each) == text for each in values])
+    printed = (is_written(v, text) if isinstance(v, Real) else str(v) == text for v in values)
+    return equal if equal.any() else np.array(list(printed))
 
 
 def _word(value) -> str:
