@@ -35,7 +35,8 @@ class Comparison(NamedTuple):
         return self.b is not None
 
     def samples(self) -> list[np.ndarray]:
-        """a, and b if there is one, without runs that failed, of pairs without those of which one failed."""
+        """a, and b if there is one, without runs that failed, of pairs without those of which one
+        failed."""
         given = [each for each in (self.a, self.b) if each is not None]
         finite = [np.isfinite(each) for each in given]
         if self.paired:

@@ -1,4 +1,5 @@
-"""Means of the runs of a combined file, one row a place: for a spreadsheet, or beside those of another."""
+"""Means of the runs of a combined file, one row a place: for a spreadsheet, or beside those of
+another."""
 
 from pathlib import Path
 
@@ -31,8 +32,8 @@ def quantities_of(dataset: xr.Dataset) -> list[str]:
 
 
 def run_means(dataset: xr.Dataset, path: Path | str, names: list[str] | None = None) -> xr.Dataset:
-    """The mean of each run (..., seed) of all quantities, or of some, within the window where it is along
-    the stroke; NaN where it is infinite, as for the rule that adds replicates.
+    """The mean of each run (..., seed) of all quantities, or of some, within the window where it is
+    along the stroke; NaN where it is infinite, as for the rule that adds replicates.
 
     Raises InputError for a quantity that the file has not got.
     """
@@ -64,8 +65,8 @@ def means(path: Path, only: str | None = None) -> xr.Dataset:
 
 
 def means_of(dataset: xr.Dataset, path: Path, names: list[str] | None = None) -> xr.Dataset:
-    """Means over the seeds with half their intervals, in SI units, and how many runs each is of; of all
-    quantities or of some."""
+    """Means over the seeds with half their intervals, in SI units, and how many runs each is of; of
+    all quantities or of some."""
     found = {}
     for name, sample in run_means(dataset, path, names).items():
         of = f"of the mean of {name}"
@@ -79,11 +80,12 @@ def means_of(dataset: xr.Dataset, path: Path, names: list[str] | None = None) ->
 
 
 def compared(path: Path, other: Path, name: str) -> xr.Dataset:
-    """Means of one quantity in two files, where both have a place, and their ratio with Fieller's interval.
+    """Means of one quantity in two files, where both have a place, and their ratio with Fieller's
+    interval.
 
     The samples must be independent, so runs that both files have count for the first alone. Labels
-    that differ are left out. Raises InputError where the files have nothing in common: points of designs
-    have numbers, which are the same place only where all their values are the same.
+    that differ are left out. Raises InputError where the files have nothing in common: points of
+    designs have numbers, which are the same place only where all their values are the same.
     """
     samples, ids = [], []
     for each in (path, other):
@@ -122,7 +124,8 @@ def compared(path: Path, other: Path, name: str) -> xr.Dataset:
 
 
 def table_of(found: xr.Dataset) -> pd.DataFrame:
-    """One row a place, the values that vary first; of a design those of its points, and not their numbers."""
+    """One row a place, the values that vary first; of a design those of its points, and not their
+    numbers."""
     frame = found.to_dataframe().reset_index().drop(columns=designs_of(found))
     return frame.rename(columns={name: heading(found[name]) for name in frame})
 
@@ -134,7 +137,8 @@ def heading(values: xr.DataArray) -> str:
 
 
 def write_means(found: xr.Dataset, output: Path) -> None:
-    """Write a table as netCDF, or as CSV with the units in its head; raises InputError for another name."""
+    """Write a table as netCDF, or as CSV with the units in its head; raises InputError for another
+    name."""
     if output.suffix not in (".nc", ".csv"):
         raise InputError(f"output is {str(output)!r}; it must end in .csv or .nc.")
     with atomic(output) as part:

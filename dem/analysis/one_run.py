@@ -59,7 +59,8 @@ def read_run(path: Path, run: str) -> tuple[Replicate, dict]:
 
 
 def batch_of(path: Path, run: str) -> Path:
-    """The file of the store that holds a run of a combined file; raises InputError where there is none."""
+    """The file of the store that holds a run of a combined file; raises InputError where there is
+    none."""
     for folder in Path(path).resolve().parents:
         store = Store(folder / "store")
         for batch in store.sealed().values():

@@ -1,8 +1,8 @@
 """Drag in numbers, as `dem info` and the figures show them: means, scatter, confidence.
 
-A `dataset` has the layout of drag.nc: drag (..., seed, displacement) in N, displacement in m and the
-averaging window in its attributes; the values that the sweep varies come before the seed. It may
-be a file whose variables are read when they are needed.
+A `dataset` has the layout of drag.nc: drag (..., seed, displacement) in N, displacement in m and
+the averaging window in its attributes; the values that the sweep varies come before the seed. It
+may be a file whose variables are read when they are needed.
 """
 
 import numpy as np
@@ -108,8 +108,8 @@ def edges_of_bins(dataset: xr.Dataset) -> np.ndarray:
 
 
 def table1(dataset: xr.Dataset) -> list[str]:
-    """Labels of the cases to compare by shape: at the density of the first, the check left out; raises
-    InputError where there is none."""
+    """Labels of the cases to compare by shape: at the density of the first, the check left out;
+    raises InputError where there is none."""
     cases = cases_of(dataset)
     found = [c for c, shape, density in cases if density == cases[0][2] and shape != CHECK]
     if not found:

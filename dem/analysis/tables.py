@@ -13,8 +13,8 @@ NUMBER = "{:.5g}".format
 
 
 class Shown:
-    """The first rows of a table, on a console: columns for which it is too narrow are below, beside the
-    first column again."""
+    """The first rows of a table, on a console: columns for which it is too narrow are below, beside
+    the first column again."""
 
     def __init__(self, frame: pd.DataFrame):
         self.frame = frame.dropna(axis="columns", how="all")
@@ -28,7 +28,8 @@ class Shown:
 
 
 def numbers(*columns: str, words: int = 1, rows: Iterable[Iterable[str]] = ()) -> Table:
-    """A table of a page with these headings: columns of words first, as many as `words`, then of numbers."""
+    """A table of a page with these headings: columns of words first, as many as `words`, then of
+    numbers."""
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
     for number, column in enumerate(columns):
         table.add_column(column, justify="left" if number < words else "right", overflow="fold")

@@ -6,8 +6,8 @@ differ in nothing else. The law is
     F(v) = F_0 (1 + c v^n),
 
 with the quasi-static limit F_0 in N. It is fitted to the means over the beds. A bed is drawn at all
-velocities, so the runs of a bed belong together: intervals come from beds that are drawn again, with
-all their runs, and the same beds for everything that is compared.
+velocities, so the runs of a bed belong together: intervals come from beds that are drawn again,
+with all their runs, and the same beds for everything that is compared.
 """
 
 from typing import NamedTuple
@@ -42,15 +42,16 @@ class Law(NamedTuple):
         return self.limit * (1.0 + self.above(velocity))
 
     def reaches(self, share: float) -> np.ndarray:
-        """Velocity (m/s) at which the drag is above its limit by a share of it; infinite where it never is."""
+        """Velocity (m/s) at which the drag is above its limit by a share of it; infinite where it
+        never is."""
         with np.errstate(divide="ignore", invalid="ignore"):
             found = (share / self.rise) ** (1.0 / self.exponent)
         return np.where(self.rise > 0.0, found, np.inf)
 
 
 class Rates(NamedTuple):
-    """velocity (v,) in m/s; means: drag (1 + RESAMPLES, v) in N by the place on the other axes, such
-    as ("0.3",), laws fitted to them; beds: their number."""
+    """velocity (v,) in m/s; means: drag (1 + RESAMPLES, v) in N by the place on the other axes,
+    such as ("0.3",), laws fitted to them; beds: their number."""
 
     velocity: np.ndarray
     means: dict[tuple, np.ndarray]
@@ -105,12 +106,13 @@ def fit(velocity: np.ndarray, drag: np.ndarray) -> Law:
 
 
 def inertial_number(dataset: xr.Dataset) -> float | None:
-    """Inertial number at 1 m/s: I / v = (d / D) sqrt(rho / P), in s/m; None where places differ in it.
+    """Inertial number at 1 m/s: I / v = (d / D) sqrt(rho / P), in s/m; None where places differ in
+    it.
 
-    v / D is the rate of shear, with the diameter D of the cylinder; d, rho and P are the mean diameter
-    and density of the granules and the mean pressure on the walls before the cylinder moves. So I
-    is the time in which this pressure brings a granule back into place over the time in which the
-    shear moves it out of it.
+    v / D is the rate of shear, with the diameter D of the cylinder; d, rho and P are the mean
+    diameter and density of the granules and the mean pressure on the walls before the cylinder
+    moves. So I is the time in which this pressure brings a granule back into place over the time in
+    which the shear moves it out of it.
     """
     cylinder = value_of(dataset, "cylinder.diameter")
     pressure = over_seeds(dataset["packing_pressure"]).mean("seed")

@@ -1,7 +1,7 @@
 """Confidence intervals: Student's t, Welch's degrees of freedom, Fieller's ratio, the bootstrap.
 
-All that prints an interval takes it from here. Runs are independent, so a sample is one value a run;
-what failed is NaN or infinite and does not count.
+All that prints an interval takes it from here. Runs are independent, so a sample is one value a
+run; what failed is NaN or infinite and does not count.
 """
 
 from __future__ import annotations
@@ -40,8 +40,8 @@ def student(error, freedom, level: float = LEVEL):
 
 
 def welch(variances: Sequence[float], counts: Sequence[int]) -> float:
-    """Degrees of freedom of a sum (Welch 1947, Satterthwaite 1946), from the variances of its terms, which
-    are means of so many runs."""
+    """Degrees of freedom of a sum (Welch 1947, Satterthwaite 1946), from the variances of its
+    terms, which are means of so many runs."""
     weights = sum(part**2 / (n - 1) for part, n in zip(variances, counts, strict=True))
     return sum(variances) ** 2 / (weights or math.inf)
 
@@ -82,8 +82,8 @@ def ratio_interval(sample, reference, level: float = LEVEL) -> Estimate:
 
 
 def log_ratio_error(sample, reference, paired: bool) -> tuple[float, float]:
-    """Standard error, by the delta method, and degrees of freedom of the logarithm of the ratio of two
-    means; paired: run by run of one bed."""
+    """Standard error, by the delta method, and degrees of freedom of the logarithm of the ratio of
+    two means; paired: run by run of one bed."""
     if paired:
         count, _, variance = moments(sample / sample.mean() - reference / reference.mean())
         return math.sqrt(variance), count - 1
@@ -96,8 +96,8 @@ def log_ratio_error(sample, reference, paired: bool) -> tuple[float, float]:
 def half_interval(sample: xr.DataArray, over: Sequence[str] = ()) -> xr.DataArray:
     """Half the interval of the mean of a sample (seed, ...), by Student's t; NaN for a single run.
 
-    over: axes along which the means are averaged. There, runs of one seed belong together, and places
-    may have other seeds: the degrees of freedom are Welch's, but at most those of all seeds.
+    over: axes along which the means are averaged. There, runs of one seed belong together, and
+    places may have other seeds: the degrees of freedom are Welch's, but at most those of all seeds.
     """
     sample = sample.compute()
     runs = sample.count("seed")
@@ -111,8 +111,8 @@ def half_interval(sample: xr.DataArray, over: Sequence[str] = ()) -> xr.DataArra
 
 
 def bootstrap_weights(samples: int, *groups: int) -> np.ndarray:
-    """Weights (1 + RESAMPLES, ..., samples) of samples in a mean: all of them, then as drawn again, in each
-    of so many groups on their own."""
+    """Weights (1 + RESAMPLES, ..., samples) of samples in a mean: all of them, then as drawn again,
+    in each of so many groups on their own."""
     equal = np.full(samples, 1.0 / samples)
     drawn = np.random.default_rng(1).multinomial(samples, equal, (RESAMPLES, *groups))
     return np.concatenate([np.ones((1, *drawn.shape[1:])), drawn]) / samples
@@ -122,8 +122,8 @@ def bootstrap_interval(values: np.ndarray, samples: int, groups: int = 1) -> Est
     """Of a number of all samples and of resamples of them (1 + r,), by the quantiles of these.
 
     samples: in each of the groups that are drawn again on their own. Few samples scatter too little
-    when they are drawn again, so the quantiles are farther out, as Student's t asks (Hesterberg 2015,
-    Am. Stat. 69, 371); scipy.stats.bootstrap lacks this.
+    when they are drawn again, so the quantiles are farther out, as Student's t asks (Hesterberg
+    2015, Am. Stat. 69, 371); scipy.stats.bootstrap lacks this.
     """
     from scipy.special import ndtr
 

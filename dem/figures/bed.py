@@ -52,7 +52,8 @@ def edges(planes, view) -> tuple[np.ndarray, np.ndarray]:
 
 
 def shifts(periodic) -> np.ndarray:
-    """Where a body of a periodic box is seen: displacements (k, 2) in m, (0, 0) alone without periods."""
+    """Where a body of a periodic box is seen: displacements (k, 2) in m, (0, 0) alone without
+    periods."""
     turns = ([0.0] if not each else [-each, 0.0, each] for each in periodic or (None, None))
     return np.array(list(product(*turns)))
 
@@ -60,9 +61,9 @@ def shifts(periodic) -> np.ndarray:
 class Drawing:
     """Granules, walls and cylinder on axes; lengths in m. What is drawn can be moved, for films.
 
-    rings: outlines; view: lower left and upper right corner; diameter: of the cylinder, None without
-    one; periodic: periods as of dem.Scene; hatched: hatch what is solid, and number the axes in mm; else draw the
-    box alone.
+    rings: outlines; view: lower left and upper right corner; diameter: of the cylinder, None
+    without one; periodic: periods as of dem.Scene; hatched: hatch what is solid, and number the
+    axes in mm; else draw the box alone.
     """
 
     def __init__(self, axes, rings, view, diameter, periodic=None, hatched=False):
@@ -91,8 +92,8 @@ class Drawing:
         axes.grid(visible=False)
 
     def move(self, position, angle, cylinder, walls) -> None:
-        """Granules to positions (n, 2) in m and angles (n,) in rad; the cylinder to (x, y) in m, None
-        without one; walls to planes (w, 3) as of dem.Scene."""
+        """Granules to positions (n, 2) in m and angles (n,) in rad; the cylinder to (x, y) in m,
+        None without one; walls to planes (w, 3) as of dem.Scene."""
         lines, space = edges(walls, self.view)
         self.walls.set_segments(1e3 * lines)
         (left, low), (right, high) = self.view
@@ -127,7 +128,8 @@ class Drawing:
         return np.concatenate([np.repeat(values, self.rings.shape[1], axis=0)] * len(self.shifts))
 
     def push(self, segments, forces, largest: float) -> None:
-        """Lines (m, 2, 2) in m with the width of the force (m,) in N; the largest is 4 points wide."""
+        """Lines (m, 2, 2) in m with the width of the force (m,) in N; the largest is 4 points
+        wide."""
         middle = np.asarray(segments).mean(axis=1, keepdims=True)
         inside = segments - middle + wrapped(middle, self.periodic)
         self.forces.set_segments(self._images(1e3 * inside))
@@ -149,7 +151,8 @@ def box_view(width: float, height: float) -> np.ndarray:
 
 
 def cluster_colors(start, axis, diameter: float) -> np.ndarray:
-    """Colours (n,) that shade what begins in front of the cylinder: as wide as it is, AHEAD of it."""
+    """Colours (n,) that shade what begins in front of the cylinder: as wide as it is, AHEAD of
+    it."""
     aside, above = np.moveaxis(start - np.asarray(axis), -1, 0)
     ahead = (above > 0.0) & (above < (0.5 + AHEAD) * diameter)
     return np.where(ahead & (np.abs(aside) < 0.5 * diameter), SHADED, PLAIN)

@@ -22,11 +22,11 @@ PVD = """<?xml version="1.0"?>
 def export(motion: Motion, path: Path, progress=lambda done: None) -> None:
     """Write the snapshots beside a .pvd file, the one to open, with its name and a number.
 
-    Granules are polygons with their true outline, a dumbbell two; data of each: number, volume diameter (m), angle (rad),
-    velocity (m/s), the mean since the snapshot before, and the sum of its normal forces (N). The cylinder
-    is one polygon more, number -1. Contacts are lines from centre to centre, number -2, with their normal
-    force. Lengths in m; time is the displacement. What has left through a periodic side is put back
-    into the box.
+    Granules are polygons with their true outline, a dumbbell two; data of each: number, volume
+    diameter (m), angle (rad), velocity (m/s), the mean since the snapshot before, and the sum of
+    its normal forces (N). The cylinder is one polygon more, number -1. Contacts are lines from
+    centre to centre, number -2, with their normal force. Lengths in m; time is the displacement.
+    What has left through a periodic side is put back into the box.
     """
     lines = []
     for snapshot, displacement in enumerate(motion.displacement):

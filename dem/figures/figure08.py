@@ -1,7 +1,7 @@
 """Figure 8: the ellipse code at aspect ratio 1 against the disc code, beside the paper's means.
 
-The paper gives a standard deviation without saying of what; the deviation over a run is
-beside it. Runs with the same seed start from the same bed but for rounding: the change is one of pairs.
+The paper gives a standard deviation without saying of what; the deviation over a run is beside it.
+Runs with the same seed start from the same bed but for rounding: the change is one of pairs.
 """
 
 import xarray as xr

@@ -102,7 +102,8 @@ class Scene:
 
 
 def _contacts(frames: Frames, frame: int):
-    """Segments (m, 2, 2) in m across contacts, forces (m,) and, by granule, their sums (n,) in N."""
+    """Segments (m, 2, 2) in m across contacts, forces (m,) and, by granule, their sums (n,) in
+    N."""
     found, count = frames.contacts(frame), len(frames.position[frame])
     start, between = frames.position[frame][found.granule], found.partner >= 0
     total = np.bincount(found.granule, found.force, count)

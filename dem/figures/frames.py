@@ -1,4 +1,5 @@
-"""What is drawn over time: the snapshots of a run of the paper, or the frames of a user's result."""
+"""What is drawn over time: the snapshots of a run of the paper, or the frames of a user's
+result."""
 
 from collections.abc import Callable
 from functools import partial
@@ -147,7 +148,8 @@ def of_result(result: Result) -> Frames:
 
 
 def _view(result: Result) -> np.ndarray:
-    """Corners (2, 2) in m of a view that holds all frames, and the corners of walls that are near."""
+    """Corners (2, 2) in m of a view that holds all frames, and the corners of walls that are
+    near."""
     reach = result.scene.shape.bounding_radius[:, None]
     ends = [result.position - reach, result.position + reach]
     if result.cylinder_position is not None:

@@ -104,7 +104,8 @@ def describe(case: xr.Dataset, separator: str = ", ") -> str:
 
 
 def drawn(case: xr.Dataset) -> str:
-    """What is to be said of a picture of a bed: nothing, unless dem.shapes.outlines draws others."""
+    """What is to be said of a picture of a bed: nothing, unless dem.shapes.outlines draws
+    others."""
     return "" if str(case["kind"].values) in KINDS else ", drawn as discs of equal area"
 
 
@@ -179,14 +180,16 @@ def band(axes, x, mean, half, color: str, label: str | None = None, alpha: float
 
 
 def intervals(axes, x, estimates, **look) -> None:
-    """Values with their intervals, in the order of x (k,); estimates (k, 3): value and both ends."""
+    """Values with their intervals, in the order of x (k,); estimates (k, 3): value and both
+    ends."""
     order = np.argsort(x)
     value, low, high = np.asarray(estimates)[order].T
     axes.errorbar(np.asarray(x)[order], value, [value - low, high - value], **look)
 
 
 def panels(count: int, columns: int, around: float, row: float, **shared):
-    """A figure of panels in rows, and their axes; heights in inches: around the rows, and of one."""
+    """A figure of panels in rows, and their axes; heights in inches: around the rows, and of
+    one."""
     rows = -(-count // columns)
     figure = Figure(figsize=(WIDTH, around + row * rows))
     grid = list(figure.subplots(rows, columns, squeeze=False, **shared).flat)
@@ -236,7 +239,8 @@ def percent(share: float, half: float) -> str:
 
 
 def save(figure: Figure, stem: Path, caption: str = "") -> list[Path]:
-    """Write stem.svg and stem.png atomically, with a caption; the same figure gives the same bytes."""
+    """Write stem.svg and stem.png atomically, with a caption; the same figure gives the same
+    bytes."""
     files = []
     for suffix, metadata in ((".svg", {"Date": None}), (".png", {"Software": None})):
         metadata |= {"Title": caption} if caption else {}

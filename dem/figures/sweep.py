@@ -37,8 +37,8 @@ LARGE = 2e4  # from here on, numbers of an axis have prefixes such as M
 
 @style.styled
 def plot(dataset: xr.Dataset, of: str | None = None) -> Figure:
-    """Means of a quantity with their intervals, of the drag or the first one if None; raises InputError
-    where no run is there, or no such quantity."""
+    """Means of a quantity with their intervals, of the drag or the first one if None; raises
+    InputError where no run is there, or no such quantity."""
     names = quantities_of(dataset)
     of = of or ("drag" if "drag" in names else names[0])
     runs = run_means(dataset, "", [of])[of]

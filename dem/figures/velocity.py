@@ -1,4 +1,5 @@
-"""Drag against the velocity of the cylinder: means, the law through them, its quasi-static limit."""
+"""Drag against the velocity of the cylinder: means, the law through them, its quasi-static
+limit."""
 
 import json
 

@@ -21,9 +21,9 @@ PIECE = "16MB"  # of a variable that is in memory at once, about
 def open_results(path: str | Path) -> xr.Dataset:
     """Open a file of results, such as drag.nc, of any size.
 
-    A file of up to 64 MB either matches its checksum or was written by you. In a larger one each variable
-    is checked as it is read, by the sums of its format, and is a Dask array in pieces of some 16 MB, so
-    that what you compute of it takes little memory.
+    A file of up to 64 MB either matches its checksum or was written by you. In a larger one each
+    variable is checked as it is read, by the sums of its format, and is a Dask array in pieces of
+    some 16 MB, so that what you compute of it takes little memory.
 
     Parameters
     ----------
@@ -33,8 +33,8 @@ def open_results(path: str | Path) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        Its variables, read when they are needed; units are in the attributes of each. It is a context
-        that closes the file.
+        Its variables, read when they are needed; units are in the attributes of each. It is a
+        context that closes the file.
 
     Raises
     ------
@@ -70,8 +70,8 @@ def open_results(path: str | Path) -> xr.Dataset:
 
 @contextmanager
 def open_lazily(path: Path):
-    """The same as a context, where damage, or a content that does not fit, is an InputError also when
-    it shows only as a value is read or used."""
+    """The same as a context, where damage, or a content that does not fit, is an InputError also
+    when it shows only as a value is read or used."""
     with open_results(path) as dataset, content_of(path):
         yield dataset
 

@@ -12,10 +12,11 @@ EVERY = 30.0  # s between two lines of a log
 
 @contextmanager
 def bar(label: str, total: float | None = None):
-    """Progress of some work on stderr: a bar with the time left on a terminal, a line now and then in a log.
+    """Progress of some work on stderr: a bar with the time left on a terminal, a line now and then
+    in a log.
 
-    Yields a function to call with what is done and, where it changes, the label. total: what is done in
-    the end; None where that is unknown.
+    Yields a function to call with what is done and, where it changes, the label. total: what is
+    done in the end; None where that is unknown.
     """
     if sys.stderr.isatty():
         from rich.console import Console
@@ -51,7 +52,8 @@ def span(seconds: float) -> str:
 
 
 class WorkflowProgress(logging.Handler):
-    """Adds how many runs are there to the steps that Snakemake counts; counts: gives that, and of how many."""
+    """Adds how many runs are there to the steps that Snakemake counts; counts: gives that, and of
+    how many."""
 
     def __init__(self, counts):
         super().__init__()

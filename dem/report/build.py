@@ -1,4 +1,5 @@
-"""results/report.html: figures, tables and the curves of the drag on one page, which needs no network."""
+"""results/report.html: figures, tables and the curves of the drag on one page, which needs no
+network."""
 
 import base64
 from datetime import UTC, datetime
@@ -28,8 +29,8 @@ CURVES = 20  # at most, of a case: a page with thousands would open in no browse
 def build(drag: Path, output: Path) -> None:
     """Write the report of a folder of results, atomically; raises InputError for other files.
 
-    It shows the means of a combined file, the pictures in the folder figures beside it, and the tables
-    of studies, STUDY.txt beside STUDY.nc.
+    It shows the means of a combined file, the pictures in the folder figures beside it, and the
+    tables of studies, STUDY.txt beside STUDY.nc.
     """
     folder = Path(drag).parent
     with open_lazily(drag) as dataset:

@@ -28,7 +28,8 @@ MEANS = 5  # quantities of a file without drag that are shown
 
 
 def summary(path: Path) -> Group:
-    """Renderable summary of a combined file or a file of runs; raises InputError for other files."""
+    """Renderable summary of a combined file or a file of runs; raises InputError for other
+    files."""
     with open_lazily(path) as dataset:
         if "run_id" not in dataset:
             raise InputError(
@@ -92,7 +93,8 @@ def means_table(path: Path, dataset: xr.Dataset) -> pd.DataFrame:
 
 
 def _table(found: xr.Dataset) -> pd.DataFrame:
-    """A table without what belongs to a shape, which its label says, and what is the same everywhere."""
+    """A table without what belongs to a shape, which its label says, and what is the same
+    everywhere."""
     coords = found.coords.items()
     labels = [
         name for name, values in coords if name not in found.dims and {"shape"} >= set(values.dims)
@@ -121,7 +123,8 @@ def _range(values) -> str:
 
 
 def _runs_of(dataset: xr.Dataset) -> dict[str, str]:
-    """Seeds of the runs of a combined file, how many there are so far, and which are missing and why."""
+    """Seeds of the runs of a combined file, how many there are so far, and which are missing and
+    why."""
     told = {"seeds": seed_words(dataset["seed"].values.ravel()) if "seed" in dataset else "-"}
     if "partial" in dataset.attrs:
         told["so far"] = dataset.attrs["partial"]

@@ -1,5 +1,5 @@
-"""How far a sweep is: place by place what is done, running, waiting and failed, and how well its mean is
-known. It only reads, so any terminal may ask while the sweep runs."""
+"""How far a sweep is: place by place what is done, running, waiting and failed, and how well its
+mean is known. It only reads, so any terminal may ask while the sweep runs."""
 
 import time
 from collections import Counter
@@ -97,7 +97,8 @@ def _table(block: Block, until: Until, results: dict, under_way: dict, failed: d
 
 
 def _mean(found, runs: int, until: Until) -> tuple:
-    """A mean, half its interval, that as a share, and how many replicates what is asked for takes."""
+    """A mean, half its interval, that as a share, and how many replicates what is asked for
+    takes."""
     if found is None:  # the reference of all ratios
         return 1, nan, nan, nan
     if runs < 3 or not isfinite(found.half):

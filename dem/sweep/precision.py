@@ -1,10 +1,11 @@
 """How many replicates each place of a sweep gets: as many as it takes to know its mean so well.
 
-A place begins with `least` replicates. While its interval is wider than asked for, another round makes as
-many as the scatter so far says that it takes, but at most twice what there are: looking often would stop
-by chance, and the scatter of ten runs is not known well. So an interval is also taken a little wider. Decisions need whole rounds only, from the first
-on, so they are the same in any order of the runs, and after any stop. docs/results/precision.md says how
-often the true mean is as near as that.
+A place begins with `least` replicates. While its interval is wider than asked for, another round
+makes as many as the scatter so far says that it takes, but at most twice what there are: looking
+often would stop by chance, and the scatter of ten runs is not known well. So an interval is also
+taken a little wider. Decisions need whole rounds only, from the first on, so they are the same in
+any order of the runs, and after any stop. docs/results/precision.md says how often the true mean is
+as near as that.
 """
 
 import math
@@ -53,7 +54,8 @@ def _level(text) -> str:
 
 
 class Until(Section):
-    """Seeds without an end: replicates are added, place by place, until a mean is known well enough."""
+    """Seeds without an end: replicates are added, place by place, until a mean is known well
+    enough."""
 
     until: Annotated[str, BeforeValidator(_asked)] = value(
         None, "half of the interval of the mean: 5 % of it, or 50 N"
@@ -106,8 +108,8 @@ class Until(Section):
         return f"{self.of} within {self.until} at {self.confidence}"
 
     def check(self, where: str, configuration, labels: Sequence[str]) -> None:
-        """Raise InputError where runs of a configuration have no such number; labels: of the axis of cases
-        or shapes."""
+        """Raise InputError where runs of a configuration have no such number; labels: of the axis
+        of cases or shapes."""
         numbers, layout = numbers_of(configuration), configuration.module.layout(configuration)
         if self.variable not in numbers:
             raise InputError(
@@ -126,8 +128,8 @@ class Until(Section):
 
 
 def numbers_of(configuration) -> list[str]:
-    """Names of the numbers that a run gives, whose mean may be asked for: first what is measured. How long
-    it took is none, because then no file would give the same runs twice."""
+    """Names of the numbers that a run gives, whose mean may be asked for: first what is measured.
+    How long it took is none, because then no file would give the same runs twice."""
     layout = configuration.module.layout(configuration)
     found = [
         n
@@ -163,8 +165,8 @@ def estimates(
 
 
 def short_of(block, values: dict[Lead, np.ndarray]) -> list[str]:
-    """A sentence where the cap left places less well known than was asked for; raises RunError where a
-    share of a mean means nothing."""
+    """A sentence where the cap left places less well known than was asked for; raises RunError
+    where a share of a mean means nothing."""
     until, wide = block.until, []
     for place, found in estimates(until, values, block.partners).items():
         words, number = block.words(place), f"{found.value:.3g} ± {found.half:.3g}"
@@ -187,8 +189,8 @@ def short_of(block, values: dict[Lead, np.ndarray]) -> list[str]:
 
 
 def outlook(block, values: dict[Lead, np.ndarray]) -> tuple[int, int, int]:
-    """How many runs a block takes in all by the scatter of what is there, and the range that this scatter
-    leaves open (95 %); where nothing is there, the first round and the caps."""
+    """How many runs a block takes in all by the scatter of what is there, and the range that this
+    scatter leaves open (95 %); where nothing is there, the first round and the caps."""
     from scipy.special import chdtri
 
     until, places = block.until, estimates(block.until, values, block.partners)
@@ -217,8 +219,8 @@ def counts(
 ) -> dict[Lead, int]:
     """How many replicates each place has after as many rounds as its runs so far allow.
 
-    values: one value a run that there is, in the order of the seeds, by place; partners: the place that
-    each is divided by, None for itself; rounds: after the first, at most.
+    values: one value a run that there is, in the order of the seeds, by place; partners: the place
+    that each is divided by, None for itself; rounds: after the first, at most.
     """
     groups, found = {}, {}
     for place in values:
@@ -242,7 +244,8 @@ def counts(
 
 
 class Numbers:
-    """What the runs of a store gave, one number each; files of runs never change, so each is read once."""
+    """What the runs of a store gave, one number each; files of runs never change, so each is read
+    once."""
 
     def __init__(self, store, variable: str):
         self.store, self.variable, self._of = store, variable, {}
@@ -252,8 +255,8 @@ class Numbers:
     def of(self, block, kept: bool = False) -> dict[str, float]:
         """The numbers of those runs of a block that are there, by identity; NaN of one that failed.
 
-        kept: also of batches that have not ended. Decisions wait for these, so that they are the same
-        after any stop.
+        kept: also of batches that have not ended. Decisions wait for these, so that they are the
+        same after any stop.
         """
         replicates = {run.id: run for run in block.unique()}
         for batch in self.store.sealed().values():
