@@ -9,8 +9,7 @@ import typer
 import studies
 from dem.cli.options import FolderOption, TextOption
 from dem.cli.show import draw_figure, print_or_write
-from dem.cli.terminal import Verbs
-from dem.io.progress import bar
+from dem.cli.terminal import Verbs, bar
 from studies.catalogue import figures, reported
 
 app = Verbs(

@@ -27,10 +27,8 @@ from dem.base.errors import InputError, RunError
 from dem.base.hints import is_written
 from dem.cli.app import app
 from dem.cli.stopping import Stopped
-from dem.cli.terminal import reported
+from dem.cli.terminal import bar, reported
 from dem.figures import film
-from dem.io import progress
-from dem.io.progress import bar
 
 ROOT = Path(__file__).parent.parent
 RUN = (
@@ -231,7 +229,7 @@ def test_a_picture_is_of_the_stroke(tmp_path, displacement):
 
 
 def test_a_log_has_a_line_of_progress_now_and_then(capsys, monkeypatch):
-    monkeypatch.setattr(progress, "EVERY", 0.0)
+    monkeypatch.setattr("dem.cli.terminal.EVERY", 0.0)
     with bar("runs", 4.0) as update:
         update(1)
         update(2, "runs, 1 failed")
@@ -303,7 +301,6 @@ def test_a_failure_is_a_sentence_without_the_name_of_its_class(capsys, error, se
 BESIDE_A_BAR = """
 import time
 from dem.base.say import say
-from dem.io.progress import bar
 with bar("packing c1"):
     time.sleep(0.5)
     say("compiling")

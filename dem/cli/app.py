@@ -18,8 +18,7 @@ from dem.cli.options import (
 )
 from dem.cli.show import draw_figure, print_or_write
 from dem.cli.sweep import VERBS as sweeping
-from dem.cli.terminal import Verbs, start_lean
-from dem.io.progress import bar
+from dem.cli.terminal import Verbs, bar, start_lean
 
 app = Verbs(
     help="Slow drag of a cylinder through a bed of discs, dumbbells and ellipses (2-D DEM).",

@@ -3,8 +3,7 @@
 from pathlib import Path
 
 from dem.cli.options import OUTPUT, PAPER, BlockOption, ConfigOption, OutputOption, argument, option
-from dem.cli.terminal import start_lean
-from dem.io.progress import bar
+from dem.cli.terminal import bar, start_lean
 
 ShapesOption = option(
     str | None,  # a Path would have to be a file

@@ -13,7 +13,7 @@ from dem.analysis.tables import WIDE
 from dem.base.files import FOLDER, Place, atomic, check_paths
 from dem.base.plain import plain
 from dem.cli.streams import nobody_reads
-from dem.io.progress import bar
+from dem.cli.terminal import bar
 
 
 class PlainConsole(Console):

@@ -8,8 +8,7 @@ import typer
 from dem.base.say import say
 from dem.cli.options import PAPER, BlockOption, ConfigOption, OutputOption, argument, option
 from dem.cli.stopping import Stopped
-from dem.cli.terminal import show, start_lean
-from dem.io.progress import bar
+from dem.cli.terminal import bar, show, start_lean
 
 FileArgument = argument(Path, "Configuration file of a sweep (YAML).")
 

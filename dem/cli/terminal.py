@@ -1,7 +1,8 @@
-"""What all verbs share: checks of paths, sentences instead of tracebacks."""
+"""What all verbs share: checks of paths, sentences instead of tracebacks, progress bars."""
 
 import functools
 import sys
+import time
 from contextlib import contextmanager
 from pathlib import Path
 from typing import get_type_hints
@@ -15,6 +16,7 @@ from dem.base.say import say
 from dem.cli.options import Writes
 from dem.cli.stopping import STOPS, Stopped, Stops, end_at_once
 from dem.cli.streams import open_streams, what_was_lost
+from dem.io.progress import EVERY
 
 
 class Verbs(typer.Typer):
@@ -90,6 +92,37 @@ def reported():
                 raise
             say(plain(sentence_of(error)))  # control characters from a file or a path have no effect
             raise typer.Exit(2 if isinstance(error, InputError) else 1) from None
+
+
+@contextmanager
+def bar(label: str, total: float | None = None):
+    """Progress of some work on stderr: a bar with the time left on a terminal, a line now and then
+    in a log.
+
+    Yields a function to call with what is done and, where it changes, the label. total: what is
+    done in the end; None where that is unknown.
+    """
+    if sys.stderr.isatty():
+        from rich.console import Console
+        from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+        columns = TextColumn("{task.description}", markup=False), BarColumn(), TimeRemainingColumn()
+        streams = {"redirect_stdout": False, "redirect_stderr": False}  # workers inherit them
+        with Progress(
+            *columns, console=Console(stderr=True), transient=True, **streams
+        ) as progress:
+            task = progress.add_task(label, total=total)
+            yield lambda done, label=None: progress.update(task, completed=done, description=label)
+        return
+    last = time.monotonic()
+
+    def update(done: float, label: str = label) -> None:
+        nonlocal last
+        if time.monotonic() - last >= EVERY:
+            last = time.monotonic()
+            say(f"{label}: {done / total:.0%} done")
+
+    yield update
 
 
 def start_lean():

@@ -6,8 +6,7 @@ from typing import Annotated
 import typer
 
 from dem.cli.options import ConfigOption, OutputOption
-from dem.cli.terminal import Verbs, start_lean
-from dem.io.progress import bar
+from dem.cli.terminal import Verbs, bar, start_lean
 from studies.common.verbs import SmokeOption
 
 app = Verbs(help="Study of error against run time, part by part.", no_args_is_help=True)

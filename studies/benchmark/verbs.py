@@ -1,8 +1,7 @@
 """`python -m studies benchmark`: time the kernels."""
 
 from dem.cli.options import PAPER, ConfigOption, OutputOption
-from dem.cli.terminal import Verbs
-from dem.io.progress import bar
+from dem.cli.terminal import Verbs, bar
 from studies.common.verbs import SmokeOption
 
 app = Verbs(help="Speed of the kernels, alone and beside other codes.", no_args_is_help=True)

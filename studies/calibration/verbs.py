@@ -5,8 +5,7 @@ from typing import Annotated
 
 import typer
 
-from dem.cli.terminal import Verbs, show
-from dem.io.progress import bar
+from dem.cli.terminal import Verbs, bar, show
 
 app = Verbs(help="Young's modulus, the one calibrated number.", no_args_is_help=True)
 

@@ -6,8 +6,7 @@ from typing import Annotated
 import typer
 
 from dem.base.errors import InputError
-from dem.cli.terminal import Verbs
-from dem.io.progress import bar
+from dem.cli.terminal import Verbs, bar
 from studies.common.verbs import table_of
 
 app = Verbs(help="Study of which of the paper's claims hold.", no_args_is_help=True)

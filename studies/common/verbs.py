@@ -6,8 +6,7 @@ from typing import Annotated
 import typer
 
 from dem.cli.options import ConfigOption, OutputOption
-from dem.cli.terminal import start_lean
-from dem.io.progress import bar
+from dem.cli.terminal import bar, start_lean
 
 SmokeOption = Annotated[bool, typer.Option("--smoke", help="As little as shows that it works.")]
 

@@ -6,8 +6,7 @@ from typing import Annotated
 import typer
 
 from dem.cli.options import OutputOption
-from dem.cli.terminal import Verbs
-from dem.io.progress import bar
+from dem.cli.terminal import Verbs, bar
 
 app = Verbs(help="How often a mean is as near as a sweep asks for.", no_args_is_help=True)
 

@@ -7,8 +7,7 @@ import typer
 
 from dem.base.errors import InputError
 from dem.cli.options import ConfigOption, OutputOption
-from dem.cli.terminal import Verbs, start_lean
-from dem.io.progress import bar
+from dem.cli.terminal import Verbs, bar, start_lean
 
 app = Verbs(help="Study of stiff and extreme cases, part by part.", no_args_is_help=True)
 

@@ -5,8 +5,7 @@ from typing import Annotated
 import typer
 
 from dem.cli.options import OutputOption
-from dem.cli.terminal import Verbs
-from dem.io.progress import bar
+from dem.cli.terminal import Verbs, bar
 
 JobsOption = Annotated[int, typer.Option("--jobs", min=1, help="Cases side by side.")]
 app = Verbs(help="Known cases of the field, each against what is expected.", no_args_is_help=True)
