@@ -109,13 +109,13 @@ def test_what_is_shown_of_a_sweep_with_failed_runs_has_no_gaps(tmp_path, monkeyp
     for picture in (tmp_path / "figures").glob("*.png"):
         assert_not_blank(picture)
     assert len(list((tmp_path / "figures").glob("*.png"))) > 3
-    build(drag, tmp_path / "report.html", CONFIG.parent / "docs/explanation/open.md")
+    build(drag, tmp_path / "report.html")
     page = (tmp_path / "report.html").read_text()
     page = re.sub(r"<script.*?</script>", "", page, flags=re.S)
     assert not re.search(r"\bnan\b", page) and re.search(r"\b3 runs\b", page)
     console = Console(width=160, file=io.StringIO())
     console.print(summary(drag))
-    assert "3 of 6 runs: 2 PackingError, 1 OverlapError" in console.file.getvalue()
+    assert "3 of 6 runs failed" in console.file.getvalue()
     assert not re.search(r"\bnan\b", console.file.getvalue())
 
 

@@ -38,7 +38,10 @@ def build(drag: Path, output: Path) -> None:
         has_drag, cases = "drag" in dataset.variables, by_case(dataset)
         table = drag_table(dataset) if has_drag else means_table(drag, dataset)
         parts = {name: dataset.attrs[name] for name in ORIGIN}
-        parts["runs"] = int((dataset["run_id"] != "").sum())
+        there = dataset["run_id"] != ""
+        if "failure" in dataset:
+            there &= dataset["failure"] == 0
+        parts["runs"] = int(there.sum())
         parts["chart"] = Markup(drag_curves(cases)) if has_drag and cases is not None else ""
     pictures = sorted((folder / "figures").glob("*.png"))
     if not pictures:
