@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 import dem
 from dem.analysis.means import compared, means, table_of, write_means
 from dem.analysis.statistics import summarise
-from dem.analysis.tables import Shown
+from dem.analysis.tables import TextTable
 from dem.base.errors import InputError
 from dem.base.intervals import mean_interval
 from dem.base.sources import ROOT
@@ -192,7 +192,7 @@ def test_no_number_of_a_table_is_cut(width):
     """On a narrow terminal the last columns are below, beside the first one again."""
     values = {f"value {n}": [f"{row}.{n:09d}" for row in range(3)] for n in range(11)}
     frame = pd.DataFrame({"row": ["row0", "row1", "row2"]} | values)
-    lines = text_of(Shown(frame), width).splitlines()
+    lines = text_of(TextTable(frame), width).splitlines()
     assert max(map(len, lines)) <= width
     for row in frame.itertuples(index=False):
         assert {cell for line in lines if row[0] in line for cell in line.split()} == set(row)
@@ -200,7 +200,7 @@ def test_no_number_of_a_table_is_cut(width):
 
 def test_a_pipe_gets_tables_as_wide_as_they_are(file, capsys):
     names = {f"quantity_of_a_long_name_{number:02d}": ("point", [1.0 / 3.0] * 3) for number in range(20)}
-    print_or_write(Shown(table_of(xr.Dataset(names))), None)
+    print_or_write(TextTable(table_of(xr.Dataset(names))), None)
     assert capsys.readouterr().out.splitlines()[0].split() == ["point", *names]
 
 

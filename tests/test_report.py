@@ -15,7 +15,7 @@ from test_means import text_of
 
 from conftest import assert_alone, assert_not_blank, places_shown
 from dem.analysis.statistics import summarise
-from dem.analysis.tables import Shown
+from dem.analysis.tables import TextTable
 from dem.base.errors import InputError
 from dem.figures.catalogue import draw, drawable_from
 from dem.figures.sweep import is_logarithmic
@@ -226,7 +226,7 @@ def test_info_and_report_have_a_row_a_place(swept):
 
 
 def test_a_long_table_says_how_much_is_left_out():
-    assert "... and 3 rows more" in text_of(Shown(pd.DataFrame({"a": range(63), "b": range(63)})))
+    assert "... and 3 rows more" in text_of(TextTable(pd.DataFrame({"a": range(63), "b": range(63)})))
 
 
 def test_a_figure_of_cases_is_not_drawn_of_other_sweeps(swept):

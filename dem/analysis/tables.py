@@ -12,7 +12,7 @@ ROWS = 60  # of a table on a terminal, at most
 NUMBER = "{:.5g}".format
 
 
-class Shown:
+class TextTable:
     """The first rows of a table, on a console: columns for which it is too narrow are below, beside
     the first column again."""
 

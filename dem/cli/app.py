@@ -184,7 +184,7 @@ def means(
     Example: dem means results/drag.nc -o means.csv
     """
     from dem.analysis import means as made
-    from dem.analysis.tables import Shown
+    from dem.analysis.tables import TextTable
 
     with bar(f"reading {data}"):
         if other is None:
@@ -194,7 +194,7 @@ def means(
     if output is not None:
         made.write_means(found, output)
         return
-    print_or_write(Shown(made.table_of(found)), None)
+    print_or_write(TextTable(made.table_of(found)), None)
 
 
 @app.command()

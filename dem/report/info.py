@@ -10,7 +10,7 @@ from rich.text import Text
 from dem.analysis.means import WINDOW, heading, means_of, quantities_of, run_means, table_of
 from dem.analysis.one_run import replicate_of, values_of_runs
 from dem.analysis.statistics import summarise, window_text
-from dem.analysis.tables import Shown
+from dem.analysis.tables import TextTable
 from dem.analysis.values import value_of
 from dem.base.errors import InputError
 from dem.base.schema import seed_words
@@ -66,7 +66,7 @@ def _shown(attrs: dict, about: dict, table: pd.DataFrame, legend: str = "") -> G
     }
     lines = "\n".join(f"{name:9} {line}" for name, line in origin.items())
     title = Text(attrs["title"], style="bold")
-    return Group(title, Text(lines), "", Shown(table), "", Text(legend, style="dim"))
+    return Group(title, Text(lines), "", TextTable(table), "", Text(legend, style="dim"))
 
 
 def drag_table(dataset: xr.Dataset) -> pd.DataFrame:

@@ -9,7 +9,7 @@ import pandas as pd
 from rich.console import Group
 from rich.text import Text
 
-from dem.analysis.tables import Shown
+from dem.analysis.tables import TextTable
 from dem.base.errors import InputError
 from dem.base.intervals import moments
 from dem.io.progress import span
@@ -39,7 +39,7 @@ def status(campaign: Campaign) -> Group:
             if under_way.get(run.id, 0.0) is not None and run.id not in results
         ]
         failed.update(numbers.failed[run] for run in block.places if run in numbers.failed)
-        table = Shown(_table(block, until, results, under_way, numbers.failed))
+        table = TextTable(_table(block, until, results, under_way, numbers.failed))
         parts += [Text(f"\n{campaign.folder_of(name)}", style="bold"), table]
     running = sum(run.id in under_way for run in left)
     verb = "run is" if running == 1 else "runs are"
