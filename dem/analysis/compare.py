@@ -37,18 +37,18 @@ class Comparison(NamedTuple):
     def samples(self) -> list[np.ndarray]:
         """a, and b if there is one, without runs that failed, of pairs without those of which one
         failed."""
-        given = [each for each in (self.a, self.b) if each is not None]
-        finite = [np.isfinite(each) for each in given]
+        given = [sample for sample in (self.a, self.b) if sample is not None]
+        finite = [np.isfinite(sample) for sample in given]
         if self.paired:
             finite = [np.all(finite, axis=0)] * len(given)
-        return [each[good] for each, good in zip(given, finite, strict=True)]
+        return [sample[good] for sample, good in zip(given, finite, strict=True)]
 
     @property
     def estimate(self) -> float:
         """The number; infinite where b has a mean of zero, NaN without runs."""
         if not self.runs:
             return math.nan
-        mean, *below = (float(each.mean()) for each in self.samples())
+        mean, *below = (float(sample.mean()) for sample in self.samples())
         if not below:
             return mean
         return mean / below[0] if below[0] else math.inf

@@ -50,33 +50,33 @@ def run_means(dataset: xr.Dataset, path: Path | str, names: list[str] | None = N
             held = np.flatnonzero((moved >= start) & (moved <= stop))
             inside = inside.isel({dataset[name].dims[0]: held})
     inside = inside[there if names is None else names]
-    found = inside.mean(set(inside.dims) - set(dataset["run_id"].dims), keep_attrs=True).compute()
-    return found.map(over_seeds, keep_attrs=True).where(np.isfinite)
+    result = inside.mean(set(inside.dims) - set(dataset["run_id"].dims), keep_attrs=True).compute()
+    return result.map(over_seeds, keep_attrs=True).where(np.isfinite)
 
 
 def means(path: Path, only: str | None = None) -> xr.Dataset:
     """Means of a file of all quantities, or of one."""
     with open_lazily(path) as dataset:
-        found = means_of(dataset, path, [only] if only else None)
+        result = means_of(dataset, path, [only] if only else None)
         attrs = {
             key: dataset.attrs[key] for key in ("title", "configuration") if key in dataset.attrs
         }
-        return found.assign_attrs(attrs)
+        return result.assign_attrs(attrs)
 
 
 def means_of(dataset: xr.Dataset, path: Path, names: list[str] | None = None) -> xr.Dataset:
     """Means over the seeds with half their intervals, in SI units, and how many runs each is of; of
     all quantities or of some."""
-    found = {}
+    result = {}
     for name, sample in run_means(dataset, path, names).items():
         of = f"of the mean of {name}"
         about = {"units": sample.attrs.get("units", "1")}
         about["long_name"] = f"half the {LEVEL:.0%} interval {of}"
-        found[name] = sample.mean("seed", keep_attrs=True)
-        found[f"{name}_half_interval"] = half_interval(sample).assign_attrs(about)
+        result[name] = sample.mean("seed", keep_attrs=True)
+        result[f"{name}_half_interval"] = half_interval(sample).assign_attrs(about)
         about = {"units": "1", "long_name": f"number of runs {of}"}
-        found[f"{name}_runs"] = sample.count("seed").assign_attrs(about)
-    return xr.Dataset(found).drop_vars("seed", errors="ignore")
+        result[f"{name}_runs"] = sample.count("seed").assign_attrs(about)
+    return xr.Dataset(result).drop_vars("seed", errors="ignore")
 
 
 def compared(path: Path, other: Path, name: str) -> xr.Dataset:
@@ -88,24 +88,24 @@ def compared(path: Path, other: Path, name: str) -> xr.Dataset:
     designs have numbers, which are the same place only where all their values are the same.
     """
     samples, ids = [], []
-    for each in (path, other):
-        with open_lazily(each) as dataset:
-            runs = run_means(dataset, each, [name])[name]
+    for item in (path, other):
+        with open_lazily(item) as dataset:
+            runs = run_means(dataset, item, [name])[name]
             samples.append(runs.drop_vars("seed", errors="ignore"))
             ids.append(over_seeds(dataset["run_id"].drop_vars("seed", errors="ignore").load()))
     samples[1] = samples[1].where(~ids[1].isin(ids[0]))
-    axes = [set(each.dims) - {"seed"} for each in samples]
+    axes = [set(item.dims) - {"seed"} for item in samples]
     if axes[0] == axes[1]:
         samples = xr.align(*samples, join="inner", exclude=["seed"])
-    labels = [each.coords.variables for each in samples]
+    labels = [item.coords.variables for item in samples]
     same = [key for key in labels[0] if key in labels[1] and labels[0][key].equals(labels[1][key])]
     differ = {*labels[0], *labels[1]}.difference(same)
     if axes[0] != axes[1] or not samples[0].size or (differ and designs_of(samples[0])):
-        told = (", ".join(sorted(each)) or "one place" for each in axes)
+        over = (", ".join(sorted(item)) or "one place" for item in axes)
         raise InputError(
-            f"{path} and {other} have no place in common; they are over {' and over '.join(told)}."
+            f"{path} and {other} have no place in common; they are over {' and over '.join(over)}."
         )
-    first, second = (each.drop_vars(differ, errors="ignore") for each in samples)
+    first, second = (item.drop_vars(differ, errors="ignore") for item in samples)
     ratios = xr.apply_ufunc(
         ratio_interval,
         second.rename(seed="second"),
@@ -114,20 +114,20 @@ def compared(path: Path, other: Path, name: str) -> xr.Dataset:
         output_core_dims=[[]] * len(RATIO),
         vectorize=True,
     )
-    ratios = [each.drop_attrs() for each in ratios]
-    found = {"first": first.mean("seed"), "second": second.mean("seed")}
-    found = {key: value.assign_attrs(first.attrs) for key, value in found.items()}
+    ratios = [item.drop_attrs() for item in ratios]
+    result = {"first": first.mean("seed"), "second": second.mean("seed")}
+    result = {key: value.assign_attrs(first.attrs) for key, value in result.items()}
     return xr.Dataset(
-        found | dict(zip(RATIO, ratios, strict=True)),
+        result | dict(zip(RATIO, ratios, strict=True)),
         attrs={"title": f"{name}: {path} and {other}"},
     )
 
 
-def table_of(found: xr.Dataset) -> pd.DataFrame:
+def table_of(result: xr.Dataset) -> pd.DataFrame:
     """One row a place, the values that vary first; of a design those of its points, and not their
     numbers."""
-    frame = found.to_dataframe().reset_index().drop(columns=designs_of(found))
-    return frame.rename(columns={name: heading(found[name]) for name in frame})
+    frame = result.to_dataframe().reset_index().drop(columns=designs_of(result))
+    return frame.rename(columns={name: heading(result[name]) for name in frame})
 
 
 def heading(values: xr.DataArray) -> str:
@@ -136,14 +136,14 @@ def heading(values: xr.DataArray) -> str:
     return f"{values.name} ({units})" if units != "1" else str(values.name)
 
 
-def write_means(found: xr.Dataset, output: Path) -> None:
+def write_means(result: xr.Dataset, output: Path) -> None:
     """Write a table as netCDF, or as CSV with the units in its head; raises InputError for another
     name."""
     if output.suffix not in (".nc", ".csv"):
         raise InputError(f"output is {str(output)!r}; it must end in .csv or .nc.")
     with atomic(output) as part:
         if output.suffix == ".csv":
-            table_of(found).to_csv(part, index=False)
+            table_of(result).to_csv(part, index=False)
         else:
-            found.to_netcdf(part, format=FORMAT)
+            result.to_netcdf(part, format=FORMAT)
             seal(part)

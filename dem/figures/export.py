@@ -43,10 +43,10 @@ def _mesh(motion: Motion, snapshot: int) -> meshio.Mesh:
     rings = motion.outlines[:, :, :-1]  # the last point is the first
     count, parts, corners, _ = rings.shape
     place = wrapped(motion.position[snapshot], motion.periodic)
-    own = motion.replicate.configuration
+    configuration = motion.replicate.configuration
     turn = np.linspace(0.0, 2.0 * np.pi, corners, endpoint=False)
-    circle = 0.5 * own.cylinder.diameter * np.column_stack([np.cos(turn), np.sin(turn)])
-    axis = np.array([0.5 * own.box_width, motion.cylinder_y[snapshot]])
+    circle = 0.5 * configuration.cylinder.diameter * np.column_stack([np.cos(turn), np.sin(turn)])
+    axis = np.array([0.5 * configuration.box_width, motion.cylinder_y[snapshot]])
     circle += wrapped(axis, motion.periodic)
     outlines = 1e-3 * placed(rings, place, motion.angle[snapshot])
     polygons = np.concatenate([outlines, circle[None]])
@@ -58,10 +58,10 @@ def _mesh(motion: Motion, snapshot: int) -> meshio.Mesh:
     force, bodies = np.zeros(count + 1), contacts.partner >= CYLINDER  # the last polygon
     np.add.at(force, contacts.granule, contacts.force)
     np.add.at(force, contacts.partner[bodies], contacts.force[bodies])
-    velocity = np.vstack([mean_velocity(motion, snapshot), [0.0, own.cylinder.velocity]])
+    velocity = np.vstack([mean_velocity(motion, snapshot), [0.0, configuration.cylinder.velocity]])
     of_bodies = {
         "granule": np.append(np.arange(count), -1),
-        "diameter": np.append(motion.diameters, own.cylinder.diameter),
+        "diameter": np.append(motion.diameters, configuration.cylinder.diameter),
         "angle": np.append(motion.angle[snapshot], 0.0),
         "velocity": np.pad(velocity, ((0, 0), (0, 1))),
         "force": force,

@@ -25,24 +25,26 @@ def plot(dataset: xr.Dataset) -> Figure:
 
     One of the two cases is enough; raises InputError when both are missing.
     """
-    found = {shape: label for shape in CODES if (label := find(dataset, shape))}
-    if not found:
+    cases = {shape: label for shape in CODES if (label := find(dataset, shape))}
+    if not cases:
         raise InputError("there is no case of shape c1 or e0 in the data.")
     figure = Figure(figsize=(style.WIDTH, 5.0))
     left, right = figure.subplots(1, 2, sharey=True, width_ratios=(1.7, 1.0))
     numbers, ticks = summarise(dataset), []
-    for place, (shape, label) in enumerate(found.items()):
+    for place, (shape, label) in enumerate(cases.items()):
         (code, width, paper, deviation), case = CODES[shape], dataset.sel(case=label)
-        own, look = numbers.sel(case=label), style.look(case)
+        case_numbers, look = numbers.sel(case=label), style.look(case)
         x, (curve, half) = style.displacement(case), style.smoothed(case)
         name = f"{code} ({label}), mean of {style.runs(case)}"
         line = {"color": look.color, "linestyle": look.line, "linewidth": width}
         left.plot(x, curve, zorder=3, label=name, **line)
         style.band(left, x, curve, half, look.color, "95 % interval of the mean")
-        mean, half = float(own["mean"]), float(own["half_interval"])
+        mean, half = float(case_numbers["mean"]), float(case_numbers["half_interval"])
         thin = {"linestyle": "none", "elinewidth": 1.0, "capsize": 3}
         name = "standard deviation over the run"
-        right.errorbar(place - 0.18, mean, own["sd_over_run"], color="0.35", label=name, **thin)
+        right.errorbar(
+            place - 0.18, mean, case_numbers["sd_over_run"], color="0.35", label=name, **thin
+        )
         right.errorbar(
             place - 0.18,
             mean,
@@ -55,17 +57,17 @@ def plot(dataset: xr.Dataset) -> Figure:
             zorder=4,
             label=f"mean{style.its_interval(numbers)}",
         )
-        style.show_runs(right, place + 0.02, own["run_mean"], 0.1)
+        style.show_runs(right, place + 0.02, case_numbers["run_mean"], 0.1)
         star = {"color": "black", "marker": "*", "markersize": 11, "markerfacecolor": "white"}
         name = "paper, mean and standard deviation"
         right.errorbar(place + 0.25, paper, paper * deviation, label=name, **star, **thin)
         ticks.append(f"{code}\n{style.value(mean, half, 'N')}\npaper: {paper:.0f} N")
     style.mark_window(left, dataset)
-    right.set_xticks(range(len(found)), ticks)
-    right.set_xlim(-0.5, len(found) - 0.5)
+    right.set_xticks(range(len(cases)), ticks)
+    right.set_xlim(-0.5, len(cases) - 0.5)
     right.set_title(f"Mean{style.its_interval(dataset)}", loc="left")
-    if len(found) == len(CODES):
-        disc, ellipse = found.values()
+    if len(cases) == len(CODES):
+        disc, ellipse = cases.values()
         difference = style.percent(*change(numbers["run_mean"], disc, ellipse))
         right.set_xlabel(f"{ellipse} against {disc}: {difference}")
     left.set_title("Against displacement", loc="left")

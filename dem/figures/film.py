@@ -104,11 +104,11 @@ class Scene:
 def _contacts(frames: Frames, frame: int):
     """Segments (m, 2, 2) in m across contacts, forces (m,) and, by granule, their sums (n,) in
     N."""
-    found, count = frames.contacts(frame), len(frames.position[frame])
-    start, between = frames.position[frame][found.granule], found.partner >= 0
-    total = np.bincount(found.granule, found.force, count)
-    total += np.bincount(found.partner[between], found.force[between], count)
-    return np.stack([start, start + found.branch], axis=1), found.force, total
+    touching, count = frames.contacts(frame), len(frames.position[frame])
+    start, between = frames.position[frame][touching.granule], touching.partner >= 0
+    total = np.bincount(touching.granule, touching.force, count)
+    total += np.bincount(touching.partner[between], touching.force[between], count)
+    return np.stack([start, start + touching.branch], axis=1), touching.force, total
 
 
 def picture(

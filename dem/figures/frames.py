@@ -71,8 +71,8 @@ def frames_of(source: Result | Motion) -> Frames:
 
 def of_motion(motion: Motion) -> Frames:
     """Frames of a run of the paper: the bed in its box, and the drag along the stroke."""
-    run, own = motion.replicate, motion.replicate.configuration
-    width, size = own.box_width, own.cylinder.diameter
+    run, values = motion.replicate, motion.replicate.configuration
+    width, size = values.box_width, values.cylinder.diameter
     axis = np.column_stack([np.full_like(motion.cylinder_y, 0.5 * width), motion.cylinder_y])
     moved = style.millimetres(motion.displacement)
 
@@ -96,7 +96,7 @@ def of_motion(motion: Motion) -> Frames:
         diameter=size,
         velocity=partial(mean_velocity, motion),
         contacts=motion.contacts,
-        fastest=own.cylinder.velocity,
+        fastest=values.cylinder.velocity,
         paints={
             "layer": bed.layer_colors(motion.position[0], motion.height[0], LAYERS),
             "cluster": bed.cluster_colors(motion.position[0], axis[0], size),
@@ -182,15 +182,15 @@ def in_units(time) -> tuple[np.ndarray, str]:
 
 def forces_of(result: Result) -> list[tuple[str, dict[str, np.ndarray]]]:
     """Forces (f,) in N by what they are on and by name; nothing on a cylinder or walls without."""
-    found = []
+    groups = []
     if result.scene.cylinder is not None:
         x, y = result.cylinder_force.T
-        found.append(("Force on the cylinder (N)", {"horizontal": x, "vertical": y}))
+        groups.append(("Force on the cylinder (N)", {"horizontal": x, "vertical": y}))
     if result.scene.walls is not None:
         walls = enumerate(zip(result.scene.walls, result.wall_force.T, strict=True))
         forces = {f"wall {at}{SIDES.get((x, y), '')}": force for at, ((x, y, _), force) in walls}
-        found.append(("Normal force on walls (N)", forces))
-    return found
+        groups.append(("Normal force on walls (N)", forces))
+    return groups
 
 
 def draw_forces(axes, result: Result, group) -> None:

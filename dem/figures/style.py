@@ -221,8 +221,8 @@ def legend(figure: Figure, axes, place: str, grey: str = "", **options) -> None:
     """
     handles, names = axes.get_legend_handles_labels()
     unique = dict(zip(names, handles, strict=True))
-    made = figure.legend(unique.values(), unique.keys(), loc=place, **options)
-    for name, patch in zip(unique, made.legend_handles, strict=True):
+    drawn_legend = figure.legend(unique.values(), unique.keys(), loc=place, **options)
+    for name, patch in zip(unique, drawn_legend.legend_handles, strict=True):
         if grey and name.startswith(grey):
             patch.set(facecolor="0.8", edgecolor="0.3", hatch="")
 

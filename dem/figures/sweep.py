@@ -135,14 +135,14 @@ def quantity(values: xr.DataArray) -> str:
 
 def in_units(values: xr.DataArray, bare: str = "") -> str:
     """Units in brackets, (kg m⁻³); bare: what stands for numbers without one."""
-    found = units(values) if values.attrs.get("units", "1") != "1" else bare
-    return f" ({found})" if found and "units" in values.attrs else ""
+    text = units(values) if values.attrs.get("units", "1") != "1" else bare
+    return f" ({text})" if text and "units" in values.attrs else ""
 
 
 def units(values: xr.DataArray) -> str:
     """Units as figures have them: kg m⁻³."""
-    found = str(values.attrs["units"]).replace(" ", "\N{NO-BREAK SPACE}")
-    return re.sub(r"(?<=[a-z])(-?\d)", r"$^{\1}$", found)
+    text = str(values.attrs["units"]).replace(" ", "\N{NO-BREAK SPACE}")
+    return re.sub(r"(?<=[a-z])(-?\d)", r"$^{\1}$", text)
 
 
 def heading(runs: xr.DataArray | xr.Dataset, place: dict, columns: int) -> str:
@@ -183,12 +183,12 @@ def _lines(axes, means: xr.Dataset, line: str | None, along: xr.DataArray, marks
     scaled = np.log(values) if logarithmic else scaled
     step = APART[1] * float(np.ptp(scaled)) if numeric else APART[0] / len(lines)
     for number, at in enumerate(lines):
-        own = means.sel({line: at}) if line else means
+        line_means = means.sel({line: at}) if line else means
         place = scaled + (number - 0.5 * (len(lines) - 1)) * step
         axes.errorbar(
             np.exp(place) if logarithmic else place,
-            own["mean"].values,
-            own["half"].values,
+            line_means["mean"].values,
+            line_means["half"].values,
             **style.numbered(number),
             markersize=6.5,
             markerfacecolor="white" if number % 2 else None,

@@ -71,14 +71,14 @@ def _shown(attrs: dict, about: dict, table: pd.DataFrame, legend: str = "") -> G
 
 def drag_table(dataset: xr.Dataset) -> pd.DataFrame:
     """Mean drag and scatter, one row per place on the axes."""
-    found = summarise(dataset)
-    mean, size = found["mean"], abs(found["mean"])
+    result = summarise(dataset)
+    mean, size = result["mean"], abs(result["mean"])
     columns = {
-        "runs": found["run_mean"].count("seed"),
+        "runs": result["run_mean"].count("seed"),
         "mean (N)": mean,
-        "± (N)": found["half_interval"],
-        "over run (%)": 100.0 * found["sd_over_run"] / size,
-        "between runs (%)": 100.0 * found["sd_between_runs"] / size,
+        "± (N)": result["half_interval"],
+        "over run (%)": 100.0 * result["sd_over_run"] / size,
+        "between runs (%)": 100.0 * result["sd_between_runs"] / size,
     }
     if "max_overlap" in dataset:
         overlap = dataset["max_overlap"]
@@ -92,14 +92,14 @@ def means_table(path: Path, dataset: xr.Dataset) -> pd.DataFrame:
     return _table(means_of(dataset, path, quantities_of(dataset)[:MEANS]))
 
 
-def _table(found: xr.Dataset) -> pd.DataFrame:
+def _table(result: xr.Dataset) -> pd.DataFrame:
     """A table without what belongs to a shape, which its label says, and what is the same
     everywhere."""
-    coords = found.coords.items()
+    coords = result.coords.items()
     labels = [
-        name for name, values in coords if name not in found.dims and {"shape"} >= set(values.dims)
+        name for name, values in coords if name not in result.dims and {"shape"} >= set(values.dims)
     ]
-    return table_of(found.drop_vars(labels))
+    return table_of(result.drop_vars(labels))
 
 
 def runs_table(path: Path, dataset: xr.Dataset) -> pd.DataFrame:
@@ -109,8 +109,8 @@ def runs_table(path: Path, dataset: xr.Dataset) -> pd.DataFrame:
     values = values[["shape", "density", "seed", *varied[:VARIED]]]
     if record := replicate_of(path, dataset, 0).configuration.record:
         dataset = dataset.assign_attrs(dict(zip(WINDOW, record.window, strict=True)))
-    found = run_means(dataset, path, quantities_of(dataset)[:MEANS]).isel(seed=0)
-    for quantity in found.values():
+    result = run_means(dataset, path, quantities_of(dataset)[:MEANS]).isel(seed=0)
+    for quantity in result.values():
         values[heading(quantity)] = quantity.values
     values["failed"] = dataset["failure_reason"].str.slice(0, 60).values
     return values.set_index(values.index.str[:12]).reset_index(names="run")
@@ -125,10 +125,10 @@ def _range(values) -> str:
 def _runs_of(dataset: xr.Dataset) -> dict[str, str]:
     """Seeds of the runs of a combined file, how many there are so far, and which are missing and
     why."""
-    told = {"seeds": seed_words(dataset["seed"].values.ravel()) if "seed" in dataset else "-"}
+    facts = {"seeds": seed_words(dataset["seed"].values.ravel()) if "seed" in dataset else "-"}
     if "partial" in dataset.attrs:
-        told["so far"] = dataset.attrs["partial"]
+        facts["so far"] = dataset.attrs["partial"]
     if "failure" in dataset and (failed := int((dataset["failure"] != 0).sum())):
         total, why = int((dataset["run_id"] != "").sum()), dataset["failure"].attrs.get("comment")
-        told["missing"] = f"{failed} of {total} runs failed ({why})"
-    return told
+        facts["missing"] = f"{failed} of {total} runs failed ({why})"
+    return facts

@@ -96,14 +96,14 @@ def _table(block: Block, until: Until, results: dict, under_way: dict, failed: d
     return frame.drop(columns=empty)
 
 
-def _mean(found, runs: int, until: Until) -> tuple:
+def _mean(mean, runs: int, until: Until) -> tuple:
     """A mean, half its interval, that as a share, and how many replicates what is asked for
     takes."""
-    if found is None:  # the reference of all ratios
+    if mean is None:  # the reference of all ratios
         return 1, nan, nan, nan
-    if runs < 3 or not isfinite(found.half):
-        return found.value, nan, nan, "too few runs"
-    if is_near_zero(found, until):
-        return found.value, found.half, nan, "near zero"
-    share = 100.0 * found.half / abs(found.value)
-    return found.value, found.half, share, ceil(replicates_needed(found, runs, until))
+    if runs < 3 or not isfinite(mean.half):
+        return mean.value, nan, nan, "too few runs"
+    if is_near_zero(mean, until):
+        return mean.value, mean.half, nan, "near zero"
+    share = 100.0 * mean.half / abs(mean.value)
+    return mean.value, mean.half, share, ceil(replicates_needed(mean, runs, until))

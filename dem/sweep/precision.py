@@ -35,10 +35,10 @@ Lead = tuple[int, ...]  # a place on the axes but that of the seeds
 
 def _quantity(text, fault: str = ASKED) -> tuple[float, str]:
     """A positive number and its unit; raises ValueError."""
-    found = re.fullmatch(rf"\s*({NUMBER})\s*(%|[A-Za-z].*?)\s*", str(text))
-    if not found or not 0.0 < float(found[1]) < math.inf:
+    estimate = re.fullmatch(rf"\s*({NUMBER})\s*(%|[A-Za-z].*?)\s*", str(text))
+    if not estimate or not 0.0 < float(estimate[1]) < math.inf:
         raise ValueError(fault)
-    return float(found[1]), found[2]
+    return float(estimate[1]), estimate[2]
 
 
 def _asked(text) -> str:
@@ -131,24 +131,24 @@ def numbers_of(configuration) -> list[str]:
     """Names of the numbers that a run gives, whose mean may be asked for: first what is measured.
     How long it took is none, because then no file would give the same runs twice."""
     layout = configuration.module.layout(configuration)
-    found = [
+    estimate = [
         n
         for n, (dims, unit, _) in layout.items()
         if unit and "granule" not in dims and n != "run_time"
     ]
-    return sorted(found, key=lambda name: name in OF_RUN)
+    return sorted(estimate, key=lambda name: name in OF_RUN)
 
 
-def excess(found: Estimate, until: Until) -> float:
+def excess(estimate: Estimate, until: Until) -> float:
     """Half an interval over what is asked for; infinite where too few runs are there."""
     target, relative = until.target
-    wanted = target * abs(found.value) if relative else target
-    return found.half / wanted if wanted > 0.0 and not math.isnan(found.value) else math.inf
+    wanted = target * abs(estimate.value) if relative else target
+    return estimate.half / wanted if wanted > 0.0 and not math.isnan(estimate.value) else math.inf
 
 
-def is_near_zero(found: Estimate, until: Until) -> bool:
+def is_near_zero(estimate: Estimate, until: Until) -> bool:
     """Whether a share of the mean means nothing, because the interval holds zero."""
-    return until.target[1] and math.isfinite(found.half) and found.low <= 0.0 <= found.high
+    return until.target[1] and math.isfinite(estimate.half) and estimate.low <= 0.0 <= estimate.high
 
 
 def estimates(
@@ -168,15 +168,15 @@ def short_of(block, values: dict[Lead, np.ndarray]) -> list[str]:
     """A sentence where the cap left places less well known than was asked for; raises RunError
     where a share of a mean means nothing."""
     until, wide = block.until, []
-    for place, found in estimates(until, values, block.partners).items():
-        words, number = block.words(place), f"{found.value:.3g} ± {found.half:.3g}"
-        if is_near_zero(found, until):
+    for place, estimate in estimates(until, values, block.partners).items():
+        words, number = block.words(place), f"{estimate.value:.3g} ± {estimate.half:.3g}"
+        if is_near_zero(estimate, until):
             raise RunError(
                 f"{words}: {until.of} of {len(values[place])} replicates is {number}, which "
                 f"may be zero, so {until.until} of it means nothing; ask for a number with a unit, such as "
                 "until: 50 N, or take the place out."
             )
-        if (over := excess(found, until)) > 1.0:
+        if (over := excess(estimate, until)) > 1.0:
             number = number if over < math.inf else "not known"
             wide.append((over, f"{words}, is {number} after {len(values[place])}"))
     if not wide:
@@ -197,9 +197,9 @@ def outlook(block, values: dict[Lead, np.ndarray]) -> tuple[int, int, int]:
     total = np.array(
         3 * [sum(n for place, n in block.counts.items() if place not in places)], float
     )
-    for place, found in places.items():
+    for place, estimate in places.items():
         limits, runs = (block.counts[place], until.most), moments(values[place])[0]
-        if math.isfinite(wanted := replicates_needed(found, runs, until)):
+        if math.isfinite(wanted := replicates_needed(estimate, runs, until)):
             free = runs - 1
             total += np.clip(
                 wanted * np.array([1.0, *free / chdtri(free, [0.025, 0.975])]), *limits
@@ -209,9 +209,9 @@ def outlook(block, values: dict[Lead, np.ndarray]) -> tuple[int, int, int]:
     return tuple(math.ceil(each) for each in total)
 
 
-def replicates_needed(found: Estimate, runs: int, until: Until) -> float:
+def replicates_needed(estimate: Estimate, runs: int, until: Until) -> float:
     """How many replicates a place takes by the scatter of its runs so far."""
-    return runs * (SAFETY * excess(found, until)) ** 2 if runs else math.inf
+    return runs * (SAFETY * excess(estimate, until)) ** 2 if runs else math.inf
 
 
 def counts(
@@ -222,7 +222,7 @@ def counts(
     values: one value a run that there is, in the order of the seeds, by place; partners: the place
     that each is divided by, None for itself; rounds: after the first, at most.
     """
-    groups, found = {}, {}
+    groups, estimate = {}, {}
     for place in values:
         groups.setdefault(partners[place] or place, []).append(place)
     for group in groups.values():
@@ -239,8 +239,8 @@ def counts(
             if after == now:
                 break
             now, number = after, number + 1
-        found |= now
-    return found
+        estimate |= now
+    return estimate
 
 
 class Numbers:
@@ -267,14 +267,14 @@ class Numbers:
                     values, _ = read(self.store.file_of(batch.id), names)
                     own = next(replicates[run] for run in batch.runs if run in replicates)
                     self._of |= self._means(own.configuration, values)
-        found = {run: self._of[run] for run in replicates if run in self._of}
-        for run in replicates.keys() - found if kept else ():
+        estimate = {run: self._of[run] for run in replicates if run in self._of}
+        for run in replicates.keys() - estimate if kept else ():
             if (row := self.store.kept(run)) is not None:
                 values = {name: value[None] for name, value in row.items()} | {
                     "run_id": np.array([run])
                 }
-                found |= self._means(replicates[run].configuration, values)
-        return found
+                estimate |= self._means(replicates[run].configuration, values)
+        return estimate
 
     def _means(self, own, values: dict[str, np.ndarray]) -> dict[str, float]:
         """The number of each run of a configuration, from the variables of some (run, ...)."""
