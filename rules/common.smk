@@ -153,5 +153,6 @@ def begin():
     HELD.append(held)
     for sentence in (*said, *unusual(SWEEP)):
         say(sentence)
+    SWEEP.failed()  # counts what fails from now on
     logging.raiseExceptions = False  # that Snakemake's log cannot grow on a full disk is said once
-    logging.getLogger("snakemake.logging").addHandler(WorkflowProgress(SWEEP.counts, SWEEP.failed))
+    logging.getLogger("snakemake.logging").addHandler(WorkflowProgress(SWEEP.counts))

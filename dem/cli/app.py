@@ -184,7 +184,7 @@ def means(
     Example: dem means results/drag.nc -o means.csv
     """
     from dem.analysis import means as made
-    from dem.report.info import plain_table
+    from dem.analysis.tables import TextTable
 
     with bar(f"reading {data}"):
         if other is None:
@@ -194,14 +194,13 @@ def means(
     if output is not None:
         made.write_means(found, output)
         return
-    print_or_write(plain_table(made.table_of(found)), None)
+    print_or_write(TextTable(made.table_of(found)), None)
 
 
 @app.command()
 def report(
     data: argument(Path, "drag.nc; the page shows the files next to it."),
     output: option(Path, "HTML file to write.", *OUTPUT, writes=".html"),
-    notes: option(Path | None, "Markdown that tells what the paper leaves open.") = None,
 ):
     """Write all results as one HTML page, which opens without a network.
 
@@ -210,4 +209,4 @@ def report(
     from dem.report.build import build
 
     with bar("writing the report"):
-        build(data, output, notes)
+        build(data, output)

@@ -55,12 +55,12 @@ def sweep(
         if retry:
             say(f"{retried(campaign)} failed runs are tried again.")
         there, _ = campaign.counts()
-        with bar("making runs", 1.0) as update:
+        with bar("running", 1.0) as update:
 
             def made(done, failed, compiles):
-                words = "making runs, the first ones compile" if compiles else "making runs"
+                words = "running, and compiling" if compiles else "running"
                 share = done / len(campaign.runs())  # of those that are known to be needed
-                update(share, not compiles, words + (f", {failed} failed" if failed else ""))
+                update(share, words + (f", {failed} failed" if failed else ""))
 
             with workers:
                 campaign.make(workers, made)
@@ -133,7 +133,7 @@ def compile(
         kinds[shape] = sweep.replicate(shape, sweep.density_of(shape), 0)
     with bar("compiling", float(len(kinds))) as update:
         for done, replicate in enumerate(kinds.values()):
-            update(done, label=f"compiling for {replicate.label}, {done + 1} of {len(kinds)}")
+            update(done, f"compiling for {replicate.label}, {done + 1} of {len(kinds)}")
             compile_kernels(replicate)
         update(len(kinds))
 
@@ -151,7 +151,7 @@ def batch(
 
         def made(done, failed, compiles=False):
             words = f"batch {output.stem}" + (f", {failed} failed" if failed else "")
-            update(done, not compiles, words)
+            update(done, words)
 
         make(store, output.stem, made)
 

@@ -9,10 +9,10 @@ from dem.contacts.force_law import effective_modulus
 from dem.experiment.config import Replicate
 from dem.experiment.fit import NOMINAL, height_of_box, sample_diameters
 from dem.io.dataset import BED, global_attributes, read, write
-from dem.packing.grown import grow
-from dem.packing.loaded import pack_under
-from dem.packing.pressed import START, compact
+from dem.packing.compaction import START, compact
+from dem.packing.constant_pressure import pack_under
 from dem.packing.random import Bed, Room, pack
+from dem.packing.swelling import grow
 from dem.periodic import Periods, periods_of
 from dem.scene import Cylinder
 from dem.shapes import of_size

@@ -7,8 +7,8 @@ import numpy as np
 from scipy.stats import binomtest
 
 from dem.analysis.flow.layout import MEASURES
-from dem.analysis.statistics import LEVEL
 from dem.base.errors import InputError
+from dem.base.intervals import LEVEL
 from studies.claims.evidence import MARGIN, Evidence, from_study, from_sweep
 from studies.claims.numbers import simultaneous, together
 from studies.claims.sentences import CLAIMS, Claim

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from dem.base.intervals import mean_interval
 from dem.base.sources import ROOT
-from dem.sweep.precision import Known, Until, known
+from dem.sweep.precision import Until
 from studies.accuracy.precision.sources import Source, again, gamma, lognormal, mixture, normal
 from studies.accuracy.precision.stopping import FEW, OTHERS, ROUNDS, RULES
 from studies.common.results import is_smoke
@@ -83,13 +84,13 @@ def needed(source: Source, until: Until) -> float:
     )
 
 
-def trial(rule: Callable, until: Until, source: Source, rng: np.random.Generator) -> Known:
+def trial(rule: Callable, until: Until, source: Source, rng: np.random.Generator) -> tuple:
     """What is known of a place once a rule wants no more runs; those that it may want are drawn
     at once."""
     sample = source.draw(rng, source.scatter, math.ceil(1.3 * needed(source, until)))
     while (wanted := rule(until, sample)) > len(sample):
         sample = np.append(sample, source.draw(rng, source.scatter, wanted - len(sample)))
-    return known(sample[:wanted], until.level)
+    return *mean_interval(sample[:wanted], until.level), wanted
 
 
 def tried(rule: str, source: Source, target: float, samples: int, seed: int) -> tuple:

@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from dem.sweep.precision import Until, known
+from dem.base.intervals import mean_interval
+from dem.sweep.precision import Until, excess
 from studies.accuracy.precision.findings import precision
 from studies.accuracy.precision.results import tried
 from studies.accuracy.precision.sources import UNJAMMED, Source, gamma, lognormal, mixture, normal
@@ -55,7 +56,8 @@ def test_other_rules_stop_where_their_papers_say(rule, least, share, stays):
     for scatter in (0.1, 0.2, 0.3):
         sample = rng.normal(1.0, scatter, 400)
         narrow = [
-            n >= least and known(sample[:n], until.level).excess(until) <= 1.0 for n in range(401)
+            n >= least and excess(mean_interval(sample[:n], until.level), until) <= 1.0
+            for n in range(401)
         ]
         ahead = [max(stays, stays * n // 100) for n in range(401)]
         first = next(n for n in range(401) if narrow[n] and all(narrow[n : n + ahead[n] + 1]))
