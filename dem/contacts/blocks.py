@@ -71,8 +71,8 @@ def copy_rates(rates, rows, i, motion, k, first):
 
 @optional
 def look_ahead(boundary, rows, j, motion, at):
-    """Where nothing turns and contacts have dashpots, rows of granules have the velocity of the full step;
-    those of walls and cylinder have that of the half step and its change."""
+    """Where nothing turns and contacts have dashpots, rows of granules have the velocity of the
+    full step; those of walls and cylinder have that of the half step and its change."""
     motion[at + lane.VX2] += rows[j + FIVE]
     motion[at + lane.VY2] += rows[j + SIX]
 
@@ -107,7 +107,8 @@ def gather(turns, one, two, contacts, start, stop, lanes):
 
 @inlined
 def sizes_of(outline):
-    """The numbers of an outline after cosine and sine; where Shape.lists_sizes, they never change."""
+    """The numbers of an outline after cosine and sine; where Shape.lists_sizes, they never
+    change."""
     return outline[2:]
 
 
@@ -239,8 +240,8 @@ def change_of(motion, at):
 
 @optional
 def change_between(turns, motion, at, geometry):
-    """Change of the relative velocity to the full step; None where nothing turns: the velocity is then that
-    of the full step, or nothing asks for it."""
+    """Change of the relative velocity to the full step; None where nothing turns: the velocity is
+    then that of the full step, or nothing asks for it."""
     one, two = change_of(motion, at + lane.W1), change_of(motion, at + lane.W2)
     return relative_velocity(one, two, geometry)
 
@@ -283,8 +284,8 @@ def store_geometry(turns, geometry, contacts, p, lanes, k):
 
 @inlined
 def load_geometry(shape, values, k):
-    """The geometry of lane k; n2 and t2 mean nothing for walls, and no lever does where nothing turns: none
-    is then asked for."""
+    """The geometry of lane k; n2 and t2 mean nothing for walls, and no lever does where nothing
+    turns: none is then asked for."""
     return ContactGeometry(
         values[lane.OVERLAP + k],
         values[lane.NX + k],
@@ -318,7 +319,8 @@ def unconverged(converged):
 
 @inlined
 def any_unconverged(values, count):
-    """Whether any of the first lanes is; nearly always none is, and vector code is fast to say so."""
+    """Whether any of the first lanes is; nearly always none is, and vector code is fast to say
+    so."""
     found = 0
     for q in range(count):
         found += values[lane.UNCONVERGED + np.uint64(q)] != 0.0
@@ -348,7 +350,8 @@ NEAR = 8.0  # halves of a step's change; beyond, the mean over the step differs 
 
 @optional
 def mean_overlap_quarters(damping, values, count, dt):
-    """delta^(1/4) of all dashpots: of the few that are near touch its mean over the step, one by one."""
+    """delta^(1/4) of all dashpots: of the few that are near touch its mean over the step, one by
+    one."""
     near = 0
     for q in range(count):
         k = np.uint64(q)
@@ -413,7 +416,8 @@ def accumulate(contacts, start, stop, values, inverse_inertia, force):
     """Add the forces of a block to both constituents of each pair.
 
     force (4 constituents,): the rows of dem.jit.columns one after the other. To keep the sum of one
-    constituent in registers from pair to pair takes longer: each pair must choose which sum it adds to.
+    constituent in registers from pair to pair takes longer: each pair must choose which sum it adds
+    to.
     """
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
@@ -428,7 +432,8 @@ def accumulate(contacts, start, stop, values, inverse_inertia, force):
 def boundary_reaction(contacts, p, k, values, inverse_inertia, force):
     """Give the constituent of contact p with a boundary its share.
 
-    Returns the normal force (N) on the boundary, and the forces on it: normal (x, y) and tangential (x, y).
+    Returns the normal force (N) on the boundary, and the forces on it: normal (x, y) and tangential
+    (x, y).
     """
     gx, gy = values[lane.FORCE_X + k], values[lane.FORCE_Y + k]
     torque = either(take(inverse_inertia, values, lane.TORQUE_1 + k), 0.0)

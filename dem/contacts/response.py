@@ -42,9 +42,9 @@ def dashpot(damping, ratio, overlap_quarter, slip_rate):
 def friction_force(friction, contacts, p, normal, elastic, slip, account, dt):
     """The spring is capped first, then spring and dashpot, so that friction does no positive work.
 
-    elastic: stiffness (N m^-1.5), sqrt_overlap (m^0.5), constant and overlap_quarter (m^0.25) of the dashpot; slip: in
-    this step (m), and its rate at the full step (m/s). Returns the force (N) and the powers (W) that dashpot and spring take,
-    None without an energy ledger.
+    elastic: stiffness (N m^-1.5), sqrt_overlap (m^0.5), constant and overlap_quarter (m^0.25) of
+    the dashpot; slip: in this step (m), and its rate at the full step (m/s). Returns the force (N)
+    and the powers (W) that dashpot and spring take, None without an energy ledger.
     """
     stiffness, sqrt_overlap, damping, overlap_quarter = elastic
     distance, rate = slip
@@ -80,7 +80,8 @@ def dissipated_power(account, force, rate):
 def relative_velocity(one, two, geometry):
     """Velocity of body 2 relative to body 1 at the contact, along n and along t.
 
-    one, two: velocity x, y (m/s) and spin (rad/s; None where nothing turns), or their changes to the full step.
+    one, two: velocity x, y (m/s) and spin (rad/s; None where nothing turns), or their changes to
+    the full step.
     """
     _, nx, ny, n1, t1, n2, t2, _ = geometry
     gx, gy = two[0] - one[0], two[1] - one[1]
@@ -94,10 +95,11 @@ def respond(contacts, p, geometry, velocity, change, overlap_quarter, dt, accoun
     """Forces N and T (N) of contact p, and powers (W) that dashpots and tangential springs take.
 
     T is None without friction, the powers without an energy ledger. velocity, change: from
-    relative_velocity, of the half step and to the full step. Where nothing turns change is (None, None):
-    the velocity is that of the full step, and no slip follows from it. overlap_quarter (m^0.25): delta^(1/4) for the
-    dashpot, None without one. Bodies that do not touch remember nothing, and feel
-    nothing but the dashpot if they touch within half a step: their overlap counts as zero in the force law.
+    relative_velocity, of the half step and to the full step. Where nothing turns change is (None,
+    None): the velocity is that of the full step, and no slip follows from it. overlap_quarter
+    (m^0.25): delta^(1/4) for the dashpot, None without one. Bodies that do not touch remember
+    nothing, and feel nothing but the dashpot if they touch within half a step: their overlap counts
+    as zero in the force law.
     """
     overlap = max(geometry.overlap, 0.0)
     sqrt_overlap = math.sqrt(overlap)
