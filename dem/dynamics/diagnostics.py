@@ -122,7 +122,10 @@ def scan_pairs(world, table, bounds, begin, end, spare):
             point_1, point_2 = (n1 + apart, either(t1, 0.0)), (-n2 - apart, either(t2, 0.0))
             arms_1 = moment_arms(granules, motion, g, i, (nx, ny), point_1)
             arms_2 = moment_arms(granules, motion, h, j, (nx, ny), point_2)
-            damping = times(dashpot_constant(contacts, p, nx, ny), math.sqrt(sqrt_overlap))
+            damping = times(
+                dashpot_constant(contacts.damping, contacts.mass_ratio, p, nx, ny),
+                math.sqrt(sqrt_overlap),
+            )
             spring = stiffness, sqrt_overlap, damping
             body_1, body_2 = body_of(view, table, g, arms_1), body_of(view, table, h, arms_2)
             pair = body_1[0] if i >= low else spare, body_2[0] if j < high else spare
@@ -155,7 +158,10 @@ def scan_surface(surface, world, table, bounds, worst):
         sqrt_overlap = math.sqrt(max(overlap, bounds.least))
         n1 += 0.5 * min(overlap, 0.0)
         arms = moment_arms(granules, motion, g, i, (nx, ny), (n1, t1))
-        damping = times(dashpot_constant(contacts, p, nx, ny), math.sqrt(sqrt_overlap))
+        damping = times(
+            dashpot_constant(contacts.damping, contacts.mass_ratio, p, nx, ny),
+            math.sqrt(sqrt_overlap),
+        )
         spring = stiffness, sqrt_overlap, damping
         row, along, across = body_of(world, constants, g, arms)
         pair, other = (row, granules.shape[0] + b), inverse_sqrt_mass(boundaries, b)

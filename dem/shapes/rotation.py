@@ -24,10 +24,11 @@ def rotate(orientation, i, angle, step):
     """
     if orientation is not None:
         if abs(step) < 1e-3:
-            x, y = rotated(orientation[i, 0], orientation[i, 1], step)
+            orientation[i, 0], orientation[i, 1] = rotated(
+                orientation[i, 0], orientation[i, 1], step
+            )
         else:
-            x, y = math.cos(angle), math.sin(angle)
-        orientation[i, 0], orientation[i, 1] = x, y
+            orientation[i, 0], orientation[i, 1] = math.cos(angle), math.sin(angle)
 
 
 @inlined
