@@ -46,7 +46,6 @@ rule figures:
 
 include: "rules/batch.smk"
 include: "rules/combine.smk"
-include: "rules/flow.smk"
 include: "rules/figures.smk"
 include: "rules/report.smk"
 

@@ -21,7 +21,7 @@ checkpoint combine:
         block=lambda w: place_of(w.folder)[1],
         config=lambda w: config_of(place_of(w.folder)[0]),
     wildcard_constraints:
-        observable="|".join(sorted({*OBSERVABLES, *EXPERIMENTS, *RECORDED} - {"snapshots", "flow"})),
+        observable="|".join(sorted({*OBSERVABLES, *EXPERIMENTS, *RECORDED})),
     log:
         "{folder}/logs/combine/{observable}.log",
     shell:

@@ -32,7 +32,6 @@ STAGES = {
     "simulate": ("Simulate", 2.0, ("store/batches", "store/beds")),
     "sweep": ("", 6.0, ("store/batches", "store/beds", "drag.nc")),  # not by Snakemake
     "combine": ("Combine", 2.5, ("drag.nc",)),
-    "flow": ("Measure", 3.5, ("flow.nc", "flow")),
     "figures": ("Draw", 3.0, ("figures",)),
 }
 

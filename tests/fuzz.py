@@ -126,18 +126,16 @@ def good_files() -> Path:
 
 
 def _make_sweep():
-    """The store of the sweep with its only run, drag.nc and flow.nc."""
-    from dem.analysis.flow.collect import measure_batch, write_flow
+    """The store of the sweep with its only run, drag.nc and snapshots.nc."""
     from dem.sweep import batch as making
     from dem.sweep.campaign import Campaign
 
     work = Campaign(load(Path("q.yaml")))
     (chunk,) = work.batches("drag")
     work.begin("drag")
-    made = making.make(work.store, chunk.id)
+    making.make(work.store, chunk.id)
     work.combine("drag", "drag", Path("drag.nc"))
-    measure_batch(made, Path(f"results/flow/{chunk.id}.nc"))
-    write_flow(work, "drag", Path("flow.nc"))
+    work.combine("drag", "snapshots", Path("snapshots.nc"))
 
 
 def _make_checkpoint():
@@ -163,7 +161,6 @@ GOOD = {
     "simulate": RUN | {"--bed": "bed.nc", "--threads": "1", "--checkpoint": "run.npz", "-o": "new.nc"},
     "pack": {"--config": "q.yaml", "--shape": "c1", "--seed": "1", "-o": "new.nc"},
     "combine": {"--config": "q.yaml", "--block": "drag", "--observable": "drag", "-o": "new.nc"},
-    "flow": {"file": "rep.nc", "-o": "new.nc"},
     "store": {"value": "shape=c1"},
     "info": {"file": "drag.nc", "-o": "new.txt"},
     "draw": {"file": "rep.nc", "--displacement": "0.001", "--color": "layer", "-o": "new.png"},
@@ -439,7 +436,7 @@ BAD = {
     "--seed": ("-1", str(2**63), str(2**70), "1.5", *NUMBER), "--density": ("0", "-inf", *NUMBER),
     "--threads": ("0", "100000", str(2**40), *NUMBER), "--target": ("0", "-inf", *NUMBER),
     "--displacement": ("1e9", "-inf", *NUMBER), "--shape": ("zz", "", "é", "c1 "), "--color": ("zz", ""),
-    "--notes": ("flow.nc", "none.md", ".", "note.txt"), "--flow": ("rep.nc", "q.yaml", "."), "value": ("gravty=1", "shape", "seed=", "density=x=y", ""),
+    "--notes": ("snapshots.nc", "none.md", ".", "note.txt"), "value": ("gravty=1", "shape", "seed=", "density=x=y", ""),
     "--block": ("zz", ""), "--observable": ("zz", "", "snapshots"), "--bed": ("rep.nc", "q.yaml", "none.nc", "."), "--checkpoint": ("x.npy", "q.yaml", "note.txt", "."),
     "--config": ("bed.nc", "README.md", "none.yaml", "."), "--seeds": ("1", "0", "1.5", *NUMBER), "-j": ("0", *NUMBER),
     "file": ("q.yaml", "bed.nc", "run.npz", "none.nc", "."), "name": ("figure99", "", "../figure13"),
@@ -487,8 +484,8 @@ def odd_path(rng, folder) -> str:
     return made
 
 
-PATHS = ("-o", "-o", "--checkpoint", "--bed", "--config", "file", "--flow", "--notes")
-WRITES = {"simulate": 8, "pack": 2, "combine": 3, "flow": 2, "info": 4, "report": 1, "draw": 2, "figure": 1}  # fmt: skip
+PATHS = ("-o", "-o", "--checkpoint", "--bed", "--config", "file", "--notes")
+WRITES = {"simulate": 8, "pack": 2, "combine": 3, "info": 4, "report": 1, "draw": 2, "figure": 1}  # fmt: skip
 
 
 def a_path(rng, folder):
@@ -759,7 +756,7 @@ def a_flip(rng, folder):
     """A replicate, a bed or drag.nc with a bit turned round, given to all that reads it."""
     bring(folder, "q.yaml", "bed.nc", "rep.nc", "drag.nc", "results")
     verb, name = rng.choice([
-        ("read", "rep.nc"), ("read", "bed.nc"), ("info", "rep.nc"), ("combine", CHUNK), ("flow", "rep.nc"),
+        ("read", "rep.nc"), ("read", "bed.nc"), ("info", "rep.nc"), ("combine", CHUNK),
         ("simulate", "bed.nc"), ("info", "drag.nc"),
     ])  # fmt: skip
     file = next((folder / "results/store/batches").glob("*.nc")) if name is CHUNK else folder / name
@@ -771,7 +768,7 @@ def a_flip(rng, folder):
 
 def a_file(rng, folder):
     """Bytes that are no netCDF file, or the beginning of one, given to readers."""
-    bring(folder, "q.yaml", "rep.nc", "open.md", "flow.nc")
+    bring(folder, "q.yaml", "rep.nc", "open.md", "snapshots.nc")
     if rng.random() < 0.5:
         head = rng.choice([b"", b"CDF\x01", b"CDF\x05", b"\x89HDF\r\n\x1a\n", b"PK\x03\x04"])
         (folder / "fuzz.nc").write_bytes(head + rng.randbytes(rng.choice([0, 10, 3000])))
@@ -829,10 +826,10 @@ def _relabelled(file):
 def a_tampered_file(rng, folder):
     """A file of results with other text or values in it; a page or a terminal never obeys its text."""
     bring(folder)
-    verb = rng.choice(["info", "info", "figure", "flow", "draw", "report"])
+    verb = rng.choice(["info", "info", "figure", "draw", "report"])
     options = dict(GOOD[verb])
     if verb == "info":
-        options = {"file": rng.choice(["rep.nc", "drag.nc", "flow.nc"])}
+        options = {"file": rng.choice(["rep.nc", "drag.nc", "snapshots.nc"])}
     if rng.random() < 0.3 and verb in ("info", "report"):  # text that a user may write
         text = (folder / "q.yaml").read_text()
         data = yaml.safe_load(text) | {"title": EVIL}
@@ -840,11 +837,11 @@ def a_tampered_file(rng, folder):
         command(folder, words("combine", GOOD["combine"] | {"-o": "drag.nc"}), "drag.nc")
         (folder / "accuracy.txt").write_text(EVIL)
     elif rng.random() < 0.3:
-        for name in ("drag.nc", "flow.nc"):
+        for name in ("drag.nc", "snapshots.nc"):
             _relabelled(folder / name)
     else:
         _edit(
-            folder / (options["file"] if rng.random() < 0.8 or verb != "report" else "flow.nc"),
+            folder / (options["file"] if rng.random() < 0.8 or verb != "report" else "snapshots.nc"),
             rng,
         )
     result = command(folder, words(verb, options), options.get("-o"))

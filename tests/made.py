@@ -6,7 +6,6 @@ from pathlib import Path
 from typer.testing import CliRunner
 
 from conftest import assert_not_blank
-from dem.analysis.flow.collect import measure_batch, write_flow
 from dem.figures.catalogue import FIGURES, draw, possible
 from dem.sweep import batch as making
 from dem.sweep.campaign import Campaign
@@ -46,10 +45,10 @@ def run_all(work: Campaign) -> None:
         work.combine(name, "drag", work.first(name))
 
 
-def made(folder: Path, flow: bool = False, **values) -> Campaign:
+def made(folder: Path, beds: bool = False, **values) -> Campaign:
     """A sweep of config/smoke.yaml with other values, made in `folder`/results, with its figures.
 
-    flow: whether flow.nc is made too, of the snapshots.
+    beds: whether the figures of snapshots.nc are drawn too.
     """
     with chdir(folder):
         work = Campaign(parse({"extends": str(SMOKE), "results": "results", **values}))
@@ -60,12 +59,8 @@ def made(folder: Path, flow: bool = False, **values) -> Campaign:
             making.make(work.store, each.id)
         for name in work.observables(block):
             work.combine(block, name, Path(f"results/{name}.nc"))
-        if flow:
-            for each in work.files(block):
-                measure_batch(each, Path("results/flow") / each.name)
-            write_flow(work, block, Path("results/flow.nc"))
-            for name in possible(work.block(block)):
-                if FIGURES[name].file == "flow":
-                    draw(name, Path("results/flow.nc"), Path("results/figures"))
+        for name in possible(work.block(block)) if beds else ():
+            if FIGURES[name].file == "snapshots":
+                draw(name, Path("results/snapshots.nc"), Path("results/figures"))
         draw("all", Path("results/drag.nc"), Path("results/figures"))
     return work

@@ -18,7 +18,6 @@ from test_stopping import Killed, combined, discs, killed_at, planned, smoke
 from typer.testing import CliRunner
 
 from conftest import CONFIG, assert_not_blank, posix
-from dem.analysis.flow.collect import measure_batch, write_flow
 from dem.analysis.statistics import change, summarise
 from dem.base.errors import InputError, OverlapError, PackingError, RunError
 from dem.cli.app import app
@@ -96,16 +95,10 @@ def test_what_is_shown_of_a_sweep_with_failed_runs_has_no_gaps(tmp_path, monkeyp
     """Figures, tables and the page hold numbers, and the count of runs."""
     monkeypatch.chdir(tmp_path)
     work = done(discs([1, 2, 3], failures=0.5, results="results"), tmp_path)
-    drag, flow = combined(work, tmp_path), tmp_path / "flow.nc"
-    for chunk in work.batches("drag"):
-        measure_batch(work.store.file_of(chunk.id), tmp_path / f"results/flow/{chunk.id}.nc")
-    write_flow(work, "drag", flow)
-    with netCDF4.Dataset(drag) as one, netCDF4.Dataset(flow) as two:
-        gaps = one["failure"][:] != 0
-        mixing = np.ma.filled(two["mixing"][:], np.nan)
-        np.testing.assert_array_equal(np.isnan(mixing).all(axis=-1), gaps)
+    drag, beds = combined(work, tmp_path), tmp_path / "snapshots.nc"
+    work.combine("drag", "snapshots", beds)
     for name in ("all", "figure09", "figure10"):
-        draw(name, drag if name == "all" else flow, tmp_path / "figures")
+        draw(name, drag if name == "all" else beds, tmp_path / "figures")
     for picture in (tmp_path / "figures").glob("*.png"):
         assert_not_blank(picture)
     assert len(list((tmp_path / "figures").glob("*.png"))) > 3
@@ -289,7 +282,7 @@ def checked(work):
 
 
 @posix
-@pytest.mark.parametrize("name", ["drag.nc", "flow.nc", "config.yaml", "flow/0123456789abcdef.nc"])
+@pytest.mark.parametrize("name", ["drag.nc", "snapshots.nc", "config.yaml"])
 @pytest.mark.parametrize("aim", ["mine", "nothing", "itself"])
 def test_no_sweep_writes_through_a_link_or_replaces_it(one_sweep, name, aim):
     """One sentence before anything is written; a folder of results may be a link."""

@@ -69,7 +69,7 @@ def swept(tmp_path_factory):
 
 def test_a_shape_in_a_file_of_ones_own_is_swept(swept):
     """Beds, runs, how they move: all is there, and nothing was written beside the sweep file."""
-    for name in ("drag.nc", "flow.nc", "rotation.nc"):
+    for name in ("drag.nc", "snapshots.nc", "rotation.nc"):
         assert (swept / "results/pebbles" / name).is_file()
     assert len(list((swept / "mine").iterdir())) == 3
 
@@ -465,7 +465,7 @@ def test_beside_names_another_folder(tmp_path):
 
 @posix
 def test_a_shape_in_a_file_of_ones_own_is_swept_by_the_workflow(swept, tmp_path):
-    """The runs are those of `dem sweep`, and flow.nc is made."""
+    """The runs are those of `dem sweep`, and so are their combined files."""
     ignored = shutil.ignore_patterns("__pycache__", "studies", "results")
     for name in ("dem", "rules", "config"):
         shutil.copytree(ROOT / name, tmp_path / name, ignore=ignored)
@@ -473,10 +473,10 @@ def test_a_shape_in_a_file_of_ones_own_is_swept_by_the_workflow(swept, tmp_path)
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / name, tmp_path / name)
     write(tmp_path / "mine")
-    targets = "all", "results/pebbles/flow.nc"
+    targets = "all", "results/pebbles/snapshots.nc"
     ran = snakemake(tmp_path, *targets, "-c2", configfile="mine/sweep.yaml")
     assert ran.returncode == 0, ran.stderr
-    for name in ("drag.nc", "flow.nc", "rotation.nc"):
+    for name in ("drag.nc", "snapshots.nc", "rotation.nc"):
         assert (tmp_path / "results/pebbles" / name).is_file()
     plans = [sorted(each.name for each in (place / "results/store/batches").glob("*.nc")) for place in (swept, tmp_path)]  # fmt: skip
     assert plans[0] == plans[1]

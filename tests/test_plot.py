@@ -15,7 +15,7 @@ from dem.figures import bed, figure09, film, style
 from dem.figures.frames import frames_of, of_result
 from dem.report import interactive
 
-FLOW = Path(__file__).parent.parent / "docs/data/flow.nc"
+SNAPSHOTS = Path(__file__).parent.parent / "docs/data/snapshots.nc"
 
 SOFT = dem.Material(young_modulus=1e6)  # so that a contact lasts for all frames
 RADIUS = np.array([1e-3, 0.6e-3])
@@ -228,14 +228,14 @@ AS_DISCS = ", drawn as discs of equal area"
 @pytest.mark.parametrize(("kind", "words"), [("disc", ""), ("pebbles.Pebble", AS_DISCS)])
 def test_a_picture_says_where_outlines_are_not_those_of_the_granules(kind, words):
     """No reader of results runs the file of a shape of one's own, so that its granules are drawn as discs."""
-    with xr.open_dataset(FLOW) as flow:
-        flow = flow.load()
-    flow["kind"] = ("case", np.where(flow["case"] == "c1", kind, flow["kind"]))
+    with xr.open_dataset(SNAPSHOTS) as beds:
+        beds = beds.load()
+    beds["kind"] = ("case", np.where(beds["case"] == "c1", kind, beds["kind"]))
     (label,) = (
         text.get_text()
-        for axes in figure09.plot(flow.sel(case=["c1"])).axes
+        for axes in figure09.plot(beds.sel(case=["c1"])).axes
         for text in axes.texts
         if "c1" in text.get_text()
     )
     assert label.endswith(words or "µm") and kind in label
-    assert interactive.beds(flow)["cases"]["c1"]["drawn"] == words
+    assert interactive.beds(beds)["cases"]["c1"]["drawn"] == words

@@ -33,7 +33,6 @@ RESULTS = {
     "jamming": ("dem.experiment.kinds.jamming", DISC),
     "bed": ("dem.experiment.bed", DISC),
     "drag.nc": ("dem.sweep.combine",),
-    "flow.nc": ("dem.analysis.flow.collect", DISC),
     "figure": ("dem.figures.figure13",),
     "claims": ("studies.claims.table",),
     "claims.txt": ("dem.report.info", "studies.claims.findings"),
@@ -43,7 +42,7 @@ RESULTS = {
 }
 BEDS = {"jamming", "bed"}
 RUNS = {"disc run", "ellipse run", "superellipse run", "ledger run"}
-MADE = {"flow.nc", "claims"}  # by what can make runs too
+MADE = {"claims"}  # by what can make runs too
 MOVING = RUNS | BEDS | MADE | {"claims.txt", "page"}
 KERNELS = MOVING | {"kernel", "accuracy"}
 LINE = "\nEDITED = True\n"
@@ -54,7 +53,7 @@ EDITS = {
     "a line of columns": ("dem/jit/columns.py", LINE, KERNELS),
     "a line of every shape's questions": ("dem/shapes/protocol.py", LINE, KERNELS),
     "a line of a shape": ("dem/shapes/superellipse.py", LINE, {"superellipse run"}),
-    "a line of discs": ("dem/shapes/disc.py", LINE, {"disc run", "ledger run", "flow.nc", "accuracy"} | BEDS),
+    "a line of discs": ("dem/shapes/disc.py", LINE, {"disc run", "ledger run", "accuracy"} | BEDS),
     "a line of ellipses": ("dem/shapes/ellipse.py", LINE, {"ellipse run", "accuracy"}),
     "a line of the dynamics": ("dem/dynamics/stepping.py", LINE, MOVING | {"accuracy"}),
     "a line of packing": ("dem/packing/minimise.py", LINE, MOVING),

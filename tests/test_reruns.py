@@ -45,7 +45,7 @@ def again(folder, configfile=SMOKE) -> dict[str, int]:
 RUNS = {"batch"}
 SCRIPTS = {"accuracy_contacts", "accuracy_steps", "stability_part", "measure"}
 TABLES = {"claims_table", "accuracy_table", "stability_table", "table"}
-RESULTS = {"combine", "measure_flow", "flow", "figure"}
+RESULTS = {"combine", "figure"}
 HARMLESS = {
     "a comment": ("dem/contacts/loops.py", "\n# edited\n"),
     "an error sentence": (
@@ -107,14 +107,13 @@ def test_an_edit_makes_again_what_depends_on_it(made, edit):
 # (file, what it says, what is put instead): rules whose jobs run, with the chunks of new runs
 SHOWN = {
     "combine",
-    "flow",
     "figure",
     "table",
     "claims_table",
     "accuracy_table",
     "stability_table",
 }
-SWEEP = {"combine", "flow", "measure_flow", "figure"}
+SWEEP = {"combine", "figure"}
 VALUES = {
     "a title": ((SMOKE, "title: Smoke", "title: Some"), SHOWN, 0),
     "one more seed": ((SMOKE, "seed: [1, 2]", "seed: [1, 2, 3]"), SWEEP | {"batch"}, 3),

@@ -8,7 +8,6 @@ import shutil
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import chdir
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,7 +17,6 @@ from typer.testing import CliRunner
 
 import dem
 from conftest import CONFIG, posix
-from dem.analysis.flow.collect import _describe
 from dem.base.errors import InputError, RunError
 from dem.base.yaml_file import read
 from dem.cli.app import app
@@ -131,17 +129,6 @@ def test_what_varies_is_no_attribute(sweep, told):
     if told != 2.0 and "pull" not in sweep:
         named = {**{axis.name: axis.coordinate for axis in block.axes}, **block.labels()}
         assert "cylinder_velocity" in named
-
-
-def test_what_varies_is_no_attribute_of_flow():
-    """The diameter of the cylinder is that of no bed, where there are two."""
-    said = {}
-    file = SimpleNamespace(
-        title="", setncatts=said.update, variables={"snapshot_displacement": np.array([0.0, 1e-3])}
-    )
-    sweep = {"shape": "c1", "cylinder.diameter": [1e-3, 2e-3], "values": {"box_width": 7e-3}}
-    _describe(file, small(sweep).block("drag"))
-    assert "cylinder_diameter" not in said and said["box_width"] == 7e-3
 
 
 @pytest.mark.parametrize(
@@ -281,7 +268,7 @@ def test_a_value_of_the_command_line_is_the_number_that_a_file_would_give():
         ({"shape": "c1", "run_id_length": {"b": {}}}, "two things named run_id_length; rename one"),
         ({"shape": "c1", "ellipse.contact": "common_normal", "ellipse_contact_length": {"b": {}}}, "two things named ellipse_contact_length"),
         ({"blocks": {"a": {"shape": "c1", "s": {"x": {}}, "s_length": {"y": {}}}}}, "sweep.blocks.a gives files of results two things named s_length"),
-        ({"blocks": {"flow": {"shape": "c1"}}}, "it must be no folder of results"),
+        ({"blocks": {"figures": {"shape": "c1"}}}, "it must be no folder of results"),
         ({"blocks": {"a": {"shape": "c1"}, "b": {"needs": "a", "shape": "c1", "s": {"x": {"packing.fraction": {"derive": "equal_load", "friction": 0.3}}}}}}, "leave friction out"),
         ({"blocks": {"a": {"shape": "c1", "needs": "b"}}}, "it must be a block before it"),
         ({"blocks": {"a": {"shape": "c1"}}, "shape": "c1"}, "has blocks and shape"),

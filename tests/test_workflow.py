@@ -57,10 +57,10 @@ def runs_of(folder):
 
 
 def test_one_command_makes_all_results(finished):
-    """One command leaves drag.nc, flow.nc, every run once and the figures."""
+    """One command leaves drag.nc, snapshots.nc, every run once and the figures."""
     results = finished / "results/smoke"
     assert len(runs_of(results)) == 5 * 2
-    assert (results / "flow.nc").is_file()
+    assert (results / "snapshots.nc").is_file()
     for figure in (
         "figure07",
         "figure08",
@@ -404,7 +404,7 @@ def test_another_sweep_of_a_folder_is_refused(own):
 
 @pytest.mark.parametrize(
     "name",
-    ["drag.nc", "flow.nc", "config.yaml"],
+    ["drag.nc", "snapshots.nc", "config.yaml"],
 )  # fmt: skip
 def test_the_workflow_writes_through_no_link(own, name):
     """Nor does it replace one: a sentence."""
@@ -496,7 +496,7 @@ def test_the_workflow_is_drawn_and_linted(finished):
 def test_files_follow_the_cf_conventions(finished):
     """Every kind of netCDF file passes the checker for CF-1.11."""
     results = finished / "results/smoke"
-    paths = [next(results.glob(name)) for name in ("drag.nc", "flow.nc", "../store/batches/*.nc")]
+    paths = [next(results.glob(name)) for name in ("drag.nc", "snapshots.nc", "../store/batches/*.nc")]
     run = subprocess.run(
         ["compliance-checker", "--test=cf:1.11", *map(str, paths)],
         text=True, capture_output=True, env=environment(finished),
@@ -518,7 +518,7 @@ def test_other_programs_read_every_kind_of_file(finished, tmp_path):
     """The classic model has no strings of variable length and no whole numbers of 64 bits, on which
     programs stop. Each program that this computer has is asked."""
     results = finished / "results/smoke"
-    paths = [next(results.glob(name)) for name in ("drag.nc", "flow.nc", "../store/batches/*.nc")]
+    paths = [next(results.glob(name)) for name in ("drag.nc", "snapshots.nc", "../store/batches/*.nc")]
     paths.append(tmp_path / "means.nc")
     run = CliRunner().invoke(app, ["means", str(paths[0]), "-o", str(paths[-1])])
     assert run.exit_code == 0, run.output

@@ -1,11 +1,10 @@
-"""A whole sweep in the library: runs, combined files, and how the beds move."""
+"""A whole sweep in the library: runs and combined files."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dem.analysis.flow.collect import make_flow
 from dem.base.errors import InputError
 from dem.base.outside import loaded
 from dem.io.lazily import open_results
@@ -65,8 +64,6 @@ def run_sweep(path: str | Path, executor=None, block: str | None = None) -> xr.D
     try:
         with workers:
             campaign.make(workers)
-        for each in campaign.sweep.blocks:
-            make_flow(campaign, each)
     finally:
         held.release()
     return open_results(campaign.first(block or next(iter(campaign.sweep.blocks))))

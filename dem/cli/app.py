@@ -141,7 +141,7 @@ def simulate(
 @app.command()
 def figure(
     name: argument(str, "Name of a figure, such as figure13, or all; a wrong name lists them."),
-    data: argument(Path, "drag.nc, flow.nc, shear.nc or onset.nc."),
+    data: argument(Path, "drag.nc, snapshots.nc, shear.nc or onset.nc."),
     output: FolderOption = None,
     of: option(str | None, "Quantity of the figure sweep; drag, or the first of the file, if absent.") = None,
 ):

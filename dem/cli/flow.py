@@ -1,8 +1,8 @@
-"""Command line, how beds move: `dem flow` and `dem draw`."""
+"""Command line, one run: `dem draw`."""
 
 from pathlib import Path
 
-from dem.cli.options import OUTPUT, PAPER, BlockOption, ConfigOption, OutputOption, argument, option
+from dem.cli.options import OUTPUT, argument, option
 from dem.cli.terminal import bar, start_lean
 
 ShapesOption = option(
@@ -10,34 +10,6 @@ ShapesOption = option(
     "Folder of files of shapes of your own, whose code then runs.",
     metavar="FOLDER",
 )
-
-
-def flow(
-    output: OutputOption,
-    batch: argument(Path | None, "File of runs to measure; if absent, combine all.") = None,
-    config: ConfigOption = PAPER,
-    block: BlockOption = None,
-    shapes: ShapesOption = None,
-):
-    """Measure how irregularly beds move, for one file of runs or combined for a whole sweep.
-
-    The combined file also holds the snapshots of one run per case.
-    """
-    start_lean()
-    from dem.analysis.flow.collect import measure_batch, write_flow
-    from dem.sweep.config import load
-
-    if batch is not None:
-        if shapes is None and config != PAPER:
-            shapes = load(config).beside
-        with bar("measuring the flow", 1.0) as update:
-            measure_batch(batch, output, update, shapes)
-        return
-    from dem.sweep.campaign import Campaign
-
-    campaign = Campaign.of(config)
-    with bar("combining", 1.0) as update:
-        write_flow(campaign, block or next(iter(campaign.sweep.blocks)), output, update)
 
 
 def draw(
@@ -79,4 +51,4 @@ def draw(
             export(motion, output, update)
 
 
-VERBS = (flow, draw)
+VERBS = (draw,)

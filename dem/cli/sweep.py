@@ -44,7 +44,6 @@ def sweep(
             found = summary(campaign, jobs, retry)
         show("\n".join((found, *gone)))
         return
-    from dem.analysis.flow.collect import make_flow
     from dem.io.results_folder import prepare
 
     workers = Processes(jobs) if scheduler is None else _cluster(scheduler, wait, campaign.store)
@@ -64,10 +63,6 @@ def sweep(
 
             with workers:
                 campaign.make(workers, made)
-        order = list(campaign.sweep.blocks)
-        with bar("measuring flow", float(len(order))) as update:
-            for number, block in enumerate(order):
-                make_flow(campaign, block, lambda share, n=number: update(n + share))
         for sentence in (*gone, *campaign.said):
             say(sentence)
         say(outcome(campaign, campaign.counts()[0] - there))

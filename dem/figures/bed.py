@@ -5,7 +5,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.patches import Circle, PathPatch
 from matplotlib.path import Path
 
-from dem.experiment.flow_measures import layers_of
+from dem.experiment.observables.flow import layers_of
 from dem.figures import style
 from dem.periodic import wrapped
 from dem.scene import walls_of

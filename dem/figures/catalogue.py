@@ -1,7 +1,6 @@
 """Which figures there are, which of them runs or a file suffice for, and how they are drawn."""
 
 from importlib import import_module
-from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
 
@@ -10,10 +9,6 @@ from dem.base.errors import InputError
 from dem.base.hints import choice
 from dem.io.lazily import open_lazily, require
 
-BY_CASE = {"case", "seed"}, {"shape", "seed"}  # axes of runs that make cases
-# by file: observables one of which runs must record, and what the file must hold, if a figure says neither
-USUAL = {"flow": ("snapshots",)}
-HELD = {"drag": ("drag",), "flow": ("bed_x",)}
 CHECK = "e0"  # ellipse code at aspect ratio 1: a check, and no shape of its own
 
 
@@ -26,7 +21,6 @@ class Drawn(NamedTuple):
     caption: str
     cases: dict | None
     axes: dict
-    recorded: tuple
     variables: tuple
 
     @property
@@ -55,8 +49,7 @@ def figures_of(package: str, folder: Path) -> dict[str, Drawn]:
     return {
         name: Drawn(
             name, package, own["FILE"], own["CAPTION"], own.get("CASES"), own.get("AXES", {}),
-            own.get("RECORDED", USUAL.get(own["FILE"], (own["FILE"],))),
-            own.get("VARIABLES", HELD.get(own["FILE"], ())),
+            own.get("VARIABLES", ("drag",) if own["FILE"] == "drag" else ()),
         )
         for name, own in described(Path(folder) / "figures", "CAPTION").items()
     }  # fmt: skip
@@ -81,13 +74,14 @@ def possible(block, figures: dict[str, Drawn] = FIGURES) -> list[str]:
     labels = {name: dims for name, (_, dims, _) in block.labels().items()}
     sizes = _sizes(dict(zip(block.dims, block.shape, strict=True)), labels)
     cases = list(dict.fromkeys((run.label, run.density) for run in runs))
-    cases = cases if set(block.dims) in BY_CASE else None
+    cases = cases if block.is_by_case else None
     sizes |= {"granules": len({run.shape.granules for run in runs})}
-    recorded = set(runs[0].configuration.recorded)
+    recorded = runs[0].configuration.recorded
     return [
-        name for name, each in figures.items()
-        if recorded & set(each.recorded) and each.enough(sizes, cases)
-    ]  # fmt: skip
+        name
+        for name, each in figures.items()
+        if each.file in recorded and each.enough(sizes, cases)
+    ]
 
 
 def _sizes(axes: dict[str, int], labels: dict[str, tuple]) -> dict[str, int]:
@@ -186,10 +180,9 @@ def _drawn(each: Drawn, data: Path, folder: Path, options: dict) -> list[Path]:
 
 
 def _layout_of(each: Drawn) -> dict:
-    """What the file of a figure must look like: that of flow.nc, or of a study's own file."""
-    package = "dem.analysis.flow" if each.file == "flow" else each.package
-    own = package != "dem" and find_spec(f"{package}.layout")
-    return import_module(f"{package}.layout").VARIABLES if own else {}
+    """What the file of a figure must look like, where it is that of a study."""
+    of_study = each.package.endswith(f".{each.file}")
+    return import_module(f"{each.package}.layout").VARIABLES if of_study else {}
 
 
 def require_drag(data: Path) -> None:

@@ -18,8 +18,7 @@ if TYPE_CHECKING:  # half a second to load, which what only writes files need no
     import xarray as xr
 
 NUMBERS = (
-    "window_start", "window_stop", "cylinder_velocity", "box_width", "lag", "cylinder_diameter",
-    "layers", "default_fraction",
+    "window_start", "window_stop", "cylinder_velocity", "default_fraction",
 )  # attributes; all others are texts  # fmt: skip
 
 

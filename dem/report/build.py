@@ -14,7 +14,6 @@ from markupsafe import Markup
 from PIL import Image
 from rich.table import Table
 
-from dem.analysis.flow.layout import ATTRIBUTES, VARIABLES
 from dem.analysis.statistics import by_case, change, summarise
 from dem.analysis.statistics import densities as densities_of
 from dem.base.errors import InputError
@@ -38,12 +37,12 @@ OPEN = "## What the paper leaves open"  # section of docs/explanation/open.md, s
 def build(drag: Path, output: Path, notes: Path | None = None) -> None:
     """Write the report of a folder of results, atomically; raises InputError for other files.
 
-    It shows the figures and studies beside drag.nc, and flow.nc if it is there. A sweep of values
+    It shows the figures and studies beside drag.nc, and the beds of snapshots.nc if it is there. A sweep of values
     other than cases or shapes has a table over its axes instead, and a file without drag one of its first
     quantities. notes: a file that tells what the paper leaves open, for its runs.
     """
     folder = Path(drag).parent
-    flow = folder / "flow.nc"
+    snapshots = folder / "snapshots.nc"
     with open_lazily(drag) as dataset:
         has_drag = "drag" in dataset.variables
     with (open_combined if has_drag else open_lazily)(drag) as dataset:
@@ -52,10 +51,10 @@ def build(drag: Path, output: Path, notes: Path | None = None) -> None:
         parts = {"title": dataset.attrs["title"], "runs": runs(dataset), "has_drag": has_drag}
         parts |= of_drag(dataset) if has_drag else of_means(drag, dataset)
     parts |= {"beds": "", "studies": studies(folder)}
-    if flow.is_file():
-        with open_lazily(flow) as moves:
-            names += drawable_from(flow, moves)
-            parts |= of_flow(flow, by_case(moves))
+    if snapshots.is_file():
+        with open_lazily(snapshots) as dataset:
+            names += drawable_from(snapshots, dataset)
+            parts |= of_snapshots(snapshots, by_case(dataset))
     loader = PackageLoader("dem.report", "page")
     pages = Environment(loader=loader, autoescape=True, undefined=StrictUndefined,
                         trim_blocks=True, lstrip_blocks=True)  # fmt: skip
@@ -93,12 +92,12 @@ def cells(table: Table) -> dict:
     return {"head": head, "rows": list(zip(*(column.cells for column in table.columns), strict=True))}
 
 
-def of_flow(path: Path, moves: xr.Dataset | None) -> dict:
-    """What the page shows of flow.nc: the beds, where runs are by case."""
-    if moves is None or "bed_x" not in moves:
+def of_snapshots(path: Path, dataset: xr.Dataset | None) -> dict:
+    """What the page shows of snapshots.nc: the beds, where runs are by case."""
+    if dataset is None:
         return {}
-    require(moves, path, VARIABLES, ("non_affine",), ATTRIBUTES)
-    return {"beds": htmlsafe_json_dumps(beds(moves))}
+    require(dataset, path, {}, ("granule_x",), ("configuration",))
+    return {"beds": htmlsafe_json_dumps(beds(dataset))}
 
 
 def densities(dataset: xr.Dataset) -> list[str]:

@@ -1,6 +1,7 @@
 """What moves on the page: the drag by plotly, and the beds as numbers that its script draws."""
 
 import base64
+import json
 
 import numpy as np
 import plotly.graph_objects as go
@@ -8,9 +9,11 @@ import xarray as xr
 from matplotlib.colors import to_hex
 from plotly.io import to_html
 
-from dem.analysis.flow.layout import heights
 from dem.analysis.statistics import running_mean
+from dem.experiment.observables.flow import LAYERS
 from dem.figures import style
+from dem.figures.snapshots import heights, is_known
+from dem.periodic import periods_of, wrapped
 from dem.shapes import outlines
 
 DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot", "solid")
@@ -68,27 +71,31 @@ def _rings(kind: str, ratio: float) -> list:
     return rings.reshape(len(rings), -1).round(4).tolist()
 
 
-def beds(flow: xr.Dataset) -> dict:
-    """Snapshots of one run per case, as integers that the script of the page reads."""
-    count = flow.sizes["snapshot"]
-    flow = flow.isel(snapshot=np.linspace(0, count - 1, min(count, FRAMES)).round().astype(int))
-    width, found = float(flow.attrs["box_width"]), {}
-    for case in flow["case"].values:
-        one = flow.sel(case=case)
-        known = np.isfinite(one["bed_diameter"].values)
-        x, y, angle = (one[f"bed_{name}"].values[:, known] for name in ("x", "y", "angle"))
-        height = heights(one)
+def beds(snapshots: xr.Dataset) -> dict:
+    """Snapshots of the first seed of each case, as integers that the script of the page reads."""
+    own = json.loads(snapshots.attrs["configuration"])
+    count = snapshots.sizes["snapshot"]
+    shown = np.linspace(0, count - 1, min(count, FRAMES)).round().astype(int)
+    snapshots, width, found = snapshots.isel(seed=0, snapshot=shown), own["box_width"], {}
+    for case in filter(lambda case: is_known(snapshots, case), snapshots["case"].values):
+        one = snapshots.sel(case=case)
+        known = np.isfinite(one["granule_diameter"].values)
+        position = np.stack([one["granule_x"].values, one["granule_y"].values], axis=-1)[:, known]
+        angle, height = one["granule_angle"].values[:, known], heights(one)
+        periods = periods_of(width, height[0], own["periodic"])
+        x, y = np.moveaxis(wrapped(position, periods), -1, 0)
+        axis = np.column_stack([np.zeros(len(height)), one["cylinder_y"].values])
         scale = 1.2 * max(width, height.max())
         found[str(case)] = {
             "rings": _rings(str(one["kind"].values), float(one["aspect_ratio"])),
             "height": height.tolist(), "scale": scale,
-            "granules": int(known.sum()), "diameter": one["bed_diameter"].values[known].round(9).tolist(),
+            "granules": int(known.sum()), "diameter": one["granule_diameter"].values[known].round(9).tolist(),
             "x": _packed(x, scale), "y": _packed(y, scale),
             "angle": _packed(np.mod(angle, 2.0 * np.pi), 2.0 * np.pi),
-            "axis": one["bed_cylinder_y"].values.tolist(), "drawn": style.drawn(one),
+            "axis": wrapped(axis, periods)[:, 1].tolist(), "drawn": style.drawn(one),
         }  # fmt: skip
-    moved = (1e3 * flow["snapshot_displacement"].values).tolist()
+    moved = (1e3 * snapshots["snapshot_displacement"].values).tolist()
     return {
-        "width": width, "cylinder": float(flow.attrs["cylinder_diameter"]), "displacement": moved,
-        "layers": int(flow.attrs["layers"]), "steps": STEPS, "cases": found, "colors": COLORS,
+        "width": width, "cylinder": own["cylinder"]["diameter"], "displacement": moved,
+        "layers": LAYERS, "steps": STEPS, "cases": found, "colors": COLORS,
     }  # fmt: skip

@@ -18,7 +18,7 @@ from dem.base.sources import code_hash
 from dem.base.yaml_file import read
 from dem.experiment.config import Replicate
 from dem.sweep.config import CONFIG, Sweep, file_of, load, parse, save
-from dem.sweep.earlier import OWNER, RECIPE, Earlier, read_earlier, refuse_other, replaced
+from dem.sweep.earlier import OWNER, RECIPE, read_earlier, refuse_other, replaced
 from dem.sweep.expand import Block
 from dem.sweep.precision import Lead, Numbers, short_of
 from dem.sweep.store import FOLDER, Batch, Store, plan
@@ -85,9 +85,11 @@ class Campaign:
         return self.root / self.folder_of(block) / f"{observable}.nc"
 
     def observables(self, block: str) -> tuple[str, ...]:
-        """What the runs of a block record, each a combined file; snapshots stay in the batches."""
-        recorded = self.block(block).runs[0].replicate.configuration.recorded
-        return tuple(name for name in recorded if name != "snapshots")
+        """What the runs of a block record, each a combined file. Snapshots stay in the batches, unless
+        figures of beds by case can be drawn from them."""
+        found = self.block(block)
+        recorded = found.runs[0].replicate.configuration.recorded
+        return tuple(name for name in recorded if name != "snapshots" or found.is_by_case)
 
     def needed(self, block: str) -> list[Path]:
         """Combined files of other blocks that the values of a block are derived from."""
@@ -228,7 +230,7 @@ class Campaign:
     def combined(self) -> Iterator[tuple[str, Path]]:
         """The combined files that the sweep may write, each with its block."""
         for name in self.sweep.blocks:
-            for observable in dict.fromkeys((*self.observables(name), "flow")):
+            for observable in self.observables(name):
                 yield name, self.path_of(name, observable)
 
     def first(self, block: str) -> Path:
@@ -239,8 +241,7 @@ class Campaign:
         """Raise InputError where a file that the sweep writes is a link or of another kind, or where the
         folder holds another sweep. Returns a sentence where runs will be gone."""
         said = []
-        for path in (self.results / CONFIG, *(self.results / "flow").glob("*.nc")):
-            check_own(Place("the file to write", path))
+        check_own(Place("the file to write", self.results / CONFIG))
         for name, path in self.combined():
             check_own(Place("the file to write", path))
             found = read_earlier(path)
@@ -258,38 +259,40 @@ class Campaign:
             raise InputError(
                 f"observable is {observable!r}; runs of {block} have {', '.join(there)}."
             )
-        from dem.sweep.combine import combine
+        from dem.sweep.combine import BEDS, combine
 
-        found, before = self.block(block), read_earlier(output)
+        whole = self.block(block)
+        found = whole.first_seeds() if observable == BEDS else whole
+        before = read_earlier(output)
         if partial and output.resolve() in (path.resolve() for _, path in self.combined()):
             raise InputError(
                 f"output is {str(output)!r}, where the whole of the sweep will be; name another file for a part."
             )
-
-        if found.until and not partial and observable == self.observables(block)[0]:
-            self.said += short_of(found, self.values(found))
+        if whole.until and not partial and observable == there[0]:
+            self.said += short_of(whole, self.values(whole))
         text = f"{code_hash('dem.sweep.combine')} {self.text(block)} {observable}"
         recipe = sha256(text.encode()).hexdigest()
-        if not partial and self._is_current(block, output, before, recipe):
-            return
+        files = [
+            self.store.file_of(batch.id)
+            for batch in self.batches(block)
+            if not found.places.keys().isdisjoint(batch.runs)
+        ]
+        if before and not partial and (before.recipe, set(before.runs)) == (recipe, {*found.places}):
+            written = output.stat().st_mtime_ns
+            if all(file.stat().st_mtime_ns <= written for file in files):
+                return  # nor is what is drawn from it drawn again
 
         def sign(file):
-            self.sign(file)
+            if self.file is not None:
+                file.setncattr(OWNER, self.file)
             file.setncattr(RECIPE, recipe)
 
         with TemporaryDirectory() as folder:
-            files = self._parts(block, Path(folder)) if partial else self.files(block)
+            if partial:
+                files = self._parts(block, Path(folder))
             combine(files, self.sweep, found, observable, output, progress, sign, partial)
         if output == self.first(block) and self.sweep.needed(block):
             self.said += replaced(output, before, found.places)
-
-    def _is_current(self, block: str, path: Path, earlier: Earlier | None, recipe: str) -> bool:
-        """Whether a combined file need not be written again; what is drawn from it then stays too."""
-        runs = set(self.block(block).places)
-        if earlier is None or (earlier.recipe, set(earlier.runs)) != (recipe, runs):
-            return False
-        written = path.stat().st_mtime_ns
-        return all(file.stat().st_mtime_ns <= written for file in self.files(block))
 
     def _parts(self, block: str, folder: Path) -> list[Path]:
         """Files of the runs of a block that are there: finished batches, and in a folder those of others."""
@@ -307,14 +310,8 @@ class Campaign:
             raise InputError(f"no run of {block} is finished yet; dem status shows what is there.")
         return files
 
-    def sign(self, file) -> None:
-        """Write into a combined file, a netCDF4.Dataset, which sweep it is of."""
-        if self.file is not None:
-            file.setncattr(OWNER, self.file)
-
     def make(self, workers: Workers, progress=lambda done, failed, compiles: None) -> None:
-        """Make all that is not there yet, on some workers, but flow.nc (dem.analysis.flow); raises
-        RunError. progress is called with how many runs are there, how many of the new ones failed, and
+        """Make all that is not there yet, on some workers; raises RunError. progress is called with how many runs are there, how many of the new ones failed, and
         whether any compiles."""
         for name in self.sweep.blocks:  # a block comes after those that it needs
             while True:
@@ -322,8 +319,7 @@ class Campaign:
                 if not self.grow(name):
                     break
             for observable in self.observables(name):
-                if observable != "flow":
-                    self.combine(name, observable, self.path_of(name, observable))
+                self.combine(name, observable, self.path_of(name, observable))
 
     def _make(self, name: str, workers: Workers, progress) -> None:
         """Make the runs of a block that are known and not there."""

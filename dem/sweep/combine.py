@@ -2,7 +2,7 @@
 
 Batches are read one after another (netCDF4 is not safe with threads) and written at once: at any
 moment one batch, and the few blocks of the file that are not full yet, are in memory, however many
-there are. What has a value for every granule stays in the batches.
+there are. What has a value for every granule stays in the batches, but for the beds of snapshots.nc.
 """
 
 import json
@@ -38,6 +38,7 @@ from dem.sweep.expand import Block
 
 PROVENANCE = ("versions", "git_revision", "source_hash", "processor")
 BLOCK = 64  # runs along the last axis that are kept, compressed and read together
+BEDS = "snapshots"  # the observable whose file has values for every granule, of the first seeds
 REASONS = 5  # of failed runs that a file tells, at most
 HELD = 8_000_000  # bytes of a variable that are in memory until they are written
 
@@ -57,7 +58,8 @@ def combine(
     many runs failed, or all of a case or shape.
     """
     layout, names = layout_of(block, observable)
-    left, failed, gaps = set(block.places), [], bool(sweep.failures or partial or block.until)
+    left, failed = set(block.places), []
+    gaps = bool(sweep.failures or partial or block.until or observable == BEDS)
     provenance = {name: {} for name in PROVENANCE}
     with create(output) as file:
         for done, path in enumerate(sorted(paths, key=str)):
@@ -90,7 +92,7 @@ def combine(
         elif left:
             missing = next(run for run in block.runs if run.replicate.id in left).replicate
             raise InputError(f"{missing.words()} is in none of the {len(paths)} files; run again.")
-        if not partial:
+        if not (partial or (observable == BEDS and sweep.failures)):
             _check(sweep, block, sorted(failed))
         if gaps:
             for place, flag, _ in failed:
@@ -107,7 +109,11 @@ def layout_of(block: Block, observable: str) -> tuple[dict, list[str]]:
     first = block.runs[0].replicate
     experiment = first.configuration.module
     of_run, axes = experiment.variables(first.configuration, observable), experiment.along(first.configuration)
-    own = {name: entry for name, entry in of_run.items() if "granule" not in entry[0]}
+    own = {
+        name: entry
+        for name, entry in of_run.items()
+        if observable == BEDS or "granule" not in entry[0]
+    }
     store = {name: OF_STORE[name] for name in ("run_id", "bed_family", "failure")}
     layout = {name: ((*block.dims, *dims), *rest) for name, (dims, *rest) in (own | store).items()}
     used = {dim for dims, *_ in own.values() for dim in dims}
@@ -149,9 +155,15 @@ def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> No
             array[place] = count
         _write(file, REPLICATES, [axis.name for axis in block.beside_seed], array)
         file.variables[REPLICATES].setncatts(block.until.model_dump())
+    most = max(run.replicate.shape.granules for run in block.runs)
     for name, values in sample.items():
-        sizes = (*[1] * (len(block.dims) - 1), min(BLOCK, block.shape[-1]), *values.shape[1:])
-        add_dimensions(file, layout[name][0][len(block.dims) :], values.shape[1:])
+        dims = layout[name][0][len(block.dims) :]
+        shape = [
+            most if dim == "granule" else size
+            for dim, size in zip(dims, values.shape[1:], strict=True)
+        ]
+        sizes = (*[1] * (len(block.dims) - 1), min(BLOCK, block.shape[-1]), *shape)
+        add_dimensions(file, dims, shape)
         made = file.createVariable(
             name, values.dtype, layout[name][0], zlib=True, complevel=4, shuffle=True, fletcher32=True,
             chunksizes=sizes, fill_value=np.nan if gaps else False,
@@ -194,7 +206,8 @@ def _fill(file, values: dict, places: list[tuple[tuple[int, ...], int]]) -> None
         rows = [row for _, row in some]
         there = (*lead, slice(first, first + len(rows)))
         for name in values.keys() & file.variables.keys():
-            file.variables[name][there] = values[name][rows]
+            of_run = map(slice, values[name].shape[1:])  # some have fewer granules than others
+            file.variables[name][(*there, *of_run)] = values[name][rows]
 
 
 def _check(sweep: Sweep, block: Block, failed) -> None:

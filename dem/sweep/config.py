@@ -23,7 +23,7 @@ from dem.sweep.expand import Block, Derived, expand
 from dem.sweep.precision import Lead
 
 DISTRIBUTION = "granular-drag"
-FOLDERS = ("store", "flow", "figures", "logs", "rounds")  # of results
+FOLDERS = ("store", "figures", "logs", "rounds")  # of results
 CONFIG = "config.yaml"  # of results, as resolved
 LONGEST_CHAIN = 20  # files that extend one another
 REPLACED = ("sweep",)  # whole, by a file that extends another

@@ -48,7 +48,7 @@ def refuse_other(path: Path, earlier: Earlier | None, sweep: Sweep, file: str | 
     if earlier is None or earlier.file is None or file is None or earlier.file == file:
         return
     renamed = not (earlier.file and file and Path(earlier.file).exists())
-    if renamed and earlier.title.startswith(sweep.title):  # that of flow.nc says more
+    if renamed and earlier.title == sweep.title:
         return
     whose = earlier.file or f"the sweep {earlier.title!r}"
     raise InputError(

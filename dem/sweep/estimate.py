@@ -26,7 +26,6 @@ from dem.sweep.why import reasons
 # s an effort, where no run was made yet: of a usual processor, by kind of granule
 GUESS = {"disc": 3e-8, "dumbbell": 6e-8, "ellipse": 6e-8}
 ITERATED = 6e-7  # the same of shapes whose contacts are found by iteration, as of superellipses
-MEASURED = 2e-5  # s a granule and snapshot: to measure flow of snapshots
 DAMPED = 30.0  # by how much damping bounds the step, over how much stiffness does, a damping ratio (study budget)
 LISTED = 40  # runs, or batches, that are shown
 # of the list of batches
@@ -106,15 +105,7 @@ def costs(campaign: Campaign, runs: list[Replicate]) -> tuple[list[float], str]:
     speed = {
         run.shape.kind: speeds.get(_kind(run), GUESS.get(run.shape.kind, ITERATED)) for run in runs
     }
-    return [_effort(run) * speed[run.shape.kind] + _measuring(run) for run in runs], how
-
-
-def _measuring(replicate: Replicate) -> float:
-    """Processor time (s) after a run in which its flow is measured from its snapshots."""
-    record = replicate.configuration.record
-    if "snapshots" not in record.observables or "flow" in record.observables:
-        return 0.0
-    return MEASURED * record.snapshots * replicate.shape.granules
+    return [_effort(run) * speed[run.shape.kind] for run in runs], how
 
 
 def _values(block, replicate: Replicate) -> str:

@@ -46,6 +46,23 @@ class Block:
         return tuple(axis.name for axis in self.axes)
 
     @property
+    def is_by_case(self) -> bool:
+        """Whether its runs differ in case, or shape, and seed alone."""
+        return set(self.dims) in ({"case", "seed"}, {"shape", "seed"})
+
+    def first_seeds(self) -> "Block":
+        """The same with the first seed alone."""
+        axes = [
+            axis._replace(coordinate=axis.coordinate[:1], points=axis.points[:1], until=None)
+            if axis.name == "seed"
+            else axis
+            for axis in self.axes
+        ]
+        at = self.dims.index("seed")
+        runs = [run for run in self.runs if run.place[at] == 0]
+        return Block(self.name, axes, runs, self.fixed)
+
+    @property
     def beside_seed(self) -> list[Axis]:
         """The axes but that of the seeds."""
         return [axis for axis in self.axes if axis.name != "seed"]

@@ -7,8 +7,8 @@ import xarray as xr
 from scipy.special import stdtrit
 
 from dem.analysis.compare import Comparison
-from dem.analysis.flow.layout import MEASURES
 from dem.analysis.statistics import LEVEL, find, half_interval
+from studies.claims.layout import MEASURES
 
 SHAPES = "e3", "c1"
 

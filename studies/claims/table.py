@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 
-from dem.analysis.flow.layout import MEASURES
 from dem.base.errors import InputError
 from dem.base.schema import validated
 from dem.experiment.config import Replicate
@@ -18,7 +17,7 @@ from dem.io.dataset import FAILURES, global_attributes, write
 from dem.sweep.campaign import Campaign
 from dem.sweep.design import Choice, Design, Range
 from dem.sweep.expand import Block, Run
-from studies.claims.layout import VARIABLES
+from studies.claims.layout import MEASURES, VARIABLES
 from studies.common.table import origin, rows, wanted_of
 
 PARTS = ("replicates", "sensitivity", "jamming")  # without which there is no study

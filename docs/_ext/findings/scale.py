@@ -46,7 +46,7 @@ class Ensembles(Measured):
     def commands(self) -> Table:
         """Time and memory of each command, a row per number of runs."""
         heads = {"plan": "planning, 100 runs a job", "plan_each": "planning, a job each",
-                 "combine": "combining", "figure": "Figure 13", "flow": "`flow.nc`"}  # fmt: skip
+                 "combine": "combining", "figure": "Figure 13"}  # fmt: skip
         found = numbers("runs", *heads.values(), words=0)
         for count in self.dataset["runs"].values:
             one = self.dataset.sel(runs=count)
