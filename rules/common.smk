@@ -1,4 +1,4 @@
-"""What rules ask of sweeps, which dem.sweep.campaign computes.
+"""What rules ask of sweeps, which dem.sweep.state computes.
 
 SWEEP is that of the configuration. Each study has one of its own, looked at where it is asked for.
 """
@@ -17,7 +17,7 @@ from dem.experiment.observables import OBSERVABLES
 from dem.figures.catalogue import FIGURES, wanted
 from dem.io.progress import WorkflowProgress
 from dem.io.results_folder import on_failure, prepare
-from dem.sweep.campaign import Campaign
+from dem.sweep.state import SweepState
 from dem.sweep.estimate import kept, outcome
 from dem.sweep.units import unusual
 from snakemake.io import IOFile
@@ -33,7 +33,7 @@ if STUDIES.is_dir():
 STUDY_NAMES = sorted(path.parent.name for path in STUDIES.glob("*/rules.smk"))
 
 ROOT = workflow.modifier.path_modifier.prefix or ""  # of a module
-SWEEP = Campaign.of_values(config, workflow.configfiles, ROOT)
+SWEEP = SweepState.of_values(config, workflow.configfiles, ROOT)
 RESULTS = SWEEP.sweep.results
 SMOKE = "--smoke" if SWEEP.sweep.studies == "smoke.yaml" else ""  # of verbs that measure
 SWEEP.check()
@@ -51,7 +51,7 @@ shell.prefix(
 @cache
 def study(name):
     """The sweep of a study."""
-    found = Campaign.of(STUDIES / name / SWEEP.sweep.studies, ROOT)
+    found = SweepState.of(STUDIES / name / SWEEP.sweep.studies, ROOT)
     found.check()
     return found
 

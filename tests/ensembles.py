@@ -18,8 +18,8 @@ from measured import arguments, report
 from dem.experiment.bed import make_bed
 from dem.experiment.kinds import drag
 from dem.sweep.batch import write_batch
-from dem.sweep.campaign import Campaign
 from dem.sweep.config import load
+from dem.sweep.state import SweepState
 
 MEASURED = """
 import resource, subprocess, sys
@@ -48,7 +48,7 @@ EACH = 10_000  # runs up to which a job each is planned too
 def copies(place: Place, config: str, row: dict) -> None:
     """Write all batches of a sweep, each run as if it had given this row."""
     with contextlib.chdir(place.folder):
-        work = Campaign(load(Path(config)))
+        work = SweepState(load(Path(config)))
         runs = {run.id: run for run in work.sweep.block("drag").unique()}
         chunks = work.batches("drag")
         work.begin("drag")

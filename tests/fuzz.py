@@ -128,14 +128,15 @@ def good_files() -> Path:
 def _make_sweep():
     """The store of the sweep with its only run, drag.nc and snapshots.nc."""
     from dem.sweep import batch as making
-    from dem.sweep.campaign import Campaign
+    from dem.sweep.combined import combine_block
+    from dem.sweep.state import SweepState
 
-    work = Campaign(load(Path("q.yaml")))
+    work = SweepState(load(Path("q.yaml")))
     (chunk,) = work.batches("drag")
     work.begin("drag")
     making.make(work.store, chunk.id)
-    work.combine("drag", "drag", Path("drag.nc"))
-    work.combine("drag", "snapshots", Path("snapshots.nc"))
+    combine_block(work, "drag", "drag", Path("drag.nc"))
+    combine_block(work, "drag", "snapshots", Path("snapshots.nc"))
 
 
 def _make_checkpoint():

@@ -8,16 +8,17 @@ from typer.testing import CliRunner
 from conftest import assert_not_blank
 from dem.figures.catalogue import FIGURES, draw, possible
 from dem.sweep import batch as making
-from dem.sweep.campaign import Campaign
+from dem.sweep.combined import combine_block
 from dem.sweep.config import parse
+from dem.sweep.state import SweepState
 from dem.sweep.workers import Workers
 
 SMOKE = Path(__file__).parent.parent / "config/smoke.yaml"
 
 
-def of_file(file: Path) -> Campaign:
+def of_file(file: Path) -> SweepState:
     """The sweep of a file, made in this process."""
-    work = Campaign.of(file)
+    work = SweepState.of(file)
     work.make(Workers())
     return work
 
@@ -32,7 +33,7 @@ def assert_shown_and_drawn(study: str, path: Path) -> None:
     assert_not_blank(draw(study, path, path.parent, figures())[1])
 
 
-def run_all(work: Campaign) -> None:
+def run_all(work: SweepState) -> None:
     """Make the runs of all blocks in this process, round by round, and combine their drag."""
     for name in work.sweep.blocks:
         while True:
@@ -42,23 +43,23 @@ def run_all(work: Campaign) -> None:
                     making.make(work.store, each.id)
             if not work.grow(name):
                 break
-        work.combine(name, "drag", work.first(name))
+        combine_block(work, name, "drag", work.combined(name)[0])
 
 
-def made(folder: Path, beds: bool = False, **values) -> Campaign:
+def made(folder: Path, beds: bool = False, **values) -> SweepState:
     """A sweep of config/smoke.yaml with other values, made in `folder`/results, with its figures.
 
     beds: whether the figures of snapshots.nc are drawn too.
     """
     with chdir(folder):
-        work = Campaign(parse({"extends": str(SMOKE), "results": "results", **values}))
+        work = SweepState(parse({"extends": str(SMOKE), "results": "results", **values}))
         (block,) = work.sweep.blocks
         chunks = work.batches(block)
         work.begin(block)
         for each in chunks:
             making.make(work.store, each.id)
         for name in work.observables(block):
-            work.combine(block, name, Path(f"results/{name}.nc"))
+            combine_block(work, block, name, Path(f"results/{name}.nc"))
         for name in possible(work.block(block)) if beds else ():
             if FIGURES[name].file == "snapshots":
                 draw(name, Path("results/snapshots.nc"), Path("results/figures"))

@@ -24,6 +24,7 @@ from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP, is_text, re
 from dem.io.lazily import open_lazily
 from dem.report.build import build
 from dem.sweep import batch as making
+from dem.sweep.combined import combine_block
 
 NOTES = CONFIG.parent / "docs/explanation/open.md"
 HOSTILE = "</script><script>alert(1)</script>"
@@ -41,7 +42,7 @@ def made(tmp_path_factory):
         replicate = work.store.replicates(chunk)[0]
         write_bed(folder / "bed.nc", replicate, make_bed(replicate))
         combined(work, folder)
-        work.combine("drag", "snapshots", folder / "snapshots.nc")
+        combine_block(work, "drag", "snapshots", folder / "snapshots.nc")
     return folder
 
 

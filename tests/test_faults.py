@@ -30,12 +30,12 @@ from dem.io.results_folder import hold
 from dem.report.build import build
 from dem.report.info import summary
 from dem.sweep import batch as making
-from dem.sweep import campaign as working
-from dem.sweep.campaign import Campaign
+from dem.sweep import state as working
 from dem.sweep.combine import open_combined
+from dem.sweep.combined import combine_block
 from dem.sweep.config import load, save
-from dem.sweep.estimate import retried
 from dem.sweep.estimate import summary as estimated
+from dem.sweep.state import SweepState
 from dem.sweep.store import Store
 
 
@@ -96,7 +96,7 @@ def test_what_is_shown_of_a_sweep_with_failed_runs_has_no_gaps(tmp_path, monkeyp
     monkeypatch.chdir(tmp_path)
     work = done(discs([1, 2, 3], failures=0.5, results="results"), tmp_path)
     drag, beds = combined(work, tmp_path), tmp_path / "snapshots.nc"
-    work.combine("drag", "snapshots", beds)
+    combine_block(work, "drag", "snapshots", beds)
     for name in ("all", "figure09", "figure10"):
         draw(name, drag if name == "all" else beds, tmp_path / "figures")
     for picture in (tmp_path / "figures").glob("*.png"):
@@ -140,7 +140,7 @@ def test_a_run_that_failed_is_tried_again_when_it_is_asked_for(tmp_path, monkeyp
     work = done(sweep, tmp_path)
     (file,), names = work.files("drag"), ("drag", "failure", "spent", "steps")
     before, _ = read(file, names)
-    assert retried(work) == 3 and len(two_fail) == 3
+    assert work.retry() == 3 and len(two_fail) == 3
     monkeypatch.undo()
     done(sweep, tmp_path)
     after, _ = read(file, names)
@@ -148,7 +148,7 @@ def test_a_run_that_failed_is_tried_again_when_it_is_asked_for(tmp_path, monkeyp
     assert not after["failure"].any() and np.isfinite(after["drag"]).all()
     for name in names:
         np.testing.assert_array_equal(before[name][kept], after[name][kept])
-    assert retried(work) == 0 and file.is_file()
+    assert work.retry() == 0 and file.is_file()
     rough = discs([1, 2, 3], friction={"granule": 0.1, "wall": 0.1, "cylinder": 0.1})
     assert not set(rough.block("drag").places) & set(sweep.block("drag").places)
 
@@ -157,7 +157,7 @@ def test_a_run_that_failed_in_another_batch_is_tried_again(tmp_path, two_fail):
     """Where two sweeps were planned before it was made; the second takes over what did not fail."""
     store, found = Store(tmp_path / "store"), []
     sweeps = [
-        Campaign(discs([1, 2], results=f"results/{name}"), store, root=tmp_path) for name in "ab"
+        SweepState(discs([1, 2], results=f"results/{name}"), store, root=tmp_path) for name in "ab"
     ]
     for work in sweeps:
         work.begin("drag")
@@ -263,14 +263,14 @@ def test_a_sweep_is_known_where_its_file_or_its_folder_was_moved(one_sweep, tmp_
     Path("link.yaml").symlink_to("one.yaml")
     for name, allowed in (("one.yaml", True), (place / "one.yaml", True), ("link.yaml", True),
                           ("other.yaml", False)):  # fmt: skip
-        assert checked(Campaign.of(name)) == allowed, name
-    assert checked(Campaign(load("one.yaml"), file=""))
-    assert not checked(Campaign(load("other.yaml"), file=""))
+        assert checked(SweepState.of(name)) == allowed, name
+    assert checked(SweepState(load("one.yaml"), file=""))
+    assert not checked(SweepState(load("other.yaml"), file=""))
     Path("one.yaml").rename("sub/renamed.yaml")
-    assert checked(Campaign.of("sub/renamed.yaml")) and not checked(Campaign.of("other.yaml"))
+    assert checked(SweepState.of("sub/renamed.yaml")) and not checked(SweepState.of("other.yaml"))
     with netCDF4.Dataset(one_sweep / "drag.nc", "a") as file:
         file.delncattr("sweep_file")
-    assert checked(Campaign.of("other.yaml"))
+    assert checked(SweepState.of("other.yaml"))
 
 
 def checked(work):

@@ -22,8 +22,8 @@ from dem.base.sources import ROOT
 from dem.experiment.config import of_values
 from dem.figures.catalogue import draw
 from dem.report.build import build
-from dem.sweep.campaign import Campaign
 from dem.sweep.config import load, parse
+from dem.sweep.state import SweepState
 from dem.sweep.store import Store
 
 PAGE = (ROOT / "docs/howto/shape.md").read_text()
@@ -158,7 +158,7 @@ def test_a_plan_finds_shapes_that_were_moved_since(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     store, places = Store(tmp_path / "store"), []
     for name in ("one", "two"):
-        work = Campaign(load(write(tmp_path / name)), store)
+        work = SweepState(load(write(tmp_path / name)), store)
         places.append({chunk.id for chunk in work.batches("drag")})
         work.begin("drag")
         for chunk in places[-1]:

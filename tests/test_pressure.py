@@ -12,8 +12,8 @@ from dem.base.errors import InputError, PackingError
 from dem.dynamics.contact_list import FIRST_WALL
 from dem.dynamics.simulation import Simulation
 from dem.experiment.bed import cylinder, diameters, make_bed, read_bed, write_bed
+from dem.experiment.box import height_of_box
 from dem.experiment.config import parse
-from dem.experiment.fit import height_of_box
 from dem.experiment.kinds import drag
 from dem.experiment.scene import make_scene
 from dem.figures.film import Scene

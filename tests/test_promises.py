@@ -27,7 +27,7 @@ from typer.testing import CliRunner
 import dem
 from conftest import CONFIG, posix
 from dem.cli.app import app as dem_app
-from dem.sweep.campaign import Campaign
+from dem.sweep.state import SweepState
 from studies.__main__ import app as studies_app
 
 sys.path.append(str(CONFIG.parent / "docs/_ext"))
@@ -360,7 +360,7 @@ def test_a_sweep_that_is_shown_can_be_planned(copy, place, monkeypatch, words):
     """By what plans the runs for Snakemake."""
     file = Path(words[words.index("--configfile") + 1])
     monkeypatch.chdir(copy if file.parts[0] == "studies" else place)
-    work = Campaign.of(file)
+    work = SweepState.of(file)
     work.check()
     assert all(work.batches(name) for name in work.sweep.blocks if work.is_known(name))
 

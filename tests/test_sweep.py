@@ -29,11 +29,11 @@ from dem.report.status import _cells
 from dem.sweep import batch as making
 from dem.sweep import store as stores
 from dem.sweep.axis import changes_of_words
-from dem.sweep.campaign import Campaign
 from dem.sweep.combine import about, combine
+from dem.sweep.combined import combine_block
 from dem.sweep.config import load, merged, parse, save
 from dem.sweep.prune import prune, sweeps
-from dem.sweep.units import unusual
+from dem.sweep.state import SweepState
 
 FEW = {"c1": {"kind": "disc", "diameter": 1092e-6, "granules": 30}}
 SMALL = {
@@ -59,7 +59,7 @@ def ids(sweep, block="drag"):
 
 def done(sweep, folder, jobs=1):
     """A sweep at work, all runs made."""
-    work = Campaign(sweep, stores.Store(folder / "store"), root=folder)
+    work = SweepState(sweep, stores.Store(folder / "store"), root=folder)
     for block in sweep.blocks:
         chunks = work.batches(block)
         work.begin(block)
@@ -70,7 +70,7 @@ def done(sweep, folder, jobs=1):
 
 def combined(work, folder, block="drag", observable="drag"):
     path = folder / f"{block}_{observable}.nc"
-    work.combine(block, observable, path)
+    combine_block(work, block, observable, path)
     with xr.open_dataset(path) as dataset:
         return dataset.load()
 
@@ -141,14 +141,14 @@ def test_what_varies_is_no_attribute(sweep, told):
 )  # fmt: skip
 def test_a_velocity_in_another_unit_is_noticed(values, words):
     """One sentence, of the fastest run, however many there are."""
-    found = unusual(Campaign(small({"shape": ["c1"], "seed": "1 to 3"} | values)))
-    assert len(found) == bool(words) and all(words in sentence for sentence in found)
+    warnings = SweepState(small({"shape": ["c1"], "seed": "1 to 3"} | values)).check()
+    assert len(warnings) == bool(words) and all(words in sentence for sentence in warnings)
 
 
 @pytest.mark.parametrize("file", sorted(CONFIG.glob("*.yaml")), ids=lambda path: path.stem)
 def test_no_file_that_comes_with_the_code_is_warned_of(file):
     if "sweep" in read(file):
-        assert unusual(Campaign(load(file))) == []
+        assert SweepState(load(file)).check() == []
 
 
 def test_a_dry_run_warns_once_of_a_velocity_in_another_unit(tmp_path):
@@ -431,7 +431,7 @@ def test_a_value_that_is_added_makes_only_its_runs(tmp_path):
     chunks = {path: path.stat().st_mtime_ns for path in work.files("drag")}
     beds = list((tmp_path / "store/beds").rglob("*.npz"))
     assert len(beds) == 2
-    more = Campaign(
+    more = SweepState(
         small({"seed": [2, 1], "friction.granule": [0.5, 0.1, 0.3], "shape": "c1"}, batch=1),
         work.store,
     )
@@ -503,7 +503,7 @@ def test_a_run_that_no_file_holds_is_named(tmp_path):
         combine([first], sweep, sweep.block("drag"), "drag", output)
     second.unlink()
     with pytest.raises(FileNotFoundError, match=second.name):
-        work.combine("drag", "drag", output)
+        combine_block(work, "drag", "drag", output)
     assert not output.exists()
 
 
@@ -552,7 +552,7 @@ def test_a_failed_run_is_a_row_with_its_reason(tmp_path):
     work = done(small(sweep), tmp_path)
     with pytest.raises(RunError, match="2 of 4 runs could not be made; failures allows 0"):
         combined(work, tmp_path)
-    allowed = combined(Campaign(small(sweep, failures=0.5), work.store), tmp_path)
+    allowed = combined(SweepState(small(sweep, failures=0.5), work.store), tmp_path)
     assert allowed["failure"].values.tolist() == [[[0, 0], [2, 2]]]
     assert (
         np.isnan(allowed["drag"].values[0, 1]).all()
@@ -568,14 +568,14 @@ def test_a_failed_run_is_a_row_with_its_reason(tmp_path):
     assert making.retry(work.store, path.stem, runs) == 2 and not path.exists()
     assert sum(work.store.kept(run) is not None for run in before) == 2
     making.make(work.store, path.stem)
-    again = combined(Campaign(small(sweep, failures=0.5), work.store), tmp_path)
+    again = combined(SweepState(small(sweep, failures=0.5), work.store), tmp_path)
     xr.testing.assert_identical(again["drag"], allowed["drag"])
 
 
 def test_failed_runs_have_the_same_gaps_whichever_chunk_comes_first(tmp_path):
     """NaN, and -1 for the number of steps; where too many failed, the first is named by its place."""
     sweep = {"shape": "c1", "numerics.max_overlap": [1e-6, 1.2], "seed": [1, 2]}
-    watched = Campaign(small(sweep), stores.Store(tmp_path / "store"), root=tmp_path)
+    watched = SweepState(small(sweep), stores.Store(tmp_path / "store"), root=tmp_path)
     assert watched.failed() == 0
     work = done(small(sweep, batch=1, failures=0.9), tmp_path)
     assert watched.failed() == 2
@@ -609,7 +609,7 @@ def test_prune_leaves_the_plans_of_a_sweep_that_starts_meanwhile(tmp_path, monke
     """Of which it does not know when it has looked at all folders."""
     monkeypatch.chdir(tmp_path)
     work = done(small({"shape": "c1"}), tmp_path)
-    late = Campaign(small({"shape": "c1", "seed": [9]}, results="results/late"), work.store)
+    late = SweepState(small({"shape": "c1", "seed": [9]}, results="results/late"), work.store)
 
     def looked(store):
         yield from sweeps(store)
@@ -643,9 +643,9 @@ def as_if_made(work):
 def pruned(tmp_path, monkeypatch):
     """A sweep of two batches as if they were made, and one of a sweep whose folder was deleted."""
     monkeypatch.chdir(tmp_path)
-    work = Campaign(small({"shape": "c1", "seed": [1, 2]}, batch=1))
+    work = SweepState(small({"shape": "c1", "seed": [1, 2]}, batch=1))
     as_if_made(work)
-    as_if_made(Campaign(small({"shape": "c1", "seed": [3]}, results="results/gone")))
+    as_if_made(SweepState(small({"shape": "c1", "seed": [3]}, results="results/gone")))
     shutil.rmtree("results/gone")
     return work
 
@@ -692,7 +692,7 @@ def test_prune_removes_nothing_while_a_sweep_cannot_be_read(pruned, damage):
     config = Path("results/small/config.yaml")
     config.write_text(CONFIGS[damage], errors="surrogateescape")
     refused(str(config))
-    Campaign(pruned.sweep).begin("drag")
+    SweepState(pruned.sweep).begin("drag")
     found = pruning()
     assert found.exit_code == 0 and "4 files removed" in found.stdout, found.output
     assert all(path.is_file() for path in pruned.files("drag"))
@@ -734,7 +734,7 @@ def test_what_is_no_file_in_the_store_is_one_sentence(pruned, kind):
     place.unlink()
     pruned.store.file_of(place.stem).unlink()
     os.mkfifo(place) if kind == "pipe" else place.mkdir()
-    again = Campaign(pruned.sweep)
+    again = SweepState(pruned.sweep)
     with pytest.raises(InputError, match=rf"{place}: it is a .*must be a file"):
         again.begin("drag")
     for words in (["store"], ["store", "--prune"]):
@@ -775,7 +775,7 @@ def test_a_plan_that_was_changed_is_written_again(pruned):
     assert path.read_text() != before
     with pytest.raises(InputError, match="start the sweep again"):
         pruned.store.replicates(batch)
-    Campaign(pruned.sweep).begin("drag")
+    SweepState(pruned.sweep).begin("drag")
     assert path.read_text() == before and len(pruned.store.replicates(batch)) == 1
 
 

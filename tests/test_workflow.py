@@ -19,8 +19,8 @@ import dem
 from conftest import assert_alone, assert_not_blank, posix
 from dem.cli.app import app
 from dem.figures.catalogue import FIGURES
-from dem.sweep.campaign import Campaign
 from dem.sweep.config import load
+from dem.sweep.state import SweepState
 
 pytestmark = posix
 ROOT = Path(__file__).parent.parent
@@ -125,7 +125,7 @@ def test_a_configuration_of_the_command_line_replaces_that_of_the_paper(finished
     """No key of the paper is left; without one, snakemake alone plans the paper."""
     made, asked = load(finished / "results/smoke/config.yaml"), load(finished / SMOKE)
     assert made.dump() == asked.dump()
-    paper = Campaign.of(finished / "config/paper.yaml", finished)
+    paper = SweepState.of(finished / "config/paper.yaml", finished)
     assert planned(finished, configfile=None)["batch"] == len(paper.batches("drag"))
 
 
@@ -192,7 +192,7 @@ def test_what_is_forced_is_made_again(finished, tmp_path):
     files = {
         path: path.stat().st_mtime_ns for path in (folder / "results/store/batches").glob("*.nc")
     }
-    own = Campaign.of(folder / SMOKE, folder).files("drag")  # others are of studies
+    own = SweepState.of(folder / SMOKE, folder).files("drag")  # others are of studies
     one = own[0]
     run = snakemake(folder, "-j2", "-f", str(one.relative_to(folder)))
     assert run.returncode == 0, run.stderr

@@ -38,7 +38,6 @@ OutputOption = option(Path, "netCDF file to write.", *OUTPUT, writes=".nc")
 FolderOption = option(
     Path | None, "Folder; figures/ next to the data if absent.", *OUTPUT, writes=FOLDER
 )
-BlockOption = option(str | None, "Block of the sweep; the first if absent.")
 TextOption = option(
     Path | None, "Text file (.txt); the terminal if absent.", *OUTPUT, writes=".txt"
 )

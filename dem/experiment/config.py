@@ -30,7 +30,7 @@ from dem.base.schema import (
     value,
 )
 from dem.base.sources import code_hash
-from dem.experiment.fit import check_room
+from dem.experiment.box import check_room
 from dem.experiment.kinds import EXPERIMENTS, Experiment
 from dem.experiment.sections import (
     CylinderSection,

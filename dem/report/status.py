@@ -12,10 +12,10 @@ from dem.analysis.tables import digits, numbers
 from dem.base.errors import InputError
 from dem.io.progress import span
 from dem.sweep.axis import POINT, Axis
-from dem.sweep.campaign import Campaign
 from dem.sweep.estimate import time_of
 from dem.sweep.expand import Block
 from dem.sweep.precision import Until, all_known, expected, numbers_of
+from dem.sweep.state import SweepState
 
 ROWS = 60  # of a table, at most
 VARIED = 4  # values of a design that are shown, at most
@@ -23,25 +23,25 @@ REASONS = 5  # failures that are told, at most
 USUAL = "5 %"  # what is asked for where a sweep does not say
 
 
-def status(campaign: Campaign) -> Group:
+def status(state: SweepState) -> Group:
     """What a sweep has now, one table a block, and what is left of it."""
-    under_way, parts, left, failed, made = campaign.store.under_way(), [], [], Counter(), set()
-    for name in campaign.sweep.blocks:
-        block = campaign.block(name)
+    under_way, parts, left, failed, made = state.store.under_way(), [], [], Counter(), set()
+    for name in state.sweep.blocks:
+        block = state.block(name)
         until = block.until or _usual(block)
-        numbers = campaign.numbers(until.variable)
+        numbers = state.numbers(until.variable)
         there = numbers.of(block, kept=True)
         made |= there.keys()
         left += [run for run in block.unique() if under_way.get(run.id, 0.0) is not None and run.id not in there]
         failed.update(numbers.failed[run] for run in block.places if run in numbers.failed)
-        parts += [Text(campaign.folder_of(name), style="bold"), _table(block, until, there, under_way, numbers.failed)]
+        parts += [Text(state.folder_of(name), style="bold"), _table(block, until, there, under_way, numbers.failed)]
     running = sum(run.id in under_way for run in left)
     verb = "run is" if running == 1 else "runs are"
     words = f"{running} {verb} under way and {len(left) - running} wait. " if left else "All runs are made. "
     if left:
-        seconds, how = time_of(campaign, left, max(1, running))
+        seconds, how = time_of(state.store, left, max(1, running))
         words += f"About {span(seconds)} left with {max(1, running)} processes ({how}). "
-    files = (campaign.store.file_of(each.id) for each in campaign.store.sealed().values() if made.intersection(each.runs))
+    files = (state.store.file_of(each.id) for each in state.store.sealed().values() if made.intersection(each.runs))
     words += f"{1e-6 * sum(path.stat().st_size for path in files if path.exists()):.1f} MB of disk are used."
     told = [Text(f"{count} failed: {why}") for why, count in failed.most_common(REASONS)]
     return Group(Text(words), *told, *parts)

@@ -44,18 +44,25 @@ HELD = 8_000_000  # bytes of a variable that are in memory until they are writte
 
 
 def combine(
-    paths: list[Path], sweep: Sweep, block: Block, observable: str, output: Path,
-    progress=lambda done: None, more=lambda file: None, partial: bool = False,
-) -> None:  # fmt: skip
+    paths: list[Path],
+    sweep: Sweep,
+    block: Block,
+    observable: str,
+    output: Path,
+    progress=lambda done: None,
+    attrs: dict | None = None,
+    partial: bool = False,
+) -> None:
     """Write what an observable gave for all runs of a block.
 
-    paths: files of batches, or of what was measured of them, in any order; runs of other sweeps in
-    them are left out. The attributes tell the provenance of the runs, all of it where they differ.
+    paths:   files of batches in any order; runs of other sweeps in them are left out
+    attrs:   attributes of the file, beside its title and the provenance of the runs
+    partial: what no file holds is a gap, and the attribute `partial` says how many runs there are
+
     The file is written atomically and without loss. Where the sweep allows failures, those are gaps
-    (NaN) and `failure` tells why; so are seeds that a place has no replicate of, and what `run_id` names
-    is all that was made. more: adds to the file, a netCDF4.Dataset, what else it shall hold. partial: what
-    no file holds is a gap too, and the attribute `partial` says how much it is. Raises InputError for a file that is damaged and for a run that no file holds; RunError where too
-    many runs failed, or all of a case or shape.
+    (NaN) and `failure` tells why; so are seeds that a place has no replicate of. Raises InputError for a
+    damaged file and for a run that no file holds; RunError where too many runs failed, or all of a case or
+    shape.
     """
     layout, names = layout_of(block, observable)
     left, failed = set(block.places), []
@@ -65,7 +72,7 @@ def combine(
         for done, path in enumerate(sorted(paths, key=str)):
             with content_of(path, AGAIN), netCDF4.Dataset(path) as batch:
                 present = [name for name in names if name in batch.variables]
-            values, attrs = read(path, (*present, "run_id", "failure", "failure_reason"))
+            values, batch_attrs = read(path, (*present, "run_id", "failure", "failure_reason"))
             given = {name: values[name] for name in present}
             rows = {run: row for row, run in enumerate(values["run_id"].tolist()) if run in left}
             left -= rows.keys()
@@ -73,22 +80,22 @@ def combine(
                 _make_room(file, block, layout, given, gaps)
             with content_of(path):
                 for name in PROVENANCE:
-                    provenance[name][attrs.get(name, "unknown")] = None
+                    provenance[name][batch_attrs.get(name, "unknown")] = None
                 places = sorted((p, row) for run, row in rows.items() for p in block.places[run])
                 _fill(file, given, places)
             failed += [
                 (place, int(values["failure"][row]), str(values["failure_reason"][row]))
-                for place, row in places if values["failure"][row]
-            ]  # fmt: skip
+                for place, row in places
+                if values["failure"][row]
+            ]
             progress((done + 1) / len(paths))
         if left and partial and file.dimensions:
             total = len(block.places)
             file.setncattr("partial", f"{total - len(left)} of {total} runs")
-            for run in left:
-                for place in block.places[run]:
-                    file.variables["run_id"][place] = np.bytes_()
-                    if block.until:
-                        file.variables[REPLICATES][block.lead(place)] -= 1
+            for place in (place for run in left for place in block.places[run]):
+                file.variables["run_id"][place] = np.bytes_()
+                if block.until:
+                    file.variables[REPLICATES][block.lead(place)] -= 1
         elif left:
             missing = next(run for run in block.runs if run.replicate.id in left).replicate
             raise InputError(f"{missing.words()} is in none of the {len(paths)} files; run again.")
@@ -99,26 +106,24 @@ def combine(
                 file.variables["failure"][place] = flag
             if reasons := list(dict.fromkeys(reason for *_, reason in failed)):
                 file.variables["failure"].comment = "; ".join(reasons[:REASONS])
-        found = {name: "; ".join(kept) for name, kept in provenance.items()}
-        file.setncatts(about(sweep, block, found))
-        more(file)
+        merged = {name: "; ".join(kept) for name, kept in provenance.items()}
+        file.setncatts(about(sweep, block, merged) | (attrs or {}))
 
 
 def layout_of(block: Block, observable: str) -> tuple[dict, list[str]]:
     """Layout of the combined file, and the names of what its runs give."""
-    first = block.runs[0].replicate
-    experiment = first.configuration.module
-    of_run, axes = experiment.variables(first.configuration, observable), experiment.along(first.configuration)
+    configuration = block.runs[0].replicate.configuration
+    experiment = configuration.module
     own = {
         name: entry
-        for name, entry in of_run.items()
+        for name, entry in experiment.variables(configuration, observable).items()
         if observable == BEDS or "granule" not in entry[0]
     }
     store = {name: OF_STORE[name] for name in ("run_id", "bed_family", "failure")}
     layout = {name: ((*block.dims, *dims), *rest) for name, (dims, *rest) in (own | store).items()}
     used = {dim for dims, *_ in own.values() for dim in dims}
-    layout |= {name: entry for name, entry in axes.items() if set(entry[0]) & used}
-    return layout, list(own)
+    axes = experiment.along(configuration)
+    return layout | {n: entry for n, entry in axes.items() if set(entry[0]) & used}, list(own)
 
 
 def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> None:
@@ -126,10 +131,14 @@ def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> No
     then has a value for."""
     first = block.runs[0].replicate.configuration
     axes = first.module.axes(first)
-    for own in {id(run.replicate.configuration): run.replicate.configuration for run in block.runs}.values():
+    for own in {
+        id(run.replicate.configuration): run.replicate.configuration for run in block.runs
+    }.values():
         for name, values in own.module.axes(own).items():
             if not np.array_equal(values, axes[name]):
-                raise InputError(f"the coordinate {name} must be the same in all runs of {block.name}; use blocks.")
+                raise InputError(
+                    f"the coordinate {name} must be the same in all runs of {block.name}; use blocks."
+                )
     for axis in block.axes:
         file.createDimension(axis.name, len(axis.points))
     labels = block.labels()
@@ -165,9 +174,16 @@ def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> No
         sizes = (*[1] * (len(block.dims) - 1), min(BLOCK, block.shape[-1]), *shape)
         add_dimensions(file, dims, shape)
         made = file.createVariable(
-            name, values.dtype, layout[name][0], zlib=True, complevel=4, shuffle=True, fletcher32=True,
-            chunksizes=sizes, fill_value=np.nan if gaps else False,
-        )  # fmt: skip
+            name,
+            values.dtype,
+            layout[name][0],
+            zlib=True,
+            complevel=4,
+            shuffle=True,
+            fletcher32=True,
+            chunksizes=sizes,
+            fill_value=np.nan if gaps else False,
+        )
         # runs mostly come in order, and what is full is written and forgotten
         size = 2 * int(np.prod(sizes)) * values.dtype.itemsize
         made.set_var_chunk_cache(
@@ -199,7 +215,9 @@ def _write(
 
 def _fill(file, values: dict, places: list[tuple[tuple[int, ...], int]]) -> None:
     """Write rows at their places; what is side by side along the last axis at once."""
-    side_by_side = groupby(enumerate(places), lambda each: (each[1][0][:-1], each[1][0][-1] - each[0]))
+    side_by_side = groupby(
+        enumerate(places), lambda each: (each[1][0][:-1], each[1][0][-1] - each[0])
+    )
     for _, some in side_by_side:
         some = [each for _, each in some]
         *lead, first = some[0][0]
@@ -232,9 +250,7 @@ def _check(sweep: Sweep, block: Block, failed) -> None:
         )
 
 
-def about(
-    sweep: Sweep, block: Block, provenance: dict, source: str = "dem batch, dem combine"
-) -> dict:
+def about(sweep: Sweep, block: Block, provenance: dict) -> dict:
     """Attributes of the file. The averaging window is among them, so that figures need nothing
     else, and the cylinder's velocity where all runs have the same. The configuration is that of the sweep
     with what the block sets for all its runs."""
@@ -248,7 +264,7 @@ def about(
         *groups, last = path.split(".")
         reduce(dict.__getitem__, groups, configuration)[last] = value
     return global_attributes(
-        sweep.title, source, configuration=json.dumps(configuration), **provenance, **drawn
+        sweep.title, "dem sweep", configuration=json.dumps(configuration), **provenance, **drawn
     )
 
 
@@ -257,7 +273,11 @@ def shared(block: Block, **paths: str) -> dict:
     all of the shape whose value it is. What varies is a coordinate."""
     runs = [run.replicate for run in block.runs]
     values = {
-        name: {run.at(path) for run in runs if not path.startswith("shapes.") or path.split(".")[1] == run.label}
+        name: {
+            run.at(path)
+            for run in runs
+            if not path.startswith("shapes.") or path.split(".")[1] == run.label
+        }
         for name, path in paths.items()
     }
     return {name: each.pop() for name, each in values.items() if len(each) == 1}

@@ -11,8 +11,8 @@ import numpy as np
 
 from dem.base.errors import InputError
 from dem.base.schema import MOST
+from dem.experiment.box import check_rooms
 from dem.experiment.config import Configuration, Entry, Replicate, entries
-from dem.experiment.fit import check_rooms
 from dem.io.dataset import LABELS, OF_STORE
 from dem.sweep.axis import OWN, Axis, Derive, axis_of, changes, name_of, place_in
 from dem.sweep.precision import Lead, counts

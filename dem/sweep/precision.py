@@ -220,23 +220,6 @@ def short_of(block, values: dict[Lead, np.ndarray]) -> list[str]:
     ]
 
 
-def outlook(block, values: dict[Lead, np.ndarray]) -> tuple[int, int, int]:
-    """How many runs a block takes in all by the scatter of what is there, and the range that this scatter
-    leaves open (95 %); where nothing is there, the first round and the caps."""
-    from scipy.special import chdtri
-
-    until, places = block.until, all_known(block.until, values, block.partners)
-    total = np.array(3 * [sum(n for place, n in block.counts.items() if place not in places)], float)
-    for place, found in places.items():
-        limits = block.counts[place], until.most
-        if found.runs < 2 or not math.isfinite(wanted := expected(found, until)):
-            total += limits[0], *limits
-        else:
-            free = found.runs - 1
-            total += np.clip(wanted * np.array([1.0, *free / chdtri(free, [0.025, 0.975])]), *limits)
-    return tuple(math.ceil(each) for each in total)
-
-
 def expected(found: Known, until: Until) -> float:
     """How many replicates a place takes by the scatter so far."""
     return found.runs * (SAFETY * found.excess(until)) ** 2

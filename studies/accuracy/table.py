@@ -12,8 +12,8 @@ from dem.base.errors import InputError
 from dem.experiment.config import Replicate
 from dem.experiment.kinds import drag
 from dem.io.dataset import FAILURES, global_attributes, write
-from dem.sweep.campaign import Campaign
 from dem.sweep.config import Sweep
+from dem.sweep.state import SweepState
 from studies.accuracy.bias import LARGEST
 from studies.accuracy.layout import CONTACTS, STEPS, VARIABLES
 from studies.common.table import origin, parts, rows, wanted_of
@@ -84,11 +84,11 @@ def replicates(paths: list[Path], wanted: dict[str, Replicate]) -> dict:
     }
 
 
-def write_study(path: Path, campaign: Campaign, contacts: Path, steps: Path) -> None:
+def write_study(path: Path, state: SweepState, contacts: Path, steps: Path) -> None:
     """Write accuracy.nc from the batches of a sweep and the files of both scripts."""
-    sweep = campaign.sweep
+    sweep = state.sweep
     vary, many = runs_of(sweep)
-    batches = {name: campaign.files(name) for name in sweep.blocks}
+    batches = {name: state.files(name) for name in sweep.blocks}
     every = [file for files in batches.values() for file in files]
     values = (
         parts([contacts], CONTACTS)

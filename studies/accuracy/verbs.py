@@ -59,8 +59,8 @@ def table(
     config: ConfigOption = ACCURACY,
 ):
     """Write the runs of the sweep and both files into accuracy.nc."""
-    from dem.sweep.campaign import Campaign
+    from dem.sweep.state import SweepState
     from studies.accuracy.table import write_study
 
     with bar("accuracy"):
-        write_study(output, Campaign.of(config), contacts, steps)
+        write_study(output, SweepState.of(config), contacts, steps)

@@ -7,16 +7,16 @@ import numpy as np
 from dem.experiment.config import Replicate
 from dem.experiment.kinds import drag
 from dem.io.dataset import global_attributes, write
-from dem.sweep.campaign import Campaign
+from dem.sweep.state import SweepState
 from studies.budget.layout import VARIABLES
 from studies.common.table import every_run
 
 STOPS = 10  # ends of the mean, evenly up to that of the averaging window
 
 
-def make(campaign: Campaign, output: Path, progress=lambda share: None) -> None:
+def make(state: SweepState, output: Path, progress=lambda share: None) -> None:
     """Write budget.nc; raises InputError for runs that are not made yet."""
-    start, stop = campaign.sweep.record.window
+    start, stop = state.sweep.record.window
     stops = np.linspace(start, stop, STOPS + 1)[1:]
 
     def row(_, run: Replicate, values: dict) -> dict:
@@ -30,6 +30,6 @@ def make(campaign: Campaign, output: Path, progress=lambda share: None) -> None:
             "time": values["run_time"], "spent": values["spent"],
         }  # fmt: skip
 
-    found, origin = every_run(campaign, ("drag", "steps", "run_time", "spent", "failure"), row, progress)
-    attrs = global_attributes(f"{campaign.sweep.title}: what a budget buys", "python -m studies budget table", **origin)
+    found, origin = every_run(state, ("drag", "steps", "run_time", "spent", "failure"), row, progress)
+    attrs = global_attributes(f"{state.sweep.title}: what a budget buys", "python -m studies budget table", **origin)
     write(output, found | {"window_stop": stops}, attrs, VARIABLES)

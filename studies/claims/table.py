@@ -14,9 +14,9 @@ from dem.experiment.config import Replicate
 from dem.experiment.kinds import drag
 from dem.experiment.observables.alignment import VARIABLES as ALONG
 from dem.io.dataset import FAILURES, global_attributes, write
-from dem.sweep.campaign import Campaign
 from dem.sweep.design import Choice, Design, Range
 from dem.sweep.expand import Block, Run
+from dem.sweep.state import SweepState
 from studies.claims.layout import MEASURES, VARIABLES
 from studies.common.table import origin, rows, wanted_of
 
@@ -26,17 +26,17 @@ OF_RUNS = ("drag", *MEASURES, *ALONG)
 OF_BEDS = ("jam_fraction", "jam_slope")
 
 
-def make(campaign: Campaign, output: Path, progress=lambda share: None) -> None:
+def make(state: SweepState, output: Path, progress=lambda share: None) -> None:
     """Write claims.nc; raises InputError for a sweep that is none of this study, and for runs that
     are not made yet."""
-    sweep = campaign.sweep
+    sweep = state.sweep
     for part in PARTS:
         if part not in sweep.blocks:
             raise InputError(f"sweep.blocks has no {part}; see studies/claims/sweep.yaml.")
     factors = factors_of(sweep)
     runs, beds, every = [], [], []
     for done, name in enumerate(sweep.blocks):
-        files, block = campaign.files(name), campaign.block(name)
+        files, block = state.files(name), state.block(name)
         every += files
         if block.runs[0].replicate.configuration.experiment == "jamming":
             found = gather(block, files, OF_BEDS, kept)

@@ -1,6 +1,6 @@
 """What a study makes of runs: tables over runs of any blocks, joined with files that scripts made.
 
-The files of the batches of a block are `Campaign.files(block)`.
+The files of the batches of a block are `SweepState.files(block)`.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -13,9 +13,9 @@ from dem.base.errors import InputError, RunError
 from dem.experiment.config import Replicate
 from dem.io.dataset import global_attributes, is_text, read, write
 from dem.io.lazily import open_lazily, require
-from dem.sweep.campaign import Campaign
 from dem.sweep.config import Sweep
 from dem.sweep.expand import Block
+from dem.sweep.state import SweepState
 
 ORIGIN = ("versions", "git_revision", "source_hash")
 
@@ -53,19 +53,19 @@ def rows(
 
 
 def every_run(
-    campaign: Campaign, names: tuple[str, ...], row: Callable, progress=lambda share: None
+    state: SweepState, names: tuple[str, ...], row: Callable, progress=lambda share: None
 ) -> tuple[dict[str, np.ndarray], dict[str, str]]:
     """A table of all runs of all blocks, in their order, and where it comes from: variables of the dimension
     `run` and attributes. row: from the name of a block, a replicate and what names say of it to a row by name."""
     found, every = [], []
-    for done, name in enumerate(campaign.sweep.blocks):
-        wanted, files, of_run = wanted_of([campaign.block(name)]), campaign.files(name), {}
+    for done, name in enumerate(state.sweep.blocks):
+        wanted, files, of_run = wanted_of([state.block(name)]), state.files(name), {}
         for ids, values in rows(files, names, wanted):
             for at, run in enumerate(ids):
                 of_run[run] = row(name, wanted[run], {key: array[at] for key, array in values.items()})
         every += files
         found += [{"part": name} | of_run[run] for run in wanted]
-        progress((done + 1) / len(campaign.sweep.blocks))
+        progress((done + 1) / len(state.sweep.blocks))
     return {f"run_{key}": np.array([each[key] for each in found]) for key in found[0]}, origin(every)
 
 

@@ -19,9 +19,9 @@ def table_of(name: str):
         start_lean()
         from importlib import import_module
 
-        from dem.sweep.campaign import Campaign
+        from dem.sweep.state import SweepState
 
         with bar(name, 1.0) as update:
-            import_module(f"studies.{name}.table").make(Campaign.of(config), output, update)
+            import_module(f"studies.{name}.table").make(SweepState.of(config), output, update)
 
     return table

@@ -9,9 +9,9 @@ import numpy as np
 
 from dem.base.errors import InputError
 from dem.io.dataset import global_attributes, write
-from dem.sweep.campaign import Campaign
 from dem.sweep.config import Sweep
 from dem.sweep.expand import Block
+from dem.sweep.state import SweepState
 from studies.common.table import origin, parts, rows, wanted_of
 from studies.stability.layout import MAP, VARIABLES
 
@@ -70,10 +70,10 @@ def paper(paths: list[Path], block: Block) -> dict:
     }
 
 
-def write_study(path: Path, campaign: Campaign, files: list[Path]) -> None:
+def write_study(path: Path, state: SweepState, files: list[Path]) -> None:
     """Write stability.nc from the batches of a sweep and what the catalogue and the limits wrote."""
-    sweep, blocks = campaign.sweep, blocks_of(campaign.sweep)
-    batches = {name: campaign.files(name) for name in blocks}
+    sweep, blocks = state.sweep, blocks_of(state.sweep)
+    batches = {name: state.files(name) for name in blocks}
     values = (
         parts(files, VARIABLES)
         | energy_map(batches["map"], blocks["map"], sweep.material.young_modulus)

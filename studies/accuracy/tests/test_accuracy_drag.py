@@ -10,8 +10,8 @@ from scipy.stats import t
 
 import dem
 from dem.sweep import batch as making
-from dem.sweep.campaign import Campaign
 from dem.sweep.config import load, parse
+from dem.sweep.state import SweepState
 from dem.sweep.store import Store
 from studies.accuracy import bias as biases
 from studies.accuracy import replicates, table
@@ -129,7 +129,7 @@ def runs(tmp_path_factory):
         "fine": {"shape": "c1", "numerics.step_fraction": 0.25, "seed": 1001},
         "replicates": data["sweep"]["blocks"]["replicates"] | {"seed": seeds},
     }
-    work = Campaign(
+    work = SweepState(
         parse(data), Store(tmp_path_factory.mktemp("store")), root=tmp_path_factory.mktemp("root")
     )
     chunks = {name: work.batches(name) for name in work.sweep.blocks}

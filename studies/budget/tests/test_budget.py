@@ -9,8 +9,8 @@ from made import SMOKE, assert_shown_and_drawn, run_all
 
 from dem.io.dataset import global_attributes, write
 from dem.io.lazily import open_lazily
-from dem.sweep.campaign import Campaign
 from dem.sweep.config import parse
+from dem.sweep.state import SweepState
 from studies.budget.findings import budget
 from studies.budget.layout import VARIABLES
 from studies.budget.model import LEFT_OUT, PAPER, Model, Runs, Settings
@@ -164,7 +164,7 @@ def test_every_run_is_a_row_with_what_it_gave(tmp_path, monkeypatch):
         "boxes": {"values": {"shapes.c1.granules": 30, "box_width": 6.0e-3}, "shape": "c1", "seed": 3},
     }
     record = {"observables": ["drag"], "bins": 12}
-    work = Campaign(parse({"extends": str(SMOKE), "results": "results", "record": record, "sweep": {"blocks": blocks}}))
+    work = SweepState(parse({"extends": str(SMOKE), "results": "results", "record": record, "sweep": {"blocks": blocks}}))
     run_all(work)
     make(work, Path("budget.nc"))
     found = xr.load_dataset("budget.nc")
@@ -172,7 +172,7 @@ def test_every_run_is_a_row_with_what_it_gave(tmp_path, monkeypatch):
     for row in range(found.sizes["run"]):
         own = found.isel(run=row)
         at = {"seed": int(own["run_seed"]), "shape": str(own["run_shape"].values), "numerics_step_fraction": float(own["run_fraction"])}
-        drags = xr.load_dataset(work.first(str(own["run_part"].values)))
+        drags = xr.load_dataset(work.combined(str(own["run_part"].values))[0])
         run = drags.sel({key: each for key, each in at.items() if key in drags.dims})
         inside = (run["displacement"] > drags.attrs["window_start"]) & (run["displacement"] < drags.attrs["window_stop"])
         assert float(own["run_drag"][-1]) == pytest.approx(float(run["drag"].where(inside).mean()))

@@ -28,8 +28,9 @@ from dem.packing.pressed import Press
 from dem.packing.random import Room
 from dem.sweep import design
 from dem.sweep.batch import write_batch
-from dem.sweep.campaign import Campaign
+from dem.sweep.combined import combine_block
 from dem.sweep.config import load, parse
+from dem.sweep.state import SweepState
 from studies.__main__ import app
 from studies.claims import report
 from studies.claims.evidence import NOTHING, Evidence, from_study
@@ -284,7 +285,7 @@ def whole(tmp_path_factory):
     """The small study with numbers that are made up, and claims.nc of it."""
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(tmp_path_factory.mktemp("study"))
-        work = Campaign(parse(smoke()))
+        work = SweepState(parse(smoke()))
         for name in work.sweep.blocks:
             chunks = work.batches(name)
             work.begin(name)
@@ -296,7 +297,7 @@ def whole(tmp_path_factory):
             if name.startswith("jamming"):
                 output = Path(work.folder_of(name)) / "jamming.nc"
                 output.parent.mkdir(parents=True)
-                work.combine(name, "jamming", output)
+                combine_block(work, name, "jamming", output)
         make(work, Path("claims.nc"))
         return work, xr.load_dataset("claims.nc")
 
@@ -375,7 +376,7 @@ def test_derived_fractions_are_those_of_the_beds_in_the_file(whole):
 
 def test_a_sweep_without_the_study_is_refused(tmp_path):
     with pytest.raises(InputError, match="has no replicates; see studies"):
-        make(Campaign(load(CONFIG / "smoke.yaml")), tmp_path / "claims.nc")
+        make(SweepState(load(CONFIG / "smoke.yaml")), tmp_path / "claims.nc")
 
 
 # What decides

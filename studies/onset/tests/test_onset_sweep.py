@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from dem.experiment.bed import diameters
-from dem.experiment.fit import height_of_box
+from dem.experiment.box import height_of_box
 from dem.sweep.config import load
 
 HERE = Path(__file__).parent.parent
