@@ -65,4 +65,4 @@ onsuccess:
 
 
 onerror:
-    say(on_failure(SWEEP.results, kept(SWEEP)))
+    say(on_failure(SWEEP.results, interrupted(SWEEP)))

@@ -219,7 +219,7 @@ class Configuration(Section):
         self.module.check(self)
         return self
 
-    def code_of(self, *modules: str, shapes: Iterable[str]) -> str:
+    def code_of(self, *modules: str, shapes: Iterable[str] = ()) -> str:
         """SHA-256 of the code that modules and some shapes depend on."""
         return code_hash(*modules, *sorted({self.kind_of(shape).module for shape in shapes}))
 
