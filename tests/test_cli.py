@@ -290,7 +290,7 @@ def test_a_sweep_says_that_it_compiles_only_while_it_does(tmp_path, monkeypatch)
 
 def kept(work, count):
     """Keep some runs of a work, as if they were made."""
-    for run in list(work.block("drag").places)[:count]:
+    for run in list(work.block("drag").points)[:count]:
         work.store.keep(run, {"failure": 0})
 
 

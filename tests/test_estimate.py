@@ -31,7 +31,7 @@ def test_the_estimated_time_of_a_run_is_in_proportion_to_its_steps():
             "sweep": {"shape": "c1", "numerics.step_fraction": [fraction]},
         }
         sweep = parse({"extends": "config/smoke.yaml"} | values, "a sweep")
-        run = sweep.block("drag").runs[0].replicate
+        run = sweep.block("drag").first
         made = run.configuration.module.run(run)
         ratios.append(effort(run) / int(made["steps"]))
     assert max(ratios) < 1.25 * min(ratios)

@@ -150,7 +150,7 @@ def test_a_run_that_failed_is_tried_again_when_it_is_asked_for(tmp_path, monkeyp
         np.testing.assert_array_equal(before[name][kept], after[name][kept])
     assert work.retry() == 0 and file.is_file()
     rough = discs([1, 2, 3], friction={"granule": 0.1, "wall": 0.1, "cylinder": 0.1})
-    assert not set(rough.block("drag").places) & set(sweep.block("drag").places)
+    assert not set(rough.block("drag").points) & set(sweep.block("drag").points)
 
 
 def test_a_run_that_failed_in_another_batch_is_tried_again(tmp_path, two_fail):

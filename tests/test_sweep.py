@@ -54,7 +54,7 @@ def small(sweep, **more):
 
 
 def ids(sweep, block="drag"):
-    return [run.replicate.id for run in sweep.block(block).runs]
+    return [run.id for run in sweep.block(block).runs.values()]
 
 
 def done(sweep, folder, jobs=1):
@@ -86,7 +86,7 @@ def test_a_product_of_any_values_is_a_dimension_each():
     assert block.dims == ("shape", "friction_granule", "packing_fraction", "seed")
     assert block.shape == (2, 2, 3, 2) and len(block.runs) == 24
     assert block.axes[2].entry.units == "1" and "packing fraction" in block.axes[2].entry.about
-    last = block.runs[-1].replicate
+    last = list(block.runs.values())[-1]
     assert (last.label, last.seed) == ("e3", 2)
     assert last.configuration.friction.granule == 0.3
     assert last.configuration.packing.fraction == 0.84
@@ -95,7 +95,7 @@ def test_a_product_of_any_values_is_a_dimension_each():
 def test_factors_are_of_the_files_own_value():
     """{times: ...} multiplies what the configuration has."""
     block = small({"shape": "c1", "material.young_modulus": {"times": [0.5, 2]}}).block("drag")
-    moduli = [run.replicate.configuration.material.young_modulus for run in block.runs]
+    moduli = [run.configuration.material.young_modulus for run in block.runs.values()]
     assert moduli == [35e9, 140e9] and block.axes[1].coordinate == moduli
 
 
@@ -104,7 +104,7 @@ def test_values_that_go_together_are_one_dimension():
     box = {"same": {}, "wide": {"box_width": 9e-3, "shapes.c1.granules": 45}}
     block = small({"shape": ["c1", "e3"], "box": box}).block("drag")
     assert block.dims == ("shape", "box", "seed")
-    width = {run.place[:2]: run.replicate.configuration.box_width for run in block.runs}
+    width = {point[:2]: run.configuration.box_width for point, run in block.runs.items()}
     assert width == {(0, 0): 6e-3, (0, 1): 9e-3, (1, 0): 6e-3, (1, 1): 9e-3}
     _, dims, values = block.labels()["box_width"]
     assert dims == ("box",) and values.tolist() == [6e-3, 9e-3]
@@ -179,7 +179,7 @@ def test_a_design_fills_its_ranges(kind):
     }
     spec = {"design": kind, "points": 16, "first_seed": 50, "over": over}
     block = small({"shape": "c1", "point": spec}).block("drag")
-    runs = [run.replicate for run in block.runs]
+    runs = list(block.runs.values())
     assert [run.seed for run in runs] == list(range(50, 66))
     places = {
         "granule": [(r.configuration.friction.granule - 0.1) / 0.4 for r in runs],
@@ -195,7 +195,7 @@ def test_values_of_a_block_hold_in_all_of_it():
     values = {"seed": 7, "shape": "c1", "density": 2e3, "friction.wall": 0.1}
     block = small({"blocks": {"a": {"values": values, "friction.granule": [0.1, 0.2]}}}).block("a")
     assert block.dims == ("shape", "friction_granule", "seed")
-    for run in (run.replicate for run in block.runs):
+    for run in block.runs.values():
         assert (run.label, run.density, run.seed) == ("c1", 2e3, 7)
         assert run.configuration.friction.wall == 0.1
 
@@ -203,7 +203,7 @@ def test_values_of_a_block_hold_in_all_of_it():
 def test_a_point_without_a_seed_has_the_usual_one():
     """Beside points that have one."""
     block = small({"shape": "c1", "box": {"a": {"seed": 5}, "b": {"gravity": 1}}}).block("drag")
-    assert [run.replicate.seed for run in block.runs] == [5, 1]
+    assert [run.seed for run in block.runs.values()] == [5, 1]
     assert block.labels()["seed"][1:][0] == ("box",)
 
 
@@ -322,7 +322,7 @@ def test_what_a_run_does_not_read_makes_no_other_run():
 def test_what_a_run_reads_makes_another_run():
     """Each value of the schema, seed and density too; two of its shape only."""
     sweep = {"shape": "c1"}
-    first = small(sweep).block("drag").runs[0].replicate
+    first = small(sweep).block("drag").first
     found = {first.id}
     changed = {
         "friction.granule": 0.2, "gravity": 9.81, "material.thickness": 2e-3, "box_width": 7e-3,
@@ -362,7 +362,7 @@ def test_runs_that_compute_the_same_motion_share_machine_code():
     def kernels(path="seed", value=1, observables=("drag", "snapshots"), **values):
         record = SMALL["record"] | {"observables": list(observables)}
         sweep = small({"shape": "c1", path: [value]}, record=record, **values)
-        return stores.kernels_of(sweep.block("drag").runs[0].replicate)
+        return stores.kernels_of(sweep.block("drag").first)
 
     first = kernels()
     assert first == kernels("friction.wall", 0.0) == kernels(observables=["drag"])
@@ -380,7 +380,7 @@ def test_an_ellipse_reads_how_its_contacts_are_found():
     contacts = ["common_normal", "geometric_potential"]
     block = small({"shape": ["c1", "e3"], "ellipse.contact": contacts}).block("drag")
     assert len(block.runs) == 4 and len(list(block.unique())) == 3
-    assert sorted(map(len, block.places.values())) == [1, 1, 2]
+    assert sorted(map(len, block.points.values())) == [1, 1, 2]
 
 
 def test_beds_do_not_depend_on_what_comes_after_them():
@@ -388,7 +388,7 @@ def test_beds_do_not_depend_on_what_comes_after_them():
     shared = small(
         {"shape": "c1", "friction.granule": [0.1, 0.2], "density": [1e3, 4e3], "packing.fraction": [0.8, 0.84]}
     )  # fmt: skip
-    beds = [run.replicate.bed_id for run in shared.block("drag").runs]
+    beds = [run.bed_id for run in shared.block("drag").runs.values()]
     assert len(set(beds)) == 2
 
 
@@ -401,7 +401,7 @@ def test_what_a_bed_reads_makes_another_bed():
         "cylinder.diameter": 1.4e-3, "shapes.c1.granules": 31, "shapes.c1.diameter": 1.1e-3, "seed": 2,
     }  # fmt: skip
     found = [small(sweep)] + [small(sweep | {path: [value]}) for path, value in changed.items()]
-    beds = {each.block("drag").runs[0].replicate.bed_id for each in found}
+    beds = {each.block("drag").first.bed_id for each in found}
     assert len(beds) == len(changed) + 1
 
 
@@ -452,10 +452,10 @@ def test_an_n_dimensional_file_holds_every_run(tmp_path, batch):
     dataset = combined(done(sweep, tmp_path), tmp_path)
     assert dataset["drag"].dims == ("shape", "friction_granule", "seed", "displacement")
     assert dataset["friction_granule"].attrs["long_name"] == "friction between granules"
-    for run in sweep.block("drag").runs:
-        alone = dem.run_experiment(run.replicate.values())
-        np.testing.assert_array_equal(dataset["drag"][run.place].values, alone["drag"].values)
-        assert dataset["run_id"][run.place] == alone.attrs["run_id"]
+    for point, run in sweep.block("drag").runs.items():
+        alone = dem.run_experiment(run.values())
+        np.testing.assert_array_equal(dataset["drag"][point].values, alone["drag"].values)
+        assert dataset["run_id"][point] == alone.attrs["run_id"]
 
 
 def test_a_combined_file_tells_the_values_that_its_runs_had(tmp_path):
@@ -633,7 +633,7 @@ def as_if_made(work):
     work.begin("drag")
     for path in work.files("drag"):
         path.write_bytes(b"\x89HDF\r\n\x1a\n runs")
-    for run in (run.replicate for run in work.sweep.block("drag").runs):
+    for run in work.sweep.block("drag").runs.values():
         for file in (work.store.file_of_bed(run), work.store.run_of(run.id)):
             file.parent.mkdir(parents=True, exist_ok=True)
             file.write_bytes(b"a bed, or a run")
@@ -666,7 +666,7 @@ def test_prune_keeps_beds_and_checkpoints_of_runs_under_way(pruned):
     """And removes those of a sweep whose folder was deleted."""
     gone = small({"shape": "c1", "seed": [3]}).block("drag").runs
     kept, left = (
-        [place(run.replicate) for run in runs for place in (
+        [place(run) for run in runs.values() for place in (
             pruned.store.file_of_bed, lambda own: pruned.store.run_of(own.id, ".checkpoint.npz"))]
         for runs in (pruned.sweep.block("drag").runs, gone)
     )  # fmt: skip

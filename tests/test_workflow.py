@@ -286,9 +286,9 @@ def test_a_killed_run_is_taken_up_again(finished):
     assert kept and not list((finished / "results/store/runs").rglob("*.npz"))
     one = contents(results / "drag.nc")
     sweep = load(finished / "config/killed.yaml")
-    for run in sweep.block("drag").runs[::3]:
-        alone = dem.run_experiment(run.replicate.values())
-        np.testing.assert_array_equal(one["drag"][run.place], alone["drag"].values)
+    for point, run in list(sweep.block("drag").runs.items())[::3]:
+        alone = dem.run_experiment(run.values())
+        np.testing.assert_array_equal(one["drag"][point], alone["drag"].values)
 
 
 def test_what_jobs_finish_after_snakemake_is_killed_is_kept(finished):

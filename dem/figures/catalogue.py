@@ -70,7 +70,7 @@ def wanted(block, names: list[str] | None, figures: dict[str, Drawn] = FIGURES) 
 
 def possible(block, figures: dict[str, Drawn] = FIGURES) -> list[str]:
     """Names of the figures that the runs of a block will suffice for."""
-    runs = [run.replicate for run in block.runs]
+    runs = list(block.runs.values())
     labels = {name: dims for name, (_, dims, _) in block.labels().items()}
     sizes = _sizes(dict(zip(block.dims, block.shape, strict=True)), labels)
     cases = list(dict.fromkeys((run.label, run.density) for run in runs))

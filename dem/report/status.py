@@ -33,7 +33,7 @@ def status(state: SweepState) -> Group:
         there = numbers.of(block, kept=True)
         made |= there.keys()
         left += [run for run in block.unique() if under_way.get(run.id, 0.0) is not None and run.id not in there]
-        failed.update(numbers.failed[run] for run in block.places if run in numbers.failed)
+        failed.update(numbers.failed[run] for run in block.points if run in numbers.failed)
         parts += [Text(state.folder_of(name), style="bold"), _table(block, until, there, under_way, numbers.failed)]
     running = sum(run.id in under_way for run in left)
     verb = "run is" if running == 1 else "runs are"
@@ -48,7 +48,7 @@ def status(state: SweepState) -> Group:
 
 
 def _usual(block: Block) -> Until:
-    names = numbers_of(block.runs[0].replicate.configuration)
+    names = numbers_of(block.first.configuration)
     if not names:
         raise InputError(f"runs of {block.name} record no number, whose mean could be known.")
     return Until(until=USUAL, of="drag" if "drag" in names else names[0])
@@ -57,7 +57,7 @@ def _usual(block: Block) -> Until:
 def _table(block: Block, until: Until, there: dict, under_way: dict, failed: dict):
     """One row a place: its values, its runs, its mean."""
     shown, now = [axis for axis in block.beside_seed if len(axis.points) > 1] or block.beside_seed[:1], time.time()
-    own = block.runs[0].replicate.configuration
+    own = block.first.configuration
     units = "" if until.reference else own.module.layout(own)[until.variable][1]
     values = {
         place: [there[run.id] for run in runs if run.id in there]

@@ -65,7 +65,7 @@ def combine(
     shape.
     """
     layout, names = layout_of(block, observable)
-    left, failed = set(block.places), []
+    left, failed = set(block.points), []
     gaps = bool(sweep.failures or partial or block.until or observable == BEDS)
     provenance = {name: {} for name in PROVENANCE}
     with create(output) as file:
@@ -81,7 +81,7 @@ def combine(
             with content_of(path):
                 for name in PROVENANCE:
                     provenance[name][batch_attrs.get(name, "unknown")] = None
-                places = sorted((p, row) for run, row in rows.items() for p in block.places[run])
+                places = sorted((p, row) for run, row in rows.items() for p in block.points[run])
                 _fill(file, given, places)
             failed += [
                 (place, int(values["failure"][row]), str(values["failure_reason"][row]))
@@ -90,14 +90,14 @@ def combine(
             ]
             progress((done + 1) / len(paths))
         if left and partial and file.dimensions:
-            total = len(block.places)
+            total = len(block.points)
             file.setncattr("partial", f"{total - len(left)} of {total} runs")
-            for place in (place for run in left for place in block.places[run]):
+            for place in (place for run in left for place in block.points[run]):
                 file.variables["run_id"][place] = np.bytes_()
                 if block.until:
-                    file.variables[REPLICATES][block.lead(place)] -= 1
+                    file.variables[REPLICATES][block.without_seed(place)] -= 1
         elif left:
-            missing = next(run for run in block.runs if run.replicate.id in left).replicate
+            missing = next(run for run in block.runs.values() if run.id in left)
             raise InputError(f"{missing.words()} is in none of the {len(paths)} files; run again.")
         if not (partial or (observable == BEDS and sweep.failures)):
             _check(sweep, block, sorted(failed))
@@ -112,7 +112,7 @@ def combine(
 
 def layout_of(block: Block, observable: str) -> tuple[dict, list[str]]:
     """Layout of the combined file, and the names of what its runs give."""
-    configuration = block.runs[0].replicate.configuration
+    configuration = block.first.configuration
     experiment = configuration.module
     own = {
         name: entry
@@ -129,11 +129,9 @@ def layout_of(block: Block, observable: str) -> tuple[dict, list[str]]:
 def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> None:
     """Dimensions, axes, labels and empty variables; gaps: whether runs may be missing, which a variable
     then has a value for."""
-    first = block.runs[0].replicate.configuration
+    first = block.first.configuration
     axes = first.module.axes(first)
-    for own in {
-        id(run.replicate.configuration): run.replicate.configuration for run in block.runs
-    }.values():
+    for own in {id(run.configuration): run.configuration for run in block.runs.values()}.values():
         for name, values in own.module.axes(own).items():
             if not np.array_equal(values, axes[name]):
                 raise InputError(
@@ -154,8 +152,8 @@ def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> No
     of_runs = {"run_id": "id"} | ({"bed_family": "bed_family"} if "jam_fraction" in layout else {})
     for name, attribute in of_runs.items():
         texts = np.full(block.shape, "", object)
-        for run in block.runs:
-            texts[run.place] = getattr(run.replicate, attribute)
+        for point, run in block.runs.items():
+            texts[point] = getattr(run, attribute)
         _write(file, name, block.dims, texts, layout=layout)
     aside = " ".join(labels)
     if block.until:
@@ -164,7 +162,7 @@ def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> No
             array[place] = count
         _write(file, REPLICATES, [axis.name for axis in block.beside_seed], array)
         file.variables[REPLICATES].setncatts(block.until.model_dump())
-    most = max(run.replicate.shape.granules for run in block.runs)
+    most = max(run.shape.granules for run in block.runs.values())
     for name, values in sample.items():
         dims = layout[name][0][len(block.dims) :]
         shape = [
@@ -232,19 +230,18 @@ def _check(sweep: Sweep, block: Block, failed) -> None:
     """Raise RunError where more runs failed than the sweep allows, or all of a case or shape."""
     if not failed:
         return
-    places, runs = {place for place, *_ in failed}, block.runs
-    groups = Counter(run.replicate.words().partition(",")[0] for run in runs)
-    fails = Counter(run.replicate.words().partition(",")[0] for run in runs if run.place in places)
+    groups = Counter(run.words().partition(",")[0] for run in block.runs.values())
+    fails = Counter(block.runs[point].words().partition(",")[0] for point, *_ in failed)
     for group, count in fails.items():
         if count == groups[group]:
             raise RunError(
                 f"{group}: none of its {count} runs could be made ({failed[0][2]}); take it out of "
                 "the configuration, or change its values."
             )
-    if len(failed) > sweep.failures * len(runs) + 1e-9:  # 0.29 * 100 is a little less than 29
-        first = next(run for run in runs if run.place == failed[0][0]).replicate
+    if len(failed) > sweep.failures * len(block.runs) + 1e-9:  # 0.29 * 100 is a little less than 29
+        first = block.runs[failed[0][0]]
         raise RunError(
-            f"{len(failed)} of {len(runs)} runs could not be made; failures allows "
+            f"{len(failed)} of {len(block.runs)} runs could not be made; failures allows "
             f"{sweep.failures:g} of them: change their values, raise failures, or after a change of the "
             f"code use dem sweep FILE --retry. The first is {first.words()}: {failed[0][2]}"
         )
@@ -254,33 +251,32 @@ def about(sweep: Sweep, block: Block, provenance: dict) -> dict:
     """Attributes of the file. The averaging window is among them, so that figures need nothing
     else, and the cylinder's velocity where all runs have the same. The configuration is that of the sweep
     with what the block sets for all its runs."""
-    drawn = {}
+    configuration, drawn, paths = (
+        sweep.dump(),
+        {},
+        [path for path in block.paths if path not in OWN],
+    )
+    values = shared(block, [*paths, "cylinder.velocity"])
     if sweep.record and sweep.cylinder:
         drawn["window_start"], drawn["window_stop"] = sweep.record.window
-        drawn |= shared(block, cylinder_velocity="cylinder.velocity")
-    configuration = sweep.dump()
-    set_here = {path: path for path in block.paths if path not in OWN}
-    for path, value in shared(block, **set_here).items():
+        if "cylinder.velocity" in values:
+            drawn["cylinder_velocity"] = values["cylinder.velocity"]
+    for path in set(paths) & values.keys():
         *groups, last = path.split(".")
-        reduce(dict.__getitem__, groups, configuration)[last] = value
+        reduce(dict.__getitem__, groups, configuration)[last] = values[path]
     return global_attributes(
         sweep.title, "dem sweep", configuration=json.dumps(configuration), **provenance, **drawn
     )
 
 
-def shared(block: Block, **paths: str) -> dict:
-    """Attributes by name, from values by path: those that are the same in all runs of a block, or in
-    all of the shape whose value it is. What varies is a coordinate."""
-    runs = [run.replicate for run in block.runs]
-    values = {
-        name: {
-            run.at(path)
-            for run in runs
-            if not path.startswith("shapes.") or path.split(".")[1] == run.label
-        }
-        for name, path in paths.items()
-    }
-    return {name: each.pop() for name, each in values.items() if len(each) == 1}
+def shared(block: Block, paths: list[str]) -> dict:
+    """Values by path that are the same in all runs of a block, or in all of the shape whose value it is."""
+    values = {path: set() for path in paths}
+    for run in block.runs.values():
+        for path in paths:
+            if not path.startswith("shapes.") or path.split(".")[1] == run.label:
+                values[path].add(run.at(path))
+    return {path: some.pop() for path, some in values.items() if len(some) == 1}
 
 
 @contextmanager

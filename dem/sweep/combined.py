@@ -112,13 +112,13 @@ def combine_block(
     attrs = {RECIPE: hashlib.sha256(text.encode()).hexdigest()}
     attrs |= {} if state.file is None else {OWNER: state.file}
     batches = [
-        each for each in state.batches(name) if not block.places.keys().isdisjoint(each.runs)
+        each for each in state.batches(name) if not block.points.keys().isdisjoint(each.runs)
     ]
     files = [state.store.file_of(batch.id) for batch in batches]
     earlier = read_earlier(output)
     if earlier and not partial and earlier.recipe == attrs[RECIPE]:
         written = output.stat().st_mtime_ns
-        if {*earlier.runs} == {*block.places} and all(
+        if {*earlier.runs} == {*block.points} and all(
             f.stat().st_mtime_ns <= written for f in files
         ):
             return  # so that what is drawn from it is not drawn again
@@ -131,7 +131,7 @@ def combine_block(
                 )
         combine(files, state.sweep, block, observable, output, progress, attrs, partial)
     if output == state.combined(name)[0] and state.sweep.needed(name):
-        state.notes += replaced(output, earlier, block.places)
+        state.notes += replaced(output, earlier, block.points)
 
 
 def _existing(store: Store, block: Block, batches: list[Batch], folder: Path) -> Iterator[Path]:

@@ -59,7 +59,7 @@ def summary(state: SweepState, jobs: int, retry: bool = False) -> str:
 
 def existing(state: SweepState, name: str) -> tuple[set[str], set[str]]:
     """Identities of the runs of a block that are finished, and of those that failed."""
-    store, wanted = state.store, set(state.block(name).places)
+    store, wanted = state.store, set(state.block(name).points)
     finished, failed = set(), set()
     for batch in store.sealed().values():
         if shared := wanted.intersection(batch.runs):

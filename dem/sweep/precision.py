@@ -28,7 +28,7 @@ SHARE = "it must be a percentage between 50 % and 99.99 %, such as 95 %"
 NUMBER = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 ASKED = "it must be a positive number with its unit, such as 5 % of the mean, or 50 N"
 
-Lead = tuple[int, ...]  # a place on the axes but that of the seeds
+GridPoint = tuple[int, ...]  # index along each axis of a block; of replicates, but for the seeds
 
 
 def _quantity(text, fault: str = ASKED) -> tuple[float, str]:
@@ -187,8 +187,8 @@ def _moments(sample) -> tuple[int, float, float]:
 
 
 def all_known(
-    until: Until, values: dict[Lead, np.ndarray], partners: dict[Lead, Lead | None]
-) -> dict[Lead, Known]:
+    until: Until, values: dict[GridPoint, np.ndarray], partners: dict[GridPoint, GridPoint | None]
+) -> dict[GridPoint, Known]:
     """What is wanted of every place, by what its runs gave so far."""
     return {
         place: known(values[place], until.level, *([values[other]] if other else []))
@@ -196,7 +196,7 @@ def all_known(
     }  # fmt: skip
 
 
-def short_of(block, values: dict[Lead, np.ndarray]) -> list[str]:
+def short_of(block, values: dict[GridPoint, np.ndarray]) -> list[str]:
     """A sentence where the cap left places less well known than was asked for; raises RunError where a
     share of a mean means nothing."""
     until, wide = block.until, []
@@ -226,8 +226,8 @@ def expected(found: Known, until: Until) -> float:
 
 
 def counts(
-    until: Until, values: dict[Lead, np.ndarray], partners: dict[Lead, Lead | None], rounds: float
-) -> dict[Lead, int]:
+    until: Until, values: dict[GridPoint, np.ndarray], partners: dict[GridPoint, GridPoint | None], rounds: float
+) -> dict[GridPoint, int]:
     """How many replicates each place has after as many rounds as its runs so far allow.
 
     values: one value a run that there is, in the order of the seeds, by place; partners: the place that

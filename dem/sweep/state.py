@@ -18,7 +18,7 @@ from dem.experiment.config import Replicate
 from dem.sweep.combined import combine_block, read_earlier, refuse_other, replaced
 from dem.sweep.config import CONFIG, Sweep, file_of, load, parse, save
 from dem.sweep.expand import Block
-from dem.sweep.precision import Lead, Numbers, counts
+from dem.sweep.precision import GridPoint, Numbers, counts
 from dem.sweep.store import FOLDER, Batch, Store, plan
 from dem.sweep.workers import Workers, make_batches
 
@@ -87,7 +87,7 @@ class SweepState:
         """What the runs of a block record, each a combined file. Snapshots stay in the batches, unless
         figures of beds by case can be drawn from them."""
         block = self.block(name)
-        recorded = block.runs[0].replicate.configuration.recorded
+        recorded = block.first.configuration.recorded
         return tuple(each for each in recorded if each != "snapshots" or block.is_by_case)
 
     def combined(self, name: str) -> list[Path]:
@@ -149,7 +149,7 @@ class SweepState:
                 if block is self._rounds[name][-1]:
                     self.grow(name)
 
-    def values(self, block: Block) -> dict[Lead, np.ndarray]:
+    def values(self, block: Block) -> dict[GridPoint, np.ndarray]:
         """What is wanted of the existing runs of a block, by place: one value a run, in the order of
         the seeds, up to the first that does not exist."""
         known = self.numbers(block.until.variable).of(block)
@@ -164,7 +164,7 @@ class SweepState:
 
     def runs(self) -> set[str]:
         """Identities of all runs, as far as they are known."""
-        return {run for name in self.sweep.blocks for run in self.block(name).places}
+        return {run for name in self.sweep.blocks for run in self.block(name).points}
 
     # Batches
 
@@ -240,7 +240,7 @@ class SweepState:
                 earlier = read_earlier(path)
                 refuse_other(path, earlier, self.sweep, self.file)
                 if number == 0 and not self.sweep.needed(name):
-                    warnings += replaced(path, earlier, self.block(name).places)
+                    warnings += replaced(path, earlier, self.block(name).points)
         return warnings
 
     def _new_store(self) -> Iterator[str]:
@@ -257,7 +257,7 @@ class SweepState:
     def _fast_cylinder(self) -> Iterator[str]:
         """A warning of the fastest run, where another unit was probably meant: mm/s for m/s, MPa for Pa."""
         velocities = {}  # by Mach number
-        for run in (run.replicate for name in self.sweep.blocks for run in self.block(name).runs):
+        for run in (run for name in self.sweep.blocks for run in self.block(name).unique()):
             own = run.configuration
             if own.experiment == "drag":
                 sound = math.sqrt(own.material.young_modulus / run.density)

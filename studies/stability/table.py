@@ -35,7 +35,7 @@ def blocks_of(sweep: Sweep) -> dict[str, Block]:
                 f"sweep.blocks.{name} varies {', '.join(block.dims)}; it must vary {', '.join(dims)} in "
                 "this order, and have one seed."
             )
-        if "ledger" not in block.runs[0].replicate.configuration.record.observables:
+        if "ledger" not in block.first.configuration.record.observables:
             raise InputError(
                 f"record.observables of sweep.blocks.{name} lacks ledger; the study needs it."
             )
@@ -47,7 +47,7 @@ def energy_map(paths: list[Path], block: Block, young_modulus: float) -> dict:
     residual = np.full(block.shape, np.nan)
     for ids, values in rows(paths, ("ledger_residual", "failure"), wanted_of([block])):
         for run, along in zip(ids, values["ledger_residual"], strict=True):
-            for place in block.places[run]:
+            for place in block.points[run]:
                 residual[place] = along.max()  # NaN if any is
     shape, modulus, *others = (np.array(axis.coordinate) for axis in block.axes[:-1])
     axes = shape, modulus / young_modulus, *others
@@ -56,12 +56,12 @@ def energy_map(paths: list[Path], block: Block, young_modulus: float) -> dict:
 
 def paper(paths: list[Path], block: Block) -> dict:
     """Residual of each case along the stroke, after its start."""
-    own = block.runs[0].replicate.configuration
+    own = block.first.configuration
     moved = np.linspace(0.0, own.cylinder.stroke, own.record.snapshots)
     residual = np.full((block.shape[0], len(moved)), np.nan)
     for ids, values in rows(paths, ("ledger_residual",), wanted_of([block])):
         for run, along in zip(ids, values["ledger_residual"], strict=True):
-            for case, _ in block.places[run]:
+            for case, _ in block.points[run]:
                 residual[case] = along
     return {
         "paper_case": np.array(block.axes[0].coordinate),

@@ -306,7 +306,7 @@ def test_every_run_of_the_study_is_a_row(whole):
     """No run is lost or there twice, and each has the numbers of that run."""
     work, dataset = whole
     blocks = [work.block(name) for name in work.sweep.blocks if not name.startswith("jamming")]
-    runs = [run.replicate for block in blocks for run in block.runs]
+    runs = [run for block in blocks for run in block.runs.values()]
     names = "part", "case", "setting", "x", "point", "seed"
     keys = list(zip(*(map(str, dataset[f"run_{name}"].values) for name in names), strict=True))
     assert len(runs) == len(keys) == len(set(keys)) == 63
