@@ -124,7 +124,7 @@ MUTANTS = (
     Mutant("packing/random.py", "missing term", "(r + radius[near]) ** 2", "radius[near] ** 2", BED),
     Mutant("packing/grown.py", "missing factor", "KEPT * end.velocity", "end.velocity", BED),
     # runs
-    Mutant("experiment/box.py", "sign", "(granules / fraction + cylinder)", "(granules / fraction - cylinder)", RUN),
+    Mutant("experiment/box.py", "sign", "(granules / fraction + area)", "(granules / fraction - area)", RUN),
     Mutant("experiment/kinds/drag.py", "order", "min(every - done % every, BINS_A_CALL)", "BINS_A_CALL", RUN),
     Mutant("experiment/observables/drag.py", "sign", '"drag": -total[:, 1]', '"drag": total[:, 1]', RUN),
     Mutant("experiment/kinds/jamming.py", "constant", "load[start:] ** (2.0 / 3.0)", "load[start:] ** (3.0 / 2.0)", "studies/claims/tests/test_claims.py::test_line_finds_where_pressure_begins"),

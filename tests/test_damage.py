@@ -16,7 +16,6 @@ from conftest import CONFIG
 from dem.base.errors import InputError
 from dem.base.plain import plain
 from dem.cli.app import app
-from dem.experiment.bed import make_bed, write_bed
 from dem.experiment.observables.drag import VARIABLES as DRAG
 from dem.experiment.observables.snapshots import VARIABLES as SNAPSHOTS
 from dem.io.checksums import LENGTH, is_sealed, seal
@@ -33,14 +32,12 @@ TITLE = "a [red]title[/red] \x1b[31m\x1b]0;name\x07 \x9b2J \u202egnp\u2069 [/not
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
-    """A folder with the bed and the chunk of two runs, and their drag.nc and snapshots.nc."""
+    """A folder with the batch of two runs, and their drag.nc and snapshots.nc."""
     folder = tmp_path_factory.mktemp("made")
     with contextlib.chdir(folder):
         sweep = smoke(sweep={"case": ["c1"], "seed": [1, 2]}, results="results")
         work, chunk = planned(sweep, folder)
         shutil.copy(making.make(work.store, chunk), folder / "runs.nc")
-        replicate = work.store.replicates(chunk)[0]
-        write_bed(folder / "bed.nc", replicate, make_bed(replicate))
         combined(work, folder)
         combine_block(work, "drag", "snapshots", folder / "snapshots.nc")
     return folder
@@ -82,7 +79,7 @@ def contents(path):
     return read(path, names)
 
 
-@pytest.mark.parametrize("name", ["runs.nc", "bed.nc"])
+@pytest.mark.parametrize("name", ["runs.nc"])
 def test_a_flipped_bit_is_refused(made, tmp_path, name):
     """One at every thousandth byte, and in every scalar: what is read is what was written."""
     values, _ = contents(made / name)
@@ -116,7 +113,7 @@ def test_a_flipped_bit_in_a_result_is_refused(made, tmp_path, name):
 
 def test_other_programs_notice_damage_to_arrays(made):
     """By netCDF's own checksums, whoever reads them."""
-    for name in ("runs.nc", "bed.nc", "drag.nc", "snapshots.nc"):
+    for name in ("runs.nc", "drag.nc", "snapshots.nc"):
         with netCDF4.Dataset(made / name) as file:
             for variable in file.variables.values():
                 if variable.dtype is not str and "S" not in str(variable.dtype) and variable.ndim:

@@ -6,7 +6,6 @@ import os
 import re
 import shutil
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import chdir
 from pathlib import Path
 
 import numpy as np
@@ -143,24 +142,6 @@ def test_a_velocity_in_another_unit_is_noticed(values, words):
     """One sentence, of the fastest run, however many there are."""
     warnings = SweepState(small({"shape": ["c1"], "seed": "1 to 3"} | values)).check()
     assert len(warnings) == bool(words) and all(words in sentence for sentence in warnings)
-
-
-@pytest.mark.parametrize("file", sorted(CONFIG.glob("*.yaml")), ids=lambda path: path.stem)
-def test_no_file_that_comes_with_the_code_is_warned_of(file):
-    if "sweep" in read(file):
-        assert SweepState(load(file)).check() == []
-
-
-def test_a_dry_run_warns_once_of_a_velocity_in_another_unit(tmp_path):
-    own = tmp_path / "own.yaml"
-    sweep = {"shape": "c1", "cylinder.velocity": [500.0, 8000.0]}
-    own.write_text(
-        yaml.safe_dump(SMALL | {"shapes": FEW, "sweep": sweep, "results": "results/units"})
-    )
-    with chdir(tmp_path):
-        ran = CliRunner().invoke(app, ["sweep", str(own), "--dry-run"])
-        assert ran.exit_code == 0 and not Path("results").exists()
-    assert ran.output.count("Warning:") == 1 and "cylinder.velocity is 8000 m/s" in ran.output
 
 
 def test_a_name_that_a_variable_has_gets_a_suffix():

@@ -18,8 +18,8 @@ class Writes(NamedTuple):
 
 
 def argument(kind, about: str, writes: str | None = None, **more):
-    """Annotation of an argument of a verb. writes: kind of the file that the verb writes there, as of
-    Writes; more: as of typer.Argument."""
+    """Annotation of an argument of a verb. writes: kind of the file that the verb writes there, as
+    of Writes; more: as of typer.Argument."""
     return _marked(kind, typer.Argument(help=about, **more), writes)
 
 

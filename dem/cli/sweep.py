@@ -1,4 +1,4 @@
-"""Command line, a sweep and its store: `dem sweep`, `status`, `combine`, `store`; one run: `simulate`."""
+"""Command line, runs: `dem sweep`, `status`, `combine`, `store`, `simulate`."""
 
 import shlex
 from pathlib import Path
@@ -199,8 +199,8 @@ def simulate(
     run = changed.replicate(shape, density, seed)
     if (experiment := run.configuration.experiment) != "drag":
         raise InputError(
-            f"{config}: experiment is {experiment}; dem simulate makes only runs of drag, dem sweep "
-            "all others."
+            f"{config}: experiment is {experiment}; dem simulate makes only runs of drag, dem "
+            "sweep all others."
         )
     if checkpoint:
         resume.clear_way(checkpoint, run)

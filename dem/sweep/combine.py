@@ -2,8 +2,8 @@
 
 Batches are read one after another (netCDF4 is not safe with threads) and written at once: at any
 moment one batch, and the few blocks of the file that are not full yet, are in memory, however many
-there are. What has a value for every granule stays in the batches, but for the beds of snapshots.nc.
-"""
+there are. What has a value for every granule stays in the batches, but for the beds of
+snapshots.nc."""
 
 import json
 from collections import Counter
@@ -60,9 +60,9 @@ def combine(
     partial: what no file holds is a gap, and the attribute `partial` says how many runs there are
 
     The file is written atomically and without loss. Where the sweep allows failures, those are gaps
-    (NaN) and `failure` tells why; so are seeds that a place has no replicate of. Raises InputError for a
-    damaged file and for a run that no file holds; RunError where too many runs failed, or all of a case or
-    shape.
+    (NaN) and `failure` tells why; so are seeds that a place has no replicate of. Raises InputError
+    for a damaged file and for a run that no file holds; RunError where too many runs failed, or
+    all of a case or shape.
     """
     layout, names = layout_of(block, observable)
     left, failed = set(block.points), []
@@ -127,15 +127,16 @@ def layout_of(block: Block, observable: str) -> tuple[dict, list[str]]:
 
 
 def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> None:
-    """Dimensions, axes, labels and empty variables; gaps: whether runs may be missing, which a variable
-    then has a value for."""
+    """Dimensions, axes, labels and empty variables; gaps: whether runs may be missing, which a
+    variable then has a value for."""
     first = block.first.configuration
     axes = first.module.axes(first)
     for own in {id(run.configuration): run.configuration for run in block.runs.values()}.values():
         for name, values in own.module.axes(own).items():
             if not np.array_equal(values, axes[name]):
                 raise InputError(
-                    f"the coordinate {name} must be the same in all runs of {block.name}; use blocks."
+                    f"the coordinate {name} must be the same in all runs of {block.name}; use "
+                    "blocks."
                 )
     for axis in block.axes:
         file.createDimension(axis.name, len(axis.points))
@@ -242,15 +243,15 @@ def _check(sweep: Sweep, block: Block, failed) -> None:
         first = block.runs[failed[0][0]]
         raise RunError(
             f"{len(failed)} of {len(block.runs)} runs could not be made; failures allows "
-            f"{sweep.failures:g} of them: change their values, raise failures, or after a change of the "
-            f"code use dem sweep FILE --retry. The first is {first.words()}: {failed[0][2]}"
+            f"{sweep.failures:g} of them: change their values, raise failures, or after a change "
+            f"of the code use dem sweep FILE --retry. The first is {first.words()}: {failed[0][2]}"
         )
 
 
 def about(sweep: Sweep, block: Block, provenance: dict) -> dict:
     """Attributes of the file. The averaging window is among them, so that figures need nothing
-    else, and the cylinder's velocity where all runs have the same. The configuration is that of the sweep
-    with what the block sets for all its runs."""
+    else, and the cylinder's velocity where all runs have the same. The configuration is that of
+    the sweep with what the block sets for all its runs."""
     configuration, drawn, paths = (
         sweep.dump(),
         {},
@@ -270,7 +271,8 @@ def about(sweep: Sweep, block: Block, provenance: dict) -> dict:
 
 
 def shared(block: Block, paths: list[str]) -> dict:
-    """Values by path that are the same in all runs of a block, or in all of the shape whose value it is."""
+    """Values by path that are the same in all runs of a block, or in all of the shape whose value
+    it is."""
     values = {path: set() for path in paths}
     for run in block.runs.values():
         for path in paths:

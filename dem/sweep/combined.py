@@ -16,7 +16,6 @@ from dem.sweep.expand import Block
 from dem.sweep.precision import short_of
 from dem.sweep.store import Batch, Store
 
-COMBINE = "dem.sweep.combine"  # whose code decides what a combined file holds
 OWNER = "sweep_file"  # attribute: the file of the sweep, empty where it has none
 RECIPE = "combined_by"  # attribute: hash of the code and the values by which runs were combined
 
@@ -62,8 +61,8 @@ def refuse_other(path: Path, earlier: Earlier | None, sweep: Sweep, file: str | 
         return
     whose = earlier.file or f"the sweep {earlier.title!r}"
     raise InputError(
-        f"results is {sweep.results!r}, which has the results of {whose} ({path}): name another folder "
-        f"in {file or 'the configuration'}, or move what is there away."
+        f"results is {sweep.results!r}, which has the results of {whose} ({path}): name another "
+        f"folder in {file or 'the configuration'}, or move what is there away."
     )
 
 
@@ -73,8 +72,8 @@ def replaced(path: Path, earlier: Earlier | None, runs: Iterable[str]) -> list[s
     if not (gone := held - set(runs)):
         return []
     return [
-        f"{path}: {len(gone)} of the {len(held)} runs that it held are no longer in this sweep, because "
-        "its values or the code changed; the store keeps them until dem store --prune."
+        f"{path}: {len(gone)} of the {len(held)} runs that it held are no longer in this sweep, "
+        "because its values or the code changed; the store keeps them until dem store --prune."
     ]
 
 
@@ -86,10 +85,11 @@ def combine_block(
     progress=lambda done: None,
     partial: bool = False,
 ) -> None:
-    """Write what an observable gave for all runs of a block of a SweepState, unless the file is up to date.
+    """Write what an observable gave for all runs of a block of a SweepState, unless the file is up
+    to date.
 
-    partial: for those runs that exist. Raises InputError for an observable that the runs lack, RunError
-    where a precision means nothing.
+    partial: for those runs that exist. Raises InputError for an observable that the runs lack,
+    RunError where a precision means nothing.
     """
     from dem.sweep.combine import BEDS, combine  # with netCDF4, which a plan does not need
 
@@ -100,8 +100,8 @@ def combine_block(
         whole = [path.resolve() for each in state.sweep.blocks for path in state.combined(each)]
         if output.resolve() in whole:
             raise InputError(
-                f"output is {str(output)!r}, where the whole of the sweep will be; name another file "
-                "for a part."
+                f"output is {str(output)!r}, where the whole of the sweep will be; name another "
+                "file for a part."
             )
     block = state.block(name)
     if block.until and not partial and observable == known[0]:
@@ -135,7 +135,8 @@ def combine_block(
 
 
 def _existing(store: Store, block: Block, batches: list[Batch], folder: Path) -> Iterator[Path]:
-    """Files of the runs of a block that exist: finished batches, and in a folder the runs of others."""
+    """Files of the runs of a block that exist: finished batches, and in a folder the runs of
+    others."""
     from dem.sweep.batch import write_batch  # with the kernels
 
     runs = {run.id: run for run in block.unique()}

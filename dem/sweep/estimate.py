@@ -1,4 +1,4 @@
-"""What a sweep costs: how many runs it has, how many exist, and roughly how long the others take."""
+"""What a sweep costs: how many runs exist, and roughly how long the others take."""
 
 import json
 import shlex
@@ -51,8 +51,8 @@ def summary(state: SweepState, jobs: int, retry: bool = False) -> str:
     if coming:
         seconds, how = time_of(state.store, coming, jobs)
         lines.append(
-            f"About {span(seconds)} with {jobs} processes ({how}), and some minutes where kernels are "
-            "not compiled yet."
+            f"About {span(seconds)} with {jobs} processes ({how}), and some minutes where kernels "
+            "are not compiled yet."
         )
     return "\n".join(lines)
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from dem.base.errors import InputError
 from dem.base.schema import MOST
-from dem.experiment.box import check_rooms
+from dem.experiment.box import check_room
 from dem.experiment.config import Configuration, Entry, Replicate, entries
 from dem.io.dataset import LABELS, OF_STORE
 from dem.sweep.axis import OWN, Axis, Derive, axis_of, changes, name_of, place_in
@@ -191,8 +191,8 @@ def expand(
         axes.append(axis_of("seed", [fixed.pop("seed", 1)], place))
     if len(axes) > MOST_AXES:
         place.refuse(
-            f"has {len(axes)} dimensions; it must have at most {MOST_AXES}: what has one value belongs under "
-            "values, and values that go together under one name"
+            f"has {len(axes)} dimensions; it must have at most {MOST_AXES}: what has one value "
+            "belongs under values, and values that go together under one name"
         )
     given |= set(fixed)
     shaped = (
@@ -224,7 +224,8 @@ def expand(
     if found.until:
         if "needs" in block:
             place.at("seed").refuse(
-                f"has until, and needs {block['needs']}; list the seeds of a block whose values follow from another"
+                f"has until, and needs {block['needs']}; list the seeds of a block whose values "
+                "follow from another"
             )
         labels = (axis.coordinate for axis in axes if axis.name in ("case", "shape"))
         found.until.check(f"{where}.seed", first, next(labels, ()))
@@ -251,7 +252,7 @@ def _runs(sweep, where, fixed, axes, derived, counts) -> dict[GridPoint, Replica
         runs[point] = Replicate(configurations[key], shape, density, seed)
     for key, configuration in configurations.items():
         try:
-            check_rooms(configuration, key[0], seeds[key])
+            check_room(configuration, key[0], *seeds[key])
         except ValueError as error:
             raise InputError(f"{where} asks for an impossible run: {error}.") from None
     return runs

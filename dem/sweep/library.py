@@ -70,8 +70,8 @@ def run_sweep(path: str | Path, executor=None, block: str | None = None) -> xr.D
     Returns
     -------
     xarray.Dataset
-        What the runs of the block gave, such as drag.nc, over the axes of the sweep, in SI units. All
-        files are in the folder `results` of the sweep file, below the working folder.
+        What the runs of the block gave, such as drag.nc, over the axes of the sweep, in SI units.
+        All files are in the folder `results` of the sweep file, below the working folder.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The table of `dem store`: which runs are in the store, by their values, and which sweeps need them."""
+"""The table of `dem store`: runs by their values, and which sweeps need them."""
 
 from collections.abc import Iterable
 from contextlib import suppress

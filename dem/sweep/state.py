@@ -1,4 +1,4 @@
-"""State of a sweep: the files that its blocks need, which of them exist, and how the others are made."""
+"""State of a sweep: the files its blocks need, which exist, and how the others are made."""
 
 import json
 import math
@@ -84,8 +84,8 @@ class SweepState:
         return self.sweep.results if alone else f"{self.sweep.results}/{name}"
 
     def observables(self, name: str) -> tuple[str, ...]:
-        """What the runs of a block record, each a combined file. Snapshots stay in the batches, unless
-        figures of beds by case can be drawn from them."""
+        """What the runs of a block record, each a combined file. Snapshots stay in the batches,
+        unless figures of beds by case can be drawn from them."""
         block = self.block(name)
         recorded = block.first.configuration.recorded
         return tuple(each for each in recorded if each != "snapshots" or block.is_by_case)
@@ -150,8 +150,8 @@ class SweepState:
                     self.grow(name)
 
     def values(self, block: Block) -> dict[GridPoint, np.ndarray]:
-        """What is wanted of the existing runs of a block, by place: one value a run, in the order of
-        the seeds, up to the first that does not exist."""
+        """What is wanted of the existing runs of a block, by place: one value a run, in the order
+        of the seeds, up to the first that does not exist."""
         known = self.numbers(block.until.variable).of(block)
         return {
             place: np.array([known[run.id] for run in takewhile(lambda run: run.id in known, runs)])
@@ -195,8 +195,8 @@ class SweepState:
         return [self.store.file_of(batch.id) for batch in self.batches(name)]
 
     def begin(self, *names: str) -> str:
-        """Write what jobs read: the resolved configuration, whose path is returned, and what the batches
-        of some blocks are to make."""
+        """Write what jobs read: the resolved configuration, whose path is returned, and what the
+        batches of some blocks are to make."""
         path = self.results / CONFIG
         save(self.sweep, path, self.file or "")  # first, so that pruning knows what is needed
         for name in names:
@@ -215,8 +215,8 @@ class SweepState:
         return len(wanted & sealed) + len(kept), len(wanted)
 
     def failed(self) -> int:
-        """How many runs failed in batches that ended since this was first asked. Each file is read once,
-        and none that existed before: reading takes a hundredth of a second."""
+        """How many runs failed in batches that ended since this was first asked. Each file is read
+        once, and none that existed before: reading takes a hundredth of a second."""
         sealed = self.store.sealed().keys()
         if self._ended is None:
             self._ended = set(sealed)
@@ -229,9 +229,9 @@ class SweepState:
     # All of it
 
     def check(self) -> list[str]:
-        """Raise InputError where a file that the sweep writes is a link or of another kind, or where the
-        folder holds another sweep. Returns warnings: of a new store, of a cylinder that is too fast, and of
-        runs that will be gone."""
+        """Raise InputError where a file that the sweep writes is a link or of another kind, or
+        where the folder holds another sweep. Returns warnings: of a new store, of a cylinder that
+        is too fast, and of runs that will be gone."""
         check_own(Place("the file to write", self.results / CONFIG))
         warnings = [*self._new_store(), *self._fast_cylinder()]
         for name in self.sweep.blocks:
@@ -255,7 +255,8 @@ class SweepState:
         yield f"{words}; sweeps that are started in this folder share it."
 
     def _fast_cylinder(self) -> Iterator[str]:
-        """A warning of the fastest run, where another unit was probably meant: mm/s for m/s, MPa for Pa."""
+        """A warning of the fastest run, where another unit was probably meant: mm/s for m/s, MPa
+        for Pa."""
         velocities = {}  # by Mach number
         for run in (run for name in self.sweep.blocks for run in self.block(name).unique()):
             own = run.configuration
@@ -266,9 +267,9 @@ class SweepState:
         if share > FASTEST:
             velocity, sound = velocities[share]
             yield (
-                f"Warning: cylinder.velocity is {velocity:g} m/s, {share:.2g} of the velocity of sound in a "
-                f"granule, sqrt(material.young_modulus / density) = {sound:.4g} m/s; it should be below "
-                f"{FASTEST:g}. Are all values in SI units?"
+                f"Warning: cylinder.velocity is {velocity:g} m/s, {share:.2g} of the velocity of "
+                f"sound in a granule, sqrt(material.young_modulus / density) = {sound:.4g} m/s; it "
+                f"should be below {FASTEST:g}. Are all values in SI units?"
             )
 
     def retry(self) -> int:
@@ -283,8 +284,8 @@ class SweepState:
     def make(self, workers: Workers, progress=lambda done, failed, compiles: None) -> None:
         """Make all that does not exist yet, on some workers; raises RunError.
 
-        progress is called with how many runs exist, how many of the new ones failed, and whether any
-        process compiles.
+        progress is called with how many runs exist, how many of the new ones failed, and whether
+        any process compiles.
         """
         for name in self.sweep.blocks:  # a block comes after those that it needs
             while True:
@@ -303,7 +304,8 @@ class SweepState:
                 combine_block(self, name, observable, path)
 
     def text(self, name: str | None = None, *without: str) -> str:
-        """What is computed of the runs of a block, or of none, reads in the configuration, as text."""
+        """What is computed of the runs of a block, or of none, reads in the configuration, as
+        text."""
         others = {*UNREAD, *without, *(() if name is None else ("sweep",))}
         kept = {key: value for key, value in self.sweep.dump().items() if key not in others}
         return json.dumps(kept) + ("" if name is None else json.dumps(self.sweep.blocks[name]))

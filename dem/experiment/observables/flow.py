@@ -10,11 +10,28 @@ from dem.periodic import nearest_image, wrapped
 
 S = ("snapshot",)
 VARIABLES = {
-    "non_affine": (S, "1", "mean over the granules of D2min over the lag, over the squared diameter"),
-    "fluctuation": (S, "1", "mean distance of a granule from the motion of its neighbours over the lag, over that of the cylinder"),
-    "mixing": (S, "1", "share of pairs side by side that are of different layers, less that at the start"),
-    "contacts_lost": (S, "1", "share of the contacts at the start of the lag that are no more at its end"),
-}  # fmt: skip
+    "non_affine": (
+        S,
+        "1",
+        "mean over the granules of D2min over the lag, over the squared diameter",
+    ),
+    "fluctuation": (
+        S,
+        "1",
+        "mean distance of a granule from the motion of its neighbours over the lag, over that "
+        "of the cylinder",
+    ),
+    "mixing": (
+        S,
+        "1",
+        "share of pairs side by side that are of different layers, less that at the start",
+    ),
+    "contacts_lost": (
+        S,
+        "1",
+        "share of the contacts at the start of the lag that are no more at its end",
+    ),
+}
 LAG = 0.5e-3  # m of displacement of the cylinder over which motions are compared
 NEAR = 1.5  # mean diameters: centres of granules that are beside each other
 AROUND = 2.5  # mean diameters: the neighbourhood that a granule's motion is compared with

@@ -515,10 +515,10 @@ def test_shapes_under_the_load_of_another():
     fraction = jamming.at_load("e1", "c1", 0.84)
 
     def load(shape, at, slope, diameter):
-        return (slope * (at - jamming.fraction(shape))) ** 1.5 * diameter
+        return (slope * (at - jamming.mean(shape, "fraction"))) ** 1.5 * diameter
 
     assert_allclose(load("e1", fraction, 0.7, 0.5), load("c1", 0.84, 1.0, 1.0))
-    assert jamming.at_load("e1", "c1", 0.80) < jamming.fraction("e1")
+    assert jamming.at_load("e1", "c1", 0.80) < jamming.mean("e1", "fraction")
 
 
 def test_impossible_runs_are_refused_before_any_is_made():
