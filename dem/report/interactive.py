@@ -12,8 +12,7 @@ from plotly.io import to_html
 from dem.analysis.statistics import running_mean
 from dem.experiment.observables.flow import LAYERS
 from dem.figures import style
-from dem.figures.snapshots import heights, is_known
-from dem.periodic import periods_of, wrapped
+from dem.figures.snapshots import bed_of
 from dem.shapes import outlines
 
 DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot", "solid")
@@ -73,29 +72,33 @@ def _rings(kind: str, ratio: float) -> list:
 
 def beds(snapshots: xr.Dataset) -> dict:
     """Snapshots of the first seed of each case, as integers that the script of the page reads."""
-    own = json.loads(snapshots.attrs["configuration"])
     count = snapshots.sizes["snapshot"]
     shown = np.linspace(0, count - 1, min(count, FRAMES)).round().astype(int)
-    snapshots, width, found = snapshots.isel(seed=0, snapshot=shown), own["box_width"], {}
-    for case in filter(lambda case: is_known(snapshots, case), snapshots["case"].values):
-        one = snapshots.sel(case=case)
-        known = np.isfinite(one["granule_diameter"].values)
-        position = np.stack([one["granule_x"].values, one["granule_y"].values], axis=-1)[:, known]
-        angle, height = one["granule_angle"].values[:, known], heights(one)
-        periods = periods_of(width, height[0], own["periodic"])
-        x, y = np.moveaxis(wrapped(position, periods), -1, 0)
-        axis = np.column_stack([np.zeros(len(height)), one["cylinder_y"].values])
-        scale = 1.2 * max(width, height.max())
-        found[str(case)] = {
+    snapshots, cases = snapshots.isel(snapshot=shown), {}
+    for case in snapshots["case"].values:
+        if (bed := bed_of(snapshots, case)) is None:
+            continue
+        one, scale = snapshots.sel(case=case), 1.2 * max(bed.width, bed.height.max())
+        x, y = np.moveaxis(bed.position, -1, 0)
+        cases[str(case)] = {
             "rings": _rings(str(one["kind"].values), float(one["aspect_ratio"])),
-            "height": height.tolist(), "scale": scale,
-            "granules": int(known.sum()), "diameter": one["granule_diameter"].values[known].round(9).tolist(),
-            "x": _packed(x, scale), "y": _packed(y, scale),
-            "angle": _packed(np.mod(angle, 2.0 * np.pi), 2.0 * np.pi),
-            "axis": wrapped(axis, periods)[:, 1].tolist(), "drawn": style.drawn(one),
-        }  # fmt: skip
-    moved = (1e3 * snapshots["snapshot_displacement"].values).tolist()
+            "height": bed.height.tolist(),
+            "scale": scale,
+            "granules": len(bed.diameters),
+            "diameter": bed.diameters.round(9).tolist(),
+            "x": _packed(x, scale),
+            "y": _packed(y, scale),
+            "angle": _packed(np.mod(bed.angle, 2.0 * np.pi), 2.0 * np.pi),
+            "axis": bed.axis[:, 1].tolist(),
+            "drawn": style.drawn(one),
+        }
+    own = json.loads(snapshots.attrs["configuration"])
     return {
-        "width": width, "cylinder": own["cylinder"]["diameter"], "displacement": moved,
-        "layers": LAYERS, "steps": STEPS, "cases": found, "colors": COLORS,
-    }  # fmt: skip
+        "width": own["box_width"],
+        "cylinder": own["cylinder"]["diameter"],
+        "displacement": (1e3 * snapshots["snapshot_displacement"].values).tolist(),
+        "layers": LAYERS,
+        "steps": STEPS,
+        "cases": cases,
+        "colors": COLORS,
+    }
