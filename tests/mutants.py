@@ -161,7 +161,7 @@ MUTANTS = (
     Mutant("sweep/precision.py", "limit", "GROWTH * now[each]", "100 * now[each]", ROUNDS.format("a_round_at_most_doubles_the_replicates")),
     Mutant("sweep/precision.py", "sign", "for sign in (-1.0, 1.0))", "for sign in (1.0, -1.0))", ROUNDS.format("fieller_s_interval_is_where_the_difference_is_significant")),
     Mutant("sweep/precision.py", "condition", "array[failed] = np.nan", "array[failed] = 0.0", ROUNDS.format("a_failed_run_counts_and_is_not_replaced")),
-    Mutant("sweep/state.py", "condition", "if any(len(values[place]) < n for place, n in found[-1].counts.items()):", "if False:", ROUNDS.format("a_stopped_sweep_goes_on_to_the_same_runs")),
+    Mutant("sweep/state.py", "condition", "if any(len(values[place]) < count for place, count in block.counts.items()):", "if False:", ROUNDS.format("a_stopped_sweep_goes_on_to_the_same_runs")),
     Mutant("sweep/state.py", "missing call", "                if not self.grow(name):\n                    break\n", "                break\n", ROUNDS.format("replicates_are_added_until_the_mean_is_as_well_known_as_asked")),
     Mutant("analysis/statistics.py", "constant", "stdtrit(freedom, 0.5 + 0.5 * LEVEL))", "stdtrit(freedom, LEVEL))", "tests/test_statistics.py"),
     Mutant("analysis/onset.py", "sign", "return y @ share - slope * middle", "return y @ share + slope * middle", "tests/test_onset.py"),

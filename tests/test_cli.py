@@ -144,7 +144,7 @@ COMBINE = ("combine", "--config", "config/smoke.yaml", "-o", "OUT")
         (("sweep", "config/smok.yaml"), "the nearest is config/smoke.yaml"),
         (("figure", "sweep", "studies/onset/onset.nc", "--of", "drag", "-o", "OUT"), "it has no drag; it has onset_fraction"),
         (("figure", "figure07", "docs/data/drag.nc", "--of", "drag", "-o", "OUT"), "of is 'drag'; only the figure sweep shows another"),
-        (("figure", "all", "docs/data/flow.nc", "-o", "OUT"), "it holds no drag; name drag.nc."),
+        (("figure", "all", "docs/data/flow.nc", "-o", "OUT"), "it holds no drag that a figure shows; name drag.nc."),
         (("report", "studies/shear/shear.nc", "-o", "OUT.html"), "there are no figures; draw them first"),
     ],
 )  # fmt: skip

@@ -190,7 +190,7 @@ def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> No
         )
         made.setncatts(attributes(name, layout) | ({"coordinates": aside} if aside else {}))
     if gaps:
-        made = file.createVariable("failure", "i1", block.dims, fill_value=False)
+        made = file.createVariable("failure", "i1", block.dims, fletcher32=True, fill_value=False)
         made.setncatts(attributes("failure", layout))
         made[...] = 0
 
