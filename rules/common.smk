@@ -165,5 +165,6 @@ def begin():
     LOCK, sentences = prepare(SWEEP.results, SWEEP.store.folder)
     for sentence in (*sentences, *WARNINGS):
         say(sentence)
+    SWEEP.failed()  # counts what fails from now on
     logging.raiseExceptions = False  # that Snakemake's log cannot grow on a full disk is said once
-    logging.getLogger("snakemake.logging").addHandler(WorkflowProgress(SWEEP.counts, SWEEP.failed))
+    logging.getLogger("snakemake.logging").addHandler(WorkflowProgress(SWEEP.counts))

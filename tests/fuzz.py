@@ -166,7 +166,7 @@ GOOD = {
     "info": {"file": "drag.nc", "-o": "new.txt"},
     "draw": {"file": "rep.nc", "--displacement": "0.001", "--color": "layer", "-o": "new.png"},
     "figure": {"name": "figure13", "file": "drag.nc", "-o": "new"},
-    "report": {"file": "drag.nc", "--notes": "open.md", "-o": "new.html"},
+    "report": {"file": "drag.nc", "-o": "new.html"},
 }  # fmt: skip
 
 
@@ -436,7 +436,7 @@ BAD = {
     "--seed": ("-1", str(2**63), str(2**70), "1.5", *NUMBER), "--density": ("0", "-inf", *NUMBER),
     "--threads": ("0", "100000", str(2**40), *NUMBER), "--target": ("0", "-inf", *NUMBER),
     "--displacement": ("1e9", "-inf", *NUMBER), "--shape": ("zz", "", "é", "c1 "), "--color": ("zz", ""),
-    "--notes": ("snapshots.nc", "none.md", ".", "note.txt"), "value": ("gravty=1", "shape", "seed=", "density=x=y", ""),
+    "value": ("gravty=1", "shape", "seed=", "density=x=y", ""),
     "--block": ("zz", ""), "--observable": ("zz", "", "snapshots"), "--checkpoint": ("x.npy", "q.yaml", "note.txt", "."),
     "--config": ("rep.nc", "README.md", "none.yaml", "."), "--seeds": ("1", "0", "1.5", *NUMBER), "-j": ("0", *NUMBER),
     "file": ("q.yaml", "run.npz", "none.nc", "."), "name": ("figure99", "", "../figure13"),
@@ -482,7 +482,7 @@ def odd_path(rng, folder) -> str:
     return made
 
 
-PATHS = ("-o", "-o", "--checkpoint", "--config", "file", "--notes")
+PATHS = ("-o", "-o", "--checkpoint", "--config", "file")
 WRITES = {"simulate": 8, "combine": 3, "info": 4, "report": 1, "draw": 2, "figure": 1}  # fmt: skip
 
 
@@ -766,7 +766,7 @@ def a_flip(rng, folder):
 
 def a_file(rng, folder):
     """Bytes that are no netCDF file, or the beginning of one, given to readers."""
-    bring(folder, "q.yaml", "rep.nc", "open.md", "snapshots.nc")
+    bring(folder, "q.yaml", "rep.nc", "snapshots.nc")
     if rng.random() < 0.5:
         head = rng.choice([b"", b"CDF\x01", b"CDF\x05", b"\x89HDF\r\n\x1a\n", b"PK\x03\x04"])
         (folder / "fuzz.nc").write_bytes(head + rng.randbytes(rng.choice([0, 10, 3000])))

@@ -1,7 +1,6 @@
 """Files whose content is damaged, foreign or hostile: noticed, refused with their name, never obeyed."""
 
 import contextlib
-import json
 import shutil
 import warnings
 
@@ -12,7 +11,6 @@ import xarray as xr
 from test_stopping import combined, planned, smoke
 from typer.testing import CliRunner
 
-from conftest import CONFIG
 from dem.base.errors import InputError
 from dem.base.plain import plain
 from dem.cli.app import app
@@ -25,7 +23,6 @@ from dem.report.build import build
 from dem.sweep import batch as making
 from dem.sweep.combined import combine_block
 
-NOTES = CONFIG.parent / "docs/explanation/open.md"
 HOSTILE = "</script><script>alert(1)</script>"
 TITLE = "a [red]title[/red] \x1b[31m\x1b]0;name\x07 \x9b2J \u202egnp\u2069 [/nothing]"
 
@@ -203,7 +200,7 @@ VERBS = {
     "info": lambda file, out: ("info", file),
     "figure": lambda file, out: ("figure", "all", file, "-o", out),
     "beds": lambda file, out: ("figure", "figure10", file, "-o", out),
-    "report": lambda file, out: ("report", file, "-o", out / "r.html", "--notes", NOTES),
+    "report": lambda file, out: ("report", file, "-o", out / "r.html"),
 }
 FOREIGN = {
     "gaps": {"fill": np.nan},
@@ -246,38 +243,17 @@ def test_a_drag_over_other_dimensions_is_refused(tmp_path, dims):
         assert status == 2 and "its drag is not over case, seed, displacement" in output
 
 
-def test_notes_that_are_no_text_are_refused(made, tmp_path):
-    """A netCDF file for instance; nothing is written."""
-    with pytest.raises(InputError, match=r"snapshots.nc: it is not a readable text"):
-        build_report(made, tmp_path, made / "snapshots.nc")
-    assert not (tmp_path / "r.html").exists()
-
-
-def build_report(made, folder, notes=NOTES):
+def test_text_of_a_file_is_no_script_in_the_report(hostile, tmp_path):
+    """A case of any name is shown by its name."""
     from PIL import Image
 
-    for name in ("drag.nc", "snapshots.nc"):
-        shutil.copy(made / name, folder)
-    (folder / "figures").mkdir()
-    Image.new("RGB", (4, 4)).save(folder / "figures/figure13.png")
-    build(folder / "drag.nc", folder / "r.html", notes)
-    return (folder / "r.html").read_text()
-
-
-def test_text_of_a_file_is_no_script_in_the_report(hostile, tmp_path):
-    """A case of any name is shown by its name; its data are read as they were written."""
-    page = build_report(hostile, tmp_path)
+    shutil.copy(hostile / "drag.nc", tmp_path)
+    (tmp_path / "figures").mkdir()
+    Image.new("RGB", (4, 4)).save(tmp_path / "figures/figure13.png")
+    build(tmp_path / "drag.nc", tmp_path / "r.html")
+    page = (tmp_path / "r.html").read_text()
     assert HOSTILE not in page and "<script>alert" not in page
     assert "&lt;script&gt;alert(1)&lt;/script&gt;" in page
-    (beds,) = [line for line in page.splitlines() if line.startswith("<script>const BEDS = ")]
-    data = beds.removeprefix("<script>const BEDS = ").removesuffix(";</script>")
-    assert not set("<>&") & set(data) and list(json.loads(data)["cases"]) == [HOSTILE]
-
-
-def test_text_of_the_notes_is_no_script_in_the_report(made, tmp_path):
-    notes = tmp_path / "mine.md"
-    notes.write_text("## What the paper leaves open\n\n<script>alert(2)</script>\n")
-    assert "<script>alert" not in build_report(made, tmp_path, notes)
 
 
 @pytest.mark.parametrize("name", ["drag.nc", "runs.nc", "snapshots.nc"])

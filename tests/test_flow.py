@@ -5,6 +5,7 @@ import shutil
 
 import meshio
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 from made import made
@@ -13,7 +14,7 @@ from typer.testing import CliRunner
 
 import dem
 from conftest import STIFF, assert_not_blank
-from dem.analysis.one_run import _chosen, open_run, read_motion
+from dem.analysis.one_run import open_run, read_motion, selected
 from dem.base.errors import InputError
 from dem.cli.app import app
 from dem.experiment.observables import flow as measures
@@ -166,12 +167,9 @@ def test_a_run_is_found_by_its_values(swept):
 
 def test_of_values_that_print_alike_the_one_that_is_written_is_selected():
     """Any of them can be named, and a rounded one where nothing is equal to it."""
-    ids, values = np.array(["a", "b", "c"]), np.array([2.0, 2.0000001, 0.1 + 0.2])
-    rows = [
-        _chosen("drag.nc", {"velocity": values}, ids, [f"velocity={text}"])
-        for text in ("2", "2.0000001", "0.3")
-    ]
-    assert rows == [0, 1, 2]
+    runs = pd.DataFrame({"velocity": [2.0, 2.0000001, 0.1 + 0.2]}, index=["a", "b", "c"])
+    found = [selected(runs, [f"velocity={text}"]) for text in ("2", "2.0000001", "0.3")]
+    assert found == ["a", "b", "c"]
 
 
 @pytest.mark.parametrize(
@@ -179,9 +177,9 @@ def test_of_values_that_print_alike_the_one_that_is_written_is_selected():
     [
         (
             ["shape=d1", "seed=1"],
-            "choose one by friction_granule, box, such as friction_granule=0.1",
+            "choose one, such as friction_granule=0.1 box=",
         ),
-        ([], "it has 16 runs; choose one by shape, friction_granule, box, seed"),
+        ([], "it has 16 runs; choose one, such as shape=c1 friction_granule=0.1 box="),
         (
             ["frction.granule=0.1"],
             "its runs have no value named frction.granule; the nearest is fr",
@@ -235,7 +233,7 @@ def test_a_film_is_a_film(motion, tmp_path):
 
 @pytest.mark.parametrize(("data", "run"), [("results", "case=e3 seed=1"), ("swept", "d1")])
 def test_export_for_paraview(request, tmp_path, data, run):
-    """One polygon a granule with its area, also of a dumbbell; a file a snapshot, and one that lists them."""
+    """Polygons with the area of their granule, two a dumbbell; a file a snapshot, and one that lists them."""
     folder = request.getfixturevalue(data)
     select = run.split() if "=" in run else [f"shape={run}", "friction.granule=0.3", "box=same", "seed=1"]
     motion = read_motion(folder / "drag.nc", select)
@@ -246,10 +244,13 @@ def test_export_for_paraview(request, tmp_path, data, run):
     polygons, lines = (mesh.points[cells.data][..., :2] for cells in mesh.cells)
     x, y = np.moveaxis(polygons, -1, 0)
     area = 0.5 * (x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1)
-    values = {name: each[0] for name, each in mesh.cell_data.items()}
-    assert values["granule"].tolist() == [*range(granules), -1]
-    np.testing.assert_allclose(area[:granules], np.pi / 4 * motion.diameters**2, rtol=0.01)
-    middle = 0.5 * (polygons[:granules].min(1) + polygons[:granules].max(1))
+    body = mesh.cell_data["granule"][0]
+    parts = (len(body) - 1) // granules
+    assert body.tolist() == [*np.repeat(range(granules), parts), -1]
+    values = {name: each[0][::parts] for name, each in mesh.cell_data.items()}
+    area = area[:-1].reshape(granules, parts).sum(axis=1)
+    np.testing.assert_allclose(area, np.pi / 4 * motion.diameters**2, rtol=0.01)
+    middle = polygons[:-1].mean(axis=1).reshape(granules, parts, 2).mean(axis=1)
     np.testing.assert_allclose(middle, motion.position[-1], atol=0.02 * motion.diameters.max())
     # what the granules went since the snapshot before, and the cylinder at its velocity
     cylinder = motion.replicate.configuration.cylinder

@@ -1,6 +1,5 @@
 """Sentences on standard error, which may be closed or full: no work ends because of that."""
 
-import shutil
 import sys
 from contextlib import suppress
 
@@ -12,10 +11,3 @@ def say(sentence: str) -> None:
     with suppress(OSError):  # a full disk, or nobody reads the pipe any more
         clear = "\r\x1b[2K" if sys.stderr.isatty() else ""
         print(f"{clear}{sentence}", file=sys.stderr, flush=True)
-
-
-def say_over(words: str) -> None:
-    """Show words on the line of a terminal that the next sentence, or the next words, take."""
-    with suppress(OSError):
-        room = shutil.get_terminal_size().columns - 1
-        print(f"\r\x1b[2K{words[:room]}", end="", file=sys.stderr, flush=True)

@@ -21,7 +21,7 @@ def batch(
     with bar(f"batch {name}", float(len(store.replicates(name)))) as update:
 
         def progress(done, failed, compiles=False):
-            update(done, not compiles, f"batch {name}" + (f", {failed} failed" if failed else ""))
+            update(done, f"batch {name}" + (f", {failed} failed" if failed else ""))
 
         make(store, name, progress)
 

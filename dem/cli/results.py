@@ -36,7 +36,7 @@ def means(
     Example: dem means results/drag.nc -o means.csv
     """
     from dem.analysis import means as analysis
-    from dem.report.info import plain_table
+    from dem.analysis.tables import TextTable
 
     with bar(f"reading {data}"):
         if other is None:
@@ -46,7 +46,7 @@ def means(
     if output is not None:
         analysis.write_means(table, output)
         return
-    print_or_write(plain_table(analysis.table_of(table)), None)
+    print_or_write(TextTable(analysis.table_of(table)), None)
 
 
 def figure(
@@ -112,7 +112,6 @@ def draw(
 def report(
     data: argument(Path, "drag.nc; the page shows the files next to it."),
     output: option(Path, "HTML file to write.", *OUTPUT, writes=".html"),
-    notes: option(Path | None, "Markdown that tells what the paper leaves open.") = None,
 ):
     """Write all results as one HTML page, which opens without a network.
 
@@ -121,7 +120,7 @@ def report(
     from dem.report.build import build
 
     with bar("writing the report"):
-        build(data, output, notes)
+        build(data, output)
 
 
 VERBS = (info, means, figure, draw, report)

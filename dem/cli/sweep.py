@@ -49,12 +49,12 @@ def sweep(
         if retry:
             say(f"{state.retry()} failed runs are tried again.")
         before, _ = state.counts()
-        with bar("making runs", 1.0) as update:
+        with bar("running", 1.0) as update:
 
             def progress(done, failed, compiles):
-                words = "making runs, the first ones compile" if compiles else "making runs"
+                words = "running, and compiling" if compiles else "running"
                 share = done / len(state.runs())  # of those that are known to be needed
-                update(share, not compiles, words + (f", {failed} failed" if failed else ""))
+                update(share, words + (f", {failed} failed" if failed else ""))
 
             with workers:
                 state.make(workers, progress)

@@ -1,16 +1,20 @@
-"""A block of contacts, stage by stage, in the lanes of dem.jit.block_memory.
+"""Forces of a block of contacts, stage by stage, in the lanes of dem.jit.block_memory.
 
-gather: copy the input side by side. find_contacts: the geometry of all contacts, and refine_contacts
-again of those whose last normal was too far off. contact_forces: all forces. accumulate: add them
-to the constituents. find_contacts and contact_forces do nearly all arithmetic; they have no
-branches and become vector code.
+    gather           motion and outlines of both bodies, side by side
+    find_contacts    geometry: overlap, normal, moment arms, velocity at the contact
+    refine_contacts  geometry again, where the last normal was too far off
+    contact_forces   force law
+    accumulate       forces and torques on the constituents
+
+find_contacts and contact_forces do nearly all arithmetic. They have no branches and become vector
+code.
 """
 
 import math
 
 import numpy as np
 
-from dem.contacts.force_law import mean_root
+from dem.contacts.force_law import mean_overlap_quarter
 from dem.contacts.response import relative_velocity, respond
 from dem.jit import block_memory as lane
 from dem.jit.block_memory import (
@@ -26,16 +30,7 @@ from dem.jit.block_memory import (
 )
 from dem.jit.compilation import inlined
 from dem.jit.instructions import add_four, subtract_four
-from dem.jit.optional import (
-    either,
-    given,
-    minus,
-    optional,
-    plus,
-    rolled_without_first,
-    times,
-    unless,
-)
+from dem.jit.optional import either, given, minus, plus, rolled_without_first, times
 from dem.shapes.protocol import (
     ContactGeometry,
     circle,
@@ -46,6 +41,8 @@ from dem.shapes.protocol import (
     support,
     tangential_lever,
 )
+
+# Gather: motion and outlines
 
 
 @inlined
@@ -58,108 +55,108 @@ def copy_four(source, i, target, k):
     target[k + THREE] = d
 
 
-@optional
-def copy_rates(rates, rows, i, motion, k, first):
-    copy_four(rows, i + FOUR, motion, FOUR * k + first)
-
-
-@optional
-def look_ahead(boundary, rows, j, motion, at):
-    """Where nothing turns and contacts have dashpots, rows of granules have the velocity of the full step;
-    those of walls and cylinder have that of the half step and its change."""
-    motion[at + lane.VX2] += rows[j + FIVE]
-    motion[at + lane.VY2] += rows[j + SIX]
-
-
-@optional
-def bring(shift, p, motion, at):
-    """Body 2 of contact p to that image of it which is beside body 1."""
-    motion[at] += shift[p]
-
-
 @inlined
 def gather(turns, one, two, contacts, start, stop, lanes):
     """Motion of both bodies of each contact, from rows of dem.jit.columns one after the other.
 
     turns: inverse_inertia of a World, None where nothing turns.
     """
-    motion = lanes.motion
-    rates = given(turns, either(contacts.damping, contacts.tangential_force))
-    boundary = unless(contacts.first, unless(turns, contacts.damping))
+    motion, damping, friction = lanes.motion, contacts.damping, contacts.friction
+    first, shift_x, shift_y = contacts.first, contacts.shift_x, contacts.shift_y
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         at = FOUR * k
         i, j = EIGHT * contacts.constituent[p], EIGHT * contacts.partner[p]
         copy_four(one, i, motion, at + lane.X1)
         copy_four(two, j, motion, at + lane.X2)
-        bring(contacts.shift_x, p, motion, at + lane.X2)
-        bring(contacts.shift_y, p, motion, at + lane.Y2)
-        copy_rates(rates, one, i, motion, k, lane.W1)
-        copy_rates(rates, two, j, motion, k, lane.W2)
-        look_ahead(boundary, two, j, motion, at)
+        # the image of body 2 that is beside body 1
+        if shift_x is not None:
+            motion[at + lane.X2] += shift_x[p]
+        if shift_y is not None:
+            motion[at + lane.Y2] += shift_y[p]
+        # spins and changes of velocity
+        if turns is not None:
+            if damping is not None or friction is not None:
+                copy_four(one, i + FOUR, motion, FOUR * k + lane.W1)
+                copy_four(two, j + FOUR, motion, FOUR * k + lane.W2)
+        elif first is None and damping is not None:
+            # rows of granules have the velocity of the full step, those of boundaries that of the
+            # half step and its change
+            motion[at + lane.VX2] += two[j + FIVE]
+            motion[at + lane.VY2] += two[j + SIX]
 
 
 @inlined
 def sizes_of(outline):
-    """The numbers of an outline after cosine and sine; where Shape.lists_sizes, they never change."""
+    """The numbers of an outline after cosine and sine; where Shape.lists_sizes, they never
+    change."""
     return outline[2:]
 
 
-@optional
-def turning(sizes, outline):
-    """Cosine and sine of an outline of which the list has the sizes."""
-    return outline[:2]
+@inlined
+def gather_pairs(shape, orientation, contacts, start, stop, values):
+    """Outlines of both constituents of each pair, without the sizes that the list has."""
+    sizes = contacts.sizes
+    for q in range(stop - start):
+        k, p = np.uint64(q), np.uint64(start + q)
+        one = outline(shape, contacts.constituent[p], orientation)
+        two = outline(shape, contacts.partner[p], orientation)
+        if sizes is not None:
+            store_outline(one[:2], values, lane.OUTLINE_1 + k)
+            store_outline(two[:2], values, lane.OUTLINE_2 + k)
+        else:
+            store_outline(one, values, lane.OUTLINE_1 + k)
+            store_outline(two, values, lane.OUTLINE_2 + k)
 
 
 @inlined
-def gather_pairs(shape, frame, contacts, start, stop, values):
-    for q in range(stop - start):
-        k, p = np.uint64(q), np.uint64(start + q)
-        own = outline(shape, contacts.constituent[p], frame)
-        other = outline(shape, contacts.partner[p], frame)
-        store_outline(either(turning(contacts.sizes, own), own), values, lane.OWN + k)
-        store_outline(either(turning(contacts.sizes, other), other), values, lane.OTHER + k)
-
-
-@optional
-def find_circle_contacts(radius, shape, frame, turns, contacts, start, stop, lanes):
+def find_circle_contacts(radius, shape, orientation, turns, contacts, start, stop, lanes):
     """Outlines and geometry of contacts with the cylinder."""
     values = lanes.values
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
-        store_outline(outline(shape, contacts.constituent[p], frame), values, lane.OWN + k)
-        store_outline(circle(shape, radius), values, lane.OTHER + k)
+        one = outline(shape, contacts.constituent[p], orientation)
+        store_outline(one, values, lane.OUTLINE_1 + k)
+        store_outline(circle(shape, radius), values, lane.OUTLINE_2 + k)
     find_contacts(shape, turns, contacts, start, stop, lanes)
 
 
-@optional
-def find_wall_contacts(planes, shape, frame, turns, contacts, start, stop, lanes):
+@inlined
+def find_wall_contacts(planes, shape, orientation, turns, contacts, start, stop, lanes):
     """Outlines and geometry of contacts with walls."""
     motion, values = lanes.motion, lanes.values
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         wall = contacts.partner[p]
-        store_outline(outline(shape, contacts.constituent[p], frame), values, lane.OWN + k)
+        one = outline(shape, contacts.constituent[p], orientation)
+        store_outline(one, values, lane.OUTLINE_1 + k)
         values[lane.NX + k], values[lane.NY + k] = planes[wall, 0], planes[wall, 1]
-        values[lane.OTHER + k] = planes[wall, 2]
+        values[lane.OUTLINE_2 + k] = planes[wall, 2]
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         nx, ny = values[lane.NX + k], values[lane.NY + k]
-        own = load_outline(circle(shape, 0.0), values, lane.OWN + k)
-        reach, t1, radius = support(shape, own, nx, ny)
+        one = load_outline(circle(shape, 0.0), values, lane.OUTLINE_1 + k)
+        reach, t1, radius = support(shape, one, nx, ny)
         at = FOUR * k
-        here = motion[at + lane.X1] * nx + motion[at + lane.Y1] * ny
-        overlap = reach + here - values[lane.OTHER + k]
+        height = motion[at + lane.X1] * nx + motion[at + lane.Y1] * ny
+        overlap = reach + height - values[lane.OUTLINE_2 + k]
         n1 = reach - 0.5 * overlap
         geometry = ContactGeometry(overlap, nx, ny, n1, t1, None, None, radius)
         store_geometry(turns, geometry, contacts, p, lanes, k)
 
 
+# Geometry of contacts
+
+
 @inlined
-def imaged(contacts, p, dx, dy):
+def shifted(contacts, p, dx, dy):
     """The place dx, dy (m) of body 2 of contact p from body 1, of that image which is beside it."""
-    x, y = contacts.shift_x, contacts.shift_y
-    return plus(dx, take(x, x, p)), plus(dy, take(y, y, p))
+    shift_x, shift_y = contacts.shift_x, contacts.shift_y
+    if shift_x is not None:
+        dx = dx + shift_x[p]
+    if shift_y is not None:
+        dy = dy + shift_y[p]
+    return dx, dy
 
 
 @inlined
@@ -169,69 +166,48 @@ def spacing(motion, k):
     return motion[at + lane.X2] - motion[at + lane.X1], motion[at + lane.Y2] - motion[at + lane.Y1]
 
 
-@optional
+@inlined
 def size_rows(sizes, shape):
-    """The rows of Contacts.sizes: for both bodies."""
+    """The rows of Contacts.sizes of both bodies; None if it has none."""
+    if sizes is None:
+        return None
     part = sizes_of(circle(shape, 0.0))
     return lane.rows_like(part, sizes, 0), lane.rows_like(part, sizes, len(part))
-
-
-@optional
-def joined(sizes, like, values, k, p):
-    """Outlines of lane k, with the sizes of contact p."""
-    frame = turning(sizes, like)
-    own = load_outline(frame, values, lane.OWN + k) + lane.pick(sizes[0], p)
-    return own, load_outline(frame, values, lane.OTHER + k) + lane.pick(sizes[1], p)
 
 
 @inlined
 def outlines(shape, sizes, values, k, p):
     """Outlines of both bodies of contact p in lane k."""
     like = circle(shape, 0.0)
-    whole = load_outline(like, values, lane.OWN + k), load_outline(like, values, lane.OTHER + k)
-    return either(joined(sizes, like, values, k, p), whole)
+    if sizes is None:
+        return load_outline(like, values, lane.OUTLINE_1 + k), load_outline(
+            like, values, lane.OUTLINE_2 + k
+        )
+    turned = like[:2]  # cosine and sine
+    one = load_outline(turned, values, lane.OUTLINE_1 + k) + lane.pick(sizes[0], p)
+    return one, load_outline(turned, values, lane.OUTLINE_2 + k) + lane.pick(sizes[1], p)
 
 
-@optional
+@inlined
 def put(number, array, k):
-    array[k] = number
+    """Write a number to array[k], unless it is None."""
+    if number is not None:
+        array[k] = number
 
 
-@optional
-def remembered(normal_x, normal_y, p):
-    """The normal that contact p had last."""
+@inlined
+def last_normal(contacts, p):
+    """The normal that contact p had in the last step, None if it remembers none."""
+    normal_x, normal_y = contacts.normal_x, contacts.normal_y
+    if normal_x is None:
+        return None
     return normal_x[p], normal_y[p]
-
-
-@optional
-def remember(normal_x, normal_y, p, nx, ny):
-    normal_x[p] = nx
-    normal_y[p] = ny
 
 
 @inlined
 def change_of(motion, at):
     """Changes of velocity and spin of a body."""
     return motion[at + ONE], motion[at + TWO], motion[at + THREE]
-
-
-@optional
-def change_between(turns, motion, at, geometry):
-    """Change of the relative velocity to the full step; None where nothing turns: the velocity is then that
-    of the full step, or nothing asks for it."""
-    one, two = change_of(motion, at + lane.W1), change_of(motion, at + lane.W2)
-    return relative_velocity(one, two, geometry)
-
-
-@optional
-def put_change(change, contacts, values, k):
-    put(given(contacts.damping, change[0]), values, lane.DV_NORMAL + k)
-    put(given(contacts.friction, change[1]), values, lane.DV_TANGENT + k)
-
-
-@optional
-def change_of_lane(turns, values, k):
-    return values[lane.DV_NORMAL + k], values[lane.DV_TANGENT + k]
 
 
 @inlined
@@ -242,32 +218,42 @@ def store_geometry(turns, geometry, contacts, p, lanes, k):
     overlap, nx, ny, n1, t1, n2, t2, radius = geometry
     velocity = relative_velocity(
         (motion[at + lane.VX1], motion[at + lane.VY1], take(turns, motion, at + lane.W1)),
-        (motion[at + lane.VX2], motion[at + lane.VY2], take(turns, motion, at + lane.W2)), geometry,
-    )  # fmt: skip
-    change = change_between(turns, motion, at, geometry)
+        (motion[at + lane.VX2], motion[at + lane.VY2], take(turns, motion, at + lane.W2)),
+        geometry,
+    )
     values[lane.OVERLAP + k], values[lane.NX + k], values[lane.NY + k] = overlap, nx, ny
-    put(given(turns, n1), values, lane.N1 + k)
-    put(given(turns, n2), values, lane.N2 + k)
+    if turns is not None:
+        values[lane.N1 + k] = n1
+        put(n2, values, lane.N2 + k)
     put(t1, values, lane.T1 + k)
     put(t2, values, lane.T2 + k)
     put(radius, values, lane.RADIUS + k)
     # only damping needs the rate, and only friction the slip
     put(given(contacts.damping, velocity[0]), values, lane.V_NORMAL + k)
     put(given(contacts.friction, velocity[1]), values, lane.V_TANGENT + k)
-    put_change(change, contacts, values, k)
-    remember(contacts.normal_x, contacts.normal_y, p, nx, ny)
+    if turns is not None:  # change of that velocity to the full step
+        one, two = change_of(motion, at + lane.W1), change_of(motion, at + lane.W2)
+        change = relative_velocity(one, two, geometry)
+        put(given(contacts.damping, change[0]), values, lane.DV_NORMAL + k)
+        put(given(contacts.friction, change[1]), values, lane.DV_TANGENT + k)
+    if contacts.normal_x is not None:
+        contacts.normal_x[p], contacts.normal_y[p] = nx, ny
 
 
 @inlined
 def load_geometry(shape, values, k):
-    """The geometry of lane k; n2 and t2 mean nothing for walls, and no lever does where nothing turns: none
-    is then asked for."""
+    """The geometry of lane k; n2 and t2 mean nothing for walls, and no arm does where nothing
+    turns."""
     return ContactGeometry(
-        values[lane.OVERLAP + k], values[lane.NX + k], values[lane.NY + k],
-        values[lane.N1 + k], take(tangential_lever(shape), values, lane.T1 + k),
-        values[lane.N2 + k], take(tangential_lever(shape), values, lane.T2 + k),
-        take(local_radius(shape), values, lane.RADIUS + k),
-    )  # fmt: skip
+        overlap=values[lane.OVERLAP + k],
+        nx=values[lane.NX + k],
+        ny=values[lane.NY + k],
+        n1=values[lane.N1 + k],
+        t1=take(tangential_lever(shape), values, lane.T1 + k),
+        n2=values[lane.N2 + k],
+        t2=take(tangential_lever(shape), values, lane.T2 + k),
+        radius=take(local_radius(shape), values, lane.RADIUS + k),
+    )
 
 
 @inlined
@@ -276,76 +262,86 @@ def find_contacts(shape, turns, contacts, start, stop, lanes):
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         dx, dy = spacing(motion, k)
-        own, other = outlines(shape, sizes, values, k, p)
-        guess = remembered(contacts.normal_x, contacts.normal_y, p)
-        geometry, converged = find_contact(shape, dx, dy, own, other, guess)
+        one, two = outlines(shape, sizes, values, k, p)
+        guess = last_normal(contacts, p)
+        geometry, converged = find_contact(shape, dx, dy, one, two, guess)
         store_geometry(turns, geometry, contacts, p, lanes, k)
         put(unconverged(converged), values, lane.UNCONVERGED + k)
-    refine_contacts(contacts.normal_x, shape, turns, contacts, start, stop, lanes)
+    refine_contacts(shape, turns, contacts, start, stop, lanes)
 
 
-@optional
+@inlined
 def unconverged(converged):
+    """0 or 1; None where that cannot be."""
+    if converged is None:
+        return None
     return 0.0 if converged else 1.0
 
 
 @inlined
 def any_unconverged(values, count):
-    """Whether any of the first lanes is; nearly always none is, and vector code is fast to say so."""
-    found = 0
+    """Whether any of the first lanes is; nearly always none is, and vector code is fast to say
+    so."""
+    number = 0
     for q in range(count):
-        found += values[lane.UNCONVERGED + np.uint64(q)] != 0.0
-    return found > 0
+        number += values[lane.UNCONVERGED + np.uint64(q)] != 0.0
+    return number > 0
 
 
-@optional
-def refine_contacts(normal_x, shape, turns, contacts, start, stop, lanes):
+@inlined
+def refine_contacts(shape, turns, contacts, start, stop, lanes):
+    """The geometry again of contacts whose last normal was too far off."""
     motion, values, sizes = lanes.motion, lanes.values, size_rows(contacts.sizes, shape)
-    if not any_unconverged(values, stop - start):
+    if contacts.normal_x is None or not any_unconverged(values, stop - start):
         return
     for p in range(start, stop):
         k = np.uint64(p - start)
         if values[lane.UNCONVERGED + k] != 0.0:
             dx, dy = spacing(motion, k)
-            own, other = outlines(shape, sizes, values, k, np.uint64(p))
-            last = normal_x[p], contacts.normal_y[p]
-            guess = refine_normal(shape, dx, dy, own, other, last)
-            geometry, _ = find_contact(shape, dx, dy, own, other, guess)
+            one, two = outlines(shape, sizes, values, k, np.uint64(p))
+            guess = refine_normal(shape, dx, dy, one, two, last_normal(contacts, p))
+            geometry, _ = find_contact(shape, dx, dy, one, two, guess)
             store_geometry(turns, geometry, contacts, p, lanes, k)
 
+
+# Forces
 
 NEAR = 8.0  # halves of a step's change; beyond, the mean over the step differs by less than 5e-4
 
 
-@optional
-def mean_roots(damping, values, count, dt):
-    """delta^(1/4) of all dashpots: of the few that are near touch its mean over the step, one by one."""
+@inlined
+def mean_overlap_quarters(damping, values, count, dt):
+    """delta^(1/4) of all dashpots: of the few that are near touch its mean over the step, one by
+    one."""
+    if damping is None:
+        return
     near = 0
     for q in range(count):
         k = np.uint64(q)
         overlap, change = values[lane.OVERLAP + k], 0.5 * dt * abs(values[lane.V_NORMAL + k])
-        values[lane.ROOT + k] = math.sqrt(math.sqrt(max(overlap, 0.0)))
+        values[lane.OVERLAP_QUARTER + k] = math.sqrt(math.sqrt(max(overlap, 0.0)))
         near += -change < overlap < NEAR * change
     if near > 0:
         for q in range(count):
             k = np.uint64(q)
             overlap, change = values[lane.OVERLAP + k], 0.5 * dt * abs(values[lane.V_NORMAL + k])
             if -change < overlap < NEAR * change:
-                values[lane.ROOT + k] = mean_root(overlap, change)
+                values[lane.OVERLAP_QUARTER + k] = mean_overlap_quarter(overlap, change)
 
 
 @rolled_without_first
 def contact_forces(friction, shape, turns, contacts, start, stop, dt, lanes):
+    """Forces and torques of all contacts of the block, from their geometry."""
     values = lanes.values
-    mean_roots(contacts.damping, values, stop - start, dt)
+    mean_overlap_quarters(contacts.damping, values, stop - start, dt)
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         geometry = load_geometry(shape, values, k)
         velocity = values[lane.V_NORMAL + k], values[lane.V_TANGENT + k]
-        change = either(change_of_lane(turns, values, k), (None, None))
-        root = take(contacts.damping, values, lane.ROOT + k)
+        change = change_of_lane(turns, values, k)
+        overlap_quarter = take(contacts.damping, values, lane.OVERLAP_QUARTER + k)
         n, t, damped, slid = respond(
-            contacts, p, geometry, velocity, change, root, dt, lanes.account
+            contacts, p, geometry, velocity, change, overlap_quarter, dt, lanes.account
         )
         put(damped, values, lane.DAMPED + k)
         put(slid, values, lane.SLID + k)
@@ -356,24 +352,34 @@ def contact_forces(friction, shape, turns, contacts, start, stop, dt, lanes):
         put(minus(minus(None, times(n2, t)), times(t2, n)), values, lane.TORQUE_2 + k)
 
 
-@optional
+@inlined
+def change_of_lane(turns, values, k):
+    """Change of the velocity at the contact to the full step; None where nothing turns."""
+    if turns is None:
+        return None, None
+    return values[lane.DV_NORMAL + k], values[lane.DV_TANGENT + k]
+
+
+@inlined
 def add_losses(account, contacts, start, stop, values):
-    """Add up what a block of contacts loses (W)."""
-    lossy = either(contacts.damping, contacts.friction)
-    for q in range(stop - start):
-        k = np.uint64(q)
-        add_loss(lossy, account, lane.LOST_DAMPED, values, lane.DAMPED + k)
-        add_loss(contacts.friction, account, lane.TAKEN, values, lane.SLID + k)
+    """Add the powers (W) that a block of contacts loses to an energy ledger."""
+    if account is not None:
+        damping, friction = contacts.damping, contacts.friction
+        for q in range(stop - start):
+            k = np.uint64(q)
+            if damping is not None or friction is not None:
+                account[lane.POWER_DAMPED] += values[lane.DAMPED + k]
+            if friction is not None:
+                account[lane.POWER_SPRINGS] += values[lane.SLID + k]
 
 
-@optional
-def add_loss(present, account, kind, values, k):
-    account[kind] += values[k]
-
-
-@optional
+@inlined
 def take(present, array, k):
-    return array[k]
+    """array[k]; None if something is."""
+    return None if present is None else array[k]
+
+
+# Sums over contacts
 
 
 @inlined
@@ -381,7 +387,8 @@ def accumulate(contacts, start, stop, values, inverse_inertia, force):
     """Add the forces of a block to both constituents of each pair.
 
     force (4 constituents,): the rows of dem.jit.columns one after the other. To keep the sum of one
-    constituent in registers from pair to pair takes longer: each pair must choose which sum it adds to.
+    constituent in registers from pair to pair takes longer: each pair must choose which sum it adds
+    to.
     """
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
@@ -396,7 +403,8 @@ def accumulate(contacts, start, stop, values, inverse_inertia, force):
 def boundary_reaction(contacts, p, k, values, inverse_inertia, force):
     """Give the constituent of contact p with a boundary its share.
 
-    Returns the normal force (N) on the boundary, and the forces on it: normal (x, y) and tangential (x, y).
+    Returns the normal force (N) on the boundary, and the forces on it: normal (x, y) and tangential
+    (x, y).
     """
     gx, gy = values[lane.FORCE_X + k], values[lane.FORCE_Y + k]
     torque = either(take(inverse_inertia, values, lane.TORQUE_1 + k), 0.0)

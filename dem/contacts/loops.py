@@ -12,91 +12,66 @@ from dem.contacts.blocks import (
     find_wall_contacts,
     gather,
     gather_pairs,
-    take,
 )
 from dem.jit.address import local
 from dem.jit.block_memory import BLOCK, EIGHT, FORCE_X, FORCE_Y, NX, NY, TORQUE_2
 from dem.jit.columns import FX, FY
 from dem.jit.compilation import compiled
 from dem.jit.instructions import prefetch
-from dem.jit.optional import given, optional
-
-
-@optional
-def fetch_partners(patches, rows, contacts, start, end):
-    """Ask for the motion of the partners in the next block; all else is read in order."""
-    near = start + BLOCK
-    for p in range(near, min(near + BLOCK, end)):
-        prefetch(rows, EIGHT * contacts.partner[p])
 
 
 @compiled
 def pair_contacts(world, dt, begin, end):
     """Add the forces of rows begin to end of the list, see dem.contacts.blocks."""
-    shape, frame, contacts, lanes = world.shape, world.frame, local(world.pairs), world.lanes
-    turns, patches = world.inverse_inertia, world.patches
+    shape, orientation, lanes = world.shape, world.orientation, world.lanes
+    contacts, turns = local(world.pairs), world.inverse_inertia
     rows, flat = world.constituents.reshape(-1), world.constituent_force.reshape(-1)
     for start in range(begin, end, BLOCK):
         stop = min(start + BLOCK, end)
         gather(turns, rows, rows, contacts, start, stop, lanes)
-        gather_pairs(shape, frame, contacts, start, stop, lanes.values)
-        fetch_partners(patches, rows, contacts, start, end)
+        gather_pairs(shape, orientation, contacts, start, stop, lanes.values)
+        if world.patches is not None:  # in large beds, load partners of the next block early
+            for p in range(stop, min(stop + BLOCK, end)):
+                prefetch(rows, EIGHT * contacts.partner[p])
         find_contacts(shape, turns, contacts, start, stop, lanes)
         contact_forces(contacts.friction, shape, turns, contacts, start, stop, dt, lanes)
         add_losses(lanes.account, contacts, start, stop, lanes.values)
         accumulate(contacts, start, stop, lanes.values, turns, flat)
 
 
-@optional
-def boundary_contacts(surface, world, dt):
-    _boundary_contacts(surface, world, dt)
-
-
 @compiled
-def _boundary_contacts(surface, world, dt):
+def boundary_contacts(surface, world, dt):
     """Add the forces of the contacts with walls, or with the cylinder, and sum up those on them."""
-    shape, frame, contacts, lanes = world.shape, world.frame, local(surface.contacts), world.lanes
-    turns, planes, radius = world.inverse_inertia, surface.planes, surface.radius
-    on, loads = world.boundaries.force, world.boundaries.loads
+    if surface is None:
+        return
+    shape, orientation, lanes = world.shape, world.orientation, world.lanes
+    contacts, turns = local(surface.contacts), world.inverse_inertia
+    planes, radius, friction = surface.planes, surface.radius, contacts.friction
+    force, sums = world.boundaries.force, world.boundaries.contact_forces
     rows, others = world.constituents.reshape(-1), world.boundaries.motion.reshape(-1)
     flat, count = world.constituent_force.reshape(-1), contacts.constituent.shape[0]
+    values = lanes.values
     for start in range(0, count, BLOCK):
         stop = min(start + BLOCK, count)
         gather(turns, rows, others, contacts, start, stop, lanes)
-        find_wall_contacts(planes, shape, frame, turns, contacts, start, stop, lanes)
-        find_circle_contacts(radius, shape, frame, turns, contacts, start, stop, lanes)
-        contact_forces(contacts.friction, shape, turns, contacts, start, stop, dt, lanes)
-        add_losses(lanes.account, contacts, start, stop, lanes.values)
+        if planes is not None:
+            find_wall_contacts(planes, shape, orientation, turns, contacts, start, stop, lanes)
+        else:
+            find_circle_contacts(radius, shape, orientation, turns, contacts, start, stop, lanes)
+        contact_forces(friction, shape, turns, contacts, start, stop, dt, lanes)
+        add_losses(lanes.account, contacts, start, stop, values)
         for p in range(start, stop):
             k, b = np.uint64(p - start), contacts.partner[p]
-            normal, shares = boundary_reaction(contacts, p, k, lanes.values, turns, flat)
-            torque = given(radius, take(turns, lanes.values, TORQUE_2 + k))
-            on[b, FX] += shares[0] + shares[2]
-            on[b, FY] += shares[1] + shares[3]
-            load_wall(planes, loads, b, normal)
-            shear_wall(given(planes, contacts.friction), loads, b, lanes.values, k)
-            load_circle(radius, loads, b, shares)
-            turn_circle(torque, loads, b)
-
-
-@optional
-def load_wall(planes, loads, b, normal):
-    loads[b, 0] += normal
-
-
-@optional
-def shear_wall(friction, loads, b, values, k):
-    """The tangential force on a wall, along (-ny, nx)."""
-    nx, ny = values[NX + k], values[NY + k]
-    loads[b, 3] += values[FORCE_Y + k] * nx - values[FORCE_X + k] * ny
-
-
-@optional
-def load_circle(radius, loads, b, shares):
-    for c in range(4):
-        loads[b, c] += shares[c]
-
-
-@optional
-def turn_circle(torque, loads, b):
-    loads[b, 4] += torque
+            normal, parts = boundary_reaction(contacts, p, k, values, turns, flat)
+            force[b, FX] += parts[0] + parts[2]
+            force[b, FY] += parts[1] + parts[3]
+            if planes is not None:
+                sums[b, 0] += normal
+                if friction is not None:  # along (-ny, nx)
+                    nx, ny = values[NX + k], values[NY + k]
+                    sums[b, 3] += values[FORCE_Y + k] * nx - values[FORCE_X + k] * ny
+            else:
+                for c in range(4):
+                    sums[b, c] += parts[c]
+                if turns is not None:
+                    sums[b, 4] += values[TORQUE_2 + k]

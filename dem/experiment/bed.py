@@ -6,10 +6,10 @@ from dem.base.errors import InputError, PackingError
 from dem.contacts.force_law import effective_modulus
 from dem.experiment.box import NOMINAL, height_of_box, sample_diameters
 from dem.experiment.config import Replicate
-from dem.packing.grown import grow
-from dem.packing.loaded import pack_under
-from dem.packing.pressed import START, compact
+from dem.packing.compaction import START, compact
+from dem.packing.constant_pressure import pack_under
 from dem.packing.random import Bed, Room, pack
+from dem.packing.swelling import grow
 from dem.periodic import Periods, periods_of
 from dem.scene import Cylinder
 from dem.shapes import of_size

@@ -2,9 +2,8 @@
 
 Every file is sealed with a checksum (dem.io.checksums) and read only if it holds.
 
-CF-1.11, SI units, in the classic model of netCDF-4 (characters, whole numbers of 32 bits), which programs
-without strings and other formats can take over. Studies keep tables of the same form beside them (studies.benchmark.layout,
-studies.accuracy.layout).
+CF-1.11, SI units, in the classic model of netCDF-4 (characters, whole numbers of 32 bits), which
+programs without strings and other formats can take over.
 """
 
 import warnings
@@ -141,7 +140,8 @@ def add_dimensions(file, dims: tuple, shape: tuple) -> None:
 
 def add(file, name: str, dims: tuple, values: np.ndarray, attrs: dict, **options) -> None:
     """Add a variable to a file: texts as characters, along a dimension of their length, and whole
-    numbers in 32 bits, or as real ones where they are larger. options: of createVariable, for numbers."""
+    numbers in 32 bits, or as real ones where they are larger. options: of createVariable, for
+    numbers."""
     kind = values.dtype.kind
     if kind == "U":
         values = np.char.encode(values, "utf-8")

@@ -1,51 +1,23 @@
 """Arithmetic in which an absent quantity costs nothing.
 
-A disc has no lever in the tangential direction, a frictionless contact no tangential force. Such
-a quantity is ``None``: its type is known while compiling, so the terms with it are never
+A disc has no moment arm in the tangential direction, a frictionless contact no tangential force.
+Such a quantity is ``None``: its type is known while compiling, so the terms with it are never
 compiled at all (a float 0.0 would stay, since 0.0 * x is not 0.0 for every x).
 """
 
-import functools
-
 from numba.core import types
-from numba.core.typing.templates import AbstractTemplate, infer_global, signature
-from numba.extending import lower_builtin, overload
+from numba.extending import overload
 
 from dem.jit.compilation import INLINED, ROLLED
 
 NONE = types.none
 
 
-def optional(function):
-    """Decorator: an inlined function that returns None, compiling nothing, if its first argument is None."""
-
-    def choose(first, *rest):
-        return None if first is NONE else function
-
-    @functools.wraps(function)
-    def present(first, *rest):
-        return None if first is None else function(first, *rest)
-
-    class Absent(AbstractTemplate):
-        key = present
-
-        def generic(self, kinds, keywords):
-            return signature(NONE, *kinds) if kinds[0] is NONE else None
-
-    infer_global(present, types.Function(Absent))
-    lower_builtin(present, NONE, types.VarArg(types.Any))(_nothing)
-    overload(present, strict=False, jit_options=INLINED)(choose)
-    return present
-
-
-def _nothing(context, builder, signature, arguments):
-    return context.get_dummy_value()
-
-
 def rolled_without_first(function):
     """Decorator: an inlined loop, left rolled (dem.jit.compilers) if its first argument is None.
 
-    The loop is then so short that LLVM would unroll it before the kernel can make vector code of it.
+    The loop is then so short that LLVM would unroll it before the kernel can make vector code of
+    it.
     """
     overload(function, strict=False, jit_options=INLINED)(
         lambda first, *rest: None if first is NONE else function
@@ -57,7 +29,8 @@ def rolled_without_first(function):
 
 
 def _by_presence(stub):
-    """Decorator: `stub` returns the function of two arguments to compile, given which are present."""
+    """Decorator: `stub` returns the function of two arguments to compile, given which are
+    present."""
 
     def operation(a, b):
         raise NotImplementedError("for compiled code only")
@@ -104,9 +77,3 @@ def either(a, b):
 def given(a, b):
     """b; None if a is absent."""
     return (lambda a, b: b) if a else (lambda a, b: None)
-
-
-@_by_presence
-def unless(a, b):
-    """b; None if a is present."""
-    return (lambda a, b: None) if a else (lambda a, b: b)

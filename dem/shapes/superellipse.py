@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dem.base.validate import RATIO, SIZES, checked, number
-from dem.shapes.smooth import area, scaled, smooth
+from dem.shapes.smooth import smooth
 
 SHAPE = "Superellipse"
 
@@ -113,4 +113,4 @@ class Superellipse(NamedTuple):
             np.array([float(rounding)]),
             float(exponent),
         )
-        return scaled(unit, 0.5 * np.asarray(diameter) / np.sqrt(area(unit) / np.pi))
+        return unit.scaled(0.5 * np.asarray(diameter) / np.sqrt(unit.area / np.pi))

@@ -128,7 +128,7 @@ class Motion:
         self._stages, self._step = method.stages, float(time_step)
         self.world = assemble(scene, state.checked(scene.granules), self._table)
         if not method.expects:
-            self.world = self.world._replace(last=None)
+            self.world = self.world._replace(previous_acceleration=None)
         self.world = rebuild_neighbor_list(self.world, self._table)
         self._span = np.zeros(2)
         forces(self.world, INSTANT, math.inf)

@@ -9,7 +9,6 @@ import numpy as np
 from dem.contacts.blocks import put, unconverged
 from dem.jit.block_memory import BLOCK, ROW
 from dem.jit.compilation import compiled, inlined
-from dem.jit.optional import optional
 from dem.shapes.common_normal import CommonNormal
 from dem.shapes.geometric_potential import GeometricPotential
 from dem.shapes.protocol import ellipse_contact, ellipse_normal
@@ -67,8 +66,10 @@ def keep(geometry, values, k):
     values[N1 + k], values[T1 + k], values[N2 + k], values[T2 + k] = n1, t1, n2, t2
 
 
-@optional
+@inlined
 def look_again(doubts, method, values):
+    if doubts is None:
+        return
     for q in range(BLOCK):
         k = np.uint64(q)
         if values[UNCONVERGED + k] != 0.0:

@@ -12,8 +12,8 @@ from functools import partial
 import numpy as np
 import xarray as xr
 
-from dem.analysis.statistics import Estimate, bootstrapped
 from dem.base.errors import RunError
+from dem.base.intervals import Estimate, bootstrap_interval
 from dem.dynamics.simulation import STEP_FRACTION, Simulation
 from dem.sweep.config import Sweep
 from studies.benchmark.scenes import Case, packed
@@ -98,7 +98,7 @@ def largest_step(fractions, drag, tolerance: float = TOLERANCE) -> Estimate:
     best = np.argmax(products**2 / squares, axis=1)
     slope = products[np.arange(len(y)), best] / squares[best]
     level = means.mean(axis=1) - slope * beyond.mean(axis=1)[best]
-    return bootstrapped(kinks[best] + tolerance * level / np.abs(slope), beds)
+    return bootstrap_interval(kinks[best] + tolerance * level / np.abs(slope), beds)
 
 
 def at_equal_error(dataset: xr.Dataset) -> xr.Dataset:

@@ -9,7 +9,7 @@ import numpy as np
 from dem.dynamics.simulation import STEP_FRACTION, Simulation
 from dem.experiment.box import height_of_box, sample_diameters
 from dem.packing.random import pack
-from dem.packing.tiled import tiled
+from dem.packing.tiling import tiled
 from dem.scene import Friction, Material, Scene, box
 from dem.shapes.disc import Disc
 from dem.sweep.config import Sweep

@@ -6,8 +6,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.stats import t
 
-from dem.analysis.statistics import LEVEL, find
+from dem.analysis.statistics import find
 from dem.base.errors import InputError
+from dem.base.intervals import LEVEL
 
 HARMONICS = 4  # of RBD-FAST
 

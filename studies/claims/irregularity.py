@@ -4,10 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
-from scipy.special import stdtrit
 
 from dem.analysis.compare import Comparison
-from dem.analysis.statistics import LEVEL, find, half_interval
+from dem.analysis.statistics import find
+from dem.base.intervals import half_interval, log_ratio_error, student
 from studies.claims.layout import MEASURES
 
 SHAPES = "e3", "c1"
@@ -47,8 +47,7 @@ def compared(dataset: xr.Dataset, name: str) -> Ratio | None:
     found = Comparison(name, *runs, 1.0, np.inf)
     if found.runs < 2:
         return None
-    error, freedom = found.error()
-    half = found.estimate * stdtrit(freedom, 0.5 + 0.5 * LEVEL) * error
+    half = found.estimate * student(*log_ratio_error(*found.samples(), paired=False))
     return Ratio(found.estimate, half, found.runs)
 
 

@@ -4,10 +4,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import stdtrit
 
 from dem.analysis.compare import CONTRADICTED, SUPPORTED, UNDECIDED, judged
-from dem.analysis.statistics import LEVEL
+from dem.base.intervals import LEVEL, student
 
 UNTESTED = "not tested"
 
@@ -36,7 +35,7 @@ class Growth(NamedTuple):
 
     def interval(self, level: float = LEVEL) -> tuple[float, float]:
         """Confidence interval by Student's t."""
-        half = float(stdtrit(self.freedom, 0.5 + 0.5 * level)) * self.error
+        half = float(student(self.error, self.freedom, level))
         return math.exp(self.logarithm - half), math.exp(self.logarithm + half)
 
     def verdict(self, level: float) -> str:

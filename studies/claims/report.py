@@ -8,9 +8,9 @@ from rich.table import Table
 from rich.text import Text
 
 from dem.analysis.compare import CONTRADICTED, SUPPORTED, UNDECIDED
-from dem.analysis.statistics import LEVEL
 from dem.analysis.tables import numbers
 from dem.base.errors import InputError
+from dem.base.intervals import LEVEL
 from dem.io.dataset import content_of
 from studies.claims.numbers import UNTESTED
 from studies.claims.sentences import CLAIMS

@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.stats import binomtest
 
-from dem.analysis.statistics import LEVEL
 from dem.base.errors import InputError
+from dem.base.intervals import LEVEL
 from studies.claims.evidence import MARGIN, Evidence, from_study, from_sweep
 from studies.claims.layout import MEASURES, VARIABLES
 from studies.claims.numbers import simultaneous, together

@@ -6,8 +6,8 @@ import numpy as np
 from rich.table import Table
 
 from dem.analysis.onset import Limits, limits
-from dem.analysis.statistics import Estimate
 from dem.analysis.tables import numbers
+from dem.base.intervals import Estimate
 from studies.common.findings import Findings, estimate
 
 __all__ = ["onset"]

@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 
 from dem.base import provenance
+from dem.base.intervals import mean_interval
 from dem.base.sources import code_hash
 from dem.io.dataset import global_attributes, write
-from dem.sweep.precision import Known, Until, known
+from dem.sweep.precision import Until
 from studies.precision.layout import VARIABLES
 from studies.precision.sources import Source, again, gamma, lognormal, mixture, normal
 from studies.precision.stopping import FEW, OTHERS, ROUNDS, RULES
@@ -35,12 +36,13 @@ def needed(source: Source, until: Until) -> float:
     return max(until.least, (ndtri(0.5 + 0.5 * until.level) * source.scatter / until.target[0]) ** 2)
 
 
-def trial(rule: Callable, until: Until, source: Source, rng: np.random.Generator) -> Known:
-    """What is known of a place once a rule wants no more runs; those that it may want are drawn at once."""
+def trial(rule: Callable, until: Until, source: Source, rng: np.random.Generator) -> tuple:
+    """Mean, ends of its interval and number of runs once a rule wants no more; those that it may want are
+    drawn at once."""
     sample = source.draw(rng, source.scatter, math.ceil(1.3 * needed(source, until)))
     while (wanted := rule(until, sample)) > len(sample):
         sample = np.append(sample, source.draw(rng, source.scatter, wanted - len(sample)))
-    return known(sample[:wanted], until.level)
+    return *mean_interval(sample[:wanted], until.level), wanted
 
 
 def tried(rule: str, source: Source, target: float, samples: int, seed: int) -> tuple:

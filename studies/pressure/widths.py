@@ -17,8 +17,9 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from dem.analysis.statistics import LEVEL, Estimate, over_seeds, summarise
+from dem.analysis.statistics import over_seeds, summarise
 from dem.base.errors import InputError
+from dem.base.intervals import LEVEL, Estimate, student
 
 LEAST = {"box": 3, "shape": 2, "seed": 2}  # values that a line and its interval take
 OF_WIDTH = ("box", "box_width", "granules")  # all else boxes of one series have in common
@@ -126,15 +127,13 @@ class Widths:
     def _told(self, place: tuple, powers: dict[tuple[str, str], float]) -> Estimate:
         """Product of powers of mean drags, by the delta method for its logarithm and Welch's degrees
         of freedom."""
-        from scipy.special import stdtrit
-
         n, value, parts = self.places.index(place), 1.0, np.zeros(len(self.shapes))
         for (shape, box), power in powers.items():
             s, at = self.shapes.index(shape), self.boxes.index(box)
             value *= float(self.means[n, s, at] ** power)
             parts[s] += self.scatter[n, s] ** 2 / self.counts[n, s, at]
         free = parts.sum() ** 2 / (parts**2 / self.freedom[n]).sum() if parts.any() else 1.0
-        half = float(stdtrit(free, 0.5 + 0.5 * LEVEL) * np.sqrt(parts.sum()))
+        half = float(student(np.sqrt(parts.sum()), free))
         return Estimate(value, value * np.exp(-half), value * np.exp(half))
 
     def drag_limit(self, place: tuple, shape: str) -> Estimate:

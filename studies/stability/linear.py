@@ -59,9 +59,9 @@ class Nudged:
         bodies[:] = self._place
         bodies[:, :2] += moved[:, :2]
         bodies[:, 2:5] = velocity
-        if world.frame is not None:
+        if world.orientation is not None:
             turned = self._angle + moved[:, 2]
-            world.frame[:] = np.column_stack([np.cos(turned), np.sin(turned)])
+            world.orientation[:] = np.column_stack([np.cos(turned), np.sin(turned)])
         forces(world, dt, math.inf)
         return world.force[:, :3] / [1.0, 1.0, self.size]
 

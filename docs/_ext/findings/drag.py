@@ -8,9 +8,9 @@ import numpy as np
 import xarray as xr
 from rich.table import Table
 
-from dem.analysis.statistics import LEVEL, change, summarise
+from dem.analysis.statistics import change, summarise
 from dem.analysis.tables import numbers
-from dem.sweep.precision import Known, known
+from dem.base.intervals import Estimate, ratio_interval
 from studies.common.findings import Findings, estimate, interval, span
 
 __all__ = ["drag", "flow", "precise", "snapshots"]
@@ -212,12 +212,11 @@ class Precise(Drag):
 
     def over(self, case: str, other: str = "c1") -> str:
         """Mean drag of a case over that of another, with Fieller's 95 % interval."""
-        found = self._over(case, other)
-        return estimate((found.value, found.low, found.high))
+        return estimate(self._over(case, other))
 
-    def _over(self, case: str, other: str) -> Known:
+    def _over(self, case: str, other: str) -> Estimate:
         runs = self.summary["run_mean"]
-        return known(runs.sel(case=case).values, LEVEL, runs.sel(case=other).values)
+        return ratio_interval(runs.sel(case=case).values, runs.sel(case=other).values)
 
     def widest(self) -> str:
         """The least well known of all ratios to c1: half its interval, over itself."""

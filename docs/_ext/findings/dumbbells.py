@@ -2,8 +2,8 @@
 
 from rich.table import Table
 
-from dem.analysis.statistics import Estimate
 from dem.analysis.tables import numbers
+from dem.base.intervals import Estimate
 from studies.common.findings import estimate
 
 from .drag import drag

@@ -37,7 +37,7 @@ def plot(dataset: xr.Dataset) -> Figure:
             told = case in compared_cases or None in compared_cases
             axes.plot(x, mean, linewidth=2.0 if told else 1.0, label=str(case), **look)
             if told:
-                style.band(axes, x, mean, half, look["color"], 0.16)
+                style.band(axes, x, mean, half, look["color"], alpha=0.16)
         axes.set_ylabel(LABELS[name])
         axes.set_title(_reading(dataset, name), loc="left")
         style.from_zero(axes)

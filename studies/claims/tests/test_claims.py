@@ -24,7 +24,7 @@ from dem.analysis.compare import (
 from dem.base.errors import InputError
 from dem.experiment.kinds.jamming import NOISE, line
 from dem.experiment.observables.alignment import alignment
-from dem.packing.pressed import Press
+from dem.packing.compaction import Press
 from dem.packing.random import Room
 from dem.sweep import design
 from dem.sweep.batch import write_batch

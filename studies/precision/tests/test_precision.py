@@ -7,8 +7,9 @@ import pytest
 from typer.testing import CliRunner
 
 from conftest import assert_not_blank, needs_study
+from dem.base.intervals import mean_interval
 from dem.figures.catalogue import draw
-from dem.sweep.precision import Until, known
+from dem.sweep.precision import Until, excess
 from studies.__main__ import app
 from studies.catalogue import figures
 from studies.precision.calibrate import tried
@@ -54,7 +55,7 @@ def test_other_rules_stop_where_their_papers_say(rule, least, share, stays):
     until, rng = Until(until=f"{100.0 * share!r} %"), np.random.default_rng(3)
     for scatter in (0.1, 0.2, 0.3):
         sample = rng.normal(1.0, scatter, 400)
-        narrow = [n >= least and known(sample[:n], until.level).excess(until) <= 1.0 for n in range(401)]
+        narrow = [n >= least and excess(mean_interval(sample[:n], until.level), until) <= 1.0 for n in range(401)]
         ahead = [max(stays, stays * n // 100) for n in range(401)]
         first = next(n for n in range(401) if narrow[n] and all(narrow[n : n + ahead[n] + 1]))
         asked = Until(until="5 %", most=5000)

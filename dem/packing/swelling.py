@@ -1,4 +1,4 @@
-"""A random bed that grows in motion, at a prescribed packing fraction, around the cylinder.
+"""Random beds of granules that swell in motion to a prescribed packing fraction.
 
 Granules start as in dem.packing.random. They grow in the same steps, but after each step they move
 by the dynamics of a run (dem.dynamics.simulation), without friction and with inelastic collisions.
@@ -17,11 +17,11 @@ from dem.base.validate import checked
 from dem.contacts.force_law import effective_modulus
 from dem.dynamics.simulation import Simulation
 from dem.dynamics.world import World
-from dem.packing.random import GROWTH, ROOM, SETTLED, Bed, Room, at_rest, sown, unit_of
+from dem.packing.random import GROWTH, ROOM, SETTLED, Bed, Room, at_rest, dilute_start, unit_of
 from dem.scene import Cylinder, Material, Scene, State
 
 DAMPED = Material(density=1.0, young_modulus=1.0, poisson_ratio=0.0, restitution=0.5)
-FRACTION = 0.9  # of the bound on the critical time step: the motion need not be accurate
+COARSE_STEP = 0.9  # of the bound on the critical time step: the motion need not be accurate
 STAGE = 300.0  # sqrt(m / (E* R)): motion after each step of growth
 KEPT = 0.5  # of all velocities, after a stage
 STAGES = 100  # at full size, at most; what is jammed then moves little and is minimised
@@ -55,8 +55,8 @@ def grow(
     seed : int
         Seed of the random places and angles, without unit, zero or positive.
     periodic : str
-        Along which sides the box repeats itself: "none", "x", "y" or "xy". There are no walls across
-        these.
+        Along which sides the box repeats itself: "none", "x", "y" or "xy". There are no walls
+        across these.
 
     Returns
     -------
@@ -93,7 +93,7 @@ def grow(
     True
     """
     room = Room(width, height, cylinder, seed, periodic)
-    factor, state = sown(shape, room)
+    factor, state = dilute_start(shape, room)
     unit = unit_of(shape)
     try:
         while factor < 1.0:
@@ -115,7 +115,7 @@ def greatest_force(world: World) -> float:
 
 def _moved(scene: Scene, state: State) -> tuple[State, float]:
     """The State after one stage, with velocities reduced, and the largest net force (N)."""
-    run = Simulation(scene, state, step_fraction=FRACTION)
+    run = Simulation(scene, state, step_fraction=COARSE_STEP)
     radius = scene.shape.constituent_radius.mean()
     modulus = effective_modulus(DAMPED, DAMPED)
     run.advance(STAGE * math.sqrt(scene.mass.mean() / (modulus * radius)))

@@ -1,4 +1,4 @@
-"""A bed that is pressed: granules grow in a box of fixed size and come to rest after every step.
+"""Beds compacted in a box of fixed size: granules swell and come to rest after every step.
 
 With friction the bed comes to rest by damped motion (dem.dynamics.simulation), without friction by
 FIRE (dem.packing.minimise). The uses are beds packed with friction, and the packing fraction at
@@ -15,9 +15,9 @@ from dem.base.errors import PackingError
 from dem.dynamics.contact_list import ContactList, list_contacts
 from dem.dynamics.simulation import Simulation
 from dem.dynamics.world import World
-from dem.packing.grown import DAMPED, FRACTION, greatest_force
 from dem.packing.minimise import Rest, minimise, state_of
 from dem.packing.random import Bed, Room, finished, pack, pressure_of, unit_of
+from dem.packing.swelling import COARSE_STEP, DAMPED, greatest_force
 from dem.scene import Friction, State
 
 Preparation = Callable[..., Bed]  # called as dem.pack is
@@ -39,10 +39,10 @@ def compact(shape: Any, room: Room, friction: float, prepare: Preparation = pack
     press.press(press.full)
     if not press.net_force <= MOVING:
         raise PackingError(
-            f"{room.name(press.grown())} is not at rest after it was pressed with friction "
+            f"{room.name(press.granules())} is not at rest after it was pressed with friction "
             f"{friction:g}: net force {press.net_force:.2g} E* R^2."
         )
-    return finished(press.grown(), room, *press.minimised(0, RESTING), press.net_force)
+    return finished(press.granules(), room, *press.minimised(0, RESTING), press.net_force)
 
 
 class Press:
@@ -60,22 +60,25 @@ class Press:
         self.full = float(shape.area.sum() / room.area)
         self.fraction = min(START, self.full)
         self.unit = unit_of(shape)  # N
-        bed = prepare(self.grown(), *room)
+        bed = prepare(self.granules(), *room)
         self.state, self.pressure, self.net_force = bed.state, bed.pressure, bed.net_force
 
-    def grown(self) -> Any:
+    def granules(self) -> Any:
         """The granules as they are."""
         return self.shape.scaled(math.sqrt(self.fraction / self.full))
 
     def minimised(self, iterations: int, resting: float) -> tuple[World, Rest]:
         """The bed as it is without friction, minimised to a net force of `resting` (E* R^2)."""
-        return minimise(self.room.scene(self.grown()), self.state, iterations, resting * self.unit)
+        return minimise(
+            self.room.scene(self.granules()), self.state, iterations, resting * self.unit
+        )
 
     def press(self, fraction: float, resting: float = RESTING, patience: int = PATIENCE) -> float:
         """Grow the granules to a packing fraction; returns `pressure`, the mean normal stress on
         the walls, or of the contacts without walls, over E* (unit thickness, m).
 
-        resting: greatest net force (E* R^2) of a bed at rest; patience: iterations of FIRE, at most.
+        resting: greatest net force (E* R^2) of a bed at rest; patience: iterations of FIRE, at
+        most.
         """
         steps = max(1, math.ceil(abs(fraction - self.fraction) / STEP - 1e-9))
         for part in np.linspace(self.fraction, fraction, 1 + steps)[1:]:
@@ -95,8 +98,8 @@ class Press:
 
     def _damp(self, resting: float) -> None:
         friction = Friction(self.friction, self.friction, self.friction)
-        scene = self.room.scene(self.grown(), DAMPED, friction)
-        run = Simulation(scene, self.state, step_fraction=FRACTION)
+        scene = self.room.scene(self.granules(), DAMPED, friction)
+        run = Simulation(scene, self.state, step_fraction=COARSE_STEP)
         radius = self.shape.constituent_radius.mean()
         piece = PIECE * math.sqrt(scene.mass.mean() * radius / self.unit)
         for _ in range(PIECES):

@@ -1,8 +1,9 @@
-"""A bed that bears a load: a loose bed whose top wall comes down until it carries what is asked.
+"""Beds at a prescribed pressure: the top wall of a loose bed comes down until it bears that.
 
-The granules keep their size, so the height of the box is a result. After every step down the elastic
-energy is minimised without friction, as in dem.packing.random. Above jamming the load to the power
-of 2/3 is nearly linear in the height (see dem.experiment.kinds.jamming), so a secant finds the height.
+The granules keep their size, so the height of the box is a result. After every step down the
+elastic energy is minimised without friction, as in dem.packing.random. Above jamming the pressure
+to the power of 2/3 is nearly linear in the height (see dem.experiment.kinds.jamming), so a secant
+finds the height.
 """
 
 from typing import Any
@@ -17,28 +18,28 @@ from dem.packing.random import LONGEST, REST, SOFT, Bed, Room, finished, pack, u
 STEP = 0.01  # of the height, at most, between two rests
 STEPS = 100  # at most
 FAR = 1e-3  # of the height: less tells no slope
-NEAR = 1e-3  # of the load: how near it is met
+NEAR = 1e-3  # of the pressure: how near it is met
 PATIENCE = 20_000  # iterations between two steps
-RESTING = 1e-4  # of the force of the load on a granule: enough between two steps
+RESTING = 1e-4  # of the force of the pressure on a granule: enough between two steps
 
 
-def pack_under(shape: Any, room: Room, load: float) -> Bed:
-    """A bed at rest whose top wall bears a load, to one part in a thousand.
+def pack_under(shape: Any, room: Room, pressure: float) -> Bed:
+    """A bed at rest whose top wall bears a pressure, to one part in a thousand.
 
-    The height of the room is that of the box in which the bed is loose, before its top wall comes down;
-    load (m): normal force on the top wall over width and E*. The cylinder stays where it is; otherwise
-    as dem.pack. Raises PackingError as dem.pack does, and where no height is found.
+    The height of the room is that of the box in which the bed is loose, before its top wall comes
+    down; pressure (m): normal force on the top wall over width and E*. The cylinder stays where it
+    is; otherwise as dem.pack. Raises PackingError as dem.pack does, and where no height is found.
     """
     state = pack(shape, *room).state
     modulus, unit = effective_modulus(SOFT, SOFT), unit_of(shape)
-    near = RESTING * load * modulus * 2.0 * shape.constituent_radius.mean()
-    seen: list[tuple[float, float]] = []  # heights (m), load^(2/3) over what is asked
+    near = RESTING * pressure * modulus * 2.0 * shape.constituent_radius.mean()
+    seen: list[tuple[float, float]] = []  # heights (m), pressure^(2/3) over what is asked
     met = False
     while len(seen) < STEPS:
         iterations, enough = (LONGEST, REST * unit) if met else (PATIENCE, near)
         world, rest = minimise(room.scene(shape), state, iterations, enough)
-        borne = float(world.boundaries.loads[world.walls.end - 1, 0]) / (
-            modulus * room.width * load
+        borne = float(world.boundaries.contact_forces[world.walls.end - 1, 0]) / (
+            modulus * room.width * pressure
         )
         polished, met = met, abs(borne - 1.0) < NEAR
         if polished and met:
@@ -52,8 +53,8 @@ def pack_under(shape: Any, room: Room, load: float) -> Bed:
         state.position[:, 1] *= lower / room.height
         room = room._replace(height=lower)
     raise PackingError(
-        f"no height of a box of {room.width:.3g} m was found in which the bed (seed {room.seed}) is at rest "
-        f"under its load; at {room.height:.4g} m it bears {borne:.3g} of it."
+        f"no height of a box of {room.width:.3g} m was found in which the bed (seed {room.seed}) "
+        f"is at rest under its pressure; at {room.height:.4g} m it bears {borne:.3g} of it."
     )
 
 

@@ -1,4 +1,4 @@
-"""Which pairs may touch: Verlet lists with a skin, made from a cell list.
+"""Pairs that may touch, found by a cell list, for Verlet lists with a skin.
 
 A list holds every pair of constituents whose bounding circles are less than `skin` apart. It is
 complete until something has moved by skin / 2. The order of a list depends on the present
@@ -9,7 +9,6 @@ import numpy as np
 
 from dem.jit.columns import X, Y
 from dem.jit.compilation import compiled, inlined
-from dem.jit.optional import optional
 
 
 @inlined
@@ -43,8 +42,8 @@ def place_of(period, distance, count, size):
 
 @inlined
 def around(period, cell, count):
-    """First and last (excluded) of a cell and those beside it. The cell that follows the last along a
-    periodic side is the first, modulo `count`."""
+    """First and last (excluded) of a cell and those beside it. The cell that follows the last along
+    a periodic side is the first, modulo `count`."""
     if period > 0.0:
         return cell - 1, cell - 1 + min(count, 3)
     return max(cell - 1, 0), min(cell + 2, count)
@@ -144,7 +143,7 @@ def near_pairs(constituents, radius, skin, per_granule, period):
     return first, constituent, partner[:count].copy()
 
 
-@optional
+@inlined
 def near_planes(planes, constituents, radius, skin):
     """Constituents closer than skin (m) to a wall: sorted (constituent, partner) of Contacts."""
     constituent = np.empty(constituents.shape[0] * planes.shape[0], np.uint32)
@@ -152,14 +151,14 @@ def near_planes(planes, constituents, radius, skin):
     count = 0
     for i in range(constituents.shape[0]):
         for k in range(planes.shape[0]):
-            here = constituents[i, X] * planes[k, 0] + constituents[i, Y] * planes[k, 1]
-            if here + radius[i] + skin > planes[k, 2]:
+            height = constituents[i, X] * planes[k, 0] + constituents[i, Y] * planes[k, 1]
+            if height + radius[i] + skin > planes[k, 2]:
                 constituent[count], partner[count] = i, k
                 count += 1
     return constituent[:count].copy(), partner[:count].copy()
 
 
-@optional
+@inlined
 def near_circle(size, place, constituents, radius, skin, period):
     """The same for a circle of radius size (m) at a place (x, y)."""
     constituent = np.empty(constituents.shape[0], np.uint32)
