@@ -27,7 +27,7 @@ AGAIN = {
     "a flag of the compiler": ("dem/jit/compilation.py", '{"contract", "arcp", "nsz"}', '{"arcp", "nsz"}'),
     "the version of Numba": ("dem/base/provenance.py", 'names = ("numpy", "numba", "llvmlite")', 'names = ("numpy", "numba", "llvmlite", "scipy")'),
     "a default": ("dem/experiment/sections.py", 'critical one", 0.3, le=10)', 'critical one", 0.4, le=10)'),
-    "the stream of a seed": ("dem/experiment/fit.py", "default_rng([seed, 0])", "default_rng([seed, 1])"),
+    "the stream of a seed": ("dem/experiment/box.py", "default_rng([seed, 0])", "default_rng([seed, 1])"),
     "what is recorded": ("dem/experiment/observables/drag.py", '"drag": -total[:, 1]', '"drag": -1.0 * total[:, 1]'),
     "when it is recorded": ("dem/experiment/kinds/drag.py", "BINS_A_CALL = 20", "BINS_A_CALL = 21"),
     "the layout of files": ("dem/experiment/config.py", "LAYOUT = 1", "LAYOUT = 2"),

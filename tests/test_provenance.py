@@ -33,7 +33,6 @@ RESULTS = {
     "jamming": ("dem.experiment.kinds.jamming", DISC),
     "bed": ("dem.experiment.bed", DISC),
     "drag.nc": ("dem.sweep.combine",),
-    "flow.nc": ("dem.analysis.flow.collect", DISC),
     "figure": ("dem.figures.figure13",),
     "claims": ("studies.claims.table",),
     "claims.txt": ("dem.report.info", "studies.claims.findings"),
@@ -42,7 +41,7 @@ RESULTS = {
 }
 BEDS = {"jamming", "bed"}
 RUNS = {"disc run", "ellipse run", "superellipse run", "ledger run"}
-MADE = {"flow.nc", "claims"}  # by what can make runs too
+MADE = {"claims"}  # by what can make runs too
 MOVING = RUNS | BEDS | MADE | {"claims.txt", "page"}
 KERNELS = MOVING | {"kernel"}
 LINE = "\nEDITED = True\n"

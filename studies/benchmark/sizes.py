@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from dem.dynamics.simulation import STEP_FRACTION, Simulation
-from dem.experiment.fit import height_of_box, sample_diameters
+from dem.experiment.box import height_of_box, sample_diameters
 from dem.packing.random import pack
 from dem.packing.tiling import tiled
 from dem.scene import Friction, Material, Scene, box

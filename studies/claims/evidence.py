@@ -6,7 +6,6 @@ import numpy as np
 import xarray as xr
 
 from dem.analysis.compare import Comparison
-from dem.analysis.flow.layout import MEASURES
 from dem.analysis.statistics import summarise, within
 
 NOTHING = xr.Dataset(coords={"case": [], "seed": []})
@@ -150,6 +149,7 @@ def from_sweep(dataset: xr.Dataset, flow: xr.Dataset | None = None, margin=MARGI
     runs.attrs |= {"window_start": low, "window_stop": high}
     if flow is not None:
         from studies.claims.irregularity import in_window
+        from studies.claims.layout import MEASURES
 
         for name in MEASURES:
             runs[name] = in_window(flow, name)

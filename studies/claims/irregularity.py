@@ -6,9 +6,9 @@ import numpy as np
 import xarray as xr
 
 from dem.analysis.compare import Comparison
-from dem.analysis.flow.layout import MEASURES
 from dem.analysis.statistics import find
 from dem.base.intervals import half_interval, log_ratio_error, student
+from studies.claims.layout import MEASURES
 
 SHAPES = "e3", "c1"
 

@@ -1,6 +1,12 @@
 """The layout of claims.nc, as in dem.io.dataset."""
 
 RUN = ("run",)
+MEASURES = {  # of how irregularly beds move, as dem.experiment.observables.flow names them
+    "non_affine": "non-affine displacement",
+    "fluctuation": "motion apart from the neighbours",
+    "mixing": "mixing of layers",
+    "contacts_lost": "contacts lost",
+}
 
 # name: (dimensions, units, long name)
 VARIABLES = {

@@ -4,6 +4,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 from scipy.stats import t
 
@@ -76,13 +77,13 @@ def distance_error(dataset, shape: str, other: str, fraction: float, state: str)
     jamming = jamming_in(dataset)
     friction = float(dataset["jam_friction"].max()) if "friction" in state else 0.0
     shapes = shape, other
-    errors = [standard_error(jamming.of(each, friction, "fraction")) for each in shapes]
+    errors = [standard_error(jamming.of(each, "fraction", friction)) for each in shapes]
     if "load" not in state:
         return math.hypot(*errors)
     # at_load multiplies the distance of the other shape by the ratio of both slopes
-    slopes = [jamming.of(each, friction, "slope") for each in shapes]
+    slopes = [jamming.of(each, "slope", friction) for each in shapes]
     means = [float(np.nanmean(each)) for each in slopes]
-    distance = (fraction - jamming.fraction(other)) * means[1] / means[0]
+    distance = (fraction - jamming.mean(other, "fraction")) * means[1] / means[0]
     relative = [standard_error(s) / m for s, m in zip(slopes, means, strict=True)]
     return math.hypot(errors[0], errors[1] * means[1] / means[0], *(distance * r for r in relative))
 
@@ -90,7 +91,8 @@ def distance_error(dataset, shape: str, other: str, fraction: float, state: str)
 def jamming_in(dataset: xr.Dataset) -> Jamming:
     """Jamming fractions by the labels of claims.nc."""
     names = "shape", "friction", "fraction", "slope", "diameter"
-    return Jamming(*(dataset[f"jam_{name}"].values for name in names))
+    beds = pd.DataFrame({name: dataset[f"jam_{name}"].values for name in names})
+    return Jamming(beds.rename(columns={"shape": "kind"}))
 
 
 def standard_error(values: np.ndarray) -> float:

@@ -25,10 +25,10 @@ rule claims_table:
         "Gather what claims are about into {output}"
     input:
         needed=lambda w: [
-            f"{study('claims').folder_of(name)}/{observable}.nc"
+            file
             for block in study("claims").sweep.blocks
             for name in study("claims").sweep.needed(block)
-            for observable in study("claims").observables(name)
+            for file in combined(study("claims"), name)
         ],
         batches=lambda w: study_batches("claims"),
         derived=lambda w: study_batches("claims", derived=True),

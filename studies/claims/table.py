@@ -8,17 +8,17 @@ from pathlib import Path
 
 import numpy as np
 
-from dem.analysis.flow.layout import MEASURES
 from dem.base.errors import InputError
 from dem.base.schema import validated
 from dem.experiment.config import Replicate
 from dem.experiment.kinds import drag
 from dem.experiment.observables.alignment import VARIABLES as ALONG
 from dem.io.dataset import FAILURES, global_attributes, write
-from dem.sweep.campaign import Campaign
 from dem.sweep.design import Choice, Design, Range
-from dem.sweep.expand import Block, Run
-from studies.claims.layout import VARIABLES
+from dem.sweep.expand import Block
+from dem.sweep.precision import GridPoint
+from dem.sweep.state import SweepState
+from studies.claims.layout import MEASURES, VARIABLES
 from studies.common.table import origin, rows, wanted_of
 
 PARTS = ("replicates", "sensitivity", "jamming")  # without which there is no study
@@ -27,24 +27,24 @@ OF_RUNS = ("drag", *MEASURES, *ALONG)
 OF_BEDS = ("jam_fraction", "jam_slope")
 
 
-def make(campaign: Campaign, output: Path, progress=lambda share: None) -> None:
+def make(state: SweepState, output: Path, progress=lambda share: None) -> None:
     """Write claims.nc; raises InputError for a sweep that is none of this study, and for runs that
     are not made yet."""
-    sweep = campaign.sweep
+    sweep = state.sweep
     for part in PARTS:
         if part not in sweep.blocks:
             raise InputError(f"sweep.blocks has no {part}; see studies/claims/sweep.yaml.")
     factors = factors_of(sweep)
     runs, beds, every = [], [], []
     for done, name in enumerate(sweep.blocks):
-        files, block = campaign.files(name), campaign.block(name)
+        files, block = state.files(name), state.block(name)
         every += files
-        if block.runs[0].replicate.configuration.experiment == "jamming":
+        if block.first.configuration.experiment == "jamming":
             found = gather(block, files, OF_BEDS, kept)
-            beds += [labels_of_bed(block, r) | found[r.replicate.id] for r in block.runs]
+            beds += [labels_of_bed(block, *item) | found[item[1].id] for item in block.runs.items()]
         else:
             found = gather(block, files, OF_RUNS, measured)
-            runs += [labels(block, r, factors) | found[r.replicate.id] for r in block.runs]
+            runs += [labels(block, *item, factors) | found[item[1].id] for item in block.runs.items()]
         progress((done + 1) / len(sweep.blocks))
     low, high = sweep.record.window
     attrs = global_attributes(
@@ -118,9 +118,11 @@ def coarse(values: np.ndarray) -> np.ndarray:
     return values[: len(values) // size * size].reshape(-1, size).mean(axis=1)
 
 
-def labels(block: Block, run: Run, factors: dict[str, Range | Choice]) -> dict:
+def labels(
+    block: Block, point: GridPoint, own: Replicate, factors: dict[str, Range | Choice]
+) -> dict:
     """What a run is."""
-    part, at, own = block.name.partition("_")[0], coordinates(block, run), run.replicate
+    part, at = block.name.partition("_")[0], coordinates(block, point)
     packing = own.configuration.packing.fraction or np.nan
     alone = "ellipse" if part == "ratios" else own.label
     return {
@@ -135,15 +137,13 @@ def labels(block: Block, run: Run, factors: dict[str, Range | Choice]) -> dict:
         "seed": own.seed,
         "density": own.density,
         "packing": packing,
-        "factor": place_of(block, run, factors),
+        "factor": place_of(block, point, factors),
     }
 
 
-def coordinates(block: Block, run: Run) -> dict:
+def coordinates(block: Block, point: GridPoint) -> dict:
     """Where a run is on the axes of its block, by their names."""
-    return {
-        axis.name: axis.coordinate[place] for axis, place in zip(block.axes, run.place, strict=True)
-    }
+    return {axis.name: axis.coordinate[i] for axis, i in zip(block.axes, point, strict=True)}
 
 
 # The design
@@ -155,13 +155,13 @@ def factors_of(sweep) -> dict[str, Range | Choice]:
     return validated(Design, spec, at="sweep.blocks.sensitivity.point").over
 
 
-def place_of(block: Block, run: Run, factors: dict[str, Range | Choice]) -> np.ndarray:
+def place_of(block: Block, point: GridPoint, factors: dict[str, Range | Choice]) -> np.ndarray:
     """Where in the design a run is (factors,): of a choice its number; NaN for other blocks."""
     names = list(block.dims)
     if "point" not in names:
         return np.full(len(factors), np.nan)
     at = names.index("point")
-    values = block.axes[at].points[run.place[at]]
+    values = block.axes[at].points[point[at]]
     return np.array([number_of(factor, values[path]) for path, factor in factors.items()])
 
 
@@ -179,9 +179,9 @@ def kept(replicate: Replicate, values: dict) -> dict:
     return {name.removeprefix("jam_"): values[name] for name in OF_BEDS}
 
 
-def labels_of_bed(block: Block, run: Run) -> dict:
+def labels_of_bed(block: Block, point: GridPoint, own: Replicate) -> dict:
     """What a bed is: a shape, ellipses of an aspect ratio, or a shape in another box."""
-    at, own = coordinates(block, run), run.replicate
+    at = coordinates(block, point)
     words = own.label
     if "factor" in at:
         setting = block.name.partition("_")[2]

@@ -6,10 +6,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.stats import binomtest
 
-from dem.analysis.flow.layout import MEASURES
 from dem.base.errors import InputError
 from dem.base.intervals import LEVEL
 from studies.claims.evidence import MARGIN, Evidence, from_study, from_sweep
+from studies.claims.layout import MEASURES, VARIABLES
 from studies.claims.numbers import simultaneous, together
 from studies.claims.sentences import CLAIMS, Claim
 
@@ -68,11 +68,9 @@ def share(claim: Claim, found: Evidence) -> Share | None:
 
 def evidence_in(path: Path, margin: float = MARGIN) -> Evidence:
     """Runs in claims.nc, or in drag.nc with the flow.nc beside it; raises InputError."""
-    from dem.analysis.flow.layout import VARIABLES as FLOW
     from dem.io.dataset import content_of
     from dem.io.lazily import open_lazily, require
     from dem.sweep.combine import open_combined
-    from studies.claims.layout import VARIABLES
 
     with open_lazily(path) as dataset:
         if "run_part" in dataset:
@@ -91,7 +89,7 @@ def evidence_in(path: Path, margin: float = MARGIN) -> Evidence:
         with open_lazily(flow) as moves:
             own, others = moves.indexes, drag.indexes
             if all(name in own and own[name].equals(others[name]) for name in ("case", "seed")):
-                require(moves, flow, FLOW, MEASURES, ("window_start", "window_stop"))
+                require(moves, flow, {}, MEASURES, ("window_start", "window_stop"))
                 same = moves.load()
     with content_of(path):
         return from_sweep(drag, same, margin)

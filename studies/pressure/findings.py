@@ -9,7 +9,7 @@ import xarray as xr
 from rich.table import Table
 
 from dem.analysis.tables import numbers
-from dem.experiment.fit import sample_diameters
+from dem.experiment.box import sample_diameters
 from studies.common.findings import Findings, estimate, span
 from studies.pressure.widths import NEAR, Widths
 

@@ -9,9 +9,9 @@ import numpy as np
 
 from dem.base.errors import InputError
 from dem.io.dataset import global_attributes, write
-from dem.sweep.campaign import Campaign
 from dem.sweep.config import Sweep
 from dem.sweep.expand import Block
+from dem.sweep.state import SweepState
 from studies.common.table import origin, parts, rows, wanted_of
 from studies.stability.layout import MAP, VARIABLES
 
@@ -35,7 +35,7 @@ def blocks_of(sweep: Sweep) -> dict[str, Block]:
                 f"sweep.blocks.{name} varies {', '.join(block.dims)}; it must vary {', '.join(dims)} in "
                 "this order, and have one seed."
             )
-        if "ledger" not in block.runs[0].replicate.configuration.record.observables:
+        if "ledger" not in block.first.configuration.record.observables:
             raise InputError(
                 f"record.observables of sweep.blocks.{name} lacks ledger; the study needs it."
             )
@@ -47,7 +47,7 @@ def energy_map(paths: list[Path], block: Block, young_modulus: float) -> dict:
     residual = np.full(block.shape, np.nan)
     for ids, values in rows(paths, ("ledger_residual", "failure"), wanted_of([block])):
         for run, along in zip(ids, values["ledger_residual"], strict=True):
-            for place in block.places[run]:
+            for place in block.points[run]:
                 residual[place] = along.max()  # NaN if any is
     shape, modulus, *others = (np.array(axis.coordinate) for axis in block.axes[:-1])
     axes = shape, modulus / young_modulus, *others
@@ -56,12 +56,12 @@ def energy_map(paths: list[Path], block: Block, young_modulus: float) -> dict:
 
 def paper(paths: list[Path], block: Block) -> dict:
     """Residual of each case along the stroke, after its start."""
-    own = block.runs[0].replicate.configuration
+    own = block.first.configuration
     moved = np.linspace(0.0, own.cylinder.stroke, own.record.snapshots)
     residual = np.full((block.shape[0], len(moved)), np.nan)
     for ids, values in rows(paths, ("ledger_residual",), wanted_of([block])):
         for run, along in zip(ids, values["ledger_residual"], strict=True):
-            for case, _ in block.places[run]:
+            for case, _ in block.points[run]:
                 residual[case] = along
     return {
         "paper_case": np.array(block.axes[0].coordinate),
@@ -70,10 +70,10 @@ def paper(paths: list[Path], block: Block) -> dict:
     }
 
 
-def write_study(path: Path, campaign: Campaign, files: list[Path]) -> None:
+def write_study(path: Path, state: SweepState, files: list[Path]) -> None:
     """Write stability.nc from the batches of a sweep and what the catalogue and the limits wrote."""
-    sweep, blocks = campaign.sweep, blocks_of(campaign.sweep)
-    batches = {name: campaign.files(name) for name in blocks}
+    sweep, blocks = state.sweep, blocks_of(state.sweep)
+    batches = {name: state.files(name) for name in blocks}
     values = (
         parts(files, VARIABLES)
         | energy_map(batches["map"], blocks["map"], sweep.material.young_modulus)

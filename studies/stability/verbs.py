@@ -70,8 +70,8 @@ def table(
     config: ConfigOption = STABILITY,
 ):
     """Write the runs of the sweep and all parts into stability.nc."""
-    from dem.sweep.campaign import Campaign
+    from dem.sweep.state import SweepState
     from studies.stability.table import write_study
 
     with bar("stability"):
-        write_study(output, Campaign.of(config), files)
+        write_study(output, SweepState.of(config), files)

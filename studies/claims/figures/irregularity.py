@@ -3,15 +3,15 @@
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.analysis.flow.layout import MEASURES
 from dem.analysis.statistics import find, table1
+from dem.experiment.observables.flow import lag_of
 from dem.figures import style
 from studies.claims.irregularity import SHAPES, compared, mean_and_half, verdict
+from studies.claims.layout import MEASURES
 
 FILE = "flow"
 CAPTION = "How irregular the flow is, by shape: four measures against displacement"
 CASES = {}
-RECORDED = ("flow", "snapshots")
 VARIABLES = ("non_affine",)
 LABELS = {
     "non_affine": "D²min over the squared\ndiameter (1)",
@@ -43,7 +43,7 @@ def plot(dataset: xr.Dataset) -> Figure:
         style.from_zero(axes)
     for axes in grid[2:]:
         axes.set_xlabel("Displacement of the cylinder (mm)")
-    lag = style.millimetres(dataset.attrs["lag"])
+    lag = x[lag_of(here["snapshot_displacement"].values)]
     bands = "; bands: 95 %" if dataset.sizes["seed"] > 1 else ""
     figure.suptitle(f"{verdict(dataset)}\n(motions over {lag:g} mm{bands})")
     style.legend(figure, grid[0], "outside lower center", ncols=7)

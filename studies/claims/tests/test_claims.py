@@ -28,8 +28,9 @@ from dem.packing.compaction import Press
 from dem.packing.random import Room
 from dem.sweep import design
 from dem.sweep.batch import write_batch
-from dem.sweep.campaign import Campaign
+from dem.sweep.combined import combine_block
 from dem.sweep.config import load, parse
+from dem.sweep.state import SweepState
 from studies.__main__ import app
 from studies.claims import report
 from studies.claims.evidence import NOTHING, Evidence, from_study
@@ -284,7 +285,7 @@ def whole(tmp_path_factory):
     """The small study with numbers that are made up, and claims.nc of it."""
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(tmp_path_factory.mktemp("study"))
-        work = Campaign(parse(smoke()))
+        work = SweepState(parse(smoke()))
         for name in work.sweep.blocks:
             chunks = work.batches(name)
             work.begin(name)
@@ -296,7 +297,7 @@ def whole(tmp_path_factory):
             if name.startswith("jamming"):
                 output = Path(work.folder_of(name)) / "jamming.nc"
                 output.parent.mkdir(parents=True)
-                work.combine(name, "jamming", output)
+                combine_block(work, name, "jamming", output)
         make(work, Path("claims.nc"))
         return work, xr.load_dataset("claims.nc")
 
@@ -305,7 +306,7 @@ def test_every_run_of_the_study_is_a_row(whole):
     """No run is lost or there twice, and each has the numbers of that run."""
     work, dataset = whole
     blocks = [work.block(name) for name in work.sweep.blocks if not name.startswith("jamming")]
-    runs = [run.replicate for block in blocks for run in block.runs]
+    runs = [run for block in blocks for run in block.runs.values()]
     names = "part", "case", "setting", "x", "point", "seed"
     keys = list(zip(*(map(str, dataset[f"run_{name}"].values) for name in names), strict=True))
     assert len(runs) == len(keys) == len(set(keys)) == 63
@@ -375,7 +376,7 @@ def test_derived_fractions_are_those_of_the_beds_in_the_file(whole):
 
 def test_a_sweep_without_the_study_is_refused(tmp_path):
     with pytest.raises(InputError, match="has no replicates; see studies"):
-        make(Campaign(load(CONFIG / "smoke.yaml")), tmp_path / "claims.nc")
+        make(SweepState(load(CONFIG / "smoke.yaml")), tmp_path / "claims.nc")
 
 
 # What decides
@@ -514,10 +515,10 @@ def test_shapes_under_the_load_of_another():
     fraction = jamming.at_load("e1", "c1", 0.84)
 
     def load(shape, at, slope, diameter):
-        return (slope * (at - jamming.fraction(shape))) ** 1.5 * diameter
+        return (slope * (at - jamming.mean(shape, "fraction"))) ** 1.5 * diameter
 
     assert_allclose(load("e1", fraction, 0.7, 0.5), load("c1", 0.84, 1.0, 1.0))
-    assert jamming.at_load("e1", "c1", 0.80) < jamming.fraction("e1")
+    assert jamming.at_load("e1", "c1", 0.80) < jamming.mean("e1", "fraction")
 
 
 def test_impossible_runs_are_refused_before_any_is_made():

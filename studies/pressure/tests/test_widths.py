@@ -106,9 +106,9 @@ def test_every_bed_of_the_study_has_the_same_shape_of_neighbourhood():
     """Boxes of all sizes have as many granules per area as the paper's, as thick as any other, and
     the cylinder as far from the floor."""
     paper, runs = load("config/paper.yaml"), load(HERE / "sweep.yaml").block("drag").runs
-    for run in runs:
-        own, shape = run.replicate.configuration, run.replicate.shape
+    for run in runs.values():
+        own, shape = run.configuration, run.shape
         size = own.box_width / paper.box_width * paper.cylinder.start / own.cylinder.start
-        assert shape.granules == pytest.approx(paper.shapes[run.replicate.label].granules * size)
+        assert shape.granules == pytest.approx(paper.shapes[run.label].granules * size)
         assert own.material.thickness == paper.shapes["c1"].diameter
         assert (own.packing.fraction is None) != (own.packing.pressure is None)

@@ -16,8 +16,8 @@ from dem.dynamics.forces import forces
 from dem.figures.catalogue import draw
 from dem.shapes import KINDS
 from dem.sweep import batch as making
-from dem.sweep.campaign import Campaign
 from dem.sweep.config import load, parse
+from dem.sweep.state import SweepState
 from dem.sweep.store import Store
 from studies.__main__ import app
 from studies.catalogue import figures
@@ -63,7 +63,7 @@ def sweep():
 @pytest.fixture(scope="module")
 def runs(sweep, tmp_path_factory):
     """Its runs."""
-    work = Campaign(
+    work = SweepState(
         sweep, Store(tmp_path_factory.mktemp("store")), root=tmp_path_factory.mktemp("root")
     )
     chunks = [each for name in sweep.blocks for each in work.batches(name)]
