@@ -3,7 +3,7 @@
 Every file is sealed with a checksum (dem.io.checksums) and read only if it holds.
 
 CF-1.11, SI units, in the classic model of netCDF-4 (characters, whole numbers of 32 bits), which programs
-without strings and other formats can take over. Studies keep tables of the same form beside them (studies.benchmark.layout,
+without strings and other formats can take over. Studies keep tables of the same form beside them (studies.benchmark.results,
 studies.accuracy.layout).
 """
 

@@ -1,8 +1,8 @@
 """What a user pays: time for a stroke of the cylinder at equal error of the mean drag.
 
-Chaos parts two runs of one bed, whatever their time steps, so the error of the drag shows only in the
-mean over beds. That mean is level over small steps. Beyond some step contacts are unstable, and it
-falls. A level and a straight line that leaves it give the largest step at which a code keeps the
+Chaos parts two runs of one bed, whatever their time steps, so the error of the drag shows only in
+the mean over beds. That mean is level over small steps. Beyond some step contacts are unstable, and
+it falls. A level and a straight line that leaves it give the largest step at which a code keeps the
 drag within TOLERANCE of its own level: the models of friction and damping differ, and so do levels.
 """
 
@@ -26,7 +26,8 @@ SEED = 1
 
 
 def our_drag(case: Case, time_step: float, window) -> tuple[float, float]:
-    """Mean drag (N) between two displacements (m) of the cylinder, and processor time (s) up to there."""
+    """Mean drag (N) between two displacements (m) of the cylinder, and processor time (s) up to
+    there."""
     start, stop = (x / case.scene.cylinder.velocity[1] for x in window)
     run = Simulation(case.scene, case.state, time_step, allow_unstable=True)
     began = time.process_time()
@@ -86,7 +87,8 @@ def compare_drag(sweep: Sweep, beds: int, ways=WAYS) -> dict:
 
 def largest_step(fractions, drag, tolerance: float = TOLERANCE) -> Estimate:
     """Largest time step that keeps the mean over the beds (level, bed) within a tolerance, over the
-    bound; fractions (level,). Beds are drawn again for the interval; one with a failed run is left out."""
+    bound; fractions (level,). Beds are drawn again for the interval; one with a failed run is left
+    out."""
     drag = drag[:, np.isfinite(drag).all(axis=0)]
     beds = drag.shape[1]
     drawn = np.random.default_rng(SEED).integers(beds, size=(DRAWS, beds))
