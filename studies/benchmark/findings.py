@@ -80,7 +80,7 @@ class Speed(Findings):
         on the critical step at rest; processor time."""
         heads = "code", "largest step", "95 % interval", "ns", "steps a second"
         table = numbers(*heads, "seconds a millimetre")
-        for code, one in at_equal_error(self.dataset).to_dataframe().iterrows():
+        for code, one in at_equal_error(self.dataset).iterrows():
             table.add_row(
                 code,
                 f"{one.largest:.2f}",
@@ -94,12 +94,12 @@ class Speed(Findings):
     def longer(self, code: str) -> bool:
         """Whether the largest step of a code is clearly longer than that of this one."""
         found = at_equal_error(self.dataset)
-        return float(found["low"].sel(drag_code=code)) > float(found["high"][0])
+        return bool(found.low[code] > found.high.iloc[0])
 
     def dearer(self, code: str) -> str:
         """Processor time of a stroke in a code over that in this one."""
-        cost = at_equal_error(self.dataset)["cost"]
-        return f"{float(cost.sel(drag_code=code) / cost[0]):.1f}"
+        cost = at_equal_error(self.dataset).cost
+        return f"{cost[code] / cost.iloc[0]:.1f}"
 
     def stages(self) -> Table:
         """By bed and part of a step, contacts held as they are: each part runs many times by itself,

@@ -55,6 +55,18 @@ def plane(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
     return found[1:], error[1:], free
 
 
+def slopes(points, response: np.ndarray):
+    """Of the plane through the logarithms of a response: names of the factors, places in the design
+    (n, k), from 0 to 1, the logarithms (n,), and what `plane` gives; None with too few points."""
+    place, names = points["at"].max("case").values, points["factor"].values.tolist()
+    good = np.isfinite(response) & (response > 0.0)
+    if good.sum() < 2 * len(names) + 2:
+        return None
+    x, y = place[good], np.log(response[good])
+    unit = (x - x.min(axis=0)) / np.maximum(np.ptp(x, axis=0), 1e-300)
+    return names, unit, y, plane(unit, y)
+
+
 def influences(points, response: np.ndarray) -> list[Influence]:
     """All factors, those that decide first: by how much a plane through the logarithms rises.
 
@@ -68,16 +80,13 @@ def influences(points, response: np.ndarray) -> list[Influence]:
         raise InputError(
             "shares of the variance need the package SALib: pip install 'granular-drag[design]'."
         ) from None
-    place, names = points["at"].max("case").values, points["factor"].values.tolist()
-    good = np.isfinite(response) & (response > 0.0)
-    if good.sum() < 2 * len(names) + 2:
+    found = slopes(points, response)
+    if found is None:
         return []
-    x, y = place[good], np.log(response[good])
-    unit = (x - x.min(axis=0)) / np.maximum(np.ptp(x, axis=0), 1e-300)
+    names, unit, y, (slope, error, free) = found
     problem = {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
     logging.getLogger("SALib").setLevel(logging.ERROR)
     shares = rbd_fast.analyze(problem, unit, y, M=HARMONICS, num_resamples=2, seed=1)["S1"]
-    slope, error, free = plane(unit, y)
     half = t.ppf(0.5 + 0.5 * LEVEL, free) * error
     ends = np.exp([slope, slope - half, slope + half])
     columns = names, *ends.tolist(), shares.tolist()

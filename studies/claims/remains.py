@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
-from scipy.stats import t
+from scipy.stats import sem, t
 
 from dem.analysis.statistics import LEVEL, Estimate
 from dem.sweep.derive import Jamming
@@ -96,9 +96,9 @@ def jamming_in(dataset: xr.Dataset) -> Jamming:
 
 
 def standard_error(values: np.ndarray) -> float:
-    """Of the mean of what is a number."""
+    """Of the mean of what is a number; zero for fewer than two."""
     good = values[np.isfinite(values)]
-    return float(good.std(ddof=1)) / math.sqrt(len(good)) if len(good) > 1 else 0.0
+    return float(sem(good)) if len(good) > 1 else 0.0
 
 
 def growth(*runs: xr.Dataset) -> float:

@@ -20,7 +20,7 @@ from scipy.special import stdtrit
 from dem.analysis.compare import CONTRADICTED, SUPPORTED, Comparison, judged
 from dem.analysis.statistics import LEVEL, densities, find
 from studies.claims.evidence import Evidence, curves
-from studies.claims.influence import plane
+from studies.claims.influence import plane, slopes
 
 INFINITE = float("inf")
 PAPERS_RUNS = 5
@@ -328,27 +328,15 @@ def compaction_and_friction_matter(found):
     granules, the drag of c1 grows by more than the margin."""
     points = found.points
     drag = values(points, "drag", find(points, "c1")) if points["case"].size else None
-    if drag is None:
+    fitted = None if drag is None else slopes(points, drag)
+    if fitted is None:
         return []
-    names = points["factor"].values.tolist()
-    place = points["at"].sel(case=find(points, "c1")).values
-    good = np.isfinite(drag) & (drag > 0.0)
-    if good.sum() < len(names) + 4:
-        return []
-    unit = (place - np.nanmin(place, axis=0)) / np.ptp(place[good], axis=0)
-    slope, error, free = plane(unit[good], np.log(drag[good]))
+    names, _, _, (slope, error, free) = fitted
+    low, growths = 1.0 + found.margin, dict(zip(names, zip(slope, error, strict=True), strict=True))
     return [
-        Growth(
-            f"drag of c1, over the range of {path}",
-            slope[n],
-            error[n],
-            free,
-            1.0 + found.margin,
-            INFINITE,
-        )
+        Growth(f"drag of c1, over the range of {path}", *growths[path], free, low, INFINITE)
         for path in ("packing.fraction", "friction.granule")
-        if path in names
-        for n in [names.index(path)]
+        if path in growths
     ]
 
 

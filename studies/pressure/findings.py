@@ -128,22 +128,6 @@ class Pressure(Findings):
         heads = *(f"box {box}, N" for box in found.series), "without end, N", "wide enough, times"
         return numbers("shape", *heads, rows=rows)
 
-    def change(self, way: str, shape: str, box: str) -> str:
-        """Drag in a box over that in the first one."""
-        return estimate(self.widths[way].change(shape, box))
-
-    def ratio(self, way: str, shape: str, box: str) -> str:
-        """Drag over that of the first shape."""
-        return estimate(self.widths[way].ratio(shape, box))
-
-    def share(self, way: str, shape: str, width: float) -> str:
-        """Drag in a box of some width, by the line, over that at infinite width."""
-        return estimate(self.widths[way].share(shape, width))
-
-    def limit(self, way: str, shape: str) -> str:
-        """Drag over that of the first shape at infinite width."""
-        return estimate(self.widths[way].limit(shape))
-
     def changes(self, way: str, box: str) -> np.ndarray:
         """Drags (shape, 3) in a box over those in the first one: values and ends of the intervals."""
         return np.array([self.widths[way].change(shape, box) for shape in self.widths[way].shapes])

@@ -45,7 +45,8 @@ def ratios(precise, claims, preparation, pressure) -> Table:
         ("fraction", "relaxed", "0.84"),
         ("pressure", "pressed", f"{1e-6 * pressure.asked:.0f} MPa"),
     ):
-        ratio = pressure.ratio(way, "d1", pressure.widths.boxes[0])
+        widths = pressure.widths[way]
+        ratio = estimate(widths.ratio("d1", widths.boxes[0]))
         made.add_row(_link("pressure"), _name(pressure), OPEN, beds, at, seeds, ratio)
     return made
 
