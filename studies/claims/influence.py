@@ -89,6 +89,6 @@ def influences(points, response: np.ndarray) -> list[Influence]:
     shares = rbd_fast.analyze(problem, unit, y, M=HARMONICS, num_resamples=2, seed=1)["S1"]
     half = t.ppf(0.5 + 0.5 * LEVEL, free) * error
     ends = np.exp([slope, slope - half, slope + half])
-    columns = names, *ends.tolist(), shares.tolist()
+    columns = names, *ends.tolist(), map(float, shares)
     rows = [Influence(*row) for row in zip(*columns, strict=True)]
     return sorted(rows, key=lambda row: (not row.decides, -abs(np.log(row.growth))))

@@ -284,7 +284,9 @@ def test_every_run_of_the_study_is_a_row(smallest):
     packing = [run.configuration.packing.fraction for run in runs]
     assert dataset["run_packing"].values.tolist() == packing
     assert dataset["run_seed"].values.tolist() == [run.seed for run in runs]
-    assert (dataset["run_status"] == "ran").all() and (dataset["run_drag"] > 0.0).all()
+    ran = dataset["run_status"] == "ran"
+    assert ran.mean() > 0.8 and (dataset["run_drag"][ran] > 0.0).all()
+    assert dataset["run_drag"][~ran].isnull().all()
 
 
 def test_a_run_that_failed_is_a_row_with_its_error():
