@@ -21,10 +21,12 @@ def test(
     from dem.cli.show import PlainConsole
 
     with bar(f"testing claims on {data}"):
+        from dem.io.dataset import content_of
         from studies.claims.findings import detail, table_of
         from studies.claims.verdicts import judge
 
-        verdicts = {each.claim.name: each for each in judge(_read(data, margin))}
+        with content_of(data):
+            verdicts = {each.claim.name: each for each in judge(_read(data, margin))}
     if name is None:
         shown = table_of(verdicts.values())
     elif name in verdicts:
@@ -38,7 +40,6 @@ def _read(path: Path, margin: float):
     """Runs in claims.nc, or in drag.nc with the flow.nc beside it; raises InputError."""
     from dem.analysis.flow.layout import MEASURES
     from dem.analysis.flow.layout import VARIABLES as FLOW
-    from dem.io.dataset import content_of
     from dem.io.lazily import open_lazily, require
     from dem.sweep.combine import open_combined
     from studies.claims.evidence import from_study, from_sweep
@@ -63,8 +64,7 @@ def _read(path: Path, margin: float):
             ):
                 require(dataset, beside, FLOW, MEASURES, window)
                 flow = dataset.load()
-    with content_of(path):
-        return from_sweep(drag, flow, margin)
+    return from_sweep(drag, flow, margin)
 
 
 VERBS = (test,)

@@ -1,4 +1,4 @@
-"""How far each case of the catalogue stays from its limits, and the ledger of the paper's cases."""
+"""How far each case of the catalogue stays from its limits."""
 
 import numpy as np
 import xarray as xr
@@ -10,7 +10,7 @@ from studies.stability.findings import stability
 
 FILE = "stability"
 CAPTION = "Stiff and extreme cases, each against its limits"
-VARIABLES = ("check_value", "paper_residual")
+VARIABLES = ("check_value",)
 MARKERS = "osD^vPX"
 LEAST, MOST = 1e-13, 1e4  # values over limits beyond these are drawn at them
 ROW = 0.25  # inches
@@ -19,21 +19,11 @@ WORDS = {long: short for short, long in QUANTITIES.items()}
 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
-    """One row per case and limit, one mark per shape; below, the residual along the stroke."""
+    """Values over their limits, one row per case and limit, one mark per shape; refusals in words."""
     found = stability.of(dataset)
-    rows = found.checks.drop_duplicates(["case", "quantity"])
-    height = ROW * len(rows) + 1.0
-    figure = Figure(figsize=(style.WIDTH, height + 3.4))
-    above, below = figure.subfigures(2, 1, height_ratios=(height, 3.0))
-    _catalogue(above.subplots(), found.checks, rows)
-    _paper(below.subplots(), dataset)
-    words = "all" if found.passed() == found.total() else f"{found.passed()} of"
-    figure.suptitle(f"Stiff and extreme: {words} {found.total()} checks keep within their limits")
-    return figure
-
-
-def _catalogue(axes, checks, rows) -> None:
-    """Values over their limits; cases that are refused are named."""
+    checks, rows = found.checks, found.checks.drop_duplicates(["case", "quantity"])
+    figure = Figure(figsize=(style.WIDTH, ROW * len(rows) + 1.0))
+    axes = figure.subplots()
     shapes = checks["shape"].unique().tolist()
     places = dict(zip(zip(rows.case, rows.quantity, strict=True), range(len(rows)), strict=True))
     for check in checks.itertuples():
@@ -56,25 +46,12 @@ def _catalogue(axes, checks, rows) -> None:
     axes.set_xscale("log")
     axes.set_xlim(0.3 * LEAST, 3.0 * MOST)
     measured = (f": {WORDS[each]}" if each in WORDS else "" for each in rows.quantity)
-    labels = map(str.__add__, rows.case.str.replace("_", " "), measured)
+    labels = list(map(str.__add__, rows.case.str.replace("_", " "), measured))
     axes.set_yticks(range(len(rows)), labels, fontsize=8.5)
     axes.set_ylim(len(rows) - 0.4, -0.6)
     axes.grid(axis="x", visible=True)
     axes.set_xlabel(f"Worst value over its limit (passed: left of the line; {LEAST:g}: or less)")
     axes.legend(loc="lower right", ncols=len(shapes), bbox_to_anchor=(1.0, 1.0))
-
-
-def _paper(axes, dataset) -> None:
-    """Residual of the energy ledger of every case of the sweep along the stroke."""
-    x = style.millimetres(dataset["paper_displacement"])
-    residual = dataset["paper_residual"]
-    for number, case in enumerate(dataset["paper_case"].values):
-        look = {"linestyle": ("-", "--", "-.", ":")[number % 4], "linewidth": 1.2}
-        look["color"] = ("#17457d", "#b34700", "#0f5a30")[number % 3]
-        values = np.maximum(residual.sel(paper_case=case), 1e-9)
-        axes.semilogy(x, values, label=case, **look)
-    axes.set_xlabel("Displacement of the cylinder (mm)")
-    axes.set_ylabel("Residual of the\nenergy ledger")
-    title = f"The paper's {len(residual)} cases at their step: energy adds up to {float(residual.max()):.1g} of itself"
-    axes.set_title(title, loc="left")
-    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=8.5)
+    words = "all" if found.passed() == found.total() else f"{found.passed()} of"
+    figure.suptitle(f"Stiff and extreme: {words} {found.total()} checks keep within their limits")
+    return figure
