@@ -26,6 +26,9 @@ def plot(dataset: xr.Dataset) -> Figure:
         else:
             _values(axes, rows[rows.x.notna()], getattr(CASES[name], "DRAWN", ""))
             axes.set(**settings)
+            for along in "xy":
+                if settings.get(f"{along}scale") == "log":
+                    style.logarithmic(axes, along)
         axes.set_title(title, loc="left")
     right = found.total() - found.failed()
     figure.suptitle(f"{right} of {found.total()} numbers are within their tolerances")
@@ -40,12 +43,14 @@ def _values(axes, rows, drawn: str) -> None:
         axes.fill_between(part.x, low, high, color="0.85", linewidth=0.0)
         look = {"color": line.get_color(), "markersize": 5.0, "label": name.replace(drawn, "")}
         axes.plot(part.x, part.value, marker, **look)
-    axes.legend(fontsize=8)
+    if rows.name.nunique() > 1:
+        axes.legend(fontsize=8)
 
 
 def _errors(axes, rows) -> None:
     """Errors over their tolerances, one row a number."""
-    axes.plot((rows.value - rows.expected) / rows.tolerance, rows.name, "o", color="0.2")
+    for place, row in enumerate(rows.itertuples()):
+        axes.plot((row.value - row.expected) / row.tolerance, place, "o", color="0.2")
+        axes.text(1.2, place, row.name, fontsize=8, va="center")
     axes.axvspan(-1.0, 1.0, color="0.9", zorder=0)
-    axes.tick_params(axis="y", labelsize=6.5)
-    axes.set(xlabel="Error over its tolerance")
+    axes.set(xlim=(-1.2, 6.0), xticks=(-1, 0, 1), yticks=(), xlabel="Error over its tolerance")
