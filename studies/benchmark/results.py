@@ -4,14 +4,13 @@ Except for the comparison of threads, all runs take turns on one core, so that a
 computer affects all of them. Every repeat starts from the same state.
 """
 
-import math
-import os
 import platform
 from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import psutil
 
 from dem.dynamics.checkpoint import writable
 from dem.dynamics.simulation import Simulation
@@ -153,7 +152,7 @@ def make(campaign, jobs: int, progress) -> tuple[dict, dict]:
     """See studies.common.results. The first time, kernels of all scenes are compiled, which takes
     minutes."""
     sweep, plan = campaign.sweep, SMOKE if is_smoke(campaign) else Plan()
-    values = {"load_average": load_average()}
+    values = {"load_average": psutil.getloadavg()[0]}
     cases = beds(sweep)
     progress(0.1)
     with one_core():
@@ -244,14 +243,6 @@ def compare_motion(cases: dict[str, Case], plan: Plan) -> dict:
         "comparison_steps": np.array(plan.compared),
         "trajectory_difference": apart,
     }
-
-
-def load_average() -> float:
-    """Processes that the computer was busy with in the last minute; NaN where it does not say."""
-    try:
-        return os.getloadavg()[0]
-    except (AttributeError, OSError):
-        return math.nan
 
 
 def processor() -> str:

@@ -21,9 +21,8 @@ from dem.experiment.kinds.jamming import NOISE, line
 from dem.experiment.observables.alignment import alignment
 from dem.packing.pressed import Press
 from dem.packing.random import Room
-from dem.sweep import design
 from dem.sweep.campaign import Campaign
-from dem.sweep.config import load, parse
+from dem.sweep.config import parse
 from studies.__main__ import app
 from studies.claims import results
 from studies.claims.evidence import NOTHING, Evidence, from_study
@@ -216,44 +215,6 @@ def test_a_flow_twice_as_irregular_is_seen():
     found = compared(dataset, "mixing")
     assert abs(found.ratio - 2.0) < found.half < 0.2
     assert compared(dataset.sel(case=["round"]), "mixing") is None
-
-
-# The design
-
-
-FACTORS = {
-    "friction.granule": {"low": 0.1, "high": 0.6},
-    "material.young_modulus": {"low": 1e9, "high": 1e11, "scale": "log"},
-    "packing.friction": {"choices": (0.0, 0.3)},
-}
-
-
-def points(seed):
-    """Forty points of a Latin hypercube over the factors."""
-    spec = {"design": "latin_hypercube", "points": 40, "draw": seed, "over": FACTORS}
-    return design.points(design.Design(**spec))
-
-
-def test_design_fills_every_range():
-    """Every fortieth of every range, on its scale, holds one point; choices come equally often."""
-    found = points(1)
-    linear = np.array([point["friction.granule"] for point in found])
-    log = np.log([point["material.young_modulus"] for point in found])
-    for values, low, high in ((linear, 0.1, 0.6), (log, np.log(1e9), np.log(1e11))):
-        assert sorted(((values - low) / (high - low) * 40).astype(int)) == list(range(40))
-    assert [point["packing.friction"] for point in found].count(0.3) == 20
-    assert points(1) == found != points(2)
-
-
-def test_a_change_reaches_its_value_and_no_other():
-    sweep = load(CONFIG / "smoke.yaml")
-    before = sweep.changed({}, "c1")
-    after = sweep.changed({"friction.wall": 0.7, "shapes.d1.granules": 5}, "c1")
-    assert after.friction.wall == 0.7
-    assert after.model_copy(update={"friction": before.friction}) == before
-    assert sweep.changed({"shapes.d1.granules": 50}, "d1").shapes["d1"].granules == 50
-    with pytest.raises(InputError, match=r"c1 with friction.wall -1.0: friction.wall is -1"):
-        sweep.changed({"friction.wall": -1.0}, "c1")
 
 
 # The table
@@ -506,21 +467,6 @@ def test_impossible_runs_are_refused_before_any_is_made():
     points = {"0.3": {"cylinder.start": 0.8, "shapes.c1.granules": 18}}
     data["sweep"]["blocks"]["jamming_height"]["factor"] = points
     with pytest.raises(InputError, match=r"jamming_height asks for .* cylinder would"):
-        parse(data, "claims.yaml")
-
-
-@pytest.mark.parametrize(
-    ("key", "value", "words"),
-    [
-        ("cylinder.speed", {"low": 1.0, "high": 2.0}, "no value that can vary"),
-        ("friction", {"low": 1.0, "high": 2.0}, "no value that can vary"),
-        ("friction.wall", {"low": 2.0, "high": 1.0}, "must be less than high"),
-    ],
-)
-def test_what_cannot_vary_is_refused(key, value, words):
-    data = smallest_file()
-    data["sweep"]["blocks"]["sensitivity"]["point"]["over"][key] = value
-    with pytest.raises(InputError, match=words):
         parse(data, "claims.yaml")
 
 
