@@ -200,17 +200,15 @@ def compare_codes(cases: dict[str, Case], plan: Plan) -> dict:
 
 def compare_stages(cases: dict[str, Case], plan: Plan) -> dict:
     """Time of each part of a step, and of the two operations that vector units are slowest at."""
-    found = [
-        [stage_times(case, plan.steps) for case in cases.values()] for _ in range(plan.repeats + 1)
-    ][1:]  # the first compiles
-    stages = list(found[0][0])
-    times = [[[one[stage] for one in repeat] for stage in stages] for repeat in found]
-    slow = [slow_operations(plan.steps) for _ in range(plan.repeats + 1)][1:]
+    turns = range(plan.repeats + 1)  # the first compiles
+    found = [[stage_times(case, plan.steps) for case in cases.values()] for _ in turns]
+    times = np.array([[[*one.values()] for one in turn] for turn in found[1:]])
+    slow = np.array([slow_operations(plan.steps) for _ in turns])[1:]
     return {
-        "stage": np.array(stages),
-        "stage_time": np.transpose(times, (2, 1, 0)),
-        "root_time": np.array([root for root, _ in slow]),
-        "division_time": np.array([division for _, division in slow]),
+        "stage": np.array(list(found[0][0])),
+        "stage_time": times.transpose(1, 2, 0),
+        "root_time": slow[:, 0],
+        "division_time": slow[:, 1],
     }
 
 
@@ -223,12 +221,13 @@ def compare_scenes(cases: dict[str, Case], plan: Plan) -> dict:
         for place, (scene, state, time_step) in enumerate(cases.values()):
             spent = this_code.seconds(scene, state, STILL * time_step, plan.warm, plan.steps)
             times[place, repeat] = spent / plan.steps / scene.granules
-    codes = [this_code.machine_code(writable(Simulation(*case).world)) for case in cases.values()]
+    worlds = (writable(Simulation(*case).world) for case in cases.values())
+    sizes, widths = zip(*map(this_code.machine_code, worlds), strict=True)
     return {
         "variant": np.array(list(cases)),
         "variant_step_time": times,
-        "variant_code_size": np.array([code.size for code in codes]),
-        "variant_vector_bits": np.array([code.vector_bits for code in codes]),
+        "variant_code_size": np.array(sizes),
+        "variant_vector_bits": np.array(widths),
     }
 
 

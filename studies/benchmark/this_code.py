@@ -2,7 +2,6 @@
 
 import importlib.metadata
 import time
-from typing import NamedTuple
 
 import numba
 from llvmlite.binding.object_file import ObjectFileRef
@@ -40,17 +39,11 @@ def seconds(scene: Scene, state: State, time_step: float, warm: int, steps: int)
     return spent * steps / (simulation.steps - before)  # rounding may make it one step more
 
 
-class MachineCode(NamedTuple):
-    """Size in bytes, and the width in bits of the widest vector registers that it names."""
+def machine_code(world: World) -> tuple[int, int]:
+    """Size (bytes) of the machine code of dem.dynamics.integration.advance for a scene, with all it
+    calls, and width (bits) of the widest vector registers that it names.
 
-    size: int
-    vector_bits: int
-
-
-def machine_code(world: World) -> MachineCode:
-    """Machine code of dem.dynamics.integration.advance for a scene, with all it calls.
-
-    Its size is that of the text section of the object file, with the few hundred bytes that call it
+    The size is that of the text section of the object file, with the few hundred bytes that call it
     from Python. It is compiled again, because Numba does not keep object files that it reads from
     disk.
     """
@@ -61,7 +54,5 @@ def machine_code(world: World) -> MachineCode:
     code = fresh.overloads[signature].library._compiled_object
     sections = ObjectFileRef.from_data(code).sections()
     assembly = fresh.inspect_asm(signature)
-    return MachineCode(
-        sum(section.size() for section in sections if section.is_text()),
-        next((bits for name, bits in WIDEST.items() if name in assembly), 128),
-    )
+    width = next((bits for name, bits in WIDEST.items() if name in assembly), 128)
+    return sum(section.size() for section in sections if section.is_text()), width

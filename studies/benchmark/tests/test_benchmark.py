@@ -4,24 +4,21 @@ import re
 
 import numpy as np
 import pytest
-import xarray as xr
-from made import SMOKE, assert_shown_and_drawn
 
 from studies.benchmark.findings import elsewhere, speed
+from studies.benchmark.results import SMOKE, compare_codes
+from studies.benchmark.scenes import make_case
 from studies.common.peers import lammps
-from studies.common.results import write_results
 
 
-def test_without_other_codes_the_benchmark_times_this_one(monkeypatch, tmp_path):
-    """In its smallest form: every number of ours is there, and what is missing is named."""
+def test_without_other_codes_the_benchmark_times_this_one(monkeypatch, small_bed):
+    """What is missing is named."""
     monkeypatch.setattr(lammps, "available", lambda: "LAMMPS is not installed.")
-    path = tmp_path / "benchmark.nc"
-    write_results("benchmark", path, SMOKE)
-    with xr.open_dataset(path) as found:
-        assert np.isfinite(found["granule_steps_per_second"].sel(code="dem")).all()
-        assert "not run" in str(found["code_status"].sel(code="LAMMPS").values)
-        assert (found["variant_code_size"] > 1000).all()
-    assert_shown_and_drawn("benchmark", path)
+    small = small_bed("disc")
+    values = compare_codes({"disc": make_case(small.scene(), small.state)}, SMOKE)
+    rates = dict(zip(values["code"], values["granule_steps_per_second"][0], strict=True))
+    assert np.isfinite(rates["dem"]).all() and np.isnan(rates["LAMMPS"]).all()
+    assert "not run: LAMMPS is not installed." in values["code_status"]
 
 
 @pytest.mark.parametrize("file", elsewhere, ids=lambda each: each.name)

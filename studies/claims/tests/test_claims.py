@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
-from made import assert_shown_and_drawn, of_file
+from made import of_file
 from numpy.testing import assert_allclose
 from scipy.stats import qmc
 from test_damage import ATTRS, COMBINED, FOREIGN, foreign
@@ -228,15 +228,11 @@ def smallest(tmp_path_factory):
         patch.chdir(folder)
         campaign = of_file(SMOKE)
         write_results("claims", folder / "claims.nc", SMOKE)
-        return campaign, folder / "claims.nc", xr.load_dataset("claims.nc")
-
-
-def test_the_smallest_form_is_shown_and_drawn(smallest):
-    assert_shown_and_drawn("claims", smallest[1])
+        return campaign, xr.load_dataset("claims.nc")
 
 
 def test_every_run_of_the_study_is_a_row(smallest):
-    campaign, _, dataset = smallest
+    campaign, dataset = smallest
     blocks = [name for name in campaign.sweep.blocks if not name.startswith("jamming")]
     runs = [run.replicate for name in blocks for run in campaign.block(name).runs]
     names = "part", "case", "setting", "x", "point", "seed"
@@ -264,7 +260,7 @@ def test_a_run_that_failed_is_a_row_with_its_error():
 
 def test_points_of_the_design_have_their_factors(smallest):
     """Both cases of a point share its values, a choice is its number; other parts have none."""
-    _, _, dataset = smallest
+    _, dataset = smallest
     designed = dataset["run_point"].values >= 0
     assert (dataset["run_part"].values[designed] == "sensitivity").all()
     assert np.isnan(dataset["run_factor"].values[~designed]).all()
@@ -276,7 +272,7 @@ def test_points_of_the_design_have_their_factors(smallest):
 
 def test_derived_fractions_are_those_of_the_beds_in_the_file(smallest):
     """Each shape, aspect ratio and box is as far from jamming as the paper's bed is."""
-    _, _, dataset = smallest
+    _, dataset = smallest
     jamming, seen = jamming_in(dataset), set()
     columns = [
         dataset[f"run_{name}"].values for name in ("part", "case", "setting", "x", "packing")

@@ -5,16 +5,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray as xr
 import yaml
-from made import assert_shown_and_drawn, of_file
 
 import dem
 from dem.dynamics.checkpoint import writable
 from dem.shapes import KINDS
 from dem.sweep.campaign import Campaign
 from dem.sweep.config import load
-from studies.common.results import write_results
 from studies.stability import catalogue, linear, results
 from studies.stability.scenes import start
 from studies.stability.watching import friction_excess, momenta, unlisted
@@ -126,20 +123,6 @@ def test_a_bed_grows_beyond_its_limit_only(sweep):
     limit = linear.limit(*matrices, bound, results.GROWTH)
     grown = [linear.growth(*matrices, step) for step in (bound, 1.05 * limit)]
     assert bound < limit and grown[0] < results.GROWTH < grown[1]
-
-
-def test_the_smallest_form_is_written_shown_and_drawn(tmp_path, monkeypatch):
-    """At the default step energy adds up, at 1.5 times the bound it does not everywhere."""
-    monkeypatch.chdir(tmp_path)
-    of_file(HERE / "smoke.yaml")
-    path = tmp_path / "stability.nc"
-    write_results("stability", path, HERE / "smoke.yaml", jobs=2)
-    assert_shown_and_drawn("stability", path)
-    with xr.open_dataset(path) as found:
-        assert set(found["check_shape"].values) <= {"c1", "d1", "e3"}
-        assert float(found["paper_residual"].max()) < 1e-3
-        residual = found["map_residual"].max(("map_shape", "map_stiffness", "map_restitution"))
-        assert residual.sel(map_fraction=0.5) < 1e-2 and not residual.sel(map_fraction=1.5) < 1e-2
 
 
 def test_a_sweep_that_is_no_study_is_refused():

@@ -51,6 +51,6 @@ def _errors(axes, rows) -> None:
     """Errors over their tolerances, one row a number."""
     for place, row in enumerate(rows.itertuples()):
         axes.plot((row.value - row.expected) / row.tolerance, place, "o", color="0.2")
-        axes.text(1.2, place, row.name, fontsize=8, va="center")
+        axes.text(1.2, place, row.name, fontsize=7, va="center", in_layout=False)
     axes.axvspan(-1.0, 1.0, color="0.9", zorder=0)
-    axes.set(xlim=(-1.2, 6.0), xticks=(-1, 0, 1), yticks=(), xlabel="Error over its tolerance")
+    axes.set(xlim=(-1.2, 8.0), xticks=(-1, 0, 1), yticks=(), xlabel="Error over its tolerance")

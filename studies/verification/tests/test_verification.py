@@ -3,11 +3,8 @@
 from pathlib import Path
 
 import pytest
-import xarray as xr
 from laws import LAWS, notices
-from made import SMOKE, assert_shown_and_drawn
 
-from studies.common.results import write_results
 from studies.verification import findings
 from studies.verification.contact_law import Contact, damping_ratio
 from studies.verification.results import CASES, QUICK, run
@@ -41,9 +38,6 @@ def test_the_released_table_has_all_broken_laws():
     assert set(findings.laws().index) == {law.kind for law in LAWS}
 
 
-def test_quick_cases_are_written_shown_and_drawn(tmp_path):
-    """Every number is within its tolerance."""
-    write_results("verification", tmp_path / "verification.nc", SMOKE, jobs=2)
-    assert_shown_and_drawn("verification", tmp_path / "verification.nc")
-    with xr.open_dataset(tmp_path / "verification.nc") as found:
-        assert tuple(found["case"].values) == QUICK and found["row_passed"].all()
+@pytest.mark.parametrize("name", QUICK)
+def test_a_quick_case_is_as_expected(name):
+    assert [row for row in run(name)[0] if not row.passed] == []
