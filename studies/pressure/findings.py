@@ -96,7 +96,7 @@ class Pressure(Findings):
             )
             for shape in found.shapes[1:]
         )
-        return numbers("shape", *(f"box {box}" for box in found.series), "without end", rows=rows)
+        return numbers("shape", *(f"box {box}" for box in found.series), "infinite", rows=rows)
 
     def others(self, way: str) -> Table:
         """One row per shape: drag in the other boxes of the paper's width over that in the first box,
@@ -125,7 +125,7 @@ class Pressure(Findings):
                 f"{wide:.0f}" if wide < np.inf else "-",
             ]
             rows.append((shape, *cells))
-        heads = *(f"box {box}, N" for box in found.series), "without end, N", "wide enough, times"
+        heads = *(f"box {box}, N" for box in found.series), "infinite, N", "wide enough, times"
         return numbers("shape", *heads, rows=rows)
 
     def changes(self, way: str, box: str) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Shapes in boxes of several widths: the line finds the box without end."""
+"""Shapes in boxes of several widths: the line finds the drag at infinite width."""
 
 from pathlib import Path
 
@@ -20,7 +20,7 @@ BOXES = ["1", "2", "4", "high"]
 
 
 def boxes(power=1.0, slope=(0.8, 1.5), seeds=4, noise=0.0, seed=1):
-    """A file of runs: drags of 1000 N and 500 N in a box without end, to which walls add in
+    """A file of runs: drags of 1000 N and 500 N at infinite width, to which walls add in
     proportion to 1 / width; or, with power -1, to the inverse of which a top wall does."""
     rng = np.random.default_rng(seed)
     drag = np.array([[1000.0], [500.0]]) * (1.0 + np.array(slope)[:, None] / WIDTH) ** power
@@ -66,7 +66,7 @@ def test_boxes_that_differ_in_any_other_value_are_not_of_the_line():
 
 
 def test_a_drag_that_only_walls_make_has_no_limit():
-    """A bed that is not jammed makes room in a box without end."""
+    """A bed that is not jammed makes room at infinite width."""
     found = Widths(boxes(slope=(0.8, 1e9), noise=0.1))
     assert found.limit("e1").low == 0.0 and found.limit("e1").value < 0.5e6
 
