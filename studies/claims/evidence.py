@@ -3,7 +3,6 @@
 from typing import NamedTuple
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 
 from dem.analysis.compare import Comparison
@@ -105,21 +104,21 @@ def first_come(runs: xr.Dataset, case: str) -> xr.Dataset:
 
 
 def scaled(dataset: xr.Dataset, setting: str, shape: str) -> xr.Dataset:
-    """Drag of a shape by the factor on one of the sweep's values; the replicates are at 1."""
-    names = ["run_x", "run_seed", "run_drag", "run_density", "run_shape"]
-    parts = rows(dataset, "scaling", setting), rows(dataset, "replicates")
-    frames = (part[names].to_dataframe() for part in parts)
-    changed, base = (frame[frame.run_shape == shape] for frame in frames)
-    if changed.empty or base.empty:
+    """Runs of a shape by the factor on one of the sweep's values; the replicates are at 1."""
+    _, density, _ = reference(dataset)
+    changed = rows(dataset, "scaling", setting)
+    changed = changed.isel(run=np.flatnonzero(changed["run_shape"].values == shape))
+    base = rows(dataset, "replicates")
+    base = base.isel(run=np.flatnonzero(base["run_shape"].values == shape))
+    densities = base["run_density"].values
+    if not (changed.sizes["run"] and len(densities)):
         return NOTHING
-    density = reference(dataset)[1]
-    if not (base.run_density == density).any():
-        density = base.run_density.iloc[0]
-    base = base[base.run_density == density].assign(run_x=1.0)
-    columns = {"index": "run_x", "columns": "run_seed", "values": "run_drag"}
-    drag = pd.concat([base, changed]).pivot(**columns)
-    axes = {"case": drag.index.values, "seed": drag.columns.values}
-    return xr.Dataset({"drag": (("case", "seed"), drag.values)}, axes)
+    density = density if density in densities else densities[0]
+    base = base.isel(run=np.flatnonzero(densities == density))
+    base = base.assign(run_x=("run", np.ones(base.sizes["run"])))
+    how = {"data_vars": "minimal", "coords": "minimal", "compat": "override", "join": "override"}
+    found = table(xr.concat([base, changed], "run", **how), "run_x")
+    return found.sel(case=sorted(found["case"].values.tolist()))
 
 
 def scaled_ratios(dataset: xr.Dataset, setting: str, shape: str) -> dict[float, Comparison]:
