@@ -34,7 +34,7 @@ RESULTS = {
     "bed": ("dem.experiment.bed", DISC),
     "drag.nc": ("dem.sweep.combine",),
     "figure": ("dem.figures.figure13",),
-    "claims": ("studies.claims.table",),
+    "claims": ("studies.claims.results",),
     "claims.txt": ("dem.report.info", "studies.claims.findings"),
     "page": ("dem.report.build",),
     "kernel": ("dem.contacts.loops",),
@@ -66,7 +66,7 @@ EDITS = {
     "a line of statistics": (
         "dem/analysis/statistics.py", LINE, {"figure", "page", "claims.txt"},
     ),
-    "a line of a study": ("studies/claims/table.py", LINE, {"claims"}),
+    "a line of a study": ("studies/claims/results.py", LINE, {"claims"}),
     "a line of style": ("dem/figures/style.py", LINE, {"figure", "page"}),
     "a line of a figure": ("dem/figures/figure13.py", LINE, {"figure"}),
     "a line of the report": ("dem/report/interactive.py", LINE, {"page"}),

@@ -77,7 +77,7 @@ def make(state, jobs: int, progress) -> tuple[dict, dict]:
     """See studies.common.results."""
     check(state.sweep)
     trials, replicates, names = {}, [], ("drag", "run_time", "steps", "failure")
-    for block, run, values in runs(state, names, progress=progress):
+    for block, _, run, values in runs(state, names, progress=progress):
         configuration, failure = run.configuration, int(values["failure"])
         if block.name == REPLICATES:
             if failure:

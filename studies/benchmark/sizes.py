@@ -64,7 +64,8 @@ def time_apart(scene: Scene, state, number: int, steps: int, step: float) -> flo
 
 
 def compare_sizes(sweep: Sweep, repeats: int, threads=(1, 2), tiles=TILES) -> dict:
-    """Variables: seconds per granule and step by size and threads or beds, and memory per granule."""
+    """Variables: seconds per granule and step by size and threads or beds, and memory per
+    granule."""
     ranked = lammps.available() is None and lammps.mpiexec() is not None
     beds = [large_scene(sweep, side) for side in tiles]
     times, apart, ranks = np.full((3, len(beds), len(threads), repeats), np.nan)

@@ -28,9 +28,11 @@ import numpy as np
 
 from dem.base import provenance
 from dem.base.errors import InputError, RunError
+from dem.experiment.config import Replicate
 from dem.io.dataset import global_attributes, read, write
-from dem.sweep.state import SweepState
 from dem.sweep.expand import Block
+from dem.sweep.precision import GridPoint
+from dem.sweep.state import SweepState
 from studies import has_sweep, package_of, sweep_of
 
 ORIGIN = ("versions", "git_revision", "source_hash")
@@ -77,8 +79,8 @@ def runs(
     names: Iterable[str],
     blocks: Iterable[str] = (),
     progress: Callable = lambda share: None,
-) -> Iterator[tuple[Block, Replicate, dict[str, np.ndarray]]]:
-    """The runs of a sweep in order: block, run, and values by name.
+) -> Iterator[tuple[Block, GridPoint, Replicate, dict[str, np.ndarray]]]:
+    """The runs of a sweep in order: block, grid point, run, and values by name.
 
     names: variables over `run`; blocks: names, all if empty. A block at a time is in memory. A run
     that failed is NaN or -1, and a RunError unless `failure` is one of names. Raises InputError for
@@ -100,10 +102,10 @@ def runs(
                         f"{wanted[run].words()} could not be made: {values['failure_reason'][at]}"
                     )
                 rows[run] = {key: values[key][at] for key in names}
-        for run in block.runs.values():
+        for point, run in block.runs.items():
             if run.id not in rows:
                 raise InputError(f"{run.words()} is in none of the {len(files)} files; run again.")
-            yield block, run, rows[run.id]
+            yield block, point, run, rows[run.id]
         progress((done + 1) / len(blocks))
 
 

@@ -37,7 +37,7 @@ def make(state, jobs: int, progress) -> tuple[dict, dict]:
     stops = np.linspace(start, stop, STOPS + 1)[1:]
     rows = []
     names = "drag", "steps", "run_time", "spent", "failure"
-    for block, run, values in runs(state, names, progress=progress):
+    for block, _, run, values in runs(state, names, progress=progress):
         configuration, steps = run.configuration, int(values["steps"])
         moved, cylinder = drag.axes(configuration)["displacement"], configuration.cylinder
         inside = moved >= start

@@ -5,8 +5,8 @@ import pytest
 import xarray as xr
 from made import SMOKE, run_all
 
-from dem.sweep.state import SweepState
 from dem.sweep.config import parse
+from dem.sweep.state import SweepState
 from studies.accuracy.budget.findings import budget
 from studies.accuracy.budget.model import LEFT_OUT, PAPER, Model, Runs, Settings
 from studies.accuracy.budget.results import VARIABLES, make
