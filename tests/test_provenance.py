@@ -52,7 +52,7 @@ EDITS = {
     "a line of columns": ("dem/jit/columns.py", LINE, KERNELS),
     "a line of every shape's questions": ("dem/shapes/protocol.py", LINE, KERNELS),
     "a line of a shape": ("dem/shapes/superellipse.py", LINE, {"superellipse run"}),
-    "a line of discs": ("dem/shapes/disc.py", LINE, {"disc run", "ledger run", "flow.nc"} | BEDS),
+    "a line of discs": ("dem/shapes/disc.py", LINE, {"disc run", "ledger run"} | BEDS),
     "a line of ellipses": ("dem/shapes/ellipse.py", LINE, {"ellipse run"}),
     "a line of the dynamics": ("dem/dynamics/stepping.py", LINE, MOVING),
     "a line of packing": ("dem/packing/minimise.py", LINE, MOVING),
