@@ -235,6 +235,7 @@ class Flow(Findings):
 
         return compared(self.dataset, name)
 
+    @property
     def more_irregular(self) -> bool:
         """Whether any measure of e3 is above that of c1, interval included."""
         found = [self._compared(name) for name in MEASURES]
