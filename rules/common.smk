@@ -11,7 +11,7 @@ from functools import cache
 from itertools import chain
 from pathlib import Path
 
-from dem.base.say import say
+from dem.base.messages import say
 from dem.experiment.config import EXPERIMENTS
 from dem.experiment.observables import OBSERVABLES
 from dem.figures.catalogue import FIGURES, wanted
@@ -38,11 +38,9 @@ RESULTS = SWEEP.sweep.results
 SMOKE = "--smoke" if SWEEP.sweep.studies == "smoke.yaml" else ""  # of verbs that measure
 SWEEP.check()
 
-# Jobs run the Python that runs Snakemake, for any PATH, and this package, for any working folder. Ctrl-C
-# reaches a job only when it can answer (dem.cli.stopping), because Python would show a traceback while
-# it starts.
+# Jobs run the Python that runs Snakemake, for any PATH, and this package, for any working folder.
 shell.prefix(
-    "set -euo pipefail; trap '' INT; export PATH={}:$PATH PYTHONPATH={}:${{{{PYTHONPATH:-}}}}; ".format(
+    "set -euo pipefail; export PATH={}:$PATH PYTHONPATH={}:${{{{PYTHONPATH:-}}}}; ".format(
         *(shlex.quote(str(path)).replace("{", "{{").replace("}", "}}") for path in (Path(sys.executable).parent, HERE))
     )
 )

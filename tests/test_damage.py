@@ -16,7 +16,7 @@ from conftest import CONFIG
 from dem.analysis.flow.collect import measure_batch, write_flow
 from dem.analysis.flow.layout import VARIABLES as FLOW
 from dem.base.errors import InputError
-from dem.base.plain import plain
+from dem.base.messages import printable
 from dem.cli.app import app
 from dem.experiment.bed import make_bed, write_bed
 from dem.experiment.observables.drag import VARIABLES as DRAG
@@ -288,4 +288,4 @@ def test_text_of_a_file_is_shown_on_the_terminal_and_not_obeyed(hostile, name):
     """Neither escape sequences nor markup of rich."""
     status, output = told("info", hostile / name)
     assert status == 0 and "[red]title[/red]" in output and "[/nothing]" in output
-    assert output == plain(output) and not set("\x1b\x07\x9b\u202e\u2069") & set(output)
+    assert output == printable(output) and not set("\x1b\x07\x9b\u202e\u2069") & set(output)

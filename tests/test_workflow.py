@@ -402,25 +402,6 @@ def test_another_sweep_of_a_folder_is_refused(own):
     assert run.returncode == 0
 
 
-@pytest.mark.parametrize(
-    "name",
-    ["drag.nc", "flow.nc", "config.yaml"],
-)  # fmt: skip
-def test_the_workflow_writes_through_no_link(own, name):
-    """Nor does it replace one: a sentence."""
-    place, mine = own / "results/own" / name, own / "mine"
-    mine.write_bytes((own / "results/smoke/drag.nc").read_bytes())
-    place.parent.mkdir(parents=True, exist_ok=True)
-    kept = place.rename(own / "kept") if place.exists() else None
-    place.symlink_to(mine)
-    run = snakemake(own, "-j1", "results/own/drag.nc", configfile=OWN)
-    assert run.returncode == 1 and "it is a link to" in run.stderr, run.stderr
-    assert place.is_symlink() and mine.read_bytes() == (own / "results/smoke/drag.nc").read_bytes()
-    place.unlink()
-    if kept:
-        kept.rename(place)
-
-
 def test_a_wrong_configuration_writes_nothing(copy, monkeypatch):
     """One sentence with key and value: before Snakemake's own lines, and all that dem sweep says."""
     text = (copy / SMOKE).read_text().replace("results/smoke", "results/wrong")

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dem.base.errors import InputError
-from dem.base.hints import is_number, is_written, meant
+from dem.base.messages import did_you_mean
+from dem.base.schema import as_number, is_written
 from dem.experiment.config import Replicate, of_values
 from dem.experiment.motion import Motion
 from dem.io.dataset import LABELS, content_of
@@ -115,7 +116,7 @@ def _chosen(path, columns: dict[str, np.ndarray], ids, select: list[str]) -> int
             raise InputError(f"{word!r} selects no run; write NAME=VALUE, such as seed=1.")
         if (column := known.get(name.replace(".", "_"))) is None:
             varied = ", ".join(each for each in columns if len(set(_words(columns[each]))) > 1)
-            hint = meant(name.replace(".", "_"), known) or f"; they differ in {varied}"
+            hint = did_you_mean(name.replace(".", "_"), known, f"; they differ in {varied}")
             raise InputError(f"{path}: its runs have no value named {name}{hint}.")
         found = left & _like(columns[column], value, left)
         if not found.any():
@@ -144,7 +145,7 @@ def _like(values, text: str, among: np.ndarray) -> np.ndarray:
     numbers = [isinstance(value, int | float | np.number) for value in values]
     pairs = list(zip(values, numbers, strict=True))
     printed = np.array([is_written(v, text) if number else str(v) == text for v, number in pairs])
-    equal = np.array([number and is_number(text) and v == float(text) for v, number in pairs])
+    equal = np.array([number and v == as_number(text) for v, number in pairs])
     return equal if (equal & among).any() else printed
 
 

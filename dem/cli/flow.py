@@ -63,11 +63,11 @@ def draw(
     """
     start_lean()
     from dem.analysis.one_run import read_motion
-    from dem.base.target import file_of
+    from dem.base.files import file_path
     from dem.figures.export import export
     from dem.figures.film import FILMS, PICTURES, film, picture
 
-    output = file_of(*FILMS, *PICTURES, ".pvd")("output", output)
+    output = file_path(*FILMS, *PICTURES, ".pvd")("output", output)
     with bar("reading the run"):
         motion = read_motion(run, select or [], shapes)
     with bar(f"drawing {output}", 1.0) as update:

@@ -5,9 +5,8 @@ from pathlib import Path
 
 import typer
 
-from dem.base.say import say
+from dem.base.messages import say
 from dem.cli.options import PAPER, BlockOption, ConfigOption, OutputOption, argument, option
-from dem.cli.stopping import Stopped
 from dem.cli.terminal import bar, show, start_lean
 
 FileArgument = argument(Path, "Configuration file of a sweep (YAML).")
@@ -71,10 +70,10 @@ def sweep(
         for sentence in (*gone, *campaign.said):
             say(sentence)
         say(outcome(campaign, campaign.counts()[0] - there))
-    except Stopped as stop:
+    except KeyboardInterrupt as stop:
         how = ["--scheduler", scheduler] if scheduler else ["-j", str(jobs)]
         again = shlex.join(["dem", "sweep", str(file), *how])
-        stop.kept = kept(campaign, f"to go on, type: {again}")
+        stop.add_note(kept(campaign, f"to go on, type: {again}"))
         raise
     finally:
         held.release()
@@ -175,7 +174,9 @@ def combine(
     campaign = Campaign.of(config)
     check_place(output, campaign.store.folder)
     with bar("combining", 1.0) as update:
-        campaign.combine(block or next(iter(campaign.sweep.blocks)), observable, output, update, partial)
+        campaign.combine(
+            block or next(iter(campaign.sweep.blocks)), observable, output, update, partial
+        )
     for sentence in campaign.said:
         typer.echo(sentence, err=True)
 

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from dem.base.files import atomic
-from dem.base.target import file_of
+from dem.base.files import atomic, file_path
 from dem.base.validate import checked, whole
 from dem.dynamics.contact_list import ContactList
 from dem.dynamics.world import World
@@ -264,7 +263,7 @@ class Result(NamedTuple):
         # a netCDF dimension of size zero would be one without end
         return dataset.drop_dims([name for name, size in dataset.sizes.items() if not size])
 
-    @checked(path=file_of(".nc"))
+    @checked(path=file_path(".nc"))
     def to_netcdf(self, path: str | os.PathLike[str]) -> Path:
         """Write to_dataset() to one netCDF file, whole or not at all.
 

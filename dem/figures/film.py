@@ -15,8 +15,7 @@ from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 
 from dem.base.errors import InputError
-from dem.base.files import atomic
-from dem.base.target import file_of
+from dem.base.files import atomic, file_path
 from dem.base.validate import checked
 from dem.dynamics.result import Result
 from dem.experiment.motion import Motion
@@ -180,7 +179,7 @@ def encoder() -> str:
         ) from None
 
 
-@checked(path=file_of(*FILMS))
+@checked(path=file_path(*FILMS))
 def film(
     result: Result | Motion,
     path: str | os.PathLike[str],

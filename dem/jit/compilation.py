@@ -27,7 +27,7 @@ from numba.core.registry import CPUDispatcher
 from numba.core.serialize import dumps
 
 import dem.jit.return_values  # noqa: F401 takes effect by being imported
-from dem.base.say import say
+from dem.base.messages import say
 from dem.base.sources import (
     IMPORTED,
     UNREADABLE,

@@ -13,7 +13,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from dem.base.errors import InputError
-from dem.base.files import Place, check_own
+from dem.base.files import check_output
 from dem.base.sources import code_hash
 from dem.base.yaml_file import read
 from dem.experiment.config import Replicate
@@ -236,13 +236,13 @@ class Campaign:
         return self.path_of(block, self.observables(block)[0])
 
     def check(self) -> list[str]:
-        """Raise InputError where a file that the sweep writes is a link or of another kind, or where the
+        """Raise InputError where a file that the sweep writes is of another kind, or where the
         folder holds another sweep. Returns a sentence where runs will be gone."""
         said = []
         for path in (self.results / CONFIG, *(self.results / "flow").glob("*.nc")):
-            check_own(Place("the file to write", path))
+            check_output(path)
         for name, path in self.combined():
-            check_own(Place("the file to write", path))
+            check_output(path)
             found = read_earlier(path)
             refuse_other(path, found, self.sweep, self.file)
             if path == self.first(name) and not self.sweep.needed(name):

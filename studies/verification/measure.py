@@ -11,7 +11,7 @@ import numpy as np
 
 from dem.base import provenance
 from dem.base.errors import InputError
-from dem.base.hints import choice
+from dem.base.messages import did_you_mean
 from dem.base.sources import code_hash
 from dem.io.dataset import global_attributes, write
 from studies.verification import cases
@@ -22,7 +22,7 @@ from studies.verification.row import Row
 def case(name: str):
     """The module of a case; raises InputError where there is none of this name."""
     if name not in cases.NAMES:
-        hint = choice(name, cases.NAMES)
+        hint = did_you_mean(name, cases.NAMES)
         raise InputError(f"case is {name!r}; there is no such case{hint}.")
     return import_module(f"{cases.__name__}.{name}")
 
