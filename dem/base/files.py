@@ -4,7 +4,7 @@ import os
 import re
 import shutil
 import socket
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -91,7 +91,7 @@ def _is_of_kind(path: Path, kind: str) -> bool:
 
 
 @contextmanager
-def atomic(path: Path):
+def atomic(path: Path) -> Iterator[Path]:
     """A path to write to beside `path`; it takes the place of `path` only when all went well.
 
     Of a link, the file that it leads to is written. Raises OSError, with what to do, where it cannot
@@ -107,8 +107,10 @@ def atomic(path: Path):
         part.replace(path)
     except (OSError, RuntimeError) as error:
         # HDF5 raises RuntimeErrors, which do not say why
-        if not isinstance(error, OSError) and not str(error).startswith("NetCDF"):
-            raise
+        of_disk = isinstance(error, OSError) or str(error).startswith("NetCDF")
+        name = Path(os.fsdecode(getattr(error, "filename", None) or part))
+        if not of_disk or name not in (part, path, *path.parents):
+            raise  # it is about a file that the content is made of
         why = "the disk is full" if is_full(path.parent) else reason(error)
         raise OSError(_cannot(path, why)) from None
     finally:
