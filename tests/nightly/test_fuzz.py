@@ -55,7 +55,7 @@ BAD = {
     "--seed": (str(2**63), str(2**70), "1.5", *NUMBER),
     "--bed": ("rep.nc", "q.yaml", "none.nc", "."),
     "--checkpoint": ("q.yaml", "note.txt", "."),
-    "--block": ("zz", ""),
+    "--block": ("zz",),
     "--observable": ("zz", ""),
     "-o": ("q.yaml", "bed.nc/new.nc", "note.txt/new.nc"),
     "value": ("gravty=1", "shape", "seed=", "density=x=y", ""),
