@@ -154,7 +154,7 @@ SMOKE = ("--config", "config/smoke.yaml")
         (("figure", "all", "docs/data/flow.nc", "-o", "OUT"), "it holds no drag; name drag.nc."),
         (("report", "studies/shear/shear.nc", "-o", "OUT.html"), "there are no figures; draw them first"),
         (("pack", *SMOKE, "--shape", "c1", "--seed", "1", "record.window=[1,2]", "-o", "OUT"), "record.window is no value that can vary"),
-        (("pack", *SMOKE, "--shape", "c1", "--seed", "1", "-o", "OUT.txt"), "it must end in .nc"),
+        (("pack", *SMOKE, "--shape", "c1", "--seed", "1", "-o", "OUT.txt"), "it must be the path of a file that ends in .nc"),
         (("batch", "OUT"), "it is no plan of a batch"),
     ],
 )  # fmt: skip

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from conftest import CONFIG
 from dem.base.errors import InputError
-from dem.base.files import FOLDER, atomic, check_output
+from dem.base.files import atomic, check_output
 from dem.cli.app import app
 from dem.cli.options import Writes
 
@@ -61,9 +61,9 @@ def words_for(function, target, path, source):
 
 
 WRITTEN = [
-    pytest.param(words, function, name, mark.kind, id=f"{'-'.join(words)}-{name}")
+    pytest.param(words, function, name, mark, id=f"{'-'.join(words)}-{name}")
     for words, function in commands()
-    for name, _, _, mark, _ in parameters(function) if mark
+    for name, _, _, mark, _ in parameters(function) if mark is not None
 ]  # fmt: skip
 
 
@@ -78,13 +78,16 @@ def test_no_command_writes_where_it_must_not(tmp_path, monkeypatch, words, funct
     monkeypatch.chdir(tmp_path)
     source = tmp_path / "smoke.yaml"
     shutil.copy(CONFIG / "smoke.yaml", source)
-    (tmp_path / "note.nc").write_text("a note")
-    (tmp_path / "sub").mkdir()
-    places = {"what it reads": source, "below a file": source / "out.nc"}
-    if kind != FOLDER:
-        places["a folder"] = tmp_path / "sub"
-    if kind not in (FOLDER, "any"):
-        places["a file of another kind"] = tmp_path / "note.nc"
+    (tmp_path / f"sub{kind}").mkdir()
+    (tmp_path / "note.md").write_text("a note")
+    places = {
+        "what it reads": source,
+        "a folder": tmp_path / f"sub{kind}",
+        "below a file": source / f"out{kind}",
+        "a file of another kind": tmp_path / "note.md",
+    }
+    if name == "checkpoint":
+        del places["a file of another kind"]  # resume.clear_way looks into it
     before = content(tmp_path)
     for fault, path in places.items():
         result = CliRunner().invoke(app, [*words, *words_for(function, name, path, source)])
@@ -97,44 +100,14 @@ def test_every_output_is_marked_as_written():
     """A path called an output or a checkpoint is known as one that a command writes."""
     for words, function in commands():
         for name, _, kind, mark, _ in parameters(function):
-            writes = "Path" in kind and name in ("output", "checkpoint")
-            assert bool(mark) == writes, (words, name)
-
-
-KINDS = {
-    ".nc": b"\x89HDF\r\n\x1a\n rest",
-    ".html": b"<!doctype html>\n",
-    ".png": b"\x89PNG\r\n",
-    ".svg": b"<?xml version",
-    ".pdf": b"%PDF-1.4",
-    ".gif": b"GIF89a",
-    ".txt": b"a table\n",
-    ".mp4": b"\0\0\0\x20ftypisom",
-}
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_a_command_overwrites_its_own_kind_of_file_only(tmp_path, kind):
-    """Results may be made again over old ones or an empty file, not over anything else."""
-    file = tmp_path / f"out{kind}"
-    for head in (KINDS[kind], b""):
-        file.write_bytes(head)
-        check_output(file, kind)
-    for other in {*KINDS} - {kind, ".txt"}:
-        file.write_bytes(KINDS[other])
-        if kind != ".txt" or b"\0" in KINDS[other]:
-            with pytest.raises(InputError, match="something else"):
-                check_output(file, kind)
-    note = tmp_path / "README.md"
-    note.write_text("a note")
-    with pytest.raises(InputError, match="something else" if kind != ".nc" else "must end in .nc"):
-        check_output(note, kind)
+            writes = "Path" in kind and name in ("output", "checkpoint") and words != ("figure",)
+            assert (mark is not None) == writes, (words, name)
 
 
 def test_a_folder_that_cannot_be_written_is_named_before_any_work(tmp_path, monkeypatch):
     monkeypatch.setattr(os, "access", lambda *_: False)  # root may write anywhere
     with pytest.raises(OSError, match=f"{tmp_path} is read-only"):
-        check_output(tmp_path / "out.nc")
+        check_output("output", tmp_path / "out.nc")
 
 
 def test_a_file_is_written_through_a_link(tmp_path):
@@ -149,5 +122,5 @@ def test_a_file_is_written_through_a_link(tmp_path):
 
 
 def test_no_device_is_replaced_by_a_file():
-    with pytest.raises(InputError, match="/dev/null: it must be a file"), atomic(os.devnull):
+    with pytest.raises(InputError, match="it must be a file"), atomic(os.devnull):
         pass

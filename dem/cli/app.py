@@ -4,7 +4,6 @@ from pathlib import Path
 
 import typer
 
-from dem.base.files import ANY
 from dem.cli.flow import VERBS as moving
 from dem.cli.options import (
     OUTPUT,
@@ -106,7 +105,7 @@ def simulate(
     checkpoint: option(
         Path | None,
         "File that saves the run every minute; a stopped run resumes from it.",
-        writes=ANY,
+        writes="",
     ) = None,
 ):
     """Make one run: draw the cylinder through one bed and record the forces on it.
@@ -176,7 +175,7 @@ def means(
     other: argument(Path | None, "Another one, to set the means of both side by side.") = None,
     quantity: option(str, "What is shown, or compared with the other file.", "--of") = "drag",
     output: option(
-        Path | None, "Table to write (.csv or .nc); the terminal if absent.", *OUTPUT, writes=ANY
+        Path | None, "Table to write (.csv or .nc); the terminal if absent.", *OUTPUT, writes=""
     ) = None,
 ):
     """Means of the runs of a file, one row a place; or of two files, with their ratio.

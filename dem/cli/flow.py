@@ -63,11 +63,11 @@ def draw(
     """
     start_lean()
     from dem.analysis.one_run import read_motion
-    from dem.base.files import file_path
+    from dem.base.files import check_output
     from dem.figures.export import export
     from dem.figures.film import FILMS, PICTURES, film, picture
 
-    output = file_path(*FILMS, *PICTURES, ".pvd")("output", output)
+    output = check_output("output", output, (*FILMS, *PICTURES, ".pvd"))
     with bar("reading the run"):
         motion = read_motion(run, select or [], shapes)
     with bar(f"drawing {output}", 1.0) as update:

@@ -10,7 +10,7 @@ from rich.live import Live
 from rich.segment import Segment
 
 from dem.analysis.tables import WIDE
-from dem.base.files import FOLDER, atomic, check_output
+from dem.base.files import atomic, check_output
 from dem.base.messages import printable
 from dem.cli.terminal import bar
 
@@ -37,7 +37,7 @@ def draw_figure(
     from dem.figures.catalogue import draw
 
     folder = output or data.parent / "figures"
-    check_output(folder, FOLDER, "output")
+    check_output("output", folder / f"{name}.svg")
     with bar(f"drawing {name}"):
         draw(name, data, folder, figures, of)
 

@@ -59,8 +59,8 @@ def check_outputs(hints: dict, values: dict) -> None:
     for name, path in paths.items():
         for mark in getattr(hints[name], "__metadata__", ()):
             if isinstance(mark, Writes):
-                others = (other for other in paths if other != name)
-                check_output(path, mark.kind, name, map(paths.get, others))
+                others = [path for other, path in paths.items() if other != name]
+                check_output(name, path, (mark,) if mark else (), others)
 
 
 @contextmanager

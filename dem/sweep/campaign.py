@@ -236,13 +236,13 @@ class Campaign:
         return self.path_of(block, self.observables(block)[0])
 
     def check(self) -> list[str]:
-        """Raise InputError where a file that the sweep writes is of another kind, or where the
+        """Raise InputError where a file that the sweep writes is none, or where the
         folder holds another sweep. Returns a sentence where runs will be gone."""
         said = []
         for path in (self.results / CONFIG, *(self.results / "flow").glob("*.nc")):
-            check_output(path)
+            check_output("the file to write", path)
         for name, path in self.combined():
-            check_output(path)
+            check_output("the file to write", path)
             found = read_earlier(path)
             refuse_other(path, found, self.sweep, self.file)
             if path == self.first(name) and not self.sweep.needed(name):
