@@ -70,8 +70,8 @@ def reported():
         yield
     except (KeyboardInterrupt, Exception) as error:
         if RECEIVED or isinstance(error, KeyboardInterrupt):
-            (message,) = getattr(error, "__notes__", ["no half-written file is left."])
-            say(f"Interrupted; {message}")
+            notes = getattr(error, "__notes__", ["no half-written file is left."])
+            say(f"Interrupted; {notes[0]}")
             raise typer.Exit(128 + (RECEIVED or [signal.SIGINT])[0]) from None
         if isinstance(error, BrokenPipeError):
             raise  # whoever reads the pipe has seen enough, and typer ends
