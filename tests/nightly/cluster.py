@@ -118,8 +118,7 @@ def main(file: str = "config/smoke.yaml", kills: int = 20, seed: int = 1) -> Non
         shutil.copytree(ROOT / "config", folder / "config")
         (folder / "many.yaml").write_text(
             yaml.dump(
-                {"extends": file, "results": "results/many", "batch": 2}
-                | (more if kills else {})
+                {"extends": file, "results": "results/many", "batch": 2} | (more if kills else {})
             )
         )
     machine = Machine(worker, client)
@@ -173,4 +172,3 @@ def main(file: str = "config/smoke.yaml", kills: int = 20, seed: int = 1) -> Non
         for name in list(machine.parts):
             machine.kill(name)
         shutil.rmtree(base, ignore_errors=True)
-
