@@ -352,7 +352,7 @@ KINDS = (
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)
 def test_bad_input_ends_in_a_sentence_and_loses_nothing(good, kind):
-    @settings(max_examples=settings().max_examples // 4)
+    @settings(settings.get_profile("night"), max_examples=500)
     @given(st.integers(0, 2**32))
     def one(seed):
         with tempfile.TemporaryDirectory() as name:

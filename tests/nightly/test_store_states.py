@@ -238,4 +238,4 @@ class Sweeps(RuleBasedStateMachine):
 
 
 TestSweeps = Sweeps.TestCase
-TestSweeps.settings = settings(max_examples=settings().max_examples // 2, stateful_step_count=20)
+TestSweeps.settings = settings(settings.get_profile("night"), max_examples=1000, stateful_step_count=20)
