@@ -4,11 +4,11 @@
     snakemake -j2 --configfile config/smoke.yaml          another sweep into its own folder
     snakemake -j2 --profile profiles/figures figures      draw what the results give, simulate nothing
     snakemake -j1 benchmark                               time the kernels, beside other codes
-    snakemake -j2 accuracy                                error against run time
+    snakemake -j2 accuracy                                error against run time, of the step and of few beds
     snakemake -j2 stability                               stiff and extreme cases
     snakemake -j2 verification                            known cases against what is expected
-    snakemake -j2 precision                               how often a mean is as near as a sweep asks for
-    snakemake -j2 budget                                  what a budget of processor time buys
+    snakemake -j2 precision                               how often a mean is as near as a sweep asks for: part of accuracy
+    snakemake -j2 budget                                  what a budget of processor time buys: part of accuracy
     snakemake -j2 claims                                  which of the paper's claims hold
     snakemake -j2 report                                  one page of everything
 
@@ -46,14 +46,13 @@ rule figures:
 
 include: "rules/batch.smk"
 include: "rules/combine.smk"
-include: "rules/flow.smk"
 include: "rules/figures.smk"
 include: "rules/report.smk"
 
 
-for name in STUDY_NAMES:
+if REPORTED:
 
-    include: f"studies/{name}/rules.smk"
+    include: "rules/studies.smk"
 
 
 onstart:
@@ -66,4 +65,4 @@ onsuccess:
 
 
 onerror:
-    say(on_failure(SWEEP.results, kept(SWEEP)))
+    say(on_failure(SWEEP.results, interrupted(SWEEP)))

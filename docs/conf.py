@@ -1,7 +1,8 @@
 """Sphinx configuration: `make docs` builds docs/_build/html, without a network, warnings as errors.
 
 Sphinx with myst-nb and numpydoc is what NumPy, SciPy and xarray use: the reference comes from the
-docstrings, tutorials are notebooks that run in the build, and pages are Markdown.
+docstrings, tutorials are notebooks that run in the build, and pages are Markdown. The builder
+`linkcheck` of Sphinx looks at links to other sites; it needs a network.
 """
 
 import sys
@@ -28,7 +29,6 @@ extensions = [
     "sphinx_design",
     "sphinxcontrib.video",
     "pages",  # docs/_ext: fills in numbers, draws the gallery, sets mathematics
-    "links",  # docs/_ext: checks them in the finished pages
 ]
 exclude_patterns = ["_build", "_ext", "data", "readme.md"]
 templates_path = ["_templates"]

@@ -1,11 +1,11 @@
-"""Draw the figures and write the tables of studies, each from one file of results.
+"""Draw the figures, each from one file of results.
 
     snakemake -j2 --profile profiles/figures figures      simulates nothing, and makes no file of results
 
 REQUIRED INPUTS
-    {RESULTS}/drag.nc, flow.nc, onset.nc, shear.nc or the file of a study: as each figure says
+    {RESULTS}/drag.nc, snapshots.nc, onset.nc, shear.nc or the file of a study: as each figure says
 OUTPUTS
-    {RESULTS}/figures/{figure}.svg, {RESULTS}/figures/{figure}.png, {RESULTS}/{study}.txt
+    {RESULTS}/figures/{figure}.svg, {RESULTS}/figures/{figure}.png
 """
 
 
@@ -34,20 +34,3 @@ rule figure:
         "{folder}/logs/figures/{figure}.log",
     shell:
         "{params.by} figure {wildcards.figure} {input.data:q} -o {params.folder:q} 2> {log:q}"
-
-
-rule table:
-    message:
-        "Write {output}"
-    input:
-        data=f"{RESULTS}/{{study}}.nc",
-    output:
-        report(f"{RESULTS}/{{study}}.txt", category="Tables", labels={"table": "{study}"}),
-    params:
-        code=lambda w: code_of(f"studies.{w.study}.findings"),
-    wildcard_constraints:
-        study="|".join(REPORTED),
-    log:
-        f"{RESULTS}/logs/{{study}}/table.log",
-    shell:
-        "python -P -m studies {wildcards.study} info {input.data} -o {output} 2> {log}"

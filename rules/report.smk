@@ -14,10 +14,6 @@ OUTPUTS
 """
 
 
-# of the paper the page tells what it leaves open
-NOTES = [os.path.relpath(HERE / "docs/explanation/open.md")] if SWEEP.file == "config/paper.yaml" else []
-
-
 localrules:
     report,
 
@@ -33,16 +29,14 @@ rule report_page:
     input:
         combined=COMBINED,
         figures=PICTURES,
-        notes=NOTES,
     output:
         f"{RESULTS}/report.html",
     params:
         code=code_of("dem.report.build"),
-        notes=[f"--notes {file}" for file in NOTES],
         studies=lambda w: {
             path.name: path.stat().st_mtime for name in ("*.txt", "provenance.html") for path in sorted(SWEEP.results.glob(name))
         },
     log:
         f"{RESULTS}/logs/report.log",
     shell:
-        "dem report {input.combined[0]:q} {params.notes} -o {output} 2> {log}"
+        "dem report {input.combined[0]:q} -o {output} 2> {log}"

@@ -7,31 +7,49 @@ from typing import Annotated
 import typer
 
 import studies
-from dem.cli.options import FolderOption, TextOption
+from dem.cli.options import FolderOption, OutputOption, TextOption, argument, option
 from dem.cli.show import draw_figure, print_or_write
-from dem.cli.terminal import Verbs, bar
+from dem.cli.terminal import Verbs, bar, start_lean
 from studies.catalogue import figures, reported
 
 app = Verbs(
     help="Studies beside the library: accuracy, stability, the claims of the paper, ...",
-    no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False,
-)  # fmt: skip
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
 
 
-def _info(name: str):
+def make_of(name: str):
+    """The verb that writes the file of a study."""
+
+    def make(
+        output: OutputOption,
+        config: option(Path | None, "Its sweep (YAML); that of its folder if absent.") = None,
+        jobs: option(int, "Processes side by side.", min=1) = 1,
+    ):
+        """Write the file of results, from runs that are there."""
+        start_lean()
+        from studies.common.results import write_results
+
+        with bar(name, 1.0) as update:
+            write_results(name, output, config, jobs, update)
+
+    return make
+
+
+def info_of(name: str):
     """The verb that shows the file of a study."""
 
-    def info(
-        data: Annotated[Path, typer.Argument(help="File of results of the study.")],
-        output: TextOption = None,
-    ):
+    def info(data: argument(Path, "File of results of the study."), output: TextOption = None):
         """Print all that the file of the study says."""
         from dem.io.lazily import open_lazily, require
         from studies.common.findings import Findings
 
         with bar(f"reading {data}"), open_lazily(data) as dataset:
-            layout = import_module(f"studies.{name}.layout").VARIABLES
-            module = import_module(f"studies.{name}.findings")
+            package = studies.package_of(name)
+            layout = import_module(f"{package}.results").VARIABLES
+            module = import_module(f"{package}.findings")
             every = [each for each in vars(module).values() if isinstance(each, Findings)]
             found = next(each for each in every if each.name == name)
             require(dataset, data, layout, found.needs, ("title", *found.attributes))
@@ -41,12 +59,17 @@ def _info(name: str):
     return info
 
 
-for name in studies.NAMES:
-    if (studies.HERE / name / "verbs.py").is_file():
-        own = import_module(f"studies.{name}.verbs").app
-        if name in reported():
-            own.command("info")(_info(name))
-        app.add_typer(own, name=name)
+for name, folder in studies.FOLDERS.items():
+    about = import_module(studies.package_of(name)).__doc__
+    verbs = Verbs(help=about, no_args_is_help=True)
+    if name in reported():
+        verbs.command()(make_of(name))
+        verbs.command()(info_of(name))
+    if (folder / "verbs.py").is_file():
+        for verb in import_module(f"{studies.package_of(name)}.verbs").VERBS:
+            verbs.command()(verb)
+    if verbs.registered_commands:
+        app.add_typer(verbs, name=name)
 
 
 @app.command()

@@ -1,17 +1,19 @@
 """Which figures and which files of results the studies have."""
 
+from dem.base.constants import constants
 from dem.figures.catalogue import FIGURES, figures_of
-from studies import HERE, NAMES
+from studies import FOLDERS, package_of
 
 
 def figures() -> dict:
     """The figures of the library and of all studies, by name."""
     found = dict(FIGURES)
-    for name in NAMES:
-        found |= figures_of(f"studies.{name}", HERE / name)
+    for name, folder in FOLDERS.items():
+        found |= figures_of(package_of(name), folder)
     return found
 
 
-def reported() -> tuple[str, ...]:
-    """The studies with a file of results of their own, in a layout of their own."""
-    return tuple(name for name in NAMES if (HERE / name / "layout.py").is_file())
+def reported() -> dict[str, dict]:
+    """The studies with a file of results of their own, and the constants of their results.py."""
+    files = {name: folder / "results.py" for name, folder in FOLDERS.items()}
+    return {name: constants(file) for name, file in files.items() if file.is_file()}

@@ -19,9 +19,9 @@ from dem.jit.address import FEW, by_address, local
 from dem.jit.compilation import compiled, inlined
 
 ASK = """
-from dem.dynamics.stepping import rung
-rung(0.1)
-print(*(sum(count.values()) for count in (rung.stats.cache_hits, rung.stats.cache_misses)))
+from dem.dynamics.stepping import quantised
+quantised(0.1)
+print(*(sum(count.values()) for count in (quantised.stats.cache_hits, quantised.stats.cache_misses)))
 """
 ASK_OF_A_SHAPE = """
 import numpy as np

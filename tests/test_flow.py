@@ -2,10 +2,10 @@
 
 import re
 import shutil
-from contextlib import chdir
 
 import meshio
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 from made import made
@@ -14,12 +14,10 @@ from typer.testing import CliRunner
 
 import dem
 from conftest import STIFF, assert_not_blank
-from dem.analysis.flow.collect import write_flow
-from dem.analysis.one_run import _chosen, open_run, read_motion
+from dem.analysis.one_run import open_run, read_motion, selected
 from dem.base.errors import InputError
 from dem.cli.app import app
-from dem.experiment import flow_measures as measures
-from dem.experiment.observables import flow as observable
+from dem.experiment.observables import flow as measures
 from dem.figures.export import export
 from dem.figures.film import film, picture
 
@@ -35,8 +33,8 @@ def grid():
 def results(tmp_path_factory):
     """Results of two cases of the smoke sweep with one seed."""
     folder = tmp_path_factory.mktemp("runs")
-    made(folder, flow=True, sweep={"case": ["c1", "e3"], "seed": 1},
-         record={"snapshots": 13})  # fmt: skip
+    record = {"snapshots": 13, "observables": ["drag", "flow", "snapshots"]}
+    made(folder, sweep={"case": ["c1", "e3"], "seed": [1, 2]}, record=record)
     return folder / "results"
 
 
@@ -53,7 +51,7 @@ def swept(tmp_path_factory):
 @pytest.fixture
 def motion(results):
     """The run of discs."""
-    return read_motion(results / "drag.nc", ["case=c1"])
+    return read_motion(results / "drag.nc", ["case=c1", "seed=1"])
 
 
 def test_affine_motions_are_not_irregular(grid):
@@ -122,40 +120,26 @@ def test_motion_is_what_was_recorded(results):
         np.testing.assert_array_equal(motion.drag, data["drag"].sel(case="e3", seed=1))
 
 
-def test_flow_nc(results, motion):
-    """Measures of every run are those of its snapshots, and the snapshots of one a case are there."""
+def test_recorded_measures_are_those_of_the_snapshots(results, motion):
+    """To the bit, over the axes of the sweep."""
     with xr.open_dataset(results / "flow.nc") as flow:
         assert flow["non_affine"].dims == ("case", "seed", "snapshot")
         assert float(flow["non_affine"].isel(snapshot=-1).min()) > 0.0
         assert (flow["mixing"].isel(snapshot=0) == 0.0).all()
         lost = flow["contacts_lost"].isel(snapshot=slice(6, None)).values
         assert ((lost >= 0.0) & (lost <= 1.0)).all() and lost.max() > 0.0
-        np.testing.assert_array_equal(flow["bed_x"].sel(case="c1"), motion.position[..., 0])
-        for name, wanted in observable.measured(motion).items():
+        for name, wanted in measures.measured(motion).items():
             np.testing.assert_array_equal(flow[name].sel(case="c1", seed=1), wanted)
 
 
-def test_a_recorded_flow_is_that_of_the_snapshots(results, tmp_path):
-    """The same bits, whether a run measures its flow or its snapshots are measured."""
-    made(tmp_path, sweep={"case": ["c1"], "seed": 1},
-         record={"snapshots": 13, "observables": ["drag", "flow"]})  # fmt: skip
-    with (
-        xr.open_dataset(tmp_path / "results/flow.nc") as one,
-        xr.open_dataset(results / "flow.nc") as other,
-    ):
-        for name in observable.VARIABLES:
-            np.testing.assert_array_equal(one[name].sel(case="c1"), other[name].sel(case="c1"))
-
-
-def test_flow_of_runs_that_are_not_measured_is_one_sentence(tmp_path):
-    """The file that is missing is named, and what makes it."""
-    work = made(tmp_path, sweep={"case": ["c1"], "seed": 1}, record={"snapshots": 13})
-    with (
-        chdir(tmp_path),
-        pytest.raises(InputError, match="is missing; make it from results/store/batches"),
-    ):
-        write_flow(work, "drag", tmp_path / "flow.nc")
-    assert not (tmp_path / "flow.nc").exists()
+def test_beds_of_the_first_seed_of_each_case_are_in_one_file(results, motion):
+    """Where a case has fewer granules than another, the rest is missing."""
+    with xr.open_dataset(results / "snapshots.nc") as beds:
+        assert beds["granule_x"].dims == ("case", "seed", "snapshot", "granule")
+        assert beds["seed"].values.tolist() == [1]
+        one = beds.sel(case="c1", seed=1)
+        np.testing.assert_array_equal(one["granule_x"], motion.position[..., 0])
+        np.testing.assert_array_equal(one["granule_diameter"], motion.diameters)
 
 
 def test_a_run_is_found_by_its_values(swept):
@@ -183,12 +167,9 @@ def test_a_run_is_found_by_its_values(swept):
 
 def test_of_values_that_print_alike_the_one_that_is_written_is_selected():
     """Any of them can be named, and a rounded one where nothing is equal to it."""
-    ids, values = np.array(["a", "b", "c"]), np.array([2.0, 2.0000001, 0.1 + 0.2])
-    rows = [
-        _chosen("drag.nc", {"velocity": values}, ids, [f"velocity={text}"])
-        for text in ("2", "2.0000001", "0.3")
-    ]
-    assert rows == [0, 1, 2]
+    runs = pd.DataFrame({"velocity": [2.0, 2.0000001, 0.1 + 0.2]}, index=["a", "b", "c"])
+    found = [selected(runs, [f"velocity={text}"]) for text in ("2", "2.0000001", "0.3")]
+    assert found == ["a", "b", "c"]
 
 
 @pytest.mark.parametrize(
@@ -196,9 +177,9 @@ def test_of_values_that_print_alike_the_one_that_is_written_is_selected():
     [
         (
             ["shape=d1", "seed=1"],
-            "choose one by friction_granule, box, such as friction_granule=0.1",
+            "choose one, such as friction_granule=0.1 box=",
         ),
-        ([], "it has 16 runs; choose one by shape, friction_granule, box, seed"),
+        ([], "it has 16 runs; choose one, such as shape=c1 friction_granule=0.1 box="),
         (
             ["frction.granule=0.1"],
             "its runs have no value named frction.granule; the nearest is fr",
@@ -250,11 +231,11 @@ def test_a_film_is_a_film(motion, tmp_path):
     assert written.suffix == ".mp4" and written.read_bytes()[4:8] == b"ftyp"
 
 
-@pytest.mark.parametrize(("data", "run"), [("results", "case=e3"), ("swept", "d1")])
+@pytest.mark.parametrize(("data", "run"), [("results", "case=e3 seed=1"), ("swept", "d1")])
 def test_export_for_paraview(request, tmp_path, data, run):
-    """One polygon a granule with its area, also of a dumbbell; a file a snapshot, and one that lists them."""
+    """Polygons with the area of their granule, two a dumbbell; a file a snapshot, and one that lists them."""
     folder = request.getfixturevalue(data)
-    select = [run] if "=" in run else [f"shape={run}", "friction.granule=0.3", "box=same", "seed=1"]
+    select = run.split() if "=" in run else [f"shape={run}", "friction.granule=0.3", "box=same", "seed=1"]
     motion = read_motion(folder / "drag.nc", select)
     export(motion, tmp_path / "vtk/bed.pvd")
     snapshots, granules = motion.angle.shape
@@ -263,10 +244,13 @@ def test_export_for_paraview(request, tmp_path, data, run):
     polygons, lines = (mesh.points[cells.data][..., :2] for cells in mesh.cells)
     x, y = np.moveaxis(polygons, -1, 0)
     area = 0.5 * (x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1)
-    values = {name: each[0] for name, each in mesh.cell_data.items()}
-    assert values["granule"].tolist() == [*range(granules), -1]
-    np.testing.assert_allclose(area[:granules], np.pi / 4 * motion.diameters**2, rtol=0.01)
-    middle = 0.5 * (polygons[:granules].min(1) + polygons[:granules].max(1))
+    body = mesh.cell_data["granule"][0]
+    parts = (len(body) - 1) // granules
+    assert body.tolist() == [*np.repeat(range(granules), parts), -1]
+    values = {name: each[0][::parts] for name, each in mesh.cell_data.items()}
+    area = area[:-1].reshape(granules, parts).sum(axis=1)
+    np.testing.assert_allclose(area, np.pi / 4 * motion.diameters**2, rtol=0.01)
+    middle = polygons[:-1].mean(axis=1).reshape(granules, parts, 2).mean(axis=1)
     np.testing.assert_allclose(middle, motion.position[-1], atol=0.02 * motion.diameters.max())
     # what the granules went since the snapshot before, and the cylinder at its velocity
     cylinder = motion.replicate.configuration.cylinder
@@ -287,10 +271,10 @@ def test_export_for_paraview(request, tmp_path, data, run):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["draw", "DRAG", "case=c1", "-o", "bed.avi"], "bed.avi"),
+        (["draw", "DRAG", "case=c1", "seed=1", "-o", "bed.avi"], "bed.avi"),
         (["draw", "none.nc", "-o", "bed.mp4"], "none.nc"),
-        (["draw", "DRAG", "case=c1", "-o", "bed.mp4", "--color", "mauve"], "mauve"),
-        (["draw", "DRAG", "case=c1", "-o", "bed.txt"], "bed.txt"),
+        (["draw", "DRAG", "case=c1", "seed=1", "-o", "bed.mp4", "--color", "mauve"], "mauve"),
+        (["draw", "DRAG", "case=c1", "seed=1", "-o", "bed.txt"], "bed.txt"),
         (["draw", "DRAG", "-o", "bed.png"], "case=c1"),
         (["draw", "BED", "-o", "vtk.pvd"], "holds no runs"),
     ],

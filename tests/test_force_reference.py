@@ -59,7 +59,7 @@ def test_forces_on_walls_and_cylinder_balance_those_on_granules(kind):
     scene = replace(scene, friction=Friction(0.2, 1e-30, 0.7))
     world = writable(Simulation(scene, state).world)
     dt = 1e-7
-    loads, axis = world.boundaries.loads, world.cylinder.first
+    loads, axis = world.boundaries.contact_forces, world.cylinder.first
     forces(world, dt, np.inf)
     given = loads[axis, :2] + loads[axis, 2:4] + loads[:axis, 0] @ scene.walls[:, :2]
     assert_allclose(world.force[:, :2].sum(axis=0), -given, rtol=1e-10)
@@ -109,7 +109,7 @@ def test_kernels_read_and_write_nothing_beside_their_arrays(name):
         look_ahead(world, 0.5 * TIME_STEP, TIME_STEP)
     for one, other in (
         (plain.bodies, beside.bodies), (plain.constituent_force, beside.constituent_force),
-        (plain.boundaries.motion, beside.boundaries.motion), (plain.boundaries.loads, beside.boundaries.loads),
+        (plain.boundaries.motion, beside.boundaries.motion), (plain.boundaries.contact_forces, beside.boundaries.contact_forces),
     ):  # fmt: skip
         assert_array_equal(one, other)
         assert np.isfinite(one).all()

@@ -24,9 +24,10 @@ from dem import (
     pack,
 )
 from dem.dynamics.ordering import order_of
+from dem.dynamics.stepping import diagnose_together
 from dem.dynamics.threads import Threads
 from dem.dynamics.world import PATCH
-from dem.packing.tiled import tiled
+from dem.packing.tiling import tiled
 from dem.shapes import KINDS
 
 PITCH = 1e-3  # m
@@ -91,7 +92,7 @@ def test_the_number_of_threads_changes_no_bit(friction):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_several_threads_survey_a_bed_as_one_does(small_bed, kind):
+def test_several_threads_scan_a_bed_as_one_does(small_bed, kind):
     """A thread knows all contacts of its granules, of both halves of a dumbbell, also those with granules
     of other threads; in the end each thread has a single granule."""
     small = small_bed(kind)
@@ -99,7 +100,8 @@ def test_several_threads_survey_a_bed_as_one_does(small_bed, kind):
     alone = run.diagnose()
     assert alone.coordination_number > 1.0
     for threads in (2, 3, small.scene().granules):
-        assert Threads(threads).diagnose(run._world, run._table, 0.0, (0.0, 0.0)) == alone
+        with Threads(threads) as pool:
+            assert diagnose_together(pool, run._world, run._table, 0.0, (0.0, 0.0)) == alone
 
 
 def test_a_large_bed_goes_on_from_a_checkpoint_with_the_same_bits():

@@ -138,7 +138,7 @@ def test_the_cylinder_takes_another_velocity(small_bed):
 
 
 def test_a_step_beyond_the_bound_must_be_asked_for(small_bed):
-    """step_fraction above 1 is refused, but with allow_unstable the next rung below is taken."""
+    """step_fraction above 1 is refused, but with allow_unstable the next quantised step below is taken."""
     small = small_bed("disc")
     with pytest.raises(dem.InputError, match=r"step_fraction is 1\.5; it must lie above 0"):
         dem.Simulation(small.scene(), small.state, step_fraction=1.5)

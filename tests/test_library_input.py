@@ -12,7 +12,7 @@ from test_large import swarm
 import dem
 from conftest import CONFIG
 from dem import shapes
-from dem.dynamics.stepping import longest_step
+from dem.dynamics.stepping import COLLAPSE, longest_step
 
 PLACES = [[2e-3, 2e-3], [5e-3, 2e-3]]
 DISCS = dem.Disc([1e-3, 1e-3])
@@ -334,9 +334,8 @@ def test_a_run_whose_step_collapses_ends_within_a_minute(spoil):
     made = scene(shape=dem.Disc(np.full(400, 1e-3)), walls=None, cylinder=None)
     run = dem.Simulation(made, dem.State(grid))
     run.advance(1e-6)
-    world, progress = run._now[0]
-    spoil(world)
-    run._now[0] = world, progress._replace(surveyed=-1)  # as after a new list, which sees it
+    spoil(run._world)
+    run._progress = run._progress._replace(scanned=-1)  # as after a new list, which sees it
     with pytest.raises(dem.StateError, match=r"the time step has shrunk too far [^\n]*fast\.$"):
         run.advance(1e-3)
 
@@ -360,14 +359,14 @@ def test_short_steps_that_a_bed_needs_are_no_collapse(small_bed, kind, extreme):
     made = small.scene(**EXTREMES[extreme])
     squeezed = dem.State(0.5 * small.state.position + 1e-3, angle=small.state.angle)
     run, deep = (dem.Simulation(made, each, max_overlap=1.5) for each in (small.state, squeezed))
-    diagnostics = deep._take(0.0, 0.0, 0).diagnostics
+    diagnostics = deep._run_kernel(0.0, 0.0, 0).diagnostics
     assert diagnostics.max_overlap > 1.5
-    assert 0.0 < 5.0 * run._rules.collapsed < longest_step(deep._rules, diagnostics)
+    assert 5.0 * COLLAPSE * run._progress.first_dt < longest_step(deep._rules, diagnostics)
 
 
 def test_no_more_threads_start_than_the_bed_has_pieces():
     """A small bed is one piece: it runs in the thread that calls."""
-    assert simulation(threads=max(64, 4 * os.cpu_count()))._threads is None
+    assert simulation(threads=max(64, 4 * os.cpu_count()))._threads == 1
 
 
 TAMPERED = {

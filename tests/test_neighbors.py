@@ -9,8 +9,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 from conftest import STIFF
 from dem import Simulation
 from dem.dynamics.assembly import granule_table
+from dem.dynamics.cell_list import near_circle, near_pairs, near_planes
 from dem.dynamics.neighbor_list import share_out
-from dem.dynamics.neighbors import near_circle, near_pairs, near_planes
 from dem.dynamics.world import PATCH
 from dem.shapes import KINDS
 
@@ -98,7 +98,7 @@ def test_contact_memory_survives_a_new_neighbor_list(small_bed, kind, fraction):
     assert all(len(springs) > 2 for springs in before)
     for skin in (1.0, 0.01):
         run._table = granule_table(run.scene, skin)
-        run._take(0.0, 0.0, 0, starts=True)  # as at the start of a run, in no time
+        run._run_kernel(0.0, 0.0, 0, initialise=True)  # as at the start of a run, in no time
         world = run.world
         after = [memory(c) for c in (world.pairs, world.walls.contacts, world.cylinder.contacts)]
         for now, springs in zip(after, before, strict=True):

@@ -14,9 +14,9 @@ import dem
 from conftest import CONFIG, STIFF, make_small_bed
 from dem.contacts.force_law import effective_modulus
 from dem.experiment.bed import make_bed
-from dem.packing.grown import DAMPED, _moved
-from dem.packing.pressed import Press, compact
-from dem.packing.random import Room, sown
+from dem.packing.compaction import Press, compact
+from dem.packing.random import Room, dilute_start
+from dem.packing.swelling import DAMPED, _moved
 from dem.shapes import KINDS
 from dem.sweep.config import load
 
@@ -138,7 +138,7 @@ def test_bed_is_sown_apart(periodic):
     width, height = 8e-3, 9e-3
     cylinder = dem.Cylinder(1.5e-3, (1e-3, 2e-3))
     shape = dem.Ellipse.of_size(np.linspace(0.8e-3, 1.2e-3, 60), 1.5)
-    factor, state = sown(shape, Room(width, height, cylinder, 3, periodic))
+    factor, state = dilute_start(shape, Room(width, height, cylinder, 3, periodic))
     radius = np.append(factor * shape.bounding_radius, 0.75e-3)
     place = np.vstack([state.position, cylinder.position])
     one, two = np.triu_indices(61, 1)
@@ -254,7 +254,7 @@ def test_a_stage_of_growth_keeps_half_of_the_velocities():
     """Of ellipses that meet nothing: they go on, and turn on, at half of the speed."""
     small = make_small_bed("ellipse", fraction=0.80)
     room = Room(small.bed.width, small.bed.height, small.cylinder, 1)
-    factor, start = sown(small.shape, room)
+    factor, start = dilute_start(small.shape, room)
     rng = np.random.default_rng(1)
     slow = 1e-9 * rng.standard_normal((len(small.diameters), 3))  # no stage ends at a neighbour
     start = dem.State(start.position, slow[:, :2], start.angle, slow[:, 2])
@@ -274,10 +274,10 @@ def test_angles_go_from_stage_to_stage_of_growth_and_into_the_bed(monkeypatch):
         return stages[-1], 0.0  # net force
 
     def half_grown(*room):
-        return 0.5, sown(*room)[1]
+        return 0.5, dilute_start(*room)[1]
 
-    monkeypatch.setattr("dem.packing.grown._moved", turned)
-    monkeypatch.setattr("dem.packing.grown.sown", half_grown)
+    monkeypatch.setattr("dem.packing.swelling._moved", turned)
+    monkeypatch.setattr("dem.packing.swelling.dilute_start", half_grown)
     shape = dem.Ellipse.of_size(np.full(5, 1e-3), 1.375)
     bed = dem.grow(shape, 30e-3, 30e-3, dem.Cylinder(2e-3, (4e-3, 3e-3)), 1)
     assert len(stages) > 10 and bed.coordination_number == 0.0

@@ -11,13 +11,13 @@ from numpy.testing import assert_allclose, assert_array_equal
 from test_neighbors import parts
 
 import dem
+from dem.dynamics.cell_list import near_circle, near_pairs
 from dem.dynamics.energy import balance
-from dem.dynamics.neighbors import near_circle, near_pairs
 from dem.dynamics.ordering import order_of
-from dem.experiment import flow_measures as measures
 from dem.experiment.config import of_values, parse
+from dem.experiment.observables import flow as measures
 from dem.figures.bed import images
-from dem.packing.pressed import compact
+from dem.packing.compaction import compact
 from dem.packing.random import SOFT as UNIT
 from dem.packing.random import Room
 from dem.shapes import KINDS

@@ -18,7 +18,7 @@ from dem.base.sources import ROOT, ROOTS, closure
 from dem.figures.catalogue import FIGURES
 from dem.shapes import KINDS
 
-pytestmark = needs_study("accuracy", "claims")
+pytestmark = needs_study("claims")
 DISC, ELLIPSE = KINDS["disc"].module, KINDS["ellipse"].module
 RUN = (
     "dem.experiment.kinds.drag",
@@ -33,19 +33,17 @@ RESULTS = {
     "jamming": ("dem.experiment.kinds.jamming", DISC),
     "bed": ("dem.experiment.bed", DISC),
     "drag.nc": ("dem.sweep.combine",),
-    "flow.nc": ("dem.analysis.flow.collect", DISC),
     "figure": ("dem.figures.figure13",),
-    "claims": ("studies.claims.table",),
+    "claims": ("studies.claims.results",),
     "claims.txt": ("dem.report.info", "studies.claims.findings"),
     "page": ("dem.report.build",),
     "kernel": ("dem.contacts.loops",),
-    "accuracy": ("studies.accuracy.contacts", "studies.accuracy.bounces"),
 }
 BEDS = {"jamming", "bed"}
 RUNS = {"disc run", "ellipse run", "superellipse run", "ledger run"}
-MADE = {"flow.nc", "claims"}  # by what can make runs too
+MADE = {"claims"}  # by what can make runs too
 MOVING = RUNS | BEDS | MADE | {"claims.txt", "page"}
-KERNELS = MOVING | {"kernel", "accuracy"}
+KERNELS = MOVING | {"kernel"}
 LINE = "\nEDITED = True\n"
 
 # (file, what is there and what is put instead, or a line that is added): what is made again
@@ -54,9 +52,9 @@ EDITS = {
     "a line of columns": ("dem/jit/columns.py", LINE, KERNELS),
     "a line of every shape's questions": ("dem/shapes/protocol.py", LINE, KERNELS),
     "a line of a shape": ("dem/shapes/superellipse.py", LINE, {"superellipse run"}),
-    "a line of discs": ("dem/shapes/disc.py", LINE, {"disc run", "ledger run", "flow.nc", "accuracy"} | BEDS),
-    "a line of ellipses": ("dem/shapes/ellipse.py", LINE, {"ellipse run", "accuracy"}),
-    "a line of the dynamics": ("dem/dynamics/stepping.py", LINE, MOVING | {"accuracy"}),
+    "a line of discs": ("dem/shapes/disc.py", LINE, {"disc run", "ledger run", "flow.nc"} | BEDS),
+    "a line of ellipses": ("dem/shapes/ellipse.py", LINE, {"ellipse run"}),
+    "a line of the dynamics": ("dem/dynamics/stepping.py", LINE, MOVING),
     "a line of packing": ("dem/packing/minimise.py", LINE, MOVING),
     "a line of the layout": ("dem/io/dataset.py", LINE, MOVING | {"drag.nc"}),
     "a line of the experiment": ("dem/experiment/kinds/drag.py", LINE, RUNS | {"claims"}),
@@ -68,7 +66,7 @@ EDITS = {
     "a line of statistics": (
         "dem/analysis/statistics.py", LINE, {"figure", "page", "claims.txt"},
     ),
-    "a line of a study": ("studies/claims/table.py", LINE, {"claims"}),
+    "a line of a study": ("studies/claims/results.py", LINE, {"claims"}),
     "a line of style": ("dem/figures/style.py", LINE, {"figure", "page"}),
     "a line of a figure": ("dem/figures/figure13.py", LINE, {"figure"}),
     "a line of the report": ("dem/report/interactive.py", LINE, {"page"}),

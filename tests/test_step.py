@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from test_collision import APART
 
 import dem
-from dem.contacts.force_law import mean_root
+from dem.contacts.force_law import mean_overlap_quarter
 from dem.dynamics.stepping import QUIET
 
 RADIUS, SPEED = 1e-3, 1.0  # m, m/s
@@ -100,16 +100,16 @@ def test_galilean_invariance(speed):
     assert moves.time_step == still.time_step
 
 
-def test_the_mean_root_of_a_step():
+def test_the_mean_overlap_quarter_of_a_step():
     """delta^(1/4), averaged over a step, is exact until bodies touch for all of it, and close beyond."""
     change, middle = 1e-8, 1e-8 * np.linspace(-0.999, 7.999, 500)
     exact = 0.4 / change * ((middle + change) ** 1.25 - np.maximum(middle - change, 0.0) ** 1.25)
-    found = np.array([mean_root(each, change) for each in middle])
+    found = np.array([mean_overlap_quarter(each, change) for each in middle])
     whole = middle < change
     assert_allclose(found[whole], exact[whole], rtol=1e-12)
     assert_allclose(found, exact, rtol=3.5e-3)
-    assert mean_root(8.0, 1.0) == pytest.approx(8.0**0.25, rel=1e-3)
-    assert mean_root(-2.0, 1.0) == 0.0
+    assert mean_overlap_quarter(8.0, 1.0) == pytest.approx(8.0**0.25, rel=1e-3)
+    assert mean_overlap_quarter(-2.0, 1.0) == 0.0
 
 
 # Energy
@@ -210,7 +210,7 @@ def test_a_checkpoint_within_a_step_goes_on_with_the_same_bits(bed):
     """The state lies after the last whole step, and the next one begins at that."""
     run, other = dem.Simulation(*bed), dem.Simulation(*bed)
     run.advance(0.33 * LASTS)
-    assert run._latest()[1].seen > run._latest()[1].time
+    assert run._progress.seen > run._progress.time
     saved = run.checkpoint()
     run.record(0.67 * LASTS, 1)
     other.restore(saved)

@@ -95,7 +95,7 @@ def test_the_forces_of_contacts_move_the_granules(small_bed, kind, fraction):
     """Springs and dashpots, normal and tangential, add up to the force that accelerates each granule."""
     run = shaken(small_bed(kind, fraction=fraction))
     run.advance(2e-6)
-    progress = run._latest()[1]
+    progress = run._progress
     run.advance(progress.time + progress.dt - progress.seen)  # forces are those of whole steps
     contacts, order = run.contacts(), run._order
     felt = np.zeros((run.scene.granules, 2))

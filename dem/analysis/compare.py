@@ -8,9 +8,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import stdtrit
 
-from dem.analysis.statistics import LEVEL
+from dem.base.intervals import LEVEL, log_ratio_error, mean_interval, student
 
 SUPPORTED, CONTRADICTED, UNDECIDED = "supported", "contradicted", "undecided"
 
@@ -35,29 +34,29 @@ class Comparison(NamedTuple):
     def is_ratio(self) -> bool:
         return self.b is not None
 
-    def samples(self):
-        """a and b without runs that failed, of pairs without those of which one failed."""
-        a, b = self.a, self.b
-        if b is None:
-            return a[np.isfinite(a)], None
+    def samples(self) -> list[np.ndarray]:
+        """a, and b if there is one, without runs that failed, of pairs without those of which one
+        failed."""
+        given = [sample for sample in (self.a, self.b) if sample is not None]
+        finite = [np.isfinite(sample) for sample in given]
         if self.paired:
-            good = np.isfinite(a) & np.isfinite(b)
-            return a[good], b[good]
-        return a[np.isfinite(a)], b[np.isfinite(b)]
+            finite = [np.all(finite, axis=0)] * len(given)
+        return [sample[good] for sample, good in zip(given, finite, strict=True)]
 
     @property
     def estimate(self) -> float:
         """The number; infinite where b has a mean of zero, NaN without runs."""
-        a, b = self.samples()
         if not self.runs:
             return math.nan
-        below = 1.0 if b is None else float(b.mean())
-        return float(a.mean()) / below if below else math.inf
+        mean, *below = (float(sample.mean()) for sample in self.samples())
+        if not below:
+            return mean
+        return mean / below[0] if below[0] else math.inf
 
     @property
     def runs(self) -> int:
         """Runs of the smaller sample."""
-        return min(len(each) for each in self.samples() if each is not None)
+        return min(map(len, self.samples()))
 
     def interval(self, level: float = LEVEL) -> tuple[float, float]:
         """Confidence interval of the number, by Student's t (Welch's degrees of freedom).
@@ -67,28 +66,12 @@ class Comparison(NamedTuple):
         """
         if self.runs < 2:
             return math.nan, math.nan
-        if self.is_ratio and not 0.0 < self.estimate < math.inf:
-            return -math.inf, math.inf
-        error, freedom = self.error()
-        half = float(stdtrit(freedom, 0.5 + 0.5 * level)) * error
         if not self.is_ratio:
-            return self.estimate - half, self.estimate + half
+            return mean_interval(*self.samples(), level)[1:]
+        if not 0.0 < self.estimate < math.inf:
+            return -math.inf, math.inf
+        half = float(student(*log_ratio_error(*self.samples(), self.paired), level))
         return self.estimate * math.exp(-half), self.estimate * math.exp(half)
-
-    def error(self) -> tuple[float, float]:
-        """Standard error (of a ratio: of its logarithm) and degrees of freedom."""
-        a, b = self.samples()
-        if b is None:
-            return float(a.std(ddof=1)) / math.sqrt(len(a)), len(a) - 1
-        if self.paired:
-            rest = a / a.mean() - b / b.mean()
-            return math.sqrt((rest**2).sum() / (len(a) - 1) / len(a)), len(a) - 1
-        parts = [each.var(ddof=1) / len(each) / each.mean() ** 2 for each in (a, b)]
-        total = float(sum(parts))
-        if not total > 0.0:
-            return 0.0, self.runs - 1
-        each = parts[0] ** 2 / (len(a) - 1), parts[1] ** 2 / (len(b) - 1)
-        return math.sqrt(total), total**2 / sum(each)
 
     def verdict(self, level: float) -> str:
         """Supported if the whole interval is where the claim says, contradicted if no part is."""
@@ -99,8 +82,8 @@ class Comparison(NamedTuple):
         it does not, NaN where a run failed."""
         with np.errstate(divide="ignore", invalid="ignore"):
             values = self.a if self.b is None else self.a / self.b
-        there = (values > self.low) & (values < self.high)
-        return np.where(np.isfinite(values), there != self.outside, np.nan)
+        inside = (values > self.low) & (values < self.high)
+        return np.where(np.isfinite(values), inside != self.outside, np.nan)
 
 
 def judged(claimed, low: float, high: float) -> str:

@@ -7,6 +7,7 @@ of a sweep, whose runs are in the store.
 from __future__ import annotations
 
 import json
+from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,13 +24,19 @@ from dem.sweep.store import Store
 from dem.sweep.why import flat
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
 
 SHOWN = 8  # values of an axis that a sentence lists
 SNAPSHOTS = (
-    "snapshot_displacement", "cylinder_y", "granule_x", "granule_y", "granule_angle",
-    "granule_diameter", "box_height",
-)  # fmt: skip
+    "snapshot_displacement",
+    "cylinder_y",
+    "granule_x",
+    "granule_y",
+    "granule_angle",
+    "granule_diameter",
+    "box_height",
+)
 
 
 def open_run(path: Path, select: list[str]) -> tuple[Replicate, dict]:
@@ -40,22 +47,21 @@ def open_run(path: Path, select: list[str]) -> tuple[Replicate, dict]:
     with open_lazily(path) as dataset:
         if "run_id" not in dataset.variables:
             raise InputError(f"{path}: it holds no runs; name drag.nc or a file of runs.")
-        ids = dataset["run_id"].values.ravel()
-        row = _chosen(path, columns_of(dataset), ids, select)
+        run = selected(values_of_runs(dataset), select)
         if dataset["run_id"].dims == ("run",):
-            return _row(path, dataset, row)
-        run = str(ids[row])
+            return _row(path, dataset, run)
     return read_run(batch_of(path, run), run)
 
 
 def read_run(path: Path, run: str) -> tuple[Replicate, dict]:
     """A run of a batch by its identity, and its variables by name."""
     with open_lazily(path) as dataset:
-        return _row(path, dataset, dataset["run_id"].values.tolist().index(run))
+        return _row(path, dataset, run)
 
 
 def batch_of(path: Path, run: str) -> Path:
-    """The file of the store that holds a run of a combined file; raises InputError where there is none."""
+    """The file of the store that holds a run of a combined file; raises InputError where there is
+    none."""
     for folder in Path(path).resolve().parents:
         store = Store(folder / "store")
         for batch in store.sealed().values():
@@ -78,80 +84,79 @@ def replicate_of(path: Path, dataset: xr.Dataset, row: int) -> Replicate:
             ) from None
 
 
-def _row(path: Path, dataset: xr.Dataset, row: int) -> tuple[Replicate, dict]:
-    replicate = replicate_of(path, dataset, row)
-    one = dataset.isel(run=row)
+def _row(path: Path, dataset: xr.Dataset, run: str) -> tuple[Replicate, dict]:
+    row = dataset["run_id"].values.tolist().index(run)
+    replicate, one = replicate_of(path, dataset, row), dataset.isel(run=row)
     if "failure" in one and int(one["failure"]):
         reason = str(one["failure_reason"].values).strip()
         raise InputError(f"{path}: {replicate.words()}, failed: {reason}")
     return replicate, {str(name): one[name].values for name in one.variables}
 
 
-def columns_of(dataset: xr.Dataset) -> dict[str, np.ndarray]:
-    """What tells the runs apart, axes and labels first: values (runs,) by name."""
-    dims = dataset["run_id"].dims
-    if dims == ("run",):
-        found = {name: dataset[name].values for name in LABELS if name in dataset.variables}
+def values_of_runs(dataset: xr.Dataset) -> pd.DataFrame:
+    """What tells the runs apart, axes and labels first: one row a run, by its identity."""
+    import pandas as pd
+
+    ids = dataset["run_id"]
+    if ids.dims == ("run",):
         rows = [dict(flat(each)) for each in json.loads(dataset.attrs.get("values", "[]"))]
-        # lists tell no runs of a file apart
-        paths = {path: None for each in rows for path in each if not isinstance(each[path], tuple)}
-        more = {path: np.array([each.get(path) for each in rows]) for path in paths}
-        return found | more | found  # a label is no other value of the configuration
-    labels = [str(name) for name in dataset.coords if set(dataset[name].dims) <= set(dims)]
-    like = dataset["run_id"]
-    return {
-        name: dataset[name].broadcast_like(like).transpose(*dims).values.ravel()
-        for name in dict.fromkeys([*dims, *labels])
-        if name in dataset.variables
-    }
+        found = {name: dataset[name].values for name in LABELS if name in dataset.variables}
+        # a label is no other value of the configuration, and lists tell no runs of a file apart
+        for path in dict.fromkeys(path for row in rows for path in row):
+            values = [row.get(path) for row in rows]
+            if path not in found and not any(isinstance(each, tuple) for each in values):
+                found[path] = values
+    else:
+        labels = (str(name) for name in dataset.coords if set(dataset[name].dims) <= set(ids.dims))
+        found = {
+            name: dataset[name].broadcast_like(ids).transpose(*ids.dims).values.ravel()
+            for name in dict.fromkeys([*ids.dims, *labels])
+            if name in dataset.variables
+        }
+    frame = pd.DataFrame(found, index=ids.values.ravel())
+    return frame[frame.index != ""]  # no run where a place has fewer replicates
 
 
-def _chosen(path, columns: dict[str, np.ndarray], ids, select: list[str]) -> int:
-    """Which run is meant."""
-    known = {name.replace(".", "_"): name for name in columns}
-    left = np.asarray(ids) != ""  # no run where a place has fewer replicates
+def selected(runs: pd.DataFrame, select: list[str]) -> str:
+    """The run that is meant."""
+    names, left = {name.replace(".", "_"): name for name in runs}, runs
     for word in select:
-        name, there, value = word.partition("=")
-        if not there:
+        key, equal, text = word.partition("=")
+        if not equal:
             raise InputError(f"{word!r} selects no run; write NAME=VALUE, such as seed=1.")
-        if (column := known.get(name.replace(".", "_"))) is None:
-            varied = ", ".join(each for each in columns if len(set(_words(columns[each]))) > 1)
-            hint = did_you_mean(name.replace(".", "_"), known, f"; they differ in {varied}")
-            raise InputError(f"{path}: its runs have no value named {name}{hint}.")
-        found = left & _like(columns[column], value, left)
-        if not found.any():
-            values = list(dict.fromkeys(_words(columns[column][left])))
-            words = ", ".join(values[:SHOWN]) + (", ..." if len(values) > SHOWN else "")
-            raise InputError(f"{path}: there is no run with {word}; {column} is {words}.")
+        if (name := names.get(key.replace(".", "_"))) is None:
+            varied = ", ".join(name for name in runs if runs[name].nunique() > 1)
+            hint = did_you_mean(key.replace(".", "_"), names, f"; they differ in {varied}")
+            raise InputError(f"its runs have no value named {key}{hint}.")
+        found = left[_like(left[name], text)]
+        if found.empty:
+            values = list(dict.fromkeys(map(_word, left[name])))
+            listed = ", ".join(values[:SHOWN]) + (", ..." if len(values) > SHOWN else "")
+            raise InputError(f"there is no run with {word}; {name} is {listed}.")
         left = found
-    if (count := len(set(ids[left].tolist()))) == 1:
-        return int(np.flatnonzero(left)[0])
+    if (count := left.index.nunique()) == 1:
+        return left.index[0]
+    example, rest = [], left
+    for name in left:
+        words = rest[name].map(_word)
+        if words.nunique() > 1:
+            example.append(f"{name}={words.iloc[0]}")
+            rest = rest[words == words.iloc[0]]
     having = f" with {' '.join(select)}" if select else ""
-    first, example = np.flatnonzero(left)[0], {}
-    for name, values in columns.items():
-        words = np.array(_words(values))
-        same = left & (words == words[first])
-        if same.sum() < left.sum():
-            example[name] = f"{name}={words[first]}"
-            left = same
-    raise InputError(
-        f"{path}: it has {count} runs{having}; choose one by {', '.join(example)}, such as "
-        f"{' '.join(example.values())}."
-    )
+    raise InputError(f"it has {count} runs{having}; choose one, such as {' '.join(example)}.")
 
 
-def _like(values, text: str, among: np.ndarray) -> np.ndarray:
-    """Which values a text means: of those `among` which to look the equal ones, else what prints so."""
-    numbers = [isinstance(value, int | float | np.number) for value in values]
-    pairs = list(zip(values, numbers, strict=True))
-    printed = np.array([is_written(v, text) if number else str(v) == text for v, number in pairs])
-    equal = np.array([number and v == as_number(text) for v, number in pairs])
-    return equal if (equal & among).any() else printed
+def _like(values: pd.Series, text: str) -> np.ndarray:
+    """Which values a text means: those that are equal to it, else those that are printed so."""
+    number = as_number(text)
+    equal = np.array([number is not None and each == number for each in values])
+    printed = (is_written(v, text) if isinstance(v, Real) else str(v) == text for v in values)
+    return equal if equal.any() else np.array(list(printed))
 
 
-def _words(values) -> list[str]:
-    """Values as one writes them."""
-    return [f"{v:.10g}" if isinstance(v, float | np.floating) else str(v) for v in values]
+def _word(value) -> str:
+    """A value as one writes it."""
+    return f"{value:.10g}" if isinstance(value, float) else str(value)
 
 
 def read_motion(path: Path, select: list[str] = (), shapes: Path | str | None = None) -> Motion:
@@ -176,16 +181,17 @@ def motion_of(path: Path, replicate: Replicate, values: dict) -> Motion:
             f"{path}: no snapshots of {replicate.words()} are kept; "
             "add snapshots to record.observables and run again."
         )
-    absent = [name for name in names_of(replicate) if name not in values]
-    if absent:
-        raise InputError(f"{path}: it has no variable {absent[0]}; is it another file?")
     moved = values["snapshot_displacement"]
-    if not (len(moved) > 1 and np.isfinite(moved).all() and (np.diff(moved) > 0.0).all()):
-        raise InputError(f"{path}: its snapshots do not follow each other; is it another file?")
     position = np.stack([values["granule_x"], values["granule_y"]], axis=-1)
     height = values.get("top_y", np.full(len(moved), float(values["box_height"])))
     return Motion(
-        replicate, height, moved, values["cylinder_y"], position,
-        values["granule_angle"], values["granule_diameter"],
-        values.get("displacement"), values.get("drag"),
-    )  # fmt: skip
+        replicate,
+        height,
+        moved,
+        values["cylinder_y"],
+        position,
+        values["granule_angle"],
+        values["granule_diameter"],
+        values.get("displacement"),
+        values.get("drag"),
+    )

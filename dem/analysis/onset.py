@@ -1,11 +1,12 @@
-"""Where beds jam and on how many contacts, for infinitely many granules, of a sweep over their number.
+"""Where beds jam and on how many contacts, for infinitely many granules, of a sweep over their
+number.
 
 A `dataset` has the layout of onset.nc: beds of several numbers N of granules, of several seeds, at
 some aspect ratios. The packing fraction at the onset is a straight line in N^(-1/2): a box is felt
 over a length that goes as the distance from jamming to the power of -1 (Piscitelli et al. 2021,
-arXiv:2102.01520), and N is the square of the length of a box. The coordination number is one in 1/N: a
-box that repeats itself lacks the same number of contacts at any N. Lines are fitted to the means
-over the beds of a size, weighted by N, because the variance of a mean goes as 1/N.
+arXiv:2102.01520), and N is the square of the length of a box. The coordination number is one in
+1/N: a box that repeats itself lacks the same number of contacts at any N. Lines are fitted to the
+means over the beds of a size, weighted by N, because the variance of a mean goes as 1/N.
 """
 
 from typing import NamedTuple
@@ -13,17 +14,17 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from dem.analysis.statistics import Estimate, bootstrapped, redrawn
 from dem.base.errors import InputError
+from dem.base.intervals import Estimate, bootstrap_interval, bootstrap_weights
 
 LEAST = 3  # numbers of granules, and seeds
 
 
 class Limits(NamedTuple):
-    """ratio (a,): aspect ratios; granules (s,): their numbers, rising; of each size means (a, s) and
-    for infinitely many granules the estimates (a,) of the packing fraction at the onset and of the
-    coordination number there; other: the packing fractions if these are lines in 1/N;
-    rattlers (a,): their mean share in the largest beds; beds: of each size."""
+    """ratio (a,): aspect ratios; granules (s,): their numbers, rising; of each size means (a, s)
+    and for infinitely many granules the estimates (a,) of the packing fraction at the onset and of
+    the coordination number there; other: the packing fractions if these are lines in 1/N; rattlers
+    (a,): their mean share in the largest beds; beds: of each size."""
 
     ratio: np.ndarray
     granules: np.ndarray
@@ -42,7 +43,8 @@ def coordination(dataset: xr.Dataset) -> xr.DataArray:
 
 
 def limits(dataset: xr.Dataset) -> Limits:
-    """Where beds of infinitely many granules jam; raises InputError where there are too few beds."""
+    """Where beds of infinitely many granules jam; raises InputError where there are too few
+    beds."""
     sizes = dataset["run_id"].sizes
     dataset = dataset.squeeze([dim for dim in sizes if sizes[dim] == 1 and dim != "seed"])
     if dataset["granules"].ndim != 1 or dataset["granules"].size < LEAST:
@@ -55,19 +57,25 @@ def limits(dataset: xr.Dataset) -> Limits:
     beds, granules = fraction.shape[-1], dataset["granules"].values.astype(float)
     if beds < LEAST:
         raise InputError(f"it has {beds} beds of each size; an interval takes {LEAST}.")
-    weights = redrawn(beds, len(granules))
+    weights = bootstrap_weights(beds, len(granules))
 
     def found(values, power):
         means = np.einsum("rsk,ask->ars", weights, values)
         ends = intercept(granules**power, means, granules)
-        return [bootstrapped(each, beds, len(granules)) for each in ends]
+        return [bootstrap_interval(each, beds, len(granules)) for each in ends]
 
     rattlers = dataset["onset_rattlers"].values[:, -1].mean(axis=-1) / granules[-1]
     return Limits(
-        dataset["aspect_ratio"].values, dataset["granules"].values, fraction.mean(axis=-1),
-        contacts.mean(axis=-1), found(fraction, -0.5), found(contacts, -1.0),
-        found(fraction, -1.0), rattlers, beds,
-    )  # fmt: skip
+        dataset["aspect_ratio"].values,
+        dataset["granules"].values,
+        fraction.mean(axis=-1),
+        contacts.mean(axis=-1),
+        found(fraction, -0.5),
+        found(contacts, -1.0),
+        found(fraction, -1.0),
+        rattlers,
+        beds,
+    )
 
 
 def intercept(x: np.ndarray, y: np.ndarray, weight: np.ndarray) -> np.ndarray:

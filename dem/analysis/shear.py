@@ -1,9 +1,9 @@
 """Friction and packing fraction of a sheared bed against its inertial number, of any sweep over it.
 
 A `dataset` has the layout of shear.nc, with shear_inertial_number as a dimension or over points
-that differ in nothing else. Runs are the replicates: what a run measures is averaged over its strain,
-and means and intervals are those of runs from beds of their own. Pieces of one run would be no
-replicates, because they remember each other and the bed that they began with.
+that differ in nothing else. Runs are the replicates: what a run measures is averaged over its
+strain, and means and intervals are those of runs from beds of their own. Pieces of one run would be
+no replicates, because they remember each other and the bed that they began with.
 
 The friction of the bed is the ratio of the mean forces on the lid along it and across it: in steady
 flow both stresses are the same at all heights, and forces on the lid are means over all time steps.
@@ -14,22 +14,22 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from dem.analysis.statistics import half_interval
 from dem.analysis.values import along, axes_beside, places_of, value_of
 from dem.base.errors import InputError
+from dem.base.intervals import half_interval
 
 AXIS = "shear_inertial_number"
 LEAST = {AXIS: 2}  # values that curves take
 
 
 class Curves(NamedTuple):
-    """Of one place on the other axes, at i inertial numbers. Each but `number` is (i, 3): mean over runs
-    and ends of its interval, which are NaN for a single run.
+    """Of one place on the other axes, at i inertial numbers. Each but `number` is (i, 3): mean over
+    runs and ends of its interval, which are NaN for a single run.
 
     number (i,): inertial number of the rate of shear and the normal stress in the middle; friction:
-    of the bed, from the forces on the lid; middle: the same from the stress in the middle; fraction:
-    packing fraction in the middle; pressure: normal stress on the lid over the one that is asked
-    for; rate: of shear in the middle, over the one that is asked for.
+    of the bed, from the forces on the lid; middle: the same from the stress in the middle;
+    fraction: packing fraction in the middle; pressure: normal stress on the lid over the one that
+    is asked for; rate: of shear in the middle, over the one that is asked for.
     """
 
     number: np.ndarray
@@ -41,8 +41,8 @@ class Curves(NamedTuple):
 
 
 def rheology(dataset: xr.Dataset) -> dict[tuple, Curves]:
-    """Curves by the place on the other axes, such as ("0.4",). Raises InputError where there are too few
-    inertial numbers."""
+    """Curves by the place on the other axes, such as ("0.4",). Raises InputError where there are
+    too few inertial numbers."""
     dataset = along(dataset, AXIS)
     if dataset["run_id"].sizes.get(AXIS, 1) < LEAST[AXIS]:
         raise InputError("its runs do not differ in shear.inertial_number.")

@@ -1,20 +1,16 @@
 """Drag in numbers, as `dem info` and the figures show them: means, scatter, confidence.
 
-A `dataset` has the layout of drag.nc: drag (..., seed, displacement) in N, displacement in m and the
-averaging window in its attributes; the values that the sweep varies come before the seed. It may
-be a file whose variables are read when they are needed.
+A `dataset` has the layout of drag.nc: drag (..., seed, displacement) in N, displacement in m and
+the averaging window in its attributes; the values that the sweep varies come before the seed. It
+may be a file whose variables are read when they are needed.
 """
-
-from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from dem.base.errors import InputError
+from dem.base.intervals import half_interval
 
-LEVEL = 0.95  # of the confidence intervals
-RESAMPLES = 2000  # of the beds
 CHECK = "e0"  # shape label of the ellipse code at aspect ratio 1: a check, not a shape of Table 1
 
 
@@ -54,62 +50,6 @@ def over_seeds(values: xr.DataArray) -> xr.DataArray:
     return values.drop_vars("seed", errors="ignore").expand_dims("seed", -1)
 
 
-def half_interval(sample: xr.DataArray, over: Sequence[str] = ()) -> xr.DataArray:
-    """Half the confidence interval of the mean of a sample (seed, ...), by Student's t.
-
-    Runs are independent, so the sample is one value a run; NaN for a single run. over: axes along which
-    the means are averaged. There, runs of one seed belong together, and places may have other seeds: the
-    degrees of freedom are Satterthwaite's, but at most those of all seeds.
-    """
-    from scipy.special import stdtrit  # scipy.stats takes half a second to load
-
-    sample = sample.compute()
-    runs = sample.count("seed")
-    free = (runs - 1).where(runs > 1)
-    off = (sample - sample.mean("seed")) / np.sqrt(runs * free)
-    parts = (off**2).sum("seed").clip(1e-150)  # where all runs are the same
-    satterthwaite = parts.sum(over) ** 2 / (parts**2 / free).sum(over, skipna=False)
-    freedom = np.minimum(satterthwaite, sample.notnull().any(over).sum("seed") - 1)
-    error = np.sqrt((off.fillna(0.0).mean(over) ** 2).sum("seed"))
-    return freedom.copy(data=stdtrit(freedom, 0.5 + 0.5 * LEVEL)) * error
-
-
-class Estimate(NamedTuple):
-    """A value and the ends of its interval."""
-
-    value: float
-    low: float
-    high: float
-
-
-def redrawn(beds: int, *groups: int) -> np.ndarray:
-    """Weights (1 + RESAMPLES, ..., beds) of beds in a mean: of all beds, then of beds that are drawn again,
-    in each of so many groups on their own."""
-    equal = np.full(beds, 1.0 / beds)
-    drawn = np.random.default_rng(1).multinomial(beds, equal, (RESAMPLES, *groups))
-    return np.concatenate([np.ones((1, *drawn.shape[1:])), drawn]) / beds
-
-
-def bootstrapped(samples: np.ndarray, beds: int, groups: int = 1) -> Estimate:
-    """Of a number of all beds and of resamples of them (1 + r,), by the quantiles of these.
-
-    beds: of each of the groups that are drawn again on their own. Few beds scatter too little when
-    they are drawn again, so the quantiles are farther out, as Student's t asks (Hesterberg 2015,
-    Am. Stat. 69, 371).
-    """
-    from scipy.special import ndtr, stdtrit
-
-    quantile = stdtrit(groups * (beds - 1), 0.5 + 0.5 * LEVEL)
-    tail = ndtr(-np.sqrt(beds / (beds - 1)) * quantile)
-    return Estimate(float(samples[0]), *map(float, np.quantile(samples[1:], [tail, 1 - tail])))
-
-
-def takes(sample: xr.DataArray, share: float) -> xr.DataArray:
-    """How many replicates a mean takes to be known within a share of it, by the scatter of a sample
-    (seed, ...); NaN for a single run."""
-    return np.ceil(sample.count("seed") * (half_interval(sample) / (share * sample.mean("seed"))) ** 2)
-
-
 def summarise(dataset: xr.Dataset) -> xr.Dataset:
     """Drag within the averaging window: one number a case, or a place on the axes of any sweep, and
     `run_mean` (..., seed).
@@ -120,25 +60,19 @@ def summarise(dataset: xr.Dataset) -> xr.Dataset:
     stay.
     """
     drag = within(dataset["drag"], dataset.attrs["window_start"], dataset.attrs["window_stop"])
-    drag = (drag if drag.chunks else drag.compute()).where(np.isfinite)  # once, and not for each of these
+    drag = (drag if drag.chunks else drag.compute()).where(np.isfinite)  # read once
     along = {"dim": "displacement", "skipna": False}  # a run is there as a whole or not at all
     runs = xr.Dataset({"mean": drag.mean(**along), "sd": drag.std(**along)})
     runs = runs.compute().map(over_seeds)
-    found = {
-        "run_mean": (runs["mean"], "mean drag of a run within the window"),
-        "mean": (runs["mean"].mean("seed"), "mean drag over the runs"),
-        "sd_over_run": (
-            np.sqrt((runs["sd"] ** 2).mean("seed")), "standard deviation of the drag over the run",
-        ),
-        "sd_between_runs": (runs["mean"].std("seed", ddof=1), "standard deviation between the runs' means"),
-        "half_interval": (
-            half_interval(runs["mean"]),
-            f"half the {LEVEL:.0%} confidence interval of the mean",
-        ),
-    }  # fmt: skip
-    for array, long_name in found.values():
-        array.attrs = {"long_name": long_name, "units": "N"}
-    return xr.Dataset({name: array for name, (array, _) in found.items()})
+    return xr.Dataset(
+        {
+            "run_mean": runs["mean"],
+            "mean": runs["mean"].mean("seed"),
+            "sd_over_run": np.sqrt((runs["sd"] ** 2).mean("seed")),
+            "sd_between_runs": runs["mean"].std("seed", ddof=1),
+            "half_interval": half_interval(runs["mean"]),
+        }
+    )
 
 
 def change(run_mean: xr.DataArray, before: str, after: str) -> tuple[float, float]:
@@ -174,8 +108,8 @@ def edges_of_bins(dataset: xr.Dataset) -> np.ndarray:
 
 
 def table1(dataset: xr.Dataset) -> list[str]:
-    """Labels of the cases to compare by shape: at the density of the first, the check left out; raises
-    InputError where there is none."""
+    """Labels of the cases to compare by shape: at the density of the first, the check left out;
+    raises InputError where there is none."""
     cases = cases_of(dataset)
     found = [c for c, shape, density in cases if density == cases[0][2] and shape != CHECK]
     if not found:

@@ -1,40 +1,36 @@
-"""Tables for the terminal that all summaries share."""
+"""Tables for the terminal and for pages: no number is cut, however narrow the terminal is."""
 
 from collections.abc import Iterable
-from copy import copy
 
+import pandas as pd
 from rich import box
 from rich.table import Table
+from rich.text import Text
 
 WIDE = 10_000  # characters: no table is wider
+ROWS = 60  # of a table on a terminal, at most
+NUMBER = "{:.5g}".format
 
 
-class Whole(Table):
-    """A table whose last columns are below, beside the first one again, where a console is too narrow."""
+class TextTable:
+    """The first rows of a table, on a console: columns for which it is too narrow are below, beside
+    the first column again."""
+
+    def __init__(self, frame: pd.DataFrame):
+        self.frame = frame.dropna(axis="columns", how="all")
 
     def __rich_console__(self, console, options):
-        """Parts of the table, each as wide as the console allows."""
-        part, free = copy(self), options.update(max_width=WIDE)
-        part.columns = list(self.columns)
-        while len(part.columns) > 2 and console.measure(part, options=free).maximum > options.max_width:
-            part.columns.pop()
-        yield from Table.__rich_console__(part, console, options)
-        if rest := self.columns[len(part.columns) :]:
-            part = copy(self)
-            part.columns = [self.columns[0], *rest]
-            yield part
-
-
-def digits(values: Iterable, least: int = 5) -> str:
-    """Format of numbers, with as many digits as tell them apart, and at least these."""
-    known = {each for each in values if isinstance(each, float) and each == each}
-    spread = (len({f"{each:.{n}g}" for each in known}) for n in range(least, 17))
-    return f".{least + sum(count < len(known) for count in spread)}g"
+        first, width = self.frame.columns[0], options.max_width
+        rows = self.frame.head(ROWS).set_index(first).rename_axis(index=None, columns=first)
+        yield Text(rows.to_string(line_width=width, na_rep="-", float_format=NUMBER))
+        if (more := len(self.frame) - ROWS) > 0:
+            yield Text(f"... and {more} rows more")
 
 
 def numbers(*columns: str, words: int = 1, rows: Iterable[Iterable[str]] = ()) -> Table:
-    """A table with these headings: columns of words first, as many as `words`, then of numbers."""
-    table = Whole(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+    """A table of a page with these headings: columns of words first, as many as `words`, then of
+    numbers."""
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
     for number, column in enumerate(columns):
         table.add_column(column, justify="left" if number < words else "right", overflow="fold")
     for row in rows:

@@ -38,9 +38,10 @@ def designs_of(runs: xr.DataArray | xr.Dataset) -> list[str]:
 def factors_of(runs: xr.DataArray | xr.Dataset, dim: str) -> list[str]:
     """Names of the values that differ between the points of a design, or of a group."""
     return [
-        str(name) for name, values in runs.coords.items()
+        str(name)
+        for name, values in runs.coords.items()
         if values.dims == (dim,) and name != dim and name not in LABELS
-    ]  # fmt: skip
+    ]
 
 
 def places_of(values: xr.DataArray | xr.Dataset, axes: list[str]) -> Iterator[tuple[str, ...]]:
@@ -64,9 +65,10 @@ def along(dataset: xr.Dataset, name: str) -> xr.Dataset:
         return dataset
     (dim,) = dataset[name].dims
     others = [
-        str(other) for other, values in dataset.coords.items()
+        str(other)
+        for other, values in dataset.coords.items()
         if dim in values.dims and other not in (dim, name)
-    ]  # fmt: skip
+    ]
     if others:
         raise InputError(
             f"its {name} varies over {dim} together with {', '.join(others)}; it must vary alone, "

@@ -6,8 +6,8 @@ differ in nothing else. The law is
     F(v) = F_0 (1 + c v^n),
 
 with the quasi-static limit F_0 in N. It is fitted to the means over the beds. A bed is drawn at all
-velocities, so the runs of a bed belong together: intervals come from beds that are drawn again, with
-all their runs, and the same beds for everything that is compared.
+velocities, so the runs of a bed belong together: intervals come from beds that are drawn again,
+with all their runs, and the same beds for everything that is compared.
 """
 
 from typing import NamedTuple
@@ -15,9 +15,10 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from dem.analysis.statistics import Estimate, bootstrapped, over_seeds, redrawn, summarise
+from dem.analysis.statistics import over_seeds, summarise
 from dem.analysis.values import along, axes_beside, places_of, value_of
 from dem.base.errors import InputError
+from dem.base.intervals import Estimate, bootstrap_interval, bootstrap_weights
 
 AXIS = "cylinder_velocity"
 LEAST = {AXIS: 4, "seed": 3}  # values that a fit and its intervals take
@@ -41,15 +42,16 @@ class Law(NamedTuple):
         return self.limit * (1.0 + self.above(velocity))
 
     def reaches(self, share: float) -> np.ndarray:
-        """Velocity (m/s) at which the drag is above its limit by a share of it; infinite where it never is."""
+        """Velocity (m/s) at which the drag is above its limit by a share of it; infinite where it
+        never is."""
         with np.errstate(divide="ignore", invalid="ignore"):
             found = (share / self.rise) ** (1.0 / self.exponent)
         return np.where(self.rise > 0.0, found, np.inf)
 
 
 class Rates(NamedTuple):
-    """velocity (v,) in m/s; means: drag (1 + RESAMPLES, v) in N by the place on the other axes, such
-    as ("0.3",), laws fitted to them; beds: their number."""
+    """velocity (v,) in m/s; means: drag (1 + RESAMPLES, v) in N by the place on the other axes,
+    such as ("0.3",), laws fitted to them; beds: their number."""
 
     velocity: np.ndarray
     means: dict[tuple, np.ndarray]
@@ -58,7 +60,7 @@ class Rates(NamedTuple):
 
     def interval(self, samples: np.ndarray) -> Estimate:
         """Of a number of all beds and of the resamples (1 + RESAMPLES,)."""
-        return bootstrapped(samples, self.beds)
+        return bootstrap_interval(samples, self.beds)
 
 
 def rates(dataset: xr.Dataset) -> Rates:
@@ -76,11 +78,13 @@ def rates(dataset: xr.Dataset) -> Rates:
             what = "velocities" if dim == AXIS else "beds that were drawn at all velocities"
             raise InputError(f"it has {runs.sizes[dim]} {what}; a fit takes {least}.")
     velocity, beds = runs[AXIS].values, runs.sizes["seed"]
-    weights = redrawn(beds)
+    weights = bootstrap_weights(beds)
     others = axes_beside(dataset, AXIS)
     runs = runs.squeeze([dim for dim in runs.dims if dim not in (*LEAST, *others)])
     rows = runs.transpose(*others, AXIS, "seed").values.reshape(-1, len(velocity), beds)
-    means = {place: weights @ row.T for place, row in zip(places_of(runs, others), rows, strict=True)}
+    means = {
+        place: weights @ row.T for place, row in zip(places_of(runs, others), rows, strict=True)
+    }
     return Rates(velocity, means, {at: fit(velocity, each) for at, each in means.items()}, beds)
 
 
@@ -102,12 +106,13 @@ def fit(velocity: np.ndarray, drag: np.ndarray) -> Law:
 
 
 def inertial_number(dataset: xr.Dataset) -> float | None:
-    """Inertial number at 1 m/s: I / v = (d / D) sqrt(rho / P), in s/m; None where places differ in it.
+    """Inertial number at 1 m/s: I / v = (d / D) sqrt(rho / P), in s/m; None where places differ in
+    it.
 
-    v / D is the rate of shear, with the diameter D of the cylinder; d, rho and P are the mean diameter
-    and density of the granules and the mean pressure on the walls before the cylinder moves. So I
-    is the time in which this pressure brings a granule back into place over the time in which the
-    shear moves it out of it.
+    v / D is the rate of shear, with the diameter D of the cylinder; d, rho and P are the mean
+    diameter and density of the granules and the mean pressure on the walls before the cylinder
+    moves. So I is the time in which this pressure brings a granule back into place over the time in
+    which the shear moves it out of it.
     """
     cylinder = value_of(dataset, "cylinder.diameter")
     pressure = over_seeds(dataset["packing_pressure"]).mean("seed")

@@ -29,7 +29,6 @@ OUTPUT = "-o", "--output"
 ConfigOption = option(Path, "Configuration file (YAML).")
 OutputOption = option(Path, "netCDF file to write.", *OUTPUT, writes=".nc")
 FolderOption = option(Path | None, "Folder; figures/ next to the data if absent.", *OUTPUT)
-BlockOption = option(str | None, "Block of the sweep; the first if absent.")
 TextOption = option(
     Path | None, "Text file (.txt); the terminal if absent.", *OUTPUT, writes=".txt"
 )

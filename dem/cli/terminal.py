@@ -1,12 +1,10 @@
 """What all verbs share: exit statuses, sentences instead of tracebacks, progress bars."""
 
 import functools
-import shutil
 import signal
 import sys
-import threading
+import time
 from contextlib import contextmanager
-from datetime import datetime
 from pathlib import Path
 from typing import get_type_hints
 
@@ -16,7 +14,7 @@ from dem.base.errors import InputError, RunError
 from dem.base.files import check_output, reason
 from dem.base.messages import printable, say
 from dem.cli.options import Writes
-from dem.io.progress import Stage
+from dem.io.progress import EVERY
 
 RECEIVED = []  # signals; callbacks of the compiler lose what a handler raises, and it fails later
 
@@ -90,40 +88,35 @@ def show(text: str) -> None:
     print(printable(text))
 
 
-TICK = 0.2  # s between two looks at work that lasts
-
-
 @contextmanager
 def bar(label: str, total: float | None = None):
-    """Say on stderr what lasts: on one line of a terminal, on a line now and then in a log.
+    """Progress of some work on stderr: a bar with the time left on a terminal, a line now and then
+    in a log.
 
-    Short work stays silent. Yields the update function, that of dem.io.progress.Stage. A thread
-    speaks, because compiling and packing take minutes without an update.
+    Yields a function to call with what is done and, where it changes, the label. total: what is
+    done in the end; None where that is unknown.
     """
-    stage, over = Stage(printable(label), total), threading.Event()
-    alive = sys.stderr.isatty()
+    if sys.stderr.isatty():
+        from rich.console import Console
+        from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-    def write(words: str) -> None:
-        say(words if alive else f"{datetime.now():%Y-%m-%d %H:%M:%S} {words}")
+        columns = TextColumn("{task.description}", markup=False), BarColumn(), TimeRemainingColumn()
+        streams = {"redirect_stdout": False, "redirect_stderr": False}  # workers inherit them
+        with Progress(
+            *columns, console=Console(stderr=True), transient=True, **streams
+        ) as progress:
+            task = progress.add_task(printable(label), total=total)
+            yield lambda done, label=None: progress.update(task, completed=done, description=label)
+        return
+    last = time.monotonic()
 
-    def speak():
-        while not over.wait(TICK):
-            if alive and stage.lasts:
-                words = f"{stage.label}: {stage.words()}"[: shutil.get_terminal_size().columns - 1]
-                print(f"\r\x1b[2K{words}", end="", file=sys.stderr, flush=True)
-            elif not alive and (line := stage.line()):
-                write(line)
-        if stage.lasts and stage.finished:
-            write(f"{stage.label}: {stage.end()}")
+    def update(done: float, label: str = label) -> None:
+        nonlocal last
+        if time.monotonic() - last >= EVERY:
+            last = time.monotonic()
+            say(f"{label}: {done / total:.0%} done")
 
-    speaker = threading.Thread(target=speak, daemon=True)
-    speaker.start()
-    try:
-        yield stage.update
-        stage.finished = True
-    finally:
-        over.set()
-        speaker.join()
+    yield update
 
 
 def start_lean():

@@ -1,16 +1,20 @@
-"""A block of contacts, stage by stage, in the lanes of dem.jit.block_memory.
+"""Forces of a block of contacts, stage by stage, in the lanes of dem.jit.block_memory.
 
-gather: copy the input side by side. find_contacts: the geometry of all contacts, and refine_contacts
-again of those whose last normal was too far off. contact_forces: all forces. accumulate: add them
-to the constituents. find_contacts and contact_forces do nearly all arithmetic; they have no
-branches and become vector code.
+    gather           motion and outlines of both bodies, side by side
+    find_contacts    geometry: overlap, normal, moment arms, velocity at the contact
+    refine_contacts  geometry again, where the last normal was too far off
+    contact_forces   force law
+    accumulate       forces and torques on the constituents
+
+find_contacts and contact_forces do nearly all arithmetic. They have no branches and become vector
+code: a change of their form, also one that computes the same, may make them slower.
 """
 
 import math
 
 import numpy as np
 
-from dem.contacts.force_law import mean_root
+from dem.contacts.force_law import mean_overlap_quarter
 from dem.contacts.response import relative_velocity, respond
 from dem.jit import block_memory as lane
 from dem.jit.block_memory import (
@@ -47,6 +51,8 @@ from dem.shapes.protocol import (
     tangential_lever,
 )
 
+# Gather: motion and outlines
+
 
 @inlined
 def copy_four(source, i, target, k):
@@ -65,8 +71,8 @@ def copy_rates(rates, rows, i, motion, k, first):
 
 @optional
 def look_ahead(boundary, rows, j, motion, at):
-    """Where nothing turns and contacts have dashpots, rows of granules have the velocity of the full step;
-    those of walls and cylinder have that of the half step and its change."""
+    """Where nothing turns and contacts have dashpots, rows of granules have the velocity of the
+    full step; those of walls and cylinder have that of the half step and its change."""
     motion[at + lane.VX2] += rows[j + FIVE]
     motion[at + lane.VY2] += rows[j + SIX]
 
@@ -101,7 +107,8 @@ def gather(turns, one, two, contacts, start, stop, lanes):
 
 @inlined
 def sizes_of(outline):
-    """The numbers of an outline after cosine and sine; where Shape.lists_sizes, they never change."""
+    """The numbers of an outline after cosine and sine; where Shape.lists_sizes, they never
+    change."""
     return outline[2:]
 
 
@@ -112,51 +119,58 @@ def turning(sizes, outline):
 
 
 @inlined
-def gather_pairs(shape, frame, contacts, start, stop, values):
+def gather_pairs(shape, orientation, contacts, start, stop, values):
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
-        own = outline(shape, contacts.constituent[p], frame)
-        other = outline(shape, contacts.partner[p], frame)
-        store_outline(either(turning(contacts.sizes, own), own), values, lane.OWN + k)
-        store_outline(either(turning(contacts.sizes, other), other), values, lane.OTHER + k)
+        own = outline(shape, contacts.constituent[p], orientation)
+        other = outline(shape, contacts.partner[p], orientation)
+        store_outline(either(turning(contacts.sizes, own), own), values, lane.OUTLINE_1 + k)
+        store_outline(either(turning(contacts.sizes, other), other), values, lane.OUTLINE_2 + k)
 
 
 @optional
-def find_circle_contacts(radius, shape, frame, turns, contacts, start, stop, lanes):
+def find_circle_contacts(radius, shape, orientation, turns, contacts, start, stop, lanes):
     """Outlines and geometry of contacts with the cylinder."""
     values = lanes.values
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
-        store_outline(outline(shape, contacts.constituent[p], frame), values, lane.OWN + k)
-        store_outline(circle(shape, radius), values, lane.OTHER + k)
+        store_outline(
+            outline(shape, contacts.constituent[p], orientation), values, lane.OUTLINE_1 + k
+        )
+        store_outline(circle(shape, radius), values, lane.OUTLINE_2 + k)
     find_contacts(shape, turns, contacts, start, stop, lanes)
 
 
 @optional
-def find_wall_contacts(planes, shape, frame, turns, contacts, start, stop, lanes):
+def find_wall_contacts(planes, shape, orientation, turns, contacts, start, stop, lanes):
     """Outlines and geometry of contacts with walls."""
     motion, values = lanes.motion, lanes.values
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         wall = contacts.partner[p]
-        store_outline(outline(shape, contacts.constituent[p], frame), values, lane.OWN + k)
+        store_outline(
+            outline(shape, contacts.constituent[p], orientation), values, lane.OUTLINE_1 + k
+        )
         values[lane.NX + k], values[lane.NY + k] = planes[wall, 0], planes[wall, 1]
-        values[lane.OTHER + k] = planes[wall, 2]
+        values[lane.OUTLINE_2 + k] = planes[wall, 2]
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         nx, ny = values[lane.NX + k], values[lane.NY + k]
-        own = load_outline(circle(shape, 0.0), values, lane.OWN + k)
+        own = load_outline(circle(shape, 0.0), values, lane.OUTLINE_1 + k)
         reach, t1, radius = support(shape, own, nx, ny)
         at = FOUR * k
         here = motion[at + lane.X1] * nx + motion[at + lane.Y1] * ny
-        overlap = reach + here - values[lane.OTHER + k]
+        overlap = reach + here - values[lane.OUTLINE_2 + k]
         n1 = reach - 0.5 * overlap
         geometry = ContactGeometry(overlap, nx, ny, n1, t1, None, None, radius)
         store_geometry(turns, geometry, contacts, p, lanes, k)
 
 
+# Geometry of contacts
+
+
 @inlined
-def imaged(contacts, p, dx, dy):
+def shifted(contacts, p, dx, dy):
     """The place dx, dy (m) of body 2 of contact p from body 1, of that image which is beside it."""
     x, y = contacts.shift_x, contacts.shift_y
     return plus(dx, take(x, x, p)), plus(dy, take(y, y, p))
@@ -179,16 +193,19 @@ def size_rows(sizes, shape):
 @optional
 def joined(sizes, like, values, k, p):
     """Outlines of lane k, with the sizes of contact p."""
-    frame = turning(sizes, like)
-    own = load_outline(frame, values, lane.OWN + k) + lane.pick(sizes[0], p)
-    return own, load_outline(frame, values, lane.OTHER + k) + lane.pick(sizes[1], p)
+    orientation = turning(sizes, like)
+    own = load_outline(orientation, values, lane.OUTLINE_1 + k) + lane.pick(sizes[0], p)
+    return own, load_outline(orientation, values, lane.OUTLINE_2 + k) + lane.pick(sizes[1], p)
 
 
 @inlined
 def outlines(shape, sizes, values, k, p):
     """Outlines of both bodies of contact p in lane k."""
     like = circle(shape, 0.0)
-    whole = load_outline(like, values, lane.OWN + k), load_outline(like, values, lane.OTHER + k)
+    whole = (
+        load_outline(like, values, lane.OUTLINE_1 + k),
+        load_outline(like, values, lane.OUTLINE_2 + k),
+    )
     return either(joined(sizes, like, values, k, p), whole)
 
 
@@ -201,6 +218,12 @@ def put(number, array, k):
 def remembered(normal_x, normal_y, p):
     """The normal that contact p had last."""
     return normal_x[p], normal_y[p]
+
+
+@inlined
+def last_normal(contacts, p):
+    """The normal that contact p had in the last step, None if it remembers none."""
+    return remembered(contacts.normal_x, contacts.normal_y, p)
 
 
 @optional
@@ -217,8 +240,8 @@ def change_of(motion, at):
 
 @optional
 def change_between(turns, motion, at, geometry):
-    """Change of the relative velocity to the full step; None where nothing turns: the velocity is then that
-    of the full step, or nothing asks for it."""
+    """Change of the relative velocity to the full step; None where nothing turns: the velocity is
+    then that of the full step, or nothing asks for it."""
     one, two = change_of(motion, at + lane.W1), change_of(motion, at + lane.W2)
     return relative_velocity(one, two, geometry)
 
@@ -242,8 +265,9 @@ def store_geometry(turns, geometry, contacts, p, lanes, k):
     overlap, nx, ny, n1, t1, n2, t2, radius = geometry
     velocity = relative_velocity(
         (motion[at + lane.VX1], motion[at + lane.VY1], take(turns, motion, at + lane.W1)),
-        (motion[at + lane.VX2], motion[at + lane.VY2], take(turns, motion, at + lane.W2)), geometry,
-    )  # fmt: skip
+        (motion[at + lane.VX2], motion[at + lane.VY2], take(turns, motion, at + lane.W2)),
+        geometry,
+    )
     change = change_between(turns, motion, at, geometry)
     values[lane.OVERLAP + k], values[lane.NX + k], values[lane.NY + k] = overlap, nx, ny
     put(given(turns, n1), values, lane.N1 + k)
@@ -260,14 +284,18 @@ def store_geometry(turns, geometry, contacts, p, lanes, k):
 
 @inlined
 def load_geometry(shape, values, k):
-    """The geometry of lane k; n2 and t2 mean nothing for walls, and no lever does where nothing turns: none
-    is then asked for."""
+    """The geometry of lane k; n2 and t2 mean nothing for walls, and no lever does where nothing
+    turns: none is then asked for."""
     return ContactGeometry(
-        values[lane.OVERLAP + k], values[lane.NX + k], values[lane.NY + k],
-        values[lane.N1 + k], take(tangential_lever(shape), values, lane.T1 + k),
-        values[lane.N2 + k], take(tangential_lever(shape), values, lane.T2 + k),
+        values[lane.OVERLAP + k],
+        values[lane.NX + k],
+        values[lane.NY + k],
+        values[lane.N1 + k],
+        take(tangential_lever(shape), values, lane.T1 + k),
+        values[lane.N2 + k],
+        take(tangential_lever(shape), values, lane.T2 + k),
         take(local_radius(shape), values, lane.RADIUS + k),
-    )  # fmt: skip
+    )
 
 
 @inlined
@@ -291,7 +319,8 @@ def unconverged(converged):
 
 @inlined
 def any_unconverged(values, count):
-    """Whether any of the first lanes is; nearly always none is, and vector code is fast to say so."""
+    """Whether any of the first lanes is; nearly always none is, and vector code is fast to say
+    so."""
     found = 0
     for q in range(count):
         found += values[lane.UNCONVERGED + np.uint64(q)] != 0.0
@@ -314,38 +343,41 @@ def refine_contacts(normal_x, shape, turns, contacts, start, stop, lanes):
             store_geometry(turns, geometry, contacts, p, lanes, k)
 
 
+# Forces
+
 NEAR = 8.0  # halves of a step's change; beyond, the mean over the step differs by less than 5e-4
 
 
 @optional
-def mean_roots(damping, values, count, dt):
-    """delta^(1/4) of all dashpots: of the few that are near touch its mean over the step, one by one."""
+def mean_overlap_quarters(damping, values, count, dt):
+    """delta^(1/4) of all dashpots: of the few that are near touch its mean over the step, one by
+    one."""
     near = 0
     for q in range(count):
         k = np.uint64(q)
         overlap, change = values[lane.OVERLAP + k], 0.5 * dt * abs(values[lane.V_NORMAL + k])
-        values[lane.ROOT + k] = math.sqrt(math.sqrt(max(overlap, 0.0)))
+        values[lane.OVERLAP_QUARTER + k] = math.sqrt(math.sqrt(max(overlap, 0.0)))
         near += -change < overlap < NEAR * change
     if near > 0:
         for q in range(count):
             k = np.uint64(q)
             overlap, change = values[lane.OVERLAP + k], 0.5 * dt * abs(values[lane.V_NORMAL + k])
             if -change < overlap < NEAR * change:
-                values[lane.ROOT + k] = mean_root(overlap, change)
+                values[lane.OVERLAP_QUARTER + k] = mean_overlap_quarter(overlap, change)
 
 
 @rolled_without_first
 def contact_forces(friction, shape, turns, contacts, start, stop, dt, lanes):
     values = lanes.values
-    mean_roots(contacts.damping, values, stop - start, dt)
+    mean_overlap_quarters(contacts.damping, values, stop - start, dt)
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         geometry = load_geometry(shape, values, k)
         velocity = values[lane.V_NORMAL + k], values[lane.V_TANGENT + k]
         change = either(change_of_lane(turns, values, k), (None, None))
-        root = take(contacts.damping, values, lane.ROOT + k)
+        overlap_quarter = take(contacts.damping, values, lane.OVERLAP_QUARTER + k)
         n, t, damped, slid = respond(
-            contacts, p, geometry, velocity, change, root, dt, lanes.account
+            contacts, p, geometry, velocity, change, overlap_quarter, dt, lanes.account
         )
         put(damped, values, lane.DAMPED + k)
         put(slid, values, lane.SLID + k)
@@ -362,8 +394,8 @@ def add_losses(account, contacts, start, stop, values):
     lossy = either(contacts.damping, contacts.friction)
     for q in range(stop - start):
         k = np.uint64(q)
-        add_loss(lossy, account, lane.LOST_DAMPED, values, lane.DAMPED + k)
-        add_loss(contacts.friction, account, lane.TAKEN, values, lane.SLID + k)
+        add_loss(lossy, account, lane.POWER_DAMPED, values, lane.DAMPED + k)
+        add_loss(contacts.friction, account, lane.POWER_SPRINGS, values, lane.SLID + k)
 
 
 @optional
@@ -376,12 +408,16 @@ def take(present, array, k):
     return array[k]
 
 
+# Sums over contacts
+
+
 @inlined
 def accumulate(contacts, start, stop, values, inverse_inertia, force):
     """Add the forces of a block to both constituents of each pair.
 
     force (4 constituents,): the rows of dem.jit.columns one after the other. To keep the sum of one
-    constituent in registers from pair to pair takes longer: each pair must choose which sum it adds to.
+    constituent in registers from pair to pair takes longer: each pair must choose which sum it adds
+    to.
     """
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
@@ -396,7 +432,8 @@ def accumulate(contacts, start, stop, values, inverse_inertia, force):
 def boundary_reaction(contacts, p, k, values, inverse_inertia, force):
     """Give the constituent of contact p with a boundary its share.
 
-    Returns the normal force (N) on the boundary, and the forces on it: normal (x, y) and tangential (x, y).
+    Returns the normal force (N) on the boundary, and the forces on it: normal (x, y) and tangential
+    (x, y).
     """
     gx, gy = values[lane.FORCE_X + k], values[lane.FORCE_Y + k]
     torque = either(take(inverse_inertia, values, lane.TORQUE_1 + k), 0.0)

@@ -3,7 +3,7 @@
 Normal force: Hertz for spheres with a dashpot and no tension; tangential: a Mindlin spring and a
 dashpot under Coulomb's cap. The dashpot's constant follows from the coefficient of restitution.
 
-Symbols: overlap delta (m), root = sqrt(delta), stiffness k = 4/3 E* sqrt(R*) (N m^-1.5),
+Symbols: overlap delta (m), overlap_quarter = delta^(1/4), stiffness k = 4/3 E* sqrt(R*) (N m^-1.5),
 damping c = alpha sqrt(m* k), E* and G* the effective moduli (Pa), R* and m* the effective radius
 (m) and mass (kg).
 """
@@ -24,12 +24,13 @@ def hertz(overlap, sqrt_overlap, stiffness):
 
 
 @inlined
-def mean_root(overlap, change):
+def mean_overlap_quarter(overlap, change):
     """Mean of delta^(1/4) (m^0.25) over a step at whose middle the overlap is as given.
 
-    change (m): what the overlap changes in half a step; before touch delta counts as zero. A dashpot that
-    acts at once where two bodies touch would otherwise depend on when within a step they do. The mean,
-    (2/5) ((d + h)^(5/4) - (d - h)^(5/4)) / h, is exact for d < h, and within 3e-3 beyond.
+    change (m): what the overlap changes in half a step; before touch delta counts as zero. A
+    dashpot that acts at once where two bodies touch would otherwise depend on when within a step
+    they do. The mean, (2/5) ((d + h)^(5/4) - (d - h)^(5/4)) / h, is exact for d < h, and within
+    3e-3 beyond.
     """
     near = overlap < change
     ratio = max(min(overlap, change) / max(max(overlap, change), TINY), -1.0)
@@ -40,21 +41,20 @@ def mean_root(overlap, change):
 
 
 @inlined
-def damped(elastic, root, damping, rate):
-    """Normal force (N) with the dashpot c delta^(1/4) d(delta)/dt; root: delta^(1/4). A contact never pulls."""
-    return max(elastic + damping * root * rate, 0.0)
+def damped(elastic, overlap_quarter, damping, rate):
+    """Normal force (N) with the dashpot c delta^(1/4) d(delta)/dt. A contact never pulls."""
+    return max(elastic + damping * overlap_quarter * rate, 0.0)
 
 
 @inlined
 def mindlin(spring, sqrt_overlap, last_sqrt_overlap, stiffness, slip):
     """Tangential spring force (N) after a further slip (m), against the slip.
 
-    A contact remembers this force. Its increment is k_t slip, where
-    k_t = stiffness * root = 8 G* sqrt(R* delta) is the mean over both ends of the step while the
-    overlap grows. This makes the increment second order. While the contact unloads, the force
-    shrinks with the contact radius (Thornton, Cummins and Cleary 2013, Powder Technol. 233, 30). In
-    both cases the stored energy spring^2 / (2 k_t) can only fall when the overlap changes: no
-    contact makes energy.
+    A contact remembers this force. Its increment is k_t slip, where k_t = stiffness * sqrt(delta) =
+    8 G* sqrt(R* delta) is the mean over both ends of the step while the overlap grows. This makes
+    the increment second order. While the contact unloads, the force shrinks with the contact radius
+    (Thornton, Cummins and Cleary 2013, Powder Technol. 233, 30). In both cases the stored energy
+    spring^2 / (2 k_t) can only fall when the overlap changes: no contact makes energy.
     """
     kept = min(
         sqrt_overlap / max(last_sqrt_overlap, TINY), 1.0

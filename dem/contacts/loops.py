@@ -33,7 +33,7 @@ def fetch_partners(patches, rows, contacts, start, end):
 @compiled
 def pair_contacts(world, dt, begin, end):
     """Add the forces of rows begin to end of the list, see dem.contacts.blocks."""
-    shape, frame, contacts, lanes = world.shape, world.frame, local(world.pairs), world.lanes
+    shape, frame, contacts, lanes = world.shape, world.orientation, local(world.pairs), world.lanes
     turns, patches = world.inverse_inertia, world.patches
     rows, flat = world.constituents.reshape(-1), world.constituent_force.reshape(-1)
     for start in range(begin, end, BLOCK):
@@ -55,9 +55,14 @@ def boundary_contacts(surface, world, dt):
 @compiled
 def _boundary_contacts(surface, world, dt):
     """Add the forces of the contacts with walls, or with the cylinder, and sum up those on them."""
-    shape, frame, contacts, lanes = world.shape, world.frame, local(surface.contacts), world.lanes
+    shape, frame, contacts, lanes = (
+        world.shape,
+        world.orientation,
+        local(surface.contacts),
+        world.lanes,
+    )
     turns, planes, radius = world.inverse_inertia, surface.planes, surface.radius
-    on, loads = world.boundaries.force, world.boundaries.loads
+    on, loads = world.boundaries.force, world.boundaries.contact_forces
     rows, others = world.constituents.reshape(-1), world.boundaries.motion.reshape(-1)
     flat, count = world.constituent_force.reshape(-1), contacts.constituent.shape[0]
     for start in range(0, count, BLOCK):

@@ -29,24 +29,24 @@ def dashpot_constant(damping, mass_ratio, p, nx, ny):
 
 
 @optional
-def damped_force(damping, elastic, root, rate):
-    return damped(elastic, root, damping, rate)
+def damped_force(damping, elastic, overlap_quarter, rate):
+    return damped(elastic, overlap_quarter, damping, rate)
 
 
 @optional
-def dashpot(damping, ratio, root, slip_rate):
-    return ratio * damping * root * slip_rate
+def dashpot(damping, ratio, overlap_quarter, slip_rate):
+    return ratio * damping * overlap_quarter * slip_rate
 
 
 @optional
 def friction_force(friction, contacts, p, normal, elastic, slip, account, dt):
     """The spring is capped first, then spring and dashpot, so that friction does no positive work.
 
-    elastic: stiffness (N m^-1.5), sqrt_overlap (m^0.5), constant and root (m^0.25) of the dashpot; slip: in
-    this step (m), and its rate at the full step (m/s). Returns the force (N) and the powers (W) that dashpot and spring take,
-    None without an energy ledger.
+    elastic: stiffness (N m^-1.5), sqrt_overlap (m^0.5), constant and overlap_quarter (m^0.25) of
+    the dashpot; slip: in this step (m), and its rate at the full step (m/s). Returns the force (N)
+    and the powers (W) that dashpot and spring take, None without an energy ledger.
     """
-    stiffness, sqrt_overlap, damping, root = elastic
+    stiffness, sqrt_overlap, damping, overlap_quarter = elastic
     distance, rate = slip
     limit = friction.coefficient * normal
     stiffness = friction.stiffness_ratio * stiffness
@@ -55,9 +55,13 @@ def friction_force(friction, contacts, p, normal, elastic, slip, account, dt):
     force = capped(force, limit)
     contacts.tangential_force[p] = force
     contacts.sqrt_overlap[p] = sqrt_overlap
-    dashpot_force = dashpot(damping, friction.damping_ratio, root, rate)
+    dashpot_force = dashpot(damping, friction.damping_ratio, overlap_quarter, rate)
     total = capped(minus(force, dashpot_force), limit)
-    return total, lost(account, total - force, rate), lost(account, force, rate)
+    return (
+        total,
+        dissipated_power(account, total - force, rate),
+        dissipated_power(account, force, rate),
+    )
 
 
 @optional
@@ -67,7 +71,7 @@ def spring_energy(account, force, stiffness):
 
 
 @optional
-def lost(account, force, rate):
+def dissipated_power(account, force, rate):
     """Power (W) that a force takes: minus that on what moves at `rate` (m/s)."""
     return -force * rate
 
@@ -76,7 +80,8 @@ def lost(account, force, rate):
 def relative_velocity(one, two, geometry):
     """Velocity of body 2 relative to body 1 at the contact, along n and along t.
 
-    one, two: velocity x, y (m/s) and spin (rad/s; None where nothing turns), or their changes to the full step.
+    one, two: velocity x, y (m/s) and spin (rad/s; None where nothing turns), or their changes to
+    the full step.
     """
     _, nx, ny, n1, t1, n2, t2, _ = geometry
     gx, gy = two[0] - one[0], two[1] - one[1]
@@ -86,14 +91,15 @@ def relative_velocity(one, two, geometry):
 
 
 @inlined
-def respond(contacts, p, geometry, velocity, change, root, dt, account):
+def respond(contacts, p, geometry, velocity, change, overlap_quarter, dt, account):
     """Forces N and T (N) of contact p, and powers (W) that dashpots and tangential springs take.
 
     T is None without friction, the powers without an energy ledger. velocity, change: from
-    relative_velocity, of the half step and to the full step. Where nothing turns change is (None, None):
-    the velocity is that of the full step, and no slip follows from it. root (m^0.25): delta^(1/4) for the
-    dashpot, None without one. Bodies that do not touch remember nothing, and feel
-    nothing but the dashpot if they touch within half a step: their overlap counts as zero in the force law.
+    relative_velocity, of the half step and to the full step. Where nothing turns change is (None,
+    None): the velocity is that of the full step, and no slip follows from it. overlap_quarter
+    (m^0.25): delta^(1/4) for the dashpot, None without one. Bodies that do not touch remember
+    nothing, and feel nothing but the dashpot if they touch within half a step: their overlap counts
+    as zero in the force law.
     """
     overlap = max(geometry.overlap, 0.0)
     sqrt_overlap = math.sqrt(overlap)
@@ -102,14 +108,24 @@ def respond(contacts, p, geometry, velocity, change, root, dt, account):
     elastic = hertz(overlap, sqrt_overlap, stiffness)
     rate = -plus(velocity[0], change[0])
     damping = dashpot_constant(contacts.damping, contacts.mass_ratio, p, geometry.nx, geometry.ny)
-    normal = either(damped_force(damping, elastic, root, rate), elastic)
-    # what the force exceeds the elastic one by
-    damped_away = lost(given(damping, account), normal - elastic, -rate)
-    tangential, damped_too, slid = either(
+    normal = either(damped_force(damping, elastic, overlap_quarter, rate), elastic)
+    damped_normal = dissipated_power(given(damping, account), normal - elastic, -rate)
+    tangential, damped_tangential, slid = either(
         friction_force(
-            contacts.friction, contacts, p, normal, (stiffness, sqrt_overlap, damping, root),
-            (velocity[1] * dt, plus(velocity[1], change[1])), account, dt,
+            contacts.friction,
+            contacts,
+            p,
+            normal,
+            (stiffness, sqrt_overlap, damping, overlap_quarter),
+            (velocity[1] * dt, plus(velocity[1], change[1])),
+            account,
+            dt,
         ),
         (None, None, None),
-    )  # fmt: skip
-    return normal, tangential, plus(damped_away, damped_too), slid
+    )
+    return normal, tangential, plus(damped_normal, damped_tangential), slid
+
+
+@inlined
+def stiffness_of(contacts, p, radius):
+    return either(local_stiffness(radius, contacts.modulus), contacts.stiffness[p])

@@ -10,12 +10,11 @@ from dem.contacts.force_law import (
     effective_modulus,
     effective_shear_modulus,
 )
-from dem.dynamics.stable_step import longest_step
 from dem.dynamics.world import (
     DAMPING,
-    LIGHT,
+    EXTERNAL_FORCE,
+    INVERSE_MASS,
     PATCH,
-    PUSH,
     Boundaries,
     Contacts,
     FrictionParameters,
@@ -34,16 +33,41 @@ CONTACT_KINDS = "granule", "wall", "cylinder"
 
 
 class GranuleTable(NamedTuple):
-    """Constants of the granules that the lists and the surveys need.
+    """Constants of the granules that the lists and the scans need.
 
-    root_inverse_mass (n,): 1/sqrt(m) in kg^-0.5; root_inverse_inertia (n,): 1/sqrt(I) in
-    kg^-0.5 m^-1, None where nothing turns; both are zero for held granules. per: constituents per
-    granule; radius, bounding (constituents,) in m: for Hertz's law, and of the circle that holds one; mass (constituents,) in kg: of the whole granule; mobility: greatest
-    1/m + lever^2/I (1/kg) of a contact; bend (n,) in 1/(kg m): 2/3 normal_bend / I, which bounds
-    the rotational stiffness that a normal force adds, over k delta; skin (m); fraction: of the critical step; period along x and y
-    (m), 0 where the scene does not repeat itself; alpha: dashpot constant; modulus: E* of two
-    granules (Pa); mean_radius (m), mean_mass (kg). held (constituents,): which are held, None if none
-    is.
+    Attributes
+    ----------
+    root_inverse_mass : ndarray of shape (n,)
+        1/sqrt(m) (kg^-0.5), zero for held granules.
+    root_inverse_inertia : ndarray of shape (n,) or None
+        1/sqrt(I) (kg^-0.5 m^-1), zero for held granules; None where nothing turns.
+    per : int
+        Constituents per granule.
+    radius : ndarray of shape (constituents,)
+        Radius for Hertz's law (m).
+    bounding : ndarray of shape (constituents,)
+        Radius of the circle that holds the constituent (m).
+    mass : ndarray of shape (constituents,)
+        Mass of the whole granule (kg).
+    mobility : float
+        Greatest 1/m + arm^2/I of a contact (1/kg).
+    bend : ndarray of shape (n,)
+        2/3 normal_bend / I (1/(kg m)): bounds the rotational stiffness that a normal force adds,
+        over k delta.
+    skin : float
+        Skin of the neighbour lists (m).
+    fraction : float
+        Time step over the critical one, without unit.
+    period : tuple of float
+        Period along x and y (m), 0 where the scene does not repeat itself.
+    alpha : float
+        Dashpot constant, without unit.
+    modulus : float
+        E* of two granules (Pa).
+    mean_radius, mean_mass : float
+        Means (m, kg).
+    held : ndarray of shape (constituents,) or None
+        Which are held.
     """
 
     root_inverse_mass: np.ndarray
@@ -64,20 +88,22 @@ class GranuleTable(NamedTuple):
     held: np.ndarray | None
 
 
-def own(shape):
-    """The granules with writable arrays, because read-only ones are another type to Numba."""
+def writable(shape):
+    """The granules with arrays that can be written, because read-only ones are another type to
+    Numba."""
     return resized(shape, np.copy)
 
 
 def widest_skins(scene: Scene) -> list[float]:
-    """Skins (m) with which no list holds two images of one body, nor finds one pair by another image
-    than the list before: for each period."""
-    return [0.25 * (each - 2.0 * reach(scene)) for each in scene.periodic or () if each]
+    """Skins (m) with which no list holds two images of one body, nor finds one pair by another
+    image than the list before: for each period."""
+    return [0.25 * (period - 2.0 * reach(scene)) for period in scene.periodic or () if period]
 
 
 def granule_table(scene: Scene, skin: float, fraction: float = 1.0) -> GranuleTable:
-    """GranuleTable of a scene; skin as a share of the mean bounding radius, fraction of the critical step."""
-    shape, (inverse_mass, inverse_inertia) = own(scene.shape), mobilities(scene)
+    """GranuleTable of a scene; skin as a share of the mean bounding radius, fraction of the
+    critical step."""
+    shape, (inverse_mass, inverse_inertia) = writable(scene.shape), mobilities(scene)
     bounding = shape.constituent_bounding_radius
     per = len(bounding) // scene.granules
     x, y = scene.periodic or (None, None)
@@ -102,7 +128,8 @@ def granule_table(scene: Scene, skin: float, fraction: float = 1.0) -> GranuleTa
 
 
 def mobilities(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
-    """1/mass and 1/inertia (n,) of all granules in 1/kg and 1/(kg m2): no contact moves a held one."""
+    """1/mass and 1/inertia (n,) of all granules in 1/kg and 1/(kg m2): no contact moves a held
+    one."""
     inverse_mass, inverse_inertia = 1.0 / scene.mass, 1.0 / scene.inertia
     if scene.held:
         inverse_mass[scene.is_held] = inverse_inertia[scene.is_held] = 0.0
@@ -119,11 +146,12 @@ def partners(scene: Scene, boundary: bool):
 def friction_parameters(scene: Scene, kind: str) -> FrictionParameters | None:
     """Friction of the contacts of one kind: granule, wall or cylinder; None if no kind has any.
 
-    Where only some kinds have friction, the others have it with a coefficient of zero: all kinds share
-    the lanes of a block, and torques that one kind leaves there must not be read as those of another.
+    Where only some kinds have friction, the others have it with a coefficient of zero: all kinds
+    share the lanes of a block, and torques that one kind leaves there must not be read as those of
+    another.
     """
     friction = scene.friction
-    if friction is None or not any(getattr(friction, each) for each in CONTACT_KINDS):
+    if friction is None or not any(getattr(friction, name) for name in CONTACT_KINDS):
         return None
     materials = partners(scene, boundary=kind != "granule")
     ratio = effective_shear_modulus(*materials) / effective_modulus(*materials)
@@ -142,8 +170,8 @@ def number_of_walls(scene: Scene) -> int:
     return 0 if scene.walls is None else len(scene.walls)
 
 
-def table_of(motion) -> np.ndarray:
-    """Rows of Boundaries.table for one boundary."""
+def waypoints_of(motion) -> np.ndarray:
+    """Rows of Boundaries.waypoints for one boundary."""
     if isinstance(motion, Drive):
         return np.empty((0, 4))
     if isinstance(motion, PrescribedMotion):
@@ -155,28 +183,36 @@ def table_of(motion) -> np.ndarray:
 def boundaries(scene: Scene) -> Boundaries:
     """All that granules meet, as they move at the start."""
     walls, cylinder = number_of_walls(scene), scene.cylinder
-    motions = [each or (0.0, 0.0) for each in scene.wall_motion or [None] * walls]
+    motions = [motion or (0.0, 0.0) for motion in scene.wall_motion or [None] * walls]
     motions += [cylinder.velocity] if cylinder else []
     motions += [group.motion for group in scene.held]
     r = len(motions)
-    tables = [table_of(each) for each in motions]
+    paths = [waypoints_of(motion) for motion in motions]
     moved, drive = rows(r, 8), np.zeros((r, 5))
     if cylinder:
         moved[walls, [X, Y]], moved[walls, W] = cylinder.position, cylinder.spin
-        tables[walls][:, 3] += cylinder.spin  # that of the path is then zero, see Cylinder
-    for b, each in enumerate(motions):
-        if isinstance(each, Drive):
-            moved[b, [VX, VY]], drive[b, DAMPING] = each.velocity, each.damping
-            for c, force in enumerate(each.force):
+        paths[walls][:, 3] += cylinder.spin  # that of the path is then zero, see Cylinder
+    for b, motion in enumerate(motions):
+        if isinstance(motion, Drive):
+            moved[b, [VX, VY]], drive[b, DAMPING] = motion.velocity, motion.damping
+            for c, force in enumerate(motion.force):
                 if force is not None:
-                    drive[b, [PUSH + c, LIGHT + c]] = force, 1.0 / each.mass
+                    drive[b, [EXTERNAL_FORCE + c, INVERSE_MASS + c]] = force, 1.0 / motion.mass
         else:
-            time, *columns = tables[b].T
+            time, *columns = paths[b].T
             moved[b, [VX, VY, W]] = [np.interp(0.0, time, column) for column in columns]
     return Boundaries(
-        moved, np.zeros((r, 2)), rows(r, 4), np.zeros((r, 5)), np.zeros((r, 5)), np.zeros((r, 2)), np.zeros(1),
-        np.cumsum([0, *map(len, tables)]), np.concatenate([np.empty((0, 4)), *tables]), drive,
-    )  # fmt: skip
+        motion=moved,
+        reference=np.zeros((r, 2)),
+        force=rows(r, 4),
+        contact_forces=np.zeros((r, 5)),
+        impulses=np.zeros((r, 5)),
+        previous_acceleration=np.zeros((r, 2)),
+        time=np.zeros(1),
+        first_waypoint=np.cumsum([0, *map(len, paths)]),
+        waypoints=np.concatenate([np.empty((0, 4)), *paths]),
+        drive=drive,
+    )
 
 
 def surfaces(
@@ -185,29 +221,38 @@ def surfaces(
     """Walls and cylinder; drive: of Boundaries."""
     count, walls, cylinder = number_of_walls(scene), None, None
     if scene.walls is not None:
+        listed = contacts(scene, table, "wall", drive)
         walls = Surface(
-            0, count, np.array(scene.walls), None, contacts(scene, table, "wall", drive)
+            first=0, end=count, planes=np.array(scene.walls), radius=None, contacts=listed
         )
     if scene.cylinder is not None:
-        radius, listed = 0.5 * scene.cylinder.diameter, contacts(scene, table, "cylinder", drive)
-        cylinder = Surface(count, count + 1, None, radius, listed)
+        listed = contacts(scene, table, "cylinder", drive)
+        cylinder = Surface(
+            first=count,
+            end=count + 1,
+            planes=None,
+            radius=0.5 * scene.cylinder.diameter,
+            contacts=listed,
+        )
     return walls, cylinder
 
 
 def held_groups(scene: Scene, bodies: np.ndarray, motion: np.ndarray) -> HeldGroups | None:
-    """The groups of a scene, whose granules take their velocities (of Boundaries.motion) at once."""
+    """The groups of a scene, whose granules take their velocities (of Boundaries.motion) at
+    once."""
     if not scene.held:
         return None
     first, group = len(motion) - len(scene.held), np.full(scene.granules, -1)
-    for b, each in enumerate(scene.held):
-        group[each.granules] = first + b
+    for b, held in enumerate(scene.held):
+        group[held.granules] = first + b
     member = np.flatnonzero(group >= 0)
     bodies[np.ix_(member, [VX, VY])] = motion[np.ix_(group[member], [VX, VY])]
     return HeldGroups(first, group, member, bodies[np.ix_(member, [X, Y])])
 
 
 def contacts(scene: Scene, table: GranuleTable, kind: str, drive: np.ndarray) -> Contacts:
-    """The contacts of one kind (granule, wall or cylinder), none yet: see dem.dynamics.neighbor_list.
+    """The contacts of one kind (granule, wall or cylinder), none yet: see
+    dem.dynamics.neighbor_list.
 
     drive: rows of Boundaries.drive of those that may be part of them.
     """
@@ -225,7 +270,7 @@ def contacts(scene: Scene, table: GranuleTable, kind: str, drive: np.ndarray) ->
         modulus=4.0 / 3.0 * effective_modulus(*partners(scene, boundary=kind != "granule")),
         damping=numbers if table.alpha > 0.0 else None,
         mass_ratio=np.empty((2, 0))
-        if table.alpha > 0.0 and drive[:, LIGHT:DAMPING].any()
+        if table.alpha > 0.0 and drive[:, INVERSE_MASS:DAMPING].any()
         else None,
         friction=friction,
         tangential_force=memory,
@@ -249,17 +294,17 @@ def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = 
     moving, none = boundaries(scene), np.zeros(0, np.int64)
     walls, cylinder = surfaces(scene, table, moving.drive)
     return World(
-        shape=own(scene.shape),
+        shape=writable(scene.shape),
         bodies=bodies,
         angle=state.angle,
-        frame=turned if scene.shape.needs_angle else None,
+        orientation=turned if scene.shape.needs_angle else None,
         inverse_mass=inverse_mass,
         inverse_inertia=inverse_inertia if can_turn(scene) else None,
         force=force,
         constituents=bodies if alone else rows(n * table.per, 8),
         constituent_force=force if alone else rows(n * table.per, 4),
         reference=np.zeros((n * table.per, 2)),
-        last=rows(n, 4) if table.alpha > 0.0 else None,
+        previous_acceleration=rows(n, 4) if table.alpha > 0.0 else None,
         pairs=contacts(
             scene, table, "granule", moving.drive[len(moving.drive) - len(scene.held) :]
         ),
@@ -271,32 +316,3 @@ def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = 
         patches=Patches(index, index, none, none) if n > PATCH else None,
         held=held_groups(scene, bodies, moving.motion),
     )
-
-
-NEIGHBOURS = 6  # of a granule, all as deep as can be and in the worst direction
-CAUTION = 0.03  # sides that are nearly flat are stiffer than the radii say
-
-
-def least_step(scene, table, drive, max_overlap: float, fraction: float) -> float:
-    """A time step (s) that no state of a scene can ask for by its contacts: a shorter one has collapsed.
-
-    It is CAUTION times the critical step if all contacts were as deep as `max_overlap` (over the smaller
-    radius) allows, times the `fraction` of it that a run takes; drive: of Boundaries. No run with sound speeds takes such
-    steps: granules much faster than sound in them end in an OverlapError when they collide.
-    """
-    moduli = [effective_modulus(*partners(scene, boundary)) for boundary in (False, True)]
-    rough = [friction_parameters(scene, kind) for kind in CONTACT_KINDS]
-    ratio = max((each.stiffness_ratio for each in rough if each), default=0.0)
-    damped = max((each.damping_ratio for each in rough if each), default=0.0)
-    inverse_mass, inverse_inertia = mobilities(scene)
-    radius = table.radius.reshape(-1, table.per).max(axis=1)
-    mobility = inverse_mass + scene.shape.bounding_radius**2 * inverse_inertia
-    lightest = drive[:, LIGHT:DAMPING].max(initial=0.0)
-    # all granules may lie on one body that is driven
-    many = 2.0 * (max(NEIGHBOURS, scene.granules) if lightest > 0.0 else NEIGHBOURS)
-    mobility = mobility + lightest
-    k = 2.0 * max(moduli) * math.sqrt(max_overlap) * radius
-    stiffness = k * ((1.0 + ratio) * mobility + max_overlap * radius * table.bend)
-    damping = table.alpha * (1.0 + damped) * np.sqrt(k * mobility * mobility * scene.mass)
-    steps = map(longest_step, many * stiffness, many * damping, [fraction] * len(stiffness))
-    return CAUTION * min(steps)

@@ -1,7 +1,7 @@
-"""A run as named arrays, from which it continues later with the same bits.
+"""Checkpoints: a run as named arrays, from which it continues later with the same bits.
 
-A checkpoint holds a hash of all its arrays. That refuses whatever no simulation has written, so that nothing
-else looks at them.
+A checkpoint holds a hash of all its arrays, so that arrays that no simulation has written are
+refused.
 """
 
 import hashlib
@@ -13,7 +13,7 @@ import numpy as np
 from dem.base.errors import InputError
 from dem.base.validate import refuse
 
-# of a World: what the scene holds, and what each step writes before it reads
+# of a World: what the scene holds, and what part step writes before it reads
 LEFT_OUT = "world.shape.", "world.lanes.motion", "world.lanes.values"
 SEAL = "seal"
 
@@ -22,10 +22,10 @@ def named_arrays(tree, path="world") -> dict:
     """All arrays of a tree of named tuples, by their path in it; no copies."""
     if isinstance(tree, np.ndarray):
         return {path: tree}
-    found = {}
+    arrays = {}
     for name in getattr(tree, "_fields", ()):
-        found |= named_arrays(getattr(tree, name), f"{path}.{name}")
-    return found
+        arrays |= named_arrays(getattr(tree, name), f"{path}.{name}")
+    return arrays
 
 
 def read_only(tree):
@@ -41,17 +41,18 @@ def writable(tree):
     """The tree with copies of its arrays, which can be written; two that were one stay one."""
     copies = {}
 
-    def copied(each):
-        if isinstance(each, np.ndarray):
-            key = each.ctypes.data, each.shape, each.dtype
-            return copies.setdefault(key, each.copy())
-        return each._make(map(copied, each)) if hasattr(each, "_fields") else each
+    def copied(part):
+        if isinstance(part, np.ndarray):
+            key = part.ctypes.data, part.shape, part.dtype
+            return copies.setdefault(key, part.copy())
+        return part._make(map(copied, part)) if hasattr(part, "_fields") else part
 
     return copied(tree)
 
 
 def spelled(tree):
-    """Numbers and arrays of a tree of tuples and data classes, as what prints alike only if it is alike."""
+    """Numbers and arrays of a tree of tuples and data classes, as what prints alike only if it is
+    alike."""
     if isinstance(tree, np.ndarray):
         return tree.dtype.str, tree.shape, tree.tobytes()
     if isinstance(tree, tuple | list):
@@ -61,32 +62,33 @@ def spelled(tree):
     return tree
 
 
-def fingerprint(*held) -> np.ndarray:
+def fingerprint(*values) -> np.ndarray:
     """SHA-256 (32,) of numbers and arrays in trees of tuples: tells scenes apart."""
-    return np.frombuffer(hashlib.sha256(repr(spelled(held)).encode()).digest(), np.uint8)
+    return np.frombuffer(hashlib.sha256(repr(spelled(values)).encode()).digest(), np.uint8)
 
 
 def numbers_of(tree) -> list[float]:
     """All numbers of a tree of named tuples, in order."""
-    nested = [numbers_of(each) if hasattr(each, "_fields") else [float(each)] for each in tree]
-    return [number for each in nested for number in each]
+    nested = [numbers_of(part) if hasattr(part, "_fields") else [float(part)] for part in tree]
+    return [number for part in nested for number in part]
 
 
 def with_numbers(tree, numbers):
     """The tree with these numbers in place of its own."""
     left = iter(numbers)
 
-    def filled(each):
-        return each._make(map(filled, each)) if hasattr(each, "_fields") else type(each)(next(left))
+    def filled(part):
+        return part._make(map(filled, part)) if hasattr(part, "_fields") else type(part)(next(left))
 
     return filled(tree)
 
 
 def written(world, **more) -> dict:
-    """A checkpoint: copies of the arrays of a World that a run changes, by their path in it, and more."""
-    found = {k: v.copy() for k, v in named_arrays(world).items() if not k.startswith(LEFT_OUT)}
-    found |= {name: np.array(value) for name, value in more.items()}
-    return found | {SEAL: fingerprint(*sorted(found.items()))}
+    """A checkpoint: copies of the arrays of a World that a run changes, by their path in it, and
+    more."""
+    arrays = {k: v.copy() for k, v in named_arrays(world).items() if not k.startswith(LEFT_OUT)}
+    arrays |= {name: np.array(value) for name, value in more.items()}
+    return arrays | {SEAL: fingerprint(*sorted(arrays.items()))}
 
 
 def read(saved) -> dict:
@@ -105,13 +107,13 @@ def read(saved) -> dict:
 
 
 def replaced(tree, arrays: dict, path="world"):
-    """The tree with the arrays of a checkpoint. One of the same shape is overwritten in place, so that two
-    that are one stay one."""
+    """The tree with the arrays of a checkpoint. One of the same shape is overwritten in place, so
+    that two that are one stay one."""
     if isinstance(tree, np.ndarray):
-        found = arrays.get(path, tree)
-        if found.shape != tree.shape:
-            return found.copy()
-        tree[...] = found
+        saved = arrays.get(path, tree)
+        if saved.shape != tree.shape:
+            return saved.copy()
+        tree[...] = saved
         return tree
     if not hasattr(tree, "_fields"):
         return tree

@@ -1,20 +1,128 @@
-"""Which bodies of a bed touch, where, and how hard. The motion does not use it."""
+"""The contacts of a bed as they are now: geometry, summary, and a list with all forces.
+
+Output only: the integrator does not read it.
+"""
 
 import math
 from typing import NamedTuple
 
 import numpy as np
 
-from dem.contacts.response import respond
-from dem.dynamics.diagnostics import measured
+from dem.contacts.blocks import last_normal, shifted
+from dem.contacts.response import respond, stiffness_of
+from dem.dynamics.world import Surface
+from dem.jit.address import by_address
 from dem.jit.columns import VX, VY, W, X, Y
-from dem.jit.compilation import compiled
+from dem.jit.compilation import compiled, inlined
 from dem.jit.optional import either, given
-from dem.shapes.protocol import ContactGeometry
+from dem.shapes.protocol import ContactGeometry, circle, outline, solve_contact, support
 
 CYLINDER, FIRST_WALL = -1, -2  # as partners
-# of Contacts, by a response
-UNREAD = "first", "normal_x", "normal_y", "shift_x", "shift_y", "sizes"
+# members of Contacts that a response does not read
+NOT_OF_RESPONSE = "first", "normal_x", "normal_y", "shift_x", "shift_y", "sizes"
+
+
+@inlined
+def wall_contact(planes, shape, one, x, y, b):
+    """Overlap, normal, arms and curvature of a constituent at x, y and wall b."""
+    nx, ny = planes[b, 0], planes[b, 1]
+    reach, t1, rho = support(shape, one, nx, ny)
+    overlap = reach + x * nx + y * ny - planes[b, 2]
+    return overlap, nx, ny, reach - 0.5 * overlap, either(t1, 0.0), rho
+
+
+@inlined
+def contact_with(two, shape, one, contacts, p, dx, dy):
+    """The same of a constituent and another outline, dx, dy (m) from it."""
+    dx, dy = shifted(contacts, p, dx, dy)
+    contact = solve_contact(shape, dx, dy, one, two, last_normal(contacts, p))
+    return (
+        contact.overlap,
+        contact.nx,
+        contact.ny,
+        contact.n1,
+        either(contact.t1, 0.0),
+        contact.radius,
+    )
+
+
+@compiled(allocates=True)
+def geometries(shape, motion, orientation, others, surface):
+    """Rows (m, 6), one per listed contact with a surface, or between granules (`pairs_of`), seen
+    from its constituent: overlap (m; negative: a gap), normal, arms n1 and t1 (m), and
+    stiffness (N m^-1.5). others: motion of the partners."""
+    contacts, planes, radius = surface.contacts, surface.planes, surface.radius
+    rows = np.empty((contacts.constituent.shape[0], 6))
+    for p in range(rows.shape[0]):
+        i, j = contacts.constituent[p], contacts.partner[p]
+        one, x, y = outline(shape, i, orientation), motion[i, X], motion[i, Y]
+        dx, dy = others[j, X] - x, others[j, Y] - y
+        if planes is not None:
+            contact = wall_contact(planes, shape, one, x, y, j)
+        elif radius is not None:
+            contact = contact_with(circle(shape, radius), shape, one, contacts, p, dx, dy)
+        else:
+            contact = contact_with(outline(shape, j, orientation), shape, one, contacts, p, dx, dy)
+        stiffness = stiffness_of(contacts, p, contact[5])
+        # number by number, because a row brings in the text of its error message
+        rows[p, 0], rows[p, 1], rows[p, 2] = contact[0], contact[1], contact[2]
+        rows[p, 3], rows[p, 4], rows[p, 5] = contact[3], contact[4], stiffness
+    return rows
+
+
+@inlined
+def pairs_of(world):
+    """Contacts between granules as a Surface."""
+    return Surface(first=0, end=0, planes=None, radius=None, contacts=world.pairs)
+
+
+def measured(world, *surfaces):
+    """Contacts between granules, then those with each of some surfaces: the Surface, motion of the
+    partners, and the geometries."""
+    partners = [(surface, world.boundaries.motion) for surface in surfaces if surface is not None]
+    for surface, motion in [(pairs_of(world), world.constituents), *partners]:
+        rows = geometries(world.shape, world.constituents, world.orientation, motion, surface)
+        yield surface, motion, rows
+
+
+@inlined
+def deeper(worst, overlap, i, size):
+    """Greater of two relative overlaps, each with the granule it belongs to; NaN wins."""
+    relative = overlap / size
+    if relative <= worst[0] or worst[0] != worst[0]:
+        return worst
+    return relative, i
+
+
+@inlined
+def deepest_with(surface, world, table, worst):
+    """Greatest overlap over the smaller radius, and its constituent, with walls or cylinder too."""
+    if surface is None:
+        return worst
+    motion, others = world.constituents, world.boundaries.motion
+    rows = geometries(world.shape, motion, world.orientation, others, surface)
+    for p in range(rows.shape[0]):
+        if not rows[p, 0] <= 0.0:
+            i = np.int64(surface.contacts.constituent[p])
+            worst = deeper(worst, rows[p, 0], i, table.radius[i])
+    return worst
+
+
+@compiled(allocates=True)
+def contact_summary(world, table):
+    """Number of pairs of constituents that touch, greatest overlap over the smaller radius, its
+    constituent."""
+    view, touching, worst = by_address(world), 0, (0.0, 0)
+    pairs, motion = view.pairs, view.constituents
+    rows = geometries(view.shape, motion, view.orientation, motion, pairs_of(view))
+    for p in range(rows.shape[0]):
+        if not rows[p, 0] <= 0.0:
+            i, j = np.int64(pairs.constituent[p]), np.int64(pairs.partner[p])
+            touching += 1
+            worst = deeper(worst, rows[p, 0], i, min(table.radius[i], table.radius[j]))
+    worst = deepest_with(view.walls, view, table, worst)
+    worst = deepest_with(view.cylinder, view, table, worst)
+    return touching, worst[0], worst[1]
 
 
 class ContactList(NamedTuple):
@@ -59,8 +167,8 @@ class ContactList(NamedTuple):
 
 def list_contacts(world, names: np.ndarray) -> ContactList:
     """All contacts of a bed; names (n,): the number of each granule of the World."""
-    found, per = [], len(world.constituents) // len(world.bodies)
-    for surface, motion, geometries in measured(world, world.cylinder, world.walls):
+    parts, per = [], len(world.constituents) // len(world.bodies)
+    for surface, motion, rows in measured(world, world.cylinder, world.walls):
         partner = surface.contacts.partner.astype(np.int64)
         if surface.contacts is world.pairs:
             partner = partner // per
@@ -68,8 +176,8 @@ def list_contacts(world, names: np.ndarray) -> ContactList:
         else:
             second, walls = motion[partner], surface.radius is None
             partner = FIRST_WALL - partner if walls else np.full_like(partner, CYLINDER)
-        found.append(_columns(world, names, surface.contacts, geometries, partner, second))
-    return ContactList(*map(np.concatenate, zip(*found, strict=True)))
+        parts.append(_columns(world, names, surface.contacts, rows, partner, second))
+    return ContactList(*map(np.concatenate, zip(*parts, strict=True)))
 
 
 def _columns(world, names, listed, geometries, partner, second):
@@ -93,10 +201,16 @@ def _columns(world, names, listed, geometries, partner, second):
     _respond_now(_copied(listed, touch, overlap, stiffness), overlap, normal, rates, pushed)
     spring = listed.tangential_force
     return (
-        names[granule], partner, point, normal, branch, overlap, stiffness * overlap**1.5,
+        names[granule],
+        partner,
+        point,
+        normal,
+        branch,
+        overlap,
+        stiffness * overlap**1.5,
         np.zeros(len(granule)) if spring is None else spring[touch],
         pushed[:, :1] * normal + pushed[:, 1:] * tangent,
-    )  # fmt: skip
+    )
 
 
 def _velocity(motion, point):
@@ -107,7 +221,7 @@ def _velocity(motion, point):
 
 def _copied(listed, touch, overlap, stiffness):
     """Those that touch, to be written to: a response remembers, and the bed must not see it."""
-    kept = {"stiffness": stiffness} | dict.fromkeys(UNREAD)
+    kept = {"stiffness": stiffness} | dict.fromkeys(NOT_OF_RESPONSE)
     if listed.damping is not None:
         kept["damping"] = listed.damping[touch]
     if listed.mass_ratio is not None:
@@ -125,8 +239,8 @@ def _respond_now(contacts, overlap, normals, rates, pushed):
         nx, ny = normals[p, 0], normals[p, 1]
         geometry = ContactGeometry(overlap[p], nx, ny, 0.0, None, None, None, None)
         velocity = rates[p, 0], rates[p, 1]
-        root = given(contacts.damping, math.sqrt(math.sqrt(overlap[p])))
+        overlap_quarter = given(contacts.damping, math.sqrt(math.sqrt(overlap[p])))
         normal, tangential, _, _ = respond(
-            contacts, p, geometry, velocity, (0.0, 0.0), root, 0.0, None
+            contacts, p, geometry, velocity, (0.0, 0.0), overlap_quarter, 0.0, None
         )
         pushed[p, 0], pushed[p, 1] = normal, either(tangential, 0.0)

@@ -1,10 +1,10 @@
-"""The energy ledger: the energy that a bed holds, gains and loses.
+"""Kinetic energy, and the energy ledger: what a bed holds, gains and loses.
 
-The kernels sum two powers over time (dem.jit.block_memory): those that dashpots and tangential springs take. They
-sum the work of walls, cylinder and held granules as they kick them. Kinetic and elastic energies follow from the state. What springs
-have taken and do not hold is lost by sliding; energy that a spring loses while the overlap shrinks is
-included. Powers count with the kicks of their forces, up to the time of the state: the trapezoidal rule, of
-second order in the time step.
+The kernels sum two powers over time (dem.jit.block_memory): those that dashpots and tangential
+springs take. They sum the work of walls, cylinder and held granules as they kick them. Kinetic and
+elastic energies follow from the state. What springs have taken and do not hold is lost by sliding;
+energy that a spring loses while the overlap shrinks is included. Powers count with the kicks of
+their forces, up to the time of the state: the trapezoidal rule, of second order in the time step.
 """
 
 import math
@@ -12,11 +12,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.contacts.response import spring_energy
-from dem.dynamics.diagnostics import kinetic, measured
+from dem.contacts.force_law import TINY
+from dem.dynamics.contact_list import measured
+from dem.dynamics.forces import greater
+from dem.dynamics.world import at_full_steps
 from dem.jit.block_memory import ACCOUNTS, WORK
-from dem.jit.compilation import compiled
-from dem.jit.optional import either, optional
+from dem.jit.columns import DVX, FX, TAU, VX, W
+from dem.jit.compilation import compiled, inlined
+from dem.jit.optional import given, minus
 
 
 class Ledger(NamedTuple):
@@ -35,7 +38,8 @@ class Ledger(NamedTuple):
     slid : float
         Energy lost by sliding since the start (J).
     work : float
-        Work of the boundaries on the granules since the start (J): of walls, cylinder and held granules.
+        Work of the boundaries on the granules since the start (J): of walls, cylinder and held
+        granules.
     fallen : float
         Work of gravity on the granules since the start (J).
     before : float
@@ -69,11 +73,35 @@ class Ledger(NamedTuple):
         return abs(change - gained + gone) / scale if scale > 0.0 else 0.0
 
 
-@optional
-def held_by_spring(friction, contacts, p, stiffness):
-    """Energy (J) of the tangential spring of contact p."""
-    stiffness = friction.stiffness_ratio * stiffness * contacts.sqrt_overlap[p]
-    return spring_energy(friction, contacts.tangential_force[p], stiffness)
+@inlined
+def velocity_later(world, i, c, later):
+    """Component c of the velocity of granule i after kicks of a time `later` (s)."""
+    kick = later * world.inverse_mass[i] * world.force[i, FX + c]
+    velocity = minus(world.bodies[i, VX + c], given(at_full_steps(world), world.bodies[i, DVX + c]))
+    velocity += kick
+    if world.gravity is not None:
+        velocity += later * world.gravity[c]
+    return velocity
+
+
+@compiled
+def kinetic(world, later, frame):
+    """Kinetic energy (J) of the granules that are free, and greatest speed (m/s) of all; NaN wins.
+
+    later (s): kicks that velocities lack; frame: velocity (m/s) that is added to all for the
+    energy.
+    """
+    energy, speed_bound, inverse_inertia = 0.0, 0.0, world.inverse_inertia
+    for i in range(world.bodies.shape[0]):
+        vx, vy = velocity_later(world, i, 0, later), velocity_later(world, i, 1, later)
+        if world.inverse_mass[i] > 0.0:
+            squared = (vx + frame[0]) ** 2 + (vy + frame[1]) ** 2
+            energy += 0.5 * squared / world.inverse_mass[i]
+            if inverse_inertia is not None:
+                spin = world.bodies[i, W] + later * inverse_inertia[i] * world.force[i, TAU]
+                energy += 0.5 * spin * spin / inverse_inertia[i]
+        speed_bound = greater(speed_bound, vx * vx + vy * vy)
+    return energy, math.sqrt(speed_bound)
 
 
 @compiled
@@ -83,21 +111,24 @@ def stored_normal(overlap, stiffness):
 
 
 @compiled(allocates=True)
-def listed_hold(geometries, contacts):
-    """Normal and tangential elastic energy (J) of contacts with these geometries."""
-    normal, tangential = 0.0, 0.0
+def elastic(geometries, contacts):
+    """Normal and tangential elastic energy (J) of contacts; a spring stores T^2 / (2 k_t)."""
+    normal, tangential, friction = 0.0, 0.0, contacts.friction
     for p in range(geometries.shape[0]):
-        normal += stored_normal(geometries[p, 0], geometries[p, 5])
-        tangential += either(held_by_spring(contacts.friction, contacts, p, geometries[p, 5]), 0.0)
+        overlap, stiffness = geometries[p, 0], geometries[p, 5]
+        normal += stored_normal(overlap, stiffness)
+        if friction is not None:
+            force = contacts.tangential_force[p]
+            stiffness = friction.stiffness_ratio * stiffness * contacts.sqrt_overlap[p]
+            tangential += 0.5 * force * force / max(stiffness, TINY)
     return normal, tangential
 
 
 def balance(world) -> tuple[float, float, float]:
     """Kinetic, normal elastic and tangential elastic energy (J) of the bed."""
     listed = measured(world, world.walls, world.cylinder)
-    held = [listed_hold(found, surface.contacts) for surface, _, found in listed]
-    moving = kinetic(world, 0.0, (0.0, 0.0))[0]
-    return moving, sum(each[0] for each in held), sum(each[1] for each in held)
+    stored = np.array([elastic(rows, surface.contacts) for surface, _, rows in listed])
+    return kinetic(world, 0.0, (0.0, 0.0))[0], *stored.sum(axis=0).tolist()
 
 
 def fallen(world) -> float:
@@ -109,12 +140,18 @@ def fallen(world) -> float:
 
 
 def energies(world, held: float, height: float, later: float) -> Ledger:
-    """The ledger now, of a bed that held an energy (J) at the start, and had a `fallen` (J); later (s): kicks that
-    its arrays lacked."""
+    """The ledger now, of a bed that held an energy (J) at the start, and had a `fallen` (J); later
+    (s): kicks that its arrays lacked."""
     account = world.lanes.account
     damped, taken = account[ACCOUNTS:WORK] + later * account[:ACCOUNTS]
     moving, normal, tangential = balance(world)
     return Ledger(
-        moving, normal, tangential, float(damped), float(taken - tangential),
-        float(account[WORK]), fallen(world) - height, held,
-    )  # fmt: skip
+        kinetic=moving,
+        elastic_normal=normal,
+        elastic_tangential=tangential,
+        damped=float(damped),
+        slid=float(taken - tangential),
+        work=float(account[WORK]),
+        fallen=fallen(world) - height,
+        before=held,
+    )

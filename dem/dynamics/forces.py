@@ -8,27 +8,16 @@ from dem.jit.address import by_address
 from dem.jit.block_memory import ACCOUNTS, FOUR, ONE, TWO, ZERO
 from dem.jit.columns import FX, FY, X, Y
 from dem.jit.compilation import compiled, inlined
-from dem.jit.optional import either, optional
 from dem.shapes.protocol import collect, place
 
 
-@optional
-def keep_account(account, kick):
-    """Sum up the powers of an account over a kick (s); they begin again at zero."""
-    for kind in range(ACCOUNTS):
-        account[ACCOUNTS + kind] += kick * account[kind]
-        account[kind] = 0.0
-
-
-@optional
-def add_forces_across_patches(patches, force, constituents, patch):
-    """Add to the constituents of a patch what pairs of other patches have left for them."""
-    for q in range(patches.first[patch], patches.first[patch + 1]):
-        left = FOUR * (constituents + patches.incoming[q])
-        at = FOUR * patches.target[patches.incoming[q]]
-        for c in (ZERO, ONE, TWO):
-            force[at + c] += force[left + c]
-            force[left + c] = 0.0
+@inlined
+def integrate_account(account, kick):
+    """Sum up the powers of an energy ledger over a kick (s); they begin again at zero."""
+    if account is not None:
+        for kind in range(ACCOUNTS):
+            account[ACCOUNTS + kind] += kick * account[kind]
+            account[kind] = 0.0
 
 
 @inlined
@@ -80,35 +69,34 @@ def farthest(motion, reference, low, high, limit):
     return largest
 
 
-@optional
-def weigh_held(held, world):
-    """Sum up what the contacts exert on each group, in one order whatever the number of threads."""
-    on, loads, member = world.boundaries.force, world.boundaries.loads, held.member
-    force, per = world.constituent_force, world.constituents.shape[0] // held.group.shape[0]
-    for q in range(member.shape[0]):
-        b = held.group[member[q]]
-        for c in range(per):
-            row = per * member[q] + c
-            on[b, FX] += force[row, FX]
-            on[b, FY] += force[row, FY]
-    for b in range(held.first, on.shape[0]):
-        loads[b, 0], loads[b, 1] = on[b, FX], on[b, FY]
-
-
-@optional
-def _reached_from(patches, patch, begin):
-    return patches.lowest[patch] >= begin
+@inlined
+def sum_held_forces(world):
+    """Sum up what the contacts exert on each held group, in one order for any number of threads."""
+    held, force, on = world.held, world.constituent_force, world.boundaries.force
+    if held is not None:
+        contact_forces, member = world.boundaries.contact_forces, held.member
+        per = world.constituents.shape[0] // held.group.shape[0]
+        for q in range(member.shape[0]):
+            b = held.group[member[q]]
+            for c in range(per):
+                row = per * member[q] + c
+                on[b, FX] += force[row, FX]
+                on[b, FY] += force[row, FY]
+        for b in range(held.first, on.shape[0]):
+            contact_forces[b, 0], contact_forces[b, 1] = on[b, FX], on[b, FY]
 
 
 @inlined
 def knows_forces(patches, patch, begin):
-    """Whether a thread that has done the pairs of patches `begin` to `patch` knows all forces on the last."""
-    return either(_reached_from(patches, patch, begin), False)
+    """Whether a thread that has done the pairs of patches `begin` to `patch` knows all forces on
+    the last."""
+    return patches is not None and patches.lowest[patch] >= begin
 
 
 @compiled
 def pair_forces(world, dt, patch):
-    """Forces of the pairs of a patch, on its constituents and, for others, in the rows of Patches."""
+    """Forces of the pairs of a patch, on its constituents and, for others, in the rows of
+    Patches."""
     first = world.pairs.first
     low, high = constituents_of(world, patch)
     clear(world.constituent_force, low, high)
@@ -120,17 +108,27 @@ def boundary_forces(world, dt):
     """Add the forces of walls and cylinder, and those on all boundaries."""
     boundaries = world.boundaries
     clear(boundaries.force, 0, boundaries.force.shape[0])
-    clear(boundaries.loads, 0, boundaries.loads.shape[0])
+    clear(boundaries.contact_forces, 0, boundaries.contact_forces.shape[0])
     boundary_contacts(world.walls, world, dt)
     boundary_contacts(world.cylinder, world, dt)
-    weigh_held(world.held, world)
+    sum_held_forces(world)
 
 
 @inlined
-def add_left_forces(world, patch):
-    """Add to the constituents of a patch the forces of pairs of other patches."""
-    force, own = world.constituent_force.reshape(-1), np.uint64(world.constituents.shape[0])
-    add_forces_across_patches(world.patches, force, own, patch)
+def add_forces_across_patches(world, patch):
+    """Add to the constituents of a patch the forces of pairs of other patches, see Patches."""
+    patches = world.patches
+    if patches is not None:
+        force, constituents = (
+            world.constituent_force.reshape(-1),
+            np.uint64(world.constituents.shape[0]),
+        )
+        for q in range(patches.first[patch], patches.first[patch + 1]):
+            source = FOUR * (constituents + patches.incoming[q])
+            target = FOUR * patches.target[patches.incoming[q]]
+            for c in (ZERO, ONE, TWO):
+                force[target + c] += force[source + c]
+                force[source + c] = 0.0
 
 
 @compiled
@@ -149,13 +147,13 @@ def forces(world, dt, limit):
     """
     world = by_address(world)
     granules, moved = world.bodies.shape[0], 0.0
-    place(world.shape, world.bodies, world.frame, world.constituents, 0, granules)
+    place(world.shape, world.bodies, world.orientation, world.constituents, 0, granules)
     patches = number_of_patches(granules)
-    keep_account(world.lanes.account, 0.0)
+    integrate_account(world.lanes.account, 0.0)
     for patch in range(patches):
         moved = greater(moved, farthest_of(world, patch, limit))
         pair_forces(world, dt, patch)
-        add_left_forces(world, patch)
+        add_forces_across_patches(world, patch)
     boundary_forces(world, dt)
-    collect(world.shape, world.constituent_force, world.frame, world.force, 0, granules)
+    collect(world.shape, world.constituent_force, world.orientation, world.force, 0, granules)
     return moved

@@ -1,112 +1,88 @@
 """Velocity Verlet at one time step, until a number of steps is done or a list is out of date.
 
-Velocities are those of half steps: a kick that ends one step begins the next. `look_ahead` takes a copy from
-there to full steps, or to any time within a step.
+Velocities are those of half steps: a kick that ends one step begins the next. `look_ahead` takes a
+copy from there to full steps, or to any time within a step.
 
-A dashpot sees the velocity at the full step, v(t + dt/2) + a dt/2, with the acceleration that the last two let
-expect, a = 2 a(t) - a(t - dt). With the last one alone it would be late by a step, brake less while the force
-grows and more while it falls, and take more energy than it should, by two per cent of a restitution of 0.5. What a step
-expects wrongly, the next one makes good. Where dem.dynamics.world.at_full_steps, rows of granules hold
-v + a dt/2 instead, and `drift` takes a dt/2 off again.
+A dashpot sees the velocity at the full step, v(t + dt/2) + a dt/2. The acceleration a is
+extrapolated from the last two, a = 2 a(t) - a(t - dt). With the last one alone the dashpot would be
+late by a step, brake less while the force grows and more while it falls, and take more energy than
+it should, by two per cent of a restitution of 0.5. The next step makes up for the error. Where
+dem.dynamics.world.at_full_steps, rows of granules hold v + a dt/2 instead, and `drift` takes a dt/2
+off again.
 """
 
 import math
 
 import numpy as np
 
-from dem.dynamics.boundaries import carry, move_boundaries, surface_moved
+from dem.dynamics.boundaries import move_boundaries, move_held, surface_moved
 from dem.dynamics.forces import (
-    add_left_forces,
+    add_forces_across_patches,
     boundary_forces,
     farthest_of,
     greater,
-    keep_account,
+    integrate_account,
     knows_forces,
     pair_forces,
 )
-from dem.dynamics.synchronise import LINE, barrier, follows, portion
+from dem.dynamics.threads import LINE, barrier, leads, share_of
 from dem.dynamics.world import at_full_steps, granules_of, number_of_patches
 from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
 from dem.jit.compilation import compiled, inlined
-from dem.jit.optional import either, given, minus, optional, plus
-from dem.shapes.common_normal import turned
+from dem.jit.optional import given, minus, plus
 from dem.shapes.protocol import collect, place
-
-
-@optional
-def _expected(last, i, c, now):
-    ahead = 2.0 * now - last[i, c]
-    last[i, c] = now
-    return ahead
+from dem.shapes.rotation import rotate
 
 
 @inlined
-def expected(last, i, c, now):
-    """Acceleration after the coming step, from that of now and the last; it becomes the last. Where no
-    contact has a dashpot (last is None), that of now."""
-    return either(_expected(last, i, c, now), now)
+def extrapolated(previous_acceleration, i, c, now):
+    """Acceleration after the coming step, from that of now and the previous one, which becomes that
+    of now.
 
-
-@optional
-def spin_up(inverse_inertia, last, bodies, force, i, kick, half):
-    """New angular velocity (rad/s) of granule i."""
-    alpha = force[i, TAU] * inverse_inertia[i]
-    bodies[i, W] += kick * alpha
-    bodies[i, DW] = half * expected(last, i, TAU, alpha)
-    return bodies[i, W]
-
-
-@optional
-def turn(spin, frame, angle, i, dt):
-    angle[i] += dt * spin
-    reorient(frame, i, angle[i], dt * spin)
-
-
-@optional
-def reorient(frame, i, angle, step):
-    """Cosine and sine (frame) after a last turn by `step` (rad): without trigonometry if small.
-
-    Rounding errors of about 1e-16 per step add up until rebuild_neighbor_list of
-    dem.dynamics.neighbor_list computes both from the angle.
+    Where no contact has a dashpot (previous_acceleration is None), that of now.
     """
-    if abs(step) < 1e-3:
-        frame[i, 0], frame[i, 1] = turned(frame[i, 0], frame[i, 1], step)
-    else:
-        frame[i, 0], frame[i, 1] = math.cos(angle), math.sin(angle)
-
-
-@optional
-def fall(gravity, axis):
-    return gravity[axis]
+    if previous_acceleration is None:
+        return now
+    ahead = 2.0 * now - previous_acceleration[i, c]
+    previous_acceleration[i, c] = now
+    return ahead
 
 
 @compiled
 def drift(world, kick, dt, low, high):
-    """Kick granules low to high over the time `kick` (s), then move them over dt (s); with dt = 0 velocities
-    are then those of a full step.
+    """Kick granules low to high over the time `kick` (s), then move them over dt (s).
+
+    With dt = 0 velocities are then those of a full step.
     """
-    bodies, force, last, half = world.bodies, world.force, world.last, 0.5 * dt
+    bodies, force, half = world.bodies, world.force, 0.5 * dt
     inverse_mass, inverse_inertia = world.inverse_mass, world.inverse_inertia
-    frame, angle, gravity = world.frame, world.angle, world.gravity
-    full = at_full_steps(world)
-    collect(world.shape, world.constituent_force, frame, force, low, high)
-    for each in range(low, high):
-        i = np.uint64(each)  # unsigned: no test for an index that counts from the end
-        ax = plus(force[i, FX] * inverse_mass[i], fall(gravity, 0))
-        ay = plus(force[i, FY] * inverse_mass[i], fall(gravity, 1))
+    orientation, angle, gravity = world.orientation, world.angle, world.gravity
+    previous, full = world.previous_acceleration, at_full_steps(world)
+    collect(world.shape, world.constituent_force, orientation, force, low, high)
+    for number in range(low, high):
+        i = np.uint64(number)  # unsigned: no test for an index that counts from the end
+        ax, ay = force[i, FX] * inverse_mass[i], force[i, FY] * inverse_mass[i]
+        if gravity is not None:
+            ax, ay = ax + gravity[0], ay + gravity[1]
         vx = minus(bodies[i, VX], given(full, bodies[i, DVX])) + kick * ax
         vy = minus(bodies[i, VY], given(full, bodies[i, DVY])) + kick * ay
-        dvx, dvy = half * expected(last, i, FX, ax), half * expected(last, i, FY, ay)
+        dvx = half * extrapolated(previous, i, FX, ax)
+        dvy = half * extrapolated(previous, i, FY, ay)
         bodies[i, VX] = plus(vx, given(full, dvx))
         bodies[i, VY] = plus(vy, given(full, dvy))
         bodies[i, X] += dt * vx
         bodies[i, Y] += dt * vy
         bodies[i, DVX] = dvx
         bodies[i, DVY] = dvy
-        spin = spin_up(inverse_inertia, last, bodies, force, i, kick, half)
-        turn(spin, frame, angle, i, dt)
-    carry(world.held, world, full, kick, low, high)
-    place(world.shape, bodies, frame, world.constituents, low, high)
+        if inverse_inertia is not None:
+            alpha = force[i, TAU] * inverse_inertia[i]
+            bodies[i, W] += kick * alpha
+            bodies[i, DW] = half * extrapolated(previous, i, TAU, alpha)
+            spin = bodies[i, W]
+            angle[i] += dt * spin
+            rotate(orientation, i, angle[i], dt * spin)
+    move_held(world.held, world, full, kick, low, high)
+    place(world.shape, bodies, orientation, world.constituents, low, high)
 
 
 @inlined
@@ -114,20 +90,22 @@ def boundaries_moved(world):
     """Largest squared displacement (m2) of walls and cylinder since the lists were made."""
     boundaries = world.boundaries
     return greater(
-        either(surface_moved(world.walls, boundaries), 0.0),
-        either(surface_moved(world.cylinder, boundaries), 0.0),
+        surface_moved(world.walls, boundaries), surface_moved(world.cylinder, boundaries)
     )
 
 
-@optional
-def tell(thread, moved):
-    """Publish the largest squared displacement (m2) of this thread's granules."""
-    thread.moved[LINE * thread.me] = moved
+@inlined
+def publish_displacement(thread, moved):
+    """Let all threads know the largest squared displacement (m2) of this thread's granules."""
+    if thread is not None:
+        thread.moved[LINE * thread.number] = moved
 
 
-@optional
-def told(thread):
-    """The largest displacement of any thread, squared (m2)."""
+@inlined
+def max_displacement(thread, moved):
+    """The largest squared displacement (m2) of any thread; without threads, that of this one."""
+    if thread is None:
+        return moved
     largest = 0.0
     for member in range(thread.size):
         largest = greater(largest, thread.moved[LINE * member])
@@ -136,8 +114,8 @@ def told(thread):
 
 @inlined
 def move_patch(world, kick, dt, patch, limit):
-    """`drift` of a patch; returns its largest squared displacement (m2) since the lists were made, 0
-    if none is above `limit`."""
+    """`drift` of a patch; returns its largest squared displacement (m2) since the lists were made,
+    0 if none is above `limit`."""
     low, high = granules_of(world.bodies.shape[0], patch)
     drift(world, kick, dt, low, high)
     return farthest_of(world, patch, limit)
@@ -145,61 +123,64 @@ def move_patch(world, kick, dt, patch, limit):
 
 @compiled
 def advance(world, kick, dt, steps, rebuild_at, thread):
-    """Take up to `steps` steps of dt (s); stop when a constituent has moved farther than `rebuild_at` (m).
+    """Take up to `steps` steps of dt (s); stop when a constituent has moved farther than
+    `rebuild_at` (m).
 
-    kick (s): of the first step, what the step before has left of its own and half of this one. A kick of dt
-    goes on as if there had been no call. thread: None, or its place among those that call this together
-    (dem.dynamics.synchronise).
+    kick (s): of the first step, what the step before has left of its own and half of this one. A
+    kick of dt goes on as if there had been no call. thread: a dem.dynamics.threads.Place, or None.
     Returns the number of steps done and the largest displacement (m); that of granules counts as 0
     up to `rebuild_at`. Half a step of kicks is then still to come.
 
-    A patch moves as soon as this thread knows all forces on it, while they are in the cache. The other
-    patches wait until all threads have done their pairs.
+    A patch moves as soon as this thread knows all forces on it, while they are in the cache. The
+    other patches wait until all threads have done their pairs.
     """
-    leads, patches = not either(follows(thread), False), world.patches
-    count = number_of_patches(world.bodies.shape[0])
-    begin, end = either(portion(thread, count), (0, count))
+    patches, count = world.patches, number_of_patches(world.bodies.shape[0])
+    begin, end = share_of(thread, count)
     limit, done, last, further = rebuild_at * rebuild_at, 0, False, 0.0
     while True:
-        if leads:
+        # Kick and drift: boundaries, then the patches that wait for them
+        if leads(thread):
             move_boundaries(world, kick, dt)
             further = greater(further, boundaries_moved(world))
         barrier(thread)
         for patch in range(begin, end):
             if done == 0 or not knows_forces(patches, patch, begin):
                 further = greater(further, move_patch(world, kick, dt, patch, limit))
-        tell(thread, further)
+        publish_displacement(thread, further)
         barrier(thread)
-        moved = either(told(thread), further)
+        moved = max_displacement(thread, further)
         done += 1
         last = done == steps or not moved <= limit
-        keep_account(world.lanes.account, kick)
+        integrate_account(world.lanes.account, kick)
         kick, further = dt, 0.0
+        # Forces of pairs, and the next drift of patches that know all of theirs
         for patch in range(begin, end):
             pair_forces(world, dt, patch)
             if knows_forces(patches, patch, begin):
-                add_left_forces(world, patch)
+                add_forces_across_patches(world, patch)
                 if not last:
                     further = greater(further, move_patch(world, kick, dt, patch, limit))
         barrier(thread)
+        # Forces of pairs of two patches, then of boundaries
         for patch in range(begin, end):
             if not knows_forces(patches, patch, begin):
-                add_left_forces(world, patch)
+                add_forces_across_patches(world, patch)
         barrier(thread)
-        if leads:
+        if leads(thread):
             boundary_forces(world, dt)
         if last:
             return done, math.sqrt(moved)
 
 
 @compiled
-def look_ahead(world, owed, ahead):
-    """Take a world from velocities of half a step to its state at a time `ahead` (s) after its positions.
+def look_ahead(world, pending_kick, ahead):
+    """Take a world from velocities of half a step to its state at a time `ahead` (s) after its
+    positions.
 
-    owed (s): kicks to come up to the time of its positions. Within a step forces count as they are: an error
-    of second order, as in a step. It is for a copy: no step begins there.
+    pending_kick (s): kicks to come up to the time of its positions. Within a step forces count as
+    they are: an error of second order, as in a step. It is for a copy: no step begins there.
     """
     half, granules = 0.5 * ahead, world.bodies.shape[0]
-    for kick, dt in ((owed + half, ahead), (half, 0.0)):
+    for kick, dt in ((pending_kick + half, ahead), (half, 0.0)):
         move_boundaries(world, kick, dt)
         drift(world, kick, dt, 0, granules)

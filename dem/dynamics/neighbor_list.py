@@ -1,41 +1,38 @@
-"""Rebuild the neighbour lists, with the constants of each pair and the memory of each contact."""
+"""Rebuild the neighbour lists, with the constants of each pair and the history of each contact."""
 
 import math
 
 import numpy as np
 
-from dem.contacts.blocks import imaged, put, sizes_of
-from dem.dynamics.neighbors import image, match, near_circle, near_pairs, near_planes
-from dem.dynamics.world import LIGHT, PATCH, Contacts, Patches, Surface, World, number_of_patches
+from dem.contacts.blocks import shifted, sizes_of
+from dem.dynamics.cell_list import image, match, near_circle, near_pairs, near_planes
+from dem.dynamics.world import (
+    INVERSE_MASS,
+    PATCH,
+    Contacts,
+    Patches,
+    Surface,
+    World,
+    number_of_patches,
+)
 from dem.jit.address import by_address
 from dem.jit.columns import X, Y
 from dem.jit.compilation import compiled, inlined
-from dem.jit.optional import either, given, optional
 from dem.shapes.protocol import circle, outline, place
+from dem.shapes.rotation import set_orientation
 
 
-@optional
-def fresh(old, count):
-    """Room for `count` numbers of a kind that the old list had."""
-    return np.zeros(count)
+@inlined
+def zeros_like(old, shape):
+    """Zeros of another shape, of a kind that the old list has."""
+    return None if old is None else np.zeros(shape)
 
 
-@optional
-def room_for_sizes(old, shape, count):
-    return np.empty((2 * len(sizes_of(circle(shape, 0.0))), count))
-
-
-@optional
-def put_sizes(sizes, p, shape, frame, i, j):
-    """The sizes of constituents i and j of pair p."""
-    numbers = sizes_of(outline(shape, i, frame)) + sizes_of(outline(shape, j, frame))
-    for row in range(len(numbers)):
-        sizes[row, p] = numbers[row]
-
-
-@optional
+@inlined
 def carried(old, source):
     """What each contact remembers from row source[p] of the old list; 0 if it was not there."""
+    if old is None:
+        return None
     new = np.zeros(source.shape[0])
     for p in range(source.shape[0]):
         if source[p] >= 0:
@@ -43,23 +40,40 @@ def carried(old, source):
     return new
 
 
-@optional
-def point(normal_x, normal_y, p, dx, dy):
-    """First guess of a contact that remembers no normal: along the line of centres."""
-    if normal_x[p] == 0.0 and normal_y[p] == 0.0:
-        distance = math.sqrt(dx * dx + dy * dy)
-        normal_x[p] = dx / distance if distance > 0.0 else 1.0
-        normal_y[p] = dy / distance if distance > 0.0 else 0.0
+@inlined
+def room_for_sizes(old, shape, count):
+    """Room for the sizes of both constituents of `count` pairs."""
+    return None if old is None else np.empty((2 * len(sizes_of(circle(shape, 0.0))), count))
 
 
 @inlined
-def aim(contacts, p, dx, dy, period):
-    """Set which image of its partner contact p is with, and the first guess of its normal; dx, dy
-    (m): position of the partner from the constituent."""
-    put(given(contacts.shift_x, image(period[0], dx)), contacts.shift_x, p)
-    put(given(contacts.shift_y, image(period[1], dy)), contacts.shift_y, p)
-    dx, dy = imaged(contacts, p, dx, dy)
-    point(contacts.normal_x, contacts.normal_y, p, dx, dy)
+def put_sizes(sizes, p, shape, orientation, i, j):
+    """The sizes of constituents i and j of pair p."""
+    if sizes is not None:
+        numbers = sizes_of(outline(shape, i, orientation)) + sizes_of(
+            outline(shape, j, orientation)
+        )
+        for row in range(len(numbers)):
+            sizes[row, p] = numbers[row]
+
+
+@inlined
+def set_image(contacts, p, dx, dy, period):
+    """Image of the partner of contact p, and the first guess of a normal, along the line of
+    centres.
+
+    dx, dy (m): position of the partner from the constituent.
+    """
+    if contacts.shift_x is not None:
+        contacts.shift_x[p] = image(period[0], dx)
+    if contacts.shift_y is not None:
+        contacts.shift_y[p] = image(period[1], dy)
+    dx, dy = shifted(contacts, p, dx, dy)
+    normal_x, normal_y = contacts.normal_x, contacts.normal_y
+    if normal_x is not None and normal_x[p] == 0.0 and normal_y[p] == 0.0:
+        distance = math.sqrt(dx * dx + dy * dy)
+        normal_x[p] = dx / distance if distance > 0.0 else 1.0
+        normal_y[p] = dy / distance if distance > 0.0 else 0.0
 
 
 @inlined
@@ -68,26 +82,55 @@ def renewed(old, first, constituent, partner, force_row, shape):
     count = constituent.shape[0]
     source = match(constituent, partner, old.constituent, old.partner)
     return Contacts(
-        first, constituent, partner, force_row, np.empty(count), old.modulus,
-        fresh(old.damping, count), fresh(old.mass_ratio, (2, count)), old.friction, carried(old.tangential_force, source),
-        carried(old.sqrt_overlap, source), carried(old.normal_x, source),
-        carried(old.normal_y, source), fresh(old.shift_x, count), fresh(old.shift_y, count),
-        room_for_sizes(old.sizes, shape, count),
-    )  # fmt: skip
+        first=first,
+        constituent=constituent,
+        partner=partner,
+        force_row=force_row,
+        stiffness=np.empty(count),
+        modulus=old.modulus,
+        damping=zeros_like(old.damping, count),
+        mass_ratio=zeros_like(old.mass_ratio, (2, count)),
+        friction=old.friction,
+        tangential_force=carried(old.tangential_force, source),
+        sqrt_overlap=carried(old.sqrt_overlap, source),
+        normal_x=carried(old.normal_x, source),
+        normal_y=carried(old.normal_y, source),
+        shift_x=zeros_like(old.shift_x, count),
+        shift_y=zeros_like(old.shift_y, count),
+        sizes=room_for_sizes(old.sizes, shape, count),
+    )
 
 
 @inlined
-def set_constants(contacts, p, radius, mass, alpha):
-    """Constants of contact p from its effective radius R* (m) and mass m* (kg)."""
+def inverse_mass_along(world, g, c):
+    """Inverse mass (1/kg) of granule g along x or y; if it is held, that of its group."""
+    inverse_mass, held = world.inverse_mass[g], world.held
+    if held is not None and held.group[g] >= 0:
+        inverse_mass += world.boundaries.drive[held.group[g], INVERSE_MASS + c]
+    return inverse_mass
+
+
+@inlined
+def set_constants(contacts, p, radius, mass, alpha, inverse_masses):
+    """Constants of contact p from its effective radius R* (m) and mass m* (kg).
+
+    inverse_masses: sums of those of both bodies along x and y (1/kg).
+    """
     stiffness = contacts.modulus * math.sqrt(radius)
     contacts.stiffness[p] = stiffness
-    damping = alpha * math.sqrt(mass * stiffness)
-    put(given(contacts.damping, damping), contacts.damping, p)
+    if contacts.damping is not None:
+        contacts.damping[p] = alpha * math.sqrt(mass * stiffness)
+    if contacts.mass_ratio is not None:
+        for c in range(2):  # where neither body yields, the mass is m* itself
+            ratio = mass * inverse_masses[c] if inverse_masses[c] > 0.0 else 1.0
+            contacts.mass_ratio[c, p] = ratio
 
 
-@optional
+@inlined
 def without_held(held, first, constituent, partner):
-    """The same pairs but those of which both are held."""
+    """The pairs but those of which both are held."""
+    if held is None:
+        return first, constituent, partner
     kept, count = np.zeros_like(first), 0
     for i in range(first.shape[0] - 1):
         for p in range(first[i], first[i + 1]):
@@ -98,36 +141,23 @@ def without_held(held, first, constituent, partner):
     return kept, constituent[:count].copy(), partner[:count].copy()
 
 
-@optional
-def mass_of_free(held, mass, i, j, reduced):
+@inlined
+def effective_mass(held, mass, i, j):
     """Effective mass (kg) of a pair: a held one is infinitely heavy."""
-    if held[i]:
-        return mass[j]
-    return mass[i] if held[j] else reduced
-
-
-@optional
-def lightness_of_group(held, boundaries, g, c):
-    return boundaries.drive[held.group[g], LIGHT + c] if held.group[g] >= 0 else 0.0
+    if held is not None:
+        if held[i]:
+            return mass[j]
+        if held[j]:
+            return mass[i]
+    return mass[i] * mass[j] / (mass[i] + mass[j])
 
 
 @inlined
-def lightness_of_granule(world, g, c):
-    """Inverse mass (1/kg) that granule g has along x or y; if it is held, that of its group."""
-    held = either(lightness_of_group(world.held, world.boundaries, g, c), 0.0)
-    return world.inverse_mass[g] + held
-
-
-@optional
-def put_mass_ratio(mass_ratio, p, c, mass, lightness):
-    """m/m* of contact p along an axis; along one where neither body yields, that of the mass (kg) itself."""
-    mass_ratio[c, p] = mass * lightness if lightness > 0.0 else 1.0
-
-
-@optional
 def share_out(old, constituent, partner, granules, per):
     """Rows for the forces of pairs of two patches: force_row (m,) of Contacts, and Patches."""
-    own, patches, size = granules * per, number_of_patches(granules), PATCH * per
+    if old is None:
+        return partner, None
+    constituents, patches, size = granules * per, number_of_patches(granules), PATCH * per
     force_row = partner.copy()
     target = np.empty(force_row.shape[0], np.uint32)
     first, lowest = np.zeros(patches + 1, np.int64), np.arange(patches)
@@ -136,7 +166,7 @@ def share_out(old, constituent, partner, granules, per):
         home, other = partner[p] // size, constituent[p] // size
         if home != other:
             lowest[home] = min(lowest[home], other)
-            force_row[p], target[count] = own + count, partner[p]
+            force_row[p], target[count] = constituents + count, partner[p]
             first[home + 1] += 1
             count += 1
     for c in range(patches):
@@ -149,103 +179,96 @@ def share_out(old, constituent, partner, granules, per):
     return force_row, Patches(target[:count].copy(), incoming, first, lowest)
 
 
-@optional
-def room_for_forces(patches, force, own):
+@inlined
+def room_for_forces(patches, force, constituents):
     """Rows of forces, with those of Patches after the constituents' own."""
-    rows = own + patches.target.shape[0]
+    if patches is None:
+        return force
+    rows = constituents + patches.target.shape[0]
     if force.shape[0] >= rows:
         return force
     longer = np.zeros((rows + rows // 8, 4))
-    for i in range(own):
+    for i in range(constituents):
         for c in range(4):  # number by number: to assign a slice takes ten seconds to compile
             longer[i, c] = force[i, c]
     return longer
 
 
-@optional
-def reach_patches(patches, reached, per):
-    """Note in Patches.lowest which patches some constituents are of."""
-    for q in range(reached.shape[0]):
-        patches.lowest[reached[q] // (PATCH * per)] = -1
-
-
-@optional
-def reach_held(held, patches):
-    reach_patches(patches, held.member, 1)
+@inlined
+def reach_patches(patches, constituents, per):
+    """Note in Patches.lowest that a boundary exerts forces on some constituents."""
+    if patches is not None:
+        for q in range(constituents.shape[0]):
+            patches.lowest[constituents[q] // (PATCH * per)] = -1
 
 
 @compiled(allocates=True)
 def list_pairs(world, table):
-    """The pairs of the world for the present positions, with their constants and memory; and Patches."""
-    world = by_address(world)
-    old, rows, shape, frame = world.pairs, world.constituents, world.shape, world.frame
-    radius, mass = table.radius, table.mass
-    period = table.period
-    found = near_pairs(rows, table.bounding, table.skin, table.per, period)
-    first, constituent, partner = either(
-        without_held(table.held, found[0], found[1], found[2]), found
-    )
-    granules, whole = world.bodies.shape[0], (partner, None)
-    force_row, patches = either(
-        share_out(world.patches, constituent, partner, granules, table.per), whole
-    )
+    """The pairs of the world for the present positions, with their constants and history; and
+    Patches."""
+    view = by_address(world)
+    old, rows, shape, orientation = view.pairs, view.constituents, view.shape, view.orientation
+    radius, period, per, held = table.radius, table.period, table.per, table.held
+    near = near_pairs(rows, table.bounding, table.skin, per, period)
+    first, constituent, partner = without_held(held, near[0], near[1], near[2])
+    granules = view.bodies.shape[0]
+    force_row, patches = share_out(view.patches, constituent, partner, granules, per)
     new = renewed(old, first, constituent, partner, force_row, shape)
     for p in range(constituent.shape[0]):
         i, j = constituent[p], partner[p]
+        g, h = i // per, j // per
+        inverse_masses = (
+            inverse_mass_along(view, g, 0) + inverse_mass_along(view, h, 0),
+            inverse_mass_along(view, g, 1) + inverse_mass_along(view, h, 1),
+        )
         reduced_radius = radius[i] * radius[j] / (radius[i] + radius[j])
-        reduced_mass = mass[i] * mass[j] / (mass[i] + mass[j])
-        reduced_mass = either(mass_of_free(table.held, mass, i, j, reduced_mass), reduced_mass)
-        set_constants(new, p, reduced_radius, reduced_mass, table.alpha)
-        for c in range(2):
-            one = lightness_of_granule(world, i // table.per, c)
-            other = lightness_of_granule(world, j // table.per, c)
-            put_mass_ratio(new.mass_ratio, p, c, reduced_mass, one + other)
-        aim(new, p, rows[j, X] - rows[i, X], rows[j, Y] - rows[i, Y], period)
-        put_sizes(new.sizes, p, shape, frame, i, j)
+        mass = effective_mass(held, table.mass, i, j)
+        set_constants(new, p, reduced_radius, mass, table.alpha, inverse_masses)
+        set_image(new, p, rows[j, X] - rows[i, X], rows[j, Y] - rows[i, Y], period)
+        put_sizes(new.sizes, p, shape, orientation, i, j)
     return new, patches
 
 
-@optional
-def with_curvature(radius, other):
-    """Effective radius (m) of a contact with the cylinder."""
-    return other * radius / (other + radius)
-
-
-@optional
-def list_surface(surface, world, table, patches):
-    """Walls, or the cylinder, with a new list of contacts."""
-    motion, drive, rows = world.boundaries.motion, world.boundaries.drive, world.constituents
-    old, radius, first = surface.contacts, surface.radius, surface.first
-    constituent, partner = either(
-        near_planes(surface.planes, rows, table.bounding, table.skin),
-        near_circle(radius, motion[first], rows, table.bounding, table.skin, table.period),
-    )
-    for p in range(partner.shape[0]):
-        partner[p] += first
-    new = renewed(old, None, constituent, partner, partner, None)
-    for p in range(constituent.shape[0]):
-        i, b = constituent[p], partner[p]
-        reduced = either(with_curvature(radius, table.radius[i]), table.radius[i])
-        set_constants(new, p, reduced, table.mass[i], table.alpha)
-        for c in range(2):
-            lightness = lightness_of_granule(world, i // table.per, c) + drive[b, LIGHT + c]
-            put_mass_ratio(new.mass_ratio, p, c, table.mass[i], lightness)
-        aim(new, p, motion[b, X] - rows[i, X], motion[b, Y] - rows[i, Y], table.period)
-    reach_patches(patches, constituent, table.per)
-    return Surface(first, surface.end, surface.planes, radius, new)
+@inlined
+def near_surface(surface, motion, rows, table):
+    """Constituents near walls or cylinder, and the boundary that each is near."""
+    if surface.planes is not None:
+        return near_planes(surface.planes, rows, table.bounding, table.skin)
+    place = motion[surface.first]
+    return near_circle(surface.radius, place, rows, table.bounding, table.skin, table.period)
 
 
 @inlined
-def note_places(rows, reference):
+def list_surface(surface, world, table, patches):
+    """Walls, or the cylinder, with a new list of contacts."""
+    if surface is None:
+        return None
+    motion, drive, rows = world.boundaries.motion, world.boundaries.drive, world.constituents
+    radius, first, per = surface.radius, surface.first, table.per
+    constituent, partner = near_surface(surface, motion, rows, table)
+    for p in range(partner.shape[0]):
+        partner[p] += first
+    new = renewed(surface.contacts, None, constituent, partner, partner, None)
+    for p in range(constituent.shape[0]):
+        i, b = constituent[p], partner[p]
+        inverse_masses = (
+            inverse_mass_along(world, i // per, 0) + drive[b, INVERSE_MASS],
+            inverse_mass_along(world, i // per, 1) + drive[b, INVERSE_MASS + 1],
+        )
+        reduced = table.radius[i]
+        if radius is not None:
+            reduced = reduced * radius / (reduced + radius)
+        set_constants(new, p, reduced, table.mass[i], table.alpha, inverse_masses)
+        set_image(new, p, motion[b, X] - rows[i, X], motion[b, Y] - rows[i, Y], table.period)
+    reach_patches(patches, constituent, per)
+    return Surface(first=first, end=surface.end, planes=surface.planes, radius=radius, contacts=new)
+
+
+@inlined
+def set_reference(rows, reference):
+    """Positions at which the lists are made."""
     for i in range(reference.shape[0]):
         reference[i, 0], reference[i, 1] = rows[i, X], rows[i, Y]
-
-
-@optional
-def refresh(frame, angle):
-    """Cosine and sine from the angle: dem.dynamics.integration only turns them."""
-    for i in range(angle.shape[0]):
-        frame[i, 0], frame[i, 1] = math.cos(angle[i]), math.sin(angle[i])
 
 
 @compiled(allocates=True)
@@ -254,23 +277,39 @@ def rebuild_neighbor_list(world, table):
 
     table: dem.dynamics.assembly.GranuleTable.
     """
-    moving = world.boundaries  # by value, as the new world holds it
-    world, table = by_address(world), by_address(table)
-    refresh(world.frame, world.angle)
-    rows, reference, boundaries = world.constituents, world.reference, world.boundaries
-    place(world.shape, world.bodies, world.frame, rows, 0, world.bodies.shape[0])
-    note_places(rows, reference)
-    note_places(boundaries.motion, boundaries.reference)
-    pairs, patches = list_pairs(world, table)
-    walls = list_surface(world.walls, world, table, patches)
-    cylinder = list_surface(world.cylinder, world, table, patches)
-    reach_held(world.held, patches)
-    own, old = rows.shape[0], world.constituent_force
-    constituent_force = either(room_for_forces(patches, old, own), old)
+    boundaries = world.boundaries  # by value, as the new world holds it
+    view, constants = by_address(world), by_address(table)
+    rows, reference, held = view.constituents, view.reference, view.held
+    set_orientation(view.orientation, view.angle)
+    place(view.shape, view.bodies, view.orientation, rows, 0, view.bodies.shape[0])
+    set_reference(rows, reference)
+    set_reference(view.boundaries.motion, view.boundaries.reference)
+    pairs, patches = list_pairs(view, constants)
+    walls = list_surface(view.walls, view, constants, patches)
+    cylinder = list_surface(view.cylinder, view, constants, patches)
+    if held is not None:
+        reach_patches(patches, held.member, 1)
+    constituent_force = room_for_forces(patches, view.constituent_force, rows.shape[0])
     # one array where a granule is its own only constituent
-    force = constituent_force if table.per == 1 else world.force
+    force = constituent_force if constants.per == 1 else view.force
     return World(
-        world.shape, world.bodies, world.angle, world.frame, world.inverse_mass,
-        world.inverse_inertia, force, rows, constituent_force, reference, world.last, pairs,
-        moving, walls, cylinder, world.gravity, world.lanes, patches, world.held,
-    )  # fmt: skip
+        shape=view.shape,
+        bodies=view.bodies,
+        angle=view.angle,
+        orientation=view.orientation,
+        inverse_mass=view.inverse_mass,
+        inverse_inertia=view.inverse_inertia,
+        force=force,
+        constituents=rows,
+        constituent_force=constituent_force,
+        reference=reference,
+        previous_acceleration=view.previous_acceleration,
+        pairs=pairs,
+        boundaries=boundaries,
+        walls=walls,
+        cylinder=cylinder,
+        gravity=view.gravity,
+        lanes=view.lanes,
+        patches=patches,
+        held=held,
+    )

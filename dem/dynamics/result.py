@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 
 
 class Record(NamedTuple):
-    """What `Simulation.record` measures: one row per interval, c in all, with w walls and g held groups.
+    """What `Simulation.record` measures: one row per interval, c in all, with w walls and g held
+    groups.
 
     Attributes
     ----------
@@ -42,7 +43,8 @@ class Record(NamedTuple):
     cylinder_position : ndarray of shape (c, 2)
         Axis of the cylinder (m) at the end of the interval; NaN without a cylinder.
     wall_tangential_force : ndarray of shape (c, w)
-        Mean tangential force (N) on each wall along (-ny, nx), with (nx, ny) the normal of the wall.
+        Mean tangential force (N) on each wall along (-ny, nx), with (nx, ny) the normal of the
+        wall.
     wall_offset : ndarray of shape (c, w)
         Offset (m) of each wall at the end of the interval.
     held_force : ndarray of shape (c, g, 2)
@@ -64,15 +66,16 @@ class Record(NamedTuple):
 
 
 def shares(scene: Scene, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Rows (..., r, k) of Boundaries as those of walls (..., w, k), cylinder (..., k; zeros without one) and
-    held groups (..., g, k)."""
+    """Rows (..., r, k) of Boundaries as those of walls (..., w, k), cylinder (..., k; zeros without
+    one) and held groups (..., g, k)."""
     count = 0 if scene.walls is None else len(scene.walls)
     walls, cylinder, held = np.split(rows, [count, rows.shape[-2] - len(scene.held)], axis=-2)
     return walls, cylinder.sum(axis=-2), held  # the cylinder: of one row or none
 
 
 def bearings(scene: Scene, world: World) -> np.ndarray:
-    """Offsets (m) of walls, place (x, y) in m of the cylinder, and velocities (m/s, rad/s) of all boundaries."""
+    """Offsets (m) of walls, place (x, y) in m of the cylinder, and velocities (m/s, rad/s) of all
+    boundaries."""
     motion = world.boundaries.motion
     offsets = np.empty(0) if world.walls is None else world.walls.planes[:, 2]
     place = shares(scene, motion)[1][[X, Y]]
@@ -88,18 +91,31 @@ RESULT = {
     "angular_velocity": (("time", "granule"), "rad s-1", "angular velocity, anticlockwise"),
     "cylinder_force": (("time", "axis"), "N", "mean force on the cylinder since the frame before"),
     "cylinder_position": (("time", "axis"), "m", "position of the axis of the cylinder"),
-    "cylinder_torque": (("time",), "N m", "mean torque on the cylinder since the frame before, anticlockwise"),
+    "cylinder_torque": (
+        ("time",),
+        "N m",
+        "mean torque on the cylinder since the frame before, anticlockwise",
+    ),
     "cylinder_diameter": ((), "m", "diameter of the cylinder"),
     "wall_force": (("time", "wall"), "N", "mean normal force on the wall since the frame before"),
-    "wall_tangential_force": (("time", "wall"), "N", "mean tangential force on the wall since the frame before, along its normal turned anticlockwise by a right angle"),
+    "wall_tangential_force": (
+        ("time", "wall"),
+        "N",
+        "mean tangential force on the wall since the frame before, along its normal turned "
+        "anticlockwise by a right angle",
+    ),
     "wall_normal": (("wall", "axis"), "1", "unit normal of the wall, into the solid"),
     "wall_offset": (("time", "wall"), "m", "distance of the wall from the origin along its normal"),
-    "held_force": (("time", "group", "axis"), "N", "mean force of the contacts on the held group since the frame before"),
+    "held_force": (
+        ("time", "group", "axis"),
+        "N",
+        "mean force of the contacts on the held group since the frame before",
+    ),
     "period": (("axis",), "m", "period of the scene; not a number where it has none"),
     "mass": (("granule",), "kg", "mass of the granule"),
     "bounding_radius": (("granule",), "m", "radius of the circle that holds the granule"),
     "time_step": ((), "s", "shortest time step taken"),
-}  # fmt: skip
+}
 
 
 class Result(NamedTuple):
@@ -124,9 +140,9 @@ class Result(NamedTuple):
     wall_force : (f, w) array
         Mean normal force on each wall since the frame before (N); NaN in the first frame.
     state : State
-        The last state, from which another run can start. It does not hold the tangential springs
-        of the contacts: another run starts without them. Simulation.checkpoint keeps them. Where boundaries
-        have moved, only a scene that has them there goes on from it.
+        The last state, from which another run can start. It does not hold the tangential springs of
+        the contacts: another run starts without them. Simulation.checkpoint keeps them. Where
+        boundaries have moved, only a scene that has them there goes on from it.
     time_step : float
         Shortest time step taken (s).
     scene : Scene
@@ -134,11 +150,11 @@ class Result(NamedTuple):
     cylinder_position : (f, 2) array or None
         Axis of the cylinder (m); None without a cylinder.
     cylinder_torque : (f,) array or None
-        Mean torque on the cylinder about its axis since the frame before (N m), anticlockwise; NaN in
-        the first frame, None without a cylinder.
+        Mean torque on the cylinder about its axis since the frame before (N m), anticlockwise; NaN
+        in the first frame, None without a cylinder.
     wall_tangential_force : (f, w) array
-        Mean tangential force on each wall since the frame before (N), along (-ny, nx) where (nx, ny)
-        is its normal; NaN in the first frame.
+        Mean tangential force on each wall since the frame before (N), along (-ny, nx) where (nx,
+        ny) is its normal; NaN in the first frame.
     wall_offset : (f, w) array
         Offsets of the walls (m).
     held_force : (f, g, 2) array or None
@@ -220,12 +236,12 @@ class Result(NamedTuple):
         state = State(*(getattr(self, name)[frame] for name in ARRAYS))
         from dem.dynamics.simulation import Simulation  # which imports this file
 
-        found = Simulation(scene, state).contacts()
+        contacts = Simulation(scene, state).contacts()
         if scene.friction is None:
-            return found
-        return found._replace(
-            tangential_force=np.full_like(found.tangential_force, np.nan),
-            total_force=np.full_like(found.total_force, np.nan),
+            return contacts
+        return contacts._replace(
+            tangential_force=np.full_like(contacts.tangential_force, np.nan),
+            total_force=np.full_like(contacts.total_force, np.nan),
         )
 
     def to_dataset(self) -> "xarray.Dataset":
@@ -234,10 +250,10 @@ class Result(NamedTuple):
         Returns
         -------
         xarray.Dataset
-            Dimensions are time, granule, axis, wall and group (of held granules). Every variable has
-            units and a long name (CF). Walls are numbered in the order of the scene. Without
-            walls or held groups there is none of their variables; without a cylinder there is none of its
-            variables but its force, which is zero.
+            Dimensions are time, granule, axis, wall and group (of held granules). Every variable
+            has units and a long name (CF). Walls are numbered in the order of the scene. Without
+            walls or held groups there is none of their variables; without a cylinder there is none
+            of its variables but its force, which is zero.
         """
         import xarray
 

@@ -2,14 +2,17 @@
 
 import math
 import os
+import threading
+import time
 import warnings
 from collections.abc import Mapping
-from typing import Annotated
+from contextlib import nullcontext
+from typing import Annotated, Any, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dem.base.errors import InputError
+from dem.base.errors import InputError, OverlapError, StateError
 from dem.base.validate import (
     LEAST,
     checked,
@@ -24,7 +27,7 @@ from dem.base.validate import (
     vector,
     whole,
 )
-from dem.dynamics.assembly import assemble, granule_table, least_step
+from dem.dynamics.assembly import assemble, granule_table
 from dem.dynamics.checkpoint import (
     fingerprint,
     numbers_of,
@@ -38,22 +41,35 @@ from dem.dynamics.checkpoint import (
 from dem.dynamics.contact_list import ContactList, list_contacts
 from dem.dynamics.diagnostics import Diagnostics
 from dem.dynamics.energy import Ledger, balance, energies, fallen
-from dem.dynamics.engine import Engine
 from dem.dynamics.ordering import order_of, ordered
-from dem.dynamics.result import Record, bearings, shares
+from dem.dynamics.result import Record, Result, bearings, shares
 from dem.dynamics.skin import SKIN, skin_for
 from dem.dynamics.stepping import (
+    COLLAPSE,
+    COLLAPSED,
+    FINE,
+    LOST,
     MOST_STEPS,
+    MOST_WORK,
     OF_BED,
     OF_BOUNDARY,
+    OUTSIDE,
+    PAUSED,
     PLACE,
     TOO_DEEP,
+    TOO_LONG,
+    UNSTABLE,
+    Progress,
+    Schedule,
     StepControl,
+    run_steps,
 )
 from dem.dynamics.stress import Stress, edges, stress
-from dem.dynamics.world import World
-from dem.jit.columns import VX, VY, W
-from dem.scene import Scene, State
+from dem.dynamics.threads import Threads
+from dem.dynamics.world import World, number_of_patches
+from dem.jit.columns import VX, VY, W, X, Y
+from dem.jit.interrupts import signals_deferred
+from dem.scene import ARRAYS, Scene, State
 
 STEP_FRACTION = 0.3  # of the bound on the critical time step
 LARGEST_OVERLAP = 1.2  # of the smaller radius
@@ -62,9 +78,12 @@ PIECES = whole(1, 10_000_000)  # beyond that their arrays fill any memory
 DURATION = positive("s")
 STABLE = "lie above 0 and up to 1, or with allow_unstable above 0"
 FRACTION = number(STABLE, LEAST)
+FIRST_BUDGET = 20_000  # constituents times steps until the kernel returns for the first time
+BRIEF, LONG = 0.05, 0.15  # s: between these it returns, so that Python can answer Ctrl-C
+MOST_FRAME_BYTES = 2**30  # of the frames of a Result
 
 
-class Simulation(Engine):
+class Simulation:
     """A scene in motion, which you advance and look at between calls.
 
     Parameters
@@ -74,26 +93,26 @@ class Simulation(Engine):
     state : State
         Positions and velocities at the start.
     time_step : float, optional
-        Fixed time step (s), not longer than the critical one at any time. None for one that is held below
-        it (recommended).
+        Fixed time step (s), not longer than the critical one at any time. None for one that is held
+        below it (recommended).
     step_fraction : float
-        Time step over the critical one, both without damping, without unit, above 0 and up to 1. The
-        default keeps the energy of elastic gases; 0.5 is enough for dense beds with damping.
+        Time step over the critical one, both without damping, without unit, above 0 and up to 1.
+        The default keeps the energy of elastic gases; 0.5 is enough for dense beds with damping.
     max_overlap : float
         Largest allowed overlap over the smaller radius, without unit, up to 1.5.
     skin : float, optional
-        Skin of the neighbour list over the mean bounding radius, without unit. It changes the speed, and
-        at which steps the time step is chosen again. None for one that follows from the speeds at the
-        start (recommended). A short period makes it smaller.
+        Skin of the neighbour list over the mean bounding radius, without unit. It changes the
+        speed, and at which steps the time step is chosen again. None for one that follows from the
+        speeds at the start (recommended). A short period makes it smaller.
     threads : int
         Number of threads, without unit, for beds of thousands of granules. The result does not
         depend on it. A small bed uses fewer.
     ledger : bool
         Keep an energy ledger. A run takes about ten per cent longer.
     allow_unstable : bool
-        Take the requested step, even if it is unstable. `step_fraction` may then exceed 1, no step is
-        shortened for fast granules, and a `time_step` that is longer than the critical one at the start
-        is a RuntimeWarning.
+        Take the requested step, even if it is unstable. `step_fraction` may then exceed 1, no step
+        is shortened for fast granules, and a `time_step` that is longer than the critical one at
+        the start is a RuntimeWarning.
 
     Attributes
     ----------
@@ -107,7 +126,8 @@ class Simulation(Engine):
     Raises
     ------
     InputError
-        If a value cannot be used, or the state is not for the granules and the boundaries of the scene.
+        If a value cannot be used, or the state is not for the granules and the boundaries of the
+        scene.
     StateError
         If a granule is outside the walls, or `time_step` is longer than the critical one.
 
@@ -120,13 +140,14 @@ class Simulation(Engine):
     Equations (1) and (2) of the paper, integrated with velocity Verlet. The critical step is a
     lower bound for small motions of the bed as it is. It is computed whenever the neighbour list is
     rebuilt, and every 1000 steps. The time step then becomes shorter at once, and longer only after
-    2000 steps that allowed it; it is one of the powers of two, or of seven steps between two of them.
-    Steps are whole: what you see at a time within a step is a copy, taken there from the last whole
-    step, so that the motion does not depend on when you look. `Material` and `Friction` give the forces.
+    2000 steps that allowed it; it is one of the powers of two, or of seven steps between two of
+    them. Steps are whole: what you see at a time within a step is a copy, taken there from the last
+    whole step, so that the motion does not depend on when you look. `Material` and `Friction` give
+    the forces.
 
-    Ctrl-C is answered within about a second, and within some seconds while the kernel is compiled. `time`
-    and everything else then say what has been simulated until then, and you can go on from there. A
-    simulation can be pickled and copied, and used in a forked process.
+    Ctrl-C is answered within about a second. `time` and everything else then say what has been
+    simulated until then, and you can go on from there. A simulation can be pickled and copied, and
+    used in a forked process. After an error within a step it raises StateError.
 
     Examples
     --------
@@ -172,42 +193,46 @@ class Simulation(Engine):
             state.velocity -= frame
         self._order = order_of(scene, state)
         scene, state = ordered(scene, state, self._order)
-        table, least = granule_table(scene, skin or SKIN, step_fraction), 0.0
-        world = assemble(scene, state, table, ledger)
-        self._begun = bearings(scene, world)
-        if reached is not None and not np.array_equal(reached, self._begun):
+        table = granule_table(scene, skin or SKIN, step_fraction)
+        self._world = assemble(scene, state, table, ledger)
+        self._start = bearings(scene, self._world)
+        if reached is not None and not np.array_equal(reached, self._start):
             raise InputError(
-                "state was reached with boundaries in other places or at other speeds than those of scene; "
-                "go on with a Simulation, or move them in the scene and make boundaries of the state None."
+                "state was reached with boundaries in other places or at other speeds than those "
+                "of scene; go on with a Simulation, or move them in the scene and make boundaries "
+                "of the state None."
             )
         if skin is None:
-            table = table._replace(skin=skin_for(scene, world, table, time_step))
-        if not time_step:
-            drive = world.boundaries.drive
-            least = least_step(scene, table, drive, float(max_overlap), step_fraction)
-        rules = StepControl(
+            table = table._replace(skin=skin_for(scene, self._world, table, time_step))
+        self._table, self._progress, self._until = table, Progress(), 0.0
+        self._rules = StepControl(
             time_step=float(time_step or 0.0),
             max_overlap=float(max_overlap),
             reach=0.5 * table.skin,
-            flies=allow_unstable,
+            allow_unstable=allow_unstable,
             frame=frame,
-            collapsed=least,
         )
-        super().__init__(world, table, rules, self._order, threads)
-        critical = self._latest()[1].diagnostics.critical_time_step
-        if rules.time_step > critical:
+        self._threads = min(threads, number_of_patches(len(self._order)))
+        self._budget = max(FIRST_BUDGET // len(self._world.constituents), 1)
+        self._lock, self._in_kernel = threading.Lock(), False
+        self._view: tuple[Progress, World, Diagnostics] | None = None
+        report = self._run_kernel(0.0, 0.0, 0, initialise=True)
+        if report.outcome:
+            self._fail(report)
+        critical = report.diagnostics.critical_time_step
+        if self._rules.time_step > critical:
             warnings.warn(
                 f"time_step is {time_step:.4g} s, longer than the critical one, {critical:.4g} s: "
                 "motions can grow.",
                 RuntimeWarning,
                 stacklevel=3,
             )
-        self._start = (sum(balance(self._world)), fallen(self._world)) if ledger else None
+        self._at_start = (sum(balance(self._seen)), fallen(self._seen)) if ledger else None
 
     @property
     def time(self) -> float:
         """Time since the start (s)."""
-        return self._latest()[1].seen
+        return self._progress_now().seen
 
     @property
     def steps(self) -> int:
@@ -221,7 +246,7 @@ class Simulation(Engine):
         >>> run.steps
         10
         """
-        return int(self._latest()[1].steps)
+        return int(self._progress_now().steps)
 
     @property
     def world(self) -> World:
@@ -238,15 +263,16 @@ class Simulation(Engine):
         >>> run.world.bodies.flags.writeable
         False
         """
-        return read_only(self._world)
+        return read_only(self._seen)
 
     @property
     def state(self) -> State:
-        """Copy of positions (m), velocities (m/s), angles (rad), angular velocities (rad/s) and `boundaries`."""
+        """Copy of positions (m), velocities (m/s), angles (rad), angular velocities (rad/s) and
+        `boundaries`."""
         back = np.argsort(self._order)
-        bodies, angle = self._world.bodies[back], self._world.angle[back]
-        reached = bearings(self.scene, self._world)
-        moved = None if np.array_equal(reached, self._begun) else reached
+        bodies, angle = self._seen.bodies[back], self._seen.angle[back]
+        reached = bearings(self.scene, self._seen)
+        moved = None if np.array_equal(reached, self._start) else reached
         return State(bodies[:, :2].copy(), bodies[:, [VX, VY]], angle, bodies[:, W].copy(), moved)
 
     def collect_impulses(self) -> tuple[np.ndarray, np.ndarray]:
@@ -277,16 +303,16 @@ class Simulation(Engine):
         >>> print(f"{right / (scene.mass[0] * (1.0 - run.state.velocity[0, 0])):.3f}")
         1.000
         """
-        walls, cylinder, _ = self._collect()
+        walls, cylinder, _ = self._take_impulses()
         return cylinder[:4].reshape(2, 2), walls[:, 0]
 
-    def _collect(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Boundaries.sums since the last call, of walls, cylinder and held groups."""
-        seen = self._world.boundaries.sums
-        found = seen.copy()
-        for sums in (self._latest()[0].boundaries.sums, seen):
-            sums -= found
-        return shares(self.scene, found)
+    def _take_impulses(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Boundaries.impulses since the last call, of walls, cylinder and held groups."""
+        seen = self._seen.boundaries.impulses
+        since = seen.copy()
+        for impulses in (self._world.boundaries.impulses, seen):
+            impulses -= since
+        return shares(self.scene, since)
 
     def diagnose(self) -> Diagnostics:
         """Energy, contacts, largest overlap and critical time step at the present time.
@@ -312,10 +338,10 @@ class Simulation(Engine):
         >>> print(f"{1e6 * run.diagnose().kinetic_energy:.1f} uJ")
         24.5 uJ
         """
-        diagnostics = self._seen()[1]
+        diagnostics = self._observe()[1]
         if not diagnostics.max_overlap <= self.max_overlap:
             value, granule = diagnostics.max_overlap, diagnostics.deepest
-            report = self._latest()[1]
+            report = self._progress_now()
             self._fail(report._replace(outcome=TOO_DEEP, value=value, granule=granule))
         return diagnostics._replace(deepest=int(self._order[diagnostics.deepest]))
 
@@ -349,7 +375,7 @@ class Simulation(Engine):
         dem.base.errors.InputError: duration is 1e+06 s, more than ...
         """
         self.diagnose()
-        step = self._latest()[1].dt
+        step = self._progress_now().dt
         if not duration <= MOST_STEPS * step:
             raise InputError(self._endless("duration", duration, step))
         self._until = self.time + duration
@@ -382,7 +408,7 @@ class Simulation(Engine):
         >>> print(f"{contacts.force[0]:.3f} N, {hertz:.3f} N")
         1.097 N, 1.097 N
         """
-        return list_contacts(self._world, self._order)
+        return list_contacts(self._seen, self._order)
 
     @checked(x=or_none(edges), y=or_none(edges))
     def stress(self, x: ArrayLike | None = None, y: ArrayLike | None = None) -> Stress:
@@ -404,20 +430,21 @@ class Simulation(Engine):
         Raises
         ------
         InputError
-            If edges do not rise, are given along both axes, or leave a container that is not closed.
+            If edges do not rise, are given along both axes, or leave a container that is not
+            closed.
 
         Notes
         -----
         The stress of the contacts is the sum of ``f l`` over the volume: force f on the partner,
         branch vector l of `ContactList`. The volume is the thickness times the area between walls,
-        edges and periodic sides, without the cylinder. In bins a contact counts for the share of its branch vector
-        that is in the bin. The fabric counts contacts by their points, the other measures granules
-        by their centres.
+        edges and periodic sides, without the cylinder. In bins a contact counts for the share of
+        its branch vector that is in the bin. The fabric counts contacts by their points, the other
+        measures granules by their centres.
 
         Examples
         --------
-        A disc of 1 mm radius is pressed between floor and lid, 1 um on either side. The force on either
-        over its area, 4 mm times 1 mm, is the stress:
+        A disc of 1 mm radius is pressed between floor and lid, 1 um on either side. The force on
+        either over its area, 4 mm times 1 mm, is the stress:
 
         >>> import dem
         >>> scene = dem.Scene(
@@ -435,7 +462,7 @@ class Simulation(Engine):
         """
         if x is not None and y is not None:
             raise InputError("x and y are both given; give edges along one of them.")
-        world = self._world
+        world = self._seen
         planes = np.empty((0, 3)) if world.walls is None else world.walls.planes
         _, place, _ = shares(self.scene, world.boundaries.motion)
         bins = next(((k, np.asarray(e)) for k, e in enumerate((x, y)) if e is not None), None)
@@ -474,10 +501,11 @@ class Simulation(Engine):
         >>> energies.residual < 1e-3
         True
         """
-        if self._start is None:
+        if self._at_start is None:
             raise InputError("ledger is False; make the Simulation with ledger=True.")
-        report = self._latest()[1]
-        return energies(self._world, *self._start, report.owed + report.seen - report.time)
+        report = self._progress_now()
+        later = report.pending_kick + report.seen - report.time
+        return energies(self._seen, *self._at_start, later)
 
     # Saved and continued
 
@@ -505,8 +533,8 @@ class Simulation(Engine):
         >>> run.time
         0.0
         """
-        world, report = self._latest()
-        return written(world, progress=numbers_of(report._replace(calls=0)), scene=self._fingerprint())
+        progress = numbers_of(self._progress_now())
+        return written(self._world, progress=progress, scene=self._fingerprint())
 
     def restore(self, saved: Mapping[str, np.ndarray]) -> None:
         """Continue from a checkpoint of a simulation with the same scene and start.
@@ -531,17 +559,15 @@ class Simulation(Engine):
         saved = read(saved)
         if saved["scene"].tobytes() != self._fingerprint().tobytes():
             raise InputError("saved is no checkpoint of this simulation; it is of another scene.")
-        world, report = self._latest()
-        world = replaced(writable(world), saved)
-        alone = self._table.per == 1  # a granule is its own only constituent: one array for both
-        world = world._replace(force=world.constituent_force) if alone else world
-        progress = with_numbers(report, saved["progress"])
-        self._now[:] = [(world, progress._replace(calls=report.calls))]
+        report = self._progress_now()
+        world = replaced(writable(self._world), saved)
+        if self._table.per == 1:  # a granule is its own only constituent: one array for both
+            world = world._replace(force=world.constituent_force)
+        self._world, self._progress = world, with_numbers(report, saved["progress"])
 
     def _fingerprint(self) -> np.ndarray:
         """Hash that differs between scenes, options and orders of granules in memory."""
-        rules = self._rules._replace(collapsed=0.0)  # it depends on the start
-        return fingerprint(self.scene, rules, self._order, self._start is None)
+        return fingerprint(self.scene, self._rules, self._order, self._at_start is None)
 
     # Motion
 
@@ -557,8 +583,8 @@ class Simulation(Engine):
         Raises
         ------
         InputError
-            If the scene has no cylinder, if it follows a PrescribedMotion or a Drive, or if `velocity` does not
-            hold two finite numbers.
+            If the scene has no cylinder, if it follows a PrescribedMotion or a Drive, or if
+            `velocity` does not hold two finite numbers.
 
         Examples
         --------
@@ -584,16 +610,16 @@ class Simulation(Engine):
             raise InputError(
                 "velocity cannot be set: the cylinder follows a PrescribedMotion or a Drive."
             )
-        (world, report), seen = self._latest(), self._world.boundaries
-        boundaries, ahead = world.boundaries, report.seen - report.time
-        axis = len(boundaries.motion) - len(self.scene.held) - 1
-        before, after = boundaries.table[boundaries.first[axis] :][:2]  # until now, and from now on
-        before[0] = after[0] = boundaries.clock[0] + ahead
+        report, seen = self._progress_now(), self._seen.boundaries
+        boundaries, ahead = self._world.boundaries, report.seen - report.time
+        b = len(boundaries.motion) - len(self.scene.held) - 1
+        # until now, and from now on
+        before, after = boundaries.waypoints[boundaries.first_waypoint[b] :][:2]
+        before[0] = after[0] = boundaries.time[0] + ahead
         before[1:3] = after[1:3] = velocity
         if ahead > 0.0:
-            before[1:3] = (seen.motion[axis, :2] - boundaries.motion[axis, :2]) / ahead
-        self._now[:] = [(world, report._replace(surveyed=-1))]
-        self._allow(0.5 * self._rules.reach / max(math.hypot(*velocity), LEAST))
+            before[1:3] = (seen.motion[b, :2] - boundaries.motion[b, :2]) / ahead
+        self._progress = report._replace(scanned=-1)
 
     @checked(duration=not_negative("s"))
     def advance(self, duration: float) -> float:
@@ -615,16 +641,16 @@ class Simulation(Engine):
             If the duration takes too many time steps.
         StateError
             If a position or velocity is not a number, a granule leaves the walls, the time step
-            shrinks too far, or the critical one becomes shorter than a fixed one. The message names step, time and granule.
+            shrinks too far, or the critical one becomes shorter than a fixed one. The message names
+            step, time and granule.
         OverlapError
             If an overlap exceeds `max_overlap`.
 
         Notes
         -----
-        A time step has collapsed if it is below three hundredths of the first one, and of what the deepest
-        contacts that `max_overlap` allows could ask for. A run then goes on only if what remains takes less than
-        4e8 steps times granules, a million steps for 400 granules; otherwise it is a StateError. With a
-        fixed `time_step` the limit is 1e11 steps, as for all runs.
+        A time step has collapsed if it is below a thousandth of the first one. A run then goes on
+        only if what remains takes less than 4e8 steps times granules, a million steps for 400
+        granules; otherwise it is a StateError. All runs end at 1e11 steps.
 
         Examples
         --------
@@ -638,7 +664,7 @@ class Simulation(Engine):
         >>> print(f"{1e6 * run.state.position[0, 0]:.3f} um")
         20.000 um
         """
-        return self._run_steps("duration", self.time, duration, 1)
+        return self._advance("duration", self.time, duration, 1)
 
     @checked(interval=DURATION, count=PIECES)
     def record(self, interval: float, count: int) -> Record:
@@ -685,15 +711,318 @@ class Simulation(Engine):
         True
         """
         self.collect_impulses()
-        rows = self._rows(count)
-        self._run_steps("interval * count", self.time, interval, count, rows)
+        rows = np.zeros((count, OF_BED + OF_BOUNDARY * len(self._world.boundaries.motion)))
+        self._advance("interval * count", self.time, interval, count, rows)
         self.diagnose()  # the guard on overlaps, also for the end of the last interval
         walls, cylinder, held = shares(self.scene, rows[:, OF_BED:].reshape(count, -1, OF_BOUNDARY))
         energy, contacts, overlap, step = rows[:, :OF_BED].T
         place = cylinder[:, PLACE:]
         return Record(
-            cylinder[:, :2], cylinder[:, 2:4], walls[..., 0],
-            energy, contacts, overlap, step, cylinder[:, 4],
-            np.full_like(place, math.nan) if self.scene.cylinder is None else place,
-            walls[..., 3], walls[..., PLACE], held[..., :2],
-        )  # fmt: skip
+            normal_force=cylinder[:, :2],
+            tangential_force=cylinder[:, 2:4],
+            wall_force=walls[..., 0],
+            kinetic_energy=energy,
+            coordination_number=contacts,
+            max_overlap=overlap,
+            time_step=step,
+            torque=cylinder[:, 4],
+            cylinder_position=np.full_like(place, math.nan)
+            if self.scene.cylinder is None
+            else place,
+            wall_tangential_force=walls[..., 3],
+            wall_offset=walls[..., PLACE],
+            held_force=held[..., :2],
+        )
+
+    # Calls of the kernel
+
+    def _progress_now(self) -> Progress:
+        """How far the arrays are; raises StateError where a call has not come to its end."""
+        if self._in_kernel:
+            raise StateError(
+                "the simulation is in the midst of a step: another thread advances it, this "
+                "process was forked from it there, or an error cut it off there; wait, or make it "
+                "again."
+            )
+        return self._progress
+
+    def _observe(self) -> tuple[World, Diagnostics]:
+        """A copy of the arrays at the time that was asked for, which may lie within a step, and how
+        they are.
+
+        Lists and contact history are those of the arrays themselves.
+        """
+        report = self._progress_now()
+        if self._view is None or self._view[0] is not report:
+            schedule = Schedule(
+                begin=report.seen,
+                interval=0.0,
+                intervals=0,
+                until=self._until,
+                initialise=False,
+                observe_only=True,
+                budget=0,
+            )
+            with signals_deferred():
+                seen, observed = self._call(report, schedule, np.zeros((0, 0)))
+            alone = self._table.per == 1  # one array for granules and constituents
+            for rows in (seen.bodies,) if alone else (seen.bodies, seen.constituents):
+                rows[:, [X, Y]] += np.multiply(self._rules.frame, report.seen)
+                rows[:, [VX, VY]] += self._rules.frame
+            self._view = report, seen, observed.diagnostics
+        return self._view[1:]
+
+    @property
+    def _seen(self) -> World:
+        """The arrays at the time that was asked for."""
+        return self._observe()[0]
+
+    def __getstate__(self) -> dict[str, Any]:
+        """For pickle and copy: no two arrays that share memory."""
+        self._progress_now()
+        return vars(self) | {"_world": writable(self._world), "_view": None, "_lock": None}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state, _lock=threading.Lock())
+
+    def _call(self, before: Progress, schedule: Schedule, record: np.ndarray) -> Any:
+        """World and Progress after one call of the kernel, the only one that a simulation needs."""
+        given = self._world, self._table, self._rules, schedule, before, record
+        if self._threads == 1:
+            return run_steps(*given, None)
+        with Threads(self._threads) as threads:
+            return run_steps.py_func(*given, threads)
+
+    def _run_kernel(
+        self,
+        begin: float,
+        interval: float,
+        intervals: int,
+        record: np.ndarray | None = None,
+        initialise: bool = False,
+    ) -> Progress:
+        """Call the kernel until it has done all intervals.
+
+        It returns every so often, also inside an interval, so that Python can answer an interrupt.
+        Bits do not depend on how often.
+        """
+        self._progress_now()
+        if not self._lock.acquire(blocking=False):
+            raise StateError(
+                "the simulation advances already, in another thread or outside this signal "
+                "handler; wait until that has ended."
+            )
+        try:
+            record = np.zeros((0, 0)) if record is None else record
+            report = self._progress._replace(outcome=FINE)
+            while True:
+                clock = time.perf_counter()
+                schedule = Schedule(
+                    begin=float(begin),
+                    interval=float(interval),
+                    intervals=intervals,
+                    until=self._until,
+                    initialise=initialise,
+                    observe_only=False,
+                    budget=self._budget,
+                )
+                # the first call compiles, and leaves nothing that is worth being kept
+                with nullcontext() if initialise else signals_deferred():
+                    self._in_kernel = True
+                    self._world, self._progress = self._call(report, schedule, record)
+                    self._in_kernel = False
+                report = self._progress
+                if report.outcome != PAUSED:
+                    return report
+                initialise, took = False, time.perf_counter() - clock
+                if took < BRIEF:
+                    self._budget *= 2
+                elif took > LONG:
+                    self._budget = max(self._budget // 2, 1)
+        finally:
+            self._lock.release()
+
+    def _advance(
+        self, name: str, begin: float, interval: float, count: int, record: np.ndarray | None = None
+    ) -> float:
+        """Advance to the end of `count` intervals (s) after a time (s); returns the shortest step
+        (s)."""
+        before = self._progress_now()
+        report = self._run_kernel(begin, interval, count, record)
+        if report.outcome == TOO_LONG and report.steps == before.steps:
+            duration = begin + interval * count - before.seen
+            raise InputError(self._endless(name, duration, report.value))
+        if report.outcome:
+            self._fail(report)
+        return report.shortest
+
+    def _endless(self, name: str, duration: float, step: float) -> str:
+        return (
+            f"{name} is {duration:g} s, more than {MOST_STEPS:.0e} time steps of {step:.3g} s: "
+            "granules are too small, stiff, light or fast for it."
+        )
+
+    # Guards: between two neighbour lists nothing moves by more than half the skin. A check at each
+    # new list therefore sees every overlap before it has grown by more than the skin.
+
+    @np.errstate(all="ignore")
+    def _fail(self, report: Progress) -> NoReturn:
+        outcome, value, granule = report.outcome, report.value, report.granule
+        when = f"at step {report.steps}, time {report.time:.6g} s"
+        lost = ~np.isfinite(self._world.bodies).all(axis=1)
+        if lost.any():
+            raise StateError(
+                f"the motion of granule {self._order[lost.argmax()]} is not a number {when}: take "
+                "a smaller time step."
+            )
+        if outcome == LOST:
+            moved = np.linalg.norm(self._world.constituents[:, :2] - self._world.reference, axis=1)
+            farthest = int(moved.argmax()) // self._table.per
+            what = f"granule {self._order[farthest]}" if moved.max() >= value else "a boundary"
+            raise StateError(
+                f"{what} moved {value:.3g} m before its contacts were listed again {when}; it may "
+                f"move {self._rules.reach:.3g} m: take a smaller time step."
+            )
+        if outcome == TOO_LONG:
+            raise StateError(
+                f"the time step has shrunk to {value:.3g} s {when}, and what remains would take "
+                f"more than {MOST_STEPS:.0e}: granules are too fast for a run of this duration."
+            )
+        if outcome == COLLAPSED:
+            raise StateError(
+                f"the time step has shrunk too far {when}: {value:.3g} s is less than {COLLAPSE:g} "
+                "of the first one, and what remains would take more than "
+                f"{MOST_WORK / len(self._order):.0e} steps: granules are too fast."
+            )
+        if outcome == UNSTABLE:
+            raise StateError(
+                f"time_step is {self._rules.time_step:.4g} s, longer than the critical one, "
+                f"{value:.4g} s, {when}: make it shorter, leave it out, or set allow_unstable."
+            )
+        if outcome == OUTSIDE:
+            assert self._world.walls is not None
+            planes = self._world.walls.planes
+            beyond = planes[:, :2] @ self._world.bodies[granule, :2] - planes[:, 2]
+            raise StateError(
+                f"granule {self._order[granule]} has its centre {beyond.max():.3g} m behind wall "
+                f"{beyond.argmax()} {when}: put it inside, or take a smaller time step."
+            )
+        remedy = "take a smaller time step, a stiffer material or a lower packing fraction"
+        if not report.steps:
+            remedy = "place the granules farther apart"
+        raise OverlapError(
+            f"granule {self._order[granule]} overlaps by {value:.3g} of the smaller radius {when}; "
+            f"the limit is {self._rules.max_overlap:g}: {remedy}."
+        )
+
+
+@checked(duration=DURATION, frames=PIECES)
+def simulate(
+    scene: Scene,
+    state: State,
+    duration: float,
+    time_step: float | None = None,
+    frames: int = 1,
+    *,
+    step_fraction: float = STEP_FRACTION,
+    max_overlap: float = LARGEST_OVERLAP,
+    skin: float | None = None,
+    threads: int = 1,
+    allow_unstable: bool = False,
+) -> Result:
+    """Simulate a scene from a state and return arrays.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is simulated: n granules, walls, cylinder.
+    state : State
+        Where the granules start, and how they move.
+    duration : float
+        Time to simulate (s).
+    time_step : float, optional
+        Time step (s); None, which is recommended, chooses it from the stiffness of the contacts.
+    frames : int
+        Number of equal intervals after each of which the state is kept (without unit). All frames
+        together must fit into a gibibyte.
+    step_fraction : float
+        As in Simulation (without unit).
+    max_overlap : float
+        As in Simulation (without unit).
+    skin : float, optional
+        As in Simulation (without unit).
+    threads : int
+        As in Simulation (without unit).
+    allow_unstable : bool
+        As in Simulation.
+
+    Returns
+    -------
+    Result
+        The start and a frame per interval, frames + 1 in all.
+
+    Raises
+    ------
+    InputError
+        If a value cannot be used.
+    RunError
+        If the run fails: StateError or OverlapError.
+
+    Examples
+    --------
+    Two discs collide in empty space and part at half their speed:
+
+    >>> import dem
+    >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]), dem.Material(restitution=0.5))
+    >>> state = dem.State([[0, 0], [2.1e-3, 0]], velocity=[[1, 0], [-1, 0]])
+    >>> result = dem.simulate(scene, state, duration=1e-4)
+    >>> result.velocity[-1, :, 0].round(1)
+    array([-0.5,  0.5])
+    """
+    run = Simulation(
+        scene,
+        state,
+        time_step,
+        step_fraction,
+        max_overlap,
+        skin,
+        threads,
+        allow_unstable=allow_unstable,
+    )
+    run.check_duration(duration)
+    interval, shortest, first = duration / frames, math.inf, _frame(run, math.nan)
+    size = 8 * (frames + 1) * sum(map(np.size, first.values()))
+    if size > MOST_FRAME_BYTES:
+        raise InputError(
+            f"frames is {frames}; of {scene.granules} granules they fill {size / 2**30:.3g} GiB, "
+            f"more than {MOST_FRAME_BYTES / 2**30:g}: keep fewer, or advance a Simulation and save "
+            "what you need."
+        )
+    series = {name: np.empty((frames + 1, *np.shape(value))) for name, value in first.items()}
+    for frame in range(frames + 1):
+        if frame:  # the last one ends at the duration itself, however many there are
+            end = duration * (frame / frames)
+            shortest = min(shortest, run._advance("duration", end, 0.0, 1))
+        for name, value in (_frame(run, interval) if frame else first).items():
+            series[name][frame] = value
+    optional: dict[str, Any] = dict.fromkeys(("cylinder_position", "cylinder_torque", "held_force"))
+    return Result(**optional | series, state=run.state, time_step=shortest, scene=scene)
+
+
+def _frame(run: Simulation, interval: float) -> dict[str, Any]:
+    """The simulation as it is, and the mean forces (N) since the frame before, an interval (s)
+    ago."""
+    world, state, (walls, cylinder, held) = run.world, run.state, run._take_impulses()
+    frame = {name: getattr(state, name) for name in ARRAYS} | {
+        "time": run.time,
+        "cylinder_force": (cylinder[:2] + cylinder[2:4]) / interval,
+        "wall_force": walls[:, 0] / interval,
+        "wall_tangential_force": walls[:, 3] / interval,
+        "wall_offset": np.empty(0) if world.walls is None else world.walls.planes[:, 2],
+    }
+    if world.cylinder is not None:
+        frame["cylinder_position"] = world.boundaries.motion[world.cylinder.first, :2]
+        frame["cylinder_torque"] = cylinder[4] / interval
+    if world.held is not None:
+        frame["held_force"] = held[:, :2] / interval
+    return frame

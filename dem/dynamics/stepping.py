@@ -1,125 +1,174 @@
 """Many steps in one call: choose the time step, rebuild lists, check limits, take measurements."""
 
 import math
-from fractions import Fraction
+from itertools import repeat
 from typing import NamedTuple
 
-import numpy as np
-from numba.extending import overload
-
 from dem.dynamics.boundaries import move_boundaries, surface_moved
-from dem.dynamics.diagnostics import Diagnostics, diagnose, kinetic, touch
+from dem.dynamics.contact_list import contact_summary, deeper
+from dem.dynamics.diagnostics import Diagnostics, begin_scan, diagnose, end_scan, scan_pairs
+from dem.dynamics.energy import kinetic
 from dem.dynamics.forces import forces
 from dem.dynamics.integration import advance, drift, look_ahead
 from dem.dynamics.neighbor_list import rebuild_neighbor_list
 from dem.dynamics.skin import MARGIN
+from dem.dynamics.threads import share_of
 from dem.dynamics.world import Boundaries, Surface, World
 from dem.jit.address import by_address
-from dem.jit.block_memory import Lanes
+from dem.jit.block_memory import Lanes, make_lanes
 from dem.jit.columns import X, Y
-from dem.jit.compilation import INLINED, compiled, inlined
-from dem.jit.optional import either, optional
+from dem.jit.compilation import compiled, inlined
 
 FINE, LOST, TOO_DEEP, OUTSIDE, TOO_LONG, COLLAPSED, UNSTABLE, PAUSED = range(8)
 MOST_STEPS = 1e11  # an hour or more for two granules, weeks for a bed of hundreds
+COLLAPSE = 1e-3  # of the first step: a shorter one has collapsed
 MOST_WORK = 4e8  # steps times granules, once the step has collapsed: less than a minute
-SURVEY = 20  # steps that take as long as a survey, roughly
-OFTEN = 1000  # steps without a survey, at most
+SCAN_COST = 20  # steps that take as long as a scan, roughly
+SCAN_INTERVAL = 1000  # steps without a scan, at most
 QUIET = 2000  # steps for which the bound must have allowed a longer step before it is taken
-RUNGS = 8  # steps of the ladder to a factor of two
+PER_OCTAVE = 8  # quantised steps to a factor of two
 NEARLY = 1e-9  # of a step: a time is reached that is no farther off
 
 
 class StepControl(NamedTuple):
     """How the time step is chosen, and when lists are rebuilt or a run stops.
 
-    time_step (s): fixed, or 0 for a rung of the ladder below the bound. max_overlap: over the smaller
-    radius. reach (m): displacement of a constituent that stops the run, because a contact may have been
-    missed; lists are rebuilt before. flies: whether no step is shortened for fast granules, and a fixed one may
-    be longer than the critical one. frame (2,): velocity (m/s) that is taken off all. collapsed (s): a step below has collapsed
-    (dem.dynamics.assembly.least_step); 0 where the step is fixed.
+    Attributes
+    ----------
+    time_step : float
+        Fixed time step (s), or 0 for a quantised step below the bound.
+    max_overlap : float
+        Largest allowed overlap over the smaller radius, without unit.
+    reach : float
+        Displacement (m) of a constituent that stops the run, because a contact may have been
+        missed; lists are rebuilt before.
+    allow_unstable : bool
+        Whether no step is shortened for fast granules, and a fixed one may be longer than the
+        critical one.
+    frame : tuple of float
+        Velocity (m/s) that is taken off all.
     """
 
     time_step: float
     max_overlap: float
     reach: float
-    flies: bool
+    allow_unstable: bool
     frame: tuple[float, float]
-    collapsed: float
 
 
 class Schedule(NamedTuple):
-    """`intervals` intervals of `interval` (s) after the time `begin` (s).
+    """What a call of run_steps does.
 
-    until (s): end of the whole run, used only to refuse more than MOST_STEPS steps. starts: whether
-    lists and forces are still to be made. looks: whether nothing is done but to return a copy of the
-    world at the time `begin`, surveyed. budget: steps after which the call returns, if need
-    be inside an interval, so that Python can answer an interrupt. calls (1,): how many calls have begun.
+    Attributes
+    ----------
+    begin, interval : float
+        It advances over intervals of a length (s) after the time `begin` (s).
+    intervals : int
+        Number of intervals.
+    until : float
+        End of the whole run (s), used only to refuse too many steps.
+    initialise : bool
+        Whether lists and forces are still to be made.
+    observe_only : bool
+        Whether nothing is done but to return a copy of the world at the time `begin`, and its
+        Diagnostics.
+    budget : int
+        Steps after which the call returns, if need be inside an interval, so that Python can answer
+        Ctrl-C.
     """
 
     begin: float
     interval: float
     intervals: int
     until: float
-    starts: bool
-    looks: bool
+    initialise: bool
+    observe_only: bool
     budget: int
-    calls: np.ndarray
 
 
 class Progress(NamedTuple):
-    """How a run went: FINE, PAUSED or why it stopped, with the value and the granule that say so (moved
-    distance, overlap or time step); seen (s): the time that was asked for, or that of the last step
-    where it is not reached; time (s) and steps since the start of the simulation, of the last whole
-    step, which is not later than that; intervals done; shortest time step (s); the last Diagnostics; calls
-    begun with this one.
+    """How a run went, and what the next call goes on from; by default, that nothing is done.
 
-    What the next call goes on from: the time step dt (s), taken `taken` times since the time `begun` (s);
-    owed (s): kicks that velocities lack at `time`; surveyed: step of the last survey, -1 if one is due; least
-    (s): rung that has been allowed since step `since`, inf if it is the one taken; pace (s): shortest step of the
-    interval.
+    Attributes
+    ----------
+    outcome : int
+        FINE, PAUSED or why the run stopped.
+    value : float
+        What says so: moved distance (m), overlap or time step (s).
+    granule : int
+        Granule that says so.
+    seen : float
+        The time (s) that was asked for, or that of the last step where it is not reached.
+    time : float
+        Time (s) of the last whole step, which is not later than `seen`.
+    steps : int
+        Whole steps since the start.
+    intervals : int
+        Intervals done.
+    shortest : float
+        Shortest time step (s).
+    diagnostics : Diagnostics
+        Of the last scan.
+    dt : float
+        Time step (s).
+    first_dt : float
+        The first time step (s).
+    dt_since : float
+        Time (s) since which dt is taken.
+    steps_at_dt : int
+        Steps since then.
+    pending_kick : float
+        Kicks (s) that velocities lack at `time`.
+    scanned : int
+        Step of the last scan, -1 if one is due.
+    candidate_dt : float
+        Longer step (s) that has been allowed since step `candidate_since`; inf if it is the one
+        taken.
+    candidate_since : int
+        See candidate_dt.
+    interval_dt : float
+        Shortest step (s) of the interval.
     """
 
-    outcome: int
-    value: float
-    granule: int
-    seen: float
-    time: float
-    steps: int
-    intervals: int
-    shortest: float
-    diagnostics: Diagnostics
-    calls: int
-    dt: float
-    taken: int
-    begun: float
-    owed: float
-    surveyed: int
-    least: float
-    since: int
-    pace: float
+    outcome: int = FINE
+    value: float = 0.0
+    granule: int = -1
+    seen: float = 0.0
+    time: float = 0.0
+    steps: int = 0
+    intervals: int = 0
+    shortest: float = math.inf
+    diagnostics: Diagnostics = Diagnostics(0.0, 0.0, 0.0, 0.0, 0, 0.0, 0.0)
+    dt: float = 0.0
+    first_dt: float = 0.0
+    dt_since: float = 0.0
+    steps_at_dt: int = 0
+    pending_kick: float = 0.0
+    scanned: int = -1
+    candidate_dt: float = math.inf
+    candidate_since: int = 0
+    interval_dt: float = math.inf
 
 
-NOTHING_DONE = Progress(
-    FINE, 0.0, -1, 0.0, 0.0, 0, 0, math.inf, Diagnostics(0.0, 0.0, 0.0, 0.0, 0, 0.0, 0.0), 0,
-    0.0, 0, 0.0, 0.0, -1, math.inf, 0, math.inf,
-)  # fmt: skip
+# Choice of the time step
 
 
 @compiled
-def rung(step):
-    """The longest step (s) of the ladder up to one (s): its powers of two, and seven between each."""
-    return 2.0 ** (math.floor(RUNGS * math.log2(step) + NEARLY) / RUNGS)
+def quantised(step):
+    """The longest of the powers of two, and of seven steps between two of them, up to a step
+    (s)."""
+    return 2.0 ** (math.floor(PER_OCTAVE * math.log2(step) + NEARLY) / PER_OCTAVE)
 
 
 @inlined
 def longest_step(rules, diagnostics):
-    """The step (s) that a survey asks for: by stiffness, and short enough that nothing flies past the lists."""
+    """The step (s) that a scan asks for: by stiffness, and short enough that nothing flies past the
+    lists."""
     if rules.time_step > 0.0:
         return rules.time_step
     flight = 0.5 * rules.reach / max(diagnostics.speed_bound, 1e-300)
     bound = diagnostics.longest_time_step
-    return rung(bound if rules.flies else min(bound, flight))
+    return quantised(bound if rules.allow_unstable else min(bound, flight))
 
 
 @inlined
@@ -135,28 +184,33 @@ def rebuild_at(rules, dt, diagnostics):
     return min(max(near, (1.0 - MARGIN) * rules.reach), MARGIN * rules.reach)
 
 
-@optional
-def behind(walls, bodies):
-    """The first granule whose centre is behind a wall, or -1."""
-    for i in range(bodies.shape[0]):
-        for k in range(walls.planes.shape[0]):
-            here = bodies[i, X] * walls.planes[k, 0] + bodies[i, Y] * walls.planes[k, 1]
-            if here > walls.planes[k, 2]:
-                return i
-    return -1
+# Limits. Kernels of their own, because `run_steps` calls them uncompiled too.
 
 
 @compiled
-def outside(walls, bodies):
-    """`behind` of walls, if there are any; a kernel, because `run_steps` calls it uncompiled too."""
-    return either(behind(walls, bodies), -1)
+def later(time, steps, dt):
+    """Time (s) after some steps, rounded once."""
+    return time + steps * dt
+
+
+@compiled
+def first_outside(walls, bodies):
+    """The first granule whose centre is behind a wall, or -1."""
+    if walls is not None:
+        planes = walls.planes
+        for i in range(bodies.shape[0]):
+            for k in range(planes.shape[0]):
+                height = bodies[i, X] * planes[k, 0] + bodies[i, Y] * planes[k, 1]
+                if height > planes[k, 2]:
+                    return i
+    return -1
 
 
 @compiled
 def nearing(world):
     """Most by which two bodies can have come nearer since the lists were made (m)."""
-    one = math.sqrt(either(surface_moved(world.cylinder, world.boundaries), 0.0))
-    other = math.sqrt(either(surface_moved(world.walls, world.boundaries), 0.0))
+    one = math.sqrt(surface_moved(world.cylinder, world.boundaries))
+    other = math.sqrt(surface_moved(world.walls, world.boundaries))
     first, second = max(one, other), min(one, other)
     motion, reference = world.constituents, world.reference
     for i in range(motion.shape[0]):
@@ -170,170 +224,214 @@ def nearing(world):
     return first + second
 
 
-# Columns of a record: of the bed; then of each boundary, Boundaries.sums over the interval and its place
+# Measurements
+
+# Columns of a record: of the bed; then of each boundary, its impulses over the interval and its
+# place
 ENERGY, CONTACTS, OVERLAP, STEP, OF_BED = range(5)
 PLACE, OF_BOUNDARY = 5, 7
 
 
-@optional
-def put_offsets(walls, row):
-    """The place of a wall is its offset (m)."""
-    for k in range(walls.planes.shape[0]):
-        row[OF_BED + OF_BOUNDARY * k + PLACE] = walls.planes[k, 2]
+@compiled(allocates=True)
+def measure(row, impulses, rate, world, table, frame):
+    """Fill a row of the record but for the step; impulses: those that go on, of which those seen
+    are taken off."""
+    motion, seen, walls = world.boundaries.motion, world.boundaries.impulses, world.walls
+    row[ENERGY] = kinetic(by_address(world), 0.0, frame)[0]
+    touching, row[OVERLAP], _ = contact_summary(world, table)
+    row[CONTACTS] = 2.0 * touching / world.bodies.shape[0]
+    for b in range(impulses.shape[0]):
+        at = OF_BED + OF_BOUNDARY * b
+        for c in range(PLACE):
+            row[at + c] = seen[b, c] * rate
+            impulses[b, c] -= seen[b, c]
+        row[at + PLACE], row[at + PLACE + 1] = motion[b, X], motion[b, Y]
+    if walls is not None:  # the place of a wall is its offset (m)
+        for k in range(walls.planes.shape[0]):
+            row[OF_BED + OF_BOUNDARY * k + PLACE] = walls.planes[k, 2]
 
 
 @inlined
-def measure(row, sums, rate, boundaries, walls):
-    """What a row of the record says of boundaries; sums: those that go on, of which that is taken off."""
-    motion, found = boundaries.motion, boundaries.sums
-    for b in range(sums.shape[0]):
-        at = OF_BED + OF_BOUNDARY * b
-        for c in range(PLACE):
-            row[at + c] = found[b, c] * rate
-            sums[b, c] -= found[b, c]
-        row[at + PLACE], row[at + PLACE + 1] = motion[b, X], motion[b, Y]
-    put_offsets(walls, row)
-
-
-@optional
 def copied(array):
-    return array.copy()
+    return None if array is None else array.copy()
 
 
-@optional
+@inlined
 def copied_walls(walls):
-    return Surface(walls.first, walls.end, walls.planes.copy(), walls.radius, walls.contacts)
-
-
-@compiled(allocates=True)
-def look(world, owed, ahead):
-    """A world at a time `ahead` (s) after the positions of this one, which stays as it is; owed: see
-    dem.dynamics.integration.look_ahead. Lists and what contacts remember are shared."""
-    b, bodies, lanes = world.boundaries, world.bodies.copy(), world.lanes
-    alone = world.constituents.shape[0] == world.bodies.shape[0]
-    rows = bodies if alone else world.constituents.copy()  # one array where a granule is its own
-    boundaries = Boundaries(
-        b.motion.copy(), b.reference, b.force, b.loads, b.sums.copy(), b.last.copy(), b.clock.copy(),
-        b.first, b.table, b.drive,
-    )  # fmt: skip
-    seen = World(
-        world.shape, bodies, world.angle.copy(), copied(world.frame), world.inverse_mass,
-        world.inverse_inertia, world.force, rows, world.constituent_force, world.reference,
-        copied(world.last), world.pairs, boundaries, copied_walls(world.walls), world.cylinder,
-        world.gravity, Lanes(lanes.motion, lanes.values, copied(lanes.account)), world.patches, world.held,
-    )  # fmt: skip
-    look_ahead(by_address(seen), owed, ahead)
-    return seen
-
-
-def step_on(threads, world, kick, dt, steps, rebuild_at):
-    """dem.dynamics.integration.advance, by several threads or alone."""
-    return threads.advance(world, kick, dt, steps, rebuild_at)
-
-
-@overload(step_on, jit_options=INLINED)
-def _step_alone(threads, world, kick, dt, steps, rebuild_at):
-    return lambda threads, world, kick, dt, steps, rebuild_at: advance(
-        world, kick, dt, steps, rebuild_at, None
+    if walls is None:
+        return None
+    return Surface(
+        first=walls.first,
+        end=walls.end,
+        planes=walls.planes.copy(),
+        radius=walls.radius,
+        contacts=walls.contacts,
     )
 
 
-def diagnose_on(threads, world, table, later, frame):
-    """dem.dynamics.diagnostics.diagnose, by several threads or alone."""
-    return threads.diagnose(world, table, later, frame)
+@compiled(allocates=True)
+def look(world, pending_kick, ahead):
+    """A world at a time `ahead` (s) after the positions of this one, which stays as it is.
+
+    pending_kick: see dem.dynamics.integration.look_ahead. Lists and contact history are shared.
+    """
+    boundaries, bodies, lanes = world.boundaries, world.bodies.copy(), world.lanes
+    alone = world.constituents.shape[0] == world.bodies.shape[0]
+    # one array where a granule is its own only constituent
+    constituents = bodies if alone else world.constituents.copy()
+    seen = World(
+        shape=world.shape,
+        bodies=bodies,
+        angle=world.angle.copy(),
+        orientation=copied(world.orientation),
+        inverse_mass=world.inverse_mass,
+        inverse_inertia=world.inverse_inertia,
+        force=world.force,
+        constituents=constituents,
+        constituent_force=world.constituent_force,
+        reference=world.reference,
+        previous_acceleration=copied(world.previous_acceleration),
+        pairs=world.pairs,
+        boundaries=Boundaries(
+            motion=boundaries.motion.copy(),
+            reference=boundaries.reference,
+            force=boundaries.force,
+            contact_forces=boundaries.contact_forces,
+            impulses=boundaries.impulses.copy(),
+            previous_acceleration=boundaries.previous_acceleration.copy(),
+            time=boundaries.time.copy(),
+            first_waypoint=boundaries.first_waypoint,
+            waypoints=boundaries.waypoints,
+            drive=boundaries.drive,
+        ),
+        walls=copied_walls(world.walls),
+        cylinder=world.cylinder,
+        gravity=world.gravity,
+        lanes=Lanes(motion=lanes.motion, values=lanes.values, account=copied(lanes.account)),
+        patches=world.patches,
+        held=world.held,
+    )
+    look_ahead(by_address(seen), pending_kick, ahead)
+    return seen
 
 
-@overload(diagnose_on, jit_options=INLINED)
-def _diagnose_alone(threads, world, table, later, frame):
-    return lambda threads, world, table, later, frame: diagnose(world, table, later, frame)
+# Several threads
 
 
-def later(time, steps, dt):
-    """Time (s) after some steps, rounded once, as the processor does it in compiled code: the time
-    steps of several threads are then those of one."""
-    return float(Fraction(time) + steps * Fraction(dt))
+def advance_together(threads, world, kick, dt, steps, rebuild_at):
+    """dem.dynamics.integration.advance, with the same result for any number of threads."""
+    worlds = [world._replace(lanes=make_lanes()) for _ in threads.places]
+    same = map(repeat, (kick, dt, steps, rebuild_at))
+    return threads.each(advance, worlds, *same, threads.places)[0]
 
 
-@overload(later, jit_options=INLINED)
-def _later(time, steps, dt):
-    return lambda time, steps, dt: time + steps * dt
+def diagnose_together(threads, world, table, later, frame):
+    """dem.dynamics.diagnostics.diagnose, with the same result for any number of threads.
+
+    Held granules share the row of their group, so that one thread scans all.
+    """
+    granules = len(world.bodies)
+    shares = [share_of(place, granules) for place in threads.places]
+    shares = shares if world.held is None else [(0, granules)]
+    begun = begin_scan(world, table, later, frame, len(shares))
+    bounds = begun[2]
+    spare = range(len(bounds.rows) - len(shares), len(bounds.rows))
+    same = map(repeat, (world, table, bounds))
+    scans = threads.each(scan_pairs, *same, *zip(*shares, strict=True), spare)
+    worst = 0.0, 0
+    for _, (overlap, constituent) in scans:
+        worst = deeper(worst, overlap, constituent, 1.0)
+    return end_scan(world, table, begun, (sum(touching for touching, _ in scans), worst))
 
 
 @compiled(allocates=True)
 def run_steps(world, table, rules, schedule, before, record, threads):
     """Advance as a Schedule says; returns the world and a Progress.
 
-    before: the Progress of the call before, which this one goes on from. record: an array with one row per
-    interval, or none of it. threads: None, or those that take the steps and survey the bed
-    (dem.dynamics.threads.Threads; this function then runs as it is here, uncompiled).
+    before: the Progress of the call before, which this one goes on from. record: an array with one
+    row per interval, or none of it. threads: None, or dem.dynamics.threads.Threads; this function
+    then runs as it is written, uncompiled.
 
-    Steps are whole: no interval cuts one, and what lies within a step is seen by `look`. The step is chosen
-    where the lists are made, and every OFTEN steps: down at once, up once the bound has allowed it for QUIET
-    steps. A step that follows its bound closely would be long on the way into a contact and short on the way
-    out, and heat the bed. Bits do not depend on where intervals and calls end.
+    Steps are whole: no interval cuts one, and what lies within a step is seen by `look`. The step
+    is chosen where the lists are made, and every SCAN_INTERVAL steps: down at once, up once the
+    bound has allowed it for QUIET steps. A step that follows its bound closely would be long on the
+    way into a contact and short on the way out, and heat the bed. Bits do not depend on where
+    intervals and calls end.
     """
-    begin, interval, intervals, until, starts, looks, budget, calls = schedule
-    calls[0] += 1
+    begin, interval, intervals, until, initialise, observe_only, budget = schedule
     outcome, value, granule = FINE, 0.0, -1
     time, steps, n, diagnostics = before.time, before.steps, 0, before.diagnostics
-    dt, taken, begun, owed = before.dt, before.taken, before.begun, before.owed
-    surveyed, least, since = before.surveyed, before.least, before.since
-    shortest, pace = math.inf, dt if dt > 0.0 else math.inf
+    dt, first_dt, dt_since = before.dt, before.first_dt, before.dt_since
+    steps_at_dt, pending_kick, scanned = before.steps_at_dt, before.pending_kick, before.scanned
+    candidate_dt, candidate_since = before.candidate_dt, before.candidate_since
+    shortest, interval_dt = math.inf, dt if dt > 0.0 else math.inf
     if before.outcome == PAUSED:
-        n, shortest, pace = before.intervals, before.shortest, before.pace
+        n, shortest, interval_dt = before.intervals, before.shortest, before.interval_dt
     table = by_address(table)
-    if looks:
-        world = look(world, owed, begin - time)
-        diagnostics = diagnose_on(threads, by_address(world), table, 0.0, rules.frame)
-    if starts:
+    if observe_only:
+        world = look(world, pending_kick, begin - time)
+        view = by_address(world)
+        if threads is None:
+            diagnostics = diagnose(view, table, 0.0, rules.frame)
+        else:
+            diagnostics = diagnose_together(threads, view, table, 0.0, rules.frame)
+    if initialise:
         world = rebuild_neighbor_list(world, table)
         forces(world, 0.0, math.inf)
-        move_boundaries(by_address(world), 0.0, 0.0)  # accelerations before are those of now
+        move_boundaries(by_address(world), 0.0, 0.0)  # previous accelerations are those of now
         drift(by_address(world), 0.0, 0.0, 0, world.bodies.shape[0])
-        granule = outside(world.walls, world.bodies)
-    while not looks:
-        here = by_address(world)
+        granule = first_outside(world.walls, world.bodies)
+    while not observe_only:
+        view = by_address(world)
         if granule >= 0:
             outcome = OUTSIDE
             break
-        if surveyed < 0:
-            diagnostics = diagnose_on(threads, here, table, owed, rules.frame)
-            budget, surveyed = budget - SURVEY, steps
-            asked, former = longest_step(rules, diagnostics), dt
-            if dt == 0.0 or not asked > dt:
-                dt, least, since = asked, math.inf, steps
+
+        # Choose the time step
+        if scanned < 0:
+            if threads is None:
+                diagnostics = diagnose(view, table, pending_kick, rules.frame)
             else:
-                least = min(least, asked)
-                if steps - since >= QUIET:
-                    dt, least, since = least, math.inf, steps
+                diagnostics = diagnose_together(threads, view, table, pending_kick, rules.frame)
+            budget, scanned = budget - SCAN_COST, steps
+            allowed, former = longest_step(rules, diagnostics), dt
+            if dt == 0.0 or not allowed > dt:
+                dt, candidate_dt, candidate_since = allowed, math.inf, steps
+            else:
+                candidate_dt = min(candidate_dt, allowed)
+                if steps - candidate_since >= QUIET:
+                    dt, candidate_dt, candidate_since = candidate_dt, math.inf, steps
             if dt != former:
-                begun, taken = time, 0
-                pace = min(pace, dt)
+                dt_since, steps_at_dt = time, 0
+                interval_dt = min(interval_dt, dt)
+            if initialise:
+                first_dt = dt
+
+        # Check the limits
         if n < intervals and not diagnostics.max_overlap <= rules.max_overlap:
             outcome, value, granule = TOO_DEEP, diagnostics.max_overlap, diagnostics.deepest
             break
-        if rules.time_step > diagnostics.critical_time_step and not rules.flies:
+        if rules.time_step > diagnostics.critical_time_step and not rules.allow_unstable:
             outcome, value = UNSTABLE, diagnostics.critical_time_step
             break
         ends = begin + (n + 1) * interval
-        if not max(until, ends) - time <= MOST_STEPS * dt:
+        work = max(until, ends) - time
+        if not work <= MOST_STEPS * dt:
             outcome, value = TOO_LONG, dt
             break
-        work = (max(until, ends) - time) * here.bodies.shape[0]
-        if dt < rules.collapsed and work > MOST_WORK * dt:
+        if dt < COLLAPSE * first_dt and work * view.bodies.shape[0] > MOST_WORK * dt:
             outcome, value = COLLAPSED, dt
             break
+
+        # Measure at the end of an interval
         ahead = math.floor((ends - time) / dt + NEARLY) if n < intervals else 0
         if ahead <= 0:
             if n < record.shape[0] and n < intervals:
-                seen = look(world, owed, within(ends - time, dt))
-                row = record[n]  # `seen` is freed after its last use, whatever has its address
-                row[ENERGY] = kinetic(by_address(seen), 0.0, rules.frame)[0]
-                row[CONTACTS], row[OVERLAP] = touch(seen, table)
-                row[STEP] = pace
-                measure(row, here.boundaries.sums, 1.0 / interval, seen.boundaries, seen.walls)
+                row, seen = record[n], look(world, pending_kick, within(ends - time, dt))
+                row[STEP] = interval_dt
+                measure(row, view.boundaries.impulses, 1.0 / interval, seen, table, rules.frame)
                 budget -= 1
-            shortest, pace = min(shortest, pace), dt
+            shortest, interval_dt = min(shortest, interval_dt), dt
             n += 1
             if n >= intervals:
                 break
@@ -341,23 +439,46 @@ def run_steps(world, table, rules, schedule, before, record, threads):
         if budget <= 0:
             outcome = PAUSED
             break
-        some = min(ahead, budget, surveyed + OFTEN - steps)
-        kick, limit = owed + 0.5 * dt, rebuild_at(rules, dt, diagnostics)
-        done, moved = step_on(threads, here, kick, dt, some, limit)
-        owed = 0.5 * dt
-        steps, taken, budget = steps + done, taken + done, budget - done
-        time = later(begun, taken, dt)
-        if steps - surveyed >= OFTEN:
-            surveyed = -1
+
+        # Advance until the interval ends, a scan is due or a list is out of date
+        count = min(ahead, budget, scanned + SCAN_INTERVAL - steps)
+        kick, limit = pending_kick + 0.5 * dt, rebuild_at(rules, dt, diagnostics)
+        if threads is None:
+            done, moved = advance(view, kick, dt, count, limit, None)
+        else:
+            done, moved = advance_together(threads, view, kick, dt, count, limit)
+        pending_kick = 0.5 * dt
+        steps, steps_at_dt, budget = steps + done, steps_at_dt + done, budget - done
+        time = later(dt_since, steps_at_dt, dt)
+        if steps - scanned >= SCAN_INTERVAL:
+            scanned = -1
+
+        # Rebuild the neighbour lists
         if not moved <= limit:
-            granule = outside(here.walls, here.bodies)
-            if not (moved <= rules.reach or nearing(here) <= 2.0 * rules.reach):
+            granule = first_outside(view.walls, view.bodies)
+            if not (moved <= rules.reach or nearing(view) <= 2.0 * rules.reach):
                 outcome, value = LOST, moved
                 break
             world = rebuild_neighbor_list(world, table)  # by value: what it replaces must live on
-            budget, surveyed = budget - SURVEY, -1
+            budget, scanned = budget - SCAN_COST, -1
     reached = begin + intervals * interval if outcome == FINE else max(begin, time)
     return world, Progress(
-        outcome, value, granule, time + within(reached - time, dt), time, steps, n, shortest, diagnostics, calls[0],
-        dt, taken, begun, owed, surveyed, least, since, pace,
-    )  # fmt: skip
+        outcome=outcome,
+        value=value,
+        granule=granule,
+        seen=time + within(reached - time, dt),
+        time=time,
+        steps=steps,
+        intervals=n,
+        shortest=shortest,
+        diagnostics=diagnostics,
+        dt=dt,
+        first_dt=first_dt,
+        dt_since=dt_since,
+        steps_at_dt=steps_at_dt,
+        pending_kick=pending_kick,
+        scanned=scanned,
+        candidate_dt=candidate_dt,
+        candidate_since=candidate_since,
+        interval_dt=interval_dt,
+    )

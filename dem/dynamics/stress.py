@@ -1,9 +1,9 @@
 """Stress and fabric of a bed: what its contacts carry, and how they are directed.
 
-The stress is that of Love and Weber: a contact with force f on the partner and branch vector l gives
-f l / volume. Volume is the area between the walls, without the cylinder, times the thickness. In bins along x or y a contact counts for the share of
-its branch vector that lies in the bin: the mean force that crosses the lines of the bin is then
-exact (Irving and Kirkwood 1950).
+The stress is that of Love and Weber: a contact with force f on the partner and branch vector l
+gives f l / volume. Volume is the area between the walls, without the cylinder, times the thickness.
+In bins along x or y a contact counts for the share of its branch vector that lies in the bin: the
+mean force that crosses the lines of the bin is then exact (Irving and Kirkwood 1950).
 """
 
 import math
@@ -78,7 +78,8 @@ class Stress(NamedTuple):
 
 
 def _principal(tensor):
-    """Mean and difference of the principal values of the symmetric part, angle (rad) of the greater."""
+    """Mean and difference of the principal values of the symmetric part, angle (rad) of the
+    greater."""
     xx, yy = tensor[..., 0, 0], tensor[..., 1, 1]
     across, both = xx - yy, tensor[..., 0, 1] + tensor[..., 1, 0]
     return 0.5 * (xx + yy), np.hypot(across, both), 0.5 * np.arctan2(both, across)
@@ -86,18 +87,22 @@ def _principal(tensor):
 
 def edges(name: str, value: Any) -> np.ndarray:
     """Kind: edges (m) of bins, at least two, that rise."""
-    found = array("be finite", None, each="edge")(name, value)
-    if len(found) < 2 or not (np.diff(found) > 0.0).all():
+    limits = array("be finite", None, each="edge")(name, value)
+    if len(limits) < 2 or not (np.diff(limits) > 0.0).all():
         raise InputError(f"{name} must hold two or more edges of bins (m) that rise.")
-    return found
+    return limits
 
 
 def stress(
-    contacts: ContactList, state: State, scene: Scene, planes: np.ndarray, place: np.ndarray,
+    contacts: ContactList,
+    state: State,
+    scene: Scene,
+    planes: np.ndarray,
+    place: np.ndarray,
     bins: tuple[int, np.ndarray] | None = None,
-) -> Stress:  # fmt: skip
-    """Stress of the granules of a scene with these contacts; planes (w, 3): its walls; place (m): of its
-    cylinder; bins: their axis and edges (m).
+) -> Stress:
+    """Stress of the granules of a scene with these contacts; planes (w, 3): its walls; place (m):
+    of its cylinder; bins: their axis and edges (m).
 
     Raises InputError if the container is not closed.
     """
@@ -124,14 +129,14 @@ def stress(
         moving -= _outer(momentum, momentum) / np.maximum(within, LEAST)[:, None, None]
         carried = _outer(contacts.total_force, contacts.branch)
         start, one = position[contacts.granule], np.ones(len(point))
-        found = Stress(
+        measured = Stress(
             contact=held(carried, start, contacts.branch) / volume[:, None, None],
             kinetic=moving / volume[:, None, None],
             fabric=held(_outer(normal, normal), point) / held(one, point)[:, None, None],
             coordination_number=held(np.bincount(ends, minlength=len(mass)), position)
             / held(np.ones(len(mass)), position),
         )
-    return found if bins else Stress(*(each[0] for each in found))
+    return measured if bins else Stress(*(values[0] for values in measured))
 
 
 def _outer(first, second):
@@ -169,13 +174,13 @@ def _areas(planes, periods, axis, limits, bins):
         if period is not None and not (bins and other == axis):
             across = np.eye(2)[other]
             planes += [(*-across, 0.0), (*across, period)]
-    across, found = np.eye(2)[axis], []
+    across, areas = np.eye(2)[axis], []
     for low, high in pairwise(limits):
         sides = [(*-across, -low), (*across, high)] if bins else []
         corners = _corners(np.array(planes + sides).reshape(-1, 3))
         x, y = corners.T
-        found.append(0.5 * np.sum(np.roll(x, 1) * y - x * np.roll(y, 1)))
-    return np.array(found)
+        areas.append(0.5 * np.sum(np.roll(x, 1) * y - x * np.roll(y, 1)))
+    return np.array(areas)
 
 
 def _corners(planes):
@@ -197,8 +202,8 @@ def _corners(planes):
         corners = np.reshape(kept, (-1, 2))
     if (np.abs(corners) > 0.999 * far).any():
         raise InputError(
-            "the container of the bed is not closed, so that it has no area; give edges of bins along x or y "
-            "between which it is, such as y=(0, 0.02)."
+            "the container of the bed is not closed, so that it has no area; give edges of bins "
+            "along x or y between which it is, such as y=(0, 0.02)."
         )
     return corners
 

@@ -6,7 +6,6 @@ import numpy as np
 
 from dem.jit.block_memory import Lanes
 from dem.jit.compilation import inlined
-from dem.jit.optional import given, unless
 
 PATCH = 1024  # granules: what a patch needs fits into the second-level cache
 
@@ -14,8 +13,14 @@ PATCH = 1024  # granules: what a patch needs fits into the second-level cache
 class FrictionParameters(NamedTuple):
     """Friction of one kind of contact.
 
-    coefficient: Coulomb's mu; stiffness_ratio: 8 G* over 4/3 E*, times Friction.stiffness;
-    damping_ratio: tangential over normal damping, sqrt(k_t/k_n).
+    Attributes
+    ----------
+    coefficient : float
+        Coulomb's mu.
+    stiffness_ratio : float
+        8 G* over 4/3 E*, times Friction.stiffness.
+    damping_ratio : float
+        Tangential over normal damping, sqrt(k_t / k_n).
     """
 
     coefficient: float
@@ -26,17 +31,35 @@ class FrictionParameters(NamedTuple):
 class Contacts(NamedTuple):
     """Neighbour list: m candidate pairs, touching or not.
 
-    constituent, partner (m,): the constituent, and its partner: one with a higher index, or a boundary. force_row (m,): where the force on the partner is added, see Patches. first
-    (constituents + 1,): the pairs of constituent i are the rows first[i] to first[i + 1]; None for
-    walls and cylinder. stiffness (m,): 4/3 E* sqrt(R*), N m^-1.5. modulus: 4/3 E*, Pa. damping
-    (m,): alpha sqrt(m k), or None. mass_ratio (2, m): m/m* for a normal along x and along y, where a boundary
-    that is driven yields; None where none does: m is then m*. friction: its parameters, or None; what a frictional contact
-    remembers, or None: tangential_force (m,) of the spring (N), and sqrt_overlap (m,), the last one
-    (m^0.5). normal_x, normal_y (m,): last normal of two granules that are not round, or None.
-    shift_x, shift_y (m,): along a periodic side, whole periods (m) that lead from the place of the
-    partner to its image beside the constituent; None where the scene does not repeat itself. sizes
-    (s, m): the outlines of both constituents without cosine and sine, where Shape.lists_sizes; else, and
-    for walls and cylinder, None.
+    Attributes
+    ----------
+    first : ndarray of shape (constituents + 1,) or None
+        The pairs of constituent i are rows first[i] to first[i + 1]; None for walls and cylinder.
+    constituent, partner : ndarray of shape (m,)
+        The constituent and its partner: one with a higher index, or a boundary.
+    force_row : ndarray of shape (m,)
+        Row of World.constituent_force for the force on the partner, see Patches.
+    stiffness : ndarray of shape (m,)
+        4/3 E* sqrt(R*) (N m^-1.5).
+    modulus : float
+        4/3 E* (Pa).
+    damping : ndarray of shape (m,) or None
+        Dashpot constant alpha sqrt(m* k).
+    mass_ratio : ndarray of shape (2, m) or None
+        m/m* for a normal along x and along y, where a driven boundary yields; the dashpot constant
+        is then that of the mass m. None where none yields.
+    friction : FrictionParameters or None
+        Friction of these contacts.
+    tangential_force : ndarray of shape (m,) or None
+        Contact history: force of the tangential spring (N).
+    sqrt_overlap : ndarray of shape (m,) or None
+        Contact history: root of the overlap in the last step (m^0.5).
+    normal_x, normal_y : ndarray of shape (m,) or None
+        Normal in the last step, of granules that are not round.
+    shift_x, shift_y : ndarray of shape (m,) or None
+        Whole periods (m) from the partner to its image beside the constituent.
+    sizes : ndarray of shape (s, m) or None
+        Outlines of both constituents without cosine and sine, where Shape.lists_sizes.
     """
 
     first: np.ndarray | None
@@ -57,44 +80,67 @@ class Contacts(NamedTuple):
     sizes: np.ndarray | None
 
 
-PUSH, LIGHT, DAMPING = 0, 2, 4  # columns of Boundaries.drive
+EXTERNAL_FORCE, INVERSE_MASS, DAMPING = 0, 2, 4  # columns of Boundaries.drive
 
 
 class Boundaries(NamedTuple):
-    """What granules meet: r bodies, first the walls, then the cylinder, then groups of held granules.
+    """What granules meet: r bodies, first the walls, then the cylinder, then groups of held
+    granules.
 
-    motion (r, 8): rows of dem.jit.columns, always of half steps; the position is that of the cylinder, or
-    how far a wall or a group has moved since the start. reference (r, 2): positions (m) at which the
-    neighbour lists were made. force (r, 4): what the contacts exert on each now, as rows of dem.jit.columns,
-    without the torque. loads (r, 5): forces on each now, normal ones x and y, tangential ones x and y (N), and
-    the torque (N m). Of a wall x is along its normal (nx, ny) and y along (-ny, nx); of a group all forces are
-    in the first two. sums (r, 5): loads over time, as far as they have changed velocities. last (r, 2): the
-    accelerations of driven ones before (m/s2). clock (1,): time since the start (s).
-
-    What they are told, dem.motion as arrays: table (k, 4): rows (time in s, velocity x and y in m/s, spin
-    in rad/s) of all paths, one after the other, of which a constant velocity has two; first (r + 1,): those
-    of boundary b are first[b] to first[b + 1], none if it is driven. drive (r, 5): of a driven one, from
-    column PUSH the force from outside along x and y (N), from LIGHT the inverse of its mass (1/kg) along
-    both, zero where the velocity is kept, and in DAMPING the damping (N s/m).
+    Attributes
+    ----------
+    motion : ndarray of shape (r, 8)
+        Rows of dem.jit.columns, always of half steps. The position is that of the cylinder, or how
+        far a wall or a group has moved since the start.
+    reference : ndarray of shape (r, 2)
+        Positions (m) at which the neighbour lists were made.
+    force : ndarray of shape (r, 4)
+        Force of all contacts (N), as rows of dem.jit.columns, without the torque.
+    contact_forces : ndarray of shape (r, 5)
+        Normal forces x and y (N), tangential forces x and y (N), torque (N m). Of a wall x is along
+        its normal (nx, ny) and y along (-ny, nx). Of a group all forces are in the first two.
+    impulses : ndarray of shape (r, 5)
+        Integral of contact_forces over time, as far as they have changed velocities.
+    previous_acceleration : ndarray of shape (r, 2)
+        Accelerations of driven ones a step ago (m/s2).
+    time : ndarray of shape (1,)
+        Time since the start (s).
+    first_waypoint : ndarray of shape (r + 1,)
+        The waypoints of boundary b are rows first_waypoint[b] to first_waypoint[b + 1]; none if it
+        is driven.
+    waypoints : ndarray of shape (k, 4)
+        Time (s), velocity x and y (m/s) and spin (rad/s) of all paths, one after the other. A
+        constant velocity has two.
+    drive : ndarray of shape (r, 5)
+        Of a driven one: external force along x and y (N), inverse mass along x and y (1/kg; zero
+        where the velocity is kept), damping (N s/m).
     """
 
     motion: np.ndarray
     reference: np.ndarray
     force: np.ndarray
-    loads: np.ndarray
-    sums: np.ndarray
-    last: np.ndarray
-    clock: np.ndarray
-    first: np.ndarray
-    table: np.ndarray
+    contact_forces: np.ndarray
+    impulses: np.ndarray
+    previous_acceleration: np.ndarray
+    time: np.ndarray
+    first_waypoint: np.ndarray
+    waypoints: np.ndarray
     drive: np.ndarray
 
 
 class Surface(NamedTuple):
-    """What granules touch of the boundaries first to end (excluded): walls, or the cylinder.
+    """Boundaries first to end (excluded) that granules touch: the walls, or the cylinder.
 
-    planes (w, 3): of walls, rows (nx, ny, offset), solid where n.x > offset; else None. radius (m): of
-    the cylinder; else None.
+    Attributes
+    ----------
+    first, end : int
+        Rows of Boundaries.
+    planes : ndarray of shape (w, 3) or None
+        Rows (nx, ny, offset) of walls, solid where n.x > offset.
+    radius : float or None
+        Radius of the cylinder (m).
+    contacts : Contacts
+        Neighbour list.
     """
 
     first: int
@@ -105,10 +151,18 @@ class Surface(NamedTuple):
 
 
 class HeldGroups(NamedTuple):
-    """Granules that move as boundaries do; in World.inverse_mass they have zeros.
+    """Granules that move as boundaries do; their World.inverse_mass is zero.
 
-    first: their first boundary. group (n,): the one that each granule belongs to, -1 for a free one.
-    member (h,): the held granules, in ascending order; start (h, 2): where they were at the start (m).
+    Attributes
+    ----------
+    first : int
+        First boundary that is a group.
+    group : ndarray of shape (n,)
+        Boundary that each granule belongs to, -1 for a free one.
+    member : ndarray of shape (h,)
+        Held granules in ascending order.
+    start : ndarray of shape (h, 2)
+        Where they were at the start (m).
     """
 
     first: int
@@ -122,10 +176,18 @@ class Patches(NamedTuple):
 
     A pair of two patches writes the force on its second constituent to a row of its own, after the
     rows of the constituents in World.constituent_force. No two threads then write to one place, and
-    sums have the same order for any number of threads. target (h,): the constituent that each of
-    these rows is for; incoming (h,): the rows sorted by the patch of that constituent; first
-    (patches + 1,): where in incoming each patch begins. lowest (patches,): of each patch, the lowest one
-    whose pairs reach it; -1 if a boundary does.
+    sums have the same order for any number of threads.
+
+    Attributes
+    ----------
+    target : ndarray of shape (h,)
+        The constituent that each of these rows is for.
+    incoming : ndarray of shape (h,)
+        These rows, sorted by the patch of that constituent.
+    first : ndarray of shape (patches + 1,)
+        Where each patch begins in `incoming`.
+    lowest : ndarray of shape (patches,)
+        Lowest patch whose pairs reach each patch; -1 if a boundary does.
     """
 
     target: np.ndarray
@@ -137,27 +199,59 @@ class Patches(NamedTuple):
 class World(NamedTuple):
     """Everything that moves, with its contacts.
 
-    bodies (n, 8) and force (n, 4): rows of dem.jit.columns for the granules; constituents and
-    constituent_force the same for their constituents (the same arrays where a granule is its own
-    only one); with patches there are more rows of forces than constituents, see Patches. angle (n,)
-    in rad; frame (n, 2): its cosine and sine, None for discs. inverse_mass (n,) in 1/kg,
-    inverse_inertia (n,) in 1/(kg m2), None where nothing turns. gravity (2,) in m/s2, or None.
-    reference (constituents, 2): positions (m) at which the neighbour lists were made. last (n, 4): the
-    accelerations before those of `force` (m/s2, rad/s2), None where no contact has a dashpot. lanes: scratch.
-    patches: None for a bed of one. held: granules that are a boundary, or None.
+    Attributes
+    ----------
+    shape : Shape
+        Sizes of the granules.
+    bodies : ndarray of shape (n, 8)
+        Motion of the granules: rows of dem.jit.columns.
+    angle : ndarray of shape (n,)
+        Angles (rad).
+    orientation : ndarray of shape (n, 2) or None
+        Cosine and sine of the angles; None for discs.
+    inverse_mass : ndarray of shape (n,)
+        1/m (1/kg).
+    inverse_inertia : ndarray of shape (n,) or None
+        1/I (1/(kg m2)); None where nothing turns.
+    force : ndarray of shape (n, 4)
+        Forces and torques: rows of dem.jit.columns.
+    constituents : ndarray of shape (constituents, 8)
+        Motion of the constituents; `bodies` where a granule is its own only one.
+    constituent_force : ndarray of shape (constituents or more, 4)
+        Forces on the constituents, then rows for Patches; `force` where a granule is its own only
+        one.
+    reference : ndarray of shape (constituents, 2)
+        Positions (m) at which the neighbour lists were made.
+    previous_acceleration : ndarray of shape (n, 4) or None
+        Accelerations (m/s2, rad/s2) a step before those of `force`; None where no contact has a
+        dashpot.
+    pairs : Contacts
+        Contacts between granules.
+    boundaries : Boundaries
+        Walls, cylinder and held groups.
+    walls, cylinder : Surface or None
+        Contacts with them.
+    gravity : ndarray of shape (2,) or None
+        Acceleration (m/s2).
+    lanes : Lanes
+        Scratch memory.
+    patches : Patches or None
+        None for a bed of one patch.
+    held : HeldGroups or None
+        Held granules.
     """
 
     shape: tuple
     bodies: np.ndarray
     angle: np.ndarray
-    frame: np.ndarray | None
+    orientation: np.ndarray | None
     inverse_mass: np.ndarray
     inverse_inertia: np.ndarray | None
     force: np.ndarray
     constituents: np.ndarray
     constituent_force: np.ndarray
     reference: np.ndarray
-    last: np.ndarray | None
+    previous_acceleration: np.ndarray | None
     pairs: Contacts
     boundaries: Boundaries
     walls: Surface | None
@@ -175,7 +269,7 @@ def at_full_steps(world):
     So it is where nothing turns and contacts have dashpots: all kinds of contact, or none.
     dem.contacts.blocks.gather relies on it.
     """
-    return unless(world.inverse_inertia, given(world.pairs.damping, True))
+    return True if world.inverse_inertia is None and world.pairs.damping is not None else None
 
 
 @inlined

@@ -30,7 +30,7 @@ from dem.base.schema import (
     value,
 )
 from dem.base.sources import code_hash
-from dem.experiment.fit import check_room
+from dem.experiment.box import check_room
 from dem.experiment.kinds import EXPERIMENTS, Experiment
 from dem.experiment.sections import (
     CylinderSection,
@@ -219,7 +219,7 @@ class Configuration(Section):
         self.module.check(self)
         return self
 
-    def code_of(self, *modules: str, shapes: Iterable[str]) -> str:
+    def code_of(self, *modules: str, shapes: Iterable[str] = ()) -> str:
         """SHA-256 of the code that modules and some shapes depend on."""
         return code_hash(*modules, *sorted({self.kind_of(shape).module for shape in shapes}))
 

@@ -1,11 +1,13 @@
 """How beds are drawn: true outlines, walls and cylinder to scale, coloured by what is asked for."""
 
+from itertools import product
+
 import numpy as np
-from matplotlib.collections import LineCollection, PolyCollection
-from matplotlib.patches import Circle, PathPatch
+from matplotlib.collections import EllipseCollection, LineCollection, PolyCollection
+from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 
-from dem.experiment.flow_measures import layers_of
+from dem.experiment.observables.flow import layers_of
 from dem.figures import style
 from dem.periodic import wrapped
 from dem.scene import walls_of
@@ -49,95 +51,91 @@ def edges(planes, view) -> tuple[np.ndarray, np.ndarray]:
     return sides[(off < 1e-9 * (right - left + high - low)).any(axis=1)], space
 
 
-def images(place, reach, view, periodic):
-    """Where bodies at places (n, 2) in m are seen in a view: (m, 2) in m, and whose each is (m,).
-
-    Along a periodic side a body is seen once a period. reach (n,): radius (m) of the circle about
-    it that holds it.
-    """
-    found, owner = wrapped(place, periodic), np.arange(len(place))
-    for axis, period in enumerate(periodic or ()):
-        if period is not None:
-            turns = np.repeat([-period, 0.0, period], len(found))
-            found, owner = np.tile(found, (3, 1)), np.tile(owner, 3)
-            found[:, axis] += turns
-            at, far = found[:, axis], reach[owner]
-            seen = (at + far > view[0, axis]) & (at - far < view[1, axis])
-            found, owner = found[seen], owner[seen]
-    return found, owner
+def shifts(periodic) -> np.ndarray:
+    """Where a body of a periodic box is seen: displacements (k, 2) in m, (0, 0) alone without
+    periods."""
+    turns = ([0.0] if not each else [-each, 0.0, each] for each in periodic or (None, None))
+    return np.array(list(product(*turns)))
 
 
 class Drawing:
     """Granules, walls and cylinder on axes; lengths in m. What is drawn can be moved, for films.
 
-    rings: outlines; view: lower left and upper right corner; diameter: of the cylinder, None without
-    one; periodic: periods as of dem.Scene; hatched: hatch what is solid, and number the axes in mm; else draw the
-    box alone.
+    rings: outlines; view: lower left and upper right corner; diameter: of the cylinder, None
+    without one; periodic: periods as of dem.Scene; hatched: hatch what is solid, and number the
+    axes in mm; else draw the box alone.
     """
 
     def __init__(self, axes, rings, view, diameter, periodic=None, hatched=False):
-        self.axes, self.rings, self.per = axes, rings, rings.shape[1]
-        self.view, self.periodic = np.asarray(view), periodic
-        self.reach = np.hypot(rings[..., 0], rings[..., 1]).max(axis=(1, 2))
+        self.rings, self.view, self.periodic = rings, np.asarray(view), periodic
+        self.shifts = shifts(periodic)
         self.granules = PolyCollection([], **EDGE, zorder=1)
         self.joints = LineCollection([], colors=style.OUTLINE, linewidths=1.1, zorder=1.5)
         self.forces = LineCollection([], colors="#b34700", capstyle="round", zorder=2)
-        self.radius = 0.5 * (diameter or 0.0)
-        most = 2 ** sum(period is not None for period in periodic or ())  # in view at once
-        self.cylinders = [Circle((0.0, 0.0), 1e3 * self.radius, **STEEL) for _ in range(most)]
+        width = [1e3 * (diameter or 0.0)]
+        self.cylinder = EllipseCollection(
+            width, width, [0.0], units="xy", offset_transform=axes.transData, **STEEL
+        )
         self.walls = LineCollection(
             [], colors="black", linewidths=1.4, capstyle="projecting", zorder=1
         )
-        self.parts = [self.granules, self.joints, self.forces, self.walls]
-        for each in self.parts:
+        self.cylinder.set_visible(diameter is not None)
+        for each in (self.granules, self.joints, self.forces, self.cylinder, self.walls):
             axes.add_collection(each, autolim=False)
         self.solid = PathPatch(Path(np.empty((0, 2))), **SOLID)
         if hatched:
-            self.parts += [axes.add_patch(self.solid), *axes.spines.values()]
+            axes.add_patch(self.solid)
             axes.set(xlabel="x (mm)", ylabel="y (mm)")
         else:
             axes.set_axis_off()
-        if diameter is not None:
-            self.parts += [axes.add_patch(each) for each in self.cylinders]
         axes.set(xlim=1e3 * self.view[:, 0], ylim=1e3 * self.view[:, 1], aspect="equal")
         axes.grid(visible=False)
 
     def move(self, position, angle, cylinder, walls) -> None:
-        """Granules to positions (n, 2) in m and angles (n,) in rad; the cylinder to (x, y) in m; walls
-        to planes (w, 3) as of dem.Scene."""
+        """Granules to positions (n, 2) in m and angles (n,) in rad; the cylinder to (x, y) in m,
+        None without one; walls to planes (w, 3) as of dem.Scene."""
         lines, space = edges(walls, self.view)
         self.walls.set_segments(1e3 * lines)
         (left, low), (right, high) = self.view
         around = np.array([[left, low], [left, high], [right, high], [right, low]])  # clockwise
         rings = [1e3 * each[[*range(len(each)), 0]] for each in (around, space)]
         self.solid.set_path(Path.make_compound_path(*map(Path, rings)))
-        place, self.owner = images(np.asarray(position), self.reach, self.view, self.periodic)
-        placed_rings = placed(self.rings[self.owner], place, np.asarray(angle)[self.owner])
-        self.granules.set_verts(placed_rings)
-        if self.per > 1:  # a line from part to part tells which belong together
-            self.joints.set_segments(placed_rings.mean(axis=1).reshape(-1, self.per, 2))
+        rings = placed(self.rings, wrapped(np.asarray(position), self.periodic), np.asarray(angle))
+        rings = self._images(rings)
+        self.granules.set_verts(rings)
+        if (
+            parts := self.rings.shape[1]
+        ) > 1:  # a line from part to part tells which belong together
+            self.joints.set_segments(rings.mean(axis=1).reshape(-1, parts, 2))
         if cylinder is not None:
-            axis, reach = np.array([cylinder], float), np.array([self.radius])
-            seen, _ = images(axis, reach, self.view, self.periodic)
-            for number, each in enumerate(self.cylinders):
-                each.set_visible(number < len(seen))
-            for each, (x, y) in zip(self.cylinders, seen, strict=False):
-                each.center = 1e3 * x, 1e3 * y
+            axis = wrapped(np.array([[cylinder]], float), self.periodic)
+            self.cylinder.set_offsets(self._images(1e3 * axis)[:, 0])
+
+    def _images(self, lines) -> np.ndarray:
+        """Lines (m, points, 2) in mm with their periodic images (k m, points, 2)."""
+        return (lines + 1e3 * self.shifts[:, None, None]).reshape(-1, *lines.shape[1:])
 
     def paint(self, colors) -> None:
         """Colours (n, ...), one per granule."""
-        colors = np.asarray(colors)[self.owner]
-        self.granules.set_facecolor(np.repeat(colors, self.per, axis=0))
+        self.granules.set_facecolor(self._parts(colors))
+
+    def shade(self, values) -> None:
+        """Colours by numbers (n,), one per granule, on the scale of `granules`."""
+        self.granules.set_array(self._parts(values))
+
+    def _parts(self, values) -> np.ndarray:
+        """Of each granule its value for all its parts and images."""
+        return np.concatenate([np.repeat(values, self.rings.shape[1], axis=0)] * len(self.shifts))
 
     def push(self, segments, forces, largest: float) -> None:
-        """Lines (m, 2, 2) in m with the width of the force (m,) in N; the largest is 4 points wide."""
-        segments, forces = np.asarray(segments), np.asarray(forces)
-        if self.periodic is not None:
-            middle, ends = segments.mean(axis=1), segments[:, 1] - segments[:, 0]
-            place, owner = images(middle, 0.5 * np.hypot(*ends.T), self.view, self.periodic)
-            segments, forces = segments[owner] + (place - middle[owner])[:, None], forces[owner]
-        self.forces.set_segments(1e3 * segments)
-        self.forces.set_linewidths(4.0 * np.minimum(forces / largest, 1.5))
+        """Lines (m, 2, 2) in m with the width of the force (m,) in N; the largest is 4 points
+        wide."""
+        middle = np.asarray(segments).mean(axis=1, keepdims=True)
+        inside = segments - middle + wrapped(middle, self.periodic)
+        self.forces.set_segments(self._images(1e3 * inside))
+        self.forces.set_linewidths(
+            np.tile(4.0 * np.minimum(forces / largest, 1.5), len(self.shifts))
+        )
 
 
 def box_walls(width: float, height: float, periodic) -> np.ndarray:
@@ -153,7 +151,8 @@ def box_view(width: float, height: float) -> np.ndarray:
 
 
 def cluster_colors(start, axis, diameter: float) -> np.ndarray:
-    """Colours (n,) that shade what begins in front of the cylinder: as wide as it is, AHEAD of it."""
+    """Colours (n,) that shade what begins in front of the cylinder: as wide as it is, AHEAD of
+    it."""
     aside, above = np.moveaxis(start - np.asarray(axis), -1, 0)
     ahead = (above > 0.0) & (above < (0.5 + AHEAD) * diameter)
     return np.where(ahead & (np.abs(aside) < 0.5 * diameter), SHADED, PLAIN)

@@ -9,7 +9,7 @@ from dem.base.files import atomic
 from dem.dynamics.contact_list import CYLINDER
 from dem.experiment.motion import Motion
 from dem.figures.bed import placed
-from dem.figures.frames import of_motion
+from dem.figures.frames import mean_velocity
 from dem.periodic import wrapped
 
 PVD = """<?xml version="1.0"?>
@@ -22,11 +22,11 @@ PVD = """<?xml version="1.0"?>
 def export(motion: Motion, path: Path, progress=lambda done: None) -> None:
     """Write the snapshots beside a .pvd file, the one to open, with its name and a number.
 
-    Granules are polygons with their true outline; data of each: number, volume diameter (m), angle (rad),
-    velocity (m/s), the mean since the snapshot before, and the sum of its normal forces (N). The cylinder
-    is one polygon more, number -1. Contacts are lines from centre to centre, number -2, with their normal
-    force. Lengths in m; time is the displacement. What has left through a periodic side is put back
-    into the box.
+    Granules are polygons with their true outline, a dumbbell two; data of each: number, volume
+    diameter (m), angle (rad), velocity (m/s), the mean since the snapshot before, and the sum of
+    its normal forces (N). The cylinder is one polygon more, number -1. Contacts are lines from
+    centre to centre, number -2, with their normal force. Lengths in m; time is the displacement.
+    What has left through a periodic side is put back into the box.
     """
     lines = []
     for snapshot, displacement in enumerate(motion.displacement):
@@ -40,43 +40,37 @@ def export(motion: Motion, path: Path, progress=lambda done: None) -> None:
 
 
 def _mesh(motion: Motion, snapshot: int) -> meshio.Mesh:
-    rings = _joined(motion.outlines[:, :, :-1])  # the last point is the first
+    rings = motion.outlines[:, :, :-1]  # the last point is the first
+    count, parts, corners, _ = rings.shape
     place = wrapped(motion.position[snapshot], motion.periodic)
-    outlines = 1e-3 * placed(rings[:, None], place, motion.angle[snapshot])
-    own, count = motion.replicate.configuration, rings.shape[1]
-    turn = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
-    circle = 0.5 * own.cylinder.diameter * np.column_stack([np.cos(turn), np.sin(turn)])
-    axis = np.array([0.5 * own.box_width, motion.cylinder_y[snapshot]])
+    configuration = motion.replicate.configuration
+    turn = np.linspace(0.0, 2.0 * np.pi, corners, endpoint=False)
+    circle = 0.5 * configuration.cylinder.diameter * np.column_stack([np.cos(turn), np.sin(turn)])
+    axis = np.array([0.5 * configuration.box_width, motion.cylinder_y[snapshot]])
     circle += wrapped(axis, motion.periodic)
+    outlines = 1e-3 * placed(rings, place, motion.angle[snapshot])
     polygons = np.concatenate([outlines, circle[None]])
     contacts = motion.contacts(snapshot)
     first = place[contacts.granule]
     points = np.concatenate([polygons.reshape(-1, 2), first, first + contacts.branch])
-    points = np.pad(points, ((0, 0), (0, 1)))
-    corners = np.arange(polygons.size // 2).reshape(len(polygons), count)
+    cells = np.arange(polygons.size // 2).reshape(len(polygons), corners)
     ends = polygons.size // 2 + np.arange(2 * len(first)).reshape(2, -1).T
-    felt, bodies = np.zeros(len(polygons)), contacts.partner >= CYLINDER  # the last polygon
-    np.add.at(felt, contacts.granule, contacts.force)
-    np.add.at(felt, contacts.partner[bodies], contacts.force[bodies])
-    velocity = of_motion(motion).velocity(snapshot), [[0.0, own.cylinder.velocity]]
-    gap = np.full(len(first), np.nan)
-    data = {
-        "granule": [np.append(np.arange(len(rings)), -1), np.full(len(first), -2)],
-        "diameter": [np.append(motion.diameters, own.cylinder.diameter), gap],
-        "angle": [np.append(motion.angle[snapshot], 0.0), gap],
-        "velocity": [np.pad(np.concatenate(velocity), ((0, 0), (0, 1))), np.stack(3 * [gap], axis=1)],
-        "force": [felt, contacts.force],
+    force, bodies = np.zeros(count + 1), contacts.partner >= CYLINDER  # the last polygon
+    np.add.at(force, contacts.granule, contacts.force)
+    np.add.at(force, contacts.partner[bodies], contacts.force[bodies])
+    velocity = np.vstack([mean_velocity(motion, snapshot), [0.0, configuration.cylinder.velocity]])
+    of_bodies = {
+        "granule": np.append(np.arange(count), -1),
+        "diameter": np.append(motion.diameters, configuration.cylinder.diameter),
+        "angle": np.append(motion.angle[snapshot], 0.0),
+        "velocity": np.pad(velocity, ((0, 0), (0, 1))),
+        "force": force,
     }
-    return meshio.Mesh(points, [("polygon", corners), ("line", ends)], cell_data=data)
-
-
-def _joined(rings: np.ndarray) -> np.ndarray:
-    """One outline a granule (n, q, 2) of rings (n, r, p, 2) that touch, through the points where they do."""
-    found = rings[:, 0]
-    for ring in np.moveaxis(rings[:, 1:], 1, 0):
-        apart = np.linalg.norm(found[0, :, None] - ring[0], axis=-1)
-        at, other = np.unravel_index(apart.argmin(), apart.shape)
-        found = np.concatenate(
-            [found[:, : at + 1], np.roll(ring, -other, axis=1)[:, 1:], found[:, at:]], axis=1
-        )
-    return found
+    body = np.append(np.repeat(np.arange(count), parts), count)  # of each polygon
+    gaps = {"granule": np.full(len(first), -2), "force": contacts.force}
+    data = {
+        name: [values[body], gaps.get(name, np.full((len(first), *values.shape[1:]), np.nan))]
+        for name, values in of_bodies.items()
+    }
+    points = np.pad(points, ((0, 0), (0, 1)))
+    return meshio.Mesh(points, [("polygon", cells), ("line", ends)], cell_data=data)

@@ -25,9 +25,15 @@ def plot(dataset: xr.Dataset) -> Figure:
         own = numbers.sel(case=label)
         look = style.look(own)  # by the kind of its granules
         top = style.bar(
-            axes, place, 0.62, own, color=look.fill, edgecolor=look.color, hatch=look.hatch,
+            axes,
+            place,
+            0.62,
+            own,
+            color=look.fill,
+            edgecolor=look.color,
+            hatch=look.hatch,
             label=f"mean of {style.runs(numbers)}",
-        )  # fmt: skip
+        )
         value = style.value(float(own["mean"]), float(own["half_interval"]), "N")
         style.write_above(axes, place, top, value)
     ticks = [f"{label}\n" + style.describe(numbers.sel(case=label), "\n") for label in labels]

@@ -8,9 +8,6 @@ import matplotlib
 import numpy as np
 from imageio_ffmpeg import get_ffmpeg_exe
 from matplotlib.animation import FFMpegWriter, PillowWriter
-from matplotlib.artist import Artist
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 
@@ -20,40 +17,17 @@ from dem.dynamics.result import Result
 from dem.experiment.motion import Motion
 from dem.figures import bed, style
 from dem.figures.frames import Frames, frames_of
-from dem.periodic import nearest_image
 
 FILMS, PICTURES = (".mp4", ".gif"), (".png", ".svg", ".pdf")
-WORDS = {"speed": "speed", "force": "sum of normal forces", "layer": "layers",
-         "cluster": "granules ahead of the cylinder"}  # fmt: skip
+WORDS = {
+    "speed": "speed",
+    "force": "sum of normal forces",
+    "layer": "layers",
+    "cluster": "granules ahead of the cylinder",
+}
 SIZE, DPI = (12.8, 7.2), 100  # 720p
-MAP = "viridis"
 SECONDS = 10.0  # of a film
 RC = style.RC | {"font.size": 13.0}
-
-
-class Stage(Figure):
-    """A figure for films: it draws what does not move once."""
-
-    moving: tuple[Artist, ...] = ()
-
-    def begin(self, moving: list[Artist]) -> None:
-        """Draw all but what moves, which is in the order in which it is drawn from now on."""
-        for artist in moving:
-            artist.set_animated(True)
-        self.pixels = FigureCanvasAgg(self)
-        self.pixels.draw()
-        self.rest = self.pixels.copy_from_bbox(self.bbox)
-        self.moving = tuple(moving)
-
-    def savefig(self, fname, **options) -> None:
-        """As of any figure; in a film, the pixels of a frame, which its writer asks for."""
-        if not self.moving:
-            super().savefig(fname, **options)
-            return
-        self.pixels.restore_region(self.rest)
-        for artist in self.moving:
-            artist.draw(self.pixels.get_renderer())
-        fname.write(self.pixels.buffer_rgba())
 
 
 class Scene:
@@ -64,7 +38,7 @@ class Scene:
 
     def __init__(
         self, frames: Frames, color: str, forces: bool, shown=None, beside=True, size=SIZE
-    ):  # fmt: skip
+    ):
         known = "speed", "force", *frames.paints
         if color not in known:
             raise InputError(f"color is {color!r}; it must be one of {', '.join(known)}.")
@@ -74,7 +48,7 @@ class Scene:
         self.contacts = {each: _contacts(frames, each) for each in felt}
         pushing = (each.max(initial=0.0) for _, each, _ in self.contacts.values())
         self.largest = max(pushing, default=0.0) or 1.0  # force at a contact (N)
-        self.figure = Stage(figsize=size, dpi=DPI)
+        self.figure = Figure(figsize=size, dpi=DPI)
         beside = beside and frames.record is not None
         left, *right = self.figure.subplots(
             1, 1 + beside, width_ratios=(1.15, 1.0)[: 1 + beside], squeeze=False
@@ -82,7 +56,8 @@ class Scene:
         self.bed = bed.Drawing(
             left, frames.rings, frames.view, frames.diameter, frames.periodic, not frames.boxed
         )
-        self.map = self._scale(left)
+        if color not in frames.paints:
+            self._scale()
         self.mark = None
         if beside:
             frames.record(right[0])
@@ -96,37 +71,26 @@ class Scene:
         self.figure.draw_without_rendering()
         self.figure.set_layout_engine("none")  # laid out once: that takes as long as drawing
 
-    @property
-    def moving(self) -> list[Artist]:
-        """What is not the same in all frames, and what is drawn over it, from below."""
-        bed = sorted(self.bed.parts, key=Artist.get_zorder)
-        over = [] if self.mark is None else [self.mark, self.mark.axes.get_legend()]
-        return [each for each in (*bed, *over, self.caption) if each is not None]
-
-    def _scale(self, axes):
-        """Colour scale of speeds or forces, None for layers and cluster."""
-        if self.color == "speed":
-            scale, words = Normalize(0.0, self.frames.fastest), "Speed (m/s)"
-        elif self.color == "force":
+    def _scale(self):
+        """Colour scale of speeds or forces; none for layers and cluster."""
+        granules, scale = self.bed.granules, Normalize(0.0, self.frames.fastest)
+        words = "Speed (m/s)"
+        if self.color == "force":
             scale = LogNorm(1e-3 * self.largest, 2.0 * self.largest)
-            words = "Sum of normal forces (N)"
-            words += "" if self.frames.boxed else "; white: none"
-        else:
-            return None
-        mapped = ScalarMappable(scale, MAP)
-        self.figure.colorbar(mapped, ax=axes, label=words, shrink=0.8)
-        return mapped
+            words = "Sum of normal forces (N)" + ("" if self.frames.boxed else "; white: none")
+        granules.set(norm=scale, cmap="viridis")
+        self.figure.colorbar(granules, ax=granules.axes, label=words, shrink=0.8)
 
     def show(self, frame: int) -> None:
         """Draw one frame."""
         frames = self.frames
         cylinder = None if frames.cylinder is None else frames.cylinder[frame]
         self.bed.move(frames.position[frame], frames.angle[frame], cylinder, frames.walls[frame])
-        if (colors := frames.paints.get(self.color)) is None:
-            moved = self.color == "speed"
+        if self.color in frames.paints:
+            self.bed.paint(frames.paints[self.color])
+        else:
             speed = np.linalg.norm(frames.velocity(frame), axis=-1)
-            colors = self.map.to_rgba(speed if moved else self.contacts[frame][2])
-        self.bed.paint(colors)
+            self.bed.shade(speed if self.color == "speed" else self.contacts[frame][2])
         if self.forces:
             segments, forces, _ = self.contacts[frame]
             self.bed.push(segments, forces, self.largest)
@@ -136,16 +100,13 @@ class Scene:
 
 
 def _contacts(frames: Frames, frame: int):
-    """Segments (m, 2, 2) in m across contacts, forces (m,) and, by granule, their sums (n,) in N."""
-    touching, place = frames.contacts(frame), frames.position[frame]
-    start = place[touching.granule]
-    between = touching.partner >= 0
-    end = np.where(between[:, None], place[np.where(between, touching.partner, 0)], touching.point)
-    if frames.periodic is not None:
-        end = start + nearest_image(end - start, frames.periodic)
-    total = np.bincount(touching.granule, touching.force, len(place))
-    total += np.bincount(touching.partner[between], touching.force[between], len(place))
-    return np.stack([start, end], axis=1), touching.force, total
+    """Segments (m, 2, 2) in m across contacts, forces (m,) and, by granule, their sums (n,) in
+    N."""
+    touching, count = frames.contacts(frame), len(frames.position[frame])
+    start, between = frames.position[frame][touching.granule], touching.partner >= 0
+    total = np.bincount(touching.granule, touching.force, count)
+    total += np.bincount(touching.partner[between], touching.force[between], count)
+    return np.stack([start, start + touching.branch], axis=1), touching.force, total
 
 
 def picture(
@@ -242,7 +203,6 @@ def film(
         with atomic(path) as part:
             target = part if encoded else part.with_suffix(".gif")
             with writer.saving(scene.figure, str(target), DPI):
-                scene.figure.begin(scene.moving)
                 for frame in range(count):
                     scene.show(frame)
                     writer.grab_frame()

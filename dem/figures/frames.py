@@ -1,7 +1,8 @@
-"""What is drawn over time: the snapshots of a run of the paper, or the frames of a user's result."""
+"""What is drawn over time: the snapshots of a run of the paper, or the frames of a user's
+result."""
 
-import math
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -9,14 +10,19 @@ import numpy as np
 from dem.base.validate import one_of
 from dem.dynamics.contact_list import ContactList
 from dem.dynamics.result import Result
-from dem.experiment.flow_measures import LAYERS
 from dem.experiment.motion import Motion
+from dem.experiment.observables.flow import LAYERS
 from dem.figures import bed, style
 from dem.periodic import Periods
 
 MARGIN = 0.05  # of the view of a result, around what it shows
-CURVES = ((style.CURVE, "-"), ("#b34700", (0, (5, 1.5))), ("#5b4a8a", (0, (1, 1))),
-          ("0.45", "-"), ("#6fae8a", (0, (3, 1, 1, 1))))  # fmt: skip
+CURVES = (
+    (style.CURVE, "-"),
+    ("#b34700", (0, (5, 1.5))),
+    ("#5b4a8a", (0, (1, 1))),
+    ("0.45", "-"),
+    ("#6fae8a", (0, (3, 1, 1, 1))),
+)
 SIDES = {(-1, 0): " (left)", (1, 0): " (right)", (0, -1): " (bottom)", (0, 1): " (top)"}
 UNITS = ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns"))
 
@@ -24,11 +30,19 @@ UNITS = ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns"))
 class Frames(NamedTuple):
     """f frames of n granules, SI units.
 
-    title: None for none. velocity(frame) (n, 2) and contacts(frame) are asked for when they are drawn.
-    walls (f, w, 3): planes as of dem.Scene; view: as of bed.Drawing. cylinder (f, 2): its places, None without one.
-    fastest: top of the scale of speeds. paints (n,): colours that stay, by what they show. captions: of the frames. boxed: draw the box alone,
-    without numbers. record(axes): draws curves beside the bed, None without any; marks (f,): where
-    on their horizontal axis a frame is. periodic: periods as of dem.Scene.
+    title:    None for none
+    position, angle, rings: of granules (f, n, 2), (f, n) and outlines at angle zero
+    walls:    planes (f, w, 3) as of dem.Scene
+    view:     as of bed.Drawing
+    cylinder: its places (f, 2), None without one, and its diameter
+    velocity, contacts: functions of a frame, called when it is drawn
+    fastest:  top of the scale of speeds
+    paints:   colours (n,) that stay, by what they show
+    captions: of the frames
+    boxed:    draw the box alone, without numbers
+    record:   function that draws curves on axes beside the bed, None without any
+    marks:    where on the horizontal axis of the record a frame is (f,)
+    periodic: periods as of dem.Scene
     """
 
     title: str | None
@@ -57,39 +71,50 @@ def frames_of(source: Result | Motion) -> Frames:
 
 def of_motion(motion: Motion) -> Frames:
     """Frames of a run of the paper: the bed in its box, and the drag along the stroke."""
-    run, own = motion.replicate, motion.replicate.configuration
-    width, size, velocity = own.box_width, own.cylinder.diameter, own.cylinder.velocity
+    run, values = motion.replicate, motion.replicate.configuration
+    width, size = values.box_width, values.cylinder.diameter
     axis = np.column_stack([np.full_like(motion.cylinder_y, 0.5 * width), motion.cylinder_y])
     moved = style.millimetres(motion.displacement)
-
-    def mean_velocity(snapshot):
-        """Since the last snapshot, or until the next for the first."""
-        first = max(snapshot - 1, 0)
-        way = motion.position[first + 1] - motion.position[first]
-        return way / (motion.displacement[first + 1] - motion.displacement[first]) * velocity
 
     def record(axes):
         if motion.drag is not None:
             x = style.millimetres(motion.drag_displacement)
             axes.plot(x, motion.drag, color=style.CURVE, linewidth=0.8)
             axes.set_ylim(bottom=min(0.0, motion.drag.min()))
-        axes.set(xlabel="Displacement of the cylinder (mm)", ylabel="Drag (N)",
-                 xlim=(0.0, moved[-1]))  # fmt: skip
+        axes.set(
+            xlabel="Displacement of the cylinder (mm)", ylabel="Drag (N)", xlim=(0.0, moved[-1])
+        )
 
     return Frames(
         title=f"{run.label}, {run.density:g} kg/m³, seed {run.seed}",
-        position=motion.position, angle=motion.angle, rings=motion.outlines,
+        position=motion.position,
+        angle=motion.angle,
+        rings=motion.outlines,
         walls=np.array([bed.box_walls(width, each, motion.periodic) for each in motion.height]),
         view=bed.box_view(width, motion.height.max()),
-        cylinder=axis, diameter=size, velocity=mean_velocity, contacts=motion.contacts, fastest=velocity,
+        cylinder=axis,
+        diameter=size,
+        velocity=partial(mean_velocity, motion),
+        contacts=motion.contacts,
+        fastest=values.cylinder.velocity,
         paints={
             "layer": bed.layer_colors(motion.position[0], motion.height[0], LAYERS),
             "cluster": bed.cluster_colors(motion.position[0], axis[0], size),
         },
         captions=[f"{float(each):.2f} mm" for each in moved],
         boxed=True,
-        record=record, marks=moved, periodic=motion.periodic,
-    )  # fmt: skip
+        record=record,
+        marks=moved,
+        periodic=motion.periodic,
+    )
+
+
+def mean_velocity(motion: Motion, snapshot: int) -> np.ndarray:
+    """Of granules (n, 2) in m/s, since the snapshot before, or until the next for the first."""
+    first = max(snapshot - 1, 0)
+    way = motion.position[first + 1] - motion.position[first]
+    moved = motion.displacement[first + 1] - motion.displacement[first]
+    return way / moved * motion.replicate.configuration.cylinder.velocity
 
 
 def of_result(result: Result) -> Frames:
@@ -98,41 +123,55 @@ def of_result(result: Result) -> Frames:
     scene, cylinder = result.scene, result.cylinder_position
     low, high = np.quantile(result.position[0, :, 1], [0.0, 1.0])
     time, unit = in_units(result.time)
-    interval = time[-1] / max(len(time) - 1, 1) or 1.0
-    digits = max(0, 1 - math.floor(math.log10(interval)))
     groups = forces_of(result)
     return Frames(
-        title=None, position=result.position, angle=result.angle, rings=scene.shape.polygons(),
-        walls=result.walls, view=_view(result), cylinder=cylinder,
+        title=None,
+        position=result.position,
+        angle=result.angle,
+        rings=scene.shape.polygons(),
+        walls=result.walls,
+        view=_view(result),
+        cylinder=cylinder,
         diameter=None if scene.cylinder is None else scene.cylinder.diameter,
-        velocity=result.velocity.__getitem__, contacts=result.contacts,
+        velocity=result.velocity.__getitem__,
+        contacts=result.contacts,
         fastest=float(np.linalg.norm(result.velocity, axis=-1).max()) or 1.0,
-        paints={"layer": bed.layer_colors(result.position[0] - [0.0, low], high - low or 1.0, LAYERS)},
-        captions=[f"t = {each:.{digits}f} {unit}" for each in time], boxed=False,
-        record=(lambda axes: draw_forces(axes, result, groups[0])) if groups else None, marks=time,
+        paints={
+            "layer": bed.layer_colors(result.position[0] - [0.0, low], high - low or 1.0, LAYERS)
+        },
+        captions=[f"t = {each:.4g} {unit}" for each in time],
+        boxed=False,
+        record=(lambda axes: draw_forces(axes, result, groups[0])) if groups else None,
+        marks=time,
         periodic=scene.periodic,
-    )  # fmt: skip
+    )
 
 
 def _view(result: Result) -> np.ndarray:
-    """Corners (2, 2) in m of a view that holds all frames, and the corners of walls that are near."""
+    """Corners (2, 2) in m of a view that holds all frames, and the corners of walls that are
+    near."""
     reach = result.scene.shape.bounding_radius[:, None]
-    periods = np.array(result.scene.periodic or (None, None), float)  # NaN: none
-    turns = np.isfinite(periods)
-    low, high = (result.position - reach).min((0, 1)), (result.position + reach).max((0, 1))
+    ends = [result.position - reach, result.position + reach]
     if result.cylinder_position is not None:
-        half = 0.5 * result.scene.cylinder.diameter
-        low = np.minimum(low, result.cylinder_position.min(0) - half)
-        high = np.maximum(high, result.cylinder_position.max(0) + half)
-    low, high = np.where(turns, 0.0, low), np.where(turns, periods, high)
+        radius = 0.5 * result.scene.cylinder.diameter
+        ends += [result.cylinder_position - radius, result.cylinder_position + radius]
+    periods = np.array(result.scene.periodic or (None, None), float)  # NaN: none
+    once = [0.0 * periods, periods]  # a period is shown once
+    low, high = np.where(np.isfinite(periods), once, _corners(ends))
     size = (high - low).max()
-    wide = np.array([low - size, high + size])
-    ends = np.concatenate([bed.edges(each, wide)[0].reshape(-1, 2) for each in result.walls])
-    inside = ((ends > wide[0] + 1e-6 * size) & (ends < wide[1] - 1e-6 * size)).all(axis=1)
-    around = np.array([low, high, *ends[inside]])
-    low, high = around.min(0), around.max(0)
-    edge = np.where(turns, 0.0, MARGIN * (high - low).max())  # a period is shown once
-    return np.array([low - edge, high + edge])
+    near = np.array([low - size, high + size])
+    corners = np.concatenate([bed.edges(each, near)[1] for each in result.walls])
+    inside = ((corners > near[0] + 1e-6 * size) & (corners < near[1] - 1e-6 * size)).all(axis=1)
+    low, high = _corners([low, high, corners[inside]])
+    edge = MARGIN * (high - low).max()
+    view = np.array([low - edge, high + edge])
+    return np.where(np.isfinite(periods), once, view)
+
+
+def _corners(places: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Lower left and upper right corner of what holds some places (..., 2)."""
+    every = np.concatenate([each.reshape(-1, 2) for each in places])
+    return every.min(axis=0), every.max(axis=0)
 
 
 def in_units(time) -> tuple[np.ndarray, str]:
@@ -143,15 +182,15 @@ def in_units(time) -> tuple[np.ndarray, str]:
 
 def forces_of(result: Result) -> list[tuple[str, dict[str, np.ndarray]]]:
     """Forces (f,) in N by what they are on and by name; nothing on a cylinder or walls without."""
-    found = []
+    groups = []
     if result.scene.cylinder is not None:
         x, y = result.cylinder_force.T
-        found.append(("Force on the cylinder (N)", {"horizontal": x, "vertical": y}))
+        groups.append(("Force on the cylinder (N)", {"horizontal": x, "vertical": y}))
     if result.scene.walls is not None:
         walls = enumerate(zip(result.scene.walls, result.wall_force.T, strict=True))
         forces = {f"wall {at}{SIDES.get((x, y), '')}": force for at, ((x, y, _), force) in walls}
-        found.append(("Normal force on walls (N)", forces))
-    return found
+        groups.append(("Normal force on walls (N)", forces))
+    return groups
 
 
 def draw_forces(axes, result: Result, group) -> None:
@@ -160,7 +199,8 @@ def draw_forces(axes, result: Result, group) -> None:
     time, unit = in_units(result.time)
     for number, (name, force) in enumerate(curves.items()):
         color, line = CURVES[number % len(CURVES)]
-        axes.stairs(force[1:], time, baseline=None, label=name, color=color, linestyle=line,
-                    linewidth=1.6)  # fmt: skip
+        axes.stairs(
+            force[1:], time, baseline=None, label=name, color=color, linestyle=line, linewidth=1.6
+        )
     axes.set(xlabel=f"Time ({unit})", ylabel=words, xlim=(0.0, time[-1]))
     axes.legend()

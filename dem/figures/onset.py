@@ -17,7 +17,8 @@ ISOSTATIC = {4.0: "isostatic discs, 4", 6.0: "isostatic ellipses, 6"}
 def plot(dataset: xr.Dataset) -> Figure:
     """Packing fraction at the onset above, contacts per granule below."""
     found = limits(dataset)
-    figure, above, below = style.above_and_below(
+    figure, (above, below) = style.panels(2, 1, 0.0, 3.8, sharex=True)
+    figure.suptitle(
         f"Onset of jamming without friction: means of {found.beds} beds of each size,\n"
         "and the lines through them at infinite size (95 % intervals)"
     )
@@ -28,18 +29,27 @@ def plot(dataset: xr.Dataset) -> Figure:
     ):
         for column, (granules, marker) in enumerate(sizes):
             axes.plot(
-                found.ratio, means[:, column], marker, color="0.15", markersize=5,
+                found.ratio,
+                means[:, column],
+                marker,
+                color="0.15",
+                markersize=5,
                 markerfacecolor=str(0.95 - 0.75 * column / len(found.granules)),
                 label=f"{granules} granules",
-            )  # fmt: skip
+            )
         look = {"marker": "o", "color": style.CURVE, "label": "infinitely many"}
         style.intervals(axes, found.ratio, estimates, capsize=4, **look)
     for level, words in ISOSTATIC.items():
         below.axhline(level, **style.REFERENCE)
         below.annotate(
-            words, (1.0, level), (-2, 3 if level == 4.0 else -4), xycoords=("axes fraction", "data"),
-            textcoords="offset points", ha="right", va="bottom" if level == 4.0 else "top",
-        )  # fmt: skip
+            words,
+            (1.0, level),
+            (-2, 3 if level == 4.0 else -4),
+            xycoords=("axes fraction", "data"),
+            textcoords="offset points",
+            ha="right",
+            va="bottom" if level == 4.0 else "top",
+        )
     above.set_ylabel("Packing fraction\nat the onset of jamming")
     below.set(xlabel="Aspect ratio", ylabel="Contacts per granule there,\nrattlers left out")
     style.legend(figure, above, "outside lower center", ncols=3)

@@ -17,16 +17,20 @@ VARIABLES = ("lid_shear_stress",)
 def plot(dataset: xr.Dataset) -> Figure:
     """Friction above, packing fraction below, one curve per place on the other axes."""
     found, others = rheology(dataset), axes_beside(dataset, AXIS)
-    figure, above, below = style.above_and_below(
-        "Simple shear: means of runs from beds of their own, with 95 % intervals"
-    )
+    figure, (above, below) = style.panels(2, 1, 0.0, 3.8, sharex=True)
+    figure.suptitle("Simple shear: means of runs from beds of their own, with 95 % intervals")
     for axes, name in ((above, "friction"), (below, "fraction")):
         for number, (place, curves) in enumerate(found.items()):
             words = ", ".join(f"{dim} {at}" for dim, at in zip(others, place, strict=True))
             style.intervals(
-                axes, curves.number, getattr(curves, name), capsize=3, linewidth=1.0,
-                label=words or "mean", **style.numbered(number),
-            )  # fmt: skip
+                axes,
+                curves.number,
+                getattr(curves, name),
+                capsize=3,
+                linewidth=1.0,
+                label=words or "mean",
+                **style.numbered(number),
+            )
     above.set_ylabel("Friction of the bed:\nshear over normal stress")
     below.set(xlabel="Inertial number", xscale="log", ylabel="Packing fraction")
     style.from_zero(above)

@@ -9,8 +9,9 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-from dem.analysis.statistics import edges_of_bins, half_interval, running_mean, window_text
+from dem.analysis.statistics import edges_of_bins, running_mean, window_text
 from dem.base.files import atomic
+from dem.base.intervals import half_interval
 from dem.shapes import KINDS
 
 RC: dict[Any, Any] = {
@@ -43,10 +44,22 @@ CURVE = "#17457d"  # where one colour is enough
 WINDOW = {"color": "0.93", "linewidth": 0.0, "zorder": 0}  # shade of the averaging window
 RAW = {"color": "0.6", "linewidth": 0.5}
 REFERENCE = {"color": "black", "linewidth": 1.1, "linestyle": (0, (1.5, 1.5))}
-RUN = {"marker": "o", "markersize": 4.5, "markerfacecolor": "white", "markeredgecolor": "0.15",
-       "linestyle": "none", "zorder": 5}  # fmt: skip
-INTERVAL = {"ecolor": "black", "linestyle": "none", "capsize": 5, "elinewidth": 1.6,
-            "capthick": 1.6, "zorder": 4}  # fmt: skip
+RUN = {
+    "marker": "o",
+    "markersize": 4.5,
+    "markerfacecolor": "white",
+    "markeredgecolor": "0.15",
+    "linestyle": "none",
+    "zorder": 5,
+}
+INTERVAL = {
+    "ecolor": "black",
+    "linestyle": "none",
+    "capsize": 5,
+    "elinewidth": 1.6,
+    "capthick": 1.6,
+    "zorder": 4,
+}
 MANY = 20  # runs, whose dots would hide the interval of their mean
 FAINT = {"markersize": 2.5, "markeredgecolor": "0.45", "zorder": 3}
 FEW = 3  # groups of bars: fewer are not drawn wider
@@ -68,12 +81,7 @@ LOOKS = {
     "dumbbell": Look("#b34700", "#f5c49a", (0, (5, 1.5)), "s", "///"),
     "ellipse": Look("#0f5a30", "#d5eedd", (0, (3, 1, 1, 1)), "D", "..."),
 }
-# of kinds without a look of their own, in turn
-OTHERS = (
-    Look("#5b4a8a", "#d9d2ea", (0, (1, 1)), "^", "xx"),
-    Look("#8a1c4a", "#f0cbdb", (0, (7, 1.5, 1, 1.5)), "v", "\\\\\\"),
-    Look("#55606a", "#d3d8dc", (0, (3, 1, 1, 1, 1, 1)), "P", "++"),
-)
+OTHER = Look("#5b4a8a", "#d9d2ea", (0, (1, 1)), "^", "xx")  # of all other kinds
 
 # of any number of cases in turn, where kinds of granules do not suffice
 CASES = ("#2f7fd1", "#b34700", "#5b4a8a", "#6fae8a", "#2f7d4f", "#0f5a30", "black")
@@ -84,10 +92,7 @@ OUTLINE, STEEL = "0.25", "0.55"  # of granules; the cylinder
 
 def look(case: xr.Dataset) -> Look:
     """Look of one case, by the kind of its granules."""
-    kind = str(case["kind"].values)
-    others = [each for each in KINDS if each not in LOOKS]
-    number = others.index(kind) if kind in others else 0  # of data made with other shapes
-    return LOOKS.get(kind, OTHERS[number % len(OTHERS)])
+    return LOOKS.get(str(case["kind"].values), OTHER)
 
 
 def describe(case: xr.Dataset, separator: str = ", ") -> str:
@@ -99,7 +104,8 @@ def describe(case: xr.Dataset, separator: str = ", ") -> str:
 
 
 def drawn(case: xr.Dataset) -> str:
-    """What is to be said of a picture of a bed: nothing, unless dem.shapes.outlines draws others."""
+    """What is to be said of a picture of a bed: nothing, unless dem.shapes.outlines draws
+    others."""
     return "" if str(case["kind"].values) in KINDS else ", drawn as discs of equal area"
 
 
@@ -155,36 +161,35 @@ def numbered(number: int) -> dict[str, str]:
     return {"color": CASES[number % len(CASES)], "marker": MARKERS[number % len(MARKERS)]}
 
 
-def smoothed(case: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
-    """Running mean (displacement,) in N of the drag, over the runs of one case, and half its interval."""
-    runs = running_mean(case, SMOOTHING)
-    return runs.mean("seed").values, half_interval(runs).values
+def displacement(dataset: xr.Dataset) -> np.ndarray:
+    """Displacements of the cylinder in mm."""
+    return millimetres(dataset["displacement"])
 
 
-def band(axes, x, mean, half, color: str, alpha: float = 0.22, label: str | None = None) -> None:
+def smoothed(dataset: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
+    """Running mean (..., displacement) in N of the drag over the runs, and half its interval."""
+    runs = running_mean(dataset, SMOOTHING)
+    return runs.mean("seed"), half_interval(runs)
+
+
+def band(axes, x, mean, half, color: str, label: str | None = None, alpha: float = 0.22) -> None:
     """The interval of a curve, if it has one everywhere."""
     if np.isfinite(half).all():
-        axes.fill_between(
-            x, mean - half, mean + half, color=color, alpha=alpha, linewidth=0.0, label=label
-        )
+        look = {"color": color, "alpha": alpha, "linewidth": 0.0, "label": label}
+        axes.fill_between(x, mean - half, mean + half, **look)
 
 
 def intervals(axes, x, estimates, **look) -> None:
-    """Values with their intervals, in the order of x (k,); estimates (k, 3): value and both ends."""
+    """Values with their intervals, in the order of x (k,); estimates (k, 3): value and both
+    ends."""
     order = np.argsort(x)
     value, low, high = np.asarray(estimates)[order].T
     axes.errorbar(np.asarray(x)[order], value, [value - low, high - value], **look)
 
 
-def above_and_below(title: str):
-    """A figure of two panels over the same axis: it, and both axes."""
-    figure = Figure(figsize=(WIDTH, 7.6))
-    figure.suptitle(title)
-    return figure, *figure.subplots(2, 1, sharex=True)
-
-
 def panels(count: int, columns: int, around: float, row: float, **shared):
-    """A figure of panels in rows, and their axes; heights in inches: around the rows, and of one."""
+    """A figure of panels in rows, and their axes; heights in inches: around the rows, and of
+    one."""
     rows = -(-count // columns)
     figure = Figure(figsize=(WIDTH, around + row * rows))
     grid = list(figure.subplots(rows, columns, squeeze=False, **shared).flat)
@@ -216,8 +221,8 @@ def legend(figure: Figure, axes, place: str, grey: str = "", **options) -> None:
     """
     handles, names = axes.get_legend_handles_labels()
     unique = dict(zip(names, handles, strict=True))
-    made = figure.legend(unique.values(), unique.keys(), loc=place, **options)
-    for name, patch in zip(unique, made.legend_handles, strict=True):
+    drawn_legend = figure.legend(unique.values(), unique.keys(), loc=place, **options)
+    for name, patch in zip(unique, drawn_legend.legend_handles, strict=True):
         if grey and name.startswith(grey):
             patch.set(facecolor="0.8", edgecolor="0.3", hatch="")
 
@@ -234,7 +239,8 @@ def percent(share: float, half: float) -> str:
 
 
 def save(figure: Figure, stem: Path, caption: str = "") -> list[Path]:
-    """Write stem.svg and stem.png atomically, with a caption; the same figure gives the same bytes."""
+    """Write stem.svg and stem.png atomically, with a caption; the same figure gives the same
+    bytes."""
     files = []
     for suffix, metadata in ((".svg", {"Date": None}), (".png", {"Software": None})):
         metadata |= {"Title": caption} if caption else {}

@@ -1,4 +1,5 @@
-"""Drag against the velocity of the cylinder: means, the law through them, its quasi-static limit."""
+"""Drag against the velocity of the cylinder: means, the law through them, its quasi-static
+limit."""
 
 import json
 
@@ -23,7 +24,8 @@ def plot(dataset: xr.Dataset) -> Figure:
     others = axes_beside(dataset, AXIS)
     usual = json.loads(dataset.attrs["configuration"])["cylinder"].get("velocity")
     marked = usual in found.velocity  # else no run has it
-    figure, above, below = style.above_and_below(
+    figure, (above, below) = style.panels(2, 1, 0.0, 3.8, sharex=True)
+    figure.suptitle(
         f"Drag against velocity: means of {found.beds} beds, and the law fitted to them\n"
         f"(95 % intervals; dotted: limits{f'; grey line: {usual:g} m/s' if marked else ''})"
     )
@@ -35,8 +37,16 @@ def plot(dataset: xr.Dataset) -> Figure:
         look["label"] = f"{words or 'mean'}: limit {limit:.0f} N ({low:.0f} to {high:.0f})"
         for axes, over in ((above, 1.0), (below, limit)):
             means = [found.interval(each) for each in (found.means[place] / over).T]
-            style.intervals(axes, found.velocity, means, linestyle="none", capsize=3,
-                            markersize=6, elinewidth=1.4, **look)  # fmt: skip
+            style.intervals(
+                axes,
+                found.velocity,
+                means,
+                linestyle="none",
+                capsize=3,
+                markersize=6,
+                elinewidth=1.4,
+                **look,
+            )
             drag, low, high = np.array([found.interval(law.drag(v) / over) for v in along]).T
             axes.plot(along, drag, color=look["color"], linewidth=1.4)
             axes.fill_between(along, low, high, color=look["color"], alpha=0.15, linewidth=0.0)

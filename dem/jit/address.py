@@ -1,16 +1,19 @@
-"""Hand a large named tuple to a function by its address.
+"""Named tuples in compiled code: by their address, and back to Python.
 
 Numba hands over a named tuple member by member. A World has some sixty arrays of seven numbers or
-more, and each call and each function would take all of them apart. Behind an address only the members
-that a function reads are loaded.
+more, and each call and each function would take all of them apart. Behind an address only the
+members that a function reads are loaded.
 
-The compiler cannot tell whether a store into an array changes what lies behind an address, and would
-load it again for every granule. Read members before a loop, or take a `local` copy of a tuple.
+The compiler cannot tell whether a store into an array changes what lies behind an address, and
+would load it again for every granule. Read members before a loop, or take a `local` copy of a
+tuple.
 """
 
 from numba.core import cgutils, types
+from numba.core.boxing import box_tuple
 from numba.core.datamodel import models
 from numba.core.imputils import impl_ret_borrowed
+from numba.core.pythonapi import _boxers
 from numba.core.typing.templates import AttributeTemplate
 from numba.extending import (
     infer_getattr,
@@ -73,7 +76,8 @@ def _member(context, builder, kind, value, name):
 
 
 def by_address(held):
-    """The address of a named tuple, for as long as the caller runs; what is not one goes as it is."""
+    """The address of a named tuple, for as long as the caller runs; what is not one goes as it
+    is."""
     return held
 
 
@@ -106,3 +110,24 @@ def _lower_local(context, builder, signature, arguments):
     if isinstance(signature.args[0], Address):
         return cgutils.alloca_once_value(builder, builder.load(arguments[0]))
     return impl_ret_borrowed(context, builder, signature.return_type, arguments[0])
+
+
+def _box_named_tuple(typ, value, c):
+    """A native named tuple as an instance of its class, by tuple.__new__.
+
+    Numba calls the class, but a shape checks what it is called with, and a kernel returns it often.
+    """
+    constants = [
+        c.env_manager.read_const(c.env_manager.add_const(constant))
+        for constant in (tuple.__new__, typ.instance_class)
+    ]
+    for constant in constants:
+        c.pyapi.incref(constant)
+    parts = [*constants, box_tuple(typ, value, c)]
+    named = c.pyapi.call_function_objargs(parts[0], parts[1:])
+    for part in parts:
+        c.pyapi.decref(part)
+    return named
+
+
+_boxers.functions |= dict.fromkeys((types.NamedTuple, types.NamedUniTuple), _box_named_tuple)

@@ -17,14 +17,19 @@ from dem.jit.compilation import INLINED
 
 BLOCK = 64  # contacts; what they need fits well into the first-level cache
 LINE = 8  # numbers between rows, so that they do not all fall on the same places of the cache
-OUTLINE = 8  # numbers of an outline, at most
+OUTLINE_SIZE = 8  # numbers of an outline, at most
 
 
 class Lanes(NamedTuple):
-    """motion and values: rows of BLOCK lanes and a LINE of padding, see the offsets below.
+    """Scratch memory of one thread.
 
-    account (5,): two powers (W) now, the energies (J) that they have made with the kicks so far, and the
-    work (J) of the boundaries (dem.dynamics.energy); None without an energy ledger.
+    Attributes
+    ----------
+    motion, values : ndarray
+        Rows of BLOCK lanes and a LINE of padding, see the offsets below.
+    account : ndarray of shape (5,) or None
+        Energy ledger: two powers (W) now, the energies (J) that they have made with the kicks so
+        far, and the work (J) of the boundaries (dem.dynamics.energy).
     """
 
     motion: np.ndarray
@@ -37,21 +42,25 @@ def _offsets(count, step, group=1):
 
 
 # motion[offset + 4 k]: position and velocity of 1 and 2; spin of both, with the changes after it
+# fmt: off
 (X1, Y1, VX1, VY1, X2, Y2, VX2, VY2,
- W1, _, _, _, W2, _, _, _) = _offsets(16, 4 * BLOCK + LINE, group=4)  # fmt: skip
+ W1, _, _, _, W2, _, _, _) = _offsets(16, 4 * BLOCK + LINE, group=4)
+# fmt: on
 ZERO, ONE, TWO, THREE, FOUR, FIVE, SIX, EIGHT = map(np.uint64, (0, 1, 2, 3, 4, 5, 6, 8))
 
-# values[offset + k]: the contact, velocities at it and their changes, root of a dashpot, forces, losses, outlines
+# values[offset + k]: geometry, velocities and their changes, delta^(1/4), forces, powers, outlines
+# fmt: off
 (OVERLAP, NX, NY, N1, T1, N2, T2, RADIUS, UNCONVERGED,
- V_NORMAL, V_TANGENT, DV_NORMAL, DV_TANGENT, ROOT, FORCE_X, FORCE_Y, TORQUE_1, TORQUE_2,
- DAMPED, SLID, OWN) = _offsets(21, BLOCK + LINE)  # fmt: skip
+ V_NORMAL, V_TANGENT, DV_NORMAL, DV_TANGENT, OVERLAP_QUARTER, FORCE_X, FORCE_Y, TORQUE_1, TORQUE_2,
+ DAMPED, SLID, OUTLINE_1) = _offsets(21, BLOCK + LINE)
+# fmt: on
 ROW = np.uint64(BLOCK + LINE)  # from one number of an outline to the next
-OTHER = np.uint64(OWN + OUTLINE * ROW)
-VALUES = int(OTHER + OUTLINE * ROW)  # numbers in all
+OUTLINE_2 = np.uint64(OUTLINE_1 + OUTLINE_SIZE * ROW)
+VALUES = int(OUTLINE_2 + OUTLINE_SIZE * ROW)  # numbers in all
 
-
-# account: power (W) that dashpots take, and tangential springs; their energies; work on the granules
-LOST_DAMPED, TAKEN, ACCOUNTS, WORK = 0, 1, 2, 4
+# account: power (W) that dashpots take, and tangential springs; their energies; work on the
+# granules
+POWER_DAMPED, POWER_SPRINGS, ACCOUNTS, WORK = 0, 1, 2, 4
 
 
 def make_lanes(accounted: bool = False) -> Lanes:
@@ -66,8 +75,8 @@ def store_outline(outline, values, at):
 
 @overload(store_outline, jit_options=INLINED)
 def _store_outline(outline, values, at):
-    if len(outline) > OUTLINE:
-        raise TypingError(f"an outline has {len(outline)} numbers; it may have {OUTLINE}")
+    if len(outline) > OUTLINE_SIZE:
+        raise TypingError(f"an outline has {len(outline)} numbers; it may have {OUTLINE_SIZE}")
     if len(outline) == 0:
         return lambda outline, values, at: None
 

@@ -26,7 +26,6 @@ from numba.core.event import Listener, register
 from numba.core.registry import CPUDispatcher
 from numba.core.serialize import dumps
 
-import dem.jit.return_values  # noqa: F401 takes effect by being imported
 from dem.base.messages import say
 from dem.base.sources import (
     IMPORTED,

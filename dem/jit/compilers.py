@@ -5,16 +5,25 @@ library that calls it. A part is only lowered and simplified. The kernels that c
 Python calls, are optimised and assembled once.
 """
 
+import operator
+
 from llvmlite import binding
 from numba import _dynfunc
+from numba.core import ir, types
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
-from numba.core.compiler_machinery import register_pass
+from numba.core.compiler_machinery import FunctionPass, register_pass
+from numba.core.ir_utils import GuardException, get_definition, guard
 from numba.core.typed_passes import NativeLowering
+from numba.core.untyped_passes import DeadBranchPrune
+
+from dem.jit.address import by_address, local
 
 # LLVM uses vectors of 256 bits on processors of Intel that have some of 512. This attribute of a function changes
 # that; other processors ignore it.
 WIDE_VECTORS = '"prefer-vector-width"="512"'
+
+IDENTITY = operator.is_, operator.is_not
 
 
 class KernelLibrary(JITCodeLibrary):
@@ -70,6 +79,58 @@ class RolledLibrary(PartLibrary):
             passes.run(self._final_module, builder)
 
 
+def type_of(state, variable):
+    """Type of an argument, of a member of one, or of its address; raises GuardException for others."""
+    definition = get_definition(state.func_ir, variable)
+    if isinstance(definition, ir.Arg):
+        return state.args[definition.index]
+    operation = getattr(definition, "op", None)
+    if operation == "getattr":
+        kind = type_of(state, definition.value)
+        kind = getattr(kind, "held", kind)
+        if isinstance(kind, types.BaseNamedTuple):
+            return kind.types[kind.fields.index(definition.attr)]
+    elif operation == "call":
+        function = get_definition(state.func_ir, definition.func)
+        if getattr(function, "value", None) in (by_address, local):
+            return type_of(state, definition.args[0])
+    elif operation == "static_getitem":  # of `a, b, c, d = ...`
+        values = get_definition(state.func_ir, definition.value)
+        if getattr(values, "op", None) == "exhaust_iter":
+            values = get_definition(state.func_ir, values.value)
+        if getattr(values, "op", None) == "build_tuple":
+            return type_of(state, values.items[definition.index])
+    raise GuardException
+
+
+@register_pass(mutates_CFG=False, analysis_only=False)
+class DecideAbsence(FunctionPass):
+    """Decide `member is None` by the types of the arguments, so that only one branch is compiled.
+
+    Numba decides it itself where an argument is None, but not for members of an argument.
+    """
+
+    _name = "decide_absence"
+
+    def __init__(self):
+        super().__init__()
+
+    def run_pass(self, state):
+        for block in state.func_ir.blocks.values():
+            for assignment in block.find_insts(ir.Assign):
+                test = assignment.value
+                if not (isinstance(test, ir.Expr) and test.op == "binop" and test.fn in IDENTITY):
+                    continue
+                kind = guard(type_of, state, test.lhs)
+                other = guard(get_definition, state.func_ir, test.rhs)
+                if kind is None or not isinstance(other, ir.Const) or other.value is not None:
+                    continue
+                assignment.value = ir.Const(test.fn(kind, types.none), assignment.loc)
+                definitions = state.func_ir._definitions[assignment.target.name]
+                definitions[definitions.index(test)] = assignment.value
+        return True
+
+
 @register_pass(mutates_CFG=True, analysis_only=False)
 class LowerKernel(NativeLowering):
     """Lower a function into a KernelLibrary."""
@@ -119,16 +180,18 @@ class LowerRolled(LowerPart):
 
 
 class KernelCompiler(Compiler):
-    """Numba's compiler, with LowerKernel in place of its own."""
+    """Numba's compiler, with DecideAbsence, and with LowerKernel in place of its own."""
 
     lower = LowerKernel
 
     def define_pipelines(self):
         (manager,) = super().define_pipelines()
+        names = [name for name, _ in manager.passes]
         manager.passes = [
-            (self.lower if each is NativeLowering else each, words)
-            for each, words in manager.passes
+            (self.lower if part is NativeLowering else part, words)
+            for part, words in manager.passes
         ]
+        manager.passes.insert(names.index(DeadBranchPrune), (DecideAbsence, "decide absence"))
         manager._finalized = False
         manager.finalize()
         return [manager]

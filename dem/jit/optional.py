@@ -17,7 +17,8 @@ NONE = types.none
 
 
 def optional(function):
-    """Decorator: an inlined function that returns None, compiling nothing, if its first argument is None."""
+    """Decorator: an inlined function that returns None, compiling nothing, if its first argument is
+    None."""
 
     def choose(first, *rest):
         return None if first is NONE else function
@@ -45,7 +46,8 @@ def _nothing(context, builder, signature, arguments):
 def rolled_without_first(function):
     """Decorator: an inlined loop, left rolled (dem.jit.compilers) if its first argument is None.
 
-    The loop is then so short that LLVM would unroll it before the kernel can make vector code of it.
+    The loop is then so short that LLVM would unroll it before the kernel can make vector code of
+    it.
     """
     overload(function, strict=False, jit_options=INLINED)(
         lambda first, *rest: None if first is NONE else function
@@ -57,7 +59,8 @@ def rolled_without_first(function):
 
 
 def _by_presence(stub):
-    """Decorator: `stub` returns the function of two arguments to compile, given which are present."""
+    """Decorator: `stub` returns the function of two arguments to compile, given which are
+    present."""
 
     def operation(a, b):
         raise NotImplementedError("for compiled code only")

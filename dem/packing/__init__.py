@@ -1,4 +1,4 @@
-"""Beds at rest: grown from random places, pressed, tiled; the minimiser that brings them to rest.
+"""Beds at rest: random, swollen, compacted, at a pressure, tiled; the minimiser.
 
 In: a shape, a box, a cylinder, a seed. Out: a Bed. Here you may add another way to make a bed.
 """

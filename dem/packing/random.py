@@ -97,8 +97,8 @@ class Bed(NamedTuple):
 
 
 class Room(NamedTuple):
-    """Where a bed is packed, and the seed of its random places and angles: what `pack` takes beside the
-    granules, in the same order."""
+    """Where a bed is packed, and the seed of its random places and angles: what `pack` takes beside
+    the granules, in the same order."""
 
     width: float
     height: float
@@ -180,10 +180,13 @@ def scatter(shape: Any, room: Room, rng: np.random.Generator) -> np.ndarray:
 
 
 ROOM: dict[str, Any] = {
-    "shape": granules, "width": positive("m"), "height": positive("m"),
-    "cylinder": or_none(one_of(Cylinder)), "seed": whole(0, 2**63 - 1),
+    "shape": granules,
+    "width": positive("m"),
+    "height": positive("m"),
+    "cylinder": or_none(one_of(Cylinder)),
+    "seed": whole(0, 2**63 - 1),
     "periodic": named({key: key for key in SIDES}),
-}  # fmt: skip
+}
 
 
 @checked(**ROOM)
@@ -212,8 +215,8 @@ def pack(
     seed : int
         Seed of the random places and angles, without unit, zero or positive.
     periodic : str
-        Along which sides the box repeats itself: "none", "x", "y" or "xy". There are no walls across
-        these.
+        Along which sides the box repeats itself: "none", "x", "y" or "xy". There are no walls
+        across these.
 
     Returns
     -------
@@ -257,7 +260,7 @@ def pack(
     (0.008, None)
     """
     room = Room(width, height, cylinder, seed, periodic)
-    factor, state = sown(shape, room)
+    factor, state = dilute_start(shape, room)
     while factor < 1.0:
         world, _ = relax(room.scene(shape.scaled(factor)), state, PATIENCE, SETTLED)
         state = state_of(world)
@@ -265,7 +268,7 @@ def pack(
     return at_rest(shape, room, state)
 
 
-def sown(shape: Any, room: Room) -> tuple[float, State]:
+def dilute_start(shape: Any, room: Room) -> tuple[float, State]:
     """Small granules at random places and angles, apart from each other.
 
     Returns the factor by which lengths are scaled at the start, and the State at the start.
@@ -302,8 +305,8 @@ def at_rest(shape: Any, room: Room, state: State) -> Bed:
     world, rest = relax(room.scene(shape), state, LONGEST, REST)
     if not rest.net_force <= REST:
         raise PackingError(
-            f"{room.name(shape)} is not at rest after {LONGEST} "
-            f"iterations: net force {rest.net_force:.2g} E* R^2, asked for {REST:g}."
+            f"{room.name(shape)} is not at rest after {LONGEST} iterations: net force "
+            f"{rest.net_force:.2g} E* R^2, asked for {REST:g}."
         )
     return finished(shape, room, world, rest, rest.net_force)
 
@@ -320,13 +323,14 @@ def finished(shape: Any, room: Room, world: World, rest: Rest, net_force: float)
         lost |= np.hypot(*away.T) < room.radius
     if lost.any():
         raise PackingError(
-            f"{room.name(shape)} cannot be made: the centre of granule {lost.argmax()} was pushed into the "
-            "cylinder or out of the box: ask for a lower packing fraction."
+            f"{room.name(shape)} cannot be made: the centre of granule {lost.argmax()} was pushed "
+            "into the cylinder or out of the box: ask for a lower packing fraction."
         )
     if not rest.max_overlap <= DEEPEST:
         raise PackingError(
             f"{room.name(shape)} cannot be made: granule {rest.deepest} overlaps by "
-            f"{rest.max_overlap:.2g} of the smaller radius, at most {DEEPEST:g} is allowed: ask for a lower packing fraction."
+            f"{rest.max_overlap:.2g} of the smaller radius, at most {DEEPEST:g} is allowed: ask "
+            "for a lower packing fraction."
         )
     return Bed(
         position=position,
@@ -348,7 +352,7 @@ def pressure_of(world: World, room: Room) -> float:
     else:
         x, y = SIDES[room.periodic]
         length = 2.0 * ((0.0 if y else room.width) + (0.0 if x else room.height))
-        stress = float(world.boundaries.loads[: world.walls.end, 0].sum()) / length
+        stress = float(world.boundaries.contact_forces[: world.walls.end, 0].sum()) / length
     return float(stress / effective_modulus(SOFT, SOFT))
 
 

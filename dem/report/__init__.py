@@ -1,1 +1,1 @@
-"""One page that opens without a network: figures, tables, the drag to play with, the beds beside it."""
+"""One page that opens without a network, and tables for the terminal."""

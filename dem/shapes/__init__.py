@@ -3,8 +3,8 @@ length over width, where that is given by nature. A new shape is a new file.
 
 In: sizes of granules (m). Out: what dem.shapes.protocol lists, for the kernels and for Python. A
 smooth convex shape is its support function (see superellipse.py); `dem.check_shape` says what is
-wrong with a shape. Here you may add a shape, or a way to find a contact. Shapes in files of a user's
-own: dem.base.outside.
+wrong with a shape. Here you may add a shape, or a way to find a contact. Shapes in files of a
+user's own: dem.base.outside.
 """
 
 import math
@@ -22,8 +22,8 @@ SAME = 1e-6  # relative error of the areas of granules that are asked for by the
 
 
 class Kind(NamedTuple):
-    """Where the class of a shape is, as dem.base.sources names its module, and its length over width;
-    None where configurations give it.
+    """Where the class of a shape is, as dem.base.sources names its module, and its length over
+    width; None where configurations give it.
 
     The class is loaded when first used, so that what a run depends on does not hold other shapes.
     """
@@ -35,23 +35,24 @@ class Kind(NamedTuple):
     @property
     def shape(self) -> type:
         """The class; the file of a user's own runs here, and nowhere else. Raises InputError."""
-        made = getattr(loaded(self.module), self.name)
-        if not hasattr(made, "lists_sizes"):  # which dem.shapes.protocol gives to each shape
+        granules = getattr(loaded(self.module), self.name)
+        if not hasattr(granules, "lists_sizes"):  # which dem.shapes.protocol gives to each shape
             path = file_of(self.module)
             raise InputError(
                 f"{path}: {self.name} is no shape; decorate it with smooth, see {HOW}."
             )
-        return made
+        return granules
 
 
 KINDS = {
-    name: Kind(f"dem.shapes.{name}", own["SHAPE"], own.get("ASPECT_RATIO"))
-    for name, own in described(Path(__file__).parent, "SHAPE").items()
+    name: Kind(f"dem.shapes.{name}", constants["SHAPE"], constants.get("ASPECT_RATIO"))
+    for name, constants in described(Path(__file__).parent, "SHAPE").items()
 }
 
 
 def kind_of(name: str, beside: str | None = None) -> Kind:
-    """The kind of this name, of the package or of a file in the folder `beside`; raises InputError."""
+    """The kind of this name, of the package or of a file in the folder `beside`; raises
+    InputError."""
     if name in KINDS:
         return KINDS[name]
     module, _, last = name.rpartition(".")
@@ -59,28 +60,31 @@ def kind_of(name: str, beside: str | None = None) -> Kind:
     classes, said = defined_in(where), f"kind is {name!r}; "
     if last not in classes:
         raise InputError(
-            f"{said}{file_of(where)} has no class {last}; it defines {', '.join(classes) or 'none'}."
+            f"{said}{file_of(where)} has no class {last}; it defines "
+            f"{', '.join(classes) or 'none'}."
         )
     if "of_size" not in classes[last]:
         raise InputError(
-            f"{said}its class has no of_size; give it a class method of_size(diameter, aspect_ratio), "
+            f"{said}its class has no of_size; give it a class method of_size(diameter, "
+            f"aspect_ratio), "
             f"see {HOW}."
         )
     return Kind(where, last)
 
 
 def of_size(cls: type, diameters, ratio: float, *options):
-    """Granules of a class with the areas of discs of these diameters (n,) in m; raises InputError where
-    they have others."""
-    made, asked = cls.of_size(diameters, ratio, *options), 0.25 * math.pi * diameters**2
-    off = abs(made.area / asked - 1.0)
+    """Granules of a class with the areas of discs of these diameters (n,) in m; raises InputError
+    where they have others."""
+    granules, asked = cls.of_size(diameters, ratio, *options), 0.25 * math.pi * diameters**2
+    off = abs(granules.area / asked - 1.0)
     if not off.max() <= SAME:
         g = off.argmax()
         raise InputError(
-            f"{cls.__name__}.of_size gives a granule of {made.area[g]:.7g} m2 for a diameter of {diameters[g]:g} m; "
+            f"{cls.__name__}.of_size gives a granule of {granules.area[g]:.7g} m2 for a diameter of "
+            f"{diameters[g]:g} m; "
             f"it must have the area of that disc, {asked[g]:.7g} m2."
         )
-    return made
+    return granules
 
 
 def outlines(kind: str, diameters, ratio: float):

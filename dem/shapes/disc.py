@@ -6,15 +6,19 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dem.base.validate import OUTLINE, RATIO, SIZES, checked, positive
-from dem.shapes.protocol import ContactGeometry, answer
+from dem.base.validate import OUTLINE, RATIO, SIZES, checked
+from dem.shapes.protocol import ContactGeometry, Granules, answer, unit_circle
 
 SHAPE = "Disc"
 ASPECT_RATIO = 1.0  # length over width of all granules
 
 
+class _Fields(NamedTuple):
+    radius: np.ndarray
+
+
 @checked(radius=SIZES)
-class Disc(NamedTuple):
+class Disc(Granules, _Fields):
     """Discs, the cylindrical granules of the paper.
 
     Parameters
@@ -45,7 +49,8 @@ class Disc(NamedTuple):
     (2, 1, 5, 2)
     """
 
-    radius: np.ndarray
+    __slots__ = ()
+    needs_angle = False  # a disc looks the same at every angle
 
     @classmethod
     @checked(diameter=SIZES, aspect_ratio=RATIO)
@@ -72,11 +77,6 @@ class Disc(NamedTuple):
         return cls(0.5 * np.asarray(diameter))
 
     @property
-    def needs_angle(self) -> bool:
-        """False: a disc looks the same at every angle."""
-        return False
-
-    @property
     def area(self) -> np.ndarray:
         """Area (n,) in m2."""
         return np.pi * self.radius**2
@@ -97,11 +97,6 @@ class Disc(NamedTuple):
         return self.radius
 
     @property
-    def constituent_bounding_radius(self) -> np.ndarray:
-        """Radius (constituents,) in m of the circle that holds the constituent."""
-        return self.radius
-
-    @property
     def normal_lever(self) -> np.ndarray:
         """Greatest distance (n,) in m of a line of normal force from the centre."""
         return np.zeros_like(self.radius)
@@ -110,27 +105,6 @@ class Disc(NamedTuple):
     def normal_bend(self) -> np.ndarray:
         """Greatest second derivative (n,) in m of the support distance with the granule's angle."""
         return np.zeros_like(self.radius)
-
-    @checked(factor=positive("ratio"))
-    def scaled(self, factor: float) -> Self:
-        """Granules of the same shape, all lengths multiplied by a factor.
-
-        Parameters
-        ----------
-        factor : float
-            Ratio of new to old lengths, without unit.
-
-        Returns
-        -------
-        Disc
-            The scaled granules.
-
-        Raises
-        ------
-        InputError
-            If `factor` is not positive.
-        """
-        return self._replace(radius=self.radius * factor)
 
     @checked(points=OUTLINE)
     def polygons(self, points: int = 64) -> np.ndarray:
@@ -151,15 +125,13 @@ class Disc(NamedTuple):
         InputError
             If `points` is not a whole number from 2.
         """
-        turn = np.linspace(0.0, 2.0 * np.pi, points)
-        circle = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
-        return self.radius[:, None, None, None] * circle
+        return self.radius[:, None, None, None] * unit_circle(points)
 
 
 TINY = 1e-300  # m, in place of a distance of zero
 
 
-def outline(shape, constituent, frame):
+def outline(shape, constituent, orientation):
     return (shape.radius[constituent],)
 
 
@@ -167,17 +139,17 @@ def circle(shape, radius):
     return (radius,)
 
 
-def support(shape, own, nx, ny):
-    return own[0], None, None
+def support(shape, outline_1, nx, ny):
+    return outline_1[0], None, None
 
 
-def find_contact(shape, dx, dy, own, other, guess):
+def find_contact(shape, dx, dy, outline_1, outline_2, guess):
     distance = math.sqrt(dx * dx + dy * dy)
     inverse = 1.0 / max(distance, TINY)
-    overlap = own[0] + other[0] - distance
+    overlap = outline_1[0] + outline_2[0] - distance
     half = 0.5 * overlap
     nx = dx * inverse if distance > 0.0 else 1.0  # concentric: any normal is as good
-    n1, n2 = own[0] - half, other[0] - half
+    n1, n2 = outline_1[0] - half, outline_2[0] - half
     return ContactGeometry(overlap, nx, dy * inverse, n1, None, n2, None, None), None
 
 

@@ -8,18 +8,22 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dem.base.validate import OUTLINE, RATIO, SIZES, checked, positive
+from dem.base.validate import OUTLINE, RATIO, SIZES, checked
 from dem.jit.block_memory import ONE, TWO
 from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
 from dem.shapes import disc
-from dem.shapes.protocol import answer
+from dem.shapes.protocol import Granules, answer, unit_circle
 
 SHAPE = "Dumbbell"
 ASPECT_RATIO = 2.0  # length over width of all granules
 
 
+class _Fields(NamedTuple):
+    radius: np.ndarray
+
+
 @checked(radius=SIZES)
-class Dumbbell(NamedTuple):
+class Dumbbell(Granules, _Fields):
     """Dumbbells: two equal discs joined where they touch.
 
     At angle zero the centres of the discs are one radius to the right and left of the joint.
@@ -56,7 +60,7 @@ class Dumbbell(NamedTuple):
     (1, 2, 5, 2)
     """
 
-    radius: np.ndarray
+    __slots__ = ()
 
     @classmethod
     @checked(diameter=SIZES, aspect_ratio=RATIO)
@@ -83,11 +87,6 @@ class Dumbbell(NamedTuple):
         return cls(np.asarray(diameter) / np.sqrt(8.0))
 
     @property
-    def needs_angle(self) -> bool:
-        """Whether the kernels must know its angle."""
-        return True
-
-    @property
     def area(self) -> np.ndarray:
         """Area (n,) in m2."""
         return 2.0 * np.pi * self.radius**2
@@ -107,10 +106,7 @@ class Dumbbell(NamedTuple):
         """Radius (2n,) in m of the discs."""
         return np.repeat(self.radius, 2)
 
-    @property
-    def constituent_bounding_radius(self) -> np.ndarray:
-        """Radius (2n,) in m of the circle that holds the constituent: the disc itself."""
-        return np.repeat(self.radius, 2)
+    constituent_bounding_radius = constituent_radius
 
     @property
     def normal_lever(self) -> np.ndarray:
@@ -121,27 +117,6 @@ class Dumbbell(NamedTuple):
     def normal_bend(self) -> np.ndarray:
         """Greatest second derivative (n,) in m of the support distance with the granule's angle."""
         return self.radius
-
-    @checked(factor=positive("ratio"))
-    def scaled(self, factor: float) -> Self:
-        """Granules of the same shape, all lengths multiplied by a factor.
-
-        Parameters
-        ----------
-        factor : float
-            Ratio of new to old lengths, without unit.
-
-        Returns
-        -------
-        Dumbbell
-            The scaled granules.
-
-        Raises
-        ------
-        InputError
-            If `factor` is not positive.
-        """
-        return self._replace(radius=self.radius * factor)
 
     @checked(points=OUTLINE)
     def polygons(self, points: int = 64) -> np.ndarray:
@@ -162,21 +137,20 @@ class Dumbbell(NamedTuple):
         InputError
             If `points` is not a whole number from 2.
         """
-        turn = np.linspace(0.0, 2.0 * np.pi, points)
-        circle = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+        circle = unit_circle(points)
         pair = np.stack([circle + [1.0, 0.0], circle - [1.0, 0.0]])
         return self.radius[:, None, None, None] * pair
 
 
-def outline(shape, constituent, frame):
+def outline(shape, constituent, orientation):
     return (shape.radius[constituent // 2],)
 
 
-def place(shape, bodies, frame, constituents, low, high):
-    for each in range(low, high):
-        g = np.uint64(each)  # unsigned: no test for an index that counts from the end
-        ox = shape.radius[g] * frame[g, 0]
-        oy = shape.radius[g] * frame[g, 1]
+def place(shape, bodies, orientation, constituents, low, high):
+    for number in range(low, high):
+        g = np.uint64(number)  # unsigned: no test for an index that counts from the end
+        ox = shape.radius[g] * orientation[g, 0]
+        oy = shape.radius[g] * orientation[g, 1]
         spin, dspin = bodies[g, W], bodies[g, DW]
         for q in range(2):
             sign = 1.0 - 2.0 * q
@@ -192,22 +166,29 @@ def place(shape, bodies, frame, constituents, low, high):
             constituents[row, DW] = dspin
 
 
-def collect(shape, constituent_force, frame, force, low, high):
-    for each in range(low, high):
-        g = np.uint64(each)
-        ox = shape.radius[g] * frame[g, 0]
-        oy = shape.radius[g] * frame[g, 1]
+def collect(shape, constituent_force, orientation, force, low, high):
+    for number in range(low, high):
+        g = np.uint64(number)
+        ox = shape.radius[g] * orientation[g, 0]
+        oy = shape.radius[g] * orientation[g, 1]
         a, b = TWO * g, TWO * g + ONE
         force[g, FX] = constituent_force[a, FX] + constituent_force[b, FX]
         force[g, FY] = constituent_force[a, FY] + constituent_force[b, FY]
         force[g, TAU] = (
-            constituent_force[a, TAU] + constituent_force[b, TAU]
+            constituent_force[a, TAU]
+            + constituent_force[b, TAU]
             + ox * (constituent_force[a, FY] - constituent_force[b, FY])
             - oy * (constituent_force[a, FX] - constituent_force[b, FX])
-        )  # fmt: skip
+        )
 
 
 answer(
-    Dumbbell, outline, disc.circle, disc.support, disc.find_contact, disc.tangential_lever, place,
+    Dumbbell,
+    outline,
+    disc.circle,
+    disc.support,
+    disc.find_contact,
+    disc.tangential_lever,
+    place,
     collect,
-)  # fmt: skip
+)

@@ -6,11 +6,17 @@ from typing import Any, Literal, NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dem.base.validate import OUTLINE, RATIO, SIZES, checked, named, positive
-from dem.jit.optional import optional
+from dem.base.validate import OUTLINE, RATIO, SIZES, checked, named
 from dem.shapes.common_normal import CommonNormal, half_width
 from dem.shapes.geometric_potential import GeometricPotential
-from dem.shapes.protocol import ContactGeometry, answer, ellipse_contact, ellipse_normal
+from dem.shapes.protocol import (
+    ContactGeometry,
+    Granules,
+    answer,
+    ellipse_contact,
+    ellipse_normal,
+    unit_circle,
+)
 
 SHAPE = "Ellipse"
 
@@ -38,7 +44,7 @@ class _Fields(NamedTuple):
     contact=named(CONTACTS, CommonNormal, GeometricPotential),
     hertz_radius=named(RADII),
 )
-class Ellipse(_Fields):
+class Ellipse(Granules, _Fields):
     """Ellipses, the elliptical granules of the paper.
 
     Parameters
@@ -48,7 +54,7 @@ class Ellipse(_Fields):
     semi_minor : array_like of shape (n,)
         Semi-minor axes b (m), at most a.
     contact : str, CommonNormal or GeometricPotential
-        How a contact is found: "common_normal", or "geometric_potential" as in the paper. The
+        How a contact is contact: "common_normal", or "geometric_potential" as in the paper. The
         classes take a tolerance.
     hertz_radius : str
         Radius R (m) in Hertz's law: "volume" for sqrt(ab), "local" for the radius of curvature at
@@ -84,7 +90,7 @@ class Ellipse(_Fields):
     """
 
     __slots__ = ()
-    needs_angle, lists_sizes = True, True
+    lists_sizes = True
 
     def __new__(
         cls,
@@ -116,7 +122,7 @@ class Ellipse(_Fields):
         aspect_ratio : float
             Length over width, without unit, 1 or more.
         contact : str, CommonNormal or GeometricPotential
-            How a contact is found; see the class.
+            How a contact is contact; see the class.
         hertz_radius : str
             Radius (m) in Hertz's law, "volume" or "local"; see the class.
 
@@ -168,11 +174,6 @@ class Ellipse(_Fields):
         return np.sqrt(self.semi_major * self.semi_minor)
 
     @property
-    def constituent_bounding_radius(self) -> np.ndarray:
-        """Radius (n,) in m of the circle that holds the constituent."""
-        return self.semi_major
-
-    @property
     def normal_lever(self) -> np.ndarray:
         """Greatest distance (n,) in m of a line of normal force from the centre."""
         return self.semi_major - self.semi_minor
@@ -181,29 +182,6 @@ class Ellipse(_Fields):
     def normal_bend(self) -> np.ndarray:
         """Greatest second derivative (n,) in m of the support distance with the granule's angle."""
         return self.semi_major**2 / self.semi_minor - self.semi_minor
-
-    @checked(factor=positive("ratio"))
-    def scaled(self, factor: float) -> Self:
-        """Granules of the same shape, all lengths multiplied by a factor.
-
-        Parameters
-        ----------
-        factor : float
-            Ratio of new to old lengths, without unit.
-
-        Returns
-        -------
-        Ellipse
-            The scaled granules.
-
-        Raises
-        ------
-        InputError
-            If `factor` is not positive.
-        """
-        return self._replace(
-            semi_major=self.semi_major * factor, semi_minor=self.semi_minor * factor
-        )
 
     @checked(points=OUTLINE)
     def polygons(self, points: int = 64) -> np.ndarray:
@@ -224,17 +202,17 @@ class Ellipse(_Fields):
         InputError
             If `points` is not a whole number from 2.
         """
-        turn = np.linspace(0.0, 2.0 * np.pi, points)
-        x = self.semi_major[:, None] * np.cos(turn)
-        y = self.semi_minor[:, None] * np.sin(turn)
-        return np.stack([x, y], axis=-1)[:, None]
+        axes = np.column_stack([self.semi_major, self.semi_minor])
+        return axes[:, None, None] * unit_circle(points)
 
 
-def outline(shape, constituent, frame):
+def outline(shape, constituent, orientation):
     return (
-        frame[constituent, 0], frame[constituent, 1],
-        shape.semi_major[constituent], shape.semi_minor[constituent],
-    )  # fmt: skip
+        orientation[constituent, 0],
+        orientation[constituent, 1],
+        shape.semi_major[constituent],
+        shape.semi_minor[constituent],
+    )
 
 
 def circle(shape, radius):
@@ -245,30 +223,22 @@ def local_radius(shape):
     return shape.local_curvature
 
 
-@optional
-def flat_radius(local_curvature, rho):
-    return rho
+def support(shape, outline_1, nx, ny):
+    h, q, rho = half_width(outline_1, nx, ny)
+    return h, q, None if shape.local_curvature is None else rho
 
 
-@optional
-def effective_radius(local_curvature, rho1, rho2):
-    return rho1 * rho2 / (rho1 + rho2)
-
-
-def support(shape, own, nx, ny):
-    h, q, rho = half_width(own, nx, ny)
-    return h, q, flat_radius(shape.local_curvature, rho)
-
-
-def find_contact(shape, dx, dy, own, other, guess):
-    found, rho, converged = ellipse_contact(shape.contact, dx, dy, own, other, guess)
-    overlap, nx, ny, n1, t1, n2, t2 = found
-    radius = effective_radius(shape.local_curvature, rho[0], rho[1])
+def find_contact(shape, dx, dy, outline_1, outline_2, guess):
+    contact, (rho1, rho2), converged = ellipse_contact(
+        shape.contact, dx, dy, outline_1, outline_2, guess
+    )
+    overlap, nx, ny, n1, t1, n2, t2 = contact
+    radius = None if shape.local_curvature is None else rho1 * rho2 / (rho1 + rho2)
     return ContactGeometry(overlap, nx, ny, n1, t1, n2, t2, radius), converged
 
 
-def refine_normal(shape, dx, dy, own, other, guess):
-    return ellipse_normal(shape.contact, dx, dy, own, other, guess)
+def refine_normal(shape, dx, dy, outline_1, outline_2, guess):
+    return ellipse_normal(shape.contact, dx, dy, outline_1, outline_2, guess)
 
 
 answer(Ellipse, outline, circle, support, find_contact, refine_normal, local_radius)

@@ -54,15 +54,15 @@ ITERATIONS = 50
 
 
 @inlined
-def deepest(dx, dy, own, other, tolerance):
+def deepest(dx, dy, outline_1, outline_2, tolerance):
     """Point of `own`'s boundary where `other`'s G is least, d leading from own's centre to other's.
 
     The boundary is x(u) = R S u with |u| = 1 (S the semi-axes, R the rotation), so that
     G + 1 = |M u - c|^2 in the other's unit-circle coordinates. Returns G, the point (m) relative
     to own's centre and the radius of curvature there (m).
     """
-    c1, s1, a1, b1 = own
-    c2, s2, a2, b2 = other
+    c1, s1, a1, b1 = outline_1
+    c2, s2, a2, b2 = outline_2
     cos, sin = c1 * c2 + s1 * s2, s1 * c2 - c1 * s2
     m00, m01 = a1 * cos / a2, -b1 * sin / a2
     m10, m11 = a1 * sin / b2, b1 * cos / b2
@@ -94,21 +94,27 @@ def deepest(dx, dy, own, other, tolerance):
     return rx * rx + ry * ry - 1.0, c1 * x - s1 * y, s1 * x + c1 * y, rho
 
 
-def ellipse_contact(method, dx, dy, own, other, guess):
-    reach = own[2] + other[2]
+def ellipse_contact(method, dx, dy, outline_1, outline_2, guess):
+    reach = outline_1[2] + outline_2[2]
     # the time step also counts pairs that do not touch: they get their largest possible levers;
     # those along the normal end in the middle of the gap, as for all contacts
     half = 0.5 * SEPARATED
     apart = (
-        SEPARATED, 1.0, 0.0, own[2] - half, own[2] - own[3], other[2] - half, other[2] - other[3],
-    )  # fmt: skip
+        SEPARATED,
+        1.0,
+        0.0,
+        outline_1[2] - half,
+        outline_1[2] - outline_1[3],
+        outline_2[2] - half,
+        outline_2[2] - outline_2[3],
+    )
     flat = reach, reach
     if dx * dx + dy * dy >= reach * reach:
         return apart, flat, None
-    g1, x1, y1, rho1 = deepest(dx, dy, own, other, method.tolerance)
+    g1, x1, y1, rho1 = deepest(dx, dy, outline_1, outline_2, method.tolerance)
     if g1 >= 0.0:
         return apart, flat, None
-    _, x2, y2, rho2 = deepest(-dx, -dy, other, own, method.tolerance)
+    _, x2, y2, rho2 = deepest(-dx, -dy, outline_2, outline_1, method.tolerance)
     ex, ey = x1 - dx - x2, y1 - dy - y2  # from the point of 2 inside 1 to that of 1 inside 2
     overlap = math.sqrt(ex * ex + ey * ey)
     if overlap == 0.0:
@@ -116,11 +122,16 @@ def ellipse_contact(method, dx, dy, own, other, guess):
     nx, ny = ex / overlap, ey / overlap
     rx, ry = x1 - 0.5 * ex, y1 - 0.5 * ey  # contact point from centre 1
     sx, sy = rx - dx, ry - dy  # and from centre 2
-    found = (
-        overlap, nx, ny, rx * nx + ry * ny, ry * nx - rx * ny,
-        -(sx * nx + sy * ny), sy * nx - sx * ny,
-    )  # fmt: skip
-    return found, (rho1, rho2), None
+    contact = (
+        overlap,
+        nx,
+        ny,
+        rx * nx + ry * ny,
+        ry * nx - rx * ny,
+        -(sx * nx + sy * ny),
+        sy * nx - sx * ny,
+    )
+    return contact, (rho1, rho2), None
 
 
 answer(GeometricPotential, ellipse_contact, questions=METHOD_QUESTIONS)

@@ -12,14 +12,14 @@ both. Conventions of a contact between constituents 1 and 2:
   A lever that a shape does not have is None, and so is all arithmetic with it.
 """
 
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, Self
 
 import numpy as np
 from numba.extending import overload
 
 from dem.base.errors import InputError
+from dem.base.validate import checked, positive
 from dem.jit.compilation import INLINED, inlined, remember
-from dem.jit.optional import either, optional
 
 SEPARATED = -1.0  # overlap of constituents that do not touch
 
@@ -43,8 +43,8 @@ class ContactGeometry(NamedTuple):
 
 class Shape(Protocol):
     """What Python asks of n granules with p constituents each, who reads it, and what a wrong
-    answer breaks. `answer` refuses a class without all members; guesses, lists_sizes and fault have
-    a default.
+    answer breaks. `answer` refuses a class without all members; DEFAULTS has those that most have
+    in common.
 
     Lengths in m. of_size(diameter, aspect_ratio) is asked only of the shapes that configurations
     name: granules with the area of discs of these diameters (n,).
@@ -52,15 +52,15 @@ class Shape(Protocol):
 
     # Whether a contact remembers its normal. Read by the neighbour lists. Wrong: the search for a
     # normal begins at every step from the line of centres, or contacts keep unused memory.
-    guesses: bool = False
+    guesses: bool
 
     # Whether an outline is cosine and sine of the angle, and then sizes that never change. The list
     # of pairs then has the sizes of both constituents. Read by the neighbour lists. Wrong: contacts
     # have the sizes of the time when the list was made.
-    lists_sizes: bool = False
+    lists_sizes: bool
 
     # Why these granules cannot be used, as a sentence, or None. Read by Scene. Wrong: they run.
-    fault: str | None = None
+    fault: str | None
 
     # Whether the granule looks different when it turns. Read by the integrator. Wrong: granules
     # keep the orientation that they start with.
@@ -105,6 +105,52 @@ class Shape(Protocol):
         point is the last. Read by figures, films, export, report. Wrong: pictures only."""
 
 
+class Granules:
+    """Members that most shapes have in common."""
+
+    __slots__ = ()
+
+    @property
+    def constituent_bounding_radius(self) -> np.ndarray:
+        """Radius (constituents,) in m of the circle that holds the constituent."""
+        return self.bounding_radius
+
+    @checked(factor=positive("ratio"))
+    def scaled(self, factor: float) -> Self:
+        """Granules of the same shape, all lengths multiplied by a factor.
+
+        Parameters
+        ----------
+        factor : float
+            Ratio of new to old lengths, without unit.
+
+        Returns
+        -------
+        Self
+            The scaled granules.
+
+        Raises
+        ------
+        InputError
+            If `factor` is not positive.
+        """
+        return resized(self, lambda size: size * factor)
+
+
+def unit_circle(points):
+    """Closed polygon (points, 2) of a circle of radius one."""
+    turn = np.linspace(0.0, 2.0 * np.pi, points)
+    return np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+
+
+DEFAULTS = {
+    "guesses": False,
+    "lists_sizes": False,
+    "needs_angle": True,
+    "fault": None,
+    "scaled": Granules.scaled,
+    "constituent_bounding_radius": Granules.constituent_bounding_radius,
+}
 MEMBERS = *Shape.__annotations__, "scaled", "polygons"
 
 
@@ -125,7 +171,7 @@ def _question(stub):
 
 
 @_question
-def outline(shape, constituent, frame):
+def outline(shape, constituent, orientation):
     """Numbers (a tuple, at most 8) that describe a constituent in its present orientation."""
     raise NotImplementedError
 
@@ -137,7 +183,7 @@ def circle(shape, radius):
 
 
 @_question
-def support(shape, own, nx, ny):
+def support(shape, outline_1, nx, ny):
     """Where a constituent touches a straight line with outward normal n: (h, q, radius).
 
     h (m) is the distance of that line from the centre; q = dh/d(angle) (m) the coordinate along t
@@ -147,7 +193,7 @@ def support(shape, own, nx, ny):
 
 
 @_question
-def find_contact(shape, dx, dy, own, other, guess):
+def find_contact(shape, dx, dy, outline_1, outline_2, guess):
     """Contact of two constituents, without a branch: (ContactGeometry, converged).
 
     The overlap is negative where they do not touch; `guess` a normal near the right one, what the
@@ -158,7 +204,7 @@ def find_contact(shape, dx, dy, own, other, guess):
 
 
 @_question
-def refine_normal(shape, dx, dy, own, other, guess):
+def refine_normal(shape, dx, dy, outline_1, outline_2, guess):
     """A guess near enough for find_contact, from any other."""
     return guess
 
@@ -176,7 +222,7 @@ def local_radius(shape):
 
 
 @_question
-def place(shape, bodies, frame, constituents, low, high):
+def place(shape, bodies, orientation, constituents, low, high):
     """Motion of the constituents of granules low to high from the motion of the granules.
 
     The default is for granules with one constituent: both are one array.
@@ -185,43 +231,50 @@ def place(shape, bodies, frame, constituents, low, high):
 
 
 @_question
-def collect(shape, constituent_force, frame, force, low, high):
+def collect(shape, constituent_force, orientation, force, low, high):
     """Forces (N) and torques (N m) on granules low to high from those on their constituents."""
     return
 
 
 @_question
-def ellipse_contact(method, dx, dy, own, other, guess):
+def ellipse_contact(method, dx, dy, outline_1, outline_2, guess):
     """Contact of two ellipses by a method: (overlap, nx, ny, n1, t1, n2, t2), (rho1, rho2),
     converged, with rho the radii of curvature (m) there."""
     raise NotImplementedError
 
 
 @_question
-def ellipse_normal(method, dx, dy, own, other, guess):
+def ellipse_normal(method, dx, dy, outline_1, outline_2, guess):
     """A guess near enough for ellipse_contact, from any other."""
     return guess
 
 
 @inlined
-def solve_contact(shape, dx, dy, own, other, guess):
+def solve_contact(shape, dx, dy, outline_1, outline_2, guess):
     """Contact of two constituents: the ContactGeometry, from any guess."""
-    geometry, converged = find_contact(shape, dx, dy, own, other, guess)
-    return either(_refined(converged, geometry, shape, dx, dy, own, other, guess), geometry)
+    geometry, converged = find_contact(shape, dx, dy, outline_1, outline_2, guess)
+    return _refined(converged, geometry, shape, dx, dy, outline_1, outline_2, guess)
 
 
-@optional
-def _refined(converged, geometry, shape, dx, dy, own, other, guess):
-    if converged:
+@inlined
+def _refined(converged, geometry, shape, dx, dy, outline_1, outline_2, guess):
+    if converged is None or converged:
         return geometry
-    better = refine_normal(shape, dx, dy, own, other, guess)
-    return find_contact(shape, dx, dy, own, other, better)[0]
+    guess = refine_normal(shape, dx, dy, outline_1, outline_2, guess)
+    return find_contact(shape, dx, dy, outline_1, outline_2, guess)[0]
 
 
 SHAPE_QUESTIONS = (
-    outline, circle, support, find_contact, refine_normal, tangential_lever, local_radius, place,
+    outline,
+    circle,
+    support,
+    find_contact,
+    refine_normal,
+    tangential_lever,
+    local_radius,
+    place,
     collect,
-)  # fmt: skip
+)
 METHOD_QUESTIONS = ellipse_contact, ellipse_normal
 
 
@@ -247,13 +300,14 @@ def answer(cls, *functions, questions=SHAPE_QUESTIONS, **renamed):
     Raises InputError for an unknown question, an unanswered one without a default, a missing member
     of Shape, or a class with the name of another shape.
     """
-    if any(each is not cls and each.__name__ == cls.__name__ for each in questions[0].answers):
+    if any(other is not cls and other.__name__ == cls.__name__ for other in questions[0].answers):
         raise InputError(
             f"{cls.__name__} is the name of a class that the kernels know already, and Numba tells "
-            "classes apart by their names; choose another name, or start Python, or the workers, again."
+            "classes apart by their names; choose another name, or start Python, or the workers, "
+            "again."
         )
-    named = {each.__name__: each for each in functions} | renamed
-    known = {each.__name__: each for each in questions}
+    named = {function.__name__: function for function in functions} | renamed
+    known = {question.__name__: question for question in questions}
     for name in named.keys() - known.keys():
         raise InputError(f"{cls.__name__} answers {name}, which is no question of the kernels.")
     for name, question in known.items():
@@ -267,9 +321,9 @@ def answer(cls, *functions, questions=SHAPE_QUESTIONS, **renamed):
 
 
 def _complete(cls):
-    """Give a shape the members of Shape that have a default; raises InputError for another one."""
+    """Give a shape the members with a default that it lacks; raises InputError for another one."""
     for name in MEMBERS:
         if not hasattr(cls, name):
-            if not hasattr(Shape, name) or callable(getattr(Shape, name)):
+            if name not in DEFAULTS:
                 raise InputError(f"{cls.__name__} has no {name}; see dem.shapes.protocol.Shape.")
-            setattr(cls, name, getattr(Shape, name))
+            setattr(cls, name, DEFAULTS[name])

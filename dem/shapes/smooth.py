@@ -20,8 +20,9 @@ from numba.core import types
 from numba.extending import overload
 
 from dem.jit.compilation import INLINED, inlined
-from dem.shapes.common_normal import LARGEST_TURN, turned
+from dem.shapes.common_normal import LARGEST_TURN
 from dem.shapes.protocol import ContactGeometry, answer, resized
+from dem.shapes.rotation import rotated
 
 TOLERANCE = 1e-4  # rad: the last turn of the normal may be as large as this; error ~ its 4th power
 DIRECTIONS = 64  # of the search for a normal, when the last one is no good guess
@@ -32,7 +33,8 @@ ROOM = 1.0 + 1e-4  # of the bounding circle, for the outline between two of thes
 
 
 def _sizes(fields, g):
-    """Sizes of granule g, a tuple: entries of arrays, ones if g is None, and plain numbers as they are."""
+    """Sizes of granule g, a tuple: entries of arrays, ones if g is None, and plain numbers as they
+    are."""
 
 
 @overload(_sizes, jit_options=INLINED)
@@ -68,9 +70,9 @@ def is_smooth(cls):
 # of a circle around it (0, or the cylinder's), sizes.
 
 
-def outline(shape, constituent, frame):
+def outline(shape, constituent, orientation):
     g = constituent
-    return (frame[g, 0], frame[g, 1], 1.0, 0.0) + _sizes(shape, g)
+    return (orientation[g, 0], orientation[g, 1], 1.0, 0.0) + _sizes(shape, g)
 
 
 def circle(shape, radius):
@@ -78,66 +80,71 @@ def circle(shape, radius):
 
 
 @inlined
-def support_at(shape, own, nx, ny):
+def support_at(shape, outline_1, nx, ny):
     """Support distance h (m), its derivative q = dh/d(angle) (m), radius of curvature rho (m)."""
-    c, s, share, radius = own[0], own[1], own[2], own[3]
-    h, q, rho = support_of(shape, c * nx + s * ny, c * ny - s * nx, own[4:])
+    c, s, share, radius = outline_1[0], outline_1[1], outline_1[2], outline_1[3]
+    h, q, rho = support_of(shape, c * nx + s * ny, c * ny - s * nx, outline_1[4:])
     return share * h + radius, share * q, share * rho + radius
 
 
-def support(shape, own, nx, ny):
-    h, q, _ = support_at(shape, own, nx, ny)
+def support(shape, outline_1, nx, ny):
+    h, q, _ = support_at(shape, outline_1, nx, ny)
     return h, q, None
 
 
 @inlined
-def gap_along(shape, dx, dy, own, other, normal):
+def gap_along(shape, dx, dy, outline_1, outline_2, normal):
     """Gap s (m), slope s' and bend s'' with the angle of n, and (h, q, rho) of both granules."""
     nx, ny = normal
-    one, two = support_at(shape, own, nx, ny), support_at(shape, other, -nx, -ny)
+    one, two = support_at(shape, outline_1, nx, ny), support_at(shape, outline_2, -nx, -ny)
     gap = nx * dx + ny * dy - one[0] - two[0]
     return gap, nx * dy - ny * dx - one[1] - two[1], -gap - one[2] - two[2], one, two
 
 
-def find_contact(shape, dx, dy, own, other, guess):
-    gap, slope, bend, _, _ = gap_along(shape, dx, dy, own, other, guess)
+def find_contact(shape, dx, dy, outline_1, outline_2, guess):
+    gap, slope, bend, _, _ = gap_along(shape, dx, dy, outline_1, outline_2, guess)
     first, apart = gap, gap > 0.0
     near = abs(slope) <= -TOLERANCE * bend
     most = (
         LARGEST_TURN if apart else (TOLERANCE if near else 0.0)
     )  # apart, it climbs from step to step
     turn = min(max(-slope / bend, -most), most)
-    nx, ny = turned(guess[0], guess[1], turn)
-    gap, slope, bend, one, two = gap_along(shape, dx, dy, own, other, (nx, ny))
+    nx, ny = rotated(guess[0], guess[1], turn)
+    gap, slope, bend, one, two = gap_along(shape, dx, dy, outline_1, outline_2, (nx, ny))
     turn = min(max(-slope / bend, -most), most)
-    nx, ny = turned(nx, ny, turn)
+    nx, ny = rotated(nx, ny, turn)
     gap += turn * (slope + 0.5 * turn * bend)
     gap = max(gap, first) if apart else gap
     half = -0.5 * gap
     geometry = ContactGeometry(
-        -gap, nx, ny,
-        one[0] + turn * one[1] - half, one[1] + turn * (one[2] - one[0]),
-        two[0] + turn * two[1] - half, -two[1] - turn * (two[2] - two[0]), None,
-    )  # fmt: skip
+        -gap,
+        nx,
+        ny,
+        one[0] + turn * one[1] - half,
+        one[1] + turn * (one[2] - one[0]),
+        two[0] + turn * two[1] - half,
+        -two[1] - turn * (two[2] - two[0]),
+        None,
+    )
     deep = -2.0 * gap > one[2] + two[2]
     return geometry, apart or (near and not deep)
 
 
 @inlined
-def search(shape, dx, dy, own, other):
+def search(shape, dx, dy, outline_1, outline_2):
     """Normal of the largest gap: the best of DIRECTIONS, then bisection of the slope beside it."""
     best, at = -math.inf, 0
     for k in range(DIRECTIONS):
         angle = 2.0 * math.pi * k / DIRECTIONS
         normal = math.cos(angle), math.sin(angle)
-        gap = gap_along(shape, dx, dy, own, other, normal)[0]
+        gap = gap_along(shape, dx, dy, outline_1, outline_2, normal)[0]
         if gap > best:
             best, at = gap, k
     low, high = 2.0 * math.pi * (at - 1) / DIRECTIONS, 2.0 * math.pi * (at + 1) / DIRECTIONS
     middle = 0.5 * (low + high)
     for _ in range(BISECTIONS):
         gap, slope, bend, _, _ = gap_along(
-            shape, dx, dy, own, other, (math.cos(middle), math.sin(middle))
+            shape, dx, dy, outline_1, outline_2, (math.cos(middle), math.sin(middle))
         )
         if slope > 0.0:
             low = middle
@@ -150,8 +157,8 @@ def search(shape, dx, dy, own, other):
     return math.cos(middle), math.sin(middle)
 
 
-def refine_normal(shape, dx, dy, own, other, guess):
-    return search(shape, dx, dy, own, other)
+def refine_normal(shape, dx, dy, outline_1, outline_2, guess):
+    return search(shape, dx, dy, outline_1, outline_2)
 
 
 # What Python asks of a shape
@@ -162,16 +169,20 @@ def _sampled(cls, key):
     """h, q, rho (n, ANGLES) in m of the granules, at equal steps of the angle of the normal."""
     sizes = [value if isinstance(value, float) else np.frombuffer(value)[:, None] for value in key]
     angle = 2.0 * np.pi * np.arange(ANGLES) / ANGLES
-    found = _SUPPORT[cls].py_func(np.cos(angle), np.sin(angle), sizes)
-    shape = np.broadcast_shapes(*(np.shape(each) for each in (*found, *sizes)))
-    return angle, *(np.broadcast_to(each, shape) for each in found)
+    values = _SUPPORT[cls].py_func(np.cos(angle), np.sin(angle), sizes)
+    shape = np.broadcast_shapes(*(np.shape(value) for value in (*values, *sizes)))
+    return angle, *(np.broadcast_to(value, shape) for value in values)
 
 
 def sampled(shape):
     """Angles (ANGLES,) in rad and h, q, rho (n, ANGLES) in m of all granules."""
-    return _sampled(type(shape), tuple(
-        np.ascontiguousarray(v).tobytes() if isinstance(v, np.ndarray) else float(v) for v in shape
-    ))  # fmt: skip
+    return _sampled(
+        type(shape),
+        tuple(
+            np.ascontiguousarray(v).tobytes() if isinstance(v, np.ndarray) else float(v)
+            for v in shape
+        ),
+    )
 
 
 def _integral(values):
@@ -217,7 +228,7 @@ def scaled(shape, factor):
 
     Parameters
     ----------
-    factor : float
+    factor : float or ndarray of shape (n,)
         Ratio of new to old lengths, without unit.
 
     Returns
@@ -256,16 +267,20 @@ def fault(shape):
     g = int(np.argmax(inwards.any(axis=-1)))
     at = int(np.argmin(rho[g]))
     return (
-        f"granule {g} is not convex: its radius of curvature is {rho[g, at]:.3g} m where the normal is at "
-        f"{np.degrees(angle[at]):.0f} degrees; it must be positive everywhere."
+        f"granule {g} is not convex: its radius of curvature is {rho[g, at]:.3g} m where the "
+        f"normal is at {np.degrees(angle[at]):.0f} degrees; it must be positive everywhere."
     )
 
 
 DERIVED = {
-    "area": area, "gyration_squared": gyration_squared, "bounding_radius": bounding_radius,
-    "constituent_radius": constituent_radius, "constituent_bounding_radius": bounding_radius,
-    "normal_lever": normal_lever, "normal_bend": normal_bend, "fault": fault,
-}  # fmt: skip
+    "area": area,
+    "gyration_squared": gyration_squared,
+    "bounding_radius": bounding_radius,
+    "constituent_radius": constituent_radius,
+    "normal_lever": normal_lever,
+    "normal_bend": normal_bend,
+    "fault": fault,
+}
 
 
 def smooth(support_function):
@@ -282,7 +297,7 @@ def smooth(support_function):
         for name, member in (members | {"scaled": scaled, "polygons": polygons}).items():
             if name not in cls.__dict__:
                 setattr(cls, name, member)
-        cls.needs_angle, cls.guesses = True, True
+        cls.guesses = True
         answer(cls, outline, circle, support, find_contact, refine_normal)
         return cls
 

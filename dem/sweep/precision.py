@@ -1,10 +1,11 @@
 """How many replicates each place of a sweep gets: as many as it takes to know its mean so well.
 
-A place begins with `least` replicates. While its interval is wider than asked for, another round makes as
-many as the scatter so far says that it takes, but at most twice what there are: looking often would stop
-by chance, and the scatter of ten runs is not known well. So an interval is also taken a little wider. Decisions need whole rounds only, from the first
-on, so they are the same in any order of the runs, and after any stop. docs/results/precision.md says how
-often the true mean is as near as that.
+A place begins with `least` replicates. While its interval is wider than asked for, another round
+makes as many as the scatter so far says that it takes, but at most twice what there are: looking
+often would stop by chance, and the scatter of ten runs is not known well. So an interval is also
+taken a little wider. Decisions need whole rounds only, from the first on, so they are the same in
+any order of the runs, and after any stop. docs/results/accuracy.md says how often the true mean is
+as near as that.
 """
 
 import math
@@ -12,12 +13,13 @@ import re
 from collections.abc import Sequence
 from contextlib import suppress
 from functools import cached_property
-from typing import Annotated, NamedTuple
+from typing import Annotated
 
 import numpy as np
 from pydantic import BeforeValidator, model_validator
 
 from dem.base.errors import InputError, RunError
+from dem.base.intervals import Estimate, mean_interval, ratio_interval
 from dem.base.messages import did_you_mean
 from dem.base.schema import MOST, SEEDS, Section, Seed, Whole, value
 from dem.io.dataset import AXES, OF_RUN, OF_STORE, read
@@ -28,15 +30,15 @@ SHARE = "it must be a percentage between 50 % and 99.99 %, such as 95 %"
 NUMBER = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 ASKED = "it must be a positive number with its unit, such as 5 % of the mean, or 50 N"
 
-Lead = tuple[int, ...]  # a place on the axes but that of the seeds
+GridPoint = tuple[int, ...]  # index along each axis of a block; of replicates, but for the seeds
 
 
 def _quantity(text, fault: str = ASKED) -> tuple[float, str]:
     """A positive number and its unit; raises ValueError."""
-    found = re.fullmatch(rf"\s*({NUMBER})\s*(%|[A-Za-z].*?)\s*", str(text))
-    if not found or not 0.0 < float(found[1]) < math.inf:
+    estimate = re.fullmatch(rf"\s*({NUMBER})\s*(%|[A-Za-z].*?)\s*", str(text))
+    if not estimate or not 0.0 < float(estimate[1]) < math.inf:
         raise ValueError(fault)
-    return float(found[1]), found[2]
+    return float(estimate[1]), estimate[2]
 
 
 def _asked(text) -> str:
@@ -52,11 +54,16 @@ def _level(text) -> str:
 
 
 class Until(Section):
-    """Seeds without an end: replicates are added, place by place, until a mean is known well enough."""
+    """Seeds without an end: replicates are added, place by place, until a mean is known well
+    enough."""
 
-    until: Annotated[str, BeforeValidator(_asked)] = value(None, "half of the interval of the mean: 5 % of it, or 50 N")
+    until: Annotated[str, BeforeValidator(_asked)] = value(
+        None, "half of the interval of the mean: 5 % of it, or 50 N"
+    )
     of: str = value(None, "what runs record, or its ratio to a case or shape: drag / c1", "drag")
-    confidence: Annotated[str, BeforeValidator(_level)] = value(None, "level of the interval", "95 %")
+    confidence: Annotated[str, BeforeValidator(_level)] = value(
+        None, "level of the interval", "95 %"
+    )
     first: Seed = value("1", "first seed", 1)
     least: Whole = value("1", "replicates of the first round", 10, ge=3, le=MOST)
     most: Whole = value("1", "replicates of a place at most", 100, ge=3, le=MOST)
@@ -64,11 +71,15 @@ class Until(Section):
     @model_validator(mode="after")
     def _check(self):
         if self.least > self.most:
-            raise ValueError(f"least is {self.least}, above most, {self.most}; it must be at most that")
+            raise ValueError(
+                f"least is {self.least}, above most, {self.most}; it must be at most that"
+            )
         if self.target[1] and self.target[0] >= 1.0:
             raise ValueError(f"until is {self.until}; it must be below 100 %")
         if self.first + self.most > SEEDS:
-            raise ValueError(f"first is {self.first} and most {self.most}; the last seed must be below {SEEDS}")
+            raise ValueError(
+                f"first is {self.first} and most {self.most}; the last seed must be below {SEEDS}"
+            )
         return self
 
     @property
@@ -97,8 +108,8 @@ class Until(Section):
         return f"{self.of} within {self.until} at {self.confidence}"
 
     def check(self, where: str, configuration, labels: Sequence[str]) -> None:
-        """Raise InputError where runs of a configuration have no such number; labels: of the axis of cases
-        or shapes."""
+        """Raise InputError where runs of a configuration have no such number; labels: of the axis
+        of cases or shapes."""
         numbers, layout = numbers_of(configuration), configuration.module.layout(configuration)
         if self.variable not in numbers:
             raise InputError(
@@ -117,100 +128,57 @@ class Until(Section):
 
 
 def numbers_of(configuration) -> list[str]:
-    """Names of the numbers that a run gives, whose mean may be asked for: first what is measured. How long
-    it took is none, because then no file would give the same runs twice."""
+    """Names of the numbers that a run gives, whose mean may be asked for: first what is measured.
+    How long it took is none, because then no file would give the same runs twice."""
     layout = configuration.module.layout(configuration)
-    found = [n for n, (dims, unit, _) in layout.items() if unit and "granule" not in dims and n != "run_time"]
-    return sorted(found, key=lambda name: name in OF_RUN)
+    estimate = [
+        n
+        for n, (dims, unit, _) in layout.items()
+        if unit and "granule" not in dims and n != "run_time"
+    ]
+    return sorted(estimate, key=lambda name: name in OF_RUN)
 
 
-class Known(NamedTuple):
-    """A mean, or a ratio of means, so far, and the ends of its interval; runs: of the place."""
-
-    value: float
-    low: float
-    high: float
-    runs: int
-
-    @property
-    def half(self) -> float:
-        """The longer part of the interval; that of a ratio is longer above."""
-        return max(self.high - self.value, self.value - self.low)
-
-    def excess(self, until: Until) -> float:
-        """Half the interval over what is asked for; endless where too few runs are there."""
-        target, relative = until.target
-        wanted = target * abs(self.value) if relative else target
-        if self.runs < 2 or math.isnan(self.value):
-            return math.inf
-        return self.half / wanted if wanted > 0.0 else math.inf
-
-    def is_near_zero(self, until: Until) -> bool:
-        """Whether a share of the mean means nothing, because the interval holds zero."""
-        there = self.runs > 1 and math.isfinite(self.value)
-        return until.target[1] and there and not (self.low > 0.0 or self.high < 0.0)
+def excess(estimate: Estimate, until: Until) -> float:
+    """Half an interval over what is asked for; infinite where too few runs are there."""
+    target, relative = until.target
+    wanted = target * abs(estimate.value) if relative else target
+    return estimate.half / wanted if wanted > 0.0 and not math.isnan(estimate.value) else math.inf
 
 
-def known(sample, level: float, reference=None) -> Known:
-    """The mean of a sample, one value a run, with its interval by Student's t; with that of a reference,
-    the ratio of the means with Fieller's (1954, J. R. Stat. Soc. B 16, 175), the degrees of freedom by
-    Satterthwaite. What failed is NaN. A number that cannot be known has an endless interval."""
-    from scipy.special import stdtrit
-
-    count, mean, variance = _moments(sample)
-    if reference is None:
-        half = float(stdtrit(count - 1, 0.5 + 0.5 * level)) * math.sqrt(variance) if count > 1 else math.inf
-        return Known(mean, mean - half, mean + half, count)
-    others, base, spread = _moments(reference)
-    if min(count, others) < 2 or base == 0.0:
-        return Known(math.nan, -math.inf, math.inf, count)
-    ratio = mean / base
-    parts = variance, ratio**2 * spread
-    weights = (part**2 / (n - 1) for part, n in zip(parts, (count, others), strict=True))
-    freedom = sum(parts) ** 2 / (sum(weights) or math.inf)
-    quantile = float(stdtrit(max(freedom, 1.0), 0.5 + 0.5 * level))
-    a, c = base**2 - quantile**2 * spread, mean**2 - quantile**2 * variance
-    root = (mean * base) ** 2 - a * c
-    if a <= 0.0 or root < 0.0:  # the interval of the reference holds zero
-        return Known(ratio, -math.inf, math.inf, count)
-    ends = ((mean * base + sign * math.sqrt(root)) / a for sign in (-1.0, 1.0))
-    return Known(ratio, *ends, count)
+def is_near_zero(estimate: Estimate, until: Until) -> bool:
+    """Whether a share of the mean means nothing, because the interval holds zero."""
+    return until.target[1] and math.isfinite(estimate.half) and estimate.low <= 0.0 <= estimate.high
 
 
-def _moments(sample) -> tuple[int, float, float]:
-    """How many values there are, their mean, and the variance of the mean."""
-    there = np.asarray(sample, float)
-    there = there[np.isfinite(there)]
-    if there.size < 2:
-        return there.size, float(there.sum()) if there.size else math.nan, math.nan
-    return there.size, float(there.mean()), float(there.var(ddof=1)) / there.size
-
-
-def all_known(
-    until: Until, values: dict[Lead, np.ndarray], partners: dict[Lead, Lead | None]
-) -> dict[Lead, Known]:
-    """What is wanted of every place, by what its runs gave so far."""
+def estimates(
+    until: Until, values: dict[GridPoint, np.ndarray], partners: dict[GridPoint, GridPoint | None]
+) -> dict[GridPoint, Estimate]:
+    """The mean, or ratio of means, of every place, by what its runs gave so far."""
     return {
-        place: known(values[place], until.level, *([values[other]] if other else []))
-        for place, other in partners.items() if other != place
-    }  # fmt: skip
+        place: ratio_interval(values[place], values[other], until.level)
+        if other
+        else mean_interval(values[place], until.level)
+        for place, other in partners.items()
+        if other != place
+    }
 
 
-def short_of(block, values: dict[Lead, np.ndarray]) -> list[str]:
-    """A sentence where the cap left places less well known than was asked for; raises RunError where a
-    share of a mean means nothing."""
+def short_of(block, values: dict[GridPoint, np.ndarray]) -> list[str]:
+    """A sentence where the cap left places less well known than was asked for; raises RunError
+    where a share of a mean means nothing."""
     until, wide = block.until, []
-    for place, found in all_known(until, values, block.partners).items():
-        words = block.words(place)
-        if found.is_near_zero(until):
+    for place, estimate in estimates(until, values, block.partners).items():
+        words, number = block.words(place), f"{estimate.value:.3g} ± {estimate.half:.3g}"
+        if is_near_zero(estimate, until):
             raise RunError(
-                f"{words}: {until.of} of {found.runs} replicates is {found.value:.3g} ± {found.half:.3g}, which "
+                f"{words}: {until.of} of {len(values[place])} replicates is {number}, which "
                 f"may be zero, so {until.until} of it means nothing; ask for a number with a unit, such as "
                 "until: 50 N, or take the place out."
             )
-        if (excess := found.excess(until)) > 1.0:
-            told = f"{found.value:.3g} ± {found.half:.3g}" if excess < math.inf else "not known"
-            wide.append((excess, f"{words}, is {told} after {len(values[place])}"))
+        if (over := excess(estimate, until)) > 1.0:
+            number = number if over < math.inf else "not known"
+            wide.append((over, f"{words}, is {number} after {len(values[place])}"))
     if not wide:
         return []
     _, worst = max(wide)
@@ -220,57 +188,43 @@ def short_of(block, values: dict[Lead, np.ndarray]) -> list[str]:
     ]
 
 
-def outlook(block, values: dict[Lead, np.ndarray]) -> tuple[int, int, int]:
-    """How many runs a block takes in all by the scatter of what is there, and the range that this scatter
-    leaves open (95 %); where nothing is there, the first round and the caps."""
-    from scipy.special import chdtri
-
-    until, places = block.until, all_known(block.until, values, block.partners)
-    total = np.array(3 * [sum(n for place, n in block.counts.items() if place not in places)], float)
-    for place, found in places.items():
-        limits = block.counts[place], until.most
-        if found.runs < 2 or not math.isfinite(wanted := expected(found, until)):
-            total += limits[0], *limits
-        else:
-            free = found.runs - 1
-            total += np.clip(wanted * np.array([1.0, *free / chdtri(free, [0.025, 0.975])]), *limits)
-    return tuple(math.ceil(each) for each in total)
-
-
-def expected(found: Known, until: Until) -> float:
-    """How many replicates a place takes by the scatter so far."""
-    return found.runs * (SAFETY * found.excess(until)) ** 2
+def replicates_needed(estimate: Estimate, runs: int, until: Until) -> float:
+    """How many replicates a place takes by the scatter of its runs so far."""
+    return runs * (SAFETY * excess(estimate, until)) ** 2 if runs else math.inf
 
 
 def counts(
-    until: Until, values: dict[Lead, np.ndarray], partners: dict[Lead, Lead | None], rounds: float
-) -> dict[Lead, int]:
+    until: Until, values: dict[GridPoint, np.ndarray], partners: dict[GridPoint, GridPoint | None], rounds: float
+) -> dict[GridPoint, int]:
     """How many replicates each place has after as many rounds as its runs so far allow.
 
-    values: one value a run that there is, in the order of the seeds, by place; partners: the place that
-    each is divided by, None for itself; rounds: after the first, at most.
+    values: one value a run that there is, in the order of the seeds, by place; partners: the place
+    that each is divided by, None for itself; rounds: after the first, at most.
     """
-    groups, found = {}, {}
+    groups, estimate = {}, {}
     for place in values:
         groups.setdefault(partners[place] or place, []).append(place)
     for group in groups.values():
         now, number = dict.fromkeys(group, until.least), 0
         while number < rounds and all(len(values[place]) >= n for place, n in now.items()):
             after, so_far = dict(now), {place: values[place][:n] for place, n in now.items()}
-            for place, mean in all_known(until, so_far, {each: partners[each] for each in group}).items():
-                excess = SAFETY * mean.excess(until)
-                for each in {place, partners[place] or place} if excess > 1.0 else ():
-                    wanted = min(now[each] * excess**2, GROWTH * now[each], until.most)
+            for place, mean in estimates(
+                until, so_far, {each: partners[each] for each in group}
+            ).items():
+                over = SAFETY * excess(mean, until)
+                for each in {place, partners[place] or place} if over > 1.0 else ():
+                    wanted = min(now[each] * over**2, GROWTH * now[each], until.most)
                     after[each] = max(after[each], math.ceil(wanted))
             if after == now:
                 break
             now, number = after, number + 1
-        found |= now
-    return found
+        estimate |= now
+    return estimate
 
 
 class Numbers:
-    """What the runs of a store gave, one number each; files of runs never change, so each is read once."""
+    """What the runs of a store gave, one number each; files of runs never change, so each is read
+    once."""
 
     def __init__(self, store, variable: str):
         self.store, self.variable, self._of = store, variable, {}
@@ -280,8 +234,8 @@ class Numbers:
     def of(self, block, kept: bool = False) -> dict[str, float]:
         """The numbers of those runs of a block that are there, by identity; NaN of one that failed.
 
-        kept: also of batches that have not ended. Decisions wait for these, so that they are the same
-        after any stop.
+        kept: also of batches that have not ended. Decisions wait for these, so that they are the
+        same after any stop.
         """
         replicates = {run.id: run for run in block.unique()}
         for batch in self.store.sealed().values():
@@ -292,17 +246,21 @@ class Numbers:
                     values, _ = read(self.store.file_of(batch.id), names)
                     own = next(replicates[run] for run in batch.runs if run in replicates)
                     self._of |= self._means(own.configuration, values)
-        found = {run: self._of[run] for run in replicates if run in self._of}
-        for run in replicates.keys() - found if kept else ():
+        estimate = {run: self._of[run] for run in replicates if run in self._of}
+        for run in replicates.keys() - estimate if kept else ():
             if (row := self.store.kept(run)) is not None:
-                values = {name: value[None] for name, value in row.items()} | {"run_id": np.array([run])}
-                found |= self._means(replicates[run].configuration, values)
-        return found
+                values = {name: value[None] for name, value in row.items()} | {
+                    "run_id": np.array([run])
+                }
+                estimate |= self._means(replicates[run].configuration, values)
+        return estimate
 
     def _means(self, own, values: dict[str, np.ndarray]) -> dict[str, float]:
         """The number of each run of a configuration, from the variables of some (run, ...)."""
         ids, failed = values["run_id"].tolist(), values["failure"] != 0
-        self.failed |= zip(np.array(ids)[failed].tolist(), map(str, values["failure_reason"][failed]), strict=True)
+        self.failed |= zip(
+            np.array(ids)[failed].tolist(), map(str, values["failure_reason"][failed]), strict=True
+        )
         if self.variable not in values:  # of a run that failed
             return dict.fromkeys(ids, math.nan)
         array = values[self.variable].astype(float)

@@ -9,9 +9,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from dem.base.errors import InputError
-from dem.sweep.campaign import Campaign
+from dem.sweep.combined import read_earlier
 from dem.sweep.config import CONFIG, FOLDERS
-from dem.sweep.earlier import read_earlier
+from dem.sweep.state import SweepState
 from dem.sweep.store import Store
 
 NOTHING = "So nothing was removed."
@@ -35,10 +35,10 @@ def sweeps(store: Store) -> Iterator[tuple[Path, set[str], set[str]]]:
         earlier = filter(None, map(read_earlier, here.glob("*.nc")))
         runs, beds = {run for each in earlier for run in each.runs}, set()
         if CONFIG in files:
-            campaign = Campaign.of(here / CONFIG)
-            for name in campaign.sweep.blocks:
-                beds |= {run.bed_id for run in campaign.block(name).unique()}
-            runs |= campaign.runs()
+            state = SweepState.of(here / CONFIG)
+            for name in state.sweep.blocks:
+                beds |= {run.bed_id for run in state.block(name).unique()}
+            runs |= state.runs()
         if runs:
             yield here, runs, beds
 

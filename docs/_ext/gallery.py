@@ -1,7 +1,7 @@
 """Draw everything that can be drawn, and write the page that shows it.
 
-Figures come from docs/data; films and pictures from runs that the build simulates. The page shows
-the command lines that drew them.
+Figures come from the released files; films and pictures from runs that the build simulates. The
+page shows the command lines that drew them.
 """
 
 import shlex
@@ -21,25 +21,26 @@ RUNS = {
     f"{shape}.nc": f"dem simulate --shape {shape} --density 3900 --seed 1 -o {shape}.nc"
     for shape in ("c1", "d1", "e3")
 }
-# file: (what it shows, the command line that draws it)
+# file: the command line that draws it, what it shows
 PICTURES = {
     "film.mp4": (
-        "Ellipses of aspect ratio 1.375: speed and contact forces",
         "dem draw e3.nc --color speed --forces -o film.mp4",
+        "Ellipses of aspect ratio 1.375: speed and contact forces",
     ),
     "forces.png": (
-        "Discs: the sum of the normal forces on each granule, and the forces between them",
         "dem draw c1.nc --color force --forces -o forces.png",
+        "Discs: the sum of the normal forces on each granule, and the forces between them",
     ),
     "layers.png": (
-        "Dumbbells, coloured in layers before the cylinder moved",
         "dem draw d1.nc --color layer -o layers.png",
+        "Dumbbells, coloured in layers before the cylinder moved",
     ),
     "cluster.png": (
-        "Ellipses, those that began ahead of the cylinder shaded",
         "dem draw e3.nc --color cluster -o cluster.png",
+        "Ellipses, those that began ahead of the cylinder shaded",
     ),
 }
+FILM = "```{{video}} {}\n:width: 100%\n:autoplay:\n:loop:\n:muted:\n```"
 
 
 def write(docs: Path) -> None:
@@ -47,21 +48,38 @@ def write(docs: Path) -> None:
     folder = docs / FOLDER
     folder.mkdir(parents=True, exist_ok=True)
     code = max(path.stat().st_mtime for path in (ROOT / "dem").rglob("*.py"))
-    figures, drawn = catalogue.figures(), {}
+    for file, command in (RUNS | {name: shown[0] for name, shown in PICTURES.items()}).items():
+        if _older(folder / file, code):
+            _run(command, folder)
+    figures = _figures(folder, code)
+    parts = ["# What can be drawn?"]
+    for heading, group in ("Films and pictures of one run", PICTURES), ("Figures", figures):
+        parts.append(f"## {heading}")
+        for file, (command, about) in group.items():
+            place = f"gallery/{file}"
+            shown = FILM.format(place) if file.endswith(".mp4") else f"![{about}]({place})"
+            parts += [f"### {about}", shown, f"```console\n$ {command}\n```"]
+    (folder.parent / "gallery.md").write_text("\n\n".join(parts) + "\n", encoding="utf-8")
+
+
+def _figures(folder: Path, code: float) -> dict[str, tuple[str, str]]:
+    """Draw every figure of a released file; command line and caption by file, in the order of
+    the paper."""
+    figures, found = catalogue.figures(), {}
     for file in FILES:
         of = Path(file.source).stem
         own = {name: each for name, each in figures.items() if each.file == of}
         if of == "drag" != file.name:
             own = {name: each for name, each in own.items() if name == file.name}
         with open_lazily(file.path) as dataset:
-            drawn |= {name: file for name in drawable_from(file.path, dataset, own)}
-    for name, file in drawn.items():
-        if _older(folder / f"{name}.png", max(code, file.path.stat().st_mtime)):
-            draw(name, file.path, folder, figures)
-    for file, command in (RUNS | {each: shown[1] for each, shown in PICTURES.items()}).items():
-        if _older(folder / file, code):
-            _run(command, folder)
-    (folder.parent / "gallery.md").write_text(_page(drawn), encoding="utf-8")
+            names = drawable_from(file.path, dataset, own)
+        for name in names:
+            if _older(folder / f"{name}.png", max(code, file.path.stat().st_mtime)):
+                draw(name, file.path, folder, figures)
+            program = "dem" if figures[name].package == "dem" else "python -m studies"
+            command = f"{program} figure {name} results/{file.source}"
+            found[f"{name}.png"] = command, figures[name].caption
+    return found
 
 
 def _older(file: Path, time: float) -> bool:
@@ -73,30 +91,3 @@ def _run(command: str, folder: Path) -> None:
     files = {*RUNS, *PICTURES}
     words = [str(folder / word) if word in files else word for word in shlex.split(command)]
     subprocess.run([sys.executable, "-m", *words], cwd=ROOT, check=True, stderr=subprocess.DEVNULL)
-
-
-def _page(drawn: dict) -> str:
-    """Every figure with its command, in the order of the paper."""
-    own = catalogue.figures()
-    figures = [
-        (own[name].caption, f"{_by(own[name])} figure {name} results/{file.source}", f"{name}.png")
-        for name, file in drawn.items()
-    ]
-    runs = [(about, command, file) for file, (about, command) in PICTURES.items()]
-    parts = ["# What can be drawn?\n"]
-    for heading, group in (("Films and pictures of one run", runs), ("Figures", figures)):
-        parts.append(f"## {heading}\n")
-        parts += [_entry(*each) for each in group]
-    return "\n".join(parts)
-
-
-def _by(figure) -> str:
-    return "dem" if figure.package == "dem" else "python -m studies"
-
-
-def _entry(about: str, command: str, file: str) -> str:
-    source = f"gallery/{file}"
-    shown = f"![{about}]({source})"
-    if file.endswith(".mp4"):
-        shown = f"```{{video}} {source}\n:width: 100%\n:autoplay:\n:loop:\n:muted:\n```"
-    return f"### {about}\n\n{shown}\n\n```console\n$ {command}\n```\n"

@@ -13,7 +13,6 @@ from dem.base.sources import ROOT, _read
 ROOMS = "contacts", "dynamics", "jit", "packing", "shapes"
 DRIVERS = (
     "dynamics/simulation.py",
-    "dynamics/engine.py",
     "dynamics/checkpoint.py",
     "dynamics/result.py",
     "shapes/check.py",

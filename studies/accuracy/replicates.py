@@ -6,13 +6,13 @@ import numpy as np
 import xarray as xr
 from scipy.stats import t
 
-from dem.analysis.statistics import LEVEL
+from dem.base.intervals import LEVEL
 
 TARGET = 0.02  # wanted half-interval over the mean
 
 
 class Replicates(NamedTuple):
-    """scatter of one run over the mean; runs needed for a half-interval of TARGET; time (s) of one."""
+    """scatter of one run over the mean; runs needed for TARGET; time (s) of one."""
 
     scatter: float
     needed: int
@@ -26,7 +26,7 @@ def window_means(dataset: xr.Dataset, start: float, stop: float) -> np.ndarray:
     return dataset["replicate_drag"].values[:, inside].mean(axis=1)
 
 
-def replicates(dataset: xr.Dataset) -> Replicates:
+def cost(dataset: xr.Dataset) -> Replicates:
     """How the interval of the mean shrinks with replicates."""
     means = window_means(dataset, dataset.attrs["window_start"], dataset.attrs["window_stop"])
     scatter = means.std(ddof=1) / means.mean()

@@ -26,7 +26,6 @@ from dem.dynamics.skin import SKIN
 from dem.jit.address import by_address, local
 from dem.jit.block_memory import BLOCK
 from dem.jit.compilation import compiled
-from dem.jit.optional import optional
 from studies.benchmark.scenes import Case
 
 STILL = 1e-3  # of the time step: nothing moves to speak of, and no list is rebuilt
@@ -49,37 +48,25 @@ UPTO = {
 }
 
 
-@optional
-def find(wanted, shape, turns, contacts, start, stop, lanes):
-    find_contacts(shape, turns, contacts, start, stop, lanes)
-
-
-@optional
-def respond(wanted, shape, turns, contacts, start, stop, dt, lanes):
-    contact_forces(contacts.friction, shape, turns, contacts, start, stop, dt, lanes)
-
-
-@optional
-def add_up(wanted, contacts, start, stop, values, turns, force):
-    accumulate(contacts, start, stop, values, turns, force)
-
-
 @compiled
 def pairs(world, dt, times, wanted):
     """The loop of dem.contacts.loops.pair_contacts with the stages that are wanted, for a bed of
     one patch without an energy ledger."""
     world = by_address(world)
-    shape, frame, contacts, lanes = world.shape, world.frame, local(world.pairs), world.lanes
+    shape, contacts, lanes = world.shape, local(world.pairs), world.lanes
     rows, flat = world.constituents.reshape(-1), world.constituent_force.reshape(-1)
     turns, count = world.inverse_inertia, contacts.constituent.shape[0]
     for _ in range(times):
         for start in range(0, count, BLOCK):
             stop = min(start + BLOCK, count)
             gather(turns, rows, rows, contacts, start, stop, lanes)
-            gather_pairs(shape, frame, contacts, start, stop, lanes.values)
-            find(wanted.geometry, shape, turns, contacts, start, stop, lanes)
-            respond(wanted.forces, shape, turns, contacts, start, stop, dt, lanes)
-            add_up(wanted.sums, contacts, start, stop, lanes.values, turns, flat)
+            gather_pairs(shape, world.orientation, contacts, start, stop, lanes.values)
+            if wanted.geometry is not None:
+                find_contacts(shape, turns, contacts, start, stop, lanes)
+            if wanted.forces is not None:
+                contact_forces(contacts.friction, shape, turns, contacts, start, stop, dt, lanes)
+            if wanted.sums is not None:
+                accumulate(contacts, start, stop, lanes.values, turns, flat)
 
 
 @compiled

@@ -102,6 +102,13 @@ def fit(moduli, means, target) -> Calibration:
     modulus, low, high = (float(np.exp(each)) for each in (best, best - half, best + half))
     scatter = float(np.mean(means.std(axis=0, ddof=1) / means.mean(axis=0)))
     return Calibration(
-        target, modulus, modulus * float(error), (low, high), float(exponent), scatter,
-        means.size, float(min(moduli)), float(max(moduli)),
-    )  # fmt: skip
+        target,
+        modulus,
+        modulus * float(error),
+        (low, high),
+        float(exponent),
+        scatter,
+        means.size,
+        float(min(moduli)),
+        float(max(moduli)),
+    )

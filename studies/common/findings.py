@@ -6,6 +6,7 @@ import sys
 from functools import cached_property
 from pathlib import Path
 
+import numpy as np
 import xarray as xr
 from rich.console import Group
 from rich.table import Table
@@ -51,13 +52,27 @@ def estimate(found, unit: str = "", digits: int = 2) -> str:
     return text.replace("-", "\N{MINUS SIGN}").replace(" ", "\N{NO-BREAK SPACE}")
 
 
+def percent(share, digits: int = 0) -> str:
+    """A share in per cent, 12 %, or a share and half its interval: 65 ± 4 %."""
+    if np.ndim(share):
+        return interval(*(100.0 * np.asarray(share)), "%", digits)
+    return f"{100.0 * share:.{digits}f} %"
+
+
 def span(low: float, high: float, unit: str = "", digits: int = 2) -> str:
     """A range: 0.9 to 2.4 mm."""
     return f"{low:.{digits}f} to {high:.{digits}f} {unit}".rstrip()
 
 
+SHOWN = (Table, str, int, float)  # kinds of findings that a summary shows
+
+
 class Findings:
-    """What one released file says: a method a finding, whose docstring says what it is."""
+    """What one released file says: numbers as attributes, tables and what takes an argument as
+    methods.
+
+    The docstring of a finding says what it is; the sentence around it is on the page.
+    """
 
     name: str  # of the file beside the findings, without .nc
     command: str  # that makes it
@@ -72,20 +87,24 @@ class Findings:
         return other
 
     def summary(self) -> Group:
-        """All findings that take no argument, for the terminal: what can be said in words, then tables."""
+        """All findings that take no argument, for the terminal: what can be said in words, then
+        tables."""
         lines, tables = [self.dataset.attrs.get("versions", "")], []
-        for name, method in vars(type(self)).items():
-            if name.startswith("_") or not inspect.isfunction(method):
+        for name, member in vars(type(self)).items():
+            function = getattr(member, "fget", None) or getattr(member, "func", member)
+            if name.startswith("_") or not inspect.isfunction(function):
                 continue
-            if len(inspect.signature(method).parameters) > 1:
+            kind = function.__annotations__.get("return")
+            if kind not in SHOWN or len(inspect.signature(function).parameters) > 1:
                 continue
-            about, made = inspect.getdoc(method), method.__annotations__["return"]
-            if made is Table:
-                tables += [Text(f"\n{about}", style="dim"), getattr(self, name)()]
-            elif made in (str, int):
-                told = str(getattr(self, name)())
-                between = ":\n" if "\n" in told else ": "
-                lines.append(about.rstrip(".") + between + told)
+            about, value = inspect.getdoc(function), getattr(self, name)
+            value = value() if callable(value) else value
+            if kind is Table:
+                tables += [Text(f"\n{about}", style="dim"), value]
+            else:
+                words = f"{value:.4g}" if kind is float else str(value)
+                between = ":\n" if "\n" in words else ": "
+                lines.append(about.rstrip(".") + between + words)
         title = Text(self.dataset.attrs["title"], style="bold")
         return Group(title, Text("\n".join(lines)), *tables)
 
@@ -120,7 +139,8 @@ class Findings:
 
     @cached_property
     def revision(self) -> str:
-        """Of the code that made the results; several where files of several revisions were combined."""
+        """Of the code that made the results; several where files of several revisions were
+        combined."""
         return ", ".join(each.strip()[:7] for each in self.dataset.attrs["git_revision"].split(";"))
 
     @cached_property

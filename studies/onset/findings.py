@@ -6,9 +6,9 @@ import numpy as np
 from rich.table import Table
 
 from dem.analysis.onset import Limits, limits
-from dem.analysis.statistics import Estimate
 from dem.analysis.tables import numbers
-from studies.common.findings import Findings, estimate
+from dem.base.intervals import Estimate
+from studies.common.findings import Findings, estimate, percent
 
 __all__ = ["onset"]
 
@@ -16,109 +16,95 @@ DISCS, ELLIPSES = 4.0, 6.0  # contacts per granule of isostatic beds
 
 
 class Onset(Findings):
-    """Onset of jamming against aspect ratio, onset.nc."""
+    """Onset of jamming against aspect ratio, onset.nc.
+
+    What an aspect ratio has is by its number: `fraction[1.2]`.
+    """
 
     name, command = "onset", "snakemake -j2 --configfile studies/onset/sweep.yaml"
     source = "ellipses/onset.nc"
 
     @cached_property
     def limits(self) -> Limits:
+        """Packing fractions and contacts by size, and of infinite size."""
         return limits(self.dataset)
 
-    def _at(self, ratio: float) -> int:
-        return self.limits.ratio.tolist().index(ratio)
+    def _by_ratio(self, values) -> dict:
+        return dict(zip(self.limits.ratio.tolist(), values, strict=True))
 
     @cached_property
-    def _peak(self) -> int:
-        return int(np.argmax([each.value for each in self.limits.fraction]))
-
-    def beds(self) -> str:
-        """Number of beds of each size."""
-        return f"{self.limits.beds}"
-
-    def sizes(self) -> str:
-        """Numbers of granules: 50, 100 and 200, say."""
-        *some, last = map(str, self.limits.granules)
-        return f"{', '.join(some)} and {last}"
-
-    def most(self) -> str:
-        """Number of granules of the largest beds."""
-        return f"{self.limits.granules[-1]}"
-
-    def fraction(self, ratio: float) -> str:
+    def fraction(self) -> dict[float, Estimate]:
         """Packing fraction at the onset, infinite size."""
-        return estimate(self.limits.fraction[self._at(ratio)], digits=4)
+        return self._by_ratio(self.limits.fraction)
 
-    def contacts(self, ratio: float) -> str:
+    @cached_property
+    def contacts(self) -> dict[float, Estimate]:
         """Coordination number at the onset, infinite size."""
-        return estimate(self.limits.coordination[self._at(ratio)], digits=2)
+        return self._by_ratio(self.limits.coordination)
 
-    def peak(self) -> str:
+    @cached_property
+    def rattlers(self) -> dict[float, float]:
+        """Share of rattlers in the largest beds."""
+        return self._by_ratio(self.limits.rattlers)
+
+    @property
+    def peak(self) -> float:
         """Aspect ratio of the densest beds."""
-        return f"{self.limits.ratio[self._peak]:g}"
+        return max(self.fraction, key=lambda ratio: self.fraction[ratio].value)
 
-    def densest(self) -> str:
-        """Packing fraction of the densest beds."""
-        return estimate(self.limits.fraction[self._peak], digits=4)
-
+    @property
     def rises_and_falls(self) -> bool:
         """Whether the packing fraction has a maximum within the range, beyond the intervals."""
-        ends, top = (self.limits.fraction[at] for at in (0, -1)), self.limits.fraction[self._peak]
-        return all(end.high < top.low for end in ends)
+        ends = (self.limits.fraction[at] for at in (0, -1))
+        return all(end.high < self.fraction[self.peak].low for end in ends)
 
+    @property
     def isostatic(self) -> bool:
         """Whether discs have as many contacts as degrees of freedom, to 0.03 contacts."""
-        return abs(self.limits.coordination[self._at(1.0)].value - DISCS) < 0.03
+        return abs(self.excess(1.0)) < 0.03
 
+    @property
     def hypostatic(self) -> bool:
-        """Whether ellipses of all aspect ratios have fewer contacts than that, beyond the intervals."""
+        """Whether ellipses of all aspect ratios have fewer contacts than that, beyond the
+        intervals."""
         return all(each.high < ELLIPSES for each in self.limits.coordination)
 
-    def jump(self, ratio: float) -> str:
-        """By how many contacts ellipses exceed discs."""
-        return f"{self._excess(ratio):.2f}"
+    @property
+    def differs(self) -> float:
+        """By how much lines in 1/N give other packing fractions, at most."""
+        pairs = zip(self.limits.fraction, self.limits.other, strict=True)
+        return max(abs(one.value - two.value) for one, two in pairs)
 
-    def _excess(self, ratio: float) -> float:
-        return self.limits.coordination[self._at(ratio)].value - DISCS
+    def excess(self, ratio: float) -> float:
+        """By how many contacts ellipses exceed isostatic discs."""
+        return self.contacts[ratio].value - DISCS
 
-    def exponent(self, first: float, second: float) -> str:
+    def exponent(self, first: float, second: float) -> float:
         """Exponent of the power law of the excess through two aspect ratios."""
-        grown = np.log(self._excess(second) / self._excess(first))
-        return f"{grown / np.log((second - 1.0) / (first - 1.0)):.2f}"
+        grown = np.log(self.excess(second) / self.excess(first))
+        return grown / np.log((second - 1.0) / (first - 1.0))
 
     def between(self, low: float, high: float) -> bool:
         """Whether the interval of the packing fraction of discs meets a range."""
-        found: Estimate = self.limits.fraction[self._at(1.0)]
-        return found.low <= high and low <= found.high
-
-    def differs(self) -> str:
-        """By how much lines in 1/N give other packing fractions, at most."""
-        pairs = zip(self.limits.fraction, self.limits.other, strict=True)
-        return f"{max(abs(one.value - two.value) for one, two in pairs):.4f}"
-
-    def rattlers(self, ratio: float) -> str:
-        """Share of rattlers in the largest beds."""
-        return f"{100.0 * self.limits.rattlers[self._at(ratio)]:.1f} %"
-
-    def load(self) -> str:
-        """Greatest load of a bed whose contacts were counted."""
-        return f"{float(self.dataset['onset_load'].max()):.0e}"
+        return self.fraction[1.0].low <= high and low <= self.fraction[1.0].high
 
     def table(self) -> Table:
         """One row per aspect ratio."""
-        found = self.limits
-        sizes = found.granules[0], found.granules[-1]
-        made = numbers(
-            "aspect ratio", *(f"packing fraction, {n} granules" for n in sizes),
-            "infinitely many", *(f"contacts per granule, {n} granules" for n in sizes),
-            "infinitely many", "rattlers",
-        )  # fmt: skip
-        for at, ratio in enumerate(found.ratio.tolist()):
+        found, ends = self.limits, (0, -1)
+        heads = []
+        for words in ("packing fraction", "contacts per granule"):
+            sizes = (f"{words}, {found.granules[n]} granules" for n in ends)
+            heads += [*sizes, "infinitely many"]
+        made = numbers("aspect ratio", *heads, "rattlers")
+        for at, ratio in enumerate(self.fraction):
             made.add_row(
-                f"{ratio:g}", *(f"{found.fractions[at, n]:.4f}" for n in (0, -1)),
-                self.fraction(ratio), *(f"{found.contacts[at, n]:.2f}" for n in (0, -1)),
-                self.contacts(ratio), self.rattlers(ratio),
-            )  # fmt: skip
+                f"{ratio:g}",
+                *(f"{found.fractions[at, n]:.4f}" for n in ends),
+                estimate(self.fraction[ratio], digits=4),
+                *(f"{found.contacts[at, n]:.2f}" for n in ends),
+                estimate(self.contacts[ratio]),
+                percent(self.rattlers[ratio], 1),
+            )
         return made
 
 

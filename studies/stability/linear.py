@@ -1,7 +1,7 @@
 """A bed near rest as a linear system, and the step at which its motions begin to grow.
 
-The limit belongs to the scheme itself: velocity Verlet with a dashpot that sees the velocity at full
-steps, by an acceleration extrapolated from the last two.
+The limit belongs to the scheme itself: velocity Verlet with a dashpot that sees the velocity at
+full steps, by an acceleration extrapolated from the last two.
 """
 
 import math
@@ -59,9 +59,9 @@ class Nudged:
         bodies[:] = self._place
         bodies[:, :2] += moved[:, :2]
         bodies[:, 2:5] = velocity
-        if world.frame is not None:
+        if world.orientation is not None:
             turned = self._angle + moved[:, 2]
-            world.frame[:] = np.column_stack([np.cos(turned), np.sin(turned)])
+            world.orientation[:] = np.column_stack([np.cos(turned), np.sin(turned)])
         forces(world, dt, math.inf)
         return world.force[:, :3] / [1.0, 1.0, self.size]
 
@@ -98,7 +98,8 @@ def growth(stiffness, damping, dt: float) -> float:
 
 
 def limit(stiffness, damping, start: float, grown: float) -> float:
-    """The step (s), to 1 %, from which motions grow by more than `grown`; start: one where none does."""
+    """The step (s), to 1 %, from which motions grow by more than `grown`; start: one where none
+    does."""
     low, high = start, 2.0 * start
     while growth(stiffness, damping, high) <= grown:
         low, high = high, 2.0 * high

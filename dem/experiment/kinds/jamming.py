@@ -13,7 +13,7 @@ import numpy as np
 from dem.base.errors import PackingError
 from dem.experiment.bed import PREPARATIONS, room_of
 from dem.experiment.config import Configuration, Replicate
-from dem.packing.pressed import START, Press
+from dem.packing.compaction import START, Press
 
 VARIABLES = {
     "jam_fraction": ((), "1", "packing fraction at which the bed jams"),

@@ -14,7 +14,7 @@ from dem.base.errors import PackingError
 from dem.dynamics.contact_list import ContactList
 from dem.experiment.bed import room_of
 from dem.experiment.config import Replicate
-from dem.packing.pressed import Press
+from dem.packing.compaction import Press
 
 VARIABLES = {
     "onset_fraction": ((), "1", "packing fraction at the onset of jamming"),

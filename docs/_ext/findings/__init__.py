@@ -1,9 +1,9 @@
 """Every result that a page or the README states, read from released files: one module per question.
 
-A page calls a finding by its name: `{{ drag.mean("c1") }}`, `{{ table(claims.verdicts()) }}`. No result is
-typed on a page; tests/test_pages.py looks for those that are. A sentence that depends on a result says
-on which: `{{ holds("Ellipses drag less than discs", drag.falls("c1", "e1")) }}`. `{{ page("claims") }}` is the
-page of a study. Nothing here needs Sphinx.
+A page calls a finding by its name: `{{ drag.mean("c1") }}`, `{{ table(claims.verdicts()) }}`. No
+result is typed on a page; tests/test_pages.py looks for those that are. A sentence that depends on
+a result says on which: `{{ holds("Ellipses drag less than discs", drag.falls("c1", "e1")) }}`. `{{
+page("claims") }}` is the page of a study. Nothing here needs Sphinx.
 """
 
 import re
@@ -14,9 +14,18 @@ from pathlib import Path
 from jinja2 import Environment, StrictUndefined
 
 import studies
-from studies.common.findings import ROOT, Findings, holds, interval, table
+from studies.common.findings import (
+    ROOT,
+    Findings,
+    clock,
+    estimate,
+    holds,
+    interval,
+    percent,
+    table,
+)
 
-from . import contact, drag, dumbbells, scale, steps
+from . import drag, dumbbells, scale
 
 TEMPLATES = Environment(
     undefined=StrictUndefined,
@@ -24,19 +33,19 @@ TEMPLATES = Environment(
     comment_end_string="#>",
     keep_trailing_newline=True,
 )
+FORMATS = {"clock": clock, "estimate": estimate, "interval": interval, "percent": percent}
+TEMPLATES.filters |= FORMATS
 FRONT_MATTER = re.compile(r"\A---\n.*?\n---\n+", re.S)  # not shown
-OF_STUDIES = [import_module(f"studies.{name}.findings") for name in studies.NAMES]
-NAMES = {
-    "table": table,
-    "interval": interval,
-    "holds": holds,
-    "contact": contact,
-    "dumbbells": dumbbells,
-} | {
-    name: getattr(module, name)
-    for module in (drag, scale, steps, *OF_STUDIES)
-    for name in module.__all__
-}
+OF_STUDIES = [import_module(f"{studies.package_of(name)}.findings") for name in studies.NAMES]
+NAMES = (
+    FORMATS
+    | {"table": table, "holds": holds, "dumbbells": dumbbells}
+    | {
+        name: getattr(module, name)
+        for module in (drag, scale, *OF_STUDIES)
+        for name in module.__all__
+    }
+)
 # written by docs/data/release.py
 FILES = list(
     {

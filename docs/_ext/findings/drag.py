@@ -1,5 +1,6 @@
 """The paper's sweep: the drag, how the beds flow, and the beds before the cylinder moves."""
 
+import json
 from functools import cached_property
 from pathlib import Path
 
@@ -7,12 +8,12 @@ import numpy as np
 import xarray as xr
 from rich.table import Table
 
-from dem.analysis.statistics import LEVEL, change, summarise
+from dem.analysis.statistics import change, summarise
 from dem.analysis.tables import numbers
-from dem.sweep.precision import Known, known
+from dem.base.intervals import Estimate, ratio_interval
 from studies.common.findings import Findings, estimate, interval, span
 
-__all__ = ["drag", "flow", "precise"]
+__all__ = ["drag", "flow", "precise", "snapshots"]
 
 DATA = Path(__file__).parents[2] / "data"
 PAPER = {"c1": "1295", "e0": "1405"}  # N, section 3.2
@@ -63,24 +64,19 @@ class Drag(Findings):
         ratio = f" {ratio:g}:1" if kind == "ellipse" else ""
         return f"{kind}{ratio}, {1e6 * float(one['diameter']):.0f} µm"
 
-    def change(self, case: str, other: str) -> str:
-        """How much the mean of `other` differs from that of `case`, beds paired."""
-        value, half = change(self.summary["run_mean"], case, other)
-        return interval(100 * value, 100 * half, "%")
+    def change(self, case: str, other: str) -> tuple[float, float]:
+        """How much the mean of `other` differs from that of `case`, beds paired, and half the
+        interval."""
+        return change(self.summary["run_mean"], case, other)
 
     def density(self) -> str:
         """Range over the shapes of what ten times the density does to the mean drag."""
         found = [
-            100 * change(self.summary["run_mean"], case, case + DENSER)[0]
+            100 * self.change(case, case + DENSER)[0]
             for case in self.dataset["case"].values.tolist()
             if case + DENSER in self.dataset["case"].values
         ]
         return span(min(found), max(found), "%", 0)
-
-    def ratio(self, case: str, other: str) -> str:
-        """Mean drag of `case` over that of `other`."""
-        means = self.summary["mean"]
-        return f"{float(means.sel(case=case) / means.sel(case=other)):.2f}"
 
     def falls(self, *cases: str) -> bool:
         """Whether the mean falls from case to case."""
@@ -91,21 +87,17 @@ class Drag(Findings):
         (high, a), (low, b) = self._mean(case), self._mean(other)
         return high - a > low + b
 
-    def overlap(self, case: str, other: str) -> bool:
-        """Whether the intervals of two cases overlap."""
-        return not (self.apart(case, other) or self.apart(other, case))
-
     def parts(self, case: str, other: str, share: float) -> str:
-        """Displacements, over the seeds, at which the drags of two cases first differ by a share."""
+        """Displacements, over the seeds, at which two drags first differ by a share."""
         a, b = (self.dataset["drag"].sel(case=each) for each in (case, other))
         first = (abs(a - b) > share * abs(b)).argmax("displacement")
         found = 1e3 * self.dataset["displacement"].values[first.values]
         return span(found.min(), found.max(), "mm", 1)
 
-    def scatter(self, case: str) -> str:
-        """Standard deviation of the drag over a run, over the mean."""
+    def scatter(self, case: str, of: str = "over_run") -> float:
+        """Standard deviation `over_run` or of the means `between_runs`, over the mean."""
         one = self.summary.sel(case=case)
-        return f"{100 * float(one['sd_over_run'] / one['mean']):.0f} %"
+        return float(one[f"sd_{of}"] / one["mean"])
 
     def pressure(self, *cases: str) -> float:
         """Mean pressure (Pa) on the walls of the packed beds of some cases."""
@@ -130,7 +122,7 @@ class Drag(Findings):
         return made
 
     def still_grows(self, case: str) -> bool:
-        """Whether the drag from 4 to 5 mm is above that from 1 to 2 mm, by more than the interval."""
+        """Whether the drag at 4 to 5 mm is above that at 1 to 2 mm, interval included."""
         found = self._along.sel(case=case)
         rise = (found[..., 4] - found[..., 1]).values
         return rise.mean() > 2.78 * rise.std(ddof=1) / np.sqrt(rise.size)
@@ -139,18 +131,14 @@ class Drag(Findings):
         """Those cases whose drag still grows within the window."""
         return ", ".join(case for case in cases if self.still_grows(case))
 
-    def largest_overlap(self, *cases: str) -> str:
+    def largest_overlap(self, *cases: str) -> float:
         """Greatest overlap of some cases, over the smaller radius."""
-        return f"{float(self.dataset['max_overlap'].sel(case=list(cases)).max()):.2f}"
+        return float(self.dataset["max_overlap"].sel(case=list(cases)).max())
 
-    def window(self) -> str:
-        """Displacements that means are taken over."""
-        start, stop = (1e3 * self.dataset.attrs[f"window_{end}"] for end in ("start", "stop"))
-        return f"{start:g} and {stop:g} mm"
-
-    def run_time(self) -> str:
-        """Median processor time of a run."""
-        return f"{float(np.nanmedian(self.dataset['run_time'])):.1f} s"
+    @property
+    def run_time(self) -> float:
+        """Median processor time (s) of a run."""
+        return float(np.nanmedian(self.dataset["run_time"]))
 
     def beds(self) -> Table:
         """Means over the seeds before the cylinder moves, per case of one density."""
@@ -169,29 +157,25 @@ class Drag(Findings):
             )
         return made
 
-    def height(self) -> str:
-        """Mean height of the boxes of c1, in mm."""
-        return f"{1e3 * float(self.dataset['box_height'].sel(case='c1').mean()):.1f} mm"
+    @property
+    def height(self) -> float:
+        """Mean height (m) of the boxes of c1."""
+        return float(self.dataset["box_height"].sel(case="c1").mean())
 
-    def scatter_of_mean(self, case: str) -> str:
-        """The same of the mean of all runs at each displacement."""
+    def scatter_of_mean(self, case: str) -> float:
+        """Scatter along the window, over the mean, of the mean of all runs at each displacement."""
         start, stop = self.dataset.attrs["window_start"], self.dataset.attrs["window_stop"]
         inside = self.dataset["drag"].sel(case=case, displacement=slice(start, stop))
         curve = inside.mean("seed")
-        return f"{100 * float(curve.std('displacement', ddof=1) / curve.mean()):.0f} %"
+        return float(curve.std("displacement", ddof=1) / curve.mean())
 
-    def scatter_between(self, case: str) -> str:
-        """Standard deviation between the mean drags of the runs over their mean."""
-        one = self.summary.sel(case=case)
-        return f"{100 * float(one['sd_between_runs'] / one['mean']):.0f} %"
+    def step(self, case: str) -> float:
+        """Median time step (s) of a case."""
+        return float(np.median(self.dataset["time_step"].sel(case=case)))
 
-    def step(self, case: str) -> str:
-        """Median time step of a case, in ns."""
-        return f"{1e9 * float(np.median(self.dataset['time_step'].sel(case=case))):.0f} ns"
-
-    def steps(self, case: str) -> str:
+    def steps(self, case: str) -> float:
         """Mean number of time steps of a run."""
-        return f"{float(self.dataset['steps'].sel(case=case).mean()):,.0f}"
+        return float(self.dataset["steps"].sel(case=case).mean())
 
 
 class Precise(Drag):
@@ -211,12 +195,11 @@ class Precise(Drag):
 
     def over(self, case: str, other: str = "c1") -> str:
         """Mean drag of a case over that of another, with Fieller's 95 % interval."""
-        found = self._over(case, other)
-        return estimate((found.value, found.low, found.high))
+        return estimate(self._over(case, other))
 
-    def _over(self, case: str, other: str) -> Known:
+    def _over(self, case: str, other: str) -> Estimate:
         runs = self.summary["run_mean"]
-        return known(runs.sel(case=case).values, LEVEL, runs.sel(case=other).values)
+        return ratio_interval(runs.sel(case=case).values, runs.sel(case=other).values)
 
     def widest(self) -> str:
         """The least well known of all ratios to c1: half its interval, over itself."""
@@ -252,25 +235,40 @@ class Flow(Findings):
 
         return compared(self.dataset, name)
 
+    def more_irregular(self) -> bool:
+        """Whether any measure of e3 is above that of c1, interval included."""
+        found = [self._compared(name) for name in MEASURES]
+        return any(each.ratio - each.half > 1.0 for each in found)
+
+
+class Snapshots(Findings):
+    """Beds of the paper's sweep, snapshots.nc: the first seed of each case."""
+
+    name, command, folder = "snapshots", "snakemake -j2", DATA
+
     @cached_property
     def _ahead(self) -> np.ndarray:
-        """Overlaps of discs over the smaller radius, ahead of the cylinder, at the snapshots of the window.
+        """Overlaps of discs over the smaller radius, ahead of the cylinder, at the snapshots of the
+        window.
 
-        Of one bed of c1: contacts in the path of the cylinder, up to one diameter before its surface.
+        Of one bed of c1: contacts in the path of the cylinder, up to one diameter before its
+        surface.
         """
-        own, reach = self.dataset.sel(case="c1"), float(self.dataset.attrs["cylinder_diameter"])
-        diameter = own["bed_diameter"].dropna("granule").values
+        own, values = self.dataset.sel(case="c1").isel(seed=0), json.loads(self.dataset.attrs["configuration"])
+        reach = values["cylinder"]["diameter"]
+        diameter = own["granule_diameter"].dropna("granule").values
         one, two = np.triu_indices(len(diameter), 1)
         small = 0.5 * np.minimum(diameter[one], diameter[two])
         found = []
         for each in np.flatnonzero(self._in_window):
             x, y = (
-                own[name].values[each, : len(diameter)].astype(float) for name in ("bed_x", "bed_y")
+                own[name].values[each, : len(diameter)].astype(float)
+                for name in ("granule_x", "granule_y")
             )
             apart = np.hypot(x[one] - x[two], y[one] - y[two])
             overlap = (0.5 * (diameter[one] + diameter[two]) - apart) / small
-            aside = 0.5 * (x[one] + x[two]) - 0.5 * self.dataset.attrs["box_width"]
-            above = 0.5 * (y[one] + y[two]) - float(own["bed_cylinder_y"][each])
+            aside = 0.5 * (x[one] + x[two]) - 0.5 * values["box_width"]
+            above = 0.5 * (y[one] + y[two]) - float(own["cylinder_y"][each])
             near = (np.abs(aside) < 0.5 * reach) & (above > 0.0) & (above < 1.5 * reach)
             found.append(overlap[(overlap > 0.0) & near])
         return np.concatenate(found)
@@ -282,14 +280,10 @@ class Flow(Findings):
         rounding = 1e-9  # m
         return (at >= attrs["window_start"] - rounding) & (at <= attrs["window_stop"] + rounding)
 
-    def overlap_ahead(self) -> str:
+    @property
+    def overlap_ahead(self) -> float:
         """Mean overlap of discs ahead of the cylinder, over the smaller radius."""
-        return f"{float(self._ahead.mean()):.2f}"
-
-    def more_irregular(self) -> bool:
-        """Whether any measure of e3 is above that of c1, interval included."""
-        found = [self._compared(name) for name in MEASURES]
-        return any(each.ratio - each.half > 1.0 for each in found)
+        return float(self._ahead.mean())
 
 
-drag, precise, flow = Drag(), Precise(), Flow()
+drag, precise, flow, snapshots = Drag(), Precise(), Flow(), Snapshots()

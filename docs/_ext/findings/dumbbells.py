@@ -2,8 +2,8 @@
 
 from rich.table import Table
 
-from dem.analysis.statistics import Estimate
 from dem.analysis.tables import numbers
+from dem.base.intervals import Estimate
 from studies.common.findings import estimate
 
 from .drag import drag
@@ -14,12 +14,21 @@ PAPER, OPEN = "the paper's", "the paper's width, periodic sides"
 def ratios(precise, claims, preparation, pressure) -> Table:
     """One row per answer: the page and its file, which beds are compared, how many, and d1 over c1.
 
-    precise: of as many beds as the ratio takes; claims, preparation, pressure: the findings of these studies.
+    precise: of as many beds as the ratio takes; claims, preparation, pressure: the findings of
+    these studies.
     """
-    made = numbers("page", "file", "box", "beds made", "compared at", "beds a shape", "d1 over c1", words=5)  # fmt: skip
+    made = numbers(
+        "page", "file", "box", "beds made", "compared at", "beds a shape", "d1 over c1", words=5
+    )
     made.add_row(
-        _link("drag"), _name(precise), PAPER, "relaxed", "0.84", precise.beds_of("d1", "c1"), precise.over("d1")
-    )  # fmt: skip
+        _link("drag"),
+        _name(precise),
+        PAPER,
+        "relaxed",
+        "0.84",
+        precise.beds_of("d1", "c1"),
+        precise.over("d1"),
+    )
     for page, file, beds, judged in (
         ("drag", drag, "relaxed", claims.on(drag.dataset)),
         ("claims", claims, "relaxed", claims.judged),
@@ -31,12 +40,14 @@ def ratios(precise, claims, preparation, pressure) -> Table:
         found = judged["dumbbells_above_discs"].comparisons[0]
         ratio = estimate(Estimate(found.estimate, *found.interval()))
         made.add_row(_link(page), _name(file), PAPER, beds, "0.84", str(found.runs), ratio)
+    seeds = str(pressure.dataset.sizes["seed"])
     for way, beds, at in (
         ("fraction", "relaxed", "0.84"),
-        ("pressure", "pressed", pressure.asked()),
+        ("pressure", "pressed", f"{1e-6 * pressure.asked:.0f} MPa"),
     ):
-        ratio = pressure.ratio(way, "d1", pressure.widths.boxes[0])
-        made.add_row(_link("pressure"), _name(pressure), OPEN, beds, at, pressure.seeds(), ratio)
+        widths = pressure.widths[way]
+        ratio = estimate(widths.ratio("d1", widths.boxes[0]))
+        made.add_row(_link("pressure"), _name(pressure), OPEN, beds, at, seeds, ratio)
     return made
 
 

@@ -1,18 +1,19 @@
-"""How long things take: docs/data/ensembles.nc, overhead.nc and timings.yaml."""
+"""What was measured beside the sweeps: times, and what the held time step changed (docs/data)."""
 
-from functools import cached_property
 from pathlib import Path
 
 import yaml
 from rich.table import Table
 
 from dem.analysis.tables import numbers
-from dem.base.errors import InputError
-from studies.common.findings import Findings, clock
+from dem.contacts.force_law import damping_from_restitution, restitution_from_damping
+from studies.common.findings import Findings
 
-__all__ = ["ensembles", "overhead", "timings"]
+__all__ = ["ensembles", "off_centre", "overhead", "steps", "timings", "worst"]
 
 DATA = Path(__file__).parents[2] / "data"
+# m* over the mass at the contact of two dumbbells that are hit at right angles to their axes
+DUMBBELLS = 5.0 / 3.0
 
 BYTES = ((1e9, "GB", 1), (1e6, "MB", 0), (1.0, "B", 0))
 SECONDS = ((3600.0, "h", 1), (60.0, "min", 0), (1.0, "s", 0))
@@ -45,8 +46,12 @@ class Ensembles(Measured):
 
     def commands(self) -> Table:
         """Time and memory of each command, a row per number of runs."""
-        heads = {"plan": "planning, 100 runs a job", "plan_each": "planning, a job each",
-                 "combine": "combining", "figure": "Figure 13", "flow": "`flow.nc`"}  # fmt: skip
+        heads = {
+            "plan": "planning, 100 runs a job",
+            "plan_each": "planning, a job each",
+            "combine": "combining",
+            "figure": "Figure 13",
+        }
         found = numbers("runs", *heads.values(), words=0)
         for count in self.dataset["runs"].values:
             one = self.dataset.sel(runs=count)
@@ -112,38 +117,25 @@ class Overhead(Measured):
         return found
 
 
-class Timings:
-    """How long commands took, timings.yaml: measured by hand, with command, revision and date."""
+def worst(name: str, least: float = 0.0) -> float:
+    """Greatest excess of the restitution of any phase, either way, in %; of restitutions from
+    `least` on.
 
-    path = DATA / "timings.yaml"
-
-    @cached_property
-    def content(self) -> dict:
-        if not self.path.is_file():
-            raise InputError(
-                f"docs/data/{self.path.name} is missing; docs/data/README.md has its form."
-            )
-        return yaml.safe_load(self.path.read_text(encoding="utf-8"))
-
-    def of(self, name: str) -> str:
-        """Time of one entry."""
-        return clock(self.content["timed"][name]["seconds"])
-
-    def table(self) -> Table:
-        """One row per entry."""
-        made = numbers("what", "command", "time", words=2)
-        for each in self.content["timed"].values():
-            made.add_row(each["what"], f"`{each['command']}`", clock(each["seconds"]))
-        return made
-
-    @cached_property
-    def made(self) -> str:
-        """Where the numbers come from, as a line under a table."""
-        about = self.content
-        return (
-            f"*Measured at revision `{about['revision']}` on {about['date']}, {about['machine']}; "
-            f"file `docs/data/{self.path.name}`.*"
-        )
+    name: before, half (now, at a step fraction of 0.5) or now.
+    """
+    rows = (row[name] for e, row in steps["restitution"].items() if e >= least)
+    return max(max(abs(low), abs(high)) for _, low, high in rows)
 
 
-ensembles, overhead, timings = Ensembles(), Overhead(), Timings()
+def off_centre(restitution: float) -> str:
+    """What two dumbbells return at right angles to their axes, by the law of
+    docs/explanation/contact.md."""
+    alpha = damping_from_restitution(restitution) * DUMBBELLS**0.5
+    return f"{restitution_from_damping(alpha):.{2 if restitution >= 0.2 else 3}f}"
+
+
+# written by hand, with command, revision and date
+timings, steps = (
+    yaml.safe_load((DATA / f"{name}.yaml").read_text("utf-8")) for name in ("timings", "steps")
+)
+ensembles, overhead = Ensembles(), Overhead()

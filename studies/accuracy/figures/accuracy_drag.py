@@ -49,17 +49,37 @@ def _changes(axes, dataset, shape, default) -> None:
     y, half = 100 * found["value"].values, 100 * found["half"].values
     seen = np.abs(y) <= 100.0 * SHOWN
     axes.errorbar(
-        x[seen], y[seen], np.nan_to_num(half[seen]), fmt="o", color=style.CURVE, markersize=5,
-        capsize=3, elinewidth=1.4, label="mean of paired beds, 95 % interval", zorder=4,
-    )  # fmt: skip
+        x[seen],
+        y[seen],
+        np.nan_to_num(half[seen]),
+        fmt="o",
+        color=style.CURVE,
+        markersize=5,
+        capsize=3,
+        elinewidth=1.4,
+        label="mean of paired beds, 95 % interval",
+        zorder=4,
+    )
     _off_scale(axes, x[~seen], y[~seen])
     steps = np.linspace(0.0, at[line.fractions.max()], 50)
     share = (steps - default) / default
-    axes.plot(steps, 100 * line.value * share, color="0.15", linewidth=1.2,
-              label=f"straight line, step fractions up to {LARGEST:g}")  # fmt: skip
+    axes.plot(
+        steps,
+        100 * line.value * share,
+        color="0.15",
+        linewidth=1.2,
+        label=f"straight line, step fractions up to {LARGEST:g}",
+    )
     low, high = ((line.value + sign * line.half) * share for sign in (-1.0, 1.0))
-    axes.fill_between(steps, 100 * low, 100 * high, color="0.82", linewidth=0.0, zorder=1,
-                      label="its 95 % interval")  # fmt: skip
+    axes.fill_between(
+        steps,
+        100 * low,
+        100 * high,
+        color="0.82",
+        linewidth=0.0,
+        zorder=1,
+        label="its 95 % interval",
+    )
     axes.axvline(default, **style.REFERENCE, label="step of the paper's sweep")
     axes.set_title(f"{shape}: bias {style.percent(line.value, line.half)}", loc="left")
 
@@ -71,8 +91,15 @@ def _off_scale(axes, x, y) -> None:
             end, marker = (0.97, "^") if value > 0.0 else (0.12, "v")
             frame = axes.get_xaxis_transform()
             axes.plot(place, end, marker, transform=frame, color=style.CURVE, clip_on=False)
-            axes.annotate(f"{value:.0f}".replace("-", "\N{MINUS SIGN}"), (place, end), (0, 6), xycoords=frame,
-                          textcoords="offset points", fontsize=8.0, ha="center")  # fmt: skip
+            axes.annotate(
+                f"{value:.0f}".replace("-", "\N{MINUS SIGN}"),
+                (place, end),
+                (0, 6),
+                xycoords=frame,
+                textcoords="offset points",
+                fontsize=8.0,
+                ha="center",
+            )
 
 
 def _times(axes, dataset, shape, default) -> None:
@@ -84,9 +111,22 @@ def _times(axes, dataset, shape, default) -> None:
     fractions, times = dataset["trial_fraction"].values[ran], dataset["trial_time"].values[ran]
     at, ran_at = lengths(dataset, shape), np.unique(fractions).tolist()
     middle = [np.median(times[fractions == f]) for f in ran_at]
-    axes.semilogy([at[f] for f in ran_at], middle, marker="s", color=style.CURVE, markersize=4.5, linewidth=1.2)
+    axes.semilogy(
+        [at[f] for f in ran_at],
+        middle,
+        marker="s",
+        color=style.CURVE,
+        markersize=4.5,
+        linewidth=1.2,
+    )
     axes.axvline(default, **style.REFERENCE)
     failed = {step: share for step, share in failures(dataset, shape).items() if share > 0.0}
     for number, (fraction, share) in enumerate(failed.items()):
-        axes.annotate(f"{100 * share:.0f} %\nfail", (at[fraction], 1.0 - 0.22 * (number % 2)), fontsize=8.0,
-                      ha="center", va="top", xycoords=("data", "axes fraction"))  # fmt: skip
+        axes.annotate(
+            f"{100 * share:.0f} %\nfail",
+            (at[fraction], 1.0 - 0.22 * (number % 2)),
+            fontsize=8.0,
+            ha="center",
+            va="top",
+            xycoords=("data", "axes fraction"),
+        )

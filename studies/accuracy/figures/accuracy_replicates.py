@@ -29,7 +29,7 @@ def plot(dataset: xr.Dataset) -> Figure:
 
 def _intervals(axes, dataset) -> None:
     """Half-interval over the mean against the number of runs, with processor time above."""
-    found = replicates.replicates(dataset)
+    found = replicates.cost(dataset)
     runs = np.arange(2, max(dataset.sizes["replicate"], 10) + 1)
     axes.plot(runs, 100 * replicates.expected(found.scatter, runs), color=style.CURVE)
     axes.axhline(100 * replicates.TARGET, **style.REFERENCE)
@@ -39,18 +39,29 @@ def _intervals(axes, dataset) -> None:
     own = replicates.expected(found.scatter, PAPER)
     axes.set_title(
         f"The paper's {PAPER} runs give ± {100 * own:.0f} %,\n"
-        f"and ± {100 * replicates.TARGET:.0f} % takes {found.needed}", loc="left",
-    )  # fmt: skip
+        f"and ± {100 * replicates.TARGET:.0f} % takes {found.needed}",
+        loc="left",
+    )
 
 
 def _windows(axes, dataset) -> None:
     """Scatter of one run against the length of its window."""
     lengths, scatter = replicates.windows(dataset)
-    axes.plot(style.millimetres(lengths), 100 * scatter, color=style.CURVE, marker="o",
-              markersize=3.5, label="runs")  # fmt: skip
+    axes.plot(
+        style.millimetres(lengths),
+        100 * scatter,
+        color=style.CURVE,
+        marker="o",
+        markersize=3.5,
+        label="runs",
+    )
     middle = len(lengths) // 2
-    axes.plot(style.millimetres(lengths), 100 * scatter[middle] * np.sqrt(lengths[middle] / lengths),
-              label="if pieces were independent", **style.REFERENCE)  # fmt: skip
+    axes.plot(
+        style.millimetres(lengths),
+        100 * scatter[middle] * np.sqrt(lengths[middle] / lengths),
+        label="if pieces were independent",
+        **style.REFERENCE,
+    )
     axes.set_xlabel("Length of the window (mm)")
     axes.set_ylabel("Scatter of one run (%)")
     shift = 100.0 * replicates.drift(dataset)

@@ -10,14 +10,15 @@ from scipy.stats import t
 
 import dem
 from dem.sweep import batch as making
-from dem.sweep.campaign import Campaign
 from dem.sweep.config import load, parse
+from dem.sweep.state import SweepState
 from dem.sweep.store import Store
 from studies.accuracy import bias as biases
-from studies.accuracy import replicates, table
+from studies.accuracy import replicates
 from studies.accuracy.bias import bias, change, failures
-from studies.accuracy.layout import CONTACTS, STEPS
-from studies.common.table import rows, write_part
+from studies.accuracy.findings import accuracy
+from studies.accuracy.results import check, make
+from studies.common.results import runs
 
 CONFIG = Path(__file__).parents[3] / "config"
 HERE = Path(__file__).parent.parent
@@ -110,7 +111,7 @@ def test_longer_windows_scatter_as_independent_pieces_do():
 def test_needed_replicates_reach_the_target_interval():
     """With as many runs as are said to be needed, random groups reach the interval asked for."""
     dataset = series(0.2e-3)
-    found = replicates.replicates(dataset)
+    found = replicates.cost(dataset)
     means = replicates.window_means(dataset, 1e-3, 5e-3)
     rng, count = np.random.default_rng(0), found.needed
     groups = np.array([rng.choice(means, count, replace=False) for _ in range(2000)])
@@ -119,101 +120,85 @@ def test_needed_replicates_reach_the_target_interval():
     assert np.mean(np.abs(groups.mean(axis=1) - means.mean()) <= half) > 0.93
 
 
-@pytest.fixture(scope="module")
-def runs(tmp_path_factory):
-    """A sweep of both kinds of blocks, one step of them far beyond the critical one, and its runs."""
+def blocks(**steps):
+    """A small sweep: two replicates, and blocks of some steps."""
     data = yaml.safe_load((HERE / "smoke.yaml").read_text())
-    seeds = "1001 to 1002"
     data["sweep"]["blocks"] = {
-        "steps": {"shape": "c1", "numerics.step_fraction": [0.5, 1.0, 10.0], "seed": seeds},
-        "fine": {"shape": "c1", "numerics.step_fraction": 0.25, "seed": 1001},
-        "replicates": data["sweep"]["blocks"]["replicates"] | {"seed": seeds},
+        "replicates": {"shape": "c1", "seed": [1001, 1002]},
+    } | {
+        name: {"shape": "c1", "numerics.step_fraction": each, "seed": [1001, 1002]}
+        for name, each in steps.items()
     }
-    work = Campaign(
-        parse(data), Store(tmp_path_factory.mktemp("store")), root=tmp_path_factory.mktemp("root")
-    )
-    chunks = {name: work.batches(name) for name in work.sweep.blocks}
-    work.begin(*work.sweep.blocks)
-    for each in chunks.values():
-        for one in each:
-            making.make(work.store, one.id)
+    return data
+
+
+def made(folder, data):
+    """The sweep with its runs."""
+    work = SweepState(parse(data), Store(folder), root=folder)
+    for name in work.sweep.blocks:
+        work.begin(name)
+        for each in work.batches(name):
+            making.make(work.store, each.id)
     return work
 
 
-def test_trials_hold_what_the_sweep_asks_for(runs):
-    """Each bed at its steps, in order; the drag hardly depends on them; what breaks is named."""
-    wanted, _ = table.runs_of(runs.sweep)
-    found = table.trials(runs.files("steps") + runs.files("fine"), wanted)
+def test_each_bed_at_its_steps_is_a_row_and_what_breaks_is_named(tmp_path):
+    """In order; the drag hardly depends on the step; replicates have their drag along the stroke."""
+    found, _ = make(
+        made(tmp_path, blocks(steps=[0.5, 1.0, 10.0], fine=0.25)), 1, lambda share: None
+    )
     places = zip(found["trial_seed"], found["trial_fraction"], strict=True)
-    assert list(places) == [
-        *((1001, f) for f in (0.25, 0.5, 1, 10)),
-        *((1002, f) for f in (0.5, 1, 10)),
-    ]
+    assert list(places) == [(seed, f) for seed in (1001, 1002) for f in (0.25, 0.5, 1, 10)]
     broken = found["trial_fraction"] == 10.0
     assert set(found["trial_status"][~broken]) == {"ran"}
     assert set(found["trial_status"][broken]) <= {"OverlapError", "StateError"}
     assert (np.isnan(found["trial_drag"]) == broken).all()
     first = (found["trial_seed"] == 1001) & ~broken
     assert np.ptp(found["trial_drag"][first]) < 0.01 * found["trial_drag"][first].mean()
-
-
-def test_replicates_must_all_have_run(runs):
-    """Rows in the order of the seeds; a failed or a missing run is named."""
-    beyond, wanted = table.runs_of(runs.sweep)
-    found = table.replicates(runs.files("replicates"), wanted)
     assert found["replicate"].tolist() == [1001, 1002]
-    assert found["replicate_drag"].shape == (2, found["replicate_displacement"].size) == (2, 120)
+    assert found["replicate_drag"].shape == (2, found["replicate_displacement"].size)
     assert (found["replicate_time"] > 0.0).all()
-    with pytest.raises(dem.RunError, match="c1 at 3900 kg/m3, seed 1001 could not be made"):
-        list(rows(runs.files("steps"), ("drag",), beyond))
-    with pytest.raises(dem.InputError, match="seed 1001 is in none of the 1 files"):
-        table.replicates(runs.files("fine"), wanted)
 
 
-def test_scripts_and_runs_make_one_file(runs, tmp_path):
-    """What scripts wrote is in accuracy.nc as it was; another file in their place is refused."""
-    few = {
-        "bounce_steps": (200, CONTACTS),
-        "peer": (np.array(["dem", "LAMMPS"]), STEPS),
-    }
-    files = [tmp_path / f"{name}.nc" for name in few]
-    for file, (name, (value, layout)) in zip(files, few.items(), strict=True):
-        write_part(file, runs.sweep, ("studies.accuracy.steps",), {name: value}, layout)
-    whole = tmp_path / "accuracy.nc"
-    table.write_study(whole, runs, *files)
-    with xr.open_dataset(whole) as dataset:
-        assert dataset["peer"].values.tolist() == ["dem", "LAMMPS"]
-        assert int(dataset["bounce_steps"]) == 200
-        assert dataset.sizes["trial"] == 7 and dataset.attrs["default_fraction"] == 0.5
-        assert dataset.attrs["source_hash"].count(";") >= 1
-    with pytest.raises(dem.InputError, match="no part of this study"):
-        table.write_study(whole, runs, *reversed(files))
+def test_replicates_must_all_have_run(tmp_path):
+    """A failed run is named where it may not fail, and so is one that no file holds."""
+    work = made(tmp_path, blocks(steps=[0.5, 10.0]))
+    with pytest.raises(dem.RunError, match="seed 1001 could not be made"):
+        list(runs(work, ("drag",), ["steps"]))
+    work.files = lambda name: []
+    with pytest.raises(dem.InputError, match="seed 1001 is in none of the 0 files"):
+        list(runs(work, ("drag",)))
 
 
 def test_the_bins_are_as_wide_as_the_papers():
     """So that a window means the same."""
     paper, study = load(CONFIG / "paper.yaml"), load(HERE / "sweep.yaml")
     width = paper.cylinder.stroke / paper.record.bins
-    for run in table.runs_of(study):
-        own = next(iter(run.values())).configuration
-        assert own.cylinder.stroke / own.record.bins == width
+    for name in study.blocks:
+        configuration = study.block(name).first.configuration
+        assert configuration.cylinder.stroke / configuration.record.bins == width
 
 
 @pytest.mark.parametrize(
-    ("blocks", "more", "sentence"),
+    ("steps", "shapes", "sentence"),
     [
-        ({}, {}, "sweep.blocks must be replicates"),
-        ({"steps": [0.1, 1.0]}, {}, r"run c1 at numerics.step_fraction \[0.1, 1.0\]"),
-        ({"steps": [0.5, 2.0]}, {}, "another up to 1.2"),
-        ({"steps": [0.5, 1.0]}, {"shape": ["c1", "d1"]}, "one shape"),
+        ({}, "c1", "sweep.blocks must be replicates"),
+        ({"few": [0.1, 1.0]}, "c1", r"run c1 at numerics.step_fraction \[0.1, 1.0\]"),
+        ({"few": [0.5, 2.0]}, "c1", "another up to 1.2"),
+        ({"few": [0.5, 1.0]}, ["c1", "d1"], "one shape"),
     ],
 )
-def test_a_study_that_cannot_be_made_is_refused(blocks, more, sentence):
-    """Before anything runs, with the key in the sentence."""
-    data = yaml.safe_load((HERE / "smoke.yaml").read_text())
-    many = {"shape": more.get("shape", "c1"), "seed": [1, 2]}
-    data["sweep"]["blocks"] = {"replicates": many} | {
-        name: {"shape": "c1", "numerics.step_fraction": steps} for name, steps in blocks.items()
-    }
+def test_a_study_that_cannot_be_made_is_refused(steps, shapes, sentence):
+    """With the key in the sentence, before its runs are read."""
+    data = blocks(**steps)
+    data["sweep"]["blocks"]["replicates"]["shape"] = shapes
     with pytest.raises(dem.InputError, match=sentence):
-        table.runs_of(parse(data))
+        check(parse(data))
+
+
+def test_comparisons_are_shown_as_they_were_measured():
+    assert accuracy.order("head-on, damped") == "1.25"
+    assert accuracy.error("bed of discs", "Verlet") == 1.9e-7
+    assert all(
+        accuracy.comparison(file.stem).row_count for file in (HERE / "comparisons").glob("*")
+    )

@@ -29,6 +29,7 @@ from dem.shapes.disc import Disc
 from dem.shapes.dumbbell import Dumbbell
 from studies.common.peers.material import hertz
 
+NAME, SHAPES = "LAMMPS", (Disc, Dumbbell)
 SKIN = 0.3  # of the mean radius; timings are flat about it
 NOTHING = 1e-100  # 1/(m s), for no damping
 SAMPLED = 10  # steps from one look at the force on the cylinder to the next
@@ -131,9 +132,12 @@ class Run:
         ids = list(range(1, count + 1))
         pad = np.zeros((count, 1))
         self._lammps.create_atoms(
-            count, ids, [1] * count,
-            np.hstack([position, pad]).ravel().tolist(), np.hstack([velocity, pad]).ravel().tolist(),
-        )  # fmt: skip
+            count,
+            ids,
+            [1] * count,
+            np.hstack([position, pad]).ravel().tolist(),
+            np.hstack([velocity, pad]).ravel().tolist(),
+        )
         values = {"radius": shape.constituent_radius, "rmass": np.repeat(scene.mass / per, per)}
         order = self._local("id") - 1
         for name, value in values.items():
@@ -157,11 +161,13 @@ class Run:
 
     def mean_force(self, steps: int, every: int = SAMPLED) -> np.ndarray:
         """Take a number of time steps; mean force (x, y) of the granules on the cylinder in N."""
-        self._commands([
-            "compute push all reduce sum f_roller[2] f_roller[3]",
-            f"fix push all ave/time {every} 1 {every} c_push[1] c_push[2] ave running",
-            f"run {steps} post no",
-        ])  # fmt: skip
+        self._commands(
+            [
+                "compute push all reduce sum f_roller[2] f_roller[3]",
+                f"fix push all ave/time {every} 1 {every} c_push[1] c_push[2] ave running",
+                f"run {steps} post no",
+            ]
+        )
         found = np.array([self._lammps.extract_fix("push", 0, 1, row) for row in (0, 1)])
         self._commands(["unfix push", "uncompute push"])
         return -found
@@ -259,11 +265,28 @@ def _motion(scene, state, file):
         return
     zero = np.zeros(scene.granules)
     along = 0.5 * scene.inertia  # about axes in the plane: never used, but x + y must not beat z
-    table = np.column_stack([
-        np.arange(1, scene.granules + 1), scene.mass, state.position, zero,
-        along, along, scene.inertia, zero, zero, zero,
-        state.velocity, zero, zero, zero, scene.inertia * state.angular_velocity, zero, zero, zero,
-    ])  # fmt: skip
+    table = np.column_stack(
+        [
+            np.arange(1, scene.granules + 1),
+            scene.mass,
+            state.position,
+            zero,
+            along,
+            along,
+            scene.inertia,
+            zero,
+            zero,
+            zero,
+            state.velocity,
+            zero,
+            zero,
+            zero,
+            scene.inertia * state.angular_velocity,
+            zero,
+            zero,
+            zero,
+        ]
+    )
     whole = {0, 17, 18, 19}  # a number and the images of a periodic box
     rows = [[int(v) if k in whole else repr(float(v)) for k, v in enumerate(r)] for r in table]
     lines = [" ".join(map(str, row)) for row in rows]

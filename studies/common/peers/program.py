@@ -12,9 +12,14 @@ def absent(program: str) -> str | None:
 def output(*command: str, folder=None, text: str = "") -> str:
     """What a program prints for an input; errors too, which some put in the last lines or nowhere."""
     run = subprocess.run(
-        command, cwd=folder, input=text, text=True, check=False,
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-    )  # fmt: skip
+        command,
+        cwd=folder,
+        input=text,
+        text=True,
+        check=False,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+    )
     return run.stdout
 
 

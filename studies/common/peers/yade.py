@@ -14,9 +14,11 @@ import numpy as np
 
 from dem.base.errors import RunError
 from dem.scene import Scene, State
+from dem.shapes.disc import Disc
 from studies.common.peers.material import RIGID
 from studies.common.peers.program import absent, last_lines, output
 
+NAME, SHAPES = "YADE", (Disc,)
 PROGRAM = "yade"
 SKIN = 0.3  # of the mean radius; timings are flat about it
 SCRIPT = """\
@@ -95,9 +97,13 @@ def seconds(scene: Scene, state: State, time_step: float, warm: int, steps: int)
 def _values(scene, state):
     material, friction, cylinder = scene.material, scene.friction, scene.cylinder
     columns = (
-        state.position, state.velocity, state.angular_velocity,
-        scene.shape.radius, scene.mass, scene.inertia,
-    )  # fmt: skip
+        state.position,
+        state.velocity,
+        state.angular_velocity,
+        scene.shape.radius,
+        scene.mass,
+        scene.inertia,
+    )
     return {
         "young_modulus": material.young_modulus,
         "poisson_ratio": material.poisson_ratio,

@@ -1,0 +1,112 @@
+"""Beds compacted in a box of fixed size: granules swell and come to rest after every step.
+
+With friction the bed comes to rest by damped motion (dem.dynamics.simulation), without friction by
+FIRE (dem.packing.minimise). The uses are beds packed with friction, and the packing fraction at
+which a bed jams. Contacts lose their memory of friction between steps, and before a run.
+"""
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from dem.base.errors import PackingError
+from dem.dynamics.contact_list import ContactList, list_contacts
+from dem.dynamics.simulation import Simulation
+from dem.dynamics.world import World
+from dem.packing.minimise import Rest, minimise, state_of
+from dem.packing.random import Bed, Room, finished, pack, pressure_of, unit_of
+from dem.packing.swelling import COARSE_STEP, DAMPED, greatest_force
+from dem.scene import Friction, State
+
+Preparation = Callable[..., Bed]  # called as dem.pack is
+START = 0.74  # packing fraction of the bed before it is pressed: no shape jams there
+STEP = 0.005  # of the packing fraction, at most, between two rests
+RESTING = 1e-5  # E* R^2: a bed is at rest when no granule feels a greater net force
+MOVING = 2e-4  # E* R^2: beyond it a finished bed is refused
+PATIENCE = 20_000  # iterations of FIRE
+PIECE = 10.0  # sqrt(m / (E* R)): one piece of damped motion
+PIECES = 80  # of damped motion, at most, after a step
+
+
+def compact(shape: Any, room: Room, friction: float, prepare: Preparation = pack) -> Bed:
+    """A bed packed with friction, otherwise as dem.pack makes it. Raises PackingError.
+
+    The packing fraction at which it jams depends on how it is pressed.
+    """
+    press = Press(shape, room, friction, prepare)
+    press.press(press.full)
+    if not press.net_force <= MOVING:
+        raise PackingError(
+            f"{room.name(press.granules())} is not at rest after it was pressed with friction "
+            f"{friction:g}: net force {press.net_force:.2g} E* R^2."
+        )
+    return finished(press.granules(), room, *press.minimised(0, RESTING), press.net_force)
+
+
+class Press:
+    """A bed in a room whose granules grow up to those of `shape`.
+
+    full: packing fraction when they have grown; fraction: as they are; friction: Coulomb's
+    coefficient of all contacts while they grow; prepare: dem.pack or dem.grow, which makes the bed
+    that is pressed. Raises PackingError as these do.
+    """
+
+    def __init__(
+        self, shape: Any, room: Room, friction: float = 0.0, prepare: Preparation = pack
+    ) -> None:
+        self.shape, self.room, self.friction = shape, room, friction
+        self.full = float(shape.area.sum() / room.area)
+        self.fraction = min(START, self.full)
+        self.unit = unit_of(shape)  # N
+        bed = prepare(self.granules(), *room)
+        self.state, self.pressure, self.net_force = bed.state, bed.pressure, bed.net_force
+
+    def granules(self) -> Any:
+        """The granules as they are."""
+        return self.shape.scaled(math.sqrt(self.fraction / self.full))
+
+    def minimised(self, iterations: int, resting: float) -> tuple[World, Rest]:
+        """The bed as it is without friction, minimised to a net force of `resting` (E* R^2)."""
+        return minimise(
+            self.room.scene(self.granules()), self.state, iterations, resting * self.unit
+        )
+
+    def press(self, fraction: float, resting: float = RESTING, patience: int = PATIENCE) -> float:
+        """Grow the granules to a packing fraction; returns `pressure`, the mean normal stress on
+        the walls, or of the contacts without walls, over E* (unit thickness, m).
+
+        resting: greatest net force (E* R^2) of a bed at rest; patience: iterations of FIRE, at
+        most.
+        """
+        steps = max(1, math.ceil(abs(fraction - self.fraction) / STEP - 1e-9))
+        for part in np.linspace(self.fraction, fraction, 1 + steps)[1:]:
+            self.fraction = float(part)
+            if self.friction:
+                self._damp(resting)
+            else:
+                world, rest = self.minimised(patience, resting)
+                self.state, self.net_force = state_of(world), rest.net_force / self.unit
+                self.pressure = pressure_of(world, self.room)
+        return self.pressure
+
+    def contacts(self) -> ContactList:
+        """Contacts of the bed as it is, without friction."""
+        world, _ = self.minimised(0, RESTING)
+        return list_contacts(world, np.arange(len(self.state.position)))
+
+    def _damp(self, resting: float) -> None:
+        friction = Friction(self.friction, self.friction, self.friction)
+        scene = self.room.scene(self.granules(), DAMPED, friction)
+        run = Simulation(scene, self.state, step_fraction=COARSE_STEP)
+        radius = self.shape.constituent_radius.mean()
+        piece = PIECE * math.sqrt(scene.mass.mean() * radius / self.unit)
+        for _ in range(PIECES):
+            run.advance(piece)
+            net_force = greatest_force(run.world)
+            if net_force <= resting * self.unit:
+                break
+        self.net_force = net_force / self.unit
+        self.state = State(run.state.position, angle=run.state.angle)
+        self.pressure = pressure_of(run.world, self.room)

@@ -1,0 +1,76 @@
+"""Beds at a prescribed pressure: the top wall of a loose bed comes down until it bears that.
+
+The granules keep their size, so the height of the box is a result. After every step down the
+elastic energy is minimised without friction, as in dem.packing.random. Above jamming the pressure
+to the power of 2/3 is nearly linear in the height (see dem.experiment.kinds.jamming), so a secant
+finds the height.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from dem.base.errors import PackingError
+from dem.contacts.force_law import effective_modulus
+from dem.packing.minimise import minimise, state_of
+from dem.packing.random import LONGEST, REST, SOFT, Bed, Room, finished, pack, unit_of
+
+STEP = 0.01  # of the height, at most, between two rests
+STEPS = 100  # at most
+FAR = 1e-3  # of the height: less tells no slope
+NEAR = 1e-3  # of the pressure: how near it is met
+PATIENCE = 20_000  # iterations between two steps
+RESTING = 1e-4  # of the force of the pressure on a granule: enough between two steps
+
+
+def pack_under(shape: Any, room: Room, pressure: float) -> Bed:
+    """A bed at rest whose top wall bears a pressure, to one part in a thousand.
+
+    The height of the room is that of the box in which the bed is loose, before its top wall comes
+    down; pressure (m): normal force on the top wall over width and E*. The cylinder stays where it
+    is; otherwise as dem.pack. Raises PackingError as dem.pack does, and where no height is found.
+    """
+    state = pack(shape, *room).state
+    modulus, unit = effective_modulus(SOFT, SOFT), unit_of(shape)
+    near = RESTING * pressure * modulus * 2.0 * shape.constituent_radius.mean()
+    seen: list[tuple[float, float]] = []  # heights (m), pressure^(2/3) over what is asked
+    met = False
+    while len(seen) < STEPS:
+        iterations, enough = (LONGEST, REST * unit) if met else (PATIENCE, near)
+        world, rest = minimise(room.scene(shape), state, iterations, enough)
+        borne = float(world.boundaries.contact_forces[world.walls.end - 1, 0]) / (
+            modulus * room.width * pressure
+        )
+        polished, met = met, abs(borne - 1.0) < NEAR
+        if polished and met:
+            if not rest.net_force <= enough:
+                break
+            return finished(shape, room, world, rest, rest.net_force / unit)
+        seen.append((room.height, borne ** (2.0 / 3.0)))
+        # once more, until it is at rest as any other bed
+        lower = room.height if met else _next(seen)
+        state = state_of(world)
+        state.position[:, 1] *= lower / room.height
+        room = room._replace(height=lower)
+    raise PackingError(
+        f"no height of a box of {room.width:.3g} m was found in which the bed (seed {room.seed}) "
+        f"is at rest under its pressure; at {room.height:.4g} m it bears {borne:.3g} of it."
+    )
+
+
+def _next(seen: list[tuple[float, float]]) -> float:
+    """Height (m) to look at next, by a secant, at most STEP from the last one.
+
+    The other point of the secant is the last one that bore too much where this one bears too
+    little, or the other way round: the next height is then between them. Without one it is the last
+    that is far enough away to tell a slope.
+    """
+    height, borne = seen[-1]
+    across = [at for at in seen if (at[1] - 1.0) * (borne - 1.0) < 0.0]
+    apart = [at for at in seen if abs(at[0] / height - 1.0) > FAR]
+    before, less = (across or apart or [seen[-1]])[-1]
+    change = -STEP if borne < 1.0 else STEP
+    if (height - before) * (borne - less) < 0.0:
+        slope = (borne - less) / (height - before)
+        change = float(np.clip((1.0 - borne) / slope / height, -STEP, STEP))
+    return height * (1.0 + change)

@@ -1,0 +1,124 @@
+"""Random beds of granules that swell in motion to a prescribed packing fraction.
+
+Granules start as in dem.packing.random. They grow in the same steps, but after each step they move
+by the dynamics of a run (dem.dynamics.simulation), without friction and with inelastic collisions.
+At full size they move on until they are at rest. A bed below jamming then has granules apart from
+each other, as shaking leaves them. A minimiser stops as soon as an overlap is gone, so it leaves
+them just touching.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from dem.base.errors import OverlapError, PackingError, StateError
+from dem.base.validate import checked
+from dem.contacts.force_law import effective_modulus
+from dem.dynamics.simulation import Simulation
+from dem.dynamics.world import World
+from dem.packing.random import GROWTH, ROOM, SETTLED, Bed, Room, at_rest, dilute_start, unit_of
+from dem.scene import Cylinder, Material, Scene, State
+
+DAMPED = Material(density=1.0, young_modulus=1.0, poisson_ratio=0.0, restitution=0.5)
+COARSE_STEP = 0.9  # of the bound on the critical time step: the motion need not be accurate
+STAGE = 300.0  # sqrt(m / (E* R)): motion after each step of growth
+KEPT = 0.5  # of all velocities, after a stage
+STAGES = 100  # at full size, at most; what is jammed then moves little and is minimised
+
+
+@checked(**ROOM)
+def grow(
+    shape: Any,
+    width: float,
+    height: float,
+    cylinder: Cylinder | None,
+    seed: int,
+    periodic: str = "none",
+) -> Bed:
+    """Pack granules at random into a box by growth in motion.
+
+    Takes what `pack` takes. Beds above jamming are at rest by the same measure. Below jamming the
+    granules of this bed are apart from each other, and those of `pack` just touch: its beds resist
+    a cylinder sooner.
+
+    Parameters
+    ----------
+    shape : Disc, Dumbbell, Ellipse or Superellipse
+        Granules, n in all, with their sizes (m).
+    width : float
+        Width of the box (m).
+    height : float
+        Height of the box (m).
+    cylinder : Cylinder or None
+        Cylinder that the granules leave room for. Its velocity is ignored.
+    seed : int
+        Seed of the random places and angles, without unit, zero or positive.
+    periodic : str
+        Along which sides the box repeats itself: "none", "x", "y" or "xy". There are no walls
+        across these.
+
+    Returns
+    -------
+    Bed
+        The bed, with the net force and the pressure that remain in it.
+
+    Raises
+    ------
+    PackingError
+        If no bed at rest is found, usually because the packing fraction is too high.
+    InputError
+        If a value cannot be used, for instance if the cylinder does not fit into the box.
+
+    See Also
+    --------
+    pack : Make a bed by minimising its energy, which is faster.
+
+    Notes
+    -----
+    The granules start small and apart, and grow in steps of 2 %. After each step they move for
+    300 sqrt(m / (E* R)) without friction, at a restitution of 0.5, and all velocities are halved.
+    At full size they move on until no granule feels a net force above 1e-5 E* R^2. What is left of
+    it is minimised as by `pack`, to 1e-9 E* R^2.
+
+    Examples
+    --------
+    >>> import dem
+    >>> import numpy as np
+    >>> shape = dem.Disc.of_size(np.linspace(0.8e-3, 1.2e-3, 60))
+    >>> cylinder = dem.Cylinder(diameter=2e-3, position=(4e-3, 3.6e-3))
+    >>> room = dict(width=8e-3, height=7.6e-3, cylinder=cylinder, seed=1)
+    >>> bed = dem.grow(shape, **room)
+    >>> bool(bed.coordination_number < dem.pack(shape, **room).coordination_number)
+    True
+    """
+    room = Room(width, height, cylinder, seed, periodic)
+    factor, state = dilute_start(shape, room)
+    unit = unit_of(shape)
+    try:
+        while factor < 1.0:
+            state, _ = _moved(room.scene(shape.scaled(factor), DAMPED), state)
+            factor = min(factor * GROWTH, 1.0)
+        for _ in range(STAGES):
+            state, net_force = _moved(room.scene(shape, DAMPED), state)
+            if net_force <= SETTLED * unit:
+                break
+    except (OverlapError, StateError) as error:
+        raise PackingError(f"{room.name(shape)} cannot be made: while it grew, {error}") from None
+    return at_rest(shape, room, State(state.position, angle=state.angle))
+
+
+def greatest_force(world: World) -> float:
+    """Largest net force (N) on a granule."""
+    return float(np.linalg.norm(world.force[:, :2], axis=1).max())
+
+
+def _moved(scene: Scene, state: State) -> tuple[State, float]:
+    """The State after one stage, with velocities reduced, and the largest net force (N)."""
+    run = Simulation(scene, state, step_fraction=COARSE_STEP)
+    radius = scene.shape.constituent_radius.mean()
+    modulus = effective_modulus(DAMPED, DAMPED)
+    run.advance(STAGE * math.sqrt(scene.mass.mean() / (modulus * radius)))
+    end = run.state
+    slower = State(end.position, KEPT * end.velocity, end.angle, KEPT * end.angular_velocity)
+    return slower, greatest_force(run.world)

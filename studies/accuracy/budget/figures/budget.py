@@ -1,0 +1,67 @@
+"""By how much the mean drag is off, against processor time: the frontier, the default and the
+paper's sweep."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from dem.figures import style
+from studies.accuracy.budget.findings import budget
+from studies.accuracy.budget.spend import WAYS
+from studies.accuracy.budget.trial import NAMES, interval
+
+FILE = "budget"
+CAPTION = "By how much the mean drag is off, against processor time"
+TIMES = np.geomspace(3.0, 3600.0, 19)  # s
+LINES = {"default": (0, (5, 1.5)), "paper": (0, (1, 1)), "recommended": "-"}
+LABELS = {
+    "default": "the default",
+    "paper": "the paper's sweep",
+    "recommended": "the best settings",
+}
+MARKS = dict(zip(NAMES, "s^o", strict=True))
+
+
+@style.styled
+def plot(dataset: xr.Dataset) -> Figure:
+    """One panel a shape: the model as lines, what ten repetitions gave as marks."""
+    found = budget.of(dataset)
+    figure, grid = style.panels(
+        len(found.shapes), len(found.shapes), 1.2, 3.6, sharex=True, sharey=True
+    )
+    for axes, (name, shape) in zip(grid, found.shapes.items(), strict=True):
+        best = [shape.best(seconds) for seconds in TIMES]
+        curves = {
+            way: [shape.spent(at, seconds).error for seconds in TIMES] for way, at in WAYS.items()
+        }
+        curves["recommended"] = [each.error for each in best]
+        for number, (way, curve) in enumerate(curves.items()):
+            color = style.CASES[number] if way != "recommended" else "black"
+            axes.plot(
+                TIMES, 100.0 * np.array(curve), color=color, linestyle=LINES[way], label=LABELS[way]
+            )
+        low, high = 100.0 * np.array([(each.low, each.high) for each in best]).T
+        axes.fill_between(
+            TIMES, low, high, color="0.85", linewidth=0.0, zorder=0, label="their 95 % interval"
+        )
+        for shift, (way, each) in zip((0.85, 1.0, 1.18), found.ways[name].items(), strict=True):
+            style.intervals(
+                axes,
+                [each.time * shift],
+                [100.0 * interval(each.repeated)],
+                linestyle="none",
+                color="0.15",
+                marker=MARKS[way],
+                markersize=6,
+                markerfacecolor="white",
+                capsize=3,
+                label=f"{LABELS[way]}, ten repetitions",
+                zorder=5,
+            )
+        style.logarithmic(axes, "x", (1.0,))
+        style.logarithmic(axes)
+        axes.set_title(name, loc="left")
+    grid[0].set_ylabel("Error of the mean drag (%)")
+    grid[len(grid) // 2].set_xlabel("Processor time (s)")
+    style.legend(figure, grid[0], "outside lower center", ncols=2)
+    return figure

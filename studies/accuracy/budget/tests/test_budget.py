@@ -1,0 +1,240 @@
+"""The model finds what made the runs, and spends a budget as they ask for."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from made import SMOKE, run_all
+
+from dem.sweep.config import parse
+from dem.sweep.state import SweepState
+from studies.accuracy.budget.findings import budget
+from studies.accuracy.budget.model import LEFT_OUT, PAPER, Model, Runs, Settings
+from studies.accuracy.budget.results import VARIABLES, make
+from studies.accuracy.budget.spend import WAYS, WINDOW, Shape, levels
+from studies.accuracy.budget.trial import NAMES, interval, ratio, tried
+
+STOPS = np.linspace(1.0e-3, WINDOW, 11)[1:]
+TRUE = Model(
+    mean=1000.0,
+    bounds=(3.0e-7, 5.0e-8),
+    bed=(0.1, 1.1),
+    run=(4.0e-6, 0.9),
+    step=-4.0e5,
+    box=(0.3, 0.05),
+    scatter=(0.12, 0.5),
+    stops=STOPS,
+    window=np.linspace(-0.1, 0.0, 10),
+    wider=np.linspace(1.4, 1.0, 10),
+)
+
+
+def runs_of(model: Model, beds: int, seed: int = 0) -> dict:
+    """Runs that follow a model; those of one bed at several steps differ by a third of their
+    scatter."""
+    rng, rows = np.random.default_rng(seed), []
+
+    def add(part, fraction, granules, first, stroke=WINDOW, count=beds):
+        for number in range(count):
+            at = Settings(fraction, granules, STOPS, stroke)
+            own = np.random.default_rng([seed, first + number, granules]).normal()
+            draw = (own + rng.normal() / 3.0) / np.hypot(1.0, 1.0 / 3.0)
+            mean, time = (
+                model.mean * (1.0 + model.biases(at).sum(axis=0)),
+                model.time(at) * rng.normal(1.0, 0.02),
+            )
+            bed = model.bed[0] * (granules / PAPER) ** model.bed[1]
+            rows.append(
+                {
+                    "part": part,
+                    "shape": "c1",
+                    "seed": first + number,
+                    "fraction": fraction,
+                    "granules": granules,
+                    "stroke": stroke,
+                    "drag": mean + model.mean * model.spread(at) * draw,
+                    "time": time - bed,
+                    "time_step": float(model.time_step(fraction)),
+                    "spent": time - bed * (part == "steps"),
+                }
+            )
+
+    add("reference", 0.1, PAPER, 0, count=4 * beds)
+    for fraction in (0.2, 0.3, 0.5, LEFT_OUT, 0.95):
+        add("steps", fraction, PAPER, 0)
+    for granules in (100, 200, 800):
+        add("boxes", 0.5, granules, 0)
+    add("held", LEFT_OUT, 283, 5000)
+    add("recommended_1", 0.5, PAPER, 9000, count=400)
+    for way, at in WAYS.items():
+        add(f"{way}_1", at.fraction, at.granules, 9000, at.stroke, 400)
+    return {f"run_{key}": np.array([row[key] for row in rows]) for key in rows[0]} | {
+        "window_stop": STOPS
+    }
+
+
+@pytest.fixture(scope="module")
+def dataset():
+    return xr.Dataset(
+        {name: (VARIABLES[name][0], each) for name, each in runs_of(TRUE, 300).items()}
+    )
+
+
+def test_the_model_finds_what_made_the_runs(dataset):
+    found = Runs(dataset, "c1").fit()
+    for name, off in {
+        "mean": 0.03,
+        "bounds": 1e-6,
+        "bed": 0.05,
+        "run": 0.05,
+        "scatter": 0.15,
+    }.items():
+        assert getattr(found, name) == pytest.approx(getattr(TRUE, name), rel=off), name
+    assert found.step == pytest.approx(TRUE.step, abs=3e5)
+    assert found.box == pytest.approx(TRUE.box, abs=0.03)
+    assert found.window == pytest.approx(TRUE.window, abs=0.02)
+    assert found.wider == pytest.approx(TRUE.wider, rel=0.1)
+
+
+def test_no_way_does_better_than_the_settings_that_are_recommended(dataset):
+    """And they are such as the true model asks for: the bias of small boxes is worth it for
+    small budgets only."""
+    shape = Shape(dataset, "c1")
+    for seconds in (5.0, 60.0, 3600.0):
+        best = shape.best(seconds)
+        assert all(best.error < shape.spent(at, seconds).error for at in WAYS.values())
+        assert best.runs * shape.model.time(best.at) <= seconds
+    assert shape.best(3600.0).at[:3] == (0.1, PAPER, WINDOW)  # nothing is biased less
+
+
+def test_an_error_is_that_of_means_drawn_with_these_settings(dataset):
+    """Root mean square over many draws from what made the runs, where biases do not cancel by
+    chance."""
+    shape, rng = Shape(dataset, "c1"), np.random.default_rng(5)
+    for at in (
+        Settings(0.3, PAPER, WINDOW, WINDOW),
+        Settings(0.1, 200, WINDOW, WINDOW),
+        Settings(0.1, PAPER, 3.0e-3, 3.0e-3),
+    ):
+        told = shape.spent(at, 30.0)
+        off = TRUE.biases(at).sum() + TRUE.spread(at) * rng.normal(size=(4000, told.runs)).mean(
+            axis=1
+        )
+        assert told.error == pytest.approx(np.sqrt((off**2).mean()), rel=0.15)
+
+
+def test_two_levels_gain_where_runs_agree_and_fine_ones_are_dear(dataset):
+    """A bed's runs correlate by 0.9: 1 / (1 + 1/9)."""
+    found = levels(Shape(dataset, "c1"), 0.3, 0.1)
+    assert found.correlation[0] == pytest.approx(0.9, abs=0.03)
+    assert found.correlation[1] < found.correlation[0] < found.correlation[2]
+    assert found.gain[2] < 1.0  # three times the step is not thrice as fast, because of damping
+    alike = dataset.copy(deep=True)
+    first = {
+        seed: drag
+        for part, seed, drag in zip(
+            *(alike[f"run_{n}"].values for n in ("part", "seed", "drag")), strict=True
+        )
+        if part == "reference"
+    }
+    for row in np.flatnonzero(alike["run_part"].values == "steps"):
+        alike["run_drag"][row] = first[int(alike["run_seed"][row])]
+    assert levels(Shape(alike, "c1"), 0.95, 0.1).gain[0] > 1.5
+
+
+def test_two_levels_take_what_the_best_numbers_of_runs_take(dataset):
+    """Among all numbers of runs, by the times that the runs of the file took: a bed is packed
+    once for both steps."""
+    table = Runs(dataset, "c1").table
+    beds = range(300)
+    coarse, fine = (
+        table[table.fraction == f].set_index("seed").query("granules == @PAPER").loc[beds]
+        for f in (0.3, 0.1)
+    )
+    fine, coarse = fine[fine.part == "reference"], coarse[coarse.part == "steps"]
+    own, both = fine.spent.mean(), fine.spent.mean() + coarse.spent.mean()
+    packed = coarse.spent.mean() + fine.spent.mean() - fine.time.mean()
+    runs = np.arange(1, 400)
+    one, two = runs[:, None], runs[None]
+    variance = coarse.drag.var() / one + (fine.drag - coarse.drag).var() / two
+    least = (variance * (one * packed + two * both)).min()
+    assert levels(Shape(dataset, "c1"), 0.3, 0.1).gain[0] == pytest.approx(
+        fine.drag.var() * own / least, rel=0.03
+    )
+
+
+def test_repetitions_show_a_bias_and_a_scatter(dataset):
+    """Means that are a tenth too large are off by a tenth."""
+    off = dataset.copy(deep=True)
+    mine = off["run_part"].values == "paper_1"
+    off["run_drag"][mine] = off["run_drag"][mine] * 1.1
+    ways = tried(Shape(off, "c1"))
+    for error in map(interval, (ways["paper"].repeated, ways["paper"].whole)):
+        assert error[0] == pytest.approx(0.1, abs=0.02)
+        assert error[1] < error[0] < error[2]
+    assert ways["default"].whole[0] < 0.05
+    assert ways["paper"].time == pytest.approx(ways["default"].time, rel=0.1)
+
+
+def test_a_way_that_scatters_less_has_the_smaller_error_by_as_much(dataset):
+    """By all runs and by the repetitions, within the intervals of the ratio."""
+    wide = dataset.copy(deep=True)
+    mine = wide["run_part"].values == "paper_1"
+    wide["run_drag"][mine] = 3.0 * wide["run_drag"][mine] - 2.0 * wide["run_drag"][mine].mean("run")
+    ways = [tried(Shape(wide, "c1"))]
+    before = [tried(Shape(dataset, "c1"))]
+    for by in ("repeated", "whole"):
+        value, low, high = ratio(ways, "recommended", "paper", by)
+        assert low < 1.0 / 3.0 < high
+        assert value == pytest.approx(ratio(before, "recommended", "paper", by)[0] / 3.0, rel=0.25)
+
+
+def test_every_run_is_a_row_with_what_it_gave(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    blocks = {
+        "reference": {"shape": "c1", "seed": [1, 2]},
+        "steps": {"shape": ["c1", "d1"], "numerics.step_fraction": [0.5, 0.9], "seed": 1},
+        "boxes": {
+            "values": {"shapes.c1.granules": 30, "box_width": 6.0e-3},
+            "shape": "c1",
+            "seed": 3,
+        },
+    }
+    record = {"observables": ["drag"], "bins": 12}
+    work = SweepState(
+        parse(
+            {
+                "extends": str(SMOKE),
+                "results": "results",
+                "record": record,
+                "sweep": {"blocks": blocks},
+            }
+        )
+    )
+    run_all(work)
+    values, _ = make(work, 1, lambda share: None)
+    found = xr.Dataset({name: (VARIABLES[name][0], each) for name, each in values.items()})
+    assert found.sizes["run"] == 2 + 4 + 1
+    for row in range(found.sizes["run"]):
+        own = found.isel(run=row)
+        at = {
+            "seed": int(own["run_seed"]),
+            "shape": str(own["run_shape"].values),
+            "numerics_step_fraction": float(own["run_fraction"]),
+        }
+        drags = xr.load_dataset(work.combined(str(own["run_part"].values))[0])
+        run = drags.sel({key: each for key, each in at.items() if key in drags.dims})
+        inside = (run["displacement"] > drags.attrs["window_start"]) & (
+            run["displacement"] < drags.attrs["window_stop"]
+        )
+        assert float(own["run_drag"][-1]) == pytest.approx(float(run["drag"].where(inside).mean()))
+        assert float(own["run_time"]) == float(run["run_time"])
+        assert float(own["run_time_step"]) * int(run["steps"]) * 2.0 == pytest.approx(
+            float(own["run_stroke"])
+        )  # at 2 m/s
+        assert int(own["run_granules"]) == int(run["granules"])
+
+
+@pytest.mark.skipif(not budget.path.is_file(), reason="budget.nc is not there yet")
+def test_the_released_runs_are_of_all_ways():
+    parts = {part.partition("_")[0] for part in budget.dataset["run_part"].values}
+    assert parts >= set(NAMES) | {"reference", "steps", "boxes", "held"}
