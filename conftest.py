@@ -27,7 +27,7 @@ from dem.sweep.config import load
 # Compiling takes seconds, so no deadlines; the same examples each time, so no surprises.
 hypothesis.settings.register_profile("suite", deadline=None, derandomize=True, max_examples=100)
 hypothesis.settings.register_profile("night", deadline=None, max_examples=2000)
-# The same examples, but none is made smaller, which takes minutes: mutants.py asks only whether one fails.
+# The same examples, but none is made smaller, which takes minutes: tests/nightly/mutants.py asks only whether one fails.
 hypothesis.settings.register_profile(
     "mutants", hypothesis.settings.get_profile("suite"), phases=[hypothesis.Phase.explicit, hypothesis.Phase.generate]
 )
@@ -53,7 +53,7 @@ LONGEST = ["claims", "superellipse", "test_workflow", "disc", "ellipse", "dumbbe
 
 # What `pytest -m quick` runs, in this order: of these files, tests whose names hold one of these parts
 # and none of SLOW. They take a minute in all on two processors, and notice four of five faults of
-# mutants.py. That file and --durations=0 say what to add or to leave out.
+# tests/nightly/mutants.py. That file and --durations=0 say what to add or to leave out.
 QUICK = {
     "test_twin.py": ("",),
     "test_statistics.py": ("",),

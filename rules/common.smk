@@ -10,7 +10,7 @@ import sys
 from functools import cache
 from pathlib import Path
 
-from dem.base.say import say
+from dem.base.messages import say
 from dem.experiment.config import EXPERIMENTS
 from dem.experiment.observables import OBSERVABLES
 from dem.figures.catalogue import FIGURES, wanted
@@ -35,11 +35,9 @@ SWEEP = SweepState.of_values(config, workflow.configfiles, ROOT)
 RESULTS = SWEEP.sweep.results
 WARNINGS = SWEEP.check()
 
-# Jobs run the Python that runs Snakemake, for any PATH, and this package, for any working folder. Ctrl-C
-# reaches a job only when it can answer (dem.cli.stopping), because Python would show a traceback while
-# it starts.
+# Jobs run the Python that runs Snakemake, for any PATH, and this package, for any working folder.
 shell.prefix(
-    "set -euo pipefail; trap '' INT; export PATH={}:$PATH PYTHONPATH={}:${{{{PYTHONPATH:-}}}}; ".format(
+    "set -euo pipefail; export PATH={}:$PATH PYTHONPATH={}:${{{{PYTHONPATH:-}}}}; ".format(
         *(shlex.quote(str(path)).replace("{", "{{").replace("}", "}}") for path in (Path(sys.executable).parent, HERE))
     )
 )

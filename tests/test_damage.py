@@ -12,7 +12,7 @@ from test_stopping import combined, planned, smoke
 from typer.testing import CliRunner
 
 from dem.base.errors import InputError
-from dem.base.plain import plain
+from dem.base.messages import printable
 from dem.cli.app import app
 from dem.experiment.observables.drag import VARIABLES as DRAG
 from dem.experiment.observables.snapshots import VARIABLES as SNAPSHOTS
@@ -261,4 +261,4 @@ def test_text_of_a_file_is_shown_on_the_terminal_and_not_obeyed(hostile, name):
     """Neither escape sequences nor markup of rich."""
     status, output = told("info", hostile / name)
     assert status == 0 and "[red]title[/red]" in output and "[/nothing]" in output
-    assert output == plain(output) and not set("\x1b\x07\x9b\u202e\u2069") & set(output)
+    assert output == printable(output) and not set("\x1b\x07\x9b\u202e\u2069") & set(output)

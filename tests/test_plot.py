@@ -168,7 +168,7 @@ def of_one_frame(result):
      "color is 'mauve'; it must be one of speed, force, layer."),
     (lambda r, p: dem.film(r, "run.avi"),
      "path is 'run.avi'; it must be the path of a file that ends in .mp4 or .gif."),
-    (lambda r, p: dem.film(r, 3), "path is 3; it must be the path of a file that ends in .mp4 or .gif."),
+    (lambda r, p: dem.film(r, 3), "path is '3'; it must be the path of a file that ends in .mp4 or .gif."),
     (lambda r, p: dem.film(STATE, p / "run.gif"), "it must be a dem.Result"),
     (lambda r, p: dem.film(of_one_frame(r), p / "run.gif"),
      "result has 1 frame; a film needs two: simulate with more frames."),
@@ -180,6 +180,18 @@ def test_what_cannot_be_drawn_is_refused(results, tmp_path, call, sentence):
         call(results["empty space"], tmp_path)
     assert sentence in str(error.value) and "\n" not in str(error.value)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("name", ["run.mp4", "run.gif", "run.nc"])
+def test_a_folder_and_a_file_of_another_kind_are_kept(results, tmp_path, name):
+    """A path that is a folder, or whose suffix is another one, is refused and stays."""
+    result, folder, notes = results["walls"], tmp_path / name, tmp_path / "notes.md"
+    folder.mkdir()
+    notes.write_text("notes")
+    for path, words in ((folder, "must be a file"), (notes, "must be the path of a file that ends")):
+        with pytest.raises(dem.InputError, match=words):
+            result.to_netcdf(path) if name.endswith(".nc") else dem.film(result, path)
+    assert not list(folder.iterdir()) and notes.read_text() == "notes"
 
 
 AS_DISCS = ", drawn as discs of equal area"

@@ -2,7 +2,6 @@
 
 import json
 import multiprocessing
-import os
 import re
 import shutil
 from concurrent.futures import ProcessPoolExecutor
@@ -15,14 +14,13 @@ import yaml
 from typer.testing import CliRunner
 
 import dem
-from conftest import CONFIG, posix
+from conftest import CONFIG
 from dem.base.errors import InputError, RunError
 from dem.base.yaml_file import read
 from dem.cli.app import app
 from dem.experiment.config import Replicate, entries
 from dem.io.checksums import Changed, seal
 from dem.io.dataset import read as read_runs
-from dem.io.results_folder import hold
 from dem.report.info import drag_table
 from dem.report.status import _cells
 from dem.sweep import batch as making
@@ -30,7 +28,7 @@ from dem.sweep import store as stores
 from dem.sweep.axis import changes_of_words
 from dem.sweep.combine import about, combine
 from dem.sweep.combined import combine_block
-from dem.sweep.config import load, merged, parse, save
+from dem.sweep.config import load, merged, parse
 from dem.sweep.prune import prune, sweeps
 from dem.sweep.state import SweepState
 
@@ -707,21 +705,6 @@ def test_prune_removes_nothing_whose_runs_are_unknown(pruned):
     assert pruning().exit_code == 0 and all(note.is_file() for note in (unknown, *notes))
 
 
-@posix
-@pytest.mark.parametrize("kind", ["pipe", "folder"])
-def test_what_is_no_file_in_the_store_is_one_sentence(pruned, kind):
-    """Neither pruning nor the next sweep waits for a pipe; the sweep says what to remove."""
-    place = pruned.store.plan_of(pruned.batches("drag")[0].id)
-    place.unlink()
-    pruned.store.file_of(place.stem).unlink()
-    os.mkfifo(place) if kind == "pipe" else place.mkdir()
-    again = SweepState(pruned.sweep)
-    with pytest.raises(InputError, match=rf"{place}: it is a .*must be a file"):
-        again.begin("drag")
-    for words in (["store"], ["store", "--prune"]):
-        assert CliRunner().invoke(app, words).exit_code == 0
-
-
 @pytest.mark.parametrize("folder", ["", "batches", "runs", "beds"])
 @pytest.mark.parametrize("kind", ["a link to nothing", "a file"])
 def test_a_folder_of_the_store_that_is_away_is_one_sentence(pruned, folder, kind):
@@ -774,62 +757,6 @@ def test_no_command_writes_into_the_store(pruned, through):
     found = CliRunner().invoke(app, ["combine", "--config", "small.yaml", "-o", str(place)])
     assert found.exit_code == 2 and "the store is there" in found.stderr, found.output
     assert listed("results") == before
-
-
-@posix
-@pytest.mark.parametrize("kind", ["folder", "link", "pipe"])
-@pytest.mark.parametrize("place", ["results/small", "run", "bed"])
-def test_a_lock_that_is_no_file_is_one_sentence(pruned, place, kind):
-    """That says what is there and what to do."""
-    batch = pruned.batches("drag")[0].id
-    run = pruned.store.replicates(batch)[0]
-    for path in (
-        pruned.store.file_of(batch),
-        pruned.store.file_of_bed(run),
-        pruned.store.run_of(run.id),
-    ):
-        path.unlink()
-    lock = {
-        "run": pruned.store.run_of(run.id, ".lock"),
-        "bed": pruned.store.file_of_bed(run).with_name(".lock"),
-    }.get(place, Path(place) / ".lock")
-    if kind == "pipe":
-        os.mkfifo(lock)
-    elif kind == "folder":
-        lock.mkdir()
-    else:
-        lock.symlink_to("config")
-    with pytest.raises(InputError, match=rf"{lock}: it is a .*must be a file"):
-        hold(Path("results/small"))
-        making.make(pruned.store, batch)
-
-
-@posix
-@pytest.mark.parametrize("what", ["batch", "bed", "run"])
-def test_a_pipe_in_the_store_is_refused_before_any_run(pruned, what, monkeypatch):
-    """Not after, when what was made cannot be written."""
-    batch = pruned.batches("drag")[0].id
-    run = pruned.store.replicates(batch)[0]
-    places = {
-        "batch": pruned.store.file_of(batch), "bed": pruned.store.file_of_bed(run),
-        "run": pruned.store.run_of(run.id),
-    }  # fmt: skip
-    for name, place in places.items():
-        place.unlink()
-        if name == what:
-            os.mkfifo(place)
-    monkeypatch.setattr(making, "make_bed", lambda replicate: pytest.fail("a bed is packed"))
-    with pytest.raises(InputError, match=rf"{places[what]}: it is a .*must be a file"):
-        making.make(pruned.store, batch)
-
-
-@posix
-def test_a_sweep_does_not_wait_for_a_pipe_as_config_yaml(pruned):
-    place = Path(pruned.sweep.results) / "config.yaml"
-    place.unlink()
-    os.mkfifo(place)
-    with pytest.raises(InputError, match=r"config\.yaml'; it is a .*must be a file"):
-        save(pruned.sweep, place)
 
 
 def test_a_sweep_says_where_a_new_store_begins(tmp_path, monkeypatch):

@@ -16,7 +16,7 @@ from pydantic import Field, create_model, model_validator
 from pydantic.fields import FieldInfo
 
 from dem.base.errors import InputError
-from dem.base.hints import choice
+from dem.base.messages import did_you_mean
 from dem.base.provenance import compilers
 from dem.base.schema import (
     Label,
@@ -191,7 +191,7 @@ class Configuration(Section):
         """One run; raises InputError if it is impossible."""
         own = validated(OwnSection, {"shape": shape, "density": density, "seed": seed})
         if shape not in self.shapes:
-            hint = choice(shape, self.shapes)
+            hint = did_you_mean(shape, self.shapes)
             raise InputError(f"shape is {shape!r}; the configuration has no such shape{hint}.")
         try:
             check_room(self, shape, seed)

@@ -26,7 +26,7 @@ from numba.core.event import Listener, register
 from numba.core.registry import CPUDispatcher
 from numba.core.serialize import dumps
 
-from dem.base.say import say
+from dem.base.messages import say
 from dem.base.sources import (
     IMPORTED,
     UNREADABLE,

@@ -11,17 +11,16 @@ import traceback
 from pathlib import Path
 
 import numpy as np
+from filelock import FileLock
 
 from dem.base import provenance
 from dem.base.errors import InputError, RunError
-from dem.base.files import check_file
 from dem.base.sources import cache_folder, codes, own_files
 from dem.experiment import resume
 from dem.experiment.bed import make_bed, periods
 from dem.experiment.config import Replicate
 from dem.experiment.warmup import compile_kernels
 from dem.io.dataset import FAILURES, LABELS, OF_STORE, global_attributes, read, write
-from dem.io.results_folder import lock_of
 from dem.packing.random import Bed
 from dem.sweep.store import Store, kernels_of
 
@@ -33,7 +32,6 @@ def make(store: Store, batch: str, progress=lambda done, failed, compiles=False:
     with how many runs are done, of these how many failed, and whether kernels are compiled first.
     """
     path, replicates = store.file_of(batch), store.replicates(batch)
-    check_file(path)  # not when its runs are made
     if is_whole(path, replicates):
         return path
     rows, failed = [], 0
@@ -64,7 +62,7 @@ def _compile(replicate: Replicate, told) -> None:
     if not mark.exists():
         told()
         mark.parent.mkdir(parents=True, exist_ok=True)
-        with lock_of(mark.with_suffix(".lock")):
+        with FileLock(mark.with_suffix(".lock")):
             if not mark.exists():
                 compile_kernels(replicate)
                 mark.touch()

@@ -16,7 +16,7 @@ from tempfile import TemporaryDirectory
 
 ROOT = Path(__file__).parents[3]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
-from mutants import Mutant, made  # noqa: E402
+from nightly.mutants import Mutant, made  # noqa: E402
 
 from dem.base import provenance  # noqa: E402
 from docs.data.kernels import digest  # noqa: E402

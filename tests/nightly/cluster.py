@@ -1,7 +1,5 @@
 """A sweep on a Dask cluster that does not see the client's folder, and what kills do to it.
 
-    python tests/cluster.py [sweep file] [kills] [seed]
-
 Starts a scheduler and two workers in a mount namespace (as root) with an empty cache, makes the sweep on
 them and beside it on this machine alone, and compares all values. Then kills workers, scheduler and client
 at random moments, starts again what was killed, goes on, and compares again.
@@ -21,7 +19,7 @@ import numpy as np
 import yaml
 from distributed import Client
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 DEM = [sys.executable, "-m", "dem"]
 CLOCKS = {"run_time", "spent"}
 PORT = 8797
@@ -107,8 +105,8 @@ def finished(place: Path) -> dict[Path, bytes]:
     return {path: path.read_bytes() for path in (place / "results/store/batches").glob("*.nc")}
 
 
-def main(file: str = "config/smoke.yaml", kills: str = "20", seed: str = "1") -> None:
-    chance, base = random.Random(int(seed)), Path(tempfile.mkdtemp(prefix="cluster"))
+def main(file: str = "config/smoke.yaml", kills: int = 20, seed: int = 1) -> None:
+    chance, base = random.Random(seed), Path(tempfile.mkdtemp(prefix="cluster"))
     alone, client, worker = (base / name for name in ("alone", "client", "worker"))
     for folder in (alone, client, worker):
         folder.mkdir()
@@ -120,8 +118,7 @@ def main(file: str = "config/smoke.yaml", kills: str = "20", seed: str = "1") ->
         shutil.copytree(ROOT / "config", folder / "config")
         (folder / "many.yaml").write_text(
             yaml.dump(
-                {"extends": file, "results": "results/many", "batch": 2}
-                | (more if int(kills) else {})
+                {"extends": file, "results": "results/many", "batch": 2} | (more if kills else {})
             )
         )
     machine = Machine(worker, client)
@@ -141,7 +138,7 @@ def main(file: str = "config/smoke.yaml", kills: str = "20", seed: str = "1") ->
         print("tasks executed:", machine.executed())
         print("values that differ:", differing(alone / "results/many", client / "results/many"))
         lost = 0
-        for number in range(int(kills)):
+        for number in range(kills):
             shutil.rmtree(client / "results")
             shutil.rmtree(worker / "cache/stores", ignore_errors=True)
             victim = chance.choice(["worker 1", "worker 2", "scheduler", "client", "Ctrl-C"])
@@ -175,7 +172,3 @@ def main(file: str = "config/smoke.yaml", kills: str = "20", seed: str = "1") ->
         for name in list(machine.parts):
             machine.kill(name)
         shutil.rmtree(base, ignore_errors=True)
-
-
-if __name__ == "__main__":
-    main(*sys.argv[1:])

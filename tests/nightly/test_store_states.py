@@ -2,8 +2,7 @@
 
 Two sweeps share a store. Hypothesis chooses what happens and in which order; runs cost nothing here. No finished
 run is made again unless its file was damaged or nobody needed it, no file of a user's is touched, and what is
-read is right, or refused with its name. A thousand examples: `pytest tests/test_store_states.py
---hypothesis-profile=night`.
+read is right, or refused with its name.
 """
 
 import contextlib
@@ -240,4 +239,4 @@ class Sweeps(RuleBasedStateMachine):
 
 
 TestSweeps = Sweeps.TestCase
-TestSweeps.settings = settings(max_examples=settings().max_examples // 2, stateful_step_count=20)
+TestSweeps.settings = settings(settings.get_profile("night"), max_examples=1000, stateful_step_count=20)
