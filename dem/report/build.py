@@ -13,7 +13,7 @@ from PIL import Image
 from plotly.io import to_html
 
 from dem.analysis.statistics import by_case, running_mean
-from dem.analysis.tables import NUMBER, ROWS
+from dem.analysis.tables import ROWS, number
 from dem.base.errors import InputError
 from dem.base.files import atomic
 from dem.figures import style
@@ -54,7 +54,7 @@ def build(drag: Path, output: Path) -> None:
         parts,
         legend=LEGEND if has_drag else "Means over the runs, with half the 95 % interval.",
         table=Markup(
-            table.head(ROWS).to_html(index=False, border=0, na_rep="-", float_format=NUMBER)
+            table.head(ROWS).to_html(index=False, border=0, na_rep="-", float_format=number)
         ),
         more=len(table) - ROWS,
         figures=map(embedded, pictures),
