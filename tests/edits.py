@@ -17,32 +17,89 @@ ROOT = Path(__file__).parent.parent
 LINE = "\nEDITED = True\n"
 
 AGAIN = {
-    "the order of a sum": ("dem/packing/minimise.py", "vx * vx + vy * vy + g2 * w * w", "g2 * w * w + (vx * vx + vy * vy)"),
-    "the order of a product": ("dem/contacts/force_law.py", "(sqrt_overlap + kept * last_sqrt_overlap) * slip", "(slip * sqrt_overlap + slip * kept * last_sqrt_overlap)"),
-    "a constant of the law": ("dem/contacts/force_law.py", "zeta = alpha / math.sqrt(5.0)", "zeta = alpha / math.sqrt(5.1)"),
+    "the order of a sum": (
+        "dem/packing/minimise.py",
+        "vx * vx + vy * vy + g2 * w * w",
+        "g2 * w * w + (vx * vx + vy * vy)",
+    ),
+    "the order of a product": (
+        "dem/contacts/force_law.py",
+        "(sqrt_overlap + kept * last_sqrt_overlap) * slip",
+        "(slip * sqrt_overlap + slip * kept * last_sqrt_overlap)",
+    ),
+    "a constant of the law": (
+        "dem/contacts/force_law.py",
+        "zeta = alpha / math.sqrt(5.0)",
+        "zeta = alpha / math.sqrt(5.1)",
+    ),
     "less for at most": ("dem/packing/minimise.py", "push > 0.0 else 0.0", "push >= 0.0 else 0.0"),
-    "a constant of packing": ("dem/packing/minimise.py", "ALPHA_START = 0.25", "ALPHA_START = 0.26"),
-    "a constant of the step": ("dem/dynamics/critical_step.py", "* 2.0 / max(rate + root", "* 1.9 / max(rate + root"),
+    "a constant of packing": (
+        "dem/packing/minimise.py",
+        "ALPHA_START = 0.25",
+        "ALPHA_START = 0.26",
+    ),
+    "a constant of the step": (
+        "dem/dynamics/critical_step.py",
+        "* 2.0 / max(rate + root",
+        "* 1.9 / max(rate + root",
+    ),
     "the skin": ("dem/dynamics/skin.py", "SKIN = 0.12", "SKIN = 0.13"),
-    "a flag of the compiler": ("dem/jit/compilation.py", '{"contract", "arcp", "nsz"}', '{"arcp", "nsz"}'),
-    "the version of Numba": ("dem/base/provenance.py", 'names = ("numpy", "numba", "llvmlite")', 'names = ("numpy", "numba", "llvmlite", "scipy")'),
-    "a default": ("dem/experiment/sections.py", 'critical one", 0.3, le=10)', 'critical one", 0.4, le=10)'),
-    "the stream of a seed": ("dem/experiment/box.py", "default_rng([seed, 0])", "default_rng([seed, 1])"),
-    "what is recorded": ("dem/experiment/observables/drag.py", '"drag": -total[:, 1]', '"drag": -1.0 * total[:, 1]'),
+    "a flag of the compiler": (
+        "dem/jit/compilation.py",
+        '{"contract", "arcp", "nsz"}',
+        '{"arcp", "nsz"}',
+    ),
+    "the version of Numba": (
+        "dem/base/provenance.py",
+        'names = ("numpy", "numba", "llvmlite")',
+        'names = ("numpy", "numba", "llvmlite", "scipy")',
+    ),
+    "a default": (
+        "dem/experiment/sections.py",
+        'critical one", 0.3, le=10)',
+        'critical one", 0.4, le=10)',
+    ),
+    "the stream of a seed": (
+        "dem/experiment/box.py",
+        "default_rng([seed, 0])",
+        "default_rng([seed, 1])",
+    ),
+    "what is recorded": (
+        "dem/experiment/observables/drag.py",
+        '"drag": -total[:, 1]',
+        '"drag": -1.0 * total[:, 1]',
+    ),
     "when it is recorded": ("dem/experiment/kinds/drag.py", "BINS_A_CALL = 20", "BINS_A_CALL = 21"),
     "the layout of files": ("dem/experiment/config.py", "LAYOUT = 1", "LAYOUT = 2"),
-}  # fmt: skip
+}
 KEPT = {
     "a comment": ("dem/contacts/force_law.py", None, "\n# edited\n"),
-    "a docstring": ("dem/experiment/scene.py", '"""The scene of the run."""', '"""Another word."""'),
+    "a docstring": (
+        "dem/experiment/scene.py",
+        '"""The scene of the run."""',
+        '"""Another word."""',
+    ),
     "an annotation": ("dem/experiment/kinds/drag.py", "threads: int = 1,", "threads: float = 1,"),
     "a local variable of a kernel": ("dem/contacts/force_law.py", "kept", "held"),
     "a local variable of the reader": ("dem/experiment/config.py", "plain", "bare"),
-    "an import for types": ("dem/dynamics/result.py", "if TYPE_CHECKING:\n", "if TYPE_CHECKING:\n    import pandas\n"),
-    "an error's sentence": ("dem/dynamics/simulation.py", "put it inside, or take", "set it inside, or take"),
-    "how a value is checked": ("dem/experiment/config.py", 'raise InputError(f"shape is', 'raise ValueError(f"shape is'),
+    "an import for types": (
+        "dem/dynamics/result.py",
+        "if TYPE_CHECKING:\n",
+        "if TYPE_CHECKING:\n    import pandas\n",
+    ),
+    "an error's sentence": (
+        "dem/dynamics/simulation.py",
+        "put it inside, or take",
+        "set it inside, or take",
+    ),
+    "how a value is checked": (
+        "dem/experiment/config.py",
+        'raise InputError(f"shape is',
+        'raise ValueError(f"shape is',
+    ),
     "a key with a default": (
-        "dem/experiment/config.py", "    ellipse: EllipseSection = EllipseSection()\n",
+        "dem/experiment/config.py",
+        "    ellipse: EllipseSection = EllipseSection()\n",
         '    ellipse: EllipseSection = EllipseSection()\n    tilt: NotNegative = value("rad", "tilt", 0.0, 0.0)\n',
     ),
     "a line of files": ("dem/base/files.py", None, LINE),
@@ -52,7 +109,7 @@ KEPT = {
     "a line of the report": ("dem/report/interactive.py", None, LINE),
     "one more experiment": ("dem/experiment/kinds/heat.py", None, "SECTIONS = {}\n"),
     "one more observable": ("dem/experiment/observables/heat.py", None, "VARIABLES = {}\n"),
-}  # fmt: skip
+}
 
 ASK = """
 import sys
@@ -82,7 +139,9 @@ def edit(folder: Path, file: str, there: str | None, instead: str) -> None:
 def asked(folder: Path, code: str = ASK) -> str:
     """What a program prints with the package of a copy."""
     environment = os.environ | {"PYTHONPATH": str(folder)}
-    ran = subprocess.run([sys.executable, "-c", code], cwd=folder, env=environment, text=True, capture_output=True)  # fmt: skip
+    ran = subprocess.run(
+        [sys.executable, "-c", code], cwd=folder, env=environment, text=True, capture_output=True
+    )
     assert ran.returncode == 0, ran.stderr
     return ran.stdout
 

@@ -26,7 +26,17 @@ from dem.cli.terminal import bar, reported
 from dem.figures import film
 
 ROOT = Path(__file__).parent.parent
-RUN = ["simulate", "--config", "config/smoke.yaml", "--shape", "c1", "--density", "3900", "--seed", "1"]
+RUN = [
+    "simulate",
+    "--config",
+    "config/smoke.yaml",
+    "--shape",
+    "c1",
+    "--density",
+    "3900",
+    "--seed",
+    "1",
+]
 
 
 def dem(*arguments):
@@ -117,27 +127,63 @@ COMBINE = ("combine", "--config", "config/smoke.yaml", "-o", "OUT")
         ((*RUN, "--shape", "C1", "-o", "OUT"), "the nearest is c1"),
         ((*RUN, "box_width=8mm", "-o", "OUT"), "it must be a number, in m"),
         ((*RUN, "gravity=1,2,3", "-o", "OUT"), "it must be a number, in m s-2"),
-        ((*RUN, "cylinder.speed=1", "-o", "OUT"), "cylinder.speed is no value that can vary; the nearest is cylinder."),
+        (
+            (*RUN, "cylinder.speed=1", "-o", "OUT"),
+            "cylinder.speed is no value that can vary; the nearest is cylinder.",
+        ),
         ((*RUN, "record.window=[1,2]", "-o", "OUT"), "record.window is no value that can vary"),
         ((*RUN, "-o", "OUT.txt"), "it must be the path of a file that ends in .nc"),
         ((*COMBINE, "--block", "zz"), "block is 'zz'"),
         ((*COMBINE, "--block", "drg"), "the nearest is drag"),
         ((*COMBINE, "--observable", "zz"), "observable is 'zz'"),
         (("figure", "13", "config/smoke.yaml", "-o", "OUT"), "there are figure07, figure08"),
-        (("store", "point=0"), "'point=0' names no value of a run; write PATH=VALUE, such as shape=c1"),
-        (("draw", "docs/data/drag.nc", "-o", "OUT.avi"), "it must be the path of a file that ends in .mp4 or .gif or .png or .svg or .pdf or .pvd"),
-        (("figure", "figure07", "docs/data/flow.nc", "-o", "OUT"), "docs/data/flow.nc: it holds no drag, and figure07 is drawn from that; name drag.nc."),
-        (("figure", "figure09", "docs/data/drag.nc", "-o", "OUT"), "it holds no granule_x, and figure09 is drawn from that; name snapshots.nc."),
-        (("draw", "docs/data/drag.nc", "point=0", "-o", "OUT.png"), "its runs have no value named point; they differ in case"),
+        (
+            ("store", "point=0"),
+            "'point=0' names no value of a run; write PATH=VALUE, such as shape=c1",
+        ),
+        (
+            ("draw", "docs/data/drag.nc", "-o", "OUT.avi"),
+            "it must be the path of a file that ends in .mp4 or .gif or .png or .svg or .pdf or .pvd",
+        ),
+        (
+            ("figure", "figure07", "docs/data/flow.nc", "-o", "OUT"),
+            "docs/data/flow.nc: it holds no drag, and figure07 is drawn from that; name drag.nc.",
+        ),
+        (
+            ("figure", "figure09", "docs/data/drag.nc", "-o", "OUT"),
+            "it holds no granule_x, and figure09 is drawn from that; name snapshots.nc.",
+        ),
+        (
+            ("draw", "docs/data/drag.nc", "point=0", "-o", "OUT.png"),
+            "its runs have no value named point; they differ in case",
+        ),
         (("info", "config/smoke.yaml"), "make its results with dem sweep config/smoke.yaml"),
-        (("draw", "config/smoke.yaml", "-o", "OUT.gif"), "make its results with dem sweep config/smoke.yaml"),
-        (("sweep", "config/smok.yaml"), "cannot read it (no such file or directory); the nearest is smoke.yaml"),
-        (("figure", "sweep", "studies/onset/onset.nc", "--of", "drag", "-o", "OUT"), "it has no drag; it has onset_fraction"),
-        (("figure", "figure07", "docs/data/drag.nc", "--of", "drag", "-o", "OUT"), "of is 'drag'; only the figure sweep shows another"),
-        (("figure", "all", "docs/data/flow.nc", "-o", "OUT"), "it holds no drag that a figure shows; name drag.nc."),
-        (("report", "studies/shear/shear.nc", "-o", "OUT.html"), "there are no figures; draw them first"),
+        (
+            ("draw", "config/smoke.yaml", "-o", "OUT.gif"),
+            "make its results with dem sweep config/smoke.yaml",
+        ),
+        (
+            ("sweep", "config/smok.yaml"),
+            "cannot read it (no such file or directory); the nearest is smoke.yaml",
+        ),
+        (
+            ("figure", "sweep", "studies/onset/onset.nc", "--of", "drag", "-o", "OUT"),
+            "it has no drag; it has onset_fraction",
+        ),
+        (
+            ("figure", "figure07", "docs/data/drag.nc", "--of", "drag", "-o", "OUT"),
+            "of is 'drag'; only the figure sweep shows another",
+        ),
+        (
+            ("figure", "all", "docs/data/flow.nc", "-o", "OUT"),
+            "it holds no drag that a figure shows; name drag.nc.",
+        ),
+        (
+            ("report", "studies/shear/shear.nc", "-o", "OUT.html"),
+            "there are no figures; draw them first",
+        ),
     ],
-)  # fmt: skip
+)
 def test_a_value_that_no_verb_can_use_is_refused(tmp_path, monkeypatch, arguments, sentence):
     """Status 2, the value is named, and nothing is written."""
     monkeypatch.chdir(ROOT)
@@ -173,13 +219,21 @@ def test_a_report_without_figures_names_the_command_that_draws_them(tmp_path, mo
 @pytest.mark.parametrize(
     ("value", "text", "same"),
     [
-        (1.5581123456, "1.55811", True), (1.5581123456, "1.5581", True),
+        (1.5581123456, "1.55811", True),
+        (1.5581123456, "1.5581", True),
         (1.5581123456, "1.558112", True),
-        (1.5581123456, "1.558", False), (2.3, "2", False), (0.3, "0.30", True), (0.3, "3e-1", True),
-        (5e6, "5e6", True), (1_000_001, "1e6", False), (400, "400", True), (0.3, "much", False),
-        (7.66e10, "7.66e+10", True), (-0.5, "0.5", False),
+        (1.5581123456, "1.558", False),
+        (2.3, "2", False),
+        (0.3, "0.30", True),
+        (0.3, "3e-1", True),
+        (5e6, "5e6", True),
+        (1_000_001, "1e6", False),
+        (400, "400", True),
+        (0.3, "much", False),
+        (7.66e10, "7.66e+10", True),
+        (-0.5, "0.5", False),
     ],
-)  # fmt: skip
+)
 def test_a_run_is_found_by_a_value_as_it_was_printed(value, text, same):
     """Tables print five digits, a dry run six, files all; fewer are another value."""
     assert is_written(value, text) == same
@@ -262,9 +316,12 @@ def test_a_sweep_that_is_stopped_says_what_is_kept_and_how_it_goes_on(tmp_path, 
     ("error", "sentence"),
     [
         (RunError("the bed cannot be made."), "the bed cannot be made."),
-        (FileNotFoundError(2, "No such file or directory", "bed.nc"), "bed.nc: no such file or directory."),
+        (
+            FileNotFoundError(2, "No such file or directory", "bed.nc"),
+            "bed.nc: no such file or directory.",
+        ),
     ],
-)  # fmt: skip
+)
 def test_a_failure_is_a_sentence_without_the_name_of_its_class(capsys, error, sentence):
     with pytest.raises(typer.Exit) as end, reported():
         raise error
@@ -298,9 +355,13 @@ def test_a_bar_leaves_results_on_stdout_and_other_lines_whole():
     except OSError as error:
         pytest.skip(f"no terminals here: {error}")
     run = subprocess.run(
-        [sys.executable, "-c", BESIDE_A_BAR], cwd=ROOT, stdout=subprocess.PIPE, stderr=theirs,
-        env=os.environ | {"TERM": "xterm"}, text=True,
-    )  # fmt: skip
+        [sys.executable, "-c", BESIDE_A_BAR],
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        stderr=theirs,
+        env=os.environ | {"TERM": "xterm"},
+        text=True,
+    )
     os.close(theirs)
     shown = b"".join(iter(partial(read_some, mine), b"")).decode()
     os.close(mine)
@@ -318,6 +379,8 @@ def test_the_console_script_is_the_application():
 def test_letters_that_a_terminal_lacks_are_replaced():
     run = subprocess.run(
         [sys.executable, "-m", "dem", "info", "docs/data/drag.nc"],
-        cwd=ROOT, env=os.environ | {"PYTHONIOENCODING": "ascii"}, capture_output=True,
-    )  # fmt: skip
+        cwd=ROOT,
+        env=os.environ | {"PYTHONIOENCODING": "ascii"},
+        capture_output=True,
+    )
     assert run.returncode == 0 and b"c1" in run.stdout and run.stdout.isascii(), run.stderr

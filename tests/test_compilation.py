@@ -43,9 +43,10 @@ def asked(folder, cache, words):
 
 
 @pytest.mark.parametrize(
-    ("words", "edited"), [(ASK, "jit/columns.py"), (ASK_OF_A_SHAPE, "shapes/disc.py")],
+    ("words", "edited"),
+    [(ASK, "jit/columns.py"), (ASK_OF_A_SHAPE, "shapes/disc.py")],
     ids=["a kernel", "a shape"],
-)  # fmt: skip
+)
 def test_copies_share_kernels_and_edits_do_not(tmp_path, words, edited):
     """Another copy of the same sources compiles nothing, nor does a comment; a line of code does, also
     one of a shape, which no kernel imports."""

@@ -114,7 +114,10 @@ def test_other_programs_notice_damage_to_arrays(made):
         with netCDF4.Dataset(made / name) as file:
             for variable in file.variables.values():
                 if variable.dtype is not str and "S" not in str(variable.dtype) and variable.ndim:
-                    unguarded = variable.name in (*AXES, *LABELS) and name in ("drag.nc", "snapshots.nc")
+                    unguarded = variable.name in (*AXES, *LABELS) and name in (
+                        "drag.nc",
+                        "snapshots.nc",
+                    )
                     assert variable.filters()["fletcher32"] or unguarded, variable.name
 
 
@@ -190,12 +193,21 @@ def foreign(path, layout, skip=(), text_as_number=False, attrs=(), size=3, fill=
     return path
 
 
-BEDS = {name: entry for name, entry in COMBINED.items() if name not in DRAG} | {name: ((*CASE_AND_SEED, *dims), *rest) for name, (dims, *rest) in SNAPSHOTS.items()}
+BEDS = {name: entry for name, entry in COMBINED.items() if name not in DRAG} | {
+    name: ((*CASE_AND_SEED, *dims), *rest) for name, (dims, *rest) in SNAPSHOTS.items()
+}
 ATTRS = {
-    "title": "t", "history": "h", "git_revision": "g", "source_hash": "s", "versions": "v",
-    "references": "r", "configuration": "{}", "window_start": 0.0, "window_stop": 1.0,
+    "title": "t",
+    "history": "h",
+    "git_revision": "g",
+    "source_hash": "s",
+    "versions": "v",
+    "references": "r",
+    "configuration": "{}",
+    "window_start": 0.0,
+    "window_stop": 1.0,
     "cylinder_velocity": 1.0,
-}  # fmt: skip
+}
 VERBS = {
     "info": lambda file, out: ("info", file),
     "figure": lambda file, out: ("figure", "all", file, "-o", out),

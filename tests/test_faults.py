@@ -264,8 +264,12 @@ def test_a_sweep_is_known_where_its_file_or_its_folder_was_moved(one_sweep, tmp_
     write_sweep("other.yaml", [1], title="other")
     Path("sub").mkdir()
     Path("link.yaml").symlink_to("one.yaml")
-    for name, allowed in (("one.yaml", True), (place / "one.yaml", True), ("link.yaml", True),
-                          ("other.yaml", False)):  # fmt: skip
+    for name, allowed in (
+        ("one.yaml", True),
+        (place / "one.yaml", True),
+        ("link.yaml", True),
+        ("other.yaml", False),
+    ):
         assert checked(SweepState.of(name)) == allowed, name
     assert checked(SweepState(load("one.yaml"), file=""))
     assert not checked(SweepState(load("other.yaml"), file=""))
@@ -350,10 +354,23 @@ app()
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_stopped_command_says_one_sentence_and_leaves_no_file(tmp_path, number):
     command = [
-        sys.executable, "-c", SAYS_WHEN_IT_PACKS, "simulate", "--config", CONFIG / "smoke.yaml", "--shape", "c1",
-        "--density", "3900", "--seed", "1", "-o", tmp_path / "out.nc",
-        "shapes.c1.granules=10000", "box_width=0.1",  # so that it lasts
-    ]  # fmt: skip
+        sys.executable,
+        "-c",
+        SAYS_WHEN_IT_PACKS,
+        "simulate",
+        "--config",
+        CONFIG / "smoke.yaml",
+        "--shape",
+        "c1",
+        "--density",
+        "3900",
+        "--seed",
+        "1",
+        "-o",
+        tmp_path / "out.nc",
+        "shapes.c1.granules=10000",
+        "box_width=0.1",  # so that it lasts
+    ]
     streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     with subprocess.Popen(command, **streams) as process:
         assert process.stdout.readline() == "packing\n"

@@ -63,8 +63,9 @@ def words_for(function, target, path, source):
 WRITTEN = [
     pytest.param(words, function, name, mark, id=f"{'-'.join(words)}-{name}")
     for words, function in commands()
-    for name, _, _, mark, _ in parameters(function) if mark is not None
-]  # fmt: skip
+    for name, _, _, mark, _ in parameters(function)
+    if mark is not None
+]
 
 
 def content(folder):

@@ -51,9 +51,13 @@ def run(*words, cwd, path=(), status=0):
     """A command of Python; what it says."""
     folders = os.pathsep.join(map(str, (*path, ROOT)))
     ran = subprocess.run(
-        [sys.executable, *map(str, words)], cwd=cwd, env=os.environ | {"PYTHONPATH": folders},
-        text=True, capture_output=True, timeout=600,
-    )  # fmt: skip
+        [sys.executable, *map(str, words)],
+        cwd=cwd,
+        env=os.environ | {"PYTHONPATH": folders},
+        text=True,
+        capture_output=True,
+        timeout=600,
+    )
     assert ran.returncode == status, ran.stderr + ran.stdout
     return ran.stdout + ran.stderr
 
@@ -92,9 +96,15 @@ def test_the_next_process_compiles_nothing(swept, tmp_path):
     write(tmp_path / "copy")
     answers = {
         run("-c", ASK, "mine/sweep.yaml", cwd=swept),
-        run("-c", f"from pebbles import Pebble\n{ASK}", "mine/sweep.yaml", cwd=swept, path=[swept / "mine"]),
+        run(
+            "-c",
+            f"from pebbles import Pebble\n{ASK}",
+            "mine/sweep.yaml",
+            cwd=swept,
+            path=[swept / "mine"],
+        ),
         run("-c", ASK, "copy/sweep.yaml", cwd=tmp_path),
-    }  # fmt: skip
+    }
     assert len(answers) == 1
     (answer,) = answers
     assert answer.startswith("0 ") and answer.endswith("['Pebble']\n")
@@ -113,7 +123,12 @@ def known_by(*folders: Path) -> list[str]:
 
 EDITS = {  # file, what is there, what is put instead; whether runs are made again
     "a comment": ("pebbles.py", "import numpy as np", "import numpy as np  # arrays", False),
-    "a local name": ("pebbles.py", "    cosine, sine = nx * (4 * nx * nx - 3), ny * (3 - 4 * ny * ny)\n    h, q = r * (1 + e * cosine), -3 * r * e * sine", "    cosine, s = nx * (4 * nx * nx - 3), ny * (3 - 4 * ny * ny)\n    h, q = r * (1 + e * cosine), -3 * r * e * s", False),
+    "a local name": (
+        "pebbles.py",
+        "    cosine, sine = nx * (4 * nx * nx - 3), ny * (3 - 4 * ny * ny)\n    h, q = r * (1 + e * cosine), -3 * r * e * sine",
+        "    cosine, s = nx * (4 * nx * nx - 3), ny * (3 - 4 * ny * ny)\n    h, q = r * (1 + e * cosine), -3 * r * e * s",
+        False,
+    ),
     "a constant": ("pebbles.py", "0.08", "0.07", True),
     "the aspect ratio": ("sweep.yaml", "aspect_ratio: 1.0", "aspect_ratio: 1.1", True),
     "what an observable measures": ("rotation.py", "angle - angle[0]", "angle[0] - angle", True),
@@ -121,7 +136,7 @@ EDITS = {  # file, what is there, what is put instead; whether runs are made aga
     "what it imports": ("lengths.py", "0.5", "0.50001", True),
     "what that imports": ("more/units.py", "1.0", "1.5", True),
     "what it does not import": ("other.py", "1", "2", False),
-}  # fmt: skip
+}
 WITH_IMPORTS = SHAPE.replace(
     "import numpy as np\n", "import numpy as np\nfrom lengths import HALF\n"
 )
@@ -259,9 +274,15 @@ WRONG_FILES = {  # what a sweep says: which file is there, and what is told
     "experiment: mine.rest": ("", "experiment is 'mine.rest'; it must be one of drag"),
     "experiment: rest.py": ("VARIABLES = {}\n", "rest.py has no function run."),
     "experiment: drag.py": ("", "drag is a name of this package"),
-    "record: {observables: [drags]}": ("", "record.observables.0 is 'drags'; it must be 'alignment'"),
+    "record: {observables: [drags]}": (
+        "",
+        "record.observables.0 is 'drags'; it must be 'alignment'",
+    ),
     "record: {observables: [turns.py]}": ("", "record.observables is 'turns.py'; there is no file"),
-    "record: {observables: [rest.py]}": ("def look(it):\n    pass\n", "rest.py must give VARIABLES as plain values"),
+    "record: {observables: [rest.py]}": (
+        "def look(it):\n    pass\n",
+        "rest.py must give VARIABLES as plain values",
+    ),
     "record: {observables: [drag, rest.py]}": (
         "VARIABLES = {'drag': ((), 'N', 'force')}\ndef look(it):\n    pass\n",
         "record.observables has 'rest.py'; runs have a variable drag without it",
@@ -283,34 +304,72 @@ WRONG_FILES = {  # what a sweep says: which file is there, and what is told
         "VARIABLES = {'at': (('seed',), '1', 'words')}\nSIZES = {'seed': 2}\ndef run(it):\n    pass\n",
         "seed has two meanings in files of its runs; rename yours.",
     ),
-    "experiment: rest.py\nrest: {margn: 0}": (RESTING, "rest.margn is not a known key; the nearest is margin"),
-    "experiment: rest.py\nrest: {margin: -1}": (RESTING, "rest.margin is -1; it must be at least 0."),
-    "experiment: rest.py\nrest: {margin: wide}": (RESTING, "rest.margin is 'wide'; it must be a number, in m."),
-    "experiment: rest.py\nrest: {layers: 1.5}": (RESTING, "rest.layers is 1.5; it must be a whole number"),
-    "experiment: rest.py\nrest: 3": (RESTING, "rest is 3; it must be a group of keys; its keys are margin, layers."),
+    "experiment: rest.py\nrest: {margn: 0}": (
+        RESTING,
+        "rest.margn is not a known key; the nearest is margin",
+    ),
+    "experiment: rest.py\nrest: {margin: -1}": (
+        RESTING,
+        "rest.margin is -1; it must be at least 0.",
+    ),
+    "experiment: rest.py\nrest: {margin: wide}": (
+        RESTING,
+        "rest.margin is 'wide'; it must be a number, in m.",
+    ),
+    "experiment: rest.py\nrest: {layers: 1.5}": (
+        RESTING,
+        "rest.layers is 1.5; it must be a whole number",
+    ),
+    "experiment: rest.py\nrest: 3": (
+        RESTING,
+        "rest is 3; it must be a group of keys; its keys are margin, layers.",
+    ),
     "experiment: drag\nrest: {margin: 0}": (RESTING, "rest is not a known key"),
-    "experiment: title.py": (RESTING, "experiment is 'title.py'; its VALUES need a section title, which is another key"),
-    "experiment: rest.py\n# default": (RESTING.replace("0.0", "-1.0"), "rest.margin is -1.0; it must be at least 0."),
-    "experiment: rest.py\n# words": (RESTING.replace("'width', ", ""), "its VALUES must be plain values, name: (default"),
-    "experiment: rest.py\n# limit": (RESTING.replace("'ge'", "'least'"), "its VALUES must be plain values, name: (default"),
-    "experiment: rest.py\n# name": (RESTING.replace("'margin'", "'copy'"), "its VALUES must be plain values, name: (default"),
-    "experiment: rest.py\n# no path": (RESTING.replace("rest.layers", "rest.layer"), "the dimension layer of SIZES has the length None"),
-    "experiment: rest.py\n# label": (RESTING.replace("'count'", "'seed'"), "seed has two meanings in files of its runs; rename yours."),
+    "experiment: title.py": (
+        RESTING,
+        "experiment is 'title.py'; its VALUES need a section title, which is another key",
+    ),
+    "experiment: rest.py\n# default": (
+        RESTING.replace("0.0", "-1.0"),
+        "rest.margin is -1.0; it must be at least 0.",
+    ),
+    "experiment: rest.py\n# words": (
+        RESTING.replace("'width', ", ""),
+        "its VALUES must be plain values, name: (default",
+    ),
+    "experiment: rest.py\n# limit": (
+        RESTING.replace("'ge'", "'least'"),
+        "its VALUES must be plain values, name: (default",
+    ),
+    "experiment: rest.py\n# name": (
+        RESTING.replace("'margin'", "'copy'"),
+        "its VALUES must be plain values, name: (default",
+    ),
+    "experiment: rest.py\n# no path": (
+        RESTING.replace("rest.layers", "rest.layer"),
+        "the dimension layer of SIZES has the length None",
+    ),
+    "experiment: rest.py\n# label": (
+        RESTING.replace("'count'", "'seed'"),
+        "seed has two meanings in files of its runs; rename yours.",
+    ),
     "experiment: rest.py\nsweep: {shape: c1, density: 3900, seed: 1, rest.layers: [2, 3]}": (
-        RESTING, "sweep varies rest.layers, which runs of one block share; use blocks."
+        RESTING,
+        "sweep varies rest.layers, which runs of one block share; use blocks.",
     ),
     "experiment: rest.py\nsweep: {shape: c1, density: 3900, seed: 1, rest.margin: [0, 1]}": (
         RESTING.replace("'count'", "'rest_margin'"),
         "sweep gives files of results two things named rest_margin; rename one.",
     ),
     "experiment: rest.py\nsweep: {shape: c1, density: 3900, seed: 1, rest.margn: [0, 1]}": (
-        RESTING, "rest.margn is no value that can vary; the nearest is rest.margin."
+        RESTING,
+        "rest.margn is no value that can vary; the nearest is rest.margin.",
     ),
     "record: {observables: [rest.py, drag]}": (
         "VARIABLES = {'turn': (('snap',), 'N', 'force')}\ndef look(it):\n    pass\n",
         "the variable turn is over snap; its dimensions may be bound, displacement",
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("words", WRONG_FILES)
@@ -366,7 +425,9 @@ def test_an_experiment_in_a_file_of_ones_own_is_swept(tmp_path):
         assert made["layer"].values == pytest.approx([1 / 6, 1 / 2, 5 / 6])
         assert made["rest_margin"].attrs["units"] == "m"
         # at rest each contact between granules is one of the list, and walls have the others
-        everywhere, above = (made["rest_force"].sel(rest_margin=margin).count("contact") for margin in (0.0, 1e-3))
+        everywhere, above = (
+            made["rest_force"].sel(rest_margin=margin).count("contact") for margin in (0.0, 1e-3)
+        )
         assert (everywhere >= 0.5 * (made["rest_contacts"] * made["granules"])).all()
         assert (above < everywhere).all()
     data = tmp_path / "results/rest/rest.nc"
@@ -420,24 +481,39 @@ def test_an_observable_gives_grids_and_lists_of_any_length(tmp_path, length):
     """Rows end in NaN; a list that is longer than it may be is refused and not cut."""
     (tmp_path / f"near{length}.py").write_text(NEAR.replace("900", str(length)))
     values = {
-        "extends": "config/smoke.yaml", "shape": "c1", "beside": str(tmp_path),
+        "extends": "config/smoke.yaml",
+        "shape": "c1",
+        "beside": str(tmp_path),
         "record": {"observables": ["drag", f"near{length}.py"]},
-    }  # fmt: skip
+    }
     if length == 3:
-        with pytest.raises(dem.RunError, match=r"the variable contact_force has the shape \(5, \d+\); it may have 5 along snapshot and 3"):
+        with pytest.raises(
+            dem.RunError,
+            match=r"the variable contact_force has the shape \(5, \d+\); it may have 5 along snapshot and 3",
+        ):
             dem.run_experiment(values)
         return
     found = dem.run_experiment(values)
     assert (found["contact_force"].count("contact") == found["contact_number"]).all()
     assert len(np.unique(found["contact_number"])) > 1
-    assert found["sector"].attrs["units"] == "rad" and found["sector_granules"].sum() == found["granules"]
+    assert (
+        found["sector"].attrs["units"] == "rad"
+        and found["sector_granules"].sum() == found["granules"]
+    )
 
 
 def test_an_experiment_gives_all_that_it_says(tmp_path):
     """And not NaN in its place."""
-    text = RESTING.replace("pass", "return {}").replace("def run(replicate)", "def run(replicate, bed=None)")
+    text = RESTING.replace("pass", "return {}").replace(
+        "def run(replicate)", "def run(replicate, bed=None)"
+    )
     (tmp_path / "rest.py").write_text(text)
-    values = {"extends": "config/smoke.yaml", "shape": "c1", "beside": str(tmp_path), "experiment": "rest.py"}
+    values = {
+        "extends": "config/smoke.yaml",
+        "shape": "c1",
+        "beside": str(tmp_path),
+        "experiment": "rest.py",
+    }
     with pytest.raises(dem.RunError, match="the variable count must be both in VARIABLES and"):
         dem.run_experiment(values)
 
@@ -478,7 +554,10 @@ def test_a_shape_in_a_file_of_ones_own_is_swept_by_the_workflow(swept, tmp_path)
     assert ran.returncode == 0, ran.stderr
     for name in ("drag.nc", "snapshots.nc", "rotation.nc"):
         assert (tmp_path / "results/pebbles" / name).is_file()
-    plans = [sorted(each.name for each in (place / "results/store/batches").glob("*.nc")) for place in (swept, tmp_path)]  # fmt: skip
+    plans = [
+        sorted(each.name for each in (place / "results/store/batches").glob("*.nc"))
+        for place in (swept, tmp_path)
+    ]
     assert plans[0] == plans[1]
     shutil.move(tmp_path / "mine", tmp_path / "elsewhere")
     again = snakemake(tmp_path, *targets, "-n", configfile="elsewhere/sweep.yaml")

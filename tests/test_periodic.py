@@ -54,9 +54,13 @@ def crowd(kind):
     n = len(place)
     ratio = KINDS[kind].aspect_ratio or 1.4
     scene = dem.Scene(
-        KINDS[kind].shape.of_size(rng.uniform(1.0, 1.1, n) * PITCH, ratio), SOFT, dem.Friction(),
-        cylinder=CYLINDER, thickness=PITCH, periodic=periodic,
-    )  # fmt: skip
+        KINDS[kind].shape.of_size(rng.uniform(1.0, 1.1, n) * PITCH, ratio),
+        SOFT,
+        dem.Friction(),
+        cylinder=CYLINDER,
+        thickness=PITCH,
+        periodic=periodic,
+    )
     angle, spin = rng.uniform(0.0, np.pi, n), 500.0 * rng.normal(size=n)
     return scene, dem.State(place, 0.5 * rng.normal(size=(n, 2)), angle, spin)
 
@@ -69,14 +73,16 @@ def gas(side=6, periodic=(True, True), **scene):
     grid = np.stack(np.meshgrid(*2 * [np.arange(side)]), -1).reshape(-1, 2) + 0.5
     walls = dem.box(period, period)[np.repeat(~np.array(periodic), 2)]
     usual = {
-        "material": SOFT, "friction": dem.Friction(), "thickness": PITCH,
+        "material": SOFT,
+        "friction": dem.Friction(),
+        "thickness": PITCH,
         "walls": walls if len(walls) else None,
         "wall_motion": len(walls) * [(0.0, 0.0)] or None,
         "cylinder": dem.Cylinder(
             0.4 * PITCH, tuple(0.0 if each else PITCH for each in periodic), (0.3, 0.2)
         ),
         "periodic": [period if each else None for each in periodic],
-    }  # fmt: skip
+    }
     shape = dem.Disc(rng.uniform(0.25, 0.4, n) * PITCH)
     state = dem.State(
         PITCH * grid, 3.0 * rng.normal(size=(n, 2)), angular_velocity=900.0 * rng.normal(size=n)
@@ -139,9 +145,11 @@ def test_pairs_are_those_of_an_all_images_search(bed, per):
     away = np.array(least_image(rows[:, None, :2] - rows[None, :, :2], period))
     distance = np.hypot(*away.transpose(2, 0, 1))
     expected = [
-        (i, j) for i in range(n) for j in range(i + 1, n)
+        (i, j)
+        for i in range(n)
+        for j in range(i + 1, n)
         if i // per != j // per and distance[i, j] < radius[i] + radius[j] + skin
-    ]  # fmt: skip
+    ]
     assert list(zip(part.tolist(), other.tolist(), strict=True)) == expected
     assert_array_equal(first, np.searchsorted(part, np.arange(n + 1)))
 
@@ -195,9 +203,11 @@ def test_a_bed_that_travels_through_the_sides_moves_as_one_at_rest(kind):
     way = still.state.position - state.position
     assert np.abs(records[0].tangential_force).max() > 0.0
     assert_allclose(
-        travels.state.position - state.position - velocity * time, way,
-        rtol=0.0, atol=1e-6 * np.abs(way).max(),
-    )  # fmt: skip
+        travels.state.position - state.position - velocity * time,
+        way,
+        rtol=0.0,
+        atol=1e-6 * np.abs(way).max(),
+    )
     for name in ("normal_force", "tangential_force"):
         one, two = (getattr(record, name) for record in records)
         assert_allclose(two, one, rtol=0.0, atol=1e-6 * np.abs(one).max())
@@ -231,7 +241,7 @@ def test_energy_is_kept_across_the_sides():
 
 @pytest.mark.parametrize(
     ("side", "periodic"), [(2, (True, True)), (3, (True, True)), (6, (True, False))]
-)  # fmt: skip
+)
 def test_nothing_passes_a_granule_unseen(side, periodic):
     """In boxes of any number of cells, all contacts are known, those with images of the cylinder too."""
     scene, state = gas(side, periodic=periodic)
@@ -250,9 +260,12 @@ def test_a_disc_that_leaves_meets_the_image_of_another(side):
     """Two discs collide across the side as they do in the open."""
     scene, _ = gas(2)  # its machine code serves
     scene = replace(
-        scene, shape=dem.Disc([1e-3, 1e-3]), material=dem.Material(restitution=0.5),
-        periodic=(20e-3, 20e-3), cylinder=replace(AWAY, position=(10e-3, 10e-3)),
-    )  # fmt: skip
+        scene,
+        shape=dem.Disc([1e-3, 1e-3]),
+        material=dem.Material(restitution=0.5),
+        periodic=(20e-3, 20e-3),
+        cylinder=replace(AWAY, position=(10e-3, 10e-3)),
+    )
     along = np.eye(2)[side]
     state = dem.State(np.outer([18.9e-3, 1.05e-3], along), np.outer([1.0, -1.0], along))
     across = dem.Simulation(scene, state, step_fraction=0.05)
@@ -297,8 +310,11 @@ REFUSED = {
     "periodic is 'x'; it must be two periods": "x",
     "periodic along y is -1.0; it must be a positive number (m)": (0.01, -1.0),
     "periodic along x is 0.002 m; it must be at least 0.0025 m": (2e-3, None),
-    "walls of row 0 has nx = -1; it must be 0, because the scene repeats itself along x": (0.01, None),
-}  # fmt: skip
+    "walls of row 0 has nx = -1; it must be 0, because the scene repeats itself along x": (
+        0.01,
+        None,
+    ),
+}
 
 
 @pytest.mark.parametrize("sentence", REFUSED)
@@ -312,8 +328,13 @@ def test_a_period_that_cannot_be_is_refused_in_a_sentence(sentence):
 def test_the_least_period_is_enough():
     """Also with a skin that would reach two images of one granule: it is made smaller."""
     scene, _ = gas(2)
-    scene = replace(scene, shape=dem.Disc([0.5e-3, 0.5e-3]), periodic=(2.5e-3, 2.5e-3),
-                    material=dem.Material(), cylinder=AWAY)  # fmt: skip
+    scene = replace(
+        scene,
+        shape=dem.Disc([0.5e-3, 0.5e-3]),
+        periodic=(2.5e-3, 2.5e-3),
+        material=dem.Material(),
+        cylinder=AWAY,
+    )
     state = dem.State([[0.0, 0.0], [1.2e-3, 1.3e-3]], velocity=[[3.0, 1.0], [-2.0, 2.0]])
     run = dem.Simulation(scene, state, skin=5.0)
     for _ in range(100):
@@ -341,9 +362,15 @@ def test_a_packed_bed_is_at_rest(periodic):
     assert ((bed.position >= 0.0) & (bed.position <= [bed.width, bed.height])).all()
     assert bed.net_force < 1e-9 and bed.coordination_number > 3.0 and bed.pressure > 0.0
     scene = dem.Scene(
-        shape, SOFT, dem.Friction(), bed.walls, cylinder, thickness=PITCH, periodic=bed.periodic,
+        shape,
+        SOFT,
+        dem.Friction(),
+        bed.walls,
+        cylinder,
+        thickness=PITCH,
+        periodic=bed.periodic,
         wall_motion=[(0.0, 0.0)] * len(standing) or None,
-    )  # fmt: skip
+    )
     run = dem.Simulation(scene, bed.state)
     contacts = run.contacts()
     assert (contacts.partner == -1).sum() > 3

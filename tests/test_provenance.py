@@ -64,7 +64,9 @@ EDITS = {
     "a line of a batch": ("dem/sweep/batch.py", LINE, MADE),
     "a line of the sweep": ("dem/sweep/combine.py", LINE, MADE | {"drag.nc", "claims.txt", "page"}),
     "a line of statistics": (
-        "dem/analysis/statistics.py", LINE, {"figure", "page", "claims.txt"},
+        "dem/analysis/statistics.py",
+        LINE,
+        {"figure", "page", "claims.txt"},
     ),
     "a line of a study": ("studies/claims/results.py", LINE, {"claims"}),
     "a line of style": ("dem/figures/style.py", LINE, {"figure", "page"}),
@@ -75,18 +77,31 @@ EDITS = {
     "a comment": ("dem/contacts/force_law.py", "\n# edited\n", set()),
     "empty lines": ("dem/experiment/kinds/drag.py", "\n\n\n", set()),
     "a docstring": (
-        "dem/experiment/scene.py", ('"""The scene of the run."""', '"""Another word."""'), set(),
+        "dem/experiment/scene.py",
+        ('"""The scene of the run."""', '"""Another word."""'),
+        set(),
     ),
     "an error sentence": (
-        "dem/experiment/config.py", ("has no such shape", "knows no such shape"),
+        "dem/experiment/config.py",
+        ("has no such shape", "knows no such shape"),
         set(),
     ),
     "an annotation": (
-        "dem/experiment/kinds/drag.py", ("threads: int = 1,", "threads: float = 1,"), set(),
+        "dem/experiment/kinds/drag.py",
+        ("threads: int = 1,", "threads: float = 1,"),
+        set(),
     ),
-    "another error": ("dem/experiment/config.py", ('raise InputError(f"shape is', 'raise ValueError(f"shape is'), MOVING | {"drag.nc"}),
-    "a default": ("dem/experiment/kinds/drag.py", ("SAVED_EVERY = 60.0", "SAVED_EVERY = 61.0"), RUNS | {"claims"}),
-}  # fmt: skip
+    "another error": (
+        "dem/experiment/config.py",
+        ('raise InputError(f"shape is', 'raise ValueError(f"shape is'),
+        MOVING | {"drag.nc"},
+    ),
+    "a default": (
+        "dem/experiment/kinds/drag.py",
+        ("SAVED_EVERY = 60.0", "SAVED_EVERY = 61.0"),
+        RUNS | {"claims"},
+    ),
+}
 
 ASK = """
 import json, sys
@@ -152,7 +167,9 @@ def test_a_figure_depends_on_its_own_file_and_not_on_another():
 def test_all_that_python_loads_is_found(name):
     """What importing a module loads of the package is in its closure."""
     words = f"import sys, {name}; print(*[n for n in sys.modules if n.partition('.')[0] == 'dem'])"
-    run = subprocess.run([sys.executable, "-c", words], cwd=ROOT, text=True, capture_output=True, check=True)  # fmt: skip
+    run = subprocess.run(
+        [sys.executable, "-c", words], cwd=ROOT, text=True, capture_output=True, check=True
+    )
     assert set(run.stdout.split()) <= set(closure(name))
 
 

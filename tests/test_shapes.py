@@ -22,7 +22,11 @@ def egg_support(nx, ny, sizes):
     """Three bulges: h = r (1 + e cos 3 phi + c cos phi), without a centre of symmetry."""
     r, e, c = sizes
     cosine, sine = nx * (4.0 * nx * nx - 3.0), ny * (3.0 - 4.0 * ny * ny)
-    return r * (1.0 + e * cosine + c * nx), -r * (3.0 * e * sine + c * ny), r * (1.0 - 8.0 * e * cosine)
+    return (
+        r * (1.0 + e * cosine + c * nx),
+        -r * (3.0 * e * sine + c * ny),
+        r * (1.0 - 8.0 * e * cosine),
+    )
 
 
 @smooth.smooth(egg_support)
@@ -129,9 +133,13 @@ def biased_normal(shape, dx, dy, own, other, guess):
 USUAL = {
     each.__name__: each
     for each in (
-        smooth.outline, smooth.circle, smooth.support, smooth.refine_normal, smooth.find_contact,
+        smooth.outline,
+        smooth.circle,
+        smooth.support,
+        smooth.refine_normal,
+        smooth.find_contact,
     )
-}  # fmt: skip
+}
 
 
 @cache
@@ -190,7 +198,7 @@ WRONG = {
         SIZES, 1.5, "geometric_potential"
     ),
     "semi_minor must not exceed": lambda patch: dem.Ellipse(SIZES, 2.0 * SIZES),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("sentence", WRONG)
@@ -254,8 +262,11 @@ def test_only_granules_are_checked(value):
 @pytest.mark.parametrize("missing", ["find_contact", "support", "circle"])
 def test_an_open_question_is_refused_when_the_shape_is_made_known(missing):
     """A class that leaves a question of the kernels open is refused, with both names."""
-    answers = [getattr(smooth, name) for name in ("outline", "circle", "support", "find_contact")
-               if name != missing]  # fmt: skip
+    answers = [
+        getattr(smooth, name)
+        for name in ("outline", "circle", "support", "find_contact")
+        if name != missing
+    ]
     with pytest.raises(dem.InputError, match=f"Stranger does not answer the question {missing}"):
         protocol.answer(Stranger, *answers)
     assert not protocol.is_shape(Stranger)
@@ -329,14 +340,18 @@ def test_a_granule_turns_about_its_centre_of_mass_wherever_its_outline_is():
     distance of its centre of mass from the line of the force."""
     disc, speed, lever = Egg(np.array([1e-3]), 0.0, 0.3), 1.0, 0.3e-3
     scene = dem.Scene(
-        disc, dem.Material(restitution=1.0 - 1e-12), friction=LEAST,
+        disc,
+        dem.Material(restitution=1.0 - 1e-12),
+        friction=LEAST,
         **APART | {"walls": [[0.0, -1.0, 0.0], *APART["walls"][:3]]},
-    )  # fmt: skip
+    )
     start = dem.State([[0.0, 1.01e-3]], velocity=[[0.0, -speed]])
     after = dem.simulate(scene, start, 5e-5).state
     inertia = disc.gyration_squared[0] / lever**2  # over mass and lever squared
     spin = 2.0 * speed / lever / (1.0 + inertia)
-    assert after.velocity[0, 1] == pytest.approx(speed * (inertia - 1.0) / (inertia + 1.0), rel=1e-3)
+    assert after.velocity[0, 1] == pytest.approx(
+        speed * (inertia - 1.0) / (inertia + 1.0), rel=1e-3
+    )
     assert after.angular_velocity[0] == pytest.approx(spin, rel=1e-3)
     assert abs(after.velocity[0, 0]) < 1e-9 * speed
 
@@ -359,9 +374,12 @@ def test_granules_without_symmetry_hand_their_momentum_to_walls_and_cylinder():
     n = len(place)
     friction = dem.Friction(wall=0.0)  # because a Result has only the normal forces of walls
     scene = dem.Scene(
-        Egg(1e-3 * rng.uniform(0.4, 0.46, n)), friction=friction,
-        walls=dem.box(8e-3, 8e-3), cylinder=cylinder, thickness=1e-3,
-    )  # fmt: skip
+        Egg(1e-3 * rng.uniform(0.4, 0.46, n)),
+        friction=friction,
+        walls=dem.box(8e-3, 8e-3),
+        cylinder=cylinder,
+        thickness=1e-3,
+    )
     start = dem.State(place, rng.normal(size=(n, 2)), rng.uniform(0.0, 2.0 * np.pi, n))
     run = dem.simulate(scene, start, time)
     assert run.cylinder_force[1, 1] < 0.0 and (run.wall_force[1] > 0.0).all()

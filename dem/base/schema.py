@@ -22,8 +22,11 @@ MOST = 1_000_000  # seeds of a list, and runs of a block
 SEEDS = 2**31  # beyond all seeds
 NEEDED = object()
 LIMITS = {
-    "ge": "minimum", "gt": "exclusiveMinimum", "le": "maximum", "lt": "exclusiveMaximum",
-}  # of values, and their words in a schema  # fmt: skip
+    "ge": "minimum",
+    "gt": "exclusiveMinimum",
+    "le": "maximum",
+    "lt": "exclusiveMaximum",
+}  # of values, and their words in a schema
 
 
 def value(units: str | None, about: str, default: Any = ..., before=NEEDED, **limits) -> Any:
@@ -43,7 +46,9 @@ def number(value):
             value = float(value)
     if isinstance(value, bool) or not isinstance(value, int | float):
         decimal = str(value).replace(",", ".")
-        raise ValueError(f"it must be a number{f', such as {decimal}' if as_number(decimal) is not None else ''}")
+        raise ValueError(
+            f"it must be a number{f', such as {decimal}' if as_number(decimal) is not None else ''}"
+        )
     if not abs(value) < math.inf:
         raise ValueError("it must be a finite number")
     if not abs(value) <= MOST_NUMBER:  # before an integer of any size is made a float

@@ -58,13 +58,20 @@ SECTIONS = {
 UNREAD = ("beside", "shapes", "record.window")  # by runs; of the shapes, each reads its own
 # what a bed depends on, beside its shape and how densely it is packed
 OF_BED = (
-    "box_width", "periodic", "cylinder.diameter", "cylinder.start", "packing.size_spread",
+    "box_width",
+    "periodic",
+    "cylinder.diameter",
+    "cylinder.start",
+    "packing.size_spread",
     "packing.preparation",
-)  # fmt: skip
+)
 PACKED = "packing.fraction", "packing.friction"
 PRESSED_BY = (
-    "packing.pressure", "material.young_modulus", "material.poisson_ratio", "material.thickness",
-)  # fmt: skip
+    "packing.pressure",
+    "material.young_modulus",
+    "material.poisson_ratio",
+    "material.thickness",
+)
 
 
 class Configuration(Section):

@@ -100,8 +100,9 @@ def rows_of(path: Path, replicates: list[Replicate]) -> dict[str, dict]:
     ids = values.pop("run_id").tolist()
     return {
         run: {name: array[row] for name, array in values.items()}
-        for row, run in enumerate(ids) if run in wanted
-    }  # fmt: skip
+        for row, run in enumerate(ids)
+        if run in wanted
+    }
 
 
 def _row(store: Store, replicate: Replicate, progress) -> dict:

@@ -194,7 +194,10 @@ def replicates_needed(estimate: Estimate, runs: int, until: Until) -> float:
 
 
 def counts(
-    until: Until, values: dict[GridPoint, np.ndarray], partners: dict[GridPoint, GridPoint | None], rounds: float
+    until: Until,
+    values: dict[GridPoint, np.ndarray],
+    partners: dict[GridPoint, GridPoint | None],
+    rounds: float,
 ) -> dict[GridPoint, int]:
     """How many replicates each place has after as many rounds as its runs so far allow.
 

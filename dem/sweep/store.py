@@ -29,7 +29,10 @@ from dem.io.dataset import read
 from dem.io.results_folder import is_held
 
 FOLDER = Path("results/store")
-KERNELS = "dem.dynamics.simulation", "dem.packing.compaction"  # modules that call all kernels of runs
+KERNELS = (
+    "dem.dynamics.simulation",
+    "dem.packing.compaction",
+)  # modules that call all kernels of runs
 NAMES = {  # of the files in each folder; others are not the store's
     "batches": r"[0-9a-f]{16}\.(nc|json)",
     "runs": r"[0-9a-f]{32}(\.checkpoint)?\.npz",

@@ -57,10 +57,13 @@ def _reason(there: dict[str, Made], run: Replicate) -> str:
         return f"it was made with {same.versions}, which is now {versions()}"
     own = dict(flat(run.values(beside=False)))
     differing = [
-        {path: (each.values.get(path), own.get(path)) for path in own | each.values
-         if each.values.get(path) != own.get(path)}
+        {
+            path: (each.values.get(path), own.get(path))
+            for path in own | each.values
+            if each.values.get(path) != own.get(path)
+        }
         for each in there.values()
-    ]  # fmt: skip
+    ]
     nearest = min(differing, key=len)
     if len(nearest) > FEW:
         return "no run like it is there"

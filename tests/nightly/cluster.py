@@ -92,11 +92,12 @@ def differing(one: Path, other: Path) -> list[str]:
             continue  # by batches, whose names may differ
         mine, theirs = values(path), values(other / path.relative_to(one))
         found += [
-            f"{path.name}:{name}" for name in mine.keys() | theirs.keys()
-            if name not in mine or name not in theirs or not np.array_equal(
-                mine[name], theirs[name], equal_nan=mine[name].dtype.kind == "f"
-            )
-        ]  # fmt: skip
+            f"{path.name}:{name}"
+            for name in mine.keys() | theirs.keys()
+            if name not in mine
+            or name not in theirs
+            or not np.array_equal(mine[name], theirs[name], equal_nan=mine[name].dtype.kind == "f")
+        ]
     return found
 
 
@@ -126,8 +127,9 @@ def main(file: str = "config/smoke.yaml", kills: int = 20, seed: int = 1) -> Non
         spent = {}
         for turn in range(2):  # the second without compiling
             for name, place, options in (
-                ("processes", alone, ("-j2",)), ("cluster", client, ("--scheduler", SCHEDULER)),
-            ):  # fmt: skip
+                ("processes", alone, ("-j2",)),
+                ("cluster", client, ("--scheduler", SCHEDULER)),
+            ):
                 shutil.rmtree(place / "results", ignore_errors=True)
                 started = time.monotonic()
                 run = sweep(place, "many.yaml", *options)
@@ -165,8 +167,11 @@ def main(file: str = "config/smoke.yaml", kills: int = 20, seed: int = 1) -> Non
             lost += sum(now.get(path) != content for path, content in before.items())
             differ = differing(alone / "results/many", client / "results/many")
             parts = list(client.rglob("*.part"))
-            print(f"{number} {victim}: status {status} after {took:.1f} s, {len(before)} batches kept, "
-                  f"lost {lost}, differ {differ}, half-written {len(parts)}; {said}", flush=True)  # fmt: skip
+            print(
+                f"{number} {victim}: status {status} after {took:.1f} s, {len(before)} batches kept, "
+                f"lost {lost}, differ {differ}, half-written {len(parts)}; {said}",
+                flush=True,
+            )
             assert not (lost or differ or parts)
     finally:
         for name in list(machine.parts):

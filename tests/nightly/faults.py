@@ -72,9 +72,13 @@ class Place:
 
     def start(self, command, log, **more) -> subprocess.Popen:
         return subprocess.Popen(
-            command, cwd=self.folder, env=self.environment | more, start_new_session=True,
-            stdout=log, stderr=log,
-        )  # fmt: skip
+            command,
+            cwd=self.folder,
+            env=self.environment | more,
+            start_new_session=True,
+            stdout=log,
+            stderr=log,
+        )
 
     def finish(self, name: str) -> None:
         """Run the sweep to its end; a run that fails is a fault of ours."""
@@ -218,8 +222,22 @@ def kills_of_compiling(place: Place, count: int, rng: random.Random) -> str:
     with tempfile.TemporaryDirectory() as cache:
         log = place.folder / "compile.log"
         place.sweep("whole")
-        run = [sys.executable, "-m", "dem", "simulate", "--config", "config/whole.yaml", "--shape", "c1",
-               "--density", "3900", "--seed", "1", "-o", "compiled.nc"]  # fmt: skip
+        run = [
+            sys.executable,
+            "-m",
+            "dem",
+            "simulate",
+            "--config",
+            "config/whole.yaml",
+            "--shape",
+            "c1",
+            "--density",
+            "3900",
+            "--seed",
+            "1",
+            "-o",
+            "compiled.nc",
+        ]
         done = 0
         for _ in range(count):
             with log.open("w") as out:
@@ -243,8 +261,24 @@ def kills_of_compiling(place: Place, count: int, rng: random.Random) -> str:
 def kills_of_a_run(place: Place, count: int, rng: random.Random) -> str:
     """dem simulate, saving itself all the time, killed until it has ended so often."""
     code = "from dem.experiment import drag; from dem.cli.app import app; drag.SAVED_EVERY = 0.0; app()"
-    command = [sys.executable, "-c", code, "simulate", "--config", "config/long.yaml", "--shape", "d1",
-               "--density", "3900", "--seed", "1", "-o", "long.nc", "--checkpoint", "long.npz"]  # fmt: skip
+    command = [
+        sys.executable,
+        "-c",
+        code,
+        "simulate",
+        "--config",
+        "config/long.yaml",
+        "--shape",
+        "d1",
+        "--density",
+        "3900",
+        "--seed",
+        "1",
+        "-o",
+        "long.nc",
+        "--checkpoint",
+        "long.npz",
+    ]
     place.sweep("long", record={"bins": 1200, "window": [0.4e-3, 1.0e-3], "snapshots": 61})
     whole = [word.replace("long.n", "longwhole.n") for word in command]
     began = time.monotonic()
@@ -356,8 +390,14 @@ def pruned(place: Place) -> str:
         place.sweep(name, sweep=varied(seeds))
         place.finish(name)
     before, files = spent_on(place.store), finished(place.store)
-    own = ("batches/notes.txt", "batches/mine.nc", "batches/ffffffffffffffff.nc", "runs/mine/run.npz",
-           "beds/bed.npz", "table.csv")  # fmt: skip
+    own = (
+        "batches/notes.txt",
+        "batches/mine.nc",
+        "batches/ffffffffffffffff.nc",
+        "runs/mine/run.npz",
+        "beds/bed.npz",
+        "table.csv",
+    )
     for name in own:  # one has the name of a batch, and nothing says of which runs
         (place.store / name).parent.mkdir(parents=True, exist_ok=True)
         (place.store / name).write_text("mine")
@@ -456,8 +496,12 @@ def disk_full(place: Place) -> str:
     """A store that holds the beds and not all runs, which is then made larger."""
     at = "results/store"
     return mounted(
-        place, "full", f"mount -t tmpfs -o size=400k none {at}", f"mount -o remount,size=100m {at}", "the disk is full|No space left"
-    )  # fmt: skip
+        place,
+        "full",
+        f"mount -t tmpfs -o size=400k none {at}",
+        f"mount -o remount,size=100m {at}",
+        "the disk is full|No space left",
+    )
 
 
 def disk_full_everywhere(place: Place) -> str:
@@ -484,6 +528,14 @@ def read_only(place: Place) -> str:
 
 
 FAULTS = (
-    two_at_once, shared, pruned, alone, interrupted, truncated, foreign, disk_full, disk_full_everywhere,
+    two_at_once,
+    shared,
+    pruned,
+    alone,
+    interrupted,
+    truncated,
+    foreign,
+    disk_full,
+    disk_full_everywhere,
     read_only,
-)  # fmt: skip
+)

@@ -32,10 +32,42 @@ from dem.sweep.config import load, parse
 ROOT = Path(__file__).parents[2]
 SMOKE = ROOT / "config/smoke.yaml"
 NASTY = (
-    math.nan, math.inf, -math.inf, -1, 0, -0.0, 1, 2**31, 2**63, 10**400, 1e-300, 1e300, 1e15, 5e-324, 0.5, 3,
-    True, None, "", " ", "nan", "1e400", "c1", "../../etc", "results/../..", "é\u0000x", "a" * 5000,
-    [], {}, [[]], [1, 2, 3], {"low": 1, "high": 0}, {"a": {"b": {}}}, [math.nan], list(range(200)),
-)  # fmt: skip
+    math.nan,
+    math.inf,
+    -math.inf,
+    -1,
+    0,
+    -0.0,
+    1,
+    2**31,
+    2**63,
+    10**400,
+    1e-300,
+    1e300,
+    1e15,
+    5e-324,
+    0.5,
+    3,
+    True,
+    None,
+    "",
+    " ",
+    "nan",
+    "1e400",
+    "c1",
+    "../../etc",
+    "results/../..",
+    "é\u0000x",
+    "a" * 5000,
+    [],
+    {},
+    [[]],
+    [1, 2, 3],
+    {"low": 1, "high": 0},
+    {"a": {"b": {}}},
+    [math.nan],
+    list(range(200)),
+)
 EVIL = "<script>evil()</script>[red]evil[/red]\x1b[31m\x07"
 RUN = {"--config": "q.yaml", "--shape": "c1", "--density": "3900", "--seed": "1"}
 # verb: its options and arguments (those without a dash), all good
@@ -166,7 +198,7 @@ def same(one, two):
         (one[name].dtype == two[name].dtype and one[name].tobytes() == two[name].tobytes())
         or (one[name].dtype == object and (one[name] == two[name]).all())
         for name in one
-    )  # fmt: skip
+    )
 
 
 # Kinds of input
@@ -174,7 +206,13 @@ def same(one, two):
 
 def places(tree, path=()):
     """All places in a tree of dictionaries and lists."""
-    items = tree.items() if isinstance(tree, dict) else enumerate(tree) if isinstance(tree, list) else ()  # fmt: skip
+    items = (
+        tree.items()
+        if isinstance(tree, dict)
+        else enumerate(tree)
+        if isinstance(tree, list)
+        else ()
+    )
     for key, value in items:
         yield (*path, key)
         yield from places(value, (*path, key))
@@ -340,8 +378,16 @@ def a_tampered_file(rng, folder):
 
 
 KINDS = (
-    a_configuration, a_text, an_extreme_value, an_option, an_array, a_checkpoint, a_flip, a_file, a_tampered_file,
-)  # fmt: skip
+    a_configuration,
+    a_text,
+    an_extreme_value,
+    an_option,
+    an_array,
+    a_checkpoint,
+    a_flip,
+    a_file,
+    a_tampered_file,
+)
 
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)
