@@ -24,11 +24,10 @@ quantised(0.1)
 print(*(sum(count.values()) for count in (quantised.stats.cache_hits, quantised.stats.cache_misses)))
 """
 ASK_OF_A_SHAPE = """
-import numpy as np
 from dem import Disc
-from dem.shapes.check import _feel as feel
-feel(Disc([1.0]), (1.0,), np.ones((1, 2)), np.ones((1, 2)))
-print(*(sum(count.values()) for count in (feel.stats.cache_hits, feel.stats.cache_misses)))
+from dem.shapes.check import Two, _pair
+Two(Disc([1.0, 1.0])).pair((1.5, 0.0, 0.0, 0.0))
+print(*(sum(count.values()) for count in (_pair.stats.cache_hits, _pair.stats.cache_misses)))
 """
 
 
