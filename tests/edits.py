@@ -106,7 +106,7 @@ KEPT = {
     "a line of the layout of files": ("dem/io/dataset.py", None, LINE),
     "a line of checkpoints": ("dem/experiment/resume.py", None, LINE),
     "a line of the store": ("dem/sweep/store.py", None, LINE),
-    "a line of the report": ("dem/report/interactive.py", None, LINE),
+    "a line of the report": ("dem/report/build.py", None, LINE),
     "one more experiment": ("dem/experiment/kinds/heat.py", None, "SECTIONS = {}\n"),
     "one more observable": ("dem/experiment/observables/heat.py", None, "VARIABLES = {}\n"),
 }

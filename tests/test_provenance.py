@@ -71,7 +71,7 @@ EDITS = {
     "a line of a study": ("studies/claims/results.py", LINE, {"claims"}),
     "a line of style": ("dem/figures/style.py", LINE, {"figure", "page"}),
     "a line of a figure": ("dem/figures/figure13.py", LINE, {"figure"}),
-    "a line of the report": ("dem/report/interactive.py", LINE, {"page"}),
+    "a line of the report": ("dem/report/build.py", LINE, {"page"}),
     "a line of the command line": ("dem/cli/app.py", LINE, set()),
     "one more shape": ("dem/shapes/triangle.py", 'SHAPE = "Triangle"\n', set()),
     "a comment": ("dem/contacts/force_law.py", "\n# edited\n", set()),

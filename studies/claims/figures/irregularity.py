@@ -7,7 +7,8 @@ from dem.analysis.statistics import find, table1
 from dem.base.intervals import half_interval
 from dem.experiment.observables.flow import lag_of
 from dem.figures import style
-from studies.claims.irregularity import MEASURES, SHAPES, compared
+from studies.claims import MEASURES
+from studies.claims.irregularity import SHAPES, compared
 
 FILE = "flow"
 CAPTION = "How irregular the flow is, by shape: four measures against displacement"
