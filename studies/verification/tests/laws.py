@@ -66,8 +66,8 @@ LAWS = (
     Mutant(
         LAW,
         "a contact that pulls at its end",
-        "return max(elastic + damping * math.sqrt(sqrt_overlap) * rate, 0.0)",
-        "return elastic + damping * math.sqrt(sqrt_overlap) * rate",
+        "return max(elastic + damping * overlap_quarter * rate, 0.0)",
+        "return elastic + damping * overlap_quarter * rate",
         "restitution",
     ),
     Mutant(
@@ -80,8 +80,8 @@ LAWS = (
     Mutant(
         LISTS,
         "radius of the granule for R* at the cylinder",
-        "return other * radius / (other + radius)",
-        "return other",
+        "reduced = reduced * radius / (reduced + radius)",
+        "reduced = reduced",
         "spinning",
     ),
     Mutant(
