@@ -54,11 +54,7 @@ AGAIN = {
         'names = ("numpy", "numba", "llvmlite")',
         'names = ("numpy", "numba", "llvmlite", "scipy")',
     ),
-    "a default": (
-        "dem/experiment/sections.py",
-        'critical one", 0.3, le=10)',
-        'critical one", 0.4, le=10)',
-    ),
+    "a default": ("dem/dynamics/numerics.py", "STEP_FRACTION = 0.3", "STEP_FRACTION = 0.4"),
     "the stream of a seed": (
         "dem/experiment/box.py",
         "default_rng([seed, 0])",
@@ -96,11 +92,6 @@ KEPT = {
         "dem/experiment/config.py",
         'raise InputError(f"shape is',
         'raise ValueError(f"shape is',
-    ),
-    "a key with a default": (
-        "dem/experiment/config.py",
-        "    ellipse: EllipseSection = EllipseSection()\n",
-        '    ellipse: EllipseSection = EllipseSection()\n    tilt: NotNegative = value("rad", "tilt", 0.0, 0.0)\n',
     ),
     "a line of files": ("dem/base/files.py", None, LINE),
     "a line of the layout of files": ("dem/io/dataset.py", None, LINE),

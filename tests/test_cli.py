@@ -20,10 +20,10 @@ from typer.main import get_command
 from typer.testing import CliRunner
 
 from dem.base.errors import InputError, RunError
-from dem.base.schema import is_written
 from dem.cli.app import app
 from dem.cli.terminal import bar, reported
 from dem.figures import film
+from dem.sweep.listing import is_written
 
 ROOT = Path(__file__).parent.parent
 RUN = [

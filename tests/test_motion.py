@@ -568,57 +568,61 @@ PLACES = [[2e-3, 2e-3], [5e-3, 2e-3]]
 DISCS = dem.Disc([1e-3, 1e-3])
 WALLS = {"walls": dem.box(1e-2, 1e-2)}
 REFUSED = {
-    "path time of row 1 is 0; it must be later than the 1 s of the row before": lambda: (
+    "PrescribedMotion.time of row 1 is 0 s; it must be later than the 1 s of the row before": lambda: (
         dem.PrescribedMotion([1.0, 0.0], np.zeros((2, 2)))
     ),
-    "path velocity has 2 rows; it must have one for each of the 3 times": lambda: (
+    "PrescribedMotion.velocity has 2 rows; it must have one for each of the 3 times": lambda: (
         dem.PrescribedMotion([0.0, 1.0, 2.0], np.zeros((2, 2)))
     ),
-    "path spin has 1 rows; it must have one for each of the 2 times": lambda: dem.PrescribedMotion(
-        [0.0, 1.0], np.zeros((2, 2)), [1.0]
+    "PrescribedMotion.spin has 1 rows; it must have one for each of the 2 times": lambda: (
+        dem.PrescribedMotion([0.0, 1.0], np.zeros((2, 2)), [1.0])
     ),
-    "path velocity of row 0 is nan; it must be finite": lambda: dem.PrescribedMotion(
-        [0.0], [[np.nan, 0.0]]
+    "PrescribedMotion.velocity is [[nan, 0.0]]; all must be from -1e+20 to 1e+20, and nan is at [0, 0]": lambda: (
+        dem.PrescribedMotion([0.0], [[np.nan, 0.0]])
     ),
-    "drive force is 3.0; it must be two forces (x, y) in N, None for an axis whose velocity is kept": lambda: (
+    "Drive.force is 3.0; it must be two forces (x, y), None for an axis whose velocity is kept, in N": lambda: (
         dem.Drive(3.0, 1.0)
     ),
-    "drive force along y is nan; it must be finite": lambda: dem.Drive((1.0, np.nan), 1.0),
-    "drive mass is 0.0; it must be a positive number (kg)": lambda: dem.Drive((1.0, 1.0), 0.0),
-    "drive damping is -1.0; it must": lambda: dem.Drive((1.0, 1.0), 1.0, -1.0),
-    "held granules is [0, 0]; it must be numbers of granules, each once, or one truth value": lambda: (
+    "Drive.force is (1.0, nan); it must be two forces": lambda: dem.Drive((1.0, np.nan), 1.0),
+    "Drive.mass is 0.0; it must be positive, at least 1e-20, in kg": lambda: dem.Drive(
+        (1.0, 1.0), 0.0
+    ),
+    "Drive.damping is -1.0; it must be at least 0, in N s m-1": lambda: dem.Drive(
+        (1.0, 1.0), 1.0, -1.0
+    ),
+    "Held.granules is [0, 0]; it must be numbers of granules, each once, or one truth value": lambda: (
         dem.Held([0, 0])
     ),
-    "held granules is [-1]; it must": lambda: dem.Held([-1]),
-    "held granules is [0.5]; it must": lambda: dem.Held([0.5]),
-    "held granules is an array of bool with shape (2,); it must": lambda: dem.Held(
+    "Held.granules is [-1]; it must": lambda: dem.Held([-1]),
+    "Held.granules is [0.5]; it must": lambda: dem.Held([0.5]),
+    "Held.granules is an array of bool with shape (2,); it must": lambda: dem.Held(
         np.zeros(2, bool)
     ),
-    "held motion is 'up'; it must be a velocity (x, y) in m/s, a dem.PrescribedMotion or a dem.Drive": lambda: (
+    "Held.motion is 'up'; it must be a velocity (x, y), a dem.PrescribedMotion or a dem.Drive, in m s-1": lambda: (
         dem.Held([0], "up")
     ),
-    "held motion has a spin; only the cylinder can turn on a path": lambda: dem.Held(
-        [0], dem.PrescribedMotion([0.0], [[0.0, 0.0]], [1.0])
+    "Held.motion is PrescribedMotion(time=array([0.]), velocity=array([[0., 0...; it must have no spin": lambda: (
+        dem.Held([0], dem.PrescribedMotion([0.0], [[0.0, 0.0]], [1.0]))
     ),
-    "cylinder spin is 2 rad/s; it must be left out, because its path has one": lambda: dem.Cylinder(
+    "Cylinder.spin is 2 rad/s; it must be left out, because its path has one": lambda: dem.Cylinder(
         1.0, (0.0, 0.0), dem.PrescribedMotion([0.0], [[0.0, 0.0]], [1.0]), 2.0
     ),
-    "cylinder velocity is 1.0; it must be a velocity": lambda: dem.Cylinder(1.0, (0, 0), 1.0),
+    "Cylinder.velocity is 1.0; it must be a velocity": lambda: dem.Cylinder(1.0, (0, 0), 1.0),
     "wall_motion has 3 entries; it must have one for each of the 4 walls": lambda: dem.Scene(
         DISCS, **WALLS, wall_motion=[None] * 3
     ),
     "wall_motion has 1 entries; it must have one for each of the 0 walls": lambda: dem.Scene(
         DISCS, wall_motion=[None]
     ),
-    "wall_motion of wall 2 is 1.0; it must be a velocity": lambda: dem.Scene(
-        DISCS, **WALLS, wall_motion=[None, None, 1.0, None]
+    "Scene.wall_motion is [None, None, 1.0, None]; it must hold for each wall a velocity": lambda: (
+        dem.Scene(DISCS, **WALLS, wall_motion=[None, None, 1.0, None])
     ),
-    "wall_motion of wall 0 has a spin": lambda: dem.Scene(
+    "Scene.wall_motion is [PrescribedMotion": lambda: dem.Scene(
         DISCS,
         **WALLS,
         wall_motion=[dem.PrescribedMotion([0.0], [[0.0, 0.0]], [1.0]), None, None, None],
     ),
-    "held is [1]; it must be a list of dem.Held": lambda: dem.Scene(DISCS, held=[1]),
+    "Scene.held is [1]; it must be a list of dem.Held": lambda: dem.Scene(DISCS, held=[1]),
     "held group 0 has granule 2; it must have some of the 2 granules": lambda: dem.Scene(
         DISCS, held=[dem.Held([2])]
     ),

@@ -308,7 +308,7 @@ WRONG_FILES = {  # what a sweep says: which file is there, and what is told
     ),
     "experiment: rest.py\nrest: {margin: -1}": (
         RESTING,
-        "rest.margin is -1; it must be at least 0.",
+        "rest.margin is -1; it must be at least 0, in m.",
     ),
     "experiment: rest.py\nrest: {margin: wide}": (
         RESTING,
@@ -329,7 +329,7 @@ WRONG_FILES = {  # what a sweep says: which file is there, and what is told
     ),
     "experiment: rest.py\n# default": (
         RESTING.replace("0.0", "-1.0"),
-        "rest.margin is -1.0; it must be at least 0.",
+        "rest.margin is -1.0; it must be at least 0, in m.",
     ),
     "experiment: rest.py\n# words": (
         RESTING.replace("'width', ", ""),

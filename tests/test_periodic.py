@@ -305,10 +305,10 @@ def test_a_large_bed_is_listed_by_where_granules_are_in_the_box():
 
 
 REFUSED = {
-    "periodic is 0.01; it must be two periods": 0.01,
-    "periodic is (0.01,); it must be two periods": (0.01,),
-    "periodic is 'x'; it must be two periods": "x",
-    "periodic along y is -1.0; it must be a positive number (m)": (0.01, -1.0),
+    "Scene.periodic is 0.01; it must be two periods": 0.01,
+    "Scene.periodic is (0.01,); it must be two periods": (0.01,),
+    "Scene.periodic is 'x'; it must be two periods": "x",
+    "Scene.periodic is (0.01, -1.0); it must be two periods (x, y), None for a side": (0.01, -1.0),
     "periodic along x is 0.002 m; it must be at least 0.0025 m": (2e-3, None),
     "walls of row 0 has nx = -1; it must be 0, because the scene repeats itself along x": (
         0.01,

@@ -202,7 +202,7 @@ def test_an_edited_package_is_one_sentence_and_nothing_is_written(file, monkeypa
 WRONG = {  # what is put instead of the result: why the run failed
     "1 / 0": "product.py, line 9: ZeroDivisionError: division by zero",
     "replicate.grains": "product.py, line 9: AttributeError: 'Replicate' object has no attribute 'grains'",
-    "dem.Friction(-1.0).granule": "product.py, line 9: InputError: friction granule is -1.0; it must be",
+    "dem.Friction(-1.0).granule": "product.py, line 9: InputError: Friction.granule is -1.0; it must be",
     "exit(3)": "product.py, line 9: SystemExit: 3",
     "helped()": "factors.py, line 4: KeyError: 'a'",
     "'four'": "the variable product is 'four'; it must be numbers.",

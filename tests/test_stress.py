@@ -276,9 +276,9 @@ def test_the_edges_of_bins_close_a_wedge():
             {"x": [0.0, 1e-3], "y": [0.0, 1e-3]},
             "x and y are both given; give edges along one of them",
         ),
-        ({"y": [0.0]}, "y must hold two or more edges of bins"),
-        ({"y": [0.0, 2e-3, 1e-3]}, r"y must hold two or more edges of bins \(m\) that rise"),
-        ({"x": [0.0, np.nan]}, "x of edge 1 is nan; it must be finite"),
+        ({"y": [0.0]}, "it must hold two or more edges of bins that rise, in m"),
+        ({"y": [0.0, 2e-3, 1e-3]}, "it must hold two or more edges of bins that rise, in m"),
+        ({"x": [0.0, np.nan]}, r"and nan is at \[1\], in m"),
         ({"x": 10}, "x is 10; it must hold real numbers"),
     ],
 )

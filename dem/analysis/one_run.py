@@ -15,11 +15,11 @@ import numpy as np
 
 from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
-from dem.base.schema import as_number, is_written
 from dem.experiment.config import Replicate, of_values
 from dem.experiment.motion import Motion
 from dem.io.dataset import LABELS, content_of
 from dem.io.lazily import open_lazily
+from dem.sweep.listing import as_number, is_written
 from dem.sweep.store import Store
 from dem.sweep.why import flat
 

@@ -14,7 +14,7 @@ class InputError(ValueError):
     >>> dem.Friction(-0.1)
     Traceback (most recent call last):
     ...
-    dem.base.errors.InputError: friction granule is -0.1; it must be zero or a positive number, up to 1e+20.
+    dem.base.errors.InputError: Friction.granule is -0.1; it must be at least 0.
     """
 
 

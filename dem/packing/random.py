@@ -7,19 +7,20 @@ on the geometry and the seed: moduli and masses cancel.
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
+from pydantic import Field, InstanceOf
 
 from dem.base.errors import InputError, PackingError
-from dem.base.validate import checked, named, one_of, or_none, positive, whole
+from dem.base.types import Count, Length, checked
 from dem.contacts.force_law import effective_modulus
 from dem.dynamics.contact_list import list_contacts
 from dem.dynamics.world import World
 from dem.jit.columns import X, Y
 from dem.packing.minimise import Rest, minimise, state_of
-from dem.periodic import SIDES, Periods, nearest_image, periods_of, wrapped
-from dem.scene import Cylinder, Friction, Material, Scene, State, granules, walls_of
+from dem.periodic import SIDES, Periods, Sides, nearest_image, periods_of, wrapped
+from dem.scene import Cylinder, Friction, Granules, Material, Scene, State, walls_of
 
 REST = 1e-9  # E* R^2: a bed is at rest when no granule feels a greater net force
 LOOSE = 0.3  # area fraction of the bounding circles at the start
@@ -179,24 +180,17 @@ def scatter(shape: Any, room: Room, rng: np.random.Generator) -> np.ndarray:
     return position
 
 
-ROOM: dict[str, Any] = {
-    "shape": granules,
-    "width": positive("m"),
-    "height": positive("m"),
-    "cylinder": or_none(one_of(Cylinder)),
-    "seed": whole(0, 2**63 - 1),
-    "periodic": named({key: key for key in SIDES}),
-}
+BedSeed = Annotated[Count, Field(ge=0, lt=2**63)]
 
 
-@checked(**ROOM)
+@checked
 def pack(
-    shape: Any,
-    width: float,
-    height: float,
-    cylinder: Cylinder | None,
-    seed: int,
-    periodic: str = "none",
+    shape: Granules,
+    width: Length,
+    height: Length,
+    cylinder: InstanceOf[Cylinder] | None,
+    seed: BedSeed,
+    periodic: Sides = "none",
 ) -> Bed:
     """Pack granules at random into a box and bring them to rest.
 

@@ -24,7 +24,7 @@ from typer.testing import CliRunner
 import dem
 from dem.base.errors import InputError, RunError
 from dem.base.messages import printable
-from dem.base.schema import MOST_SENTENCES
+from dem.base.types import LISTED
 from dem.cli.app import app
 from dem.io.checksums import seal
 from dem.sweep.config import load, parse
@@ -149,7 +149,7 @@ def contents(folder):
     return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
-def check_sentences(text, most=MOST_SENTENCES + 1):
+def check_sentences(text, most=LISTED + 1):
     """What a user reads are sentences, one a line, after the progress lines of a log."""
     if text.lstrip().startswith("Usage:"):
         return  # of the command line's own parser

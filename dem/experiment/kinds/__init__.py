@@ -22,22 +22,22 @@ All but run may be left out.
 from contextlib import suppress
 from pathlib import Path
 from types import MappingProxyType
+from typing import Annotated
 
 import numpy as np
-from pydantic import create_model
+from pydantic import Field, create_model
 
 from dem.base import sources
 from dem.base.constants import described
 from dem.base.errors import InputError, RunError
 from dem.base.outside import file_found, loaded, said_in
-from dem.base.schema import LIMITS, Number, Section, Whole, value
-from dem.base.validate import shown
+from dem.base.types import BOUNDS, Count, Number, Section, Unit, shown
 from dem.experiment.observables import OBSERVABLES, place_of, variables_of
 from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP
 
 NO_BITS = "describes kinds of experiment"
 EXPERIMENTS = described(Path(__file__).parent, "SECTIONS")
-TYPES = {bool: bool, int: Whole, float: Number, str: str}  # of values, by those of their defaults
+TYPES = {bool: bool, int: Count, float: Number, str: str}  # of values, by those of their defaults
 
 
 def _field(name: str, default, units, about, limits=MappingProxyType({})) -> tuple:
@@ -45,10 +45,11 @@ def _field(name: str, default, units, about, limits=MappingProxyType({})) -> tup
     bounds = [default, *limits.values()] if limits else []
     texts = isinstance(about, str) and isinstance(units, str | None)
     numbers = all(isinstance(each, int | float) for each in bounds)
-    known = name.isidentifier() and not hasattr(Section, name) and limits.keys() <= LIMITS.keys()
+    known = name.isidentifier() and not hasattr(Section, name) and limits.keys() <= BOUNDS.keys()
     if not (texts and numbers and known):
         raise TypeError
-    return TYPES[type(default)], value(units, about, default, **limits)
+    kind = Annotated[TYPES[type(default)], Field(**limits), Unit(units or "")]
+    return kind, Field(default, description=about)
 
 
 def filled(name: str, values, sizes: dict[str, int]) -> np.ndarray:
