@@ -45,34 +45,30 @@ class Unit:
     symbol: str
 
 
-def real(value: Any) -> float:
+def real(value: Any, words: str = "a number") -> float:
     """A number, also in a text, because YAML 1.1 and a command line have 3.9e3 as text."""
-    return _real(value, "a number")
+    if type(value) is np.ndarray and value.ndim == 0:
+        value = value[()]
+    is_number = isinstance(value, str | int | float | np.integer | np.floating)
+    if not is_number or isinstance(value, bool | np.timedelta64):
+        raise ValueError(f"it must be {words}")
+    try:
+        number = float(value)
+    except ValueError:
+        raise ValueError(f"it must be {words}") from None
+    except OverflowError:
+        number = math.inf
+    if not abs(number) <= MOST:
+        raise ValueError(f"it must be finite, at most {MOST:g} in size")
+    return number + 0.0  # -0.0 is 0.0
 
 
 def whole(value: Any) -> int:
     """A whole number, also in a text."""
-    number = _real(value, "a whole number")
+    number = real(value, "a whole number")
     if not number.is_integer():
         raise ValueError("it must be a whole number")
-    return int(value) if isinstance(value, int | np.integer) else int(number)
-
-
-def _real(value: Any, words: str) -> float:
-    if type(value) is np.ndarray and value.ndim == 0:
-        value = value[()]
-    number = isinstance(value, str | int | float | np.integer | np.floating)
-    if not number or isinstance(value, bool | np.timedelta64):
-        raise ValueError(f"it must be {words}")
-    try:
-        found = float(value)
-    except ValueError:
-        raise ValueError(f"it must be {words}") from None
-    except OverflowError:
-        found = math.inf
-    if not abs(found) <= MOST:
-        raise ValueError(f"it must be finite, at most {MOST:g} in size")
-    return found + 0.0  # -0.0 is 0.0
+    return int(number if isinstance(value, str) else value)
 
 
 def must(words: str, holds: Callable[[Any], Any] = lambda value: True) -> WrapValidator:
@@ -80,9 +76,9 @@ def must(words: str, holds: Callable[[Any], Any] = lambda value: True) -> WrapVa
 
     def check(value: Any, take: Callable[[Any], Any]) -> Any:
         with suppress(ValueError):
-            found = take(value)
-            if holds(found):
-                return found
+            taken = take(value)
+            if holds(taken):
+                return taken
         raise ValueError(f"it must {words}")
 
     return WrapValidator(check)
@@ -98,17 +94,17 @@ def array(*shape: int | None, low: float = -np.inf, high: float = np.inf) -> Pla
     ranged = max(low, -high) > -np.inf
 
     def take(value: Any) -> np.ndarray:
-        found = real_array(value)
-        fits = all(n in (None, size) and size for n, size in zip(shape, found.shape, strict=False))
-        if found.ndim != len(shape) or not fits:
-            raise ValueError(f"it must have shape {axes}, not {found.shape}")
-        wrong = np.argwhere(~((found >= low) & (found <= high))) if ranged else ()
+        rows = real_array(value)
+        fits = all(n in (None, size) and size for n, size in zip(shape, rows.shape, strict=False))
+        if rows.ndim != len(shape) or not fits:
+            raise ValueError(f"it must have shape {axes}, not {rows.shape}")
+        wrong = np.argwhere(~((rows >= low) & (rows <= high))) if ranged else ()
         if len(wrong):
             at = tuple(wrong[0].tolist())
             raise ValueError(
-                f"all must be from {low:g} to {high:g}, and {found[at]:g} is at {list(at)}"
+                f"all must be from {low:g} to {high:g}, and {rows[at]:g} is at {list(at)}"
             )
-        return found
+        return rows
 
     return PlainValidator(take)
 
@@ -116,12 +112,12 @@ def array(*shape: int | None, low: float = -np.inf, high: float = np.inf) -> Pla
 def real_array(value: Any) -> np.ndarray:
     """Real numbers as a float64 array, not copied if they are one; raises ValueError."""
     try:
-        found = np.asarray(value)
+        rows = np.asarray(value)
     except Exception:  # of any object in a list, or of its own conversion to an array
-        found = np.empty(0, object)
-    if isinstance(value, np.ma.MaskedArray) or found.dtype.kind not in "iuf" or not found.ndim:
+        rows = np.empty(0, object)
+    if isinstance(value, np.ma.MaskedArray) or rows.dtype.kind not in "iuf" or not rows.ndim:
         raise ValueError("it must hold real numbers in a list or an array")
-    return np.ascontiguousarray(found, np.float64)
+    return np.ascontiguousarray(rows, np.float64)
 
 
 Number = Annotated[float, BeforeValidator(real)]
@@ -197,9 +193,9 @@ def checked(target: Target) -> Target:
 def _checked(function: Any, head: str) -> Any:
     signature = inspect.signature(function)
     types = {
-        name: each.annotation
-        for name, each in signature.parameters.items()
-        if each.annotation is not each.empty
+        name: parameter.annotation
+        for name, parameter in signature.parameters.items()
+        if parameter.annotation is not parameter.empty
     }
 
     @functools.wraps(function)
@@ -252,7 +248,7 @@ def parsed(
     sentences = [_sentence(fault, key, field, show) for fault in faults if not _follows(fault)]
     if more := len(sentences[LISTED:]):
         sentences[LISTED:] = [f"and {more} more"]
-    raise InputError("\n".join(f"{source}: {each}."[0 if source else 2 :] for each in sentences))
+    raise InputError("\n".join(f"{source}: {words}."[0 if source else 2 :] for words in sentences))
 
 
 def refuse(key: str, value: Any, words: str) -> NoReturn:

@@ -19,7 +19,19 @@ from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
 from dem.base.provenance import compilers
 from dem.base.sources import code_hash
-from dem.base.types import Label, Length, NotNegative, Section, Unit, parsed, section_of, unit_of
+from dem.base.types import (
+    Density,
+    Label,
+    Length,
+    NotNegative,
+    Section,
+    Seed,
+    Unit,
+    checked,
+    parsed,
+    section_of,
+    unit_of,
+)
 from dem.experiment.box import check_room
 from dem.experiment.kinds import EXPERIMENTS, Experiment
 from dem.experiment.sections import (
@@ -187,17 +199,14 @@ class Configuration(Section):
     def _known_as_text(self) -> dict[str, str]:
         return {label: json.dumps(known, sort_keys=True) for label, known in self.known.items()}
 
-    def replicate(self, shape: str, density: float, seed: int) -> "Replicate":
+    @checked
+    def replicate(self, shape: str, density: Density, seed: Seed) -> "Replicate":
         """One run; raises InputError if it is impossible."""
-        own = parsed(RunSection, {"shape": shape, "density": density, "seed": seed})
         if shape not in self.shapes:
             hint = did_you_mean(shape, self.shapes)
             raise InputError(f"shape is {shape!r}; the configuration has no such shape{hint}.")
-        try:
-            check_room(self, shape, seed)
-        except ValueError as error:
-            raise InputError(f"{error}.") from None
-        return Replicate(self, own.shape, own.density, own.seed)
+        check_room(self, shape, seed)
+        return Replicate(self, shape, density, seed)
 
     def at(self, path: str):
         """The value at a path; None where there is none."""
@@ -217,12 +226,11 @@ class Configuration(Section):
         code that made them."""
         return Experiment(self.experiment, self.beside)
 
-    def checked(self):
-        """These values; raises InputError where they name a file that cannot be used."""
+    def check_files(self) -> None:
+        """Raise InputError where the values name a file that cannot be used."""
         for label in self.shapes:
             self.kind_of(label)
         self.module.check(self)
-        return self
 
     def code_of(self, *modules: str, shapes: Iterable[str] = ()) -> str:
         """SHA-256 of the code that modules and some shapes depend on."""
@@ -248,7 +256,9 @@ class Configuration(Section):
             at[last] = new
         words = ", ".join(f"{path} {new}" for path, new in changes.items())
         source = f"{shape} with {words}" if changes else shape
-        return parse(data, source).checked()
+        configuration = parse(data, source)
+        configuration.check_files()
+        return configuration
 
 
 Configuration.read = dict(Configuration.model_fields)

@@ -67,13 +67,13 @@ def axis_of(
     if name == "seed" and isinstance(spec, dict):
         until = parsed(Until, spec, key)
         seeds = list(range(until.first, until.first + (replicates or until.least)))
-        return Axis(name, entry, seeds, [{"seed": each} for each in seeds], until)
+        return Axis(name, entry, seeds, [{"seed": seed} for seed in seeds], until)
     if entry:
         values = _values(spec, entry, sweep, key)
         if name == "case":
-            points = [dict(sweep.cases[each]) for each in values]
+            points = [dict(sweep.cases[value]) for value in values]
         else:
-            points = [{name: each} for each in values]
+            points = [{name: value} for value in values]
         if None in values:  # texts, because a coordinate has no gaps
             entry = entry._replace(units=None)
             values = list(map(written, values))
@@ -114,19 +114,19 @@ def changes(values, sweep: Configuration, where: str) -> dict:
     """Values by path, checked; a group is a factor or a derived value."""
     if not isinstance(values, dict):
         raise InputError(f"{where} is {written(values)}; it must be values by path.")
-    found = {}
+    changed = {}
     for path, value in values.items():
         key = f"{where}.{path}"
         if path in OWN:  # of the run: as an axis of this one value
-            found[path] = axis_of(path, [value], sweep, where).coordinate[0]
+            changed[path] = axis_of(path, [value], sweep, where).coordinate[0]
             continue
         _check_known(path, [*sweep.entries, *OWN], where)
         if isinstance(value, dict) and set(value) != {"times"}:
-            found[path] = _derived(path, value, sweep, key)
+            changed[path] = _derived(path, value, sweep, key)
         else:
             spec = [value] if isinstance(value, list) else value
-            found[path] = _values(spec, sweep.entries[path], sweep, key)[0]
-    return found
+            changed[path] = _values(spec, sweep.entries[path], sweep, key)[0]
+    return changed
 
 
 def _check_known(path, paths, where: str) -> None:
@@ -140,29 +140,29 @@ def _derived(path: str, spec: dict, sweep: Configuration, key: str) -> Derive:
     """How a value follows from another result."""
     if path != "packing.fraction":
         raise InputError(f"{key} cannot be derived, only packing.fraction.")
-    found = parsed(Derive, spec, key)
-    if found.derive == "equal_load" and found.friction:
+    derived = parsed(Derive, spec, key)
+    if derived.derive == "equal_load" and derived.friction:
         raise InputError(
             f"{key} has a friction; equal_load holds for beds without friction, leave friction out."
         )
-    if found.shape not in (None, *sweep.shapes):
+    if derived.shape not in (None, *sweep.shapes):
         raise InputError(
-            f"{key} has the shape {found.shape!r}{did_you_mean(found.shape, sweep.shapes)}."
+            f"{key} has the shape {derived.shape!r}{did_you_mean(derived.shape, sweep.shapes)}."
         )
-    return found
+    return derived
 
 
 def changes_of_words(configuration: Configuration, words: list[str]) -> dict:
     """Values by path from words such as friction.granule=0.3; raises InputError."""
-    found = {}
+    texts = {}
     for word in words:
         path, equal, text = word.partition("=")
         if not equal or not text:
             raise InputError(f"{word!r} is no value; write PATH=VALUE, such as box_width=0.02.")
         if path in OWN:
             raise InputError(f"{word!r} is said by an option; write --{path} {text}.")
-        found[path] = text
-    return changes(found, configuration, "values")
+        texts[path] = text
+    return changes(texts, configuration, "values")
 
 
 def _values(spec, entry: Entry, sweep: Configuration, key: str) -> list:
@@ -170,44 +170,44 @@ def _values(spec, entry: Entry, sweep: Configuration, key: str) -> list:
     path, labels = entry.path, getattr(sweep, TABLES.get(entry.path, ""), None)
     if labels is not None and spec == "all":
         return list(labels)
-    given = spec if isinstance(spec, list) else [spec]
+    listed = spec if isinstance(spec, list) else [spec]
     if isinstance(spec, dict) and set(spec) == {"times"} and path in sweep.entries:
         base, factors = sweep.at(path), spec["times"]
         if isinstance(base, str | bool) or base is None:
             raise InputError(f"{key} is {written(base)}, which has no multiples.")
         factors = factors if isinstance(factors, list) else [factors]
-        given = [parsed(Number, each, key) * base for each in factors]
+        listed = [parsed(Number, factor, key) * base for factor in factors]
     elif path == "seed" and isinstance(spec, str):
-        given = seeds_of(spec, key)
-    elif not given or isinstance(spec, dict):
+        listed = seeds_of(spec, key)
+    elif not listed or isinstance(spec, dict):
         factors = ", or factors: {times: [0.5, 2]}" if path in sweep.entries else ""
         raise InputError(f"{key} is {written(spec)}; it must be a list of values{factors}.")
     kind = entry.field.rebuild_annotation()
-    found = [parsed(kind, each, key) for each in given]
-    for each in found if labels is not None else ():
-        if each not in labels:
+    values = [parsed(kind, value, key) for value in listed]
+    for label in values if labels is not None else ():
+        if label not in labels:
             raise InputError(
-                f"{key} is {each!r}, which is not one of "
-                f"{TABLES[path]}{did_you_mean(each, labels)}."
+                f"{key} is {label!r}, which is not one of "
+                f"{TABLES[path]}{did_you_mean(label, labels)}."
             )
-    _check_once(found, key)
-    return sorted(found) if path == "seed" else found
+    _check_once(values, key)
+    return sorted(values) if path == "seed" else values
 
 
 def seeds_of(words: str, key: str) -> list[int]:
     """The seeds that words such as "1 to 100, 205" name; raises InputError."""
-    found = []
+    seeds = []
     for part in words.split(","):
         ends = re.fullmatch(r"\s*(\d{1,20})(?:\s+to\s+(\d{1,20}))?\s*", part)
         first, last = (int(ends[1]), int(ends[2] or ends[1])) if ends else (1, 0)
-        if not first <= last < SEEDS or last - first >= MOST_RUNS - len(found):
+        if not first <= last < SEEDS or last - first >= MOST_RUNS - len(seeds):
             raise InputError(
                 f"{key} is {written(words)}; it must be a list of whole numbers, or words such as 1 "
                 f"to 100, 205: each part from less to more, below {SEEDS}, and at most "
                 f"{MOST_RUNS:,} seeds in all."
             )
-        found += range(first, last + 1)
-    return found
+        seeds += range(first, last + 1)
+    return seeds
 
 
 def seed_words(seeds) -> str:
@@ -218,5 +218,5 @@ def seed_words(seeds) -> str:
 
 def _check_once(values: list, key: str) -> None:
     if len(set(values)) < len(values):
-        twice = next(each for each in values if values.count(each) > 1)
+        twice = next(value for value in values if values.count(value) > 1)
         raise InputError(f"{key} has {written(twice)} twice; list each once.")

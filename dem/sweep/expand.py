@@ -255,8 +255,8 @@ def _runs(sweep, where, fixed, axes, derived, counts) -> dict[GridPoint, Replica
     for key, configuration in configurations.items():
         try:
             check_room(configuration, key[0], *seeds[key])
-        except ValueError as error:
-            raise InputError(f"{where} asks for an impossible run: {error}.") from None
+        except InputError as error:
+            raise InputError(f"{where} asks for an impossible run: {error}") from None
     return runs
 
 
