@@ -18,7 +18,10 @@ LONGEST = 6.0  # inches, of the longer side of a bed
 AROUND = 1.8, 1.0  # inches, for numbers, words and colour bar
 
 
-def bed(result: Result, frame: int = -1, color: str = "force", forces: bool = False) -> Figure:
+@checked
+def bed(
+    result: InstanceOf[Result], frame: Count = -1, color: str = "force", forces: bool = False
+) -> Figure:
     """Draw granules, walls and cylinder of one frame, to scale, on axes in mm.
 
     All frames of a result have the same view. What is solid is hatched.
