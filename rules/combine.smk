@@ -16,7 +16,7 @@ checkpoint combine:
     output:
         "{folder}/{observable}.nc",
     params:
-        code=code_of("dem.sweep.combine"),
+        code=code_of("dem/sweep/combine.py", "dem/io/dataset.py"),
         sweep=lambda w: place_of(w.folder)[0].text(place_of(w.folder)[1]),
         block=lambda w: place_of(w.folder)[1],
         config=lambda w: config_of(place_of(w.folder)[0]),

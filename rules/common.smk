@@ -12,6 +12,7 @@ from itertools import chain
 from pathlib import Path
 
 from dem.base.say import say
+from dem.base.sources import code_hash, codes, files_of, run_codes, with_imports
 from dem.experiment.config import EXPERIMENTS
 from dem.experiment.observables import OBSERVABLES
 from dem.figures.catalogue import FIGURES, wanted
@@ -116,12 +117,19 @@ def keep_whole(files):
             workflow.persistence.cleanup_metadata(file)
 
 
-# Code is a parameter of a rule, and not an input: the hash of what its module and the shapes depend on,
-# without comments, docstrings and sentences of errors. Other edits rerun no job. Batches need no such
-# parameter, because the code is part of the identity of their runs.
-def code_of(*modules, shapes=()):
-    """Hash of the code that modules and shapes of the sweep depend on."""
-    return SWEEP.sweep.code_of(*modules, shapes=shapes)
+# Code is a parameter of a rule, and not an input, so that an edit of a comment or a docstring reruns no job. Batches
+# need none: the code is part of the identity of their runs.
+def code_of(*names, runs=False):
+    """Hash of the code of files and folders, and of what they import of studies; runs: also of what makes runs."""
+    files = [each for file in files_of(names, HERE) for each in with_imports(file)]
+    return code_hash(codes(files, HERE) | (run_codes() if runs else {}))
+
+
+def code_of_figure(figure):
+    """The same of a figure, and of what all figures share; no other figure but that whose headings some have."""
+    figures = {f"dem/figures/{name}.py" for name in FIGURES} - {"dem/figures/sweep.py"}
+    shared = {file.relative_to(HERE).as_posix() for file in files_of(["dem/figures"], HERE)} - figures
+    return code_of(f"{figure.module.replace('.', '/')}.py", *sorted(shared), "dem/analysis")
 
 
 def pictures(names, folder=RESULTS):

@@ -15,7 +15,7 @@ rule measure_flow:
     output:
         "{folder}/flow/{batch}.nc",
     params:
-        code=code_of("dem.analysis.flow.collect", shapes=SWEEP.sweep.shapes),
+        code=code_of("dem/analysis/flow", "dem/experiment/flow_measures.py"),
         # where the files of shapes of a user's own are, and not the folder itself: it may be moved
         shapes=lambda w: f"--config {config_of(SWEEP)}" if SWEEP.sweep.beside else "",
     # before drag.nc is combined and drawn, because more is made of it
@@ -39,7 +39,7 @@ rule flow:
     output:
         "{folder}/flow.nc",
     params:
-        code=code_of("dem.analysis.flow.collect"),
+        code=code_of("dem/analysis/flow", "dem/sweep/combine.py"),
         sweep=lambda w: place_of(w.folder)[0].text(place_of(w.folder)[1]),
         block=lambda w: place_of(w.folder)[1],
         config=lambda w: config_of(place_of(w.folder)[0]),

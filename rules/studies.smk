@@ -27,6 +27,11 @@ def read_by(name):
     return found
 
 
+def folder_of(name):
+    """The folder of a study, below the checkout."""
+    return package_of(name).replace(".", "/")
+
+
 def measures(name):
     """Whether a study measures by itself."""
     return REPORTED[name].get("MEASURES", False)
@@ -50,11 +55,7 @@ rule results:
     output:
         f"{RESULTS}/{{study}}.nc",
     params:
-        # of runs the shapes are part of their identity
-        code=lambda w: code_of(
-            f"{package_of(w.study)}.results",
-            shapes=study(w.study).sweep.shapes if measures(w.study) else (),
-        ),
+        code=lambda w: code_of(f"{folder_of(w.study)}/results.py", "dem/analysis", runs=measures(w.study)),
         sweep=lambda w: study(w.study).text() if has_sweep(w.study) else SWEEP.text(None, *NOT_READ),
         config=lambda w: config_of(study(w.study)),
     threads: lambda w: workflow.cores if measures(w.study) else 1
@@ -75,7 +76,7 @@ rule table:
     output:
         report(f"{RESULTS}/{{study}}.txt", category="Tables", labels={"table": "{study}"}),
     params:
-        code=lambda w: code_of(f"{package_of(w.study)}.findings"),
+        code=lambda w: code_of(f"{folder_of(w.study)}/findings.py", "dem/analysis", "dem/report"),
     wildcard_constraints:
         study="|".join(REPORTED),
     log:

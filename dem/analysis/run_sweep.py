@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from dem.analysis.flow.collect import make_flow
 from dem.base.errors import InputError
-from dem.base.outside import loaded
+from dem.base.plugins import load
 from dem.io.lazily import open_results
 from dem.io.results_folder import prepare
 from dem.sweep.campaign import Campaign
@@ -59,8 +59,8 @@ def run_sweep(path: str | Path, executor=None, block: str | None = None) -> xr.D
     workers = workers_of(executor, campaign.store)
     if executor is None:
         for name in campaign.sweep.blocks:
-            for module in {each for run in campaign.block(name).unique() for each in run.modules}:
-                loaded(module)  # what cannot be is said before anything is written
+            for file in {each for run in campaign.block(name).unique() for each in run.files}:
+                load(file)  # what cannot be is said before anything is written
     held, _ = prepare(campaign.results, campaign.store.folder)
     try:
         with workers:

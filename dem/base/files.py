@@ -13,8 +13,6 @@ from typing import NamedTuple
 
 from dem.base.errors import InputError
 
-NO_BITS = "writes files"
-
 FULL = 100_000  # bytes that a full disk cannot take
 FOLDER, ANY = "folder", "any"  # kinds of targets, beside those of _BEGINNINGS
 

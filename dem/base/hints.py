@@ -10,8 +10,6 @@ from difflib import get_close_matches
 from numbers import Integral
 from pathlib import Path
 
-NO_BITS = "words sentences"
-
 LISTED = 20  # names that a hint lists
 PRINTED = range(5, 17)  # digits of a number, as tables and files print it
 

@@ -7,8 +7,6 @@ from typing import Any
 from dem.base.files import Place, check_paths
 from dem.base.validate import Kind, refuse
 
-NO_BITS = "checks names of files"
-
 
 def file_of(*suffixes: str) -> Kind:
     """Kind: a path with one of these suffixes at which a file can be written; returned as a Path."""

@@ -122,13 +122,13 @@ def compile(
     start_lean()
     from dem.experiment.warmup import compile_kernels
     from dem.sweep.config import load
-    from dem.sweep.store import kernels_of
+    from dem.sweep.jobs import kernel_key
 
     sweep, kinds = load(config), {}
     for block in sweep.blocks:
         for replicate in sweep.block(block).unique():
             if shape in (None, replicate.label):
-                kinds.setdefault(kernels_of(replicate), replicate)
+                kinds.setdefault(kernel_key(replicate), replicate)
     if shape is not None and not kinds:
         kinds[shape] = sweep.replicate(shape, sweep.density_of(shape), 0)
     with bar("compiling", float(len(kinds))) as update:

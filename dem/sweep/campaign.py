@@ -14,14 +14,22 @@ import numpy as np
 
 from dem.base.errors import InputError
 from dem.base.files import Place, check_own
-from dem.base.sources import code_hash
+from dem.base.sources import ROOT, code_hash, codes, files_of
 from dem.base.yaml_file import read
 from dem.experiment.config import Replicate
 from dem.sweep.config import CONFIG, Sweep, file_of, load, parse, save
-from dem.sweep.earlier import OWNER, RECIPE, Earlier, read_earlier, refuse_other, replaced
 from dem.sweep.expand import Block
+from dem.sweep.jobs import plan_batches
+from dem.sweep.ownership import (
+    OWNER,
+    RECIPE,
+    Combined,
+    lost_runs,
+    read_combined,
+    refuse_foreign,
+)
 from dem.sweep.precision import Lead, Numbers, short_of
-from dem.sweep.store import FOLDER, Batch, Store, plan
+from dem.sweep.store import FOLDER, Batch, Store
 from dem.sweep.workers import Workers, make_batches
 
 UNREAD = "batch", "figures", "results", "studies", "beside"  # nothing that is computed reads them
@@ -179,8 +187,8 @@ class Campaign:
                 for number, found in enumerate(self._blocks[name]):
                     if (name, number) not in self._plans:
                         own = {each.id: each for batches in self._plans.values() for each in batches}
-                        there = (self.store.sealed() | own).values()
-                        self._plans[name, number], new = plan(
+                        there = (self.store.complete() | own).values()
+                        self._plans[name, number], new = plan_batches(
                             there, found.unique(), self.sweep.batch, self.sweep.results
                         )
                         self._new |= new
@@ -207,14 +215,14 @@ class Campaign:
     def counts(self) -> tuple[int, int]:
         """How many runs are there, also of batches that have not ended, and how many the sweep has."""
         wanted = self.runs()
-        there = {run for batch in self.store.sealed().values() for run in batch.runs}
+        there = {run for batch in self.store.complete().values() for run in batch.runs}
         kept = [run for run in wanted - there if self.store.run_of(run).is_file()]
         return len(wanted & there) + len(kept), len(wanted)
 
     def failed(self) -> int:
         """How many runs failed in batches that ended since this was first asked. Each file is read once,
         and none that was there before: reading takes a hundredth of a second."""
-        there = self.store.sealed().keys()
+        there = self.store.complete().keys()
         if self._ended is None:
             self._ended = set(there)
         for batch in there - self._ended:
@@ -243,10 +251,10 @@ class Campaign:
             check_own(Place("the file to write", path))
         for name, path in self.combined():
             check_own(Place("the file to write", path))
-            found = read_earlier(path)
-            refuse_other(path, found, self.sweep, self.file)
+            found = read_combined(path)
+            refuse_foreign(path, found, self.sweep, self.file)
             if path == self.first(name) and not self.sweep.needed(name):
-                said += replaced(path, found, self.block(name).places)
+                said += lost_runs(path, found, self.block(name).places)
         return said
 
     def combine(
@@ -260,7 +268,7 @@ class Campaign:
             )
         from dem.sweep.combine import combine
 
-        found, before = self.block(block), read_earlier(output)
+        found, before = self.block(block), read_combined(output)
         if partial and output.resolve() in (path.resolve() for _, path in self.combined()):
             raise InputError(
                 f"output is {str(output)!r}, where the whole of the sweep will be; name another file for a part."
@@ -268,7 +276,8 @@ class Campaign:
 
         if found.until and not partial and observable == self.observables(block)[0]:
             self.said += short_of(found, self.values(found))
-        text = f"{code_hash('dem.sweep.combine')} {self.text(block)} {observable}"
+        files = files_of(("dem/sweep/combine.py", "dem/io/dataset.py"), ROOT)
+        text = f"{code_hash(codes(files))} {self.text(block)} {observable}"
         recipe = sha256(text.encode()).hexdigest()
         if not partial and self._is_current(block, output, before, recipe):
             return
@@ -281,12 +290,12 @@ class Campaign:
             files = self._parts(block, Path(folder)) if partial else self.files(block)
             combine(files, self.sweep, found, observable, output, progress, sign, partial)
         if output == self.first(block) and self.sweep.needed(block):
-            self.said += replaced(output, before, found.places)
+            self.said += lost_runs(output, before, found.places)
 
-    def _is_current(self, block: str, path: Path, earlier: Earlier | None, recipe: str) -> bool:
+    def _is_current(self, block: str, path: Path, combined: Combined | None, recipe: str) -> bool:
         """Whether a combined file need not be written again; what is drawn from it then stays too."""
         runs = set(self.block(block).places)
-        if earlier is None or (earlier.recipe, set(earlier.runs)) != (recipe, runs):
+        if combined is None or (combined.recipe, set(combined.runs)) != (recipe, runs):
             return False
         written = path.stat().st_mtime_ns
         return all(file.stat().st_mtime_ns <= written for file in self.files(block))

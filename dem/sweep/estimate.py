@@ -18,10 +18,10 @@ from dem.io.progress import span
 from dem.sweep.axis import OWN
 from dem.sweep.batch import retry
 from dem.sweep.campaign import Campaign
+from dem.sweep.explain import reasons
 from dem.sweep.precision import outlook
 from dem.sweep.prune import sweeps
 from dem.sweep.store import Store
-from dem.sweep.why import reasons
 
 # s an effort, where no run was made yet: of a usual processor, by kind of granule
 GUESS = {"disc": 3e-8, "dumbbell": 6e-8, "ellipse": 6e-8}
@@ -130,7 +130,7 @@ def made(campaign: Campaign, block: str) -> tuple[set[str], set[str]]:
     """Identities of the runs of a block that are in the store, and of those that failed."""
     store, wanted = campaign.store, set(campaign.block(block).places)
     there, failed = set(), set()
-    for batch in store.sealed().values():
+    for batch in store.complete().values():
         if here := wanted.intersection(batch.runs):
             bad = store.failed(batch.id)
             there |= here - bad
@@ -234,7 +234,7 @@ def listing(store: Store, wanted: list[tuple[str, str]]) -> Table:
         users += sweeps(store)
     except InputError:  # a configuration whose files are away
         unknown = "not known"
-    for batch in store.known():
+    for batch in store.batches():
         try:
             runs = store.replicates(batch.id)
         except InputError:  # of another version of the code

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from dem.base.errors import InputError
-from dem.base.outside import placed, reread
+from dem.base.plugins import refresh, with_folder
 from dem.experiment.config import of_values
 from dem.io.dataset import LABELS, attributes, global_attributes
 from dem.sweep.config import extended, load
@@ -79,8 +79,8 @@ def run_experiment(values: dict) -> xr.Dataset:
     >>> found["drag"].dims, found["drag"].attrs["units"]
     (('displacement',), 'N')
     """
-    reread()
-    replicate = of_values(placed(_whole(values), Path()))
+    refresh()
+    replicate = of_values(with_folder(_whole(values), Path()))
     own = replicate.configuration.checked()
     experiment = own.module
     found = experiment.run(replicate)

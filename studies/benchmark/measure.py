@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.base import provenance
+from dem.base.sources import run_hash
 from dem.dynamics.checkpoint import writable
 from dem.dynamics.simulation import Simulation
 from dem.io.dataset import global_attributes, write
@@ -161,7 +162,7 @@ def write_benchmark(path: Path, sweep: Sweep, values: dict) -> None:
         versions=provenance.versions(),
         codes=", ".join(codes),
         git_revision=provenance.git_revision(),
-        source_hash=sweep.code_of("studies.benchmark.measure", shapes=sweep.shapes),
+        source_hash=run_hash(),
         processor=processor(),
     )
     write(path, values, attrs, VARIABLES)

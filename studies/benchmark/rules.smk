@@ -28,7 +28,7 @@ rule measure:
     output:
         f"{RESULTS}/benchmark.nc",
     params:
-        code=code_of("studies.benchmark.measure", shapes=SWEEP.sweep.shapes),
+        code=code_of("studies/benchmark/measure.py", runs=True),
         sweep=SWEEP.text(None, "record", "sweep", "title", "failures"),
         smoke=SMOKE,
         config=lambda w: config_of(SWEEP),

@@ -35,7 +35,7 @@ rule claims_table:
     output:
         f"{RESULTS}/claims.nc",
     params:
-        code=code_of("studies.claims.table"),
+        code=code_of("studies/claims/table.py", "dem/analysis"),
         sweep=lambda w: study("claims").text(),
         config=lambda w: config_of(study("claims")),
     log:

@@ -28,6 +28,7 @@ import numpy as np
 
 from dem.base import provenance
 from dem.base.errors import InputError, RunError
+from dem.base.sources import run_hash
 from dem.io.dataset import global_attributes, read, write
 from dem.sweep.campaign import Campaign
 from dem.sweep.expand import Block, Run
@@ -63,8 +64,7 @@ def write_results(
         files = [file for block in sweep.blocks for file in campaign.files(block)]
         sources += [read(file, ())[1] for file in dict.fromkeys(files)]
     if getattr(results, "MEASURES", False):
-        code = sweep.code_of(results.__name__, shapes=sweep.shapes)
-        measured = provenance.versions(), provenance.git_revision(), code
+        measured = provenance.versions(), provenance.git_revision(), run_hash()
         sources.append(dict(zip(ORIGIN, measured, strict=True)))
     for key in ORIGIN:
         attributes[key] = "; ".join(dict.fromkeys(each[key] for each in sources))

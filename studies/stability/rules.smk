@@ -34,7 +34,7 @@ rule stability_part:
     wildcard_constraints:
         part="catalogue|limits",
     params:
-        code=lambda w: code_of("studies.stability.study", shapes=[w.shape]),
+        code=code_of("studies/stability/study.py", runs=True),
         sweep=lambda w: study("stability").text(None, "record", "sweep", "title", "failures"),
         seed=lambda w: study("stability").sweep.first_seed,
         config=lambda w: config_of(study("stability")),
@@ -56,7 +56,7 @@ rule stability_table:
     output:
         f"{RESULTS}/stability.nc",
     params:
-        code=code_of("studies.stability.table"),
+        code=code_of("studies/stability/table.py"),
         sweep=lambda w: study("stability").text(),
         config=lambda w: config_of(study("stability")),
     log:

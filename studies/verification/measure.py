@@ -12,7 +12,7 @@ import numpy as np
 from dem.base import provenance
 from dem.base.errors import InputError
 from dem.base.hints import choice
-from dem.base.sources import code_hash
+from dem.base.sources import run_hash
 from dem.io.dataset import global_attributes, write
 from studies.verification import cases
 from studies.verification.layout import VARIABLES
@@ -67,6 +67,6 @@ def write_verification(path: Path, found: list) -> None:
         "python -m studies verification measure",
         versions=provenance.versions(),
         git_revision=provenance.git_revision(),
-        source_hash=code_hash(__name__, *cases.MODULES),
+        source_hash=run_hash(),
     )
     write(path, variables(found), attrs, VARIABLES)

@@ -9,8 +9,6 @@ OUTPUTS
     {RESULTS}/figures/verification.svg, {RESULTS}/figures/verification.png
 """
 
-from studies.verification.cases import MODULES as VERIFICATION_CASES
-
 
 localrules:
     verification,
@@ -28,7 +26,7 @@ rule verification_cases:
     output:
         f"{RESULTS}/verification.nc",
     params:
-        code=code_of("studies.verification.measure", *VERIFICATION_CASES),
+        code=code_of("studies/verification/measure.py", "studies/verification/cases", runs=True),
     threads: lambda w: workflow.cores
     log:
         f"{RESULTS}/logs/verification.log",

@@ -7,4 +7,3 @@ It has TITLE, SOURCE, `measure() -> list[Row]`, and `plot(axes, rows)`, which dr
 from pathlib import Path
 
 NAMES = tuple(sorted(path.stem for path in Path(__file__).parent.glob("[a-z]*.py")))
-MODULES = tuple(f"{__name__}.{name}" for name in NAMES)
