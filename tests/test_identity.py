@@ -51,7 +51,7 @@ KEPT = {
     "sweep/store.py": LINE,
     "analysis/statistics.py": LINE,
     "figures/style.py": LINE,
-    "report/interactive.py": LINE,
+    "report/build.py": LINE,
     "cli/app.py": LINE,
 }
 
