@@ -46,7 +46,6 @@ rule figures:
 
 include: "rules/batch.smk"
 include: "rules/combine.smk"
-include: "rules/flow.smk"
 include: "rules/figures.smk"
 include: "rules/report.smk"
 
@@ -66,4 +65,4 @@ onsuccess:
 
 
 onerror:
-    say(on_failure(SWEEP.results, kept(SWEEP)))
+    say(on_failure(SWEEP.results, interrupted(SWEEP)))

@@ -20,7 +20,7 @@ from PIL import Image
 
 import dem
 from dem import shapes
-from dem.experiment.fit import height_of_box, sample_diameters
+from dem.experiment.box import height_of_box, sample_diameters
 from dem.experiment.sections import ShapeSection
 from dem.sweep.config import load
 

@@ -1,4 +1,3 @@
-from .analysis.run_sweep import run_sweep as run_sweep
 from .base.errors import InputError as InputError
 from .base.errors import OverlapError as OverlapError
 from .base.errors import PackingError as PackingError
@@ -31,3 +30,4 @@ from .shapes.geometric_potential import GeometricPotential as GeometricPotential
 from .shapes.superellipse import Superellipse as Superellipse
 from .sweep.library import load_sweep as load_sweep
 from .sweep.library import run_experiment as run_experiment
+from .sweep.library import run_sweep as run_sweep

@@ -20,7 +20,7 @@ rule batch:
     log:
         f"{RESULTS}/logs/batches/{{batch}}.log",
     shell:
-        "dem batch {output} 2> {log}"
+        "python -P -m dem.cli.batch {output} 2> {log}"
 
 
 localrules:
@@ -36,6 +36,6 @@ checkpoint round:
     output:
         touch("{folder}/rounds/{number}"),
     params:
-        sweep=lambda w: place_of(w.folder)[0].text(place_of(w.folder)[1]),
+        sweep=values_of,
     wildcard_constraints:
         number="[0-9]+",

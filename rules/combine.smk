@@ -17,11 +17,11 @@ checkpoint combine:
         "{folder}/{observable}.nc",
     params:
         code=code_of("dem/sweep/combine.py", "dem/io/dataset.py"),
-        sweep=lambda w: place_of(w.folder)[0].text(place_of(w.folder)[1]),
-        block=lambda w: place_of(w.folder)[1],
-        config=lambda w: config_of(place_of(w.folder)[0]),
-    wildcard_constraints:
-        observable="|".join(sorted({*OBSERVABLES, *EXPERIMENTS, *RECORDED} - {"snapshots", "flow"})),
+        sweep=values_of,
+        block=lambda w: block_of(w.folder)[1],
+        config=lambda w: config_of(block_of(w.folder)[0]),
+    wildcard_constraints:  # also by files of a user's own
+        observable="|".join({*OBSERVABLES, *EXPERIMENTS, *(Path(file).stem for file in COMBINED)}),
     log:
         "{folder}/logs/combine/{observable}.log",
     shell:

@@ -1,6 +1,6 @@
-"""What rules ask of sweeps, which dem.sweep.campaign computes.
+"""What rules ask of sweeps, which dem.sweep.state computes.
 
-SWEEP is that of the configuration. Each study has one of its own, looked at where it is asked for.
+SWEEP is that of the configuration. Each study has one of its own, which is read where a rule asks for it.
 """
 
 import logging
@@ -8,7 +8,6 @@ import os
 import shlex
 import sys
 from functools import cache
-from itertools import chain
 from pathlib import Path
 
 from dem.base.say import say
@@ -18,9 +17,8 @@ from dem.experiment.observables import OBSERVABLES
 from dem.figures.catalogue import FIGURES, wanted
 from dem.io.progress import WorkflowProgress
 from dem.io.results_folder import on_failure, prepare
-from dem.sweep.campaign import Campaign
-from dem.sweep.estimate import kept, outcome
-from dem.sweep.units import unusual
+from dem.sweep.estimate import interrupted, outcome
+from dem.sweep.state import SweepState
 from snakemake.io import IOFile
 
 HERE = Path(str(workflow.current_basedir)).parent
@@ -34,9 +32,9 @@ if STUDIES.is_dir():
     KNOWN_FIGURES, REPORTED = figures(), reported()
 
 ROOT = workflow.modifier.path_modifier.prefix or ""  # of a module
-SWEEP = Campaign.of_values(config, workflow.configfiles, ROOT)
+SWEEP = SweepState.of_values(config, workflow.configfiles, ROOT)
 RESULTS = SWEEP.sweep.results
-SWEEP.check()
+WARNINGS = SWEEP.check()
 
 # Jobs run the Python that runs Snakemake, for any PATH, and this package, for any working folder. Ctrl-C
 # reaches a job only when it can answer (dem.cli.stopping), because Python would show a traceback while
@@ -53,17 +51,23 @@ def study(name):
     """The sweep that a study reads: its own, or else that of the configuration."""
     if not has_sweep(name):
         return SWEEP
-    found = Campaign.of(FOLDERS[name] / SWEEP.sweep.studies, ROOT)
-    found.check()
-    return found
+    sweep = SweepState.of(FOLDERS[name] / SWEEP.sweep.studies, ROOT)
+    sweep.check()
+    return sweep
 
 
-def place_of(folder):
+def block_of(folder):
     """The sweep of a folder, and the block whose combined files are in it."""
-    for sweep in chain([SWEEP], map(study, REPORTED)):
+    for sweep in (SWEEP, *map(study, REPORTED)):
         if folder in sweep.folders:
             return sweep, sweep.folders[folder]
     raise ValueError(f"{folder} is no folder of this sweep")
+
+
+def values_of(w):
+    """What combining the runs of a folder reads in its configuration."""
+    sweep, block = block_of(w.folder)
+    return sweep.text(block)
 
 
 def config_of(sweep):
@@ -71,13 +75,18 @@ def config_of(sweep):
     return f"{ROOT}{sweep.sweep.results}/config.yaml" if workflow.dryrun else sweep.begin()
 
 
+def combined(sweep, block):
+    """The combined files of a block."""
+    return [f"{sweep.folder_of(block)}/{name}.nc" for name in sweep.observables(block)]
+
+
 def batches_in(folder, rounds=None):
     """The batches of a block; those of a derived one are known once the blocks that it needs are combined,
-    and those of a round once the rounds before it are made."""
-    sweep, block = place_of(folder)
-    for name in sweep.sweep.needed(block):
-        for observable in sweep.observables(name):
-            checkpoints.combine.get(folder=sweep.folder_of(name), observable=observable)
+    and those of a round of replicates once the rounds before it are made."""
+    sweep, block = block_of(folder)
+    for other in sweep.sweep.needed(block):
+        for name in sweep.observables(other):
+            checkpoints.combine.get(folder=sweep.folder_of(other), observable=name)
     for number in sweep.rounds(block):
         if number == rounds:
             break
@@ -86,26 +95,30 @@ def batches_in(folder, rounds=None):
     if not workflow.dryrun:
         sweep.begin(block)
         keep_whole(sweep.files(block))
-    return [f"results/store/batches/{batch.id}.nc" for batch in sweep.batches(block, rounds)]
+    return names_of(sweep.batches(block, rounds))
+
+
+def names_of(batches):
+    """Their files, below the root."""
+    return [f"results/store/batches/{batch.id}.nc" for batch in batches]
 
 
 def missing(sweep, block, rounds=None):
-    """The batches of a block that are not there, after a number of rounds or all that are known."""
+    """The batches of a block that do not exist, after a number of rounds or all that are known."""
     return [batch for batch in sweep.batches(block, rounds) if not sweep.store.file_of(batch.id).is_file()]
 
 
 def to_make(wildcards):
-    """What the sweep must make. Of a drag.nc that is there Snakemake does not ask what it waits for, or what it was
+    """What the sweep must make. Of a drag.nc that exists Snakemake does not ask what it waits for, or what it was
     made of if `dem sweep` made it, so that more runs are targets themselves."""
-    found = []
-    for folder, block in SWEEP.folders.items():
-        if SWEEP.is_known(block) and (left := missing(SWEEP, block)):
+    targets, known = [], [block for block in SWEEP.sweep.blocks if SWEEP.is_known(block)]
+    for block in known:
+        if batches := missing(SWEEP, block):
             rounds = list(SWEEP.rounds(block))
-            batches = [f"results/store/batches/{batch.id}.nc" for batch in left]
-            found += [f"{folder}/rounds/{rounds[-1]}"] if rounds else batches
-    if found and not workflow.dryrun:
-        SWEEP.begin(*(block for block in SWEEP.sweep.blocks if SWEEP.is_known(block)))
-    return found
+            targets += [f"{SWEEP.folder_of(block)}/rounds/{rounds[-1]}"] if rounds else names_of(batches)
+    if targets and not workflow.dryrun:
+        SWEEP.begin(*known)
+    return targets
 
 
 def keep_whole(files):
@@ -139,27 +152,21 @@ def pictures(names, folder=RESULTS):
 
 def pictures_of(study):
     """Both files of each figure of a study."""
-    return pictures([name for name, each in KNOWN_FIGURES.items() if each.file == study])
+    return pictures([name for name, figure in KNOWN_FIGURES.items() if figure.file == study])
 
-
-RECORDED = {each for block in SWEEP.sweep.blocks for each in SWEEP.observables(block)}  # also by files of a user's own
 
 # The results of each block of the sweep: its combined files, and the figures that these suffice for.
 COMBINED, PICTURES = [], []
 for folder, block in SWEEP.folders.items():
-    names = wanted(SWEEP.block(block), SWEEP.sweep.figures, KNOWN_FIGURES)
-    found = [*SWEEP.observables(block), *(KNOWN_FIGURES[name].file for name in names)]
-    COMBINED += [f"{folder}/{observable}.nc" for observable in dict.fromkeys(found)]
-    PICTURES += pictures(names, folder)
-
-HELD = []
+    COMBINED += combined(SWEEP, block)
+    PICTURES += pictures(wanted(SWEEP.block(block), SWEEP.sweep.figures, KNOWN_FIGURES), folder)
 
 
 def begin():
     """Hold the folder of results until the process ends, and say what is unusual."""
-    held, said = prepare(SWEEP.results, SWEEP.store.folder)
-    HELD.append(held)
-    for sentence in (*said, *unusual(SWEEP)):
+    global LOCK
+    LOCK, sentences = prepare(SWEEP.results, SWEEP.store.folder)
+    for sentence in (*sentences, *WARNINGS):
         say(sentence)
     SWEEP.failed()  # counts what fails from now on
     logging.raiseExceptions = False  # that Snakemake's log cannot grow on a full disk is said once

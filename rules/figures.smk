@@ -3,7 +3,7 @@
     snakemake -j2 --profile profiles/figures figures      simulates nothing, and makes no file of results
 
 REQUIRED INPUTS
-    {RESULTS}/drag.nc, flow.nc, onset.nc, shear.nc or the file of a study: as each figure says
+    {RESULTS}/drag.nc, snapshots.nc, onset.nc, shear.nc or the file of a study: as each figure says
 OUTPUTS
     {RESULTS}/figures/{figure}.svg, {RESULTS}/figures/{figure}.png
 """

@@ -18,8 +18,8 @@ from measured import arguments, report
 from dem.experiment.bed import make_bed
 from dem.experiment.kinds import drag
 from dem.sweep.batch import write_batch
-from dem.sweep.campaign import Campaign
 from dem.sweep.config import load
+from dem.sweep.state import SweepState
 
 MEASURED = """
 import resource, subprocess, sys
@@ -34,7 +34,6 @@ COMMANDS = {
     "combine": "combining all runs",
     "figure": "drawing Figure 13",
     "info": "dem info",
-    "flow": "measuring the flow of all runs",
 }
 LAYOUT = {"runs": (("runs",), "1", "number of runs")}
 for _name, _words in COMMANDS.items():
@@ -44,13 +43,12 @@ LAYOUT["files"] = ("runs",), "1", "number of files of the store"
 LAYOUT["size"] = ("runs",), "byte", "size of the store"
 SIZE = 100  # runs a job
 EACH = 10_000  # runs up to which a job each is planned too
-FLOW = 1000  # runs up to which their flow is measured too, which takes long
 
 
 def copies(place: Place, config: str, row: dict) -> None:
     """Write all batches of a sweep, each run as if it had given this row."""
     with contextlib.chdir(place.folder):
-        work = Campaign(load(Path(config)))
+        work = SweepState(load(Path(config)))
         runs = {run.id: run for run in work.sweep.block("drag").unique()}
         chunks = work.batches("drag")
         work.begin("drag")
@@ -83,9 +81,6 @@ def commands(place: Place, count: int, row: dict):
     yield "combine", measured(place, "dem", "combine", "--config", config, "-o", data)
     yield "figure", measured(place, "dem", "figure", "figure13", data)
     yield "info", measured(place, "dem", "info", data)
-    if count <= FLOW:
-        flow = ["snakemake", "-j2", "results/many/flow.nc", "--configfile", config]
-        yield "flow", measured(place, *flow)
 
 
 def main() -> None:

@@ -47,6 +47,7 @@ import dem
 from dem.base.errors import InputError, RunError
 from dem.base.schema import MOST_SENTENCES
 from dem.cli.app import app
+from dem.experiment.warmup import compile_kernels
 from dem.io.dataset import read
 from dem.sweep.config import load, parse
 
@@ -116,7 +117,7 @@ def good_files() -> Path:
 
     Image.new("RGB", (40, 30)).save(folder / "figures" / "figure10.png")
     with contextlib.chdir(folder):
-        for verb, output in (("pack", "bed.nc"), ("simulate", "rep.nc")):
+        for verb, output in [("simulate", "rep.nc")]:
             options = {k: v for k, v in GOOD[verb].items() if k != "--checkpoint"}
             result = CliRunner().invoke(app, words(verb, options | {"-o": output}))
             assert result.exit_code == 0, result.output
@@ -126,23 +127,22 @@ def good_files() -> Path:
 
 
 def _make_sweep():
-    """The store of the sweep with its only run, drag.nc and flow.nc."""
-    from dem.analysis.flow.collect import measure_batch, write_flow
+    """The store of the sweep with its only run, drag.nc and snapshots.nc."""
     from dem.sweep import batch as making
-    from dem.sweep.campaign import Campaign
+    from dem.sweep.combined import combine_block
+    from dem.sweep.state import SweepState
 
-    work = Campaign(load(Path("q.yaml")))
+    work = SweepState(load(Path("q.yaml")))
     (chunk,) = work.batches("drag")
     work.begin("drag")
-    made = making.make(work.store, chunk.id)
-    work.combine("drag", "drag", Path("drag.nc"))
-    measure_batch(made, Path(f"results/flow/{chunk.id}.nc"))
-    write_flow(work, "drag", Path("flow.nc"))
+    making.make(work.store, chunk.id)
+    combine_block(work, "drag", "drag", Path("drag.nc"))
+    combine_block(work, "drag", "snapshots", Path("snapshots.nc"))
 
 
 def _make_checkpoint():
     """The checkpoint of a run that was stopped in the middle: run.npz."""
-    from dem.experiment.bed import read_bed
+    from dem.experiment.bed import make_bed
     from dem.experiment.kinds import drag
 
     def stop(done):
@@ -152,7 +152,7 @@ def _make_checkpoint():
     often, drag.SAVED_EVERY = drag.SAVED_EVERY, 0.0
     replicate = load("q.yaml").replicate("c1", 3.9e3, 1)
     with contextlib.suppress(KeyboardInterrupt):
-        drag.run(replicate, read_bed("bed.nc", replicate), stop, checkpoint=Path("run.npz"))
+        drag.run(replicate, make_bed(replicate), stop, checkpoint=Path("run.npz"))
     drag.SAVED_EVERY = often
     assert Path("run.npz").is_file()
 
@@ -160,16 +160,13 @@ def _make_checkpoint():
 # verb: its options and arguments (those without a dash), all good
 RUN = {"--config": "q.yaml", "--shape": "c1", "--density": "3900", "--seed": "1"}
 GOOD = {
-    "simulate": RUN | {"--bed": "bed.nc", "--threads": "1", "--checkpoint": "run.npz", "-o": "new.nc"},
-    "pack": {"--config": "q.yaml", "--shape": "c1", "--seed": "1", "-o": "new.nc"},
+    "simulate": RUN | {"--threads": "1", "--checkpoint": "run.npz", "-o": "new.nc"},
     "combine": {"--config": "q.yaml", "--block": "drag", "--observable": "drag", "-o": "new.nc"},
-    "flow": {"file": "rep.nc", "-o": "new.nc"},
     "store": {"value": "shape=c1"},
     "info": {"file": "drag.nc", "-o": "new.txt"},
     "draw": {"file": "rep.nc", "--displacement": "0.001", "--color": "layer", "-o": "new.png"},
     "figure": {"name": "figure13", "file": "drag.nc", "-o": "new"},
     "report": {"file": "drag.nc", "-o": "new.html"},
-    "compile": {"--config": "q.yaml", "--shape": "c1"},
 }  # fmt: skip
 
 
@@ -321,7 +318,7 @@ def a_configuration(rng, folder):
 
 def an_extreme_value(rng, folder):
     """A run with one number of its configuration at the edge of what a computer can hold."""
-    bring(folder, "q.yaml", "bed.nc")
+    bring(folder, "q.yaml")
     data = yaml.safe_load((folder / "q.yaml").read_text())
     section = data[rng.choice(["material", "friction", "cylinder", "record", "shapes"])]
     section = section.get("c1", section)
@@ -329,7 +326,7 @@ def an_extreme_value(rng, folder):
     section[key] = rng.choice([5e-324, 1e-308, 1e-200, 1e-150, 1e-30, 1e15])
     (folder / "q.yaml").write_text(yaml.safe_dump(data))
     options = GOOD["simulate"] | {"--density": rng.choice(["3900", "3900", "5e-324", "1e300"])}
-    unwanted = "--checkpoint", rng.choice(["--bed", "--threads"])
+    unwanted = "--checkpoint", "--threads"
     options = {name: word for name, word in options.items() if name not in unwanted}
     command(folder, words("simulate", options), "new.nc", most=MANY)
 
@@ -408,7 +405,7 @@ def a_yaml(rng, folder):
         a_device(file, 5)
     else:
         file.mkdir()
-    line = words("pack", GOOD["pack"] | {"--config": "fuzz.yaml"})
+    line = words("simulate", GOOD["simulate"] | {"--config": "fuzz.yaml"})
     command(folder, line, "new.nc", bad=sort != "utf-16", most=MANY)
 
 
@@ -417,13 +414,13 @@ def a_yaml(rng, folder):
 WORDS = (
     "c1", "x9", "", "nan", "inf", "-1", "0", "1e300", "1e-300", "-5", "99999999999999999999", "3900",
     "none.yaml", "README.md", "pyproject.toml", "/", ".", "é", "--", "-h2", "a b",
-    "figure13", "all", "\u202e", "q.yaml ", str(2**63), "bed.nc", "x.npy",
+    "figure13", "all", "\u202e", "q.yaml ", str(2**63), "rep.nc", "x.npy",
 )  # fmt: skip
 
 
 def a_command_line(rng, folder):
     """A verb with options that cannot all be right: its configuration is never a good one."""
-    bring(folder, "README.md", "pyproject.toml", "bed.nc")
+    bring(folder, "README.md", "pyproject.toml")
     verb = rng.choice(list(GOOD))
     options = {name: rng.choice(WORDS) for name in GOOD[verb] if rng.random() < 0.8}
     if "-o" in options:
@@ -439,10 +436,10 @@ BAD = {
     "--seed": ("-1", str(2**63), str(2**70), "1.5", *NUMBER), "--density": ("0", "-inf", *NUMBER),
     "--threads": ("0", "100000", str(2**40), *NUMBER), "--target": ("0", "-inf", *NUMBER),
     "--displacement": ("1e9", "-inf", *NUMBER), "--shape": ("zz", "", "é", "c1 "), "--color": ("zz", ""),
-    "--flow": ("rep.nc", "q.yaml", "."), "value": ("gravty=1", "shape", "seed=", "density=x=y", ""),
-    "--block": ("zz", ""), "--observable": ("zz", "", "snapshots"), "--bed": ("rep.nc", "q.yaml", "none.nc", "."), "--checkpoint": ("x.npy", "q.yaml", "note.txt", "."),
-    "--config": ("bed.nc", "README.md", "none.yaml", "."), "--seeds": ("1", "0", "1.5", *NUMBER), "-j": ("0", *NUMBER),
-    "file": ("q.yaml", "bed.nc", "run.npz", "none.nc", "."), "name": ("figure99", "", "../figure13"),
+    "value": ("gravty=1", "shape", "seed=", "density=x=y", ""),
+    "--block": ("zz", ""), "--observable": ("zz", "", "snapshots"), "--checkpoint": ("x.npy", "q.yaml", "note.txt", "."),
+    "--config": ("rep.nc", "README.md", "none.yaml", "."), "--seeds": ("1", "0", "1.5", *NUMBER), "-j": ("0", *NUMBER),
+    "file": ("q.yaml", "run.npz", "none.nc", "."), "name": ("figure99", "", "../figure13"),
 }  # fmt: skip
 
 
@@ -453,8 +450,6 @@ def an_option(rng, folder):
     verb = rng.choice(list(GOOD))
     name = rng.choice([each for each in GOOD[verb] if each in BAD])
     options = GOOD[verb] | {name: rng.choice(BAD[name])}
-    if name != "--bed" and rng.random() < 0.5:
-        options.pop("--bed", None)
     command(folder, words(verb, options), options.get("-o"), bad=True)
 
 
@@ -468,7 +463,7 @@ def a_device(path: Path, minor: int):
 
 def odd_path(rng, folder) -> str:
     """One of the files of the folder, a link to it or another spelling of it; or no file at all."""
-    name = rng.choice(["q.yaml", "bed.nc", "rep.nc", "drag.nc", "run.npz", "note.txt"])
+    name = rng.choice(["q.yaml", "rep.nc", "drag.nc", "run.npz", "note.txt"])
     plain = ["", ".", "sub", "figures", "note.txt/new.nc", "sub/deep/new.nc", "x" * 300, "\udcff.nc", "a\nb.nc",
              "fifo", "null", "full", "zero"]  # fmt: skip
     links = {"dangling": "nowhere.nc", "loop": "loop", "tosub": "sub", "tonull": "null", "to": name}
@@ -487,8 +482,8 @@ def odd_path(rng, folder) -> str:
     return made
 
 
-PATHS = ("-o", "-o", "--checkpoint", "--bed", "--config", "file", "--flow")
-WRITES = {"simulate": 8, "pack": 2, "combine": 3, "flow": 2, "info": 4, "report": 1, "draw": 2, "figure": 1}  # fmt: skip
+PATHS = ("-o", "-o", "--checkpoint", "--config", "file")
+WRITES = {"simulate": 8, "combine": 3, "info": 4, "report": 1, "draw": 2, "figure": 1}  # fmt: skip
 
 
 def a_path(rng, folder):
@@ -498,7 +493,7 @@ def a_path(rng, folder):
     options = dict(GOOD[verb])
     options |= {rng.choice([p for p in PATHS if p in options]): odd_path(rng, folder)}
     if rng.random() < 0.2 and verb == "simulate":
-        options["--checkpoint"] = options[rng.choice(["-o", "--bed", "--config"])]
+        options["--checkpoint"] = options[rng.choice(["-o", "--config"])]
     real = {name: os.path.realpath(word) for name, word in options.items() if name in PATHS}
     written = [name for name in ("-o", "--checkpoint") if name in real]
     bad = any(real[name] == real[other] for name in written for other in real if other != name)
@@ -696,7 +691,7 @@ def a_restored_state(rng, folder):
 
 def a_checkpoint(rng, folder):
     """dem simulate with a checkpoint with a strange array, or that is truncated or damaged."""
-    bring(folder, "q.yaml", "bed.nc", "run.npz")
+    bring(folder, "q.yaml", "run.npz")
     file = folder / "run.npz"
     damage = rng.choice(["array", "array", "cut", "flip", "header", "garbage"])
     if damage == "array":
@@ -744,7 +739,7 @@ def _answer(verb, folder, name):
             names = tuple(opened.variables)
         values, attributes = read(folder / name, names)
         return values | {key: np.asarray(value) for key, value in attributes.items()}
-    options = GOOD[verb] | {"--bed" if verb == "simulate" else "file": name}
+    options = GOOD[verb] | {"file": name}
     if verb == "combine":
         del options["file"]
     for unwanted in ("--checkpoint", *(["-o"] if verb == "info" else [])):
@@ -757,10 +752,10 @@ def _answer(verb, folder, name):
 
 def a_flip(rng, folder):
     """A replicate, a bed or drag.nc with a bit turned round, given to all that reads it."""
-    bring(folder, "q.yaml", "bed.nc", "rep.nc", "drag.nc", "results")
+    bring(folder, "q.yaml", "rep.nc", "drag.nc", "results")
     verb, name = rng.choice([
-        ("read", "rep.nc"), ("read", "bed.nc"), ("info", "rep.nc"), ("combine", CHUNK), ("flow", "rep.nc"),
-        ("simulate", "bed.nc"), ("info", "drag.nc"),
+        ("read", "rep.nc"), ("info", "rep.nc"), ("combine", CHUNK),
+        ("info", "drag.nc"),
     ])  # fmt: skip
     file = next((folder / "results/store/batches").glob("*.nc")) if name is CHUNK else folder / name
     flip(file, rng, rng.choice([1, 1, 1, 10]))
@@ -771,7 +766,7 @@ def a_flip(rng, folder):
 
 def a_file(rng, folder):
     """Bytes that are no netCDF file, or the beginning of one, given to readers."""
-    bring(folder, "q.yaml", "rep.nc", "flow.nc")
+    bring(folder, "q.yaml", "rep.nc", "snapshots.nc")
     if rng.random() < 0.5:
         head = rng.choice([b"", b"CDF\x01", b"CDF\x05", b"\x89HDF\r\n\x1a\n", b"PK\x03\x04"])
         (folder / "fuzz.nc").write_bytes(head + rng.randbytes(rng.choice([0, 10, 3000])))
@@ -829,10 +824,10 @@ def _relabelled(file):
 def a_tampered_file(rng, folder):
     """A file of results with other text or values in it; a page or a terminal never obeys its text."""
     bring(folder)
-    verb = rng.choice(["info", "info", "figure", "flow", "draw", "report"])
+    verb = rng.choice(["info", "info", "figure", "draw", "report"])
     options = dict(GOOD[verb])
     if verb == "info":
-        options = {"file": rng.choice(["rep.nc", "drag.nc", "flow.nc"])}
+        options = {"file": rng.choice(["rep.nc", "drag.nc", "snapshots.nc"])}
     if rng.random() < 0.3 and verb in ("info", "report"):  # text that a user may write
         text = (folder / "q.yaml").read_text()
         data = yaml.safe_load(text) | {"title": EVIL}
@@ -840,11 +835,11 @@ def a_tampered_file(rng, folder):
         command(folder, words("combine", GOOD["combine"] | {"-o": "drag.nc"}), "drag.nc")
         (folder / "accuracy.txt").write_text(EVIL)
     elif rng.random() < 0.3:
-        for name in ("drag.nc", "flow.nc"):
+        for name in ("drag.nc", "snapshots.nc"):
             _relabelled(folder / name)
     else:
         _edit(
-            folder / (options["file"] if rng.random() < 0.8 or verb != "report" else "flow.nc"),
+            folder / (options["file"] if rng.random() < 0.8 or verb != "report" else "snapshots.nc"),
             rng,
         )
     result = command(folder, words(verb, options), options.get("-o"))
@@ -940,7 +935,7 @@ def warm_up(kinds):
         good_cache()
     labels = ("c1", "d1", "e3") if an_array in kinds else ("c1",)
     for label in labels:
-        CliRunner().invoke(app, ["compile", "--config", str(SMOKE), "--shape", label])
+        compile_kernels(load(SMOKE).replicate(label, 3.9e3, 1))
     for more in ({}, {"gravity": (0.0, -9.8)}) if a_long_run in kinds else ({},):
         run = three_discs(**more)
         run.advance(1e-9)

@@ -6,19 +6,19 @@ from pathlib import Path
 from typer.testing import CliRunner
 
 from conftest import assert_not_blank
-from dem.analysis.flow.collect import measure_batch, write_flow
 from dem.figures.catalogue import FIGURES, draw, possible
 from dem.sweep import batch as making
-from dem.sweep.campaign import Campaign
+from dem.sweep.combined import combine_block
 from dem.sweep.config import parse
+from dem.sweep.state import SweepState
 from dem.sweep.workers import Workers
 
 SMOKE = Path(__file__).parent.parent / "config/smoke.yaml"
 
 
-def of_file(file: Path) -> Campaign:
+def of_file(file: Path) -> SweepState:
     """The sweep of a file, made in this process."""
-    work = Campaign.of(file)
+    work = SweepState.of(file)
     work.make(Workers())
     return work
 
@@ -34,7 +34,7 @@ def assert_shown_and_drawn(study: str, path: Path) -> None:
         assert_not_blank(draw(name, path, path.parent, figures())[1])
 
 
-def run_all(work: Campaign) -> None:
+def run_all(work: SweepState) -> None:
     """Make the runs of all blocks in this process, round by round, and combine their drag."""
     for name in work.sweep.blocks:
         while True:
@@ -44,29 +44,25 @@ def run_all(work: Campaign) -> None:
                     making.make(work.store, each.id)
             if not work.grow(name):
                 break
-        work.combine(name, "drag", work.first(name))
+        combine_block(work, name, "drag", work.combined(name)[0])
 
 
-def made(folder: Path, flow: bool = False, **values) -> Campaign:
+def made(folder: Path, beds: bool = False, **values) -> SweepState:
     """A sweep of config/smoke.yaml with other values, made in `folder`/results, with its figures.
 
-    flow: whether flow.nc is made too, of the snapshots.
+    beds: whether the figures of snapshots.nc are drawn too.
     """
     with chdir(folder):
-        work = Campaign(parse({"extends": str(SMOKE), "results": "results", **values}))
+        work = SweepState(parse({"extends": str(SMOKE), "results": "results", **values}))
         (block,) = work.sweep.blocks
         chunks = work.batches(block)
         work.begin(block)
         for each in chunks:
             making.make(work.store, each.id)
         for name in work.observables(block):
-            work.combine(block, name, Path(f"results/{name}.nc"))
-        if flow:
-            for each in work.files(block):
-                measure_batch(each, Path("results/flow") / each.name)
-            write_flow(work, block, Path("results/flow.nc"))
-            for name in possible(work.block(block)):
-                if FIGURES[name].file == "flow":
-                    draw(name, Path("results/flow.nc"), Path("results/figures"))
+            combine_block(work, block, name, Path(f"results/{name}.nc"))
+        for name in possible(work.block(block)) if beds else ():
+            if FIGURES[name].file == "snapshots":
+                draw(name, Path("results/snapshots.nc"), Path("results/figures"))
         draw("all", Path("results/drag.nc"), Path("results/figures"))
     return work

@@ -124,7 +124,7 @@ MUTANTS = (
     Mutant("packing/random.py", "missing term", "(r + radius[near]) ** 2", "radius[near] ** 2", BED),
     Mutant("packing/swelling.py", "missing factor", "KEPT * end.velocity", "end.velocity", BED),
     # runs
-    Mutant("experiment/fit.py", "sign", "(granules / fraction + cylinder)", "(granules / fraction - cylinder)", RUN),
+    Mutant("experiment/box.py", "sign", "(granules / fraction + area)", "(granules / fraction - area)", RUN),
     Mutant("experiment/kinds/drag.py", "order", "min(every - done % every, BINS_A_CALL)", "BINS_A_CALL", RUN),
     Mutant("experiment/observables/drag.py", "sign", '"drag": -total[:, 1]', '"drag": total[:, 1]', RUN),
     Mutant("experiment/kinds/jamming.py", "constant", "load[start:] ** (2.0 / 3.0)", "load[start:] ** (3.0 / 2.0)", "studies/claims/tests/test_claims.py::test_line_finds_where_pressure_begins"),
@@ -161,8 +161,8 @@ MUTANTS = (
     Mutant("sweep/precision.py", "limit", "GROWTH * now[each]", "100 * now[each]", ROUNDS.format("a_round_at_most_doubles_the_replicates")),
     Mutant("base/intervals.py", "sign", "for sign in (-1.0, 1.0))", "for sign in (1.0, -1.0))", ROUNDS.format("fieller_s_interval_is_where_the_difference_is_significant")),
     Mutant("sweep/precision.py", "condition", "array[failed] = np.nan", "array[failed] = 0.0", ROUNDS.format("a_failed_run_counts_and_is_not_replaced")),
-    Mutant("sweep/campaign.py", "condition", "if any(len(values[place]) < n for place, n in found[-1].counts.items()):", "if False:", ROUNDS.format("a_stopped_sweep_goes_on_to_the_same_runs")),
-    Mutant("sweep/campaign.py", "missing call", "                if not self.grow(name):\n                    break\n", "                break\n", ROUNDS.format("replicates_are_added_until_the_mean_is_as_well_known_as_asked")),
+    Mutant("sweep/state.py", "condition", "if any(len(values[place]) < count for place, count in block.counts.items()):", "if False:", ROUNDS.format("a_stopped_sweep_goes_on_to_the_same_runs")),
+    Mutant("sweep/state.py", "missing call", "                if not self.grow(name):\n                    break\n", "                break\n", ROUNDS.format("replicates_are_added_until_the_mean_is_as_well_known_as_asked")),
     Mutant("base/intervals.py", "constant", "stdtrit(freedom, 0.5 + 0.5 * level)", "stdtrit(freedom, level)", "tests/test_statistics.py"),
     Mutant("analysis/onset.py", "sign", "return y @ share - slope * middle", "return y @ share + slope * middle", "tests/test_onset.py"),
     # how kernels are compiled

@@ -91,7 +91,8 @@ def main() -> None:
         target = ["results/many/drag.nc", "--configfile", config]
         planning = timed(place, "snakemake", "-n", *target)
         workflow = timed(place, "snakemake", "-j2", *target)
-        start = timed(place, "dem", "compile", "--config", config, "--shape", "c1")
+        run = "--shape", "c1", "--density", "3900", "--seed", "1", "-o", "one.nc"
+        start = timed(place, "dem", "simulate", "--config", config, *run)
         combining = timed(place, "dem", "combine", "--config", config, "-o", "again.nc")
         with netCDF4.Dataset(place.results("many") / "drag.nc") as file:
             failure = file["failure"][...]

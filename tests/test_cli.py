@@ -31,17 +31,7 @@ from dem.cli.terminal import bar, reported
 from dem.figures import film
 
 ROOT = Path(__file__).parent.parent
-RUN = (
-    "simulate",
-    "--config",
-    "config/smoke.yaml",
-    "--shape",
-    "c1",
-    "--density",
-    "3900",
-    "--seed",
-    "1",
-)
+RUN = ["simulate", "--config", "config/smoke.yaml", "--shape", "c1", "--density", "3900", "--seed", "1"]
 
 
 def dem(*arguments):
@@ -71,13 +61,8 @@ def test_every_verb_has_help(verb):
     assert all(option.help for option in command.params)
 
 
-def test_the_workflow_calls_verbs_that_exist():
-    """Every command in the rules begins with the words of a verb."""
-    text = "".join(path.read_text() for path in (ROOT / "rules").glob("*.smk"))
-    called = [words.split() for words in re.findall(r"\bdem ((?:[a-z]+ )+)", text)]
-    assert len(called) >= 5
-    for words in called:
-        assert any(all(a == b for a, b in zip(words, verb, strict=False)) for verb in VERBS), words
+def test_a_person_has_at_most_ten_verbs_to_learn():
+    assert len(VERBS) <= 10
 
 
 @pytest.mark.parametrize(
@@ -89,7 +74,6 @@ def test_the_workflow_calls_verbs_that_exist():
         (("--seed", str(2**31)), f"seed is {2**31}"),
         (("--seed", str(2**63)), f"seed is {2**63}"),
         (("--config", "config/none.yaml"), "config/none.yaml"),
-        (("--bed", "README.md"), "README.md"),
     ],
 )
 def test_bad_input_is_one_sentence_and_status_2(tmp_path, monkeypatch, arguments, sentence):
@@ -124,44 +108,42 @@ def test_a_foreign_file_is_refused(monkeypatch, verb):
     assert len(run.stderr.splitlines()) == 1
 
 
-SMOKE = ("--config", "config/smoke.yaml")
+COMBINE = ("combine", "--config", "config/smoke.yaml", "-o", "OUT")
 
 
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (("pack", *SMOKE, "--shape", "c1", "--seed", str(2**63), "-o", "OUT"), f"seed is {2**63}"),
-        (("compile", *SMOKE, "--shape", "zz"), "shape is 'zz'"),
-        (("combine", *SMOKE, "--block", "zz", "-o", "OUT"), "block is 'zz'"),
-        (("combine", *SMOKE, "--observable", "zz", "-o", "OUT"), "observable is 'zz'"),
-        (("simulate", *SMOKE, "--shape", "c1", "--density", "3900", "--seed", "1", "gravity=x", "-o", "OUT"), "gravity"),
-        (("pack", *SMOKE, "--shape", "c1", "--seed", "1", "gravity", "-o", "OUT"), "'gravity' is no value; write PATH=VALUE"),
-        (("pack", *SMOKE, "--shape", "c1", "--seed", "1", "gravty=1", "-o", "OUT"), "the nearest is gravity"),
-        (("simulate", *SMOKE, "--shape", "c1", "--density", "3900", "--seed", "1", "shape=d1", "-o", "OUT"), "write --shape d1"),
-        (("simulate", *SMOKE, "--shape", "C1", "--density", "3900", "--seed", "1", "-o", "OUT"), "the nearest is c1"),
-        (("simulate", *SMOKE, "--shape", "c1", "--density", "3900", "--seed", "1", "box_width=8mm", "-o", "OUT"), "it must be a number, in m"),
-        (("simulate", *SMOKE, "--shape", "c1", "--density", "3900", "--seed", "1", "gravity=1,2,3", "-o", "OUT"), "it must be a number, in m s-2"),
-        (("combine", *SMOKE, "--block", "drg", "-o", "OUT"), "the nearest is drag"),
+        ((*RUN, "--seed", str(2**63), "-o", "OUT"), f"seed is {2**63}"),
+        ((*RUN, "gravity=x", "-o", "OUT"), "gravity"),
+        ((*RUN, "gravity", "-o", "OUT"), "'gravity' is no value; write PATH=VALUE"),
+        ((*RUN, "gravty=1", "-o", "OUT"), "the nearest is gravity"),
+        ((*RUN, "shape=d1", "-o", "OUT"), "write --shape d1"),
+        ((*RUN, "--shape", "C1", "-o", "OUT"), "the nearest is c1"),
+        ((*RUN, "box_width=8mm", "-o", "OUT"), "it must be a number, in m"),
+        ((*RUN, "gravity=1,2,3", "-o", "OUT"), "it must be a number, in m s-2"),
+        ((*RUN, "cylinder.speed=1", "-o", "OUT"), "cylinder.speed is no value that can vary; the nearest is cylinder."),
+        ((*RUN, "record.window=[1,2]", "-o", "OUT"), "record.window is no value that can vary"),
+        ((*RUN, "-o", "OUT.txt"), "it must end in .nc"),
+        ((*RUN, "--config", "q.yaml\n", "-o", "OUT"), r"config is 'q.yaml\n'; its name"),
+        ((*RUN, "-o", "a\u202e.nc"), r"output is 'a\u202e.nc'; its name"),
+        ((*RUN, "--config", "confg/smoke.yaml", "-o", "OUT"), "there is no folder confg"),
+        ((*COMBINE, "--block", "zz"), "block is 'zz'"),
+        ((*COMBINE, "--block", "drg"), "the nearest is drag"),
+        ((*COMBINE, "--observable", "zz"), "observable is 'zz'"),
         (("figure", "13", "config/smoke.yaml", "-o", "OUT"), "there are figure07, figure08"),
-        (("pack", *SMOKE, "--shape", "c1", "--seed", "1", "cylinder.speed=1", "-o", "OUT"), "cylinder.speed is no value that can vary; the nearest is cylinder."),
         (("store", "point=0"), "'point=0' names no value of a run; write PATH=VALUE, such as shape=c1"),
         (("draw", "docs/data/drag.nc", "-o", "OUT.avi"), "it must be the path of a file that ends in .mp4 or .gif or .png or .svg or .pdf or .pvd"),
         (("figure", "figure07", "docs/data/flow.nc", "-o", "OUT"), "docs/data/flow.nc: it holds no drag, and figure07 is drawn from that; name drag.nc."),
-        (("figure", "figure09", "docs/data/drag.nc", "-o", "OUT"), "it holds no bed_x, and figure09 is drawn from that; name flow.nc."),
+        (("figure", "figure09", "docs/data/drag.nc", "-o", "OUT"), "it holds no granule_x, and figure09 is drawn from that; name snapshots.nc."),
         (("draw", "docs/data/drag.nc", "point=0", "-o", "OUT.png"), "its runs have no value named point; they differ in case"),
         (("info", "config/smoke.yaml"), "make its results with dem sweep config/smoke.yaml"),
         (("draw", "config/smoke.yaml", "-o", "OUT.gif"), "make its results with dem sweep config/smoke.yaml"),
         (("sweep", "config/smok.yaml"), "the nearest is config/smoke.yaml"),
-        (("compile", "--config", "confg/smoke.yaml"), "there is no folder confg"),
         (("figure", "sweep", "studies/onset/onset.nc", "--of", "drag", "-o", "OUT"), "it has no drag; it has onset_fraction"),
         (("figure", "figure07", "docs/data/drag.nc", "--of", "drag", "-o", "OUT"), "of is 'drag'; only the figure sweep shows another"),
-        (("figure", "all", "docs/data/flow.nc", "-o", "OUT"), "it holds no drag; name drag.nc."),
+        (("figure", "all", "docs/data/flow.nc", "-o", "OUT"), "it holds no drag that a figure shows; name drag.nc."),
         (("report", "studies/shear/shear.nc", "-o", "OUT.html"), "there are no figures; draw them first"),
-        (("pack", *SMOKE, "--shape", "c1", "--seed", "1", "record.window=[1,2]", "-o", "OUT"), "record.window is no value that can vary"),
-        (("pack", *SMOKE, "--shape", "c1", "--seed", "1", "-o", "OUT.txt"), "it must end in .nc"),
-        (("batch", "OUT"), "it is no plan of a batch"),
-        (("pack", "--config", "q.yaml\n", "--shape", "c1", "--seed", "1", "-o", "OUT"), r"config is 'q.yaml\n'; its name"),
-        (("pack", *SMOKE, "--shape", "c1", "--seed", "1", "-o", "a\u202e.nc"), r"output is 'a\u202e.nc'; its name"),
     ],
 )  # fmt: skip
 def test_a_value_that_no_verb_can_use_is_refused(tmp_path, monkeypatch, arguments, sentence):
@@ -237,16 +219,15 @@ def test_a_log_has_a_line_of_progress_now_and_then(capsys, monkeypatch):
 
 
 def faked(monkeypatch, folder, make):
-    """Let a sweep of the smoke test in a folder make its runs by a function of Campaign, and no flow."""
+    """Let a sweep of the smoke test in a folder make its runs by a function of SweepState."""
     monkeypatch.chdir(folder)
-    monkeypatch.setattr("dem.sweep.campaign.Campaign.make", make)
-    monkeypatch.setattr("dem.analysis.flow.collect.make_flow", lambda *values: None)
+    monkeypatch.setattr("dem.sweep.state.SweepState.make", make)
     return CliRunner().invoke(app, ["sweep", str(ROOT / "config/smoke.yaml")])
 
 
 def kept(work, count):
     """Keep some runs of a work, as if they were made."""
-    for run in list(work.block("drag").places)[:count]:
+    for run in list(work.block("drag").points)[:count]:
         work.store.keep(run, {"failure": 0})
 
 
@@ -260,8 +241,8 @@ def test_a_sweep_ends_with_the_file_of_its_runs_and_what_to_do_next(tmp_path, mo
 
     after = r"dem info results/smoke/drag.nc or dem figure all results/smoke/drag.nc\n"
     for words in (
-        r"results/smoke/drag.nc holds 10 runs, 10 of them new\. ",
-        r"results/smoke/drag.nc holds 10 runs, 0 of them new\. ",
+        r"results/smoke holds 10 runs, 10 of them new\. ",
+        r"results/smoke holds 10 runs, 0 of them new\. ",
     ):
         result = faked(monkeypatch, tmp_path, make)
         assert result.exit_code == 0 and result.stdout == ""
@@ -461,10 +442,7 @@ def test_streams_lose_no_file_and_change_no_status(tmp_path):
     for words, made in (
         (["info", drag, "-o", out / "info.txt"], "info.txt"),
         (["figure", "figure13", drag, "-o", out], "figure13.svg"),
-        (
-            ["pack", "--config", smoke, "--shape", "c1", "--seed", "1", "-o", out / "bed.nc"],
-            "bed.nc",
-        ),
+        (["means", drag, "-o", out / "means.csv"], "means.csv"),
     ):
         check_streams(tmp_path, [list(map(str, words))], 0, False)
         first = (out / made).read_bytes()

@@ -18,10 +18,10 @@ from jsonschema import Draft202012Validator
 from conftest import CONFIG, posix
 from dem.base.errors import InputError
 from dem.base.yaml_file import LARGEST, read
-from dem.experiment.fit import height_of_box, sample_diameters
-from dem.sweep.campaign import Campaign
+from dem.experiment.box import height_of_box, sample_diameters
 from dem.sweep.config import Sweep, load, parse, save
 from dem.sweep.schema import schema
+from dem.sweep.state import SweepState
 
 FILES = [
     path
@@ -345,7 +345,7 @@ def test_snakemake_gets_the_numbers_that_its_files_show(tmp_path):
     second.write_text("batch: 010\n")
     values = yaml.safe_load(PAPER) | yaml.safe_load(second.read_text())
     with pytest.raises(InputError, match=r"second\.yaml, line 1: YAML reads 010 as 8; write 10"):
-        Campaign.of_values(values, [str(first), str(second)])
+        SweepState.of_values(values, [str(first), str(second)])
 
 
 def test_keys_for_anchors_are_ignored(tmp_path):

@@ -11,18 +11,17 @@ import xarray as xr
 from test_stopping import combined, planned, smoke
 from typer.testing import CliRunner
 
-from dem.analysis.flow.collect import measure_batch, write_flow
-from dem.analysis.flow.layout import VARIABLES as FLOW
 from dem.base.errors import InputError
 from dem.base.plain import plain
 from dem.cli.app import app
-from dem.experiment.bed import make_bed, write_bed
 from dem.experiment.observables.drag import VARIABLES as DRAG
+from dem.experiment.observables.snapshots import VARIABLES as SNAPSHOTS
 from dem.io.checksums import LENGTH, is_sealed, seal
 from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP, is_text, read
 from dem.io.lazily import open_lazily
 from dem.report.build import build
 from dem.sweep import batch as making
+from dem.sweep.combined import combine_block
 
 HOSTILE = "</script><script>alert(1)</script>"
 TITLE = "a [red]title[/red] \x1b[31m\x1b]0;name\x07 \x9b2J \u202egnp\u2069 [/nothing]"
@@ -30,17 +29,14 @@ TITLE = "a [red]title[/red] \x1b[31m\x1b]0;name\x07 \x9b2J \u202egnp\u2069 [/not
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
-    """A folder with the bed and the chunk of two runs, and their drag.nc and flow.nc."""
+    """A folder with the batch of two runs, and their drag.nc and snapshots.nc."""
     folder = tmp_path_factory.mktemp("made")
     with contextlib.chdir(folder):
         sweep = smoke(sweep={"case": ["c1"], "seed": [1, 2]}, results="results")
         work, chunk = planned(sweep, folder)
         shutil.copy(making.make(work.store, chunk), folder / "runs.nc")
-        replicate = work.store.replicates(chunk)[0]
-        write_bed(folder / "bed.nc", replicate, make_bed(replicate))
         combined(work, folder)
-        measure_batch(folder / "runs.nc", folder / f"results/flow/{chunk}.nc")
-        write_flow(work, "drag", folder / "flow.nc")
+        combine_block(work, "drag", "snapshots", folder / "snapshots.nc")
     return folder
 
 
@@ -48,7 +44,7 @@ def made(tmp_path_factory):
 def hostile(made, tmp_path_factory):
     """The same files with another title and name of the case, which no configuration may have."""
     folder = tmp_path_factory.mktemp("hostile")
-    for name in ("drag.nc", "flow.nc"):
+    for name in ("drag.nc", "snapshots.nc"):
         with xr.open_dataset(made / name) as dataset:
             changed = dataset.load().drop_encoding().assign_coords(case=[HOSTILE])
         changed.attrs["title"] = TITLE
@@ -80,7 +76,7 @@ def contents(path):
     return read(path, names)
 
 
-@pytest.mark.parametrize("name", ["runs.nc", "bed.nc"])
+@pytest.mark.parametrize("name", ["runs.nc"])
 def test_a_flipped_bit_is_refused(made, tmp_path, name):
     """One at every thousandth byte, and in every scalar: what is read is what was written."""
     values, _ = contents(made / name)
@@ -96,7 +92,7 @@ def test_a_flipped_bit_is_refused(made, tmp_path, name):
         assert str(told.value).startswith(f"{bad}: it") and "run again" in str(told.value), at
 
 
-@pytest.mark.parametrize("name", ["drag.nc", "flow.nc"])
+@pytest.mark.parametrize("name", ["drag.nc", "snapshots.nc"])
 def test_a_flipped_bit_in_a_result_is_refused(made, tmp_path, name):
     """Or is in the checksum's own mark, and changes nothing."""
     size = (made / name).stat().st_size
@@ -114,11 +110,11 @@ def test_a_flipped_bit_in_a_result_is_refused(made, tmp_path, name):
 
 def test_other_programs_notice_damage_to_arrays(made):
     """By netCDF's own checksums, whoever reads them."""
-    for name in ("runs.nc", "bed.nc", "drag.nc", "flow.nc"):
+    for name in ("runs.nc", "drag.nc", "snapshots.nc"):
         with netCDF4.Dataset(made / name) as file:
             for variable in file.variables.values():
                 if variable.dtype is not str and "S" not in str(variable.dtype) and variable.ndim:
-                    unguarded = variable.name in (*AXES, *LABELS) and name in ("drag.nc", "flow.nc")
+                    unguarded = variable.name in (*AXES, *LABELS) and name in ("drag.nc", "snapshots.nc")
                     assert variable.filters()["fletcher32"] or unguarded, variable.name
 
 
@@ -194,15 +190,16 @@ def foreign(path, layout, skip=(), text_as_number=False, attrs=(), size=3, fill=
     return path
 
 
+BEDS = {name: entry for name, entry in COMBINED.items() if name not in DRAG} | {name: ((*CASE_AND_SEED, *dims), *rest) for name, (dims, *rest) in SNAPSHOTS.items()}
 ATTRS = {
     "title": "t", "history": "h", "git_revision": "g", "source_hash": "s", "versions": "v",
     "references": "r", "configuration": "{}", "window_start": 0.0, "window_stop": 1.0,
-    "cylinder_velocity": 1.0, "box_width": 1.0, "lag": 1.0, "cylinder_diameter": 1.0, "layers": 8,
+    "cylinder_velocity": 1.0,
 }  # fmt: skip
 VERBS = {
     "info": lambda file, out: ("info", file),
     "figure": lambda file, out: ("figure", "all", file, "-o", out),
-    "flow": lambda file, out: ("figure", "figure10", file, "-o", out),
+    "beds": lambda file, out: ("figure", "figure10", file, "-o", out),
     "report": lambda file, out: ("report", file, "-o", out / "r.html"),
 }
 FOREIGN = {
@@ -224,15 +221,15 @@ FOREIGN = {
 
 @pytest.mark.parametrize("verb", VERBS)
 @pytest.mark.parametrize("fault", FOREIGN)
-@pytest.mark.parametrize("layout", [COMBINED, FLOW], ids=["drag", "flow"])
-def test_a_foreign_file_is_answered_with_a_sentence(tmp_path, verb, fault, layout):
+def test_a_foreign_file_is_answered_with_a_sentence(tmp_path, verb, fault):
     """Or with dashes where it has gaps; no traceback, no warning of numpy."""
+    layout = BEDS if verb == "beds" else COMBINED
     path = foreign(tmp_path / "mine.nc", layout, **({"attrs": ATTRS} | FOREIGN[fault]))
     status, output = told(*VERBS[verb](path, tmp_path / "out"))
     assert status in (0, 2)
     if status:
         assert str(tmp_path) in output
-        assert all("mine.nc" in line or "flow.nc" in line for line in output.splitlines())
+        assert all("mine.nc" in line or "snapshots.nc" in line for line in output.splitlines())
     else:
         assert "nan" not in output
 
@@ -259,7 +256,7 @@ def test_text_of_a_file_is_no_script_in_the_report(hostile, tmp_path):
     assert "&lt;script&gt;alert(1)&lt;/script&gt;" in page
 
 
-@pytest.mark.parametrize("name", ["drag.nc", "runs.nc", "flow.nc"])
+@pytest.mark.parametrize("name", ["drag.nc", "runs.nc", "snapshots.nc"])
 def test_text_of_a_file_is_shown_on_the_terminal_and_not_obeyed(hostile, name):
     """Neither escape sequences nor markup of rich."""
     status, output = told("info", hostile / name)

@@ -15,13 +15,14 @@ from rich.console import Console
 from dem.cli import show
 from dem.io.dataset import read
 from dem.report.status import status
-from dem.sweep.campaign import Campaign
+from dem.sweep.combined import combine_block
 from dem.sweep.config import parse
-from dem.sweep.estimate import costs, time_of
+from dem.sweep.estimate import effort
+from dem.sweep.state import SweepState
 from dem.sweep.workers import Workers
 
 
-def test_the_time_of_a_run_is_told_in_proportion_to_its_steps(tmp_path):
+def test_the_estimated_time_of_a_run_is_in_proportion_to_its_steps():
     """At any step fraction: stiffness bounds short steps, damping long ones."""
     ratios = []
     for fraction in (0.05, 0.3, 0.95):
@@ -30,9 +31,9 @@ def test_the_time_of_a_run_is_told_in_proportion_to_its_steps(tmp_path):
             "sweep": {"shape": "c1", "numerics.step_fraction": [fraction]},
         }
         sweep = parse({"extends": "config/smoke.yaml"} | values, "a sweep")
-        run = sweep.block("drag").runs[0].replicate
+        run = sweep.block("drag").first
         made = run.configuration.module.run(run)
-        ratios.append(costs(Campaign(sweep, root=tmp_path), [run])[0][0] / int(made["steps"]))
+        ratios.append(effort(run) / int(made["steps"]))
     assert max(ratios) < 1.25 * min(ratios)
 
 
@@ -48,10 +49,10 @@ VALUES = {
 }
 
 
-def finish(campaign, count):
+def finish(state, count):
     """Keep what so many runs of a first batch would have given: the drag is 100 N and their seed."""
-    campaign.begin("drag")
-    for replicate in list(campaign.block("drag").unique())[:count]:
+    state.begin("drag")
+    for replicate in list(state.block("drag").unique())[:count]:
         experiment = replicate.configuration.module
         sizes = experiment.sizes(replicate)
         row = {
@@ -59,16 +60,16 @@ def finish(campaign, count):
             for name, (dimensions, *_) in experiment.layout(replicate.configuration).items()
         }
         row |= {"failure": 0, "failure_reason": "", "spent": SPENT}
-        campaign.store.keep(replicate.id, row)
+        state.store.keep(replicate.id, row)
 
 
 @pytest.fixture
 def stopped(tmp_path):
     """A sweep of twelve runs in batches of eight and four that stopped when three runs were finished."""
     with chdir(tmp_path):
-        campaign = Campaign(parse(VALUES))
-        finish(campaign, 3)
-        yield campaign
+        state = SweepState(parse(VALUES))
+        finish(state, 3)
+        yield state
 
 
 def test_a_sweep_with_nothing_to_make_writes_no_file_again(tmp_path):
@@ -76,9 +77,9 @@ def test_a_sweep_with_nothing_to_make_writes_no_file_again(tmp_path):
     times = []
     with chdir(tmp_path):
         for values in ({}, {}, {"title": "Another"}, {"sweep": {"shape": "c1", "seed": "1 to 11"}}):
-            campaign = Campaign(parse(VALUES | values))
-            finish(campaign, 12)
-            campaign.make(Workers())
+            state = SweepState(parse(VALUES | values))
+            finish(state, 12)
+            state.make(Workers())
             times.append(Path("results/drag.nc").stat().st_mtime_ns)
     assert times[0] == times[1] < times[2] < times[3]
 
@@ -95,30 +96,11 @@ def test_status_knows_the_mean_of_finished_runs_before_their_batch_ends(stopped)
 
 
 def test_a_partial_file_holds_finished_runs_before_their_batch_ends(stopped):
-    stopped.combine("drag", "drag", Path("part.nc"), partial=True)
+    combine_block(stopped, "drag", "drag", Path("part.nc"), partial=True)
     values, attrs = read(Path("part.nc"), ("drag",))
     drag = values["drag"].mean(axis=-1).ravel()
     assert attrs["partial"] == "3 of 12 runs"
     assert drag[:3].tolist() == [101.0, 102.0, 103.0] and np.isnan(drag[3:]).all()
-
-
-def test_the_time_left_is_that_of_the_longest_batch(stopped):
-    """One process makes a batch: nine runs are left, five of them in the first."""
-    left = [
-        run for run in stopped.block("drag").unique() if not stopped.store.run_of(run.id).is_file()
-    ]
-    assert len(left) == 9
-    times = [time_of(stopped, left, processes)[0] for processes in (1, 2, 100)]
-    assert times == pytest.approx([9 * SPENT, 5 * SPENT, 5 * SPENT])
-
-
-def test_the_estimate_of_a_sweep_counts_the_flow_that_is_measured_after_it(stopped):
-    more = parse(
-        stopped.sweep.dump()
-        | {"record": stopped.sweep.record.model_dump() | {"observables": ["drag", "snapshots"]}}
-    )
-    runs = list(more.block("drag").unique())
-    assert sum(costs(stopped, runs)[0]) > len(runs) * SPENT
 
 
 class Closed(io.RawIOBase):

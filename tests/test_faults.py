@@ -18,7 +18,6 @@ from test_stopping import Killed, combined, discs, killed_at, planned, smoke
 from typer.testing import CliRunner
 
 from conftest import CONFIG, assert_not_blank, posix
-from dem.analysis.flow.collect import measure_batch, write_flow
 from dem.analysis.statistics import change, summarise
 from dem.base.errors import InputError, OverlapError, PackingError, RunError
 from dem.cli.app import app
@@ -31,12 +30,12 @@ from dem.io.results_folder import hold
 from dem.report.build import build
 from dem.report.info import summary
 from dem.sweep import batch as making
-from dem.sweep import campaign as working
-from dem.sweep.campaign import Campaign
+from dem.sweep import state as working
 from dem.sweep.combine import open_combined
+from dem.sweep.combined import combine_block
 from dem.sweep.config import load, save
-from dem.sweep.estimate import retried
 from dem.sweep.estimate import summary as estimated
+from dem.sweep.state import SweepState
 from dem.sweep.store import Store
 
 
@@ -96,16 +95,10 @@ def test_what_is_shown_of_a_sweep_with_failed_runs_has_no_gaps(tmp_path, monkeyp
     """Figures, tables and the page hold numbers, and the count of runs."""
     monkeypatch.chdir(tmp_path)
     work = done(discs([1, 2, 3], failures=0.5, results="results"), tmp_path)
-    drag, flow = combined(work, tmp_path), tmp_path / "flow.nc"
-    for chunk in work.batches("drag"):
-        measure_batch(work.store.file_of(chunk.id), tmp_path / f"results/flow/{chunk.id}.nc")
-    write_flow(work, "drag", flow)
-    with netCDF4.Dataset(drag) as one, netCDF4.Dataset(flow) as two:
-        gaps = one["failure"][:] != 0
-        mixing = np.ma.filled(two["mixing"][:], np.nan)
-        np.testing.assert_array_equal(np.isnan(mixing).all(axis=-1), gaps)
+    drag, beds = combined(work, tmp_path), tmp_path / "snapshots.nc"
+    combine_block(work, "drag", "snapshots", beds)
     for name in ("all", "figure09", "figure10"):
-        draw(name, drag if name == "all" else flow, tmp_path / "figures")
+        draw(name, drag if name == "all" else beds, tmp_path / "figures")
     for picture in (tmp_path / "figures").glob("*.png"):
         assert_not_blank(picture)
     assert len(list((tmp_path / "figures").glob("*.png"))) > 3
@@ -147,7 +140,7 @@ def test_a_run_that_failed_is_tried_again_when_it_is_asked_for(tmp_path, monkeyp
     work = done(sweep, tmp_path)
     (file,), names = work.files("drag"), ("drag", "failure", "spent", "steps")
     before, _ = read(file, names)
-    assert retried(work) == 3 and len(two_fail) == 3
+    assert work.retry() == 3 and len(two_fail) == 3
     monkeypatch.undo()
     done(sweep, tmp_path)
     after, _ = read(file, names)
@@ -155,16 +148,16 @@ def test_a_run_that_failed_is_tried_again_when_it_is_asked_for(tmp_path, monkeyp
     assert not after["failure"].any() and np.isfinite(after["drag"]).all()
     for name in names:
         np.testing.assert_array_equal(before[name][kept], after[name][kept])
-    assert retried(work) == 0 and file.is_file()
+    assert work.retry() == 0 and file.is_file()
     rough = discs([1, 2, 3], friction={"granule": 0.1, "wall": 0.1, "cylinder": 0.1})
-    assert not set(rough.block("drag").places) & set(sweep.block("drag").places)
+    assert not set(rough.block("drag").points) & set(sweep.block("drag").points)
 
 
 def test_a_run_that_failed_in_another_batch_is_tried_again(tmp_path, two_fail):
     """Where two sweeps were planned before it was made; the second takes over what did not fail."""
     store, found = Store(tmp_path / "store"), []
     sweeps = [
-        Campaign(discs([1, 2], results=f"results/{name}"), store, root=tmp_path) for name in "ab"
+        SweepState(discs([1, 2], results=f"results/{name}"), store, root=tmp_path) for name in "ab"
     ]
     for work in sweeps:
         work.begin("drag")
@@ -183,9 +176,9 @@ def test_a_dry_run_counts_failed_runs_of_a_chunk_under_way(tmp_path, two_fail):
     work, chunk = planned(discs([1, 2]), tmp_path)
     with pytest.raises(Killed):
         making.make(work.store, chunk, progress=killed_at(3))
-    assert "4 runs, of which 2 are there and 1 failed" in estimated(work, 1)
+    assert "2 finished, 1 failed" in estimated(work, 1)
     made = making.make(work.store, chunk)
-    assert "4 runs, of which 2 are there and 2 failed" in estimated(work, 1)
+    assert "2 finished, 2 failed" in estimated(work, 1)
     made.write_bytes(made.read_bytes()[:-1])
     with pytest.raises(InputError, match="delete it and run again"):
         estimated(work, 1)
@@ -206,7 +199,7 @@ def test_the_command_ends_with_1_where_runs_failed_and_tries_them_again(tmp_path
     monkeypatch.setattr(making, "make_bed", make_bed)
     assert CliRunner().invoke(app, arguments).exit_code == 1
     told = CliRunner().invoke(app, [*arguments, "--dry-run"]).stdout
-    assert "4 runs, of which 0 are there and 4 failed (dem sweep --retry makes these" in told
+    assert "0 finished, 4 failed (dem sweep --retry makes these" in told
     assert "About" not in told
     told = CliRunner().invoke(app, [*arguments, "--dry-run", "--retry"]).stdout
     assert "4 failed (these are made again)" in told and "About" in told
@@ -270,14 +263,14 @@ def test_a_sweep_is_known_where_its_file_or_its_folder_was_moved(one_sweep, tmp_
     Path("link.yaml").symlink_to("one.yaml")
     for name, allowed in (("one.yaml", True), (place / "one.yaml", True), ("link.yaml", True),
                           ("other.yaml", False)):  # fmt: skip
-        assert checked(Campaign.of(name)) == allowed, name
-    assert checked(Campaign(load("one.yaml"), file=""))
-    assert not checked(Campaign(load("other.yaml"), file=""))
+        assert checked(SweepState.of(name)) == allowed, name
+    assert checked(SweepState(load("one.yaml"), file=""))
+    assert not checked(SweepState(load("other.yaml"), file=""))
     Path("one.yaml").rename("sub/renamed.yaml")
-    assert checked(Campaign.of("sub/renamed.yaml")) and not checked(Campaign.of("other.yaml"))
+    assert checked(SweepState.of("sub/renamed.yaml")) and not checked(SweepState.of("other.yaml"))
     with netCDF4.Dataset(one_sweep / "drag.nc", "a") as file:
         file.delncattr("sweep_file")
-    assert checked(Campaign.of("other.yaml"))
+    assert checked(SweepState.of("other.yaml"))
 
 
 def checked(work):
@@ -289,7 +282,7 @@ def checked(work):
 
 
 @posix
-@pytest.mark.parametrize("name", ["drag.nc", "flow.nc", "config.yaml", "flow/0123456789abcdef.nc"])
+@pytest.mark.parametrize("name", ["drag.nc", "config.yaml"])
 @pytest.mark.parametrize("aim", ["mine", "nothing", "itself"])
 def test_no_sweep_writes_through_a_link_or_replaces_it(one_sweep, name, aim):
     """One sentence before anything is written; a folder of results may be a link."""
@@ -357,12 +350,11 @@ def test_the_workflow_says_how_many_runs_are_there(capfd, monkeypatch):
 
 
 @posix
-@pytest.mark.parametrize("verb", ["simulate", "pack"])
 @pytest.mark.parametrize("asked", [signal.SIGINT, signal.SIGTERM])
-def test_a_stopped_command_says_one_sentence(tmp_path, verb, asked):
+def test_a_stopped_command_says_one_sentence(tmp_path, asked):
     """Of a job that ignores signals until it can answer, as the workflow starts its jobs."""
-    command = [sys.executable, "-m", "dem", verb, "--config", CONFIG / "smoke.yaml", "--shape", "c1", "--seed", "1",
-               "-o", tmp_path / "out.nc", *(["--density", "3900"] if verb == "simulate" else []),
+    command = [sys.executable, "-m", "dem", "simulate", "--config", CONFIG / "smoke.yaml", "--shape", "c1", "--seed", "1",
+               "-o", tmp_path / "out.nc", "--density", "3900",
                "shapes.c1.granules=10000", "box_width=0.1"]  # so that it lasts  # fmt: skip
     process = subprocess.Popen(
         command, stderr=subprocess.PIPE, text=True,

@@ -2,7 +2,6 @@
 
 import re
 import shutil
-from contextlib import chdir
 
 import meshio
 import numpy as np
@@ -15,12 +14,10 @@ from typer.testing import CliRunner
 
 import dem
 from conftest import STIFF, assert_not_blank
-from dem.analysis.flow.collect import write_flow
 from dem.analysis.one_run import open_run, read_motion, selected
 from dem.base.errors import InputError
 from dem.cli.app import app
-from dem.experiment import flow_measures as measures
-from dem.experiment.observables import flow as observable
+from dem.experiment.observables import flow as measures
 from dem.figures.export import export
 from dem.figures.film import film, picture
 
@@ -36,8 +33,8 @@ def grid():
 def results(tmp_path_factory):
     """Results of two cases of the smoke sweep with one seed."""
     folder = tmp_path_factory.mktemp("runs")
-    made(folder, flow=True, sweep={"case": ["c1", "e3"], "seed": 1},
-         record={"snapshots": 13})  # fmt: skip
+    record = {"snapshots": 13, "observables": ["drag", "flow", "snapshots"]}
+    made(folder, sweep={"case": ["c1", "e3"], "seed": [1, 2]}, record=record)
     return folder / "results"
 
 
@@ -54,7 +51,7 @@ def swept(tmp_path_factory):
 @pytest.fixture
 def motion(results):
     """The run of discs."""
-    return read_motion(results / "drag.nc", ["case=c1"])
+    return read_motion(results / "drag.nc", ["case=c1", "seed=1"])
 
 
 def test_affine_motions_are_not_irregular(grid):
@@ -123,40 +120,26 @@ def test_motion_is_what_was_recorded(results):
         np.testing.assert_array_equal(motion.drag, data["drag"].sel(case="e3", seed=1))
 
 
-def test_flow_nc(results, motion):
-    """Measures of every run are those of its snapshots, and the snapshots of one a case are there."""
+def test_recorded_measures_are_those_of_the_snapshots(results, motion):
+    """To the bit, over the axes of the sweep."""
     with xr.open_dataset(results / "flow.nc") as flow:
         assert flow["non_affine"].dims == ("case", "seed", "snapshot")
         assert float(flow["non_affine"].isel(snapshot=-1).min()) > 0.0
         assert (flow["mixing"].isel(snapshot=0) == 0.0).all()
         lost = flow["contacts_lost"].isel(snapshot=slice(6, None)).values
         assert ((lost >= 0.0) & (lost <= 1.0)).all() and lost.max() > 0.0
-        np.testing.assert_array_equal(flow["bed_x"].sel(case="c1"), motion.position[..., 0])
-        for name, wanted in observable.measured(motion).items():
+        for name, wanted in measures.measured(motion).items():
             np.testing.assert_array_equal(flow[name].sel(case="c1", seed=1), wanted)
 
 
-def test_a_recorded_flow_is_that_of_the_snapshots(results, tmp_path):
-    """The same bits, whether a run measures its flow or its snapshots are measured."""
-    made(tmp_path, sweep={"case": ["c1"], "seed": 1},
-         record={"snapshots": 13, "observables": ["drag", "flow"]})  # fmt: skip
-    with (
-        xr.open_dataset(tmp_path / "results/flow.nc") as one,
-        xr.open_dataset(results / "flow.nc") as other,
-    ):
-        for name in observable.VARIABLES:
-            np.testing.assert_array_equal(one[name].sel(case="c1"), other[name].sel(case="c1"))
-
-
-def test_flow_of_runs_that_are_not_measured_is_one_sentence(tmp_path):
-    """The file that is missing is named, and what makes it."""
-    work = made(tmp_path, sweep={"case": ["c1"], "seed": 1}, record={"snapshots": 13})
-    with (
-        chdir(tmp_path),
-        pytest.raises(InputError, match="is missing; make it from results/store/batches"),
-    ):
-        write_flow(work, "drag", tmp_path / "flow.nc")
-    assert not (tmp_path / "flow.nc").exists()
+def test_beds_of_the_first_seed_of_each_case_are_in_one_file(results, motion):
+    """Where a case has fewer granules than another, the rest is missing."""
+    with xr.open_dataset(results / "snapshots.nc") as beds:
+        assert beds["granule_x"].dims == ("case", "seed", "snapshot", "granule")
+        assert beds["seed"].values.tolist() == [1]
+        one = beds.sel(case="c1", seed=1)
+        np.testing.assert_array_equal(one["granule_x"], motion.position[..., 0])
+        np.testing.assert_array_equal(one["granule_diameter"], motion.diameters)
 
 
 def test_a_run_is_found_by_its_values(swept):
@@ -248,11 +231,11 @@ def test_a_film_is_a_film(motion, tmp_path):
     assert written.suffix == ".mp4" and written.read_bytes()[4:8] == b"ftyp"
 
 
-@pytest.mark.parametrize(("data", "run"), [("results", "case=e3"), ("swept", "d1")])
+@pytest.mark.parametrize(("data", "run"), [("results", "case=e3 seed=1"), ("swept", "d1")])
 def test_export_for_paraview(request, tmp_path, data, run):
     """Polygons with the area of their granule, two a dumbbell; a file a snapshot, and one that lists them."""
     folder = request.getfixturevalue(data)
-    select = [run] if "=" in run else [f"shape={run}", "friction.granule=0.3", "box=same", "seed=1"]
+    select = run.split() if "=" in run else [f"shape={run}", "friction.granule=0.3", "box=same", "seed=1"]
     motion = read_motion(folder / "drag.nc", select)
     export(motion, tmp_path / "vtk/bed.pvd")
     snapshots, granules = motion.angle.shape
@@ -288,10 +271,10 @@ def test_export_for_paraview(request, tmp_path, data, run):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["draw", "DRAG", "case=c1", "-o", "bed.avi"], "bed.avi"),
+        (["draw", "DRAG", "case=c1", "seed=1", "-o", "bed.avi"], "bed.avi"),
         (["draw", "none.nc", "-o", "bed.mp4"], "none.nc"),
-        (["draw", "DRAG", "case=c1", "-o", "bed.mp4", "--color", "mauve"], "mauve"),
-        (["draw", "DRAG", "case=c1", "-o", "bed.txt"], "bed.txt"),
+        (["draw", "DRAG", "case=c1", "seed=1", "-o", "bed.mp4", "--color", "mauve"], "mauve"),
+        (["draw", "DRAG", "case=c1", "seed=1", "-o", "bed.txt"], "bed.txt"),
         (["draw", "DRAG", "-o", "bed.png"], "case=c1"),
         (["draw", "BED", "-o", "vtk.pvd"], "holds no runs"),
     ],

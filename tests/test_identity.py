@@ -33,7 +33,7 @@ AGAIN = {  # file: what is added, or what is put in place of what
     "motion.py": LINE,
     "periodic.py": LINE,
     "base/validate.py": LINE,
-    "experiment/fit.py": ("default_rng([seed, 0])", "default_rng([seed, 1])"),
+    "experiment/box.py": ("default_rng([seed, 0])", "default_rng([seed, 1])"),
     "experiment/scene.py": LINE,
     "experiment/kinds/drag.py": ("BINS_A_CALL = 20", "BINS_A_CALL = 21"),
     "experiment/observables/drag.py": LINE,

@@ -10,8 +10,8 @@ from dem.analysis.onset import LEAST, limits
 from dem.base.errors import InputError
 from dem.dynamics.contact_list import ContactList
 from dem.experiment.bed import diameters
+from dem.experiment.box import height_of_box
 from dem.experiment.config import parse
-from dem.experiment.fit import height_of_box
 from dem.experiment.kinds import jamming, onset
 from dem.figures.catalogue import FIGURES
 from dem.figures.onset import plot

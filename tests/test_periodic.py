@@ -14,8 +14,8 @@ import dem
 from dem.dynamics.cell_list import near_circle, near_pairs
 from dem.dynamics.energy import balance
 from dem.dynamics.ordering import order_of
-from dem.experiment import flow_measures as measures
 from dem.experiment.config import of_values, parse
+from dem.experiment.observables import flow as measures
 from dem.figures.bed import images
 from dem.packing.compaction import compact
 from dem.packing.random import SOFT as UNIT

@@ -14,7 +14,7 @@ import dem
 from dem.figures import bed, figure09, film
 from dem.figures.frames import of_result
 
-FLOW = Path(__file__).parent.parent / "docs/data/flow.nc"
+SNAPSHOTS = Path(__file__).parent.parent / "docs/data/snapshots.nc"
 
 SOFT = dem.Material(young_modulus=1e6)  # so that a contact lasts for all frames
 RADIUS = np.array([1e-3, 0.6e-3])
@@ -188,12 +188,12 @@ AS_DISCS = ", drawn as discs of equal area"
 @pytest.mark.parametrize(("kind", "words"), [("disc", ""), ("pebbles.Pebble", AS_DISCS)])
 def test_a_picture_says_where_outlines_are_not_those_of_the_granules(kind, words):
     """No reader of results runs the file of a shape of one's own, so that its granules are drawn as discs."""
-    with xr.open_dataset(FLOW) as flow:
-        flow = flow.load()
-    flow["kind"] = ("case", np.where(flow["case"] == "c1", kind, flow["kind"]))
+    with xr.open_dataset(SNAPSHOTS) as beds:
+        beds = beds.load()
+    beds["kind"] = ("case", np.where(beds["case"] == "c1", kind, beds["kind"]))
     (label,) = (
         text.get_text()
-        for axes in figure09.plot(flow.sel(case=["c1"])).axes
+        for axes in figure09.plot(beds.sel(case=["c1"])).axes
         for text in axes.texts
         if "c1" in text.get_text()
     )

@@ -22,8 +22,8 @@ from dem.base.sources import ROOT
 from dem.experiment.config import of_values
 from dem.figures.catalogue import draw
 from dem.report.build import build
-from dem.sweep.campaign import Campaign
 from dem.sweep.config import load, parse
+from dem.sweep.state import SweepState
 from dem.sweep.store import Store
 
 PAGE = (ROOT / "docs/howto/shape.md").read_text()
@@ -69,7 +69,7 @@ def swept(tmp_path_factory):
 
 def test_a_shape_in_a_file_of_ones_own_is_swept(swept):
     """Beds, runs, how they move: all is there, and nothing was written beside the sweep file."""
-    for name in ("drag.nc", "flow.nc", "rotation.nc"):
+    for name in ("drag.nc", "snapshots.nc", "rotation.nc"):
         assert (swept / "results/pebbles" / name).is_file()
     assert len(list((swept / "mine").iterdir())) == 3
 
@@ -149,7 +149,7 @@ def test_a_folder_that_is_moved_makes_nothing_again(swept):
     sweep = swept / "moved/sweep.yaml"
     sweep.write_text(sweep.read_text().replace("results/pebbles", "results/moved"))
     said = run("-m", "dem", "sweep", "moved/sweep.yaml", "-n", cwd=swept)
-    assert "2 runs, of which 2 are there" in said
+    assert "2 finished" in said
 
 
 def test_a_plan_finds_shapes_that_were_moved_since(tmp_path, monkeypatch):
@@ -157,7 +157,7 @@ def test_a_plan_finds_shapes_that_were_moved_since(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     store, places = Store(tmp_path / "store"), []
     for name in ("one", "two"):
-        work = Campaign(load(write(tmp_path / name)), store)
+        work = SweepState(load(write(tmp_path / name)), store)
         places.append({chunk.id for chunk in work.batches("drag")})
         work.begin("drag")
         for chunk in places[-1]:
@@ -340,7 +340,7 @@ def test_an_experiment_in_a_file_of_ones_own_is_swept(tmp_path):
         (folder / name).write_text(FILES[name])
     dry = "-m", "dem", "sweep", "mine/rest.yaml", "-n"
     (folder / "rest.py").write_text(TELLING + FILES["rest.py"])
-    assert "8 runs, of which 0 are there" in run(*dry, cwd=tmp_path)
+    assert "0 finished" in run(*dry, cwd=tmp_path)
     assert not (folder / "ran").exists()
     (folder / "rest.py").write_text(FILES["rest.py"])
     run("-m", "dem", "sweep", "mine/rest.yaml", cwd=tmp_path)
@@ -365,11 +365,11 @@ def test_an_experiment_in_a_file_of_ones_own_is_swept(tmp_path):
     assert page.count("rest_granules") == 1 and 'id="sweep"' in page and "Mean drag" not in page
     folder = folder.rename(tmp_path / "moved")
     dry = *dry[:3], "moved/rest.yaml", "-n"
-    assert "8 runs, of which 8 are there" in run(*dry, cwd=tmp_path)
+    assert "8 finished" in run(*dry, cwd=tmp_path)
     (folder / "rest.py").write_text(
         TELLING + FILES["rest.py"].replace("bed.pressure", "2.0 * bed.pressure")
     )
-    assert "8 runs, of which 0 are there" in run(*dry, cwd=tmp_path)
+    assert "0 finished" in run(*dry, cwd=tmp_path)
     for words in (["info", "results/rest/rest.nc"], ["store"]):
         run("-m", "dem", *words, cwd=tmp_path)
     assert not (folder / "ran").exists()
@@ -467,7 +467,7 @@ def test_beside_names_another_folder(tmp_path):
 
 @posix
 def test_a_shape_in_a_file_of_ones_own_is_swept_by_the_workflow(swept, tmp_path):
-    """The runs are those of `dem sweep`, and flow.nc is made."""
+    """The runs are those of `dem sweep`, and so are their combined files."""
     ignored = shutil.ignore_patterns("__pycache__", "studies", "results")
     for name in ("dem", "rules", "config"):
         shutil.copytree(ROOT / name, tmp_path / name, ignore=ignored)
@@ -475,10 +475,10 @@ def test_a_shape_in_a_file_of_ones_own_is_swept_by_the_workflow(swept, tmp_path)
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / name, tmp_path / name)
     write(tmp_path / "mine")
-    targets = "all", "results/pebbles/flow.nc"
+    targets = "all", "results/pebbles/snapshots.nc"
     ran = snakemake(tmp_path, *targets, "-c2", configfile="mine/sweep.yaml")
     assert ran.returncode == 0, ran.stderr
-    for name in ("drag.nc", "flow.nc", "rotation.nc"):
+    for name in ("drag.nc", "snapshots.nc", "rotation.nc"):
         assert (tmp_path / "results/pebbles" / name).is_file()
     plans = [sorted(each.name for each in (place / "results/store/batches").glob("*.nc")) for place in (swept, tmp_path)]  # fmt: skip
     assert plans[0] == plans[1]

@@ -11,9 +11,9 @@ from dem.analysis.one_run import motion_of
 from dem.base.errors import InputError, PackingError
 from dem.dynamics.contact_list import FIRST_WALL
 from dem.dynamics.simulation import Simulation
-from dem.experiment.bed import cylinder, diameters, make_bed, read_bed, write_bed
+from dem.experiment.bed import cylinder, diameters, make_bed
+from dem.experiment.box import height_of_box
 from dem.experiment.config import parse
-from dem.experiment.fit import height_of_box
 from dem.experiment.kinds import drag
 from dem.experiment.scene import make_scene
 from dem.figures.film import Scene
@@ -120,16 +120,9 @@ def test_more_pressure_makes_a_lower_box_around_the_same_cylinder():
     assert len(places) == 1
 
 
-def test_the_file_of_a_bed_gives_back_its_bits(tmp_path):
-    """The same values give the same bed, and its file the same run; another pressure is refused."""
-    run, bed = asked(), bed_under()
-    again = make_bed(asked())
+def test_the_same_values_give_the_same_bed():
+    bed, again = bed_under(), make_bed(asked())
     assert (again.position == bed.position).all() and again.height == bed.height
-    write_bed(tmp_path / "bed.nc", run, bed)
-    found = read_bed(tmp_path / "bed.nc", run)
-    assert (found.position == bed.position).all() and found.height == bed.height
-    with pytest.raises(InputError, match="not the bed of c1"):
-        read_bed(tmp_path / "bed.nc", asked(5e6))
 
 
 def test_a_box_too_low_for_the_stroke_is_refused():

@@ -23,8 +23,8 @@ from dem.experiment.config import Replicate
 from dem.report.info import summary
 from dem.report.status import status
 from dem.sweep import workers
-from dem.sweep.campaign import Campaign
 from dem.sweep.config import load
+from dem.sweep.state import SweepState
 
 SEEDS = [1, 2, 3]
 EXPERIMENT = """
@@ -242,7 +242,7 @@ def test_an_error_in_an_experiment_of_ones_own_fails_its_run_only(file, wrong):
         failed = made["failure"].values.ravel().astype(bool).tolist()
         assert failed == [False, True, False]
     assert WRONG[wrong] in said(summary(Path("results/product/product.nc")))
-    assert f"1 failed: {WRONG[wrong]}" in said(status(Campaign.of(file)))
+    assert f"1 failed: {WRONG[wrong]}" in said(status(SweepState.of(file)))
 
 
 def said(thing) -> str:

@@ -1,8 +1,6 @@
 """What code, pages and rules name is there and runs, found from them: no list to keep."""
 
 import ast
-import importlib
-import inspect
 import re
 import runpy
 import shlex
@@ -20,14 +18,13 @@ import yaml
 from forked import snakemake
 from made import of_file
 from markdown_it import MarkdownIt
-from numba.core.extending import _Intrinsic
 from typer.main import get_command
 from typer.testing import CliRunner
 
 import dem
 from conftest import CONFIG, posix
 from dem.cli.app import app as dem_app
-from dem.sweep.campaign import Campaign
+from dem.sweep.state import SweepState
 from studies.__main__ import app as studies_app
 
 sys.path.append(str(CONFIG.parent / "docs/_ext"))
@@ -35,80 +32,6 @@ import findings
 
 ROOT = CONFIG.parent
 OURS = "dem", "studies"
-
-
-def modules():
-    """The modules of library and studies, and what tests and measurements run beside them: names and files."""
-    for room in OURS:
-        for path in sorted((ROOT / room).rglob("*.py")):
-            parts = path.relative_to(ROOT).with_suffix("").parts
-            if "tests" not in parts and parts[-1] != "__main__":
-                yield ".".join(part for part in parts if part != "__init__"), path
-    for path in sorted((ROOT / "tests").glob("*.py")):
-        if not path.stem.startswith("test_"):
-            yield path.stem, path
-
-
-def callee(call, names):
-    """What a call names, directly or in a module; None where that shows only as it runs."""
-    match call.func:
-        case ast.Name(id=name):
-            return names.get(name)
-        case ast.Attribute(value=ast.Name(id=name), attr=attribute) if inspect.ismodule(
-            names.get(name)
-        ):
-            return getattr(names[name], attribute)
-    return None
-
-
-def bound_locally(tree):
-    """Names that functions bind, which hide those of the module."""
-    inside = [
-        node
-        for each in ast.walk(tree)
-        if isinstance(each, ast.FunctionDef)
-        for node in ast.walk(each)
-    ]
-    for node in inside:
-        match node:
-            case ast.arg(arg=name) | ast.Name(id=name, ctx=ast.Store()):
-                yield name
-            case ast.ImportFrom(names=several) | ast.Import(names=several):
-                yield from (each.asname or each.name for each in several)
-
-
-def misfits(tree, names):
-    """Lines and words of the calls in a module whose arguments are not those of what they call."""
-    hidden = set(bound_locally(tree))
-    for call in (node for node in ast.walk(tree) if isinstance(node, ast.Call)):
-        function, given = callee(call, names), [*call.args, *(each.arg for each in call.keywords)]
-        if (
-            not (getattr(function, "__module__", None) or "").startswith(OURS)
-            or (isinstance(function, type) and issubclass(function, Exception))
-            or isinstance(function, _Intrinsic)  # takes what only the compiler gives
-            or None in given  # **options
-            or any(isinstance(each, ast.Starred) for each in call.args)
-            or getattr(call.func, "id", None) in hidden
-        ):
-            continue
-        try:
-            inspect.signature(function).bind(
-                *call.args, **{each.arg: each for each in call.keywords}
-            )
-        except TypeError as error:
-            yield call.lineno, f"{ast.unparse(call)}: {error}"
-
-
-def test_calls_have_the_arguments_that_their_functions_take():
-    """Of this project's functions, kernels included, also where no test enters."""
-    wrong = []
-    for name, path in modules():
-        tree, names = (
-            ast.parse(path.read_text(encoding="utf-8")),
-            vars(importlib.import_module(name)),
-        )
-        wrong += [f"{path}:{line}: {words}" for line, words in misfits(tree, names)]
-    assert not wrong, "\n".join(wrong)
 
 
 # Who shows a command: pages, and the docstrings of rules, modules and verbs.
@@ -354,7 +277,7 @@ def test_a_sweep_that_is_shown_can_be_planned(copy, place, monkeypatch, words):
     """By what plans the runs for Snakemake."""
     file = Path(words[words.index("--configfile") + 1])
     monkeypatch.chdir(copy if file.parts[0] == "studies" else place)
-    work = Campaign.of(file)
+    work = SweepState.of(file)
     work.check()
     assert all(work.batches(name) for name in work.sweep.blocks if work.is_known(name))
 

@@ -45,7 +45,7 @@ SWEEPS = {
 def page(tmp_path_factory):
     """The report of two cases and two seeds of the smoke sweep."""
     folder = tmp_path_factory.mktemp("report")
-    made(folder, flow=True, sweep={"case": ["c1", "e3"], "seed": [1, 2]})
+    made(folder, beds=True, sweep={"case": ["c1", "e3"], "seed": [1, 2]})
     folder = folder / "results"
     (folder / "stability.nc").touch()
     (folder / "stability.txt").write_text("a table of <b>stability</b>")
@@ -236,7 +236,7 @@ def test_a_figure_of_cases_is_not_drawn_of_other_sweeps(swept):
 
 def test_shapes_and_seeds_are_cases(tmp_path):
     """A sweep over shapes has the figures of the paper, of each shape as a case."""
-    made(tmp_path, flow=True, sweep={"shape": ["c1", "e3"], "seed": [1, 2]})
+    made(tmp_path, beds=True, sweep={"shape": ["c1", "e3"], "seed": [1, 2]})
     folder = tmp_path / "results"
     assert {"figure07", "figure13", "figure09", "figure12"} <= set(drawable(folder))
     for name in drawable(folder):

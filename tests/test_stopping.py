@@ -31,8 +31,9 @@ from dem.experiment.kinds import drag
 from dem.io.dataset import read
 from dem.io.results_folder import clear_parts
 from dem.sweep import batch as making
-from dem.sweep.campaign import Campaign
+from dem.sweep.combined import combine_block
 from dem.sweep.config import load, parse
+from dem.sweep.state import SweepState
 from dem.sweep.store import Store
 
 CLOCKS = ("run_time",)
@@ -49,7 +50,7 @@ def discs(seeds, **changes):
 
 def planned(sweep, folder):
     """A sweep at work with a store in a folder, its plan written; and its only chunk."""
-    work = Campaign(sweep, Store(folder / "store"), root=folder)
+    work = SweepState(sweep, Store(folder / "store"), root=folder)
     (chunk,) = work.batches("drag")
     work.begin("drag")
     return work, chunk.id
@@ -58,7 +59,7 @@ def planned(sweep, folder):
 def combined(work, folder):
     """drag.nc of a sweep whose chunks are made."""
     path = folder / "drag.nc"
-    work.combine("drag", "drag", path)
+    combine_block(work, "drag", "drag", path)
     return path
 
 
@@ -351,7 +352,7 @@ def test_memory_of_combining_does_not_grow_with_the_runs(tmp_path):
     row, peaks = {name: value[0] for name, value in values.items() if len(value) == 2}, []
     for count in (5, 50):
         sweep = discs(f"1 to {count}", batch=10, record=record)
-        many = Campaign(sweep, Store(tmp_path / f"store{count}"), root=tmp_path)
+        many = SweepState(sweep, Store(tmp_path / f"store{count}"), root=tmp_path)
         for each in many.batches("drag"):
             runs = [run for run in sweep.block("drag").unique() if run.id in each.runs]
             making.write_batch(many.store.file_of(each.id), runs, [row] * len(runs))

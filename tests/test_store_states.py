@@ -24,8 +24,9 @@ from test_stopping import Killed, smoke
 from dem.base.errors import InputError, RunError
 from dem.packing.random import Bed
 from dem.sweep import batch as making
-from dem.sweep.campaign import Campaign
+from dem.sweep.combined import combine_block
 from dem.sweep.prune import prune
+from dem.sweep.state import SweepState
 from dem.sweep.store import Store
 
 SEEDS = range(1, 7)
@@ -105,15 +106,15 @@ class Sweeps(RuleBasedStateMachine):
 
     # What happens
 
-    def campaign(self, name):
+    def state(self, name):
         values = {"case": ["c1", "c12"], "seed": list(self.seeds[name])}
-        return Campaign(smoke(sweep=values, results=f"results/{name}", batch=3, failures=0.99))
+        return SweepState(smoke(sweep=values, results=f"results/{name}", batch=3, failures=0.99))
 
     @rule(name=st.sampled_from(NAMES), seeds=st.sets(st.sampled_from(SEEDS)))
     def plan(self, name, seeds):
         """A sweep has other seeds; what it had is made again only where it was pruned meanwhile."""
         self.seeds[name] = tuple(sorted({1} | seeds))
-        self.campaign(name).begin("drag")
+        self.state(name).begin("drag")
 
     @precondition(lambda self: any(self.seeds.values()))
     @rule(end=st.sampled_from(ENDS), when=st.integers(1, 30), both=st.booleans(), name=st.sampled_from(NAMES))
@@ -122,7 +123,7 @@ class Sweeps(RuleBasedStateMachine):
         names = [each for each in (NAMES if both else (name,)) if self.seeds[each]]
         self.left = {end: when}
         try:
-            at_work = [self.campaign(each) for each in names]
+            at_work = [self.state(each) for each in names]
             jobs = [[(work, b.id) for b in work.batches("drag") if not work.store.file_of(b.id).exists()]
                     for work in at_work]  # fmt: skip
             for work in at_work:
@@ -134,7 +135,7 @@ class Sweeps(RuleBasedStateMachine):
                 for work, batch in job:
                     making.make(work.store, batch)
             for each, work in zip(names, at_work, strict=True):
-                work.combine("drag", "drag", Path(f"results/{each}/drag.nc"))
+                combine_block(work, "drag", "drag", Path(f"results/{each}/drag.nc"))
         except (Killed, OSError) as error:
             assert self.left.get(end) == 0, error
             part = self.folder / f"results/store/runs/ab/.x.npz.{os.uname().nodename}.1.dem.part"
@@ -183,7 +184,7 @@ class Sweeps(RuleBasedStateMachine):
         """What no sweep needs goes, and nothing else; where that cannot be known, nothing goes."""
         runs = [
             run for name in NAMES if self.seeds[name]
-            for run in self.campaign(name).block("drag").unique()
+            for run in self.state(name).block("drag").unique()
         ]  # fmt: skip
         needed, beds = {run.id for run in runs}, {run.bed_id for run in runs}
         before = self.files()

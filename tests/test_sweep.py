@@ -6,9 +6,7 @@ import os
 import re
 import shutil
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import chdir
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,7 +16,6 @@ from typer.testing import CliRunner
 
 import dem
 from conftest import CONFIG, posix
-from dem.analysis.flow.collect import _describe
 from dem.base.errors import InputError, RunError
 from dem.base.yaml_file import read
 from dem.cli.app import app
@@ -31,12 +28,12 @@ from dem.report.status import _cells
 from dem.sweep import batch as making
 from dem.sweep import store as stores
 from dem.sweep.axis import changes_of_words
-from dem.sweep.campaign import Campaign
 from dem.sweep.combine import about, combine
+from dem.sweep.combined import combine_block
 from dem.sweep.config import load, merged, parse, save
 from dem.sweep.jobs import kernel_key, plan_batches
 from dem.sweep.prune import prune, sweeps
-from dem.sweep.units import unusual
+from dem.sweep.state import SweepState
 
 FEW = {"c1": {"kind": "disc", "diameter": 1092e-6, "granules": 30}}
 SMALL = {
@@ -57,12 +54,12 @@ def small(sweep, **more):
 
 
 def ids(sweep, block="drag"):
-    return [run.replicate.id for run in sweep.block(block).runs]
+    return [run.id for run in sweep.block(block).runs.values()]
 
 
 def done(sweep, folder, jobs=1):
     """A sweep at work, all runs made."""
-    work = Campaign(sweep, stores.Store(folder / "store"), root=folder)
+    work = SweepState(sweep, stores.Store(folder / "store"), root=folder)
     for block in sweep.blocks:
         chunks = work.batches(block)
         work.begin(block)
@@ -73,7 +70,7 @@ def done(sweep, folder, jobs=1):
 
 def combined(work, folder, block="drag", observable="drag"):
     path = folder / f"{block}_{observable}.nc"
-    work.combine(block, observable, path)
+    combine_block(work, block, observable, path)
     with xr.open_dataset(path) as dataset:
         return dataset.load()
 
@@ -89,7 +86,7 @@ def test_a_product_of_any_values_is_a_dimension_each():
     assert block.dims == ("shape", "friction_granule", "packing_fraction", "seed")
     assert block.shape == (2, 2, 3, 2) and len(block.runs) == 24
     assert block.axes[2].entry.units == "1" and "packing fraction" in block.axes[2].entry.about
-    last = block.runs[-1].replicate
+    last = list(block.runs.values())[-1]
     assert (last.label, last.seed) == ("e3", 2)
     assert last.configuration.friction.granule == 0.3
     assert last.configuration.packing.fraction == 0.84
@@ -98,7 +95,7 @@ def test_a_product_of_any_values_is_a_dimension_each():
 def test_factors_are_of_the_files_own_value():
     """{times: ...} multiplies what the configuration has."""
     block = small({"shape": "c1", "material.young_modulus": {"times": [0.5, 2]}}).block("drag")
-    moduli = [run.replicate.configuration.material.young_modulus for run in block.runs]
+    moduli = [run.configuration.material.young_modulus for run in block.runs.values()]
     assert moduli == [35e9, 140e9] and block.axes[1].coordinate == moduli
 
 
@@ -107,7 +104,7 @@ def test_values_that_go_together_are_one_dimension():
     box = {"same": {}, "wide": {"box_width": 9e-3, "shapes.c1.granules": 45}}
     block = small({"shape": ["c1", "e3"], "box": box}).block("drag")
     assert block.dims == ("shape", "box", "seed")
-    width = {run.place[:2]: run.replicate.configuration.box_width for run in block.runs}
+    width = {point[:2]: run.configuration.box_width for point, run in block.runs.items()}
     assert width == {(0, 0): 6e-3, (0, 1): 9e-3, (1, 0): 6e-3, (1, 1): 9e-3}
     _, dims, values = block.labels()["box_width"]
     assert dims == ("box",) and values.tolist() == [6e-3, 9e-3]
@@ -134,17 +131,6 @@ def test_what_varies_is_no_attribute(sweep, told):
         assert "cylinder_velocity" in named
 
 
-def test_what_varies_is_no_attribute_of_flow():
-    """The diameter of the cylinder is that of no bed, where there are two."""
-    said = {}
-    file = SimpleNamespace(
-        title="", setncatts=said.update, variables={"snapshot_displacement": np.array([0.0, 1e-3])}
-    )
-    sweep = {"shape": "c1", "cylinder.diameter": [1e-3, 2e-3], "values": {"box_width": 7e-3}}
-    _describe(file, small(sweep).block("drag"))
-    assert "cylinder_diameter" not in said and said["box_width"] == 7e-3
-
-
 @pytest.mark.parametrize(
     ("values", "words"),
     [
@@ -155,26 +141,8 @@ def test_what_varies_is_no_attribute_of_flow():
 )  # fmt: skip
 def test_a_velocity_in_another_unit_is_noticed(values, words):
     """One sentence, of the fastest run, however many there are."""
-    found = unusual(Campaign(small({"shape": ["c1"], "seed": "1 to 3"} | values)))
-    assert len(found) == bool(words) and all(words in sentence for sentence in found)
-
-
-@pytest.mark.parametrize("file", sorted(CONFIG.glob("*.yaml")), ids=lambda path: path.stem)
-def test_no_file_that_comes_with_the_code_is_warned_of(file):
-    if "sweep" in read(file):
-        assert unusual(Campaign(load(file))) == []
-
-
-def test_a_dry_run_warns_once_of_a_velocity_in_another_unit(tmp_path):
-    own = tmp_path / "own.yaml"
-    sweep = {"shape": "c1", "cylinder.velocity": [500.0, 8000.0]}
-    own.write_text(
-        yaml.safe_dump(SMALL | {"shapes": FEW, "sweep": sweep, "results": "results/units"})
-    )
-    with chdir(tmp_path):
-        ran = CliRunner().invoke(app, ["sweep", str(own), "--dry-run"])
-        assert ran.exit_code == 0 and not Path("results").exists()
-    assert ran.output.count("Warning:") == 1 and "cylinder.velocity is 8000 m/s" in ran.output
+    warnings = SweepState(small({"shape": ["c1"], "seed": "1 to 3"} | values)).check()
+    assert len(warnings) == bool(words) and all(words in sentence for sentence in warnings)
 
 
 def test_a_name_that_a_variable_has_gets_a_suffix():
@@ -193,7 +161,7 @@ def test_a_design_fills_its_ranges(kind):
     }
     spec = {"design": kind, "points": 16, "first_seed": 50, "over": over}
     block = small({"shape": "c1", "point": spec}).block("drag")
-    runs = [run.replicate for run in block.runs]
+    runs = list(block.runs.values())
     assert [run.seed for run in runs] == list(range(50, 66))
     places = {
         "granule": [(r.configuration.friction.granule - 0.1) / 0.4 for r in runs],
@@ -209,7 +177,7 @@ def test_values_of_a_block_hold_in_all_of_it():
     values = {"seed": 7, "shape": "c1", "density": 2e3, "friction.wall": 0.1}
     block = small({"blocks": {"a": {"values": values, "friction.granule": [0.1, 0.2]}}}).block("a")
     assert block.dims == ("shape", "friction_granule", "seed")
-    for run in (run.replicate for run in block.runs):
+    for run in block.runs.values():
         assert (run.label, run.density, run.seed) == ("c1", 2e3, 7)
         assert run.configuration.friction.wall == 0.1
 
@@ -217,7 +185,7 @@ def test_values_of_a_block_hold_in_all_of_it():
 def test_a_point_without_a_seed_has_the_usual_one():
     """Beside points that have one."""
     block = small({"shape": "c1", "box": {"a": {"seed": 5}, "b": {"gravity": 1}}}).block("drag")
-    assert [run.replicate.seed for run in block.runs] == [5, 1]
+    assert [run.seed for run in block.runs.values()] == [5, 1]
     assert block.labels()["seed"][1:][0] == ("box",)
 
 
@@ -282,7 +250,7 @@ def test_a_value_of_the_command_line_is_the_number_that_a_file_would_give():
         ({"shape": "c1", "run_id_length": {"b": {}}}, "two things named run_id_length; rename one"),
         ({"shape": "c1", "ellipse.contact": "common_normal", "ellipse_contact_length": {"b": {}}}, "two things named ellipse_contact_length"),
         ({"blocks": {"a": {"shape": "c1", "s": {"x": {}}, "s_length": {"y": {}}}}}, "sweep.blocks.a gives files of results two things named s_length"),
-        ({"blocks": {"flow": {"shape": "c1"}}}, "it must be no folder of results"),
+        ({"blocks": {"figures": {"shape": "c1"}}}, "it must be no folder of results"),
         ({"blocks": {"a": {"shape": "c1"}, "b": {"needs": "a", "shape": "c1", "s": {"x": {"packing.fraction": {"derive": "equal_load", "friction": 0.3}}}}}}, "leave friction out"),
         ({"blocks": {"a": {"shape": "c1", "needs": "b"}}}, "it must be a block before it"),
         ({"blocks": {"a": {"shape": "c1"}}, "shape": "c1"}, "has blocks and shape"),
@@ -336,7 +304,7 @@ def test_what_a_run_does_not_read_makes_no_other_run():
 def test_what_a_run_reads_makes_another_run():
     """Each value of the schema, seed and density too; two of its shape only."""
     sweep = {"shape": "c1"}
-    first = small(sweep).block("drag").runs[0].replicate
+    first = small(sweep).block("drag").first
     found = {first.id}
     changed = {
         "friction.granule": 0.2, "gravity": 9.81, "material.thickness": 2e-3, "box_width": 7e-3,
@@ -376,7 +344,7 @@ def test_runs_that_compute_the_same_motion_share_machine_code():
     def kernels(path="seed", value=1, observables=("drag", "snapshots"), **values):
         record = SMALL["record"] | {"observables": list(observables)}
         sweep = small({"shape": "c1", path: [value]}, record=record, **values)
-        return kernel_key(sweep.block("drag").runs[0].replicate)
+        return kernel_key(sweep.block("drag").first)
 
     first = kernels()
     assert first == kernels("friction.wall", 0.0) == kernels(observables=["drag"])
@@ -394,7 +362,7 @@ def test_an_ellipse_reads_how_its_contacts_are_found():
     contacts = ["common_normal", "geometric_potential"]
     block = small({"shape": ["c1", "e3"], "ellipse.contact": contacts}).block("drag")
     assert len(block.runs) == 4 and len(list(block.unique())) == 3
-    assert sorted(map(len, block.places.values())) == [1, 1, 2]
+    assert sorted(map(len, block.points.values())) == [1, 1, 2]
 
 
 def test_beds_do_not_depend_on_what_comes_after_them():
@@ -402,7 +370,7 @@ def test_beds_do_not_depend_on_what_comes_after_them():
     shared = small(
         {"shape": "c1", "friction.granule": [0.1, 0.2], "density": [1e3, 4e3], "packing.fraction": [0.8, 0.84]}
     )  # fmt: skip
-    beds = [run.replicate.bed_id for run in shared.block("drag").runs]
+    beds = [run.bed_id for run in shared.block("drag").runs.values()]
     assert len(set(beds)) == 2
 
 
@@ -415,7 +383,7 @@ def test_what_a_bed_reads_makes_another_bed():
         "cylinder.diameter": 1.4e-3, "shapes.c1.granules": 31, "shapes.c1.diameter": 1.1e-3, "seed": 2,
     }  # fmt: skip
     found = [small(sweep)] + [small(sweep | {path: [value]}) for path, value in changed.items()]
-    beds = {each.block("drag").runs[0].replicate.bed_id for each in found}
+    beds = {each.block("drag").first.bed_id for each in found}
     assert len(beds) == len(changed) + 1
 
 
@@ -445,7 +413,7 @@ def test_a_value_that_is_added_makes_only_its_runs(tmp_path):
     chunks = {path: path.stat().st_mtime_ns for path in work.files("drag")}
     beds = list((tmp_path / "store/beds").rglob("*.npz"))
     assert len(beds) == 2
-    more = Campaign(
+    more = SweepState(
         small({"seed": [2, 1], "friction.granule": [0.5, 0.1, 0.3], "shape": "c1"}, batch=1),
         work.store,
     )
@@ -466,10 +434,10 @@ def test_an_n_dimensional_file_holds_every_run(tmp_path, batch):
     dataset = combined(done(sweep, tmp_path), tmp_path)
     assert dataset["drag"].dims == ("shape", "friction_granule", "seed", "displacement")
     assert dataset["friction_granule"].attrs["long_name"] == "friction between granules"
-    for run in sweep.block("drag").runs:
-        alone = dem.run_experiment(run.replicate.values())
-        np.testing.assert_array_equal(dataset["drag"][run.place].values, alone["drag"].values)
-        assert dataset["run_id"][run.place] == alone.attrs["run_id"]
+    for point, run in sweep.block("drag").runs.items():
+        alone = dem.run_experiment(run.values())
+        np.testing.assert_array_equal(dataset["drag"][point].values, alone["drag"].values)
+        assert dataset["run_id"][point] == alone.attrs["run_id"]
 
 
 def test_a_combined_file_tells_the_values_that_its_runs_had(tmp_path):
@@ -517,7 +485,7 @@ def test_a_run_that_no_file_holds_is_named(tmp_path):
         combine([first], sweep, sweep.block("drag"), "drag", output)
     second.unlink()
     with pytest.raises(FileNotFoundError, match=second.name):
-        work.combine("drag", "drag", output)
+        combine_block(work, "drag", "drag", output)
     assert not output.exists()
 
 
@@ -566,7 +534,7 @@ def test_a_failed_run_is_a_row_with_its_reason(tmp_path):
     work = done(small(sweep), tmp_path)
     with pytest.raises(RunError, match="2 of 4 runs could not be made; failures allows 0"):
         combined(work, tmp_path)
-    allowed = combined(Campaign(small(sweep, failures=0.5), work.store), tmp_path)
+    allowed = combined(SweepState(small(sweep, failures=0.5), work.store), tmp_path)
     assert allowed["failure"].values.tolist() == [[[0, 0], [2, 2]]]
     assert (
         np.isnan(allowed["drag"].values[0, 1]).all()
@@ -582,14 +550,14 @@ def test_a_failed_run_is_a_row_with_its_reason(tmp_path):
     assert making.retry(work.store, path.stem, runs) == 2 and not path.exists()
     assert sum(work.store.kept(run) is not None for run in before) == 2
     making.make(work.store, path.stem)
-    again = combined(Campaign(small(sweep, failures=0.5), work.store), tmp_path)
+    again = combined(SweepState(small(sweep, failures=0.5), work.store), tmp_path)
     xr.testing.assert_identical(again["drag"], allowed["drag"])
 
 
 def test_failed_runs_have_the_same_gaps_whichever_chunk_comes_first(tmp_path):
     """NaN, and -1 for the number of steps; where too many failed, the first is named by its place."""
     sweep = {"shape": "c1", "numerics.max_overlap": [1e-6, 1.2], "seed": [1, 2]}
-    watched = Campaign(small(sweep), stores.Store(tmp_path / "store"), root=tmp_path)
+    watched = SweepState(small(sweep), stores.Store(tmp_path / "store"), root=tmp_path)
     assert watched.failed() == 0
     work = done(small(sweep, batch=1, failures=0.9), tmp_path)
     assert watched.failed() == 2
@@ -623,7 +591,7 @@ def test_prune_leaves_the_plans_of_a_sweep_that_starts_meanwhile(tmp_path, monke
     """Of which it does not know when it has looked at all folders."""
     monkeypatch.chdir(tmp_path)
     work = done(small({"shape": "c1"}), tmp_path)
-    late = Campaign(small({"shape": "c1", "seed": [9]}, results="results/late"), work.store)
+    late = SweepState(small({"shape": "c1", "seed": [9]}, results="results/late"), work.store)
 
     def looked(store):
         yield from sweeps(store)
@@ -647,7 +615,7 @@ def as_if_made(work):
     work.begin("drag")
     for path in work.files("drag"):
         path.write_bytes(b"\x89HDF\r\n\x1a\n runs")
-    for run in (run.replicate for run in work.sweep.block("drag").runs):
+    for run in work.sweep.block("drag").runs.values():
         for file in (work.store.file_of_bed(run), work.store.run_of(run.id)):
             file.parent.mkdir(parents=True, exist_ok=True)
             file.write_bytes(b"a bed, or a run")
@@ -657,9 +625,9 @@ def as_if_made(work):
 def pruned(tmp_path, monkeypatch):
     """A sweep of two batches as if they were made, and one of a sweep whose folder was deleted."""
     monkeypatch.chdir(tmp_path)
-    work = Campaign(small({"shape": "c1", "seed": [1, 2]}, batch=1))
+    work = SweepState(small({"shape": "c1", "seed": [1, 2]}, batch=1))
     as_if_made(work)
-    as_if_made(Campaign(small({"shape": "c1", "seed": [3]}, results="results/gone")))
+    as_if_made(SweepState(small({"shape": "c1", "seed": [3]}, results="results/gone")))
     shutil.rmtree("results/gone")
     return work
 
@@ -680,7 +648,7 @@ def test_prune_keeps_beds_and_checkpoints_of_runs_under_way(pruned):
     """And removes those of a sweep whose folder was deleted."""
     gone = small({"shape": "c1", "seed": [3]}).block("drag").runs
     kept, left = (
-        [place(run.replicate) for run in runs for place in (
+        [place(run) for run in runs.values() for place in (
             pruned.store.file_of_bed, lambda own: pruned.store.run_of(own.id, ".checkpoint.npz"))]
         for runs in (pruned.sweep.block("drag").runs, gone)
     )  # fmt: skip
@@ -706,7 +674,7 @@ def test_prune_removes_nothing_while_a_sweep_cannot_be_read(pruned, damage):
     config = Path("results/small/config.yaml")
     config.write_text(CONFIGS[damage], errors="surrogateescape")
     refused(str(config))
-    Campaign(pruned.sweep).begin("drag")
+    SweepState(pruned.sweep).begin("drag")
     found = pruning()
     assert found.exit_code == 0 and "4 files removed" in found.stdout, found.output
     assert all(path.is_file() for path in pruned.files("drag"))
@@ -748,7 +716,7 @@ def test_what_is_no_file_in_the_store_is_one_sentence(pruned, kind):
     place.unlink()
     pruned.store.file_of(place.stem).unlink()
     os.mkfifo(place) if kind == "pipe" else place.mkdir()
-    again = Campaign(pruned.sweep)
+    again = SweepState(pruned.sweep)
     with pytest.raises(InputError, match=rf"{place}: it is a .*must be a file"):
         again.begin("drag")
     for words in (["store"], ["store", "--prune"]):
@@ -789,7 +757,7 @@ def test_a_plan_that_was_changed_is_written_again(pruned):
     assert path.read_text() != before
     with pytest.raises(InputError, match="start the sweep again"):
         pruned.store.replicates(batch)
-    Campaign(pruned.sweep).begin("drag")
+    SweepState(pruned.sweep).begin("drag")
     assert path.read_text() == before and len(pruned.store.replicates(batch)) == 1
 
 

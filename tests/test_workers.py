@@ -20,7 +20,7 @@ from dem.base.errors import InputError, RunError
 from dem.cli.app import app
 from dem.io.dataset import read
 from dem.sweep import workers
-from dem.sweep.campaign import Campaign
+from dem.sweep.state import SweepState
 from dem.sweep.workers import Workers, make_task, task_of
 
 SEEDS = [1, 2, 3, 4]
@@ -95,10 +95,10 @@ def test_a_worker_without_the_store_takes_files_of_a_user_from_its_own_folder(
     (mine / "rotation.py").write_text(FILES["rotation.py"])
     record = {"observables": ["drag", "snapshots", "rotation.py"]}
     file = write(mine, monkeypatch, record=record, sweep={"case": ["c1"], "seed": 1})
-    campaign = Campaign.of(file)
-    (batch,) = campaign.batches("drag")
-    campaign.begin("drag")
-    task = task_of(campaign.store, batch)
+    state = SweepState.of(file)
+    (batch,) = state.batches("drag")
+    state.begin("drag")
+    task = task_of(state.store, batch)
     shutil.rmtree(mine / "results")
     uploaded = tmp_path / "uploaded"
     uploaded.mkdir()
@@ -106,8 +106,8 @@ def test_a_worker_without_the_store_takes_files_of_a_user_from_its_own_folder(
     monkeypatch.setattr(workers, "_folder", lambda name: tmp_path / "machine" / name)
     content = make_task(task, beside=str(uploaded))
     assert not (mine / "results").exists()
-    campaign.store.add(batch.id, content)
-    values, _ = read(campaign.store.file_of(batch.id), ("run_id", "failure"))
+    state.store.add(batch.id, content)
+    values, _ = read(state.store.file_of(batch.id), ("run_id", "failure"))
     assert values["run_id"].tolist() == list(batch.runs) and not values["failure"].any()
 
 
@@ -125,13 +125,13 @@ class Deadly(Workers):
 
 
 def test_only_the_run_that_kills_its_worker_is_a_failed_one(tmp_path, monkeypatch):
-    campaign = Campaign.of(write(tmp_path, monkeypatch, failures=0.3))
-    campaign.make(Deadly())
-    values, _ = read(campaign.first("drag"), ("failure", "drag"))
+    state = SweepState.of(write(tmp_path, monkeypatch, failures=0.3))
+    state.make(Deadly())
+    values, _ = read(state.combined("drag")[0], ("failure", "drag"))
     assert values["failure"].ravel().astype(bool).tolist() == [seed == 3 for seed in SEEDS]
     assert np.isfinite(values["drag"]).all(-1).ravel().tolist() == [seed != 3 for seed in SEEDS]
     reasons = [
-        reason for path in campaign.files("drag")
+        reason for path in state.files("drag")
         for reason in read(path, ("failure_reason",))[0]["failure_reason"].tolist() if reason.strip()
     ]  # fmt: skip
     assert reasons == ["MemoryError: each worker that ran it died"]
@@ -151,13 +151,13 @@ class Gone(Workers):
 
 
 def test_a_sweep_whose_workers_are_gone_keeps_what_is_finished(file):
-    campaign = Campaign.of(file)
+    state = SweepState.of(file)
     with pytest.raises(RunError, match="run the same again: finished runs are kept"):
-        campaign.make(Gone())
-    assert campaign.counts() == (2, 4)
+        state.make(Gone())
+    assert state.counts() == (2, 4)
     said = []
-    campaign.make(Workers(), lambda *now: said.append(now))
-    assert campaign.counts() == (4, 4) and said[-1] == (4, 0, False)
+    state.make(Workers(), lambda *now: said.append(now))
+    assert state.counts() == (4, 4) and said[-1] == (4, 0, False)
 
 
 def test_a_process_makes_one_run_at_a_time(file):
@@ -168,22 +168,22 @@ def test_a_process_makes_one_run_at_a_time(file):
     ):
         dem.run_sweep(file, pool)
     assert not (file.parent / "results").exists()
-    campaign = Campaign.of(file)
-    (batch, _) = campaign.batches("drag")
-    campaign.begin("drag")
+    state = SweepState.of(file)
+    (batch, _) = state.batches("drag")
+    state.begin("drag")
     with workers.BUSY, pytest.raises(InputError, match="one run at a time"):
-        make_task(task_of(campaign.store, batch))
+        make_task(task_of(state.store, batch))
 
 
 def test_a_worker_of_other_packages_is_refused_by_name(file, monkeypatch):
-    campaign = Campaign.of(file)
-    (batch, _) = campaign.batches("drag")
-    campaign.begin("drag")
-    task = task_of(campaign.store, batch)
+    state = SweepState.of(file)
+    (batch, _) = state.batches("drag")
+    state.begin("drag")
+    task = task_of(state.store, batch)
     old = task._replace(made_with=task.made_with | {"numba": "0.1"})
     with pytest.raises(InputError, match=r"numba on \S+ is [\d.]+; it must be 0\.1, as where"):
         make_task(old)
-    assert campaign.counts() == (0, 4)
+    assert state.counts() == (0, 4)
 
 
 @pytest.fixture(scope="module")

@@ -19,8 +19,8 @@ import dem
 from conftest import assert_alone, assert_not_blank, posix
 from dem.cli.app import app
 from dem.figures.catalogue import FIGURES
-from dem.sweep.campaign import Campaign
 from dem.sweep.config import load
+from dem.sweep.state import SweepState
 
 pytestmark = posix
 ROOT = Path(__file__).parent.parent
@@ -57,10 +57,10 @@ def runs_of(folder):
 
 
 def test_one_command_makes_all_results(finished):
-    """One command leaves drag.nc, flow.nc, every run once and the figures."""
+    """One command leaves drag.nc, snapshots.nc, every run once and the figures."""
     results = finished / "results/smoke"
     assert len(runs_of(results)) == 5 * 2
-    assert (results / "flow.nc").is_file()
+    assert (results / "snapshots.nc").is_file()
     for figure in (
         "figure07",
         "figure08",
@@ -125,7 +125,7 @@ def test_a_configuration_of_the_command_line_replaces_that_of_the_paper(finished
     """No key of the paper is left; without one, snakemake alone plans the paper."""
     made, asked = load(finished / "results/smoke/config.yaml"), load(finished / SMOKE)
     assert made.dump() == asked.dump()
-    paper = Campaign.of(finished / "config/paper.yaml", finished)
+    paper = SweepState.of(finished / "config/paper.yaml", finished)
     assert planned(finished, configfile=None)["batch"] == len(paper.batches("drag"))
 
 
@@ -192,7 +192,7 @@ def test_what_is_forced_is_made_again(finished, tmp_path):
     files = {
         path: path.stat().st_mtime_ns for path in (folder / "results/store/batches").glob("*.nc")
     }
-    own = Campaign.of(folder / SMOKE, folder).files("drag")  # others are of studies
+    own = SweepState.of(folder / SMOKE, folder).files("drag")  # others are of studies
     one = own[0]
     run = snakemake(folder, "-j2", "-f", str(one.relative_to(folder)))
     assert run.returncode == 0, run.stderr
@@ -286,9 +286,9 @@ def test_a_killed_run_is_taken_up_again(finished):
     assert kept and not list((finished / "results/store/runs").rglob("*.npz"))
     one = contents(results / "drag.nc")
     sweep = load(finished / "config/killed.yaml")
-    for run in sweep.block("drag").runs[::3]:
-        alone = dem.run_experiment(run.replicate.values())
-        np.testing.assert_array_equal(one["drag"][run.place], alone["drag"].values)
+    for point, run in list(sweep.block("drag").runs.items())[::3]:
+        alone = dem.run_experiment(run.values())
+        np.testing.assert_array_equal(one["drag"][point], alone["drag"].values)
 
 
 def test_what_jobs_finish_after_snakemake_is_killed_is_kept(finished):
@@ -329,36 +329,6 @@ def own(finished, tmp_path_factory):
 
 
 OWN = "config/own.yaml"
-API = """
-from pathlib import Path
-from snakemake.api import SnakemakeApi
-from snakemake.settings.types import ConfigSettings, DAGSettings, ResourceSettings
-
-with SnakemakeApi() as api:
-    workflow = api.workflow(
-        ResourceSettings(cores=1), ConfigSettings(configfiles=[Path("config/own.yaml")]),
-        snakefile=Path("Snakefile"),
-    )
-    workflow.dag(DAGSettings(targets={"results/own/drag.nc"})).execute_workflow()
-"""
-
-
-def test_python_makes_a_file_by_the_interface_of_snakemake(own):
-    """The file that is its target, and nothing else."""
-    target = own / "results/own/drag.nc"
-    before = contents(target)
-    others = {path: path.stat().st_mtime_ns for path in (own / "results").rglob("*.nc")}
-    target.unlink()
-    run = subprocess.run(
-        [sys.executable, "-c", API], cwd=own, text=True, capture_output=True, env=environment(own)
-    )
-    assert run.returncode == 0, run.stdout + run.stderr
-    for name, values in contents(target).items():
-        np.testing.assert_array_equal(values, before[name], err_msg=name)
-    there = {path: path.stat().st_mtime_ns for path in (own / "results").rglob("*.nc")}
-    assert [path for path in there if there[path] != others.get(path)] == [target]
-
-
 def test_a_job_that_fails_leaves_what_was_good(own):
     """A damaged batch is named, and the next start tries again until it is mended."""
     result, target = own / "results/own/drag.nc", "results/own/drag.nc"
@@ -400,25 +370,6 @@ def test_another_sweep_of_a_folder_is_refused(own):
     (own / OWN).write_text((own / OWN).read_text().replace("seed: [1, 2]", "seed: [2, 3]"))
     run = snakemake(own, "results/own/drag.nc", "-n", configfile=OWN)
     assert run.returncode == 0
-
-
-@pytest.mark.parametrize(
-    "name",
-    ["drag.nc", "flow.nc", "config.yaml"],
-)  # fmt: skip
-def test_the_workflow_writes_through_no_link(own, name):
-    """Nor does it replace one: a sentence."""
-    place, mine = own / "results/own" / name, own / "mine"
-    mine.write_bytes((own / "results/smoke/drag.nc").read_bytes())
-    place.parent.mkdir(parents=True, exist_ok=True)
-    kept = place.rename(own / "kept") if place.exists() else None
-    place.symlink_to(mine)
-    run = snakemake(own, "-j1", "results/own/drag.nc", configfile=OWN)
-    assert run.returncode == 1 and "it is a link to" in run.stderr, run.stderr
-    assert place.is_symlink() and mine.read_bytes() == (own / "results/smoke/drag.nc").read_bytes()
-    place.unlink()
-    if kept:
-        kept.rename(place)
 
 
 def test_a_wrong_configuration_writes_nothing(copy, monkeypatch):
@@ -494,50 +445,14 @@ def test_the_workflow_is_drawn_and_linted(finished):
 
 
 def test_files_follow_the_cf_conventions(finished):
-    """Every kind of netCDF file passes the checker for CF-1.11."""
+    """Every kind of netCDF file passes the checker for CF-1.11, in the classic model, which other programs read."""
     results = finished / "results/smoke"
-    paths = [next(results.glob(name)) for name in ("drag.nc", "flow.nc", "../store/batches/*.nc")]
+    paths = [next(results.glob(name)) for name in ("drag.nc", "snapshots.nc", "../store/batches/*.nc")]
+    for path in paths:
+        with netCDF4.Dataset(path) as file:
+            assert file.data_model == "NETCDF4_CLASSIC"
     run = subprocess.run(
         ["compliance-checker", "--test=cf:1.11", *map(str, paths)],
         text=True, capture_output=True, env=environment(finished),
     )  # fmt: skip
     assert run.returncode == 0, run.stdout
-
-
-# What turns a file into another format of netCDF or of HDF5, or reads its texts; {} are files.
-PROGRAMS = {
-    "ncdump": "ncdump {0}",
-    "nccopy": "nccopy -k classic {0} {1}",
-    "ncks": "ncks -O -3 {0} {1}",
-    "h5repack": "h5repack -f GZIP=1 {0} {1}",
-    "octave": "octave --norc --eval \"pkg load netcdf; ncread('{0}', 'shape'); ncread('{0}', 'run_id');\"",
-}
-
-
-def test_other_programs_read_every_kind_of_file(finished, tmp_path):
-    """The classic model has no strings of variable length and no whole numbers of 64 bits, on which
-    programs stop. Each program that this computer has is asked."""
-    results = finished / "results/smoke"
-    paths = [next(results.glob(name)) for name in ("drag.nc", "flow.nc", "../store/batches/*.nc")]
-    paths.append(tmp_path / "means.nc")
-    run = CliRunner().invoke(app, ["means", str(paths[0]), "-o", str(paths[-1])])
-    assert run.exit_code == 0, run.output
-    scene, state = dem.Scene(dem.Disc([1e-3, 1e-3])), dem.State([[0, 0], [2.1e-3, 0]])
-    paths.append(dem.simulate(scene, state, duration=1e-5).to_netcdf(tmp_path / "result.nc"))
-    for path in paths:
-        with netCDF4.Dataset(path) as file:
-            assert file.data_model == "NETCDF4_CLASSIC"
-        for program in filter(shutil.which, PROGRAMS):
-            if program != "octave" or path.name == "drag.nc":  # it takes a second to start
-                command = PROGRAMS[program].format(path, tmp_path / "other.nc")
-                run = subprocess.run(command, shell=True, capture_output=True, text=True)
-                assert run.returncode == 0, f"{command}: {run.stdout[-500:]} {run.stderr}"
-    assert len(paths) == 5
-
-
-def test_info_shows_every_case(finished):
-    """dem info prints a line a case with its mean drag."""
-    run = CliRunner().invoke(app, ["info", str(finished / "results/smoke/drag.nc")])
-    assert run.exit_code == 0, run.output
-    for case in ("c1", "d1", "e0", "e3", "c12"):
-        assert re.search(rf"\b{case}\b.*\d", run.stdout)

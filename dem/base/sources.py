@@ -38,8 +38,7 @@ RUNS = (
     *KERNELS,
     "base/validate.py",
     "experiment/bed.py",
-    "experiment/fit.py",
-    "experiment/flow_measures.py",
+    "experiment/box.py",
     "experiment/motion.py",
     "experiment/scene.py",
 )

@@ -18,8 +18,8 @@ class Writes(NamedTuple):
 
 
 def argument(kind, about: str, writes: str | None = None, **more):
-    """Annotation of an argument of a verb. writes: kind of the file that the verb writes there, as of
-    Writes; more: as of typer.Argument."""
+    """Annotation of an argument of a verb. writes: kind of the file that the verb writes there, as
+    of Writes; more: as of typer.Argument."""
     return _marked(kind, typer.Argument(help=about, **more), writes)
 
 
@@ -38,7 +38,6 @@ OutputOption = option(Path, "netCDF file to write.", *OUTPUT, writes=".nc")
 FolderOption = option(
     Path | None, "Folder; figures/ next to the data if absent.", *OUTPUT, writes=FOLDER
 )
-BlockOption = option(str | None, "Block of the sweep; the first if absent.")
 TextOption = option(
     Path | None, "Text file (.txt); the terminal if absent.", *OUTPUT, writes=".txt"
 )

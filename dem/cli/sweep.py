@@ -1,12 +1,12 @@
-"""Command line, a sweep and its store: `dem sweep`, `compile`, `batch`, `combine`, `store`."""
+"""Command line, runs: `dem sweep`, `status`, `combine`, `store`, `simulate`."""
 
 import shlex
 from pathlib import Path
 
-import typer
-
+from dem.base.files import ANY
 from dem.base.say import say
-from dem.cli.options import PAPER, BlockOption, ConfigOption, OutputOption, argument, option
+from dem.cli.options import PAPER, ConfigOption, OutputOption, argument, option
+from dem.cli.show import print_or_write, watched
 from dem.cli.stopping import Stopped
 from dem.cli.terminal import bar, show, start_lean
 
@@ -15,7 +15,7 @@ FileArgument = argument(Path, "Configuration file of a sweep (YAML).")
 
 def sweep(
     file: FileArgument = PAPER,
-    dry_run: option(bool, "Only estimate runs, beds, time and disk.", "-n", "--dry-run") = False,
+    dry_run: option(bool, "Only estimate runs, beds and time.", "-n", "--dry-run") = False,
     retry: option(bool, "Try failed runs again.", "--retry") = False,
     jobs: option(int, "Number of processes.", "-j", "--jobs", min=1) = 2,
     scheduler: option(
@@ -28,79 +28,46 @@ def sweep(
     Example: dem sweep config/smoke.yaml -j 2
     """
     start_lean()
-    from dem.sweep.campaign import Campaign, of_new_store
-    from dem.sweep.estimate import kept, outcome, retried, summary
-    from dem.sweep.units import unusual
+    from dem.io.results_folder import prepare
+    from dem.sweep.estimate import interrupted, outcome, summary
+    from dem.sweep.state import SweepState
     from dem.sweep.workers import Processes
 
-    campaign = Campaign.of(file)
-    gone = campaign.check()
-    if sentence := of_new_store(campaign.store, file):
-        say(sentence)
-    for sentence in unusual(campaign):
-        say(sentence)
+    state = SweepState.of(file)
+    for warning in state.check():
+        say(warning)
     if dry_run:
         with bar("estimating"):
-            found = summary(campaign, jobs, retry)
-        show("\n".join((found, *gone)))
+            words = summary(state, jobs, retry)
+        show(words)
         return
-    from dem.analysis.flow.collect import make_flow
-    from dem.io.results_folder import prepare
-
-    workers = Processes(jobs) if scheduler is None else _cluster(scheduler, wait, campaign.store)
-    held, said = prepare(campaign.results, campaign.store.folder)
-    for sentence in said:
+    workers = Processes(jobs) if scheduler is None else _cluster(scheduler, wait, state.store)
+    lock, sentences = prepare(state.results, state.store.folder)
+    for sentence in sentences:
         say(sentence)
     try:
         if retry:
-            say(f"{retried(campaign)} failed runs are tried again.")
-        there, _ = campaign.counts()
+            say(f"{state.retry()} failed runs are tried again.")
+        before, _ = state.counts()
         with bar("running", 1.0) as update:
 
-            def made(done, failed, compiles):
+            def progress(done, failed, compiles):
                 words = "running, and compiling" if compiles else "running"
-                share = done / len(campaign.runs())  # of those that are known to be needed
+                share = done / len(state.runs())  # of those that are known to be needed
                 update(share, words + (f", {failed} failed" if failed else ""))
 
             with workers:
-                campaign.make(workers, made)
-        order = list(campaign.sweep.blocks)
-        with bar("measuring flow", float(len(order))) as update:
-            for number, block in enumerate(order):
-                make_flow(campaign, block, lambda share, n=number: update(n + share))
-        for sentence in (*gone, *campaign.said):
+                state.make(workers, progress)
+        for sentence in state.notes:
             say(sentence)
-        say(outcome(campaign, campaign.counts()[0] - there))
+        say(outcome(state, state.counts()[0] - before))
     except Stopped as stop:
         how = ["--scheduler", scheduler] if scheduler else ["-j", str(jobs)]
         again = shlex.join(["dem", "sweep", str(file), *how])
-        stop.kept = kept(campaign, f"to go on, type: {again}")
+        stop.kept = interrupted(state, f"to go on, type: {again}")
         raise
     finally:
-        held.release()
-
-
-def status(
-    file: FileArgument = PAPER,
-    watch: option(bool, "Look again every few seconds.", "--watch") = False,
-):
-    """Show how far a sweep is, place by place, while it runs or after it stopped. It only reads.
-
-    Example: dem status config/smoke.yaml --watch
-    """
-    from dem.cli.show import print_or_write, watched
-    from dem.report.status import status as told
-    from dem.sweep.campaign import Campaign
-
-    def look():
-        campaign = Campaign.of(file)
-        there, total = campaign.counts()
-        return told(campaign), there < total
-
-    if watch:
-        watched(look)
-    else:
-        print_or_write(told(Campaign.of(file)), None)
+        lock.release()
 
 
 def _cluster(scheduler: str, wait: float, store):
@@ -111,73 +78,52 @@ def _cluster(scheduler: str, wait: float, store):
         return Cluster(connected(scheduler, wait), store)
 
 
-def compile(
-    config: ConfigOption = PAPER,
-    shape: option(str | None, "Label of a shape; all shapes if absent.") = None,
+def status(
+    file: FileArgument = PAPER,
+    watch: option(bool, "Look again every few seconds.", "--watch") = False,
 ):
-    """Compile the kernels that the runs of a sweep need, and keep them on disk.
+    """Show how far a sweep is, place by place, while it runs or after it stopped. It only reads.
 
-    Example: dem compile --shape c1
+    Example: dem status config/smoke.yaml --watch
     """
-    start_lean()
-    from dem.experiment.warmup import compile_kernels
-    from dem.sweep.config import load
-    from dem.sweep.jobs import kernel_key
+    from dem.report.status import status as table
+    from dem.sweep.state import SweepState
 
-    sweep, kinds = load(config), {}
-    for block in sweep.blocks:
-        for replicate in sweep.block(block).unique():
-            if shape in (None, replicate.label):
-                kinds.setdefault(kernel_key(replicate), replicate)
-    if shape is not None and not kinds:
-        kinds[shape] = sweep.replicate(shape, sweep.density_of(shape), 0)
-    with bar("compiling", float(len(kinds))) as update:
-        for done, replicate in enumerate(kinds.values()):
-            update(done, f"compiling for {replicate.label}, {done + 1} of {len(kinds)}")
-            compile_kernels(replicate)
-        update(len(kinds))
+    def look():
+        state = SweepState.of(file)
+        runs, total = state.counts()
+        return table(state), runs < total
 
-
-def batch(
-    output: argument(Path, "File of the store, results/store/batches/....nc.", writes=".nc"),
-):
-    """Make the runs of one batch of the store, as the file of its name that ends in .json says."""
-    start_lean()
-    from dem.sweep.batch import make
-    from dem.sweep.store import Store
-
-    store = Store(output.parents[1])
-    with bar(f"batch {output.stem}", float(len(store.replicates(output.stem)))) as update:
-
-        def made(done, failed, compiles=False):
-            words = f"batch {output.stem}" + (f", {failed} failed" if failed else "")
-            update(done, words)
-
-        make(store, output.stem, made)
+    if watch:
+        watched(look)
+    else:
+        print_or_write(look()[0], None)
 
 
 def combine(
     output: OutputOption,
     config: ConfigOption = PAPER,
-    block: BlockOption = None,
+    block: option(str | None, "Block of the sweep; the first if absent.") = None,
     observable: option(str, "Recorded observable, such as drag or snapshots.") = "drag",
     partial: option(
-        bool, "Only the runs that are there, while the rest is made.", "--partial"
+        bool, "Only the runs that exist, while the others are made.", "--partial"
     ) = False,
 ):
     """Combine all runs of a block into one file, with one dimension per varied value.
 
     Example: dem combine --config config/smoke.yaml -o drag.nc
     """
-    from dem.sweep.campaign import Campaign
+    from dem.sweep.combined import combine_block
+    from dem.sweep.state import SweepState
     from dem.sweep.store import check_place
 
-    campaign = Campaign.of(config)
-    check_place(output, campaign.store.folder)
+    state = SweepState.of(config)
+    check_place(output, state.store.folder)
     with bar("combining", 1.0) as update:
-        campaign.combine(block or next(iter(campaign.sweep.blocks)), observable, output, update, partial)
-    for sentence in campaign.said:
-        typer.echo(sentence, err=True)
+        name = block or next(iter(state.sweep.blocks))
+        combine_block(state, name, observable, output, update, partial)
+    for sentence in state.notes:
+        say(sentence)
 
 
 def store(
@@ -193,27 +139,78 @@ def store(
     Example: dem store shape=c1 friction.granule=0.3
     """
     from dem.base.errors import InputError
-    from dem.cli.show import print_or_write
-    from dem.sweep.estimate import listing, wanted_of
-    from dem.sweep.prune import prune as pruned
+    from dem.sweep.listing import listing, wanted_values
+    from dem.sweep.prune import prune as remove
     from dem.sweep.store import Store
 
-    found, wanted = Store(), [wanted_of(word) for word in values or ()]
-    if not found.is_there():
+    runs, wanted = Store(), wanted_values(values or ())
+    if not runs.is_there():
         raise InputError(
-            f"{found.folder}: there is no store here; go to the folder where the sweeps were started."
+            f"{runs.folder}: there is no store; go to the folder where the sweeps were started."
         )
     if prune:
         with bar("pruning the store"):
-            gone, size = pruned(found)
-        show(f"{len(gone)} files removed, {1e-6 * size:.1f} MB.")
+            files, size = remove(runs)
+        show(f"{len(files)} files removed, {1e-6 * size:.1f} MB.")
         return
     with bar("reading the store"):
-        table = listing(found, wanted)
+        table = listing(runs, wanted)
     if values and not table.rows:
         say(f"No stored run has {' and '.join(values)}.")
         return
     print_or_write(table, None)
 
 
-VERBS = (sweep, status, compile, batch, combine, store)
+def simulate(
+    shape: option(str, "Label of a shape in the configuration, such as c1."),
+    density: option(float, "Density of the granules, kg/m3, such as 3900."),
+    seed: option(int, "Seed of the random bed."),
+    output: OutputOption,
+    values: argument(
+        list[str] | None,
+        "Values that replace those of the configuration, such as friction.granule=0.2.",
+        metavar="PATH=VALUE",
+    ) = None,
+    config: ConfigOption = PAPER,
+    threads: option(
+        int, "Threads; they pay from some thousand granules on, same result.", min=1
+    ) = 1,
+    checkpoint: option(
+        Path | None,
+        "File that saves the run every minute; a stopped run resumes from it.",
+        writes=ANY,
+    ) = None,
+):
+    """Make one run: draw the cylinder through one bed and record the forces on it.
+
+    Example: dem simulate --shape c1 --density 3900 --seed 1 friction.granule=0.2 -o run.nc
+    """
+    start_lean()
+    from dem.base.errors import InputError
+    from dem.experiment import resume
+    from dem.experiment.bed import make_bed
+    from dem.sweep.axis import changes_of_words
+    from dem.sweep.batch import write_one
+    from dem.sweep.config import load
+
+    file = load(config)
+    file.replicate(shape, density, seed)  # refuses what the file lacks by the words of the file
+    changed = file.changed(changes_of_words(file, values or []), shape)
+    run = changed.replicate(shape, density, seed)
+    if (experiment := run.configuration.experiment) != "drag":
+        raise InputError(
+            f"{config}: experiment is {experiment}; dem simulate makes only runs of drag, dem "
+            "sweep all others."
+        )
+    if checkpoint:
+        resume.clear_way(checkpoint, run)
+    with bar(f"packing {shape}, seed {seed}"):
+        bed = make_bed(run)
+    with bar(f"{shape}, {density:g} kg/m3, seed {seed}", 1.0) as update:
+        result = run.configuration.module.run(run, bed, update, threads, checkpoint)
+    write_one(output, run, result)
+    if checkpoint:
+        resume.forget(checkpoint)
+
+
+VERBS = (sweep, status, combine, store, simulate)

@@ -90,7 +90,9 @@ def reported():
                 raise typer.Exit(128 + stops.asked[0]) from None
             if not isinstance(error, InputError | RunError | OSError):
                 raise
-            say(plain(sentence_of(error)))  # control characters from a file or a path have no effect
+            say(
+                plain(sentence_of(error))
+            )  # control characters from a file or a path have no effect
             raise typer.Exit(2 if isinstance(error, InputError) else 1) from None
 
 

@@ -1,14 +1,11 @@
-"""The bed of a run: sizes, cylinder, packing, and the file that `dem pack` writes."""
-
-from pathlib import Path
+"""The bed of a run: sizes, cylinder, packing."""
 
 import numpy as np
 
 from dem.base.errors import InputError, PackingError
 from dem.contacts.force_law import effective_modulus
+from dem.experiment.box import NOMINAL, height_of_box, sample_diameters
 from dem.experiment.config import Replicate
-from dem.experiment.fit import NOMINAL, height_of_box, sample_diameters
-from dem.io.dataset import BED, global_attributes, read, write
 from dem.packing.compaction import START, compact
 from dem.packing.constant_pressure import pack_under
 from dem.packing.random import Bed, Room, pack
@@ -39,7 +36,7 @@ def cylinder(replicate: Replicate, height: float) -> Cylinder | None:
     """The cylinder at its start in a box of the given height (m), None if there is none.
 
     Where packing.pressure is given, this is the height of a box at the packing fraction NOMINAL
-    (dem.experiment.fit): that of the bed is known only once it is packed around the cylinder.
+    (dem.experiment.box): that of the bed is known only once it is packed around the cylinder.
     """
     own = replicate.configuration
     if own.packing.pressure is not None:
@@ -98,35 +95,3 @@ def make_bed(replicate: Replicate) -> Bed:
             f"would leave it during its stroke; at most {own.cylinder.stroke + bed.height - top:.3g} m fit."
         )
     return bed
-
-
-WRITTEN = (
-    "position_x", "position_y", "angle", "box_height", "packing_net_force",
-    "packing_pressure_over_modulus", "packing_coordination_number", "packing_max_overlap",
-)  # fmt: skip
-
-
-def write_bed(path: Path, replicate: Replicate, bed: Bed) -> None:
-    """Write the file of a packing."""
-    values = (
-        *bed.position.T, bed.angle, bed.height, bed.net_force,
-        bed.pressure, bed.coordination_number, bed.max_overlap,
-    )  # fmt: skip
-    title = f"Bed of {replicate.label}, seed {replicate.seed}"
-    attrs = global_attributes(title, "dem pack", bed_key=replicate.bed_key())
-    sizes = {"granule_diameter": diameters(replicate)}
-    write(path, dict(zip(WRITTEN, values, strict=True)) | sizes, attrs, BED)
-
-
-def read_bed(path: Path, replicate: Replicate) -> Bed:
-    """The bed in the file of a packing; raises InputError if it belongs to another replicate."""
-    values, attrs = read(path, WRITTEN)
-    if attrs.get("bed_key") != replicate.bed_key():
-        raise InputError(
-            f"{path}: it is not the bed of {replicate.label}, seed {replicate.seed}, in this "
-            "configuration; make it again with dem pack."
-        )
-    x, y, angle, height, *measures = (values[name] for name in WRITTEN)
-    position, width = np.column_stack([x, y]), replicate.configuration.box_width
-    height, *measures = map(float, (height, *measures))
-    return Bed(position, angle, width, height, *measures, periods(replicate, height))

@@ -29,7 +29,7 @@ from dem.base.schema import (
     value,
 )
 from dem.base.sources import digest, run_hash
-from dem.experiment.fit import check_room
+from dem.experiment.box import check_room
 from dem.experiment.kinds import EXPERIMENTS, Experiment
 from dem.experiment.sections import (
     CylinderSection,

@@ -41,5 +41,5 @@ def compile_kernels(replicate: Replicate) -> None:
     for name in own.record.observables:
         if hasattr(module := module_of(name, own.beside), "look"):
             module.look(run)
-    if "snapshots" in own.record.observables:
-        run.contacts()  # of snapshots, which the measures of flow ask for
+    if "flow" in own.record.observables:
+        run.contacts()

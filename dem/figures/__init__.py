@@ -2,13 +2,12 @@
 
 Constants at its top say what it is, and are read without importing it (`catalogue.py`):
 
-FILE       file of results that it is drawn from, without .nc: drag, flow, shear, ...
+FILE       file of results that it is drawn from, without .nc: what runs record, such as drag
 CAPTION    what it shows
-CASES      it needs runs by case, or shape, and seed alone: {} for any; {"any": labels} or {"all": labels} of
-           shapes, or {"densities": 2}
+CASES      it needs runs by case, or shape, and seed alone: {} for any; {"any": labels} or
+           {"all": labels} of shapes, or {"densities": 2}
 AXES       it needs so many values along these axes: {"cylinder_velocity": 4}
-RECORDED   observables, one of which runs must record; if absent the one named FILE, snapshots for flow
-VARIABLES  the file must hold these; if absent drag of a file drag, the beds of a file flow
+VARIABLES  the file must hold these; if absent drag of a file drag
 """
 
 import lazy_loader

@@ -7,7 +7,7 @@ from matplotlib.collections import EllipseCollection, LineCollection, PolyCollec
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 
-from dem.experiment.flow_measures import layers_of
+from dem.experiment.observables.flow import layers_of
 from dem.figures import style
 from dem.periodic import wrapped
 from dem.scene import walls_of

@@ -10,8 +10,8 @@ import numpy as np
 from dem.base.validate import one_of
 from dem.dynamics.contact_list import ContactList
 from dem.dynamics.result import Result
-from dem.experiment.flow_measures import LAYERS
 from dem.experiment.motion import Motion
+from dem.experiment.observables.flow import LAYERS
 from dem.figures import bed, style
 from dem.periodic import Periods
 

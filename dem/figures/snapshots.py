@@ -1,17 +1,65 @@
 """Figures 9 to 12: beds at equal displacements of the cylinder, one row per case."""
 
+import json
+from typing import NamedTuple
+
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.analysis.flow.layout import heights
 from dem.analysis.statistics import find
 from dem.base.errors import InputError
+from dem.experiment.observables.flow import LAYERS
 from dem.figures import bed, style
-from dem.periodic import periods_of
+from dem.periodic import Periods, periods_of, wrapped
 from dem.shapes import outlines
 
 SHARES = (0.0, 0.5, 1.0)  # of the stroke: displacements that are shown
+
+
+class Bed(NamedTuple):
+    """Snapshots s of n granules in a box, of the first seed of a case. SI units.
+
+    diameters (n,):      volume diameters
+    position (s, n, 2):  centres, within the box
+    angle (s, n):        anticlockwise
+    axis (s, 2):         of the cylinder
+    height (s,):         of the box
+    width, cylinder:     of the box; diameter of the cylinder
+    periods:             of the box, as of dem.Scene
+    """
+
+    diameters: np.ndarray
+    position: np.ndarray
+    angle: np.ndarray
+    axis: np.ndarray
+    height: np.ndarray
+    width: float
+    cylinder: float
+    periods: Periods
+
+
+def bed_of(dataset: xr.Dataset, case: str) -> Bed | None:
+    """The bed of a case of snapshots.nc; None where its run failed."""
+    own, one = json.loads(dataset.attrs["configuration"]), dataset.isel(seed=0).sel(case=case)
+    known = np.isfinite(one["granule_diameter"].values)  # other cases may have more granules
+    if not known.any():
+        return None
+    width, count = own["box_width"], one.sizes["snapshot"]
+    height = one["top_y"].values if "top_y" in one else np.full(count, float(one["box_height"]))
+    periods = periods_of(width, height[0], own["periodic"])
+    position = np.stack([one["granule_x"].values, one["granule_y"].values], axis=-1)[:, known]
+    axis = np.column_stack([np.full(count, 0.5 * width), one["cylinder_y"].values])
+    return Bed(
+        one["granule_diameter"].values[known],
+        wrapped(position, periods),
+        one["granule_angle"].values[:, known],
+        wrapped(axis, periods),
+        height,
+        width,
+        own["cylinder"]["diameter"],
+        periods,
+    )
 
 
 @style.styled
@@ -20,45 +68,44 @@ def beds(dataset: xr.Dataset, shapes: tuple[str, ...], colors: str, title: str) 
 
     Raises InputError when there is none of the shapes at the density of the first case.
     """
-    there = [case for case in (find(dataset, shape) for shape in shapes) if case]
+    cases = [case for case in (find(dataset, shape) for shape in shapes) if case]
+    there = {case: found for case in cases if (found := bed_of(dataset, case))}
     if not there:
         raise InputError(f"there is none of the shapes {', '.join(shapes)} in the data.")
-    shown = [dataset["snapshot_displacement"].values[-1] * share for share in SHARES]
-    snapshots = [int(np.abs(dataset["snapshot_displacement"].values - x).argmin()) for x in shown]
+    moved = dataset["snapshot_displacement"].values
+    snapshots = [int(np.abs(moved - moved[-1] * share).argmin()) for share in SHARES]
     figure = Figure(figsize=(style.WIDTH, 0.9 + 3.05 * len(there)))
     grid = figure.subplots(len(there), len(snapshots), squeeze=False)
-    for row, case in zip(grid, there, strict=True):
+    for row, (case, found) in zip(grid, there.items(), strict=True):
         one = dataset.sel(case=case)
-        _row(row, one, snapshots, colors, dataset.attrs)
+        _row(row, found, one, snapshots, colors)
         row[0].annotate(
-            f"{case}: {style.describe(one)}{style.drawn(one)}", (-0.04, 0.5), rotation=90,
-            xycoords="axes fraction", ha="right", va="center", fontsize=11,
-        )  # fmt: skip
+            f"{case}: {style.describe(one)}{style.drawn(one)}",
+            (-0.04, 0.5),
+            rotation=90,
+            xycoords="axes fraction",
+            ha="right",
+            va="center",
+            fontsize=11,
+        )
     for axes, snapshot in zip(grid[0], snapshots, strict=True):
-        moved = style.millimetres(dataset["snapshot_displacement"].values[snapshot])
-        axes.set_title(f"after {moved:.1f} mm" if moved else "at the start")
+        shown = style.millimetres(moved[snapshot])
+        axes.set_title(f"after {shown:.1f} mm" if shown else "at the start")
     figure.suptitle(title)
     return figure
 
 
-def _row(row, here, snapshots, colors, attrs) -> None:
+def _row(row, found: Bed, one: xr.Dataset, snapshots: list[int], colors: str) -> None:
     """One case at several displacements."""
-    known = np.isfinite(here["bed_diameter"].values)
-    sizes, height = here["bed_diameter"].values[known], heights(here)
-    rings = outlines(str(here["kind"].values), sizes, float(here["aspect_ratio"]))
-    width, diameter = float(attrs["box_width"]), float(attrs["cylinder_diameter"])
-    periods = periods_of(width, height[0], str(attrs.get("periodic", "none")))
-    place = np.stack([here["bed_x"].values, here["bed_y"].values], axis=-1)[:, known]
-    axis = 0.5 * width, float(here["bed_cylinder_y"][0])
-    paint = (
-        bed.cluster_colors(place[0], axis, diameter) if colors == "cluster"
-        else bed.layer_colors(place[0], height[0], int(attrs["layers"]))
-    )  # fmt: skip
+    rings = outlines(str(one["kind"].values), found.diameters, float(one["aspect_ratio"]))
+    view, start = bed.box_view(found.width, found.height.max()), found.position[0]
+    if colors == "cluster":
+        paint = bed.cluster_colors(start, found.axis[0], found.cylinder)
+    else:
+        paint = bed.layer_colors(start, found.height[0], LAYERS)
     for axes, snapshot in zip(row, snapshots, strict=True):
-        drawn = bed.Drawing(axes, rings, bed.box_view(width, height.max()), diameter, periods)
+        drawn = bed.Drawing(axes, rings, view, found.cylinder, found.periods)
         drawn.joints.set_visible(False)  # panels are too small for them
-        angle = here["bed_angle"].values[snapshot, known]
-        axis = 0.5 * width, float(here["bed_cylinder_y"][snapshot])
-        walls = bed.box_walls(width, height[snapshot], periods)
-        drawn.move(place[snapshot], angle, axis, walls)
+        walls = bed.box_walls(found.width, found.height[snapshot], found.periods)
+        drawn.move(found.position[snapshot], found.angle[snapshot], found.axis[snapshot], walls)
         drawn.paint(paint)

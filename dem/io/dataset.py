@@ -26,17 +26,6 @@ AXES = {
     "wall": (("wall",), None, "wall of the box"),
     "snapshot_displacement": (("snapshot",), "m", "displacement of the cylinder at the snapshot"),
 }
-BED = {
-    "position_x": (("granule",), "m", "distance of the granule's centre from the left wall"),
-    "position_y": (("granule",), "m", "height of the granule's centre above the floor"),
-    "angle": (("granule",), "rad", "angle of the granule, anticlockwise"),
-    "granule_diameter": (("granule",), "m", "volume diameter: diameter of the disc of equal area"),
-    "box_height": ((), "m", "height of the box"),
-    "packing_coordination_number": ((), "1", "contacts between granules, twice, over the number of granules, before the cylinder moves"),
-    "packing_net_force": ((), "1", "greatest net force on a granule in the bed at rest over E* R^2"),
-    "packing_max_overlap": ((), "1", "greatest overlap over the smaller granule radius, before the cylinder moves"),
-    "packing_pressure_over_modulus": ((), "m", "mean normal stress on the walls, unit thickness, over E*"),
-}  # fmt: skip
 LABELS = {
     "shape": ((), None, "label of the shape, Table 1"),
     "kind": ((), None, "kind of granule"),
@@ -49,9 +38,11 @@ LABELS = {
 OF_RUN = {
     "run_time": ((), "s", "processor time of the run; the first run of a process loads or compiles kernels too"),
     "steps": ((), "1", "number of time steps of the run"),
-    "box_height": BED["box_height"],
+    "box_height": ((), "m", "height of the box"),
     "packing_pressure": ((), "Pa", "mean normal stress on the walls before the cylinder moves"),
-    **{name: BED[name] for name in ("packing_coordination_number", "packing_net_force", "packing_max_overlap")},
+    "packing_coordination_number": ((), "1", "contacts between granules, twice, over the number of granules, before the cylinder moves"),
+    "packing_net_force": ((), "1", "greatest net force on a granule in the bed at rest over E* R^2"),
+    "packing_max_overlap": ((), "1", "greatest overlap over the smaller granule radius, before the cylinder moves"),
 }  # fmt: skip
 OF_STORE = {  # of a run in a file of many
     "run_id": ((), None, "identity of the run: a hash of the values that it reads and the code that it runs"),

@@ -14,23 +14,23 @@ from dem.base.errors import InputError
 from dem.base.intervals import moments
 from dem.io.progress import span
 from dem.sweep.axis import POINT
-from dem.sweep.campaign import Campaign
 from dem.sweep.estimate import time_of
 from dem.sweep.expand import Block
 from dem.sweep.precision import Until, estimates, is_near_zero, numbers_of, replicates_needed
+from dem.sweep.state import SweepState
 
 VARIED = 4  # values of a design that are shown, at most
 REASONS = 5  # failures that are told, at most
 USUAL = "5 %"  # what is asked for where a sweep does not say
 
 
-def status(campaign: Campaign) -> Group:
+def status(state: SweepState) -> Group:
     """What a sweep has now, one table a block, and what is left of it."""
-    under_way, parts, left, failed, done = campaign.store.under_way(), [], [], Counter(), set()
-    for name in campaign.sweep.blocks:
-        block = campaign.block(name)
+    under_way, parts, left, failed, done = state.store.under_way(), [], [], Counter(), set()
+    for name in state.sweep.blocks:
+        block = state.block(name)
         until = block.until or _usual(block)
-        numbers = campaign.numbers(until.variable)
+        numbers = state.numbers(until.variable)
         results = numbers.of(block, kept=True)
         done |= results.keys()
         left += [
@@ -38,17 +38,17 @@ def status(campaign: Campaign) -> Group:
             for run in block.unique()
             if under_way.get(run.id, 0.0) is not None and run.id not in results
         ]
-        failed.update(numbers.failed[run] for run in block.places if run in numbers.failed)
+        failed.update(numbers.failed[run] for run in block.points if run in numbers.failed)
         table = TextTable(_table(block, until, results, under_way, numbers.failed))
-        parts += [Text(f"\n{campaign.folder_of(name)}", style="bold"), table]
+        parts += [Text(f"\n{state.folder_of(name)}", style="bold"), table]
     running = sum(run.id in under_way for run in left)
     verb = "run is" if running == 1 else "runs are"
     words = f"{running} {verb} under way and {len(left) - running} wait. " if left else ""
     if left:
-        seconds, how = time_of(campaign, left, max(1, running))
+        seconds, how = time_of(state.store, left, max(1, running))
         words += f"About {span(seconds)} left with {max(1, running)} processes ({how}). "
-    batches = campaign.store.complete().values()
-    files = [campaign.store.file_of(each.id) for each in batches if done.intersection(each.runs)]
+    batches = state.store.complete().values()
+    files = [state.store.file_of(each.id) for each in batches if done.intersection(each.runs)]
     size = 1e-6 * sum(path.stat().st_size for path in files if path.exists())
     words = f"{words or 'All runs finished. '}{size:.1f} MB of disk are used."
     reasons = [Text(f"{count} failed: {why}") for why, count in failed.most_common(REASONS)]
@@ -56,7 +56,7 @@ def status(campaign: Campaign) -> Group:
 
 
 def _usual(block: Block) -> Until:
-    names = numbers_of(block.runs[0].replicate.configuration)
+    names = numbers_of(block.first.configuration)
     if not names:
         raise InputError(f"runs of {block.name} record no number, whose mean could be known.")
     return Until(until=USUAL, of="drag" if "drag" in names else names[0])
@@ -66,7 +66,7 @@ def _table(block: Block, until: Until, results: dict, under_way: dict, failed: d
     """One row a place: its values, its runs, its mean."""
     axes = block.beside_seed
     shown = [axis for axis in axes if len(axis.points) > 1] or axes[:1]
-    configuration = block.runs[0].replicate.configuration
+    configuration = block.first.configuration
     units = "" if until.reference else configuration.module.layout(configuration)[until.variable][1]
     values = {
         place: [results[run.id] for run in runs if run.id in results]

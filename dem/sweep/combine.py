@@ -2,8 +2,8 @@
 
 Batches are read one after another (netCDF4 is not safe with threads) and written at once: at any
 moment one batch, and the few blocks of the file that are not full yet, are in memory, however many
-there are. What has a value for every granule stays in the batches.
-"""
+there are. What has a value for every granule stays in the batches, but for the beds of
+snapshots.nc."""
 
 import json
 from collections import Counter
@@ -38,32 +38,41 @@ from dem.sweep.expand import Block
 
 PROVENANCE = ("versions", "git_revision", "source_hash", "processor")
 BLOCK = 64  # runs along the last axis that are kept, compressed and read together
+BEDS = "snapshots"  # the observable whose file has values for every granule, of the first seeds
 REASONS = 5  # of failed runs that a file tells, at most
 HELD = 8_000_000  # bytes of a variable that are in memory until they are written
 
 
 def combine(
-    paths: list[Path], sweep: Sweep, block: Block, observable: str, output: Path,
-    progress=lambda done: None, more=lambda file: None, partial: bool = False,
-) -> None:  # fmt: skip
+    paths: list[Path],
+    sweep: Sweep,
+    block: Block,
+    observable: str,
+    output: Path,
+    progress=lambda done: None,
+    attrs: dict | None = None,
+    partial: bool = False,
+) -> None:
     """Write what an observable gave for all runs of a block.
 
-    paths: files of batches, or of what was measured of them, in any order; runs of other sweeps in
-    them are left out. The attributes tell the provenance of the runs, all of it where they differ.
+    paths:   files of batches in any order; runs of other sweeps in them are left out
+    attrs:   attributes of the file, beside its title and the provenance of the runs
+    partial: what no file holds is a gap, and the attribute `partial` says how many runs there are
+
     The file is written atomically and without loss. Where the sweep allows failures, those are gaps
-    (NaN) and `failure` tells why; so are seeds that a place has no replicate of, and what `run_id` names
-    is all that was made. more: adds to the file, a netCDF4.Dataset, what else it shall hold. partial: what
-    no file holds is a gap too, and the attribute `partial` says how much it is. Raises InputError for a file that is damaged and for a run that no file holds; RunError where too
-    many runs failed, or all of a case or shape.
+    (NaN) and `failure` tells why; so are seeds that a place has no replicate of. Raises InputError
+    for a damaged file and for a run that no file holds; RunError where too many runs failed, or
+    all of a case or shape.
     """
     layout, names = layout_of(block, observable)
-    left, failed, gaps = set(block.places), [], bool(sweep.failures or partial or block.until)
+    left, failed = set(block.points), []
+    gaps = bool(sweep.failures or partial or block.until or observable == BEDS)
     provenance = {name: {} for name in PROVENANCE}
     with create(output) as file:
         for done, path in enumerate(sorted(paths, key=str)):
             with content_of(path, AGAIN), netCDF4.Dataset(path) as batch:
                 present = [name for name in names if name in batch.variables]
-            values, attrs = read(path, (*present, "run_id", "failure", "failure_reason"))
+            values, batch_attrs = read(path, (*present, "run_id", "failure", "failure_reason"))
             given = {name: values[name] for name in present}
             rows = {run: row for row, run in enumerate(values["run_id"].tolist()) if run in left}
             left -= rows.keys()
@@ -71,59 +80,64 @@ def combine(
                 _make_room(file, block, layout, given, gaps)
             with content_of(path):
                 for name in PROVENANCE:
-                    provenance[name][attrs.get(name, "unknown")] = None
-                places = sorted((p, row) for run, row in rows.items() for p in block.places[run])
+                    provenance[name][batch_attrs.get(name, "unknown")] = None
+                places = sorted((p, row) for run, row in rows.items() for p in block.points[run])
                 _fill(file, given, places)
             failed += [
                 (place, int(values["failure"][row]), str(values["failure_reason"][row]))
-                for place, row in places if values["failure"][row]
-            ]  # fmt: skip
+                for place, row in places
+                if values["failure"][row]
+            ]
             progress((done + 1) / len(paths))
         if left and partial and file.dimensions:
-            total = len(block.places)
+            total = len(block.points)
             file.setncattr("partial", f"{total - len(left)} of {total} runs")
-            for run in left:
-                for place in block.places[run]:
-                    file.variables["run_id"][place] = np.bytes_()
-                    if block.until:
-                        file.variables[REPLICATES][block.lead(place)] -= 1
+            for place in (place for run in left for place in block.points[run]):
+                file.variables["run_id"][place] = np.bytes_()
+                if block.until:
+                    file.variables[REPLICATES][block.without_seed(place)] -= 1
         elif left:
-            missing = next(run for run in block.runs if run.replicate.id in left).replicate
+            missing = next(run for run in block.runs.values() if run.id in left)
             raise InputError(f"{missing.words()} is in none of the {len(paths)} files; run again.")
-        if not partial:
+        if not (partial or (observable == BEDS and sweep.failures)):
             _check(sweep, block, sorted(failed))
         if gaps:
             for place, flag, _ in failed:
                 file.variables["failure"][place] = flag
             if reasons := list(dict.fromkeys(reason for *_, reason in failed)):
                 file.variables["failure"].comment = "; ".join(reasons[:REASONS])
-        found = {name: "; ".join(kept) for name, kept in provenance.items()}
-        file.setncatts(about(sweep, block, found))
-        more(file)
+        merged = {name: "; ".join(kept) for name, kept in provenance.items()}
+        file.setncatts(about(sweep, block, merged) | (attrs or {}))
 
 
 def layout_of(block: Block, observable: str) -> tuple[dict, list[str]]:
     """Layout of the combined file, and the names of what its runs give."""
-    first = block.runs[0].replicate
-    experiment = first.configuration.module
-    of_run, axes = experiment.variables(first.configuration, observable), experiment.along(first.configuration)
-    own = {name: entry for name, entry in of_run.items() if "granule" not in entry[0]}
+    configuration = block.first.configuration
+    experiment = configuration.module
+    own = {
+        name: entry
+        for name, entry in experiment.variables(configuration, observable).items()
+        if observable == BEDS or "granule" not in entry[0]
+    }
     store = {name: OF_STORE[name] for name in ("run_id", "bed_family", "failure")}
     layout = {name: ((*block.dims, *dims), *rest) for name, (dims, *rest) in (own | store).items()}
     used = {dim for dims, *_ in own.values() for dim in dims}
-    layout |= {name: entry for name, entry in axes.items() if set(entry[0]) & used}
-    return layout, list(own)
+    axes = experiment.along(configuration)
+    return layout | {n: entry for n, entry in axes.items() if set(entry[0]) & used}, list(own)
 
 
 def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> None:
-    """Dimensions, axes, labels and empty variables; gaps: whether runs may be missing, which a variable
-    then has a value for."""
-    first = block.runs[0].replicate.configuration
+    """Dimensions, axes, labels and empty variables; gaps: whether runs may be missing, which a
+    variable then has a value for."""
+    first = block.first.configuration
     axes = first.module.axes(first)
-    for own in {id(run.replicate.configuration): run.replicate.configuration for run in block.runs}.values():
+    for own in {id(run.configuration): run.configuration for run in block.runs.values()}.values():
         for name, values in own.module.axes(own).items():
             if not np.array_equal(values, axes[name]):
-                raise InputError(f"the coordinate {name} must be the same in all runs of {block.name}; use blocks.")
+                raise InputError(
+                    f"the coordinate {name} must be the same in all runs of {block.name}; use "
+                    "blocks."
+                )
     for axis in block.axes:
         file.createDimension(axis.name, len(axis.points))
     labels = block.labels()
@@ -139,8 +153,8 @@ def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> No
     of_runs = {"run_id": "id"} | ({"bed_family": "bed_family"} if "jam_fraction" in layout else {})
     for name, attribute in of_runs.items():
         texts = np.full(block.shape, "", object)
-        for run in block.runs:
-            texts[run.place] = getattr(run.replicate, attribute)
+        for point, run in block.runs.items():
+            texts[point] = getattr(run, attribute)
         _write(file, name, block.dims, texts, layout=layout)
     aside = " ".join(labels)
     if block.until:
@@ -149,13 +163,26 @@ def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> No
             array[place] = count
         _write(file, REPLICATES, [axis.name for axis in block.beside_seed], array)
         file.variables[REPLICATES].setncatts(block.until.model_dump())
+    most = max(run.shape.granules for run in block.runs.values())
     for name, values in sample.items():
-        sizes = (*[1] * (len(block.dims) - 1), min(BLOCK, block.shape[-1]), *values.shape[1:])
-        add_dimensions(file, layout[name][0][len(block.dims) :], values.shape[1:])
+        dims = layout[name][0][len(block.dims) :]
+        shape = [
+            most if dim == "granule" else size
+            for dim, size in zip(dims, values.shape[1:], strict=True)
+        ]
+        sizes = (*[1] * (len(block.dims) - 1), min(BLOCK, block.shape[-1]), *shape)
+        add_dimensions(file, dims, shape)
         made = file.createVariable(
-            name, values.dtype, layout[name][0], zlib=True, complevel=4, shuffle=True, fletcher32=True,
-            chunksizes=sizes, fill_value=np.nan if gaps else False,
-        )  # fmt: skip
+            name,
+            values.dtype,
+            layout[name][0],
+            zlib=True,
+            complevel=4,
+            shuffle=True,
+            fletcher32=True,
+            chunksizes=sizes,
+            fill_value=np.nan if gaps else False,
+        )
         # runs mostly come in order, and what is full is written and forgotten
         size = 2 * int(np.prod(sizes)) * values.dtype.itemsize
         made.set_var_chunk_cache(
@@ -163,7 +190,7 @@ def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> No
         )
         made.setncatts(attributes(name, layout) | ({"coordinates": aside} if aside else {}))
     if gaps:
-        made = file.createVariable("failure", "i1", block.dims, fill_value=False)
+        made = file.createVariable("failure", "i1", block.dims, fletcher32=True, fill_value=False)
         made.setncatts(attributes("failure", layout))
         made[...] = 0
 
@@ -187,67 +214,71 @@ def _write(
 
 def _fill(file, values: dict, places: list[tuple[tuple[int, ...], int]]) -> None:
     """Write rows at their places; what is side by side along the last axis at once."""
-    side_by_side = groupby(enumerate(places), lambda each: (each[1][0][:-1], each[1][0][-1] - each[0]))
+    side_by_side = groupby(
+        enumerate(places), lambda each: (each[1][0][:-1], each[1][0][-1] - each[0])
+    )
     for _, some in side_by_side:
         some = [each for _, each in some]
         *lead, first = some[0][0]
         rows = [row for _, row in some]
         there = (*lead, slice(first, first + len(rows)))
         for name in values.keys() & file.variables.keys():
-            file.variables[name][there] = values[name][rows]
+            of_run = map(slice, values[name].shape[1:])  # some have fewer granules than others
+            file.variables[name][(*there, *of_run)] = values[name][rows]
 
 
 def _check(sweep: Sweep, block: Block, failed) -> None:
     """Raise RunError where more runs failed than the sweep allows, or all of a case or shape."""
     if not failed:
         return
-    places, runs = {place for place, *_ in failed}, block.runs
-    groups = Counter(run.replicate.words().partition(",")[0] for run in runs)
-    fails = Counter(run.replicate.words().partition(",")[0] for run in runs if run.place in places)
+    groups = Counter(run.words().partition(",")[0] for run in block.runs.values())
+    fails = Counter(block.runs[point].words().partition(",")[0] for point, *_ in failed)
     for group, count in fails.items():
         if count == groups[group]:
             raise RunError(
                 f"{group}: none of its {count} runs could be made ({failed[0][2]}); take it out of "
                 "the configuration, or change its values."
             )
-    if len(failed) > sweep.failures * len(runs) + 1e-9:  # 0.29 * 100 is a little less than 29
-        first = next(run for run in runs if run.place == failed[0][0]).replicate
+    if len(failed) > sweep.failures * len(block.runs) + 1e-9:  # 0.29 * 100 is a little less than 29
+        first = block.runs[failed[0][0]]
         raise RunError(
-            f"{len(failed)} of {len(runs)} runs could not be made; failures allows "
-            f"{sweep.failures:g} of them: change their values, raise failures, or after a change of the "
-            f"code use dem sweep FILE --retry. The first is {first.words()}: {failed[0][2]}"
+            f"{len(failed)} of {len(block.runs)} runs could not be made; failures allows "
+            f"{sweep.failures:g} of them: change their values, raise failures, or after a change "
+            f"of the code use dem sweep FILE --retry. The first is {first.words()}: {failed[0][2]}"
         )
 
 
-def about(
-    sweep: Sweep, block: Block, provenance: dict, source: str = "dem batch, dem combine"
-) -> dict:
+def about(sweep: Sweep, block: Block, provenance: dict) -> dict:
     """Attributes of the file. The averaging window is among them, so that figures need nothing
-    else, and the cylinder's velocity where all runs have the same. The configuration is that of the sweep
-    with what the block sets for all its runs."""
-    drawn = {}
+    else, and the cylinder's velocity where all runs have the same. The configuration is that of
+    the sweep with what the block sets for all its runs."""
+    configuration, drawn, paths = (
+        sweep.dump(),
+        {},
+        [path for path in block.paths if path not in OWN],
+    )
+    values = shared(block, [*paths, "cylinder.velocity"])
     if sweep.record and sweep.cylinder:
         drawn["window_start"], drawn["window_stop"] = sweep.record.window
-        drawn |= shared(block, cylinder_velocity="cylinder.velocity")
-    configuration = sweep.dump()
-    set_here = {path: path for path in block.paths if path not in OWN}
-    for path, value in shared(block, **set_here).items():
+        if "cylinder.velocity" in values:
+            drawn["cylinder_velocity"] = values["cylinder.velocity"]
+    for path in set(paths) & values.keys():
         *groups, last = path.split(".")
-        reduce(dict.__getitem__, groups, configuration)[last] = value
+        reduce(dict.__getitem__, groups, configuration)[last] = values[path]
     return global_attributes(
-        sweep.title, source, configuration=json.dumps(configuration), **provenance, **drawn
+        sweep.title, "dem sweep", configuration=json.dumps(configuration), **provenance, **drawn
     )
 
 
-def shared(block: Block, **paths: str) -> dict:
-    """Attributes by name, from values by path: those that are the same in all runs of a block, or in
-    all of the shape whose value it is. What varies is a coordinate."""
-    runs = [run.replicate for run in block.runs]
-    values = {
-        name: {run.at(path) for run in runs if not path.startswith("shapes.") or path.split(".")[1] == run.label}
-        for name, path in paths.items()
-    }
-    return {name: each.pop() for name, each in values.items() if len(each) == 1}
+def shared(block: Block, paths: list[str]) -> dict:
+    """Values by path that are the same in all runs of a block, or in all of the shape whose value
+    it is."""
+    values = {path: set() for path in paths}
+    for run in block.runs.values():
+        for path in paths:
+            if not path.startswith("shapes.") or path.split(".")[1] == run.label:
+                values[path].add(run.at(path))
+    return {path: some.pop() for path, some in values.items() if len(some) == 1}
 
 
 @contextmanager

@@ -20,10 +20,10 @@ from dem.base.sources import ROOT
 from dem.base.yaml_file import read
 from dem.experiment.config import Configuration, model_of
 from dem.sweep.expand import Block, Derived, expand
-from dem.sweep.precision import Lead
+from dem.sweep.precision import GridPoint
 
 DISTRIBUTION = "granular-drag"
-FOLDERS = ("store", "flow", "figures", "logs", "rounds")  # of results
+FOLDERS = ("store", "figures", "logs", "rounds")  # of results
 CONFIG = "config.yaml"  # of results, as resolved
 LONGEST_CHAIN = 20  # files that extend one another
 REPLACED = ("sweep",)  # whole, by a file that extends another
@@ -100,7 +100,7 @@ class Sweep(Configuration):
             needed = self.needed(name)
             self.block(name)
             for each in needed:
-                kind = self.block(each).runs[0].replicate.configuration.experiment
+                kind = self.block(each).first.configuration.experiment
                 if kind != "jamming":
                     raise InputError(
                         f"sweep.blocks.{name}.needs is {each!r}, a block of the experiment {kind}; it must be a block "
@@ -121,7 +121,7 @@ class Sweep(Configuration):
         return validated(Blocks, self.sweep["blocks"], at="sweep.blocks")
 
     def block(
-        self, name: str, derived: Derived | None = None, counts: dict[Lead, int] | None = None
+        self, name: str, derived: Derived | None = None, counts: dict[GridPoint, int] | None = None
     ) -> Block:
         """All runs of a block; raises InputError for impossible runs.
 
@@ -159,7 +159,7 @@ class Sweep(Configuration):
     @cached_property
     def first_seed(self) -> int:
         """The least seed of the first block, for what needs one bed."""
-        return min(run.replicate.seed for run in self.block(next(iter(self.blocks))).runs)
+        return min(run.seed for run in self.block(next(iter(self.blocks))).runs.values())
 
     def density_of(self, shape: str) -> float:
         """Density (kg/m3) of the first case of a shape, or of the first case of all."""

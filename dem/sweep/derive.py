@@ -13,83 +13,83 @@ from dem.sweep.axis import Derive
 
 
 class Jamming:
-    """Jamming fractions of beds: each of some kind (text), grown with some friction.
+    """Beds that were grown until they jam.
 
-    fraction: at which it jams; slope: of load^(2/3) against fraction; diameter (m): that loads are
-    measured by. All (beds,).
+    beds: a table of kind (text), friction while they grow (1), fraction (1) at which they jam,
+          slope of load^(2/3) against fraction, and diameter (m) that loads are measured by
     """
 
-    def __init__(self, kind, friction, fraction, slope, diameter):
-        self.kind, self.friction = np.asarray(kind), np.asarray(friction)
-        self.columns = {"fraction": fraction, "slope": slope, "diameter": diameter}
+    def __init__(self, beds: pd.DataFrame):
+        self.beds = beds
 
-    def of(self, kind: str, friction: float, column: str) -> np.ndarray:
+    def of(self, kind: str, column: str, friction: float = 0.0) -> np.ndarray:
         """A column of the beds of a kind; raises InputError if there are none."""
-        here = (self.kind == kind) & np.isclose(self.friction, friction)
-        if not here.any():
+        beds = self.beds[(self.beds.kind == kind) & np.isclose(self.beds.friction, friction)]
+        if beds.empty:
             raise InputError(f"no bed {kind} at friction {friction:g} was grown until it jams.")
-        return np.asarray(self.columns[column])[here]
+        return beds[column].to_numpy()
 
-    def fraction(self, kind: str, friction: float = 0.0) -> float:
-        """Mean jamming fraction of beds of a kind."""
-        return float(xr.DataArray(self.of(kind, friction, "fraction")).mean())
+    def mean(self, kind: str, column: str, friction: float = 0.0) -> float:
+        """The mean of a column, without beds that did not jam."""
+        return float(xr.DataArray(self.of(kind, column, friction)).mean())
 
     def at_distance(self, kind: str, other: str, fraction: float, friction: float = 0.0) -> float:
         """Where a kind is as far from jamming as another is at a packing fraction."""
-        return self.fraction(kind, friction) + fraction - self.fraction(other, friction)
+        here, there = (self.mean(each, "fraction", friction) for each in (kind, other))
+        return here + fraction - there
 
     def at_load(self, kind: str, other: str, fraction: float) -> float:
         """Where a kind has the load on the walls that another has at a packing fraction.
 
         Where that one bears none, below jamming, distances are all there is to compare.
         """
-        distance = fraction - self.fraction(other)
-        if distance <= 0.0:
-            return self.fraction(kind) + distance
-        slopes, sizes = zip(*(self._line(each) for each in (other, kind)), strict=True)
-        ratio = (sizes[0] / sizes[1]) ** (2 / 3)
-        return self.fraction(kind) + distance * slopes[0] / slopes[1] * ratio
-
-    def _line(self, kind):
-        """Mean slope of load^(2/3), and the diameter (m) that the load is measured by."""
-        slopes = xr.DataArray(self.of(kind, 0.0, "slope"))
-        return float(slopes.mean()), float(self.of(kind, 0.0, "diameter")[0])
+        distance = fraction - self.mean(other, "fraction")
+        if distance > 0.0:
+            size, other_size = (float(self.of(each, "diameter")[0]) for each in (kind, other))
+            ratio = (other_size / size) ** (2 / 3)
+            distance = distance * self.mean(other, "slope") / self.mean(kind, "slope") * ratio
+        return self.mean(kind, "fraction") + distance
 
 
 def jamming_of(paths: list[Path]) -> Jamming:
     """Jamming fractions from combined files of the experiment jamming; a bed in two counts once."""
-    names = "run_id", "bed_family", "jam_friction", "jam_fraction", "jam_slope", "diameter"
+    columns = {
+        "run_id": "run_id",
+        "bed_family": "kind",
+        "jam_friction": "friction",
+        "jam_fraction": "fraction",
+        "jam_slope": "slope",
+        "diameter": "diameter",
+    }
     tables = []
     for path in paths:
         with open_lazily(path) as dataset:
-            tables.append(dataset[list(names)].to_dataframe())
-    beds = pd.concat(tables).drop_duplicates("run_id")
-    return Jamming(*(beds[name].to_numpy() for name in names[1:]))
+            tables.append(dataset[list(columns)].to_dataframe()[list(columns)])
+    return Jamming(pd.concat(tables).drop_duplicates("run_id").rename(columns=columns))
 
 
 def derived_by(sweep, paths: list[Path]):
     """Gives the values that a sweep derives from the combined files of other blocks."""
     jamming = jamming_of(paths)
 
-    def value(asked: Derive, replicate: Replicate):
-        way, shape, friction = asked.derive, asked.shape or replicate.label, asked.friction
-        reference = Replicate(sweep.changed({}, shape), shape, 1.0, 0)
-        kinds = replicate.bed_family, reference.bed_family
-        # of the block, if it sets one
-        fraction = replicate.configuration.packing.fraction
+    def value(wanted: Derive, run: Replicate) -> float:
+        shape, fraction = wanted.shape or run.label, run.configuration.packing.fraction
         if fraction is None:
             raise InputError(
-                f"{way} compares beds of one packing.fraction; {replicate.label} has packing.pressure."
+                f"{wanted.derive} compares beds of one packing.fraction; {run.label} has "
+                "packing.pressure."
             )
+        other = Replicate(sweep.changed({}, shape), shape, 1.0, 0)
+        kinds = run.bed_family, other.bed_family
         try:
-            if way == "equal_load":
+            if wanted.derive == "equal_load":
                 return jamming.at_load(*kinds, fraction)
-            return jamming.at_distance(*kinds, fraction, friction)
+            return jamming.at_distance(*kinds, fraction, wanted.friction)
         except InputError:
             files = ", ".join(map(str, paths))
             raise InputError(
-                f"{way} needs beds like those of {replicate.label} and {shape} that were grown at "
-                f"friction {friction:g} until they jam; they are not in {files}."
+                f"{wanted.derive} needs beds like those of {run.label} and {shape} that were grown "
+                f"at friction {wanted.friction:g} until they jam; they are not in {files}."
             ) from None
 
     return value

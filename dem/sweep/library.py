@@ -1,4 +1,4 @@
-"""Sweeps in the library: the runs of a file, one after another, as xarray datasets."""
+"""Sweeps in the library: all runs of a file, or one after another, as xarray datasets."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -6,11 +6,15 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from dem.base import plugins
 from dem.base.errors import InputError
-from dem.base.plugins import refresh, with_folder
 from dem.experiment.config import of_values
 from dem.io.dataset import LABELS, attributes, global_attributes
+from dem.io.lazily import open_results
+from dem.io.results_folder import prepare
 from dem.sweep.config import extended, load
+from dem.sweep.state import SweepState
+from dem.sweep.workers import workers_of
 
 
 def load_sweep(path: str | Path) -> Iterator[dict]:
@@ -48,6 +52,60 @@ def load_sweep(path: str | Path) -> Iterator[dict]:
     return (run.values() for name in sweep.blocks for run in sweep.block(name).unique())
 
 
+def run_sweep(path: str | Path, executor=None, block: str | None = None) -> xr.Dataset:
+    """Make all runs of a sweep file that are not there yet, and combine them, as `dem sweep` does.
+
+    Stopped at any moment it loses no finished run, and goes on when it is called again.
+
+    Parameters
+    ----------
+    path : str or Path
+        Configuration file of a sweep (YAML).
+    executor : concurrent.futures.Executor or distributed.Client, optional
+        What makes the runs: `ProcessPoolExecutor(4)`, a Dask client, those of mpi4py and loky. Its
+        processes have one thread. It stays open. This process makes them if it is left out.
+    block : str, optional
+        The block of the sweep whose result is returned; the first if it is left out.
+
+    Returns
+    -------
+    xarray.Dataset
+        What the runs of the block gave, such as drag.nc, over the axes of the sweep, in SI units.
+        All files are in the folder `results` of the sweep file, below the working folder.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be used, or a worker has other code or packages.
+    RunError
+        If more runs fail than the file allows, or the workers are gone.
+
+    Examples
+    --------
+    >>> import dem
+    >>> found = dem.run_sweep("config/smoke.yaml")  # doctest: +SKIP
+    >>> found["drag"].dims  # doctest: +SKIP
+    ('case', 'seed', 'displacement')
+    """
+    state = SweepState.of(Path(path))
+    state.check()
+    blocks = list(state.sweep.blocks)
+    if block is not None and block not in blocks:
+        raise InputError(f"block is {block!r}; {path} has {', '.join(blocks)}.")
+    workers = workers_of(executor, state.store)
+    if executor is None:
+        for name in blocks:
+            for file in {each for run in state.block(name).unique() for each in run.files}:
+                plugins.load(file)  # what cannot be is said before anything is written
+    lock, _ = prepare(state.results, state.store.folder)
+    try:
+        with workers:
+            state.make(workers)
+    finally:
+        lock.release()
+    return open_results(state.combined(block or blocks[0])[0])
+
+
 def run_experiment(values: dict) -> xr.Dataset:
     """Make one run: pack its bed and draw the cylinder through it.
 
@@ -79,8 +137,8 @@ def run_experiment(values: dict) -> xr.Dataset:
     >>> found["drag"].dims, found["drag"].attrs["units"]
     (('displacement',), 'N')
     """
-    refresh()
-    replicate = of_values(with_folder(_whole(values), Path()))
+    plugins.refresh()
+    replicate = of_values(plugins.with_folder(_whole(values), Path()))
     own = replicate.configuration.checked()
     experiment = own.module
     found = experiment.run(replicate)

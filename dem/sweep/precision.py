@@ -20,7 +20,7 @@ from pydantic import BeforeValidator, model_validator
 
 from dem.base.errors import InputError, RunError
 from dem.base.hints import choice
-from dem.base.intervals import Estimate, mean_interval, moments, ratio_interval
+from dem.base.intervals import Estimate, mean_interval, ratio_interval
 from dem.base.schema import MOST, SEEDS, Section, Seed, Whole, value
 from dem.io.dataset import AXES, OF_RUN, OF_STORE, read
 
@@ -30,7 +30,7 @@ SHARE = "it must be a percentage between 50 % and 99.99 %, such as 95 %"
 NUMBER = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 ASKED = "it must be a positive number with its unit, such as 5 % of the mean, or 50 N"
 
-Lead = tuple[int, ...]  # a place on the axes but that of the seeds
+GridPoint = tuple[int, ...]  # index along each axis of a block; of replicates, but for the seeds
 
 
 def _quantity(text, fault: str = ASKED) -> tuple[float, str]:
@@ -152,8 +152,8 @@ def is_near_zero(estimate: Estimate, until: Until) -> bool:
 
 
 def estimates(
-    until: Until, values: dict[Lead, np.ndarray], partners: dict[Lead, Lead | None]
-) -> dict[Lead, Estimate]:
+    until: Until, values: dict[GridPoint, np.ndarray], partners: dict[GridPoint, GridPoint | None]
+) -> dict[GridPoint, Estimate]:
     """The mean, or ratio of means, of every place, by what its runs gave so far."""
     return {
         place: ratio_interval(values[place], values[other], until.level)
@@ -164,7 +164,7 @@ def estimates(
     }
 
 
-def short_of(block, values: dict[Lead, np.ndarray]) -> list[str]:
+def short_of(block, values: dict[GridPoint, np.ndarray]) -> list[str]:
     """A sentence where the cap left places less well known than was asked for; raises RunError
     where a share of a mean means nothing."""
     until, wide = block.until, []
@@ -188,35 +188,14 @@ def short_of(block, values: dict[Lead, np.ndarray]) -> list[str]:
     ]
 
 
-def outlook(block, values: dict[Lead, np.ndarray]) -> tuple[int, int, int]:
-    """How many runs a block takes in all by the scatter of what is there, and the range that this
-    scatter leaves open (95 %); where nothing is there, the first round and the caps."""
-    from scipy.special import chdtri
-
-    until, places = block.until, estimates(block.until, values, block.partners)
-    total = np.array(
-        3 * [sum(n for place, n in block.counts.items() if place not in places)], float
-    )
-    for place, estimate in places.items():
-        limits, runs = (block.counts[place], until.most), moments(values[place])[0]
-        if math.isfinite(wanted := replicates_needed(estimate, runs, until)):
-            free = runs - 1
-            total += np.clip(
-                wanted * np.array([1.0, *free / chdtri(free, [0.025, 0.975])]), *limits
-            )
-        else:
-            total += limits[0], *limits
-    return tuple(math.ceil(each) for each in total)
-
-
 def replicates_needed(estimate: Estimate, runs: int, until: Until) -> float:
     """How many replicates a place takes by the scatter of its runs so far."""
     return runs * (SAFETY * excess(estimate, until)) ** 2 if runs else math.inf
 
 
 def counts(
-    until: Until, values: dict[Lead, np.ndarray], partners: dict[Lead, Lead | None], rounds: float
-) -> dict[Lead, int]:
+    until: Until, values: dict[GridPoint, np.ndarray], partners: dict[GridPoint, GridPoint | None], rounds: float
+) -> dict[GridPoint, int]:
     """How many replicates each place has after as many rounds as its runs so far allow.
 
     values: one value a run that there is, in the order of the seeds, by place; partners: the place

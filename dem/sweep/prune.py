@@ -9,9 +9,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from dem.base.errors import InputError
-from dem.sweep.campaign import Campaign
+from dem.sweep.combined import read_combined
 from dem.sweep.config import CONFIG, FOLDERS
-from dem.sweep.ownership import read_combined
+from dem.sweep.state import SweepState
 from dem.sweep.store import Store
 
 NOTHING = "So nothing was removed."
@@ -35,10 +35,10 @@ def sweeps(store: Store) -> Iterator[tuple[Path, set[str], set[str]]]:
         combined = filter(None, map(read_combined, folder.glob("*.nc")))
         runs, beds = {run for file in combined for run in file.runs}, set()
         if CONFIG in files:
-            campaign = Campaign.of(folder / CONFIG)
-            for name in campaign.sweep.blocks:
-                beds |= {run.bed_id for run in campaign.block(name).unique()}
-            runs |= campaign.runs()
+            state = SweepState.of(folder / CONFIG)
+            for name in state.sweep.blocks:
+                beds |= {run.bed_id for run in state.block(name).unique()}
+            runs |= state.runs()
         if runs:
             yield folder, runs, beds
 

@@ -6,7 +6,6 @@ from pathlib import Path
 import typer
 from typer.cli import get_docs_for_click
 
-from dem.analysis.flow.layout import VARIABLES as FLOW
 from dem.base.schema import section_of
 from dem.cli.app import app
 from dem.experiment.config import SECTIONS, Configuration
@@ -87,7 +86,6 @@ def files() -> str:
     for module in (jamming, onset, shear):
         name = module.__name__.rpartition(".")[2]
         parts += [f"## Experiment `{name}`\n", _first_line(module), _variables(module.VARIABLES)]
-    parts += ["## `flow.nc`\n", LAG, _variables({"run_id": dataset.OF_STORE["run_id"]} | FLOW)]
     for name in reported():
         results = import_module(f"{package_of(name)}.results")
         parts += [f"## `{name}.nc`\n", _variables(results.VARIABLES)]
@@ -99,12 +97,6 @@ All files are netCDF-4 and follow the CF conventions, version 1.11. Units are SI
 reads them; `dem info FILE` prints a summary. A combined file such as `drag.nc` adds the dimensions of
 its sweep, for example `case` and `seed`, in front of the dimensions given here. It leaves out `bed_family`,
 `spent` and `failure_reason`, and holds `failure` only if runs were allowed to fail.
-"""
-
-
-LAG = """\
-The measures compare each snapshot with the one a *lag* before. The attribute `lag` holds it as a
-displacement of the cylinder, in m.
 """
 
 

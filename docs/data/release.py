@@ -51,7 +51,7 @@ LEFT_OUT = {  # on no page, in no figure
     "shear": ("shear_height", "steps"),
 }  # fmt: skip
 # No page shows more digits of these than float32 has.
-ROUNDED = ("bed_x", "bed_y", "bed_angle", "run_curve", "wall_force")
+ROUNDED = ("granule_x", "granule_y", "granule_angle", "run_curve", "wall_force")
 
 
 def release(results: Path) -> None:

@@ -73,25 +73,25 @@ def check(sweep) -> None:
             )
 
 
-def make(campaign, jobs: int, progress) -> tuple[dict, dict]:
+def make(state, jobs: int, progress) -> tuple[dict, dict]:
     """See studies.common.results."""
-    check(campaign.sweep)
+    check(state.sweep)
     trials, replicates, names = {}, [], ("drag", "run_time", "steps", "failure")
-    for block, run, values in runs(campaign, names, progress=progress):
-        configuration, failure = run.replicate.configuration, int(values["failure"])
+    for block, _, run, values in runs(state, names, progress=progress):
+        configuration, failure = run.configuration, int(values["failure"])
         if block.name == REPLICATES:
             if failure:
                 raise RunError(
-                    f"{run.replicate.words()} could not be made; replicates must all run."
+                    f"{run.words()} could not be made; replicates must all run."
                 )
-            replicates.append((run.replicate, values))
+            replicates.append((run, values))
             continue
         cylinder = configuration.cylinder
         time_step = cylinder.stroke / cylinder.velocity / values["steps"]
-        trials[run.replicate.id] = {  # where runs break is part of the question
-            "shape": run.replicate.label,
+        trials[run.id] = {  # where runs break is part of the question
+            "shape": run.label,
             "fraction": configuration.numerics.step_fraction,
-            "seed": run.replicate.seed,
+            "seed": run.seed,
             "drag": values["drag"][configuration.in_window].mean(),
             "time": values["run_time"],
             "time_step": np.nan if failure else time_step,

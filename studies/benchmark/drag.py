@@ -1,8 +1,8 @@
 """What a user pays: time for a stroke of the cylinder at equal error of the mean drag.
 
-Chaos parts two runs of one bed, whatever their time steps, so the error of the drag shows only in the
-mean over beds. That mean is level over small steps. Beyond some step contacts are unstable, and it
-falls. A level and a straight line that leaves it give the largest step at which a code keeps the
+Chaos parts two runs of one bed, whatever their time steps, so the error of the drag shows only in
+the mean over beds. That mean is level over small steps. Beyond some step contacts are unstable, and
+it falls. A level and a straight line that leaves it give the largest step at which a code keeps the
 drag within TOLERANCE of its own level: the models of friction and damping differ, and so do levels.
 """
 
@@ -10,6 +10,7 @@ import time
 from functools import partial
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from dem.base.errors import RunError
@@ -26,7 +27,8 @@ SEED = 1
 
 
 def our_drag(case: Case, time_step: float, window) -> tuple[float, float]:
-    """Mean drag (N) between two displacements (m) of the cylinder, and processor time (s) up to there."""
+    """Mean drag (N) between two displacements (m) of the cylinder, and processor time (s) up to
+    there."""
     start, stop = (x / case.scene.cylinder.velocity[1] for x in window)
     run = Simulation(case.scene, case.state, time_step, allow_unstable=True)
     began = time.process_time()
@@ -86,7 +88,8 @@ def compare_drag(sweep: Sweep, beds: int, ways=WAYS) -> dict:
 
 def largest_step(fractions, drag, tolerance: float = TOLERANCE) -> Estimate:
     """Largest time step that keeps the mean over the beds (level, bed) within a tolerance, over the
-    bound; fractions (level,). Beds are drawn again for the interval; one with a failed run is left out."""
+    bound; fractions (level,). Beds are drawn again for the interval; one with a failed run is left
+    out."""
     drag = drag[:, np.isfinite(drag).all(axis=0)]
     beds = drag.shape[1]
     drawn = np.random.default_rng(SEED).integers(beds, size=(DRAWS, beds))
@@ -101,25 +104,21 @@ def largest_step(fractions, drag, tolerance: float = TOLERANCE) -> Estimate:
     return bootstrap_interval(kinks[best] + tolerance * level / np.abs(slope), beds)
 
 
-def at_equal_error(dataset: xr.Dataset) -> xr.Dataset:
+def at_equal_error(dataset: xr.Dataset) -> pd.DataFrame:
     """By code that ran: `largest` step with its interval `low`, `high`, over the bound; `time_step`
     (s); `rate`, steps a second; `cost`, processor time of a stroke (s/m)."""
-    ran = dataset.isel(
-        drag_code=np.isfinite(dataset["drag_mean"]).any(("drag_level", "drag_bed")).values
-    )
-    rows = []
-    for code in ran["drag_code"].values:
-        one = ran.sel(drag_code=code)
-        fractions = one["drag_fraction"].values
-        found = largest_step(fractions, one["drag_mean"].values)
-        time_step = found.value * float(one["drag_bound"].mean())
+    rows = {}
+    for code in dataset["drag_code"].values.tolist():
+        one = dataset.sel(drag_code=code)
+        fractions, drag = one["drag_fraction"].values, one["drag_mean"].values
+        if not np.isfinite(drag).any():
+            continue
+        largest = largest_step(fractions, drag)
+        time_step = largest.value * float(one["drag_bound"].mean())
         steps = one["drag_stroke"] / one["drag_speed"] / (one["drag_fraction"] * one["drag_bound"])
         rates = (steps / one["drag_time"]).median("drag_bed").values
-        rate = np.interp(found.value, fractions, rates)
-        rows.append((*found, time_step, rate, 1.0 / (time_step * rate * float(one["drag_speed"]))))
-    names = "largest", "low", "high", "time_step", "rate", "cost"
-    columns = dict(zip(names, np.transpose(rows), strict=True))
-    return xr.Dataset(
-        {name: ("drag_code", column) for name, column in columns.items()},
-        {"drag_code": ran["drag_code"].values},
-    )
+        rate = np.interp(largest.value, fractions, rates)
+        cost = 1.0 / (time_step * rate * float(one["drag_speed"]))
+        rows[code] = *largest, time_step, rate, cost
+    names = ["largest", "low", "high", "time_step", "rate", "cost"]
+    return pd.DataFrame.from_dict(rows, "index", columns=names)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from dem.dynamics.simulation import STEP_FRACTION, Simulation
-from dem.experiment.fit import height_of_box, sample_diameters
+from dem.experiment.box import height_of_box, sample_diameters
 from dem.packing.random import pack
 from dem.packing.tiling import tiled
 from dem.scene import Friction, Material, Scene, box
@@ -64,7 +64,8 @@ def time_apart(scene: Scene, state, number: int, steps: int, step: float) -> flo
 
 
 def compare_sizes(sweep: Sweep, repeats: int, threads=(1, 2), tiles=TILES) -> dict:
-    """Variables: seconds per granule and step by size and threads or beds, and memory per granule."""
+    """Variables: seconds per granule and step by size and threads or beds, and memory per
+    granule."""
     ranked = lammps.available() is None and lammps.mpiexec() is not None
     beds = [large_scene(sweep, side) for side in tiles]
     times, apart, ranks = np.full((3, len(beds), len(threads), repeats), np.nan)

@@ -6,23 +6,27 @@ import numpy as np
 import xarray as xr
 
 from dem.analysis.compare import Comparison
-from dem.analysis.flow.layout import MEASURES
 from dem.analysis.statistics import summarise, within
+from studies.claims.irregularity import MEASURES, in_window
 
 NOTHING = xr.Dataset(coords={"case": [], "seed": []})
 NAMES = {"run_factor": "at"}  # values of the design are not those of its axis
-LABELS = ("run_part", "run_case", "run_shape", "run_setting", "run_status", "run_seed", "run_density")  # fmt: skip
+LABELS = {
+    f"run_{name}" for name in ("part", "case", "shape", "setting", "status", "seed", "density")
+}
 MARGIN = 0.18  # the larger scatter of section 3.2, by which the paper itself judges two drags
 
 
 class Evidence(NamedTuple):
     """Measures over (case, seed), SI units, NaN where a run failed.
 
-    runs: of the sweep's cases; points: of cases at the points of the design, which take the place
-    of seeds, with `at` (case, seed, factor), their coordinates; velocity: of the reference, cases
-    are factors on the sweep's velocity; ratios: of ellipses at equal packing fraction, cases are
-    aspect ratios. margin: by how much more than nothing a word such as "significantly" means, as a
-    share. single: every seed is another world, whose runs belong together.
+    runs: Of the sweep's cases.
+    points: Of cases at the points of the design, which take the place of seeds; `at` (case, seed,
+        factor) are their coordinates.
+    velocity: Of the reference; cases are factors on the sweep's velocity.
+    ratios: Of ellipses at equal packing fraction; cases are aspect ratios.
+    margin: By how much more than nothing a word such as "significantly" means, as a share.
+    single: Each seed is an independent realisation.
     """
 
     runs: xr.Dataset
@@ -104,28 +108,28 @@ def scaled(dataset: xr.Dataset, setting: str, shape: str) -> xr.Dataset:
     changed = rows(dataset, "scaling", setting)
     changed = changed.isel(run=np.flatnonzero(changed["run_shape"].values == shape))
     base = rows(dataset, "replicates")
-    own = base["run_shape"].values == shape
-    densities = base["run_density"].values[own]
+    base = base.isel(run=np.flatnonzero(base["run_shape"].values == shape))
+    densities = base["run_density"].values
     if not (changed.sizes["run"] and len(densities)):
         return NOTHING
-    mine = density if density in densities else densities[0]
-    base = base.isel(run=np.flatnonzero(own & (base["run_density"].values == mine)))
+    density = density if density in densities else densities[0]
+    base = base.isel(run=np.flatnonzero(densities == density))
     base = base.assign(run_x=("run", np.ones(base.sizes["run"])))
-    both = xr.concat([base, changed], "run", data_vars="minimal", coords="minimal",
-                     compat="override", join="override")  # fmt: skip
-    found = table(both, "run_x")
+    how = {"data_vars": "minimal", "coords": "minimal", "compat": "override", "join": "override"}
+    found = table(xr.concat([base, changed], "run", **how), "run_x")
     return found.sel(case=sorted(found["case"].values.tolist()))
 
 
 def scaled_ratios(dataset: xr.Dataset, setting: str, shape: str) -> dict[float, Comparison]:
-    """Drag over that at factor 1, by factor; only runs that differ in velocity are on the same beds."""
+    """Drag over that at factor 1, by factor; only runs that differ in velocity are on the same
+    beds."""
     drag = scaled(dataset, setting, shape).get("drag")
     found = {}
     for x in [] if drag is None else drag["case"].values.tolist():
         a, b = (drag.sel(case=each).values for each in (x, 1.0))
-        each = Comparison("drag", a, b, 0.0, np.inf, paired=setting == "velocity")
-        if x != 1.0 and each.runs > 1:
-            found[x] = each
+        ratio = Comparison("drag", a, b, 0.0, np.inf, paired=setting == "velocity")
+        if x != 1.0 and ratio.runs > 1:
+            found[x] = ratio
     return found
 
 
@@ -144,15 +148,11 @@ def from_study(dataset: xr.Dataset, margin: float = MARGIN) -> Evidence:
 
 def from_sweep(dataset: xr.Dataset, flow: xr.Dataset | None = None, margin=MARGIN) -> Evidence:
     """From drag.nc and, for what is said of the flow, the flow.nc beside it."""
-    low, high = dataset.attrs["window_start"], dataset.attrs["window_stop"]
     curve = dataset["drag"].rename(displacement="place")
     runs = xr.Dataset({"drag": summarise(dataset)["run_mean"], "curve": curve})
-    runs.attrs |= {"window_start": low, "window_stop": high}
+    runs.attrs |= {name: dataset.attrs[name] for name in ("window_start", "window_stop")}
     if flow is not None:
-        from studies.claims.irregularity import in_window
-
-        for name in MEASURES:
-            runs[name] = in_window(flow, name)
+        runs |= {name: in_window(flow, name) for name in MEASURES}
     return Evidence(runs, margin=margin)
 
 

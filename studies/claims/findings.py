@@ -5,31 +5,34 @@ from functools import cached_property
 
 import numpy as np
 import xarray as xr
+from rich.console import Group
 from rich.table import Table
+from rich.text import Text
 
-from dem.analysis.compare import Comparison
+from dem.analysis.compare import CONTRADICTED, SUPPORTED, UNDECIDED, Comparison
 from dem.analysis.statistics import by_case
 from dem.analysis.tables import numbers
 from dem.base.errors import InputError
-from studies.claims import report
-from studies.claims.evidence import from_study, from_sweep, scaled_ratios
+from dem.base.intervals import Estimate
+from studies.claims.evidence import MARGIN, from_study, from_sweep, scaled_ratios
 from studies.claims.influence import Influence, influences, responses
 from studies.claims.remains import remaining
-from studies.claims.verdicts import judge
-from studies.common.findings import Findings, interval
+from studies.claims.verdicts import UNTESTED, Verdict, claimed, judge, span
+from studies.common.findings import Findings, estimate, interval
 
 __all__ = ["claims"]
 
 ABOUT_SHAPE = (
-    "dumbbells_above_discs", "dumbbells_below_discs", "dumbbells_above_small_discs",
-    "slight_ellipses_drop", "longer_ellipses_drop", "shape_matters",
-)  # fmt: skip
-
-OTHER_MARGINS = (0.10, 0.25)
+    "dumbbells_above_discs",
+    "dumbbells_below_discs",
+    "dumbbells_above_small_discs",
+    "slight_ellipses_drop",
+    "longer_ellipses_drop",
+    "shape_matters",
+)
 RANKED = 4  # influences that are listed
-SETTINGS = (
-    "velocity", "diameter", "width", "width, equal distance", "height", "height, equal distance",
-)  # fmt: skip
+WAYS = ("", ", equal distance")
+SETTINGS = ("velocity", "diameter", *(size + way for size in ("width", "height") for way in WAYS))
 
 
 class Claims(Findings):
@@ -40,41 +43,40 @@ class Claims(Findings):
     attributes = "window_start", "window_stop"
 
     @cached_property
-    def judged(self) -> dict:
-        return {each.claim.name: each for each in judge(from_study(self.dataset))}
+    def judged(self) -> dict[str, Verdict]:
+        return self.by_margin(MARGIN)
+
+    def by_margin(self, margin: float) -> dict[str, Verdict]:
+        """Verdicts by name, where "significantly" means more than a margin."""
+        return {each.claim.name: each for each in judge(from_study(self.dataset, margin))}
+
+    def changed_by(self, margin: float) -> dict[str, str]:
+        """Verdicts that another margin changes, by title."""
+        return {
+            each.claim.title: each.verdict
+            for name, each in self.by_margin(margin).items()
+            if each.verdict != self.judged[name].verdict
+        }
 
     @cached_property
     def remaining(self) -> list:
         return remaining(self.dataset)
 
-    def runs(self) -> str:
-        """How many runs there are."""
-        return f"{self.dataset.sizes['run']:,}"
+    @cached_property
+    def counts(self) -> Counter:
+        """How many claims have which verdict."""
+        return Counter(each.verdict for each in self.judged.values())
 
-    def hours(self) -> str:
-        """Processor time of all runs."""
-        return f"{float(self.dataset['run_spent'].sum()) / 3600:.1f} hours"
-
-    def failures(self) -> str:
-        """Runs that failed, of what, in which part of the study."""
-        labels = (self.dataset[f"run_{name}"].values.tolist() for name in ("status", "part"))
-        found = Counter(zip(*labels, strict=True))
-        wrong = [
-            f"{n} {status} in {part}" for (status, part), n in found.items() if status != "ran"
-        ]
-        return ", ".join(wrong) or "none"
-
-    def level(self) -> str:
-        """Level of the intervals that verdicts use."""
-        return f"{100 * next(iter(self.judged.values())).level:.2f} %"
-
-    def verdict(self, name: str) -> str:
-        """Supported, contradicted, undecided or not tested."""
-        return self.judged[name].verdict
+    @cached_property
+    def influences(self) -> dict[str, dict[str, Influence]]:
+        """By response and value of the configuration, those that decide first."""
+        points = from_study(self.dataset).points
+        found = {name: influences(points, each) for name, each in responses(points).items()}
+        return {name: {each.factor: each for each in some} for name, some in found.items()}
 
     def numbers(self, name: str) -> str:
         """What a claim is compared by, with 95 % intervals."""
-        return "; ".join(report.span(each) for each in self.judged[name].comparisons)
+        return "; ".join(map(span, self.judged[name].comparisons))
 
     def extremes(self, name: str) -> str:
         """The least and the greatest number of a claim."""
@@ -83,177 +85,157 @@ class Claims(Findings):
 
     def verdicts(self) -> Table:
         """One row per claim; those that do not hold come first."""
-        return report.claims(list(self.judged.values()))
+        return table_of(self.judged.values())
 
-    def readings(self) -> str:
-        """One list item per claim: the quotation and how it is read."""
-        return "\n".join(
-            f"* **{each.claim.title}** ({report.place(each.claim.place)}): "
-            f"“{each.claim.quote}”. {each.claim.reading}"
-            for each in self.judged.values()
-        )
-
-    def count(self, verdict: str) -> int:
-        """How many claims have this verdict."""
-        return sum(each.verdict == verdict for each in self.judged.values())
-
-    def margins(self) -> str:
-        """Which verdicts depend on how much "significantly" means."""
-        told = []
-        for margin in OTHER_MARGINS:
-            other = {v.claim.name: v for v in judge(from_study(self.dataset, margin))}
-            moved = [
-                f"{each.claim.title}: {each.verdict}" for name, each in other.items()
-                if each.verdict != self.judged[name].verdict
-            ]  # fmt: skip
-            words = "; ".join(moved) or "the same verdicts"
-            told.append(f"* With a margin of {100 * margin:.0f} %: {words}.")
-        return "\n".join(told)
-
-    def single_beds(self, name: str) -> str:
-        """Share of single beds at the paper's values in which a claim holds."""
-        return f"{100 * self.judged[name].paper.share:.0f} %"
-
-    def jams_at(self, shape: str) -> str:
+    def jams_at(self, shape: str) -> float:
         """Packing fraction at which frictionless beds of a shape jam."""
-        return f"{self._jams_at(shape):.3f}"
-
-    def _jams_at(self, shape: str) -> float:
         here = (self.dataset["jam_shape"] == shape) & (self.dataset["jam_friction"] == 0.0)
         return float(self.dataset["jam_fraction"].where(here).mean())
 
-    def beyond_jamming(self, shape: str) -> bool:
-        """Whether the packing fraction of the paper is above that at which a shape jams."""
-        return float(self.dataset["reference_packing"]) > self._jams_at(shape)
-
     def jamming(self) -> Table:
         """One row per shape of the paper: where beds jam, without friction and with it."""
-        made = numbers(
-            "shape", "jams at, without friction", "with the friction of the runs", "beds"
-        )
-        frictions = np.unique(self.dataset["jam_friction"].values)
+        heads = "shape", "jams at, without friction", "with the friction of the runs", "beds"
+        table = numbers(*heads)
+        names = "jam_shape", "jam_friction", "jam_fraction"
+        shapes, frictions, fractions = (self.dataset[name].values for name in names)
         for shape in dict.fromkeys(each.shape for each in self.remaining):
-            here = self.dataset["jam_shape"].values == shape
-            some = [
-                self.dataset["jam_fraction"].values[here & (self.dataset["jam_friction"] == each)]
-                for each in frictions
-            ]
-            found = [Comparison("", each, None, 0.0, 1.0) for each in some]
-            cells = [interval(e.estimate, np.ptp(e.interval()) / 2, digits=4) for e in found]
-            made.add_row(shape, *cells, str(found[0].runs))
-        return made
+            cells = []
+            for friction in np.unique(frictions):
+                here = (shapes == shape) & (frictions == friction)
+                found = Comparison("", fractions[here], None, 0.0, 1.0)
+                half = np.ptp(found.interval()) / 2
+                cells.append(interval(found.estimate, half, digits=4))
+            table.add_row(shape, *cells, str(found.runs))
+        return table
 
     def states(self) -> Table:
         """One row per shape and state: drag over that of c1."""
-        made = numbers("shape", "state", "V_f", "drag over that of c1", words=2)
-        for each in self.remaining[1:]:
-            ratio, low, high = each.ratio
-            made.add_row(
-                each.shape, each.state, f"{each.fraction:.3f}",
-                report.on_one_line(f"{ratio:.2f} ({low:.2f} to {high:.2f})"),
-            )  # fmt: skip
-        return made
+        rows = (
+            (each.shape, each.state, f"{each.fraction:.3f}", estimate(each.ratio))
+            for each in self.remaining[1:]
+        )
+        return numbers("shape", "state", "V_f", "drag over that of c1", words=2, rows=rows)
 
-    def _at(self, shape: str, state: str):
-        found = [each for each in self.remaining if (each.shape, each.state) == (shape, state)]
-        if not found:
+    def ratio(self, shape: str, state: str) -> Estimate:
+        """Drag over that of c1, of a shape at a state."""
+        found = {(each.shape, each.state): each.ratio for each in self.remaining}
+        if (shape, state) not in found:
             raise InputError(f"studies/claims/claims.nc has no runs of {shape} at {state}.")
-        return found[0]
+        return found[shape, state]
 
     def at(self, shape: str, state: str) -> str:
         """Drag over that of c1, of a shape at a state, with its interval."""
-        return "{:.2f} ({:.2f} to {:.2f})".format(*self._at(shape, state).ratio)
+        return "{:.2f} ({:.2f} to {:.2f})".format(*self.ratio(shape, state))
 
-    def above(self, shape: str, state: str) -> bool:
-        """Whether a shape at a state drags more than c1, the interval included."""
-        return self._at(shape, state).ratio[1] > 1.0
+    def above(self, shape: str, *states: str) -> bool:
+        """Whether a shape at some states drags more than c1, the interval included."""
+        return all(self.ratio(shape, state).low > 1.0 for state in states)
 
-    def below(self, shape: str, state: str) -> bool:
-        """Whether a shape at a state drags less than c1, the interval included."""
-        return self._at(shape, state).ratio[2] < 1.0
+    def below(self, shape: str, *states: str) -> bool:
+        """Whether a shape at some states drags less than c1, the interval included."""
+        return all(self.ratio(shape, state).high < 1.0 for state in states)
 
     def decides(self) -> Table:
         """One row per value of influence: by how much responses grow over its range."""
-        points = from_study(self.dataset).points
-        made = numbers(
-            "response", "decided by", "grows over the range by", "share of variance", words=2
-        )
-        for name, response in responses(points).items():
-            for number, each in enumerate(influences(points, response)[:RANKED]):
-                made.add_row(
-                    "" if number else name, f"`{each.factor}`",
-                    f"{each.growth:.2f} ({each.low:.2f} to {each.high:.2f})", f"{each.share:.2f}",
-                )  # fmt: skip
-        return made
-
-    def _influence(self, response: str, factor: str) -> Influence:
-        points = from_study(self.dataset).points
-        found = influences(points, responses(points)[response])
-        return {each.factor: each for each in found}[factor]
-
-    def growth(self, response: str, factor: str) -> str:
-        """Response at the high end of a factor's range over that at the low end."""
-        return f"{self._influence(response, factor).growth:.1f}"
-
-    def told(self, response: str, factor: str) -> bool:
-        """Whether a response depends on a factor, interval included."""
-        return self._influence(response, factor).decides
+        heads = "response", "decided by", "grows over the range by", "share of variance"
+        table = numbers(*heads, words=2)
+        for name, found in self.influences.items():
+            for each in list(found.values())[:RANKED]:
+                growth = f"{each.growth:.2f} ({each.low:.2f} to {each.high:.2f})"
+                table.add_row(name, f"`{each.factor}`", growth, f"{each.share:.2f}")
+                name = ""
+        return table
 
     def scaling(self) -> Table:
         """One row per setting, shape and factor: drag over that at the paper's value."""
-        made = numbers("varied", "shape", "times", "drag over that at 1", "runs", words=2)
-        for setting in SETTINGS:
-            for shape in ("c1", "e3"):
-                for x, drag in scaled_ratios(self.dataset, setting, shape).items():
-                    made.add_row(setting, shape, f"{x:g}", report.span(drag), str(drag.runs))
-        return made
-
-    def _scaled(self, setting: str, shape: str, factor: float):
-        return scaled_ratios(self.dataset, setting, shape)[factor]
+        rows = (
+            (setting, shape, f"{x:g}", span(drag), str(drag.runs))
+            for setting in SETTINGS
+            for shape in ("c1", "e3")
+            for x, drag in scaled_ratios(self.dataset, setting, shape).items()
+        )
+        return numbers(
+            "varied", "shape", "times", "drag over that at 1", "runs", words=2, rows=rows
+        )
 
     def scaled(self, setting: str, shape: str, factor: float) -> str:
         """Drag at a factor on one of the paper's values, over that at the paper's."""
-        return f"{self._scaled(setting, shape, factor).estimate:.2f}"
+        return f"{scaled_ratios(self.dataset, setting, shape)[factor].estimate:.2f}"
 
     def shrinks(self, setting: str, shape: str, factor: float) -> bool:
         """Whether the drag there is below that at the paper's value, the interval included."""
-        return self._scaled(setting, shape, factor).interval()[1] < 1.0
+        return scaled_ratios(self.dataset, setting, shape)[factor].interval()[1] < 1.0
 
-    def beside(self, **sweeps: xr.Dataset) -> Table:
-        """One row per claim about shape: verdict and numbers here, and on runs of other sweeps by what
-        they are."""
-        found = {
-            words.replace("__", ", ").replace("_", " "): self.on(runs)
-            for words, runs in sweeps.items()
-        }
-        made = numbers(
-            "claim (section)", "the paper's box, claims.nc", *found, words=2 + len(found)
-        )
-        for name in ABOUT_SHAPE:
-            each = self.judged[name]
-            cells = [_cell(verdicts[name]) for verdicts in (self.judged, *found.values())]
-            made.add_row(f"{each.claim.title} ({each.claim.place})", *cells)
-        return made
-
-    def changed(self, runs: xr.Dataset) -> dict[str, str]:
-        """Verdicts about shape on other runs that are not those of claims.nc, by the name of the claim."""
-        found = {name: verdict for name, verdict in self.on(runs).items() if name in ABOUT_SHAPE}
-        return {
-            name: each.verdict for name, each in found.items()
-            if each.verdict != self.judged[name].verdict
-        }  # fmt: skip
-
-    def on(self, runs: xr.Dataset) -> dict:
+    def on(self, runs: xr.Dataset) -> dict[str, Verdict]:
         """Verdicts on runs over shape and seed of any sweep, by the name of the claim."""
         runs = by_case(runs)
         density = np.broadcast_to(runs["density"].values, runs.sizes["case"]).copy()
-        found = from_sweep(runs.assign_coords(density=("case", density)))
-        return {each.claim.name: each for each in judge(found)}
+        evidence = from_sweep(runs.assign_coords(density=("case", density)))
+        return {each.claim.name: each for each in judge(evidence)}
+
+    def changed(self, runs: xr.Dataset) -> dict[str, str]:
+        """Verdicts about shape on other runs that are not those of claims.nc, by name."""
+        others = self.on(runs)
+        return {
+            name: others[name].verdict
+            for name in ABOUT_SHAPE
+            if others[name].verdict != self.judged[name].verdict
+        }
+
+    def beside(self, **sweeps: xr.Dataset) -> Table:
+        """One row per claim about shape: verdict and numbers here, and on runs of other sweeps."""
+        found = {"the paper's box, claims.nc": self.judged}
+        for name, runs in sweeps.items():
+            found[name.replace("__", ", ").replace("_", " ")] = self.on(runs)
+        table = numbers("claim (section)", *found, words=1 + len(found))
+        for name in ABOUT_SHAPE:
+            cells = []
+            for each in (verdicts[name] for verdicts in found.values()):
+                parts = (_one_line(f"{part.words}: {span(part)}") for part in each.comparisons)
+                cells.append("\n".join((f"**{each.verdict}**", *parts)))
+            table.add_row(_title(each), *cells)
+        return table
 
 
-def _cell(verdict) -> str:
-    parts = (f"{part.words}: {report.span(part)}" for part in verdict.comparisons)
-    return f"**{verdict.verdict}**\n" + "\n".join(map(report.on_one_line, parts))
+def table_of(verdicts) -> Table:
+    """One row per claim; those that do not hold come first."""
+    order = [CONTRADICTED, UNDECIDED, SUPPORTED, UNTESTED]
+    heads = "claim (section)", "verdict", "numbers", "holds in the\nplausible space, %"
+    table = numbers(*heads, words=3)
+    for each in sorted(verdicts, key=lambda each: order.index(each.verdict)):
+        parts = "\n".join(
+            f"{part.words}: {_one_line(span(part))}; claimed {claimed(part)}"
+            for part in each.comparisons
+        )
+        space = each.space.per_cent if each.space else "-"
+        table.add_row(_title(each), f"**{each.verdict}**", parts, space)
+    return table
+
+
+def detail(found: Verdict) -> Group:
+    """One claim: the sentence, how it is read, the comparisons and the verdict."""
+    claim = found.claim
+    lines = [f"{claim.name}: {found.verdict}", f'  "{claim.quote}" ({claim.section})']
+    lines.append(f"  {claim.reading}")
+    for each in found.comparisons:
+        joint = f"{span(each, found.level)} at {100 * found.level:.2f} %"
+        lines.append(
+            f"  {each.words}: {span(each)} at 95 %, {joint}; claimed: {claimed(each)}; {each.runs} runs"
+        )
+    shares = {"points of the plausible space": found.space, "single beds": found.paper}
+    for name, share in shares.items():
+        if share:
+            counts = f"{share.points} {name}; {share.failed} more failed"
+            lines.append(f"  holds at {share.per_cent} % of {counts}")
+    return Group(*map(Text, lines))
+
+
+def _title(verdict: Verdict) -> str:
+    return f"{verdict.claim.title} ({verdict.claim.place})"
+
+
+def _one_line(words: str) -> str:
+    return words.replace(" ", "\N{NO-BREAK SPACE}")
 
 
 claims = Claims()

@@ -14,9 +14,12 @@ HARMONICS = 4  # of RBD-FAST
 
 
 class Influence(NamedTuple):
-    """factor: a value of the configuration, by path; growth: the response at the high end of its range
-    over that at the low end, with its interval; share: of the variance of the response's
-    logarithm."""
+    """What a value of the configuration does to a response.
+
+    factor: The value, by its path.
+    growth, low, high: Response at the high end of the range over that at the low end, with interval.
+    share: Of the variance of the logarithm of the response.
+    """
 
     factor: str
     growth: float
@@ -32,23 +35,37 @@ class Influence(NamedTuple):
 
 def responses(points) -> dict[str, np.ndarray]:
     """Responses that may depend on the factors, (points,) each, NaN where a run failed."""
-    cases = {shape: find(points, shape) if points["case"].size else None for shape in ("c1", "d1", "e1", "e3")}  # fmt: skip
-    drag = {shape: points["drag"].sel(case=case).values for shape, case in cases.items() if case}
-    if "c1" not in drag:
+    if not points["case"].size:
         return {}
-    others = {f"{shape} over c1": drag[shape] / drag["c1"] for shape in drag if shape != "c1"}
-    return {"drag of c1": drag["c1"]} | others
+    cases = {shape: find(points, shape) for shape in ("c1", "d1", "e1", "e3")}
+    drag = {shape: points["drag"].sel(case=case).values for shape, case in cases.items() if case}
+    base = drag.pop("c1", None)
+    if base is None:
+        return {}
+    return {"drag of c1": base} | {f"{shape} over c1": each / base for shape, each in drag.items()}
 
 
 def plane(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
-    """Slopes (k,) of the plane of least squares through y (n,) at x (n, k), their standard errors, and
-    degrees of freedom."""
+    """Slopes (k,) of the plane of least squares through y (n,) at x (n, k), their standard errors,
+    and degrees of freedom."""
     matrix = np.column_stack([np.ones(len(y)), x])
     found, *_ = np.linalg.lstsq(matrix, y, rcond=None)
     free = len(y) - matrix.shape[1]
     scatter = ((y - matrix @ found) ** 2).sum() / free
     error = np.sqrt(scatter * np.linalg.pinv(matrix.T @ matrix).diagonal())
     return found[1:], error[1:], free
+
+
+def slopes(points, response: np.ndarray):
+    """Of the plane through the logarithms of a response: names of the factors, places in the design
+    (n, k), from 0 to 1, the logarithms (n,), and what `plane` gives; None with too few points."""
+    place, names = points["at"].max("case").values, points["factor"].values.tolist()
+    good = np.isfinite(response) & (response > 0.0)
+    if good.sum() < 2 * len(names) + 2:
+        return None
+    x, y = place[good], np.log(response[good])
+    unit = (x - x.min(axis=0)) / np.maximum(np.ptp(x, axis=0), 1e-300)
+    return names, unit, y, plane(unit, y)
 
 
 def influences(points, response: np.ndarray) -> list[Influence]:
@@ -64,17 +81,15 @@ def influences(points, response: np.ndarray) -> list[Influence]:
         raise InputError(
             "shares of the variance need the package SALib: pip install 'granular-drag[design]'."
         ) from None
-    place, names = points["at"].max("case").values, points["factor"].values.tolist()
-    good = np.isfinite(response) & (response > 0.0)
-    if good.sum() < 2 * len(names) + 2:
+    found = slopes(points, response)
+    if found is None:
         return []
-    x, y = place[good], np.log(response[good])
-    unit = (x - x.min(axis=0)) / np.maximum(np.ptp(x, axis=0), 1e-300)
+    names, unit, y, (slope, error, free) = found
     problem = {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
     logging.getLogger("SALib").setLevel(logging.ERROR)
     shares = rbd_fast.analyze(problem, unit, y, M=HARMONICS, num_resamples=2, seed=1)["S1"]
-    slope, error, free = plane(unit, y)
     half = t.ppf(0.5 + 0.5 * LEVEL, free) * error
     ends = np.exp([slope, slope - half, slope + half])
-    rows = [Influence(n, *map(float, e), float(s)) for n, e, s in zip(names, ends.T, shares, strict=True)]  # fmt: skip
+    columns = names, *ends.tolist(), map(float, shares)
+    rows = [Influence(*row) for row in zip(*columns, strict=True)]
     return sorted(rows, key=lambda row: (not row.decides, -abs(np.log(row.growth))))

@@ -4,10 +4,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 import xarray as xr
-from scipy.stats import t
+from scipy.stats import sem, t
 
-from dem.base.intervals import LEVEL
+from dem.base.intervals import LEVEL, Estimate
 from dem.sweep.derive import Jamming
 from studies.claims.evidence import reference, rows, with_case
 from studies.claims.influence import plane
@@ -16,12 +17,12 @@ EQUAL = "equal fraction"
 
 
 class Remaining(NamedTuple):
-    """A shape at a state: packing fraction; mean drag over that of the reference with its interval."""
+    """A shape at a state: packing fraction, and mean drag over that of the reference."""
 
     shape: str
     state: str
     fraction: float
-    ratio: tuple[float, float, float]
+    ratio: Estimate
 
 
 class Mean(NamedTuple):
@@ -38,9 +39,8 @@ def mean_of(runs: xr.Dataset) -> Mean | None:
     drag = drag[np.isfinite(drag)]
     if len(drag) < 2:
         return None
-    return Mean(
-        math.log(drag.mean()), float(drag.var(ddof=1)) / len(drag) / drag.mean() ** 2, len(drag)
-    )
+    variance = float(drag.var(ddof=1)) / len(drag) / drag.mean() ** 2
+    return Mean(math.log(drag.mean()), variance, len(drag))
 
 
 def remaining(dataset: xr.Dataset) -> list[Remaining]:
@@ -50,70 +50,64 @@ def remaining(dataset: xr.Dataset) -> list[Remaining]:
     of the drag with the packing fraction over all states of the shape.
     """
     case, _, fraction = reference(dataset)
-    replicates, matched, found = rows(dataset, "replicates"), rows(dataset, "matched"), []
+    replicates, matched = rows(dataset, "replicates"), rows(dataset, "matched")
     base = mean_of(with_case(replicates, case))
-    reference_shape = str(dataset["reference_shape"].values)
-    if base is not None:
-        found.append(_one(case, EQUAL, with_case(replicates, case), base, base))
+    if base is None:
+        return []
+    found = [Remaining(case, EQUAL, fraction, Estimate(1.0, 1.0, 1.0))]
     for shape in dict.fromkeys(matched["run_case"].values.tolist()):
-        here = with_case(matched, shape)
-        equal = mean_of(with_case(replicates, shape))
-        if base is None or equal is None:
+        states, equal = with_case(matched, shape), with_case(replicates, shape)
+        if mean_of(equal) is None:
             continue
-        found.append(_one(shape, EQUAL, with_case(replicates, shape), equal, base))
-        slope = growth(with_case(replicates, shape), here)
-        for state in dict.fromkeys(here["run_setting"].values.tolist()):
-            some = rows(here, "matched", state)
-            there = mean_of(some)
-            if there is not None:
-                error = slope * distance_error(dataset, shape, reference_shape, fraction, state)
-                found.append(_one(shape, state, some, there, base, error))
+        slope = growth(equal, states)
+        for state in (EQUAL, *dict.fromkeys(states["run_setting"].values.tolist())):
+            runs = equal if state == EQUAL else rows(states, "matched", state)
+            mean = mean_of(runs)
+            if mean is None:
+                continue
+            error = slope * distance_error(dataset, shape, state) if state != EQUAL else 0.0
+            log, variance = mean.log - base.log, mean.variance + base.variance + error**2
+            free = min(mean.runs, base.runs) - 1
+            half = float(t.ppf(0.5 + 0.5 * LEVEL, free)) * math.sqrt(variance)
+            ratio = Estimate(*map(math.exp, (log, log - half, log + half)))
+            found.append(Remaining(shape, state, float(runs["run_packing"][0]), ratio))
     return found
 
 
-def distance_error(dataset, shape: str, other: str, fraction: float, state: str) -> float:
+def distance_error(dataset: xr.Dataset, shape: str, state: str) -> float:
     """Standard error of the packing fraction at which a shape is in a state."""
-    jamming = jamming_in(dataset)
+    jamming, other = jamming_in(dataset), str(dataset["reference_shape"].values)
     friction = float(dataset["jam_friction"].max()) if "friction" in state else 0.0
-    shapes = shape, other
-    errors = [standard_error(jamming.of(each, friction, "fraction")) for each in shapes]
+    errors = [standard_error(jamming.of(each, "fraction", friction)) for each in (shape, other)]
     if "load" not in state:
         return math.hypot(*errors)
     # at_load multiplies the distance of the other shape by the ratio of both slopes
-    slopes = [jamming.of(each, friction, "slope") for each in shapes]
+    slopes = [jamming.of(each, "slope", friction) for each in (shape, other)]
     means = [float(np.nanmean(each)) for each in slopes]
-    distance = (fraction - jamming.fraction(other)) * means[1] / means[0]
+    ratio = means[1] / means[0]
+    distance = (float(dataset["reference_packing"]) - jamming.mean(other, "fraction")) * ratio
     relative = [standard_error(s) / m for s, m in zip(slopes, means, strict=True)]
-    return math.hypot(errors[0], errors[1] * means[1] / means[0], *(distance * r for r in relative))
+    return math.hypot(errors[0], errors[1] * ratio, *(distance * r for r in relative))
 
 
 def jamming_in(dataset: xr.Dataset) -> Jamming:
     """Jamming fractions by the labels of claims.nc."""
     names = "shape", "friction", "fraction", "slope", "diameter"
-    return Jamming(*(dataset[f"jam_{name}"].values for name in names))
+    beds = pd.DataFrame({name: dataset[f"jam_{name}"].values for name in names})
+    return Jamming(beds.rename(columns={"shape": "kind"}))
 
 
 def standard_error(values: np.ndarray) -> float:
-    """Of the mean of what is a number."""
+    """Of the mean of what is a number; zero for fewer than two."""
     good = values[np.isfinite(values)]
-    return float(good.std(ddof=1)) / math.sqrt(len(good)) if len(good) > 1 else 0.0
+    return float(sem(good)) if len(good) > 1 else 0.0
 
 
 def growth(*runs: xr.Dataset) -> float:
     """How the logarithm of the drag grows with the packing fraction, over all of some runs."""
-    drag, fraction = (
-        np.concatenate([each[f"run_{name}"] for each in runs]) for name in ("drag", "packing")
-    )
+    names = "run_drag", "run_packing"
+    drag, fraction = (np.concatenate([each[name] for each in runs]) for name in names)
     good = np.isfinite(drag) & (drag > 0.0)
     if np.ptp(fraction[good]) < 1e-3:
         return 0.0
     return float(plane(fraction[good, None], np.log(drag[good]))[0][0])
-
-
-def _one(shape, state, runs, there: Mean, base: Mean, error: float = 0.0) -> Remaining:
-    """A state of a shape; error: of its logarithm from the distance to jamming."""
-    quantile = float(t.ppf(0.5 + 0.5 * LEVEL, min(there.runs, base.runs) - 1))
-    log, variance = there.log - base.log, there.variance + base.variance + error**2
-    half = 0.0 if there is base else quantile * math.sqrt(variance)
-    ratio = math.exp(log), math.exp(log - half), math.exp(log + half)
-    return Remaining(shape, state, float(runs["run_packing"].values[0]), ratio)

@@ -2,28 +2,99 @@
 
 A function takes Evidence and returns numbers with intervals (dem.analysis.compare), none where the
 runs do not suffice. Its docstring says how the sentence is read: a plain comparative means any
-difference; "significantly", "remarkable", "much" and "strongly" mean one beyond `margin`, and "little"
-and "insignificant" one within it. A new claim is a function here; tables and figures find it.
+difference; "significantly", "remarkable", "much" and "strongly" mean one beyond `margin`, and
+"little" and "insignificant" one within it. A new claim is a function here; tables and figures find
+it.
 
 We do not test sentences that only describe appearance: "no dramatic differences in qualitative
 particle flow behavior", "little qualitative difference in flow patterns" (3.3).
 """
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import stdtrit
 
-from dem.analysis.compare import Comparison
+from dem.analysis.compare import CONTRADICTED, SUPPORTED, Comparison, judged
 from dem.analysis.statistics import densities, find
+from dem.base.intervals import LEVEL
 from studies.claims.evidence import Evidence, curves
-from studies.claims.influence import plane
-from studies.claims.numbers import Growth, Prediction
+from studies.claims.influence import plane, slopes
 
 INFINITE = float("inf")
 PAPERS_RUNS = 5
 DRAWS = 4000
 SLOW = 5.0  # times the paper's velocity: up to here a claim about slow drag is tested
+
+
+class Growth(NamedTuple):
+    """By which factor something grows: from a fit of its logarithm.
+
+    words: What grows.
+    logarithm, error, freedom: Of the factor, with its standard error and degrees of freedom.
+    low, high: The claim says that the factor is between them.
+    """
+
+    words: str
+    logarithm: float
+    error: float
+    freedom: float
+    low: float
+    high: float
+    outside: bool = False
+    is_ratio: bool = True
+
+    @property
+    def estimate(self) -> float:
+        return math.exp(self.logarithm)
+
+    @property
+    def runs(self) -> int:
+        """Degrees of freedom: the number of independent runs behind the interval."""
+        return int(self.freedom)
+
+    def interval(self, level: float = LEVEL) -> tuple[float, float]:
+        """Confidence interval by Student's t."""
+        half = float(stdtrit(self.freedom, 0.5 + 0.5 * level)) * self.error
+        return math.exp(self.logarithm - half), math.exp(self.logarithm + half)
+
+    def verdict(self, level: float) -> str:
+        return judged(self, *self.interval(level))
+
+
+class Prediction(NamedTuple):
+    """What a sweep as small as the paper's gives, beside what the paper reports.
+
+    words: Of which number.
+    draws: (d,) of the number, from many runs.
+    runs: Number of runs of a draw.
+    low, high: What the paper reports lies between them, by its last digit.
+    """
+
+    words: str
+    draws: np.ndarray
+    runs: int
+    low: float
+    high: float
+    outside: bool = False
+    is_ratio: bool = False
+
+    @property
+    def estimate(self) -> float:
+        """The median."""
+        return float(np.median(self.draws))
+
+    def interval(self, level: float = LEVEL) -> tuple[float, float]:
+        """Range that holds this share of the draws."""
+        low, high = np.quantile(self.draws, [0.5 - 0.5 * level, 0.5 + 0.5 * level])
+        return float(low), float(high)
+
+    def verdict(self, level: float) -> str:
+        """Supported if the report is in the range."""
+        low, high = self.interval(level)
+        return SUPPORTED if low < self.high and high > self.low else CONTRADICTED
 
 
 class Claim(NamedTuple):
@@ -43,6 +114,11 @@ class Claim(NamedTuple):
     def title(self) -> str:
         """The name in words."""
         return self.name.replace("_", " ")
+
+    @property
+    def section(self) -> str:
+        """Its place in words."""
+        return self.place if self.place[0].isalpha() else f"section {self.place}"
 
 
 CLAIMS: list[Claim] = []
@@ -120,7 +196,8 @@ def dumbbells_below_discs(found):
     "dumbbell-shaped particles show significantly higher drag than cylindrical particles if the diameter of the two sub-particles in the dumbbell is equal to the cylinder diameter",
 )
 def dumbbells_above_small_discs(found):
-    """Mean drag of d1 over that of c2, discs of the size of its halves, is above 1 by more than the margin."""
+    """Mean drag of d1 over that of c2, discs of the size of its halves, is above 1 by more than the
+    margin."""
     return shapes(found, "drag", "d1", "c2", low=1.0 + found.margin)
 
 
@@ -175,7 +252,8 @@ def codes_agree(found):
 )
 def means_and_scatter_as_reported(found):
     """What five runs give: the ratio of the means, and the standard deviation along the mean curve
-    of five runs over its mean (3.1: all results are such averages); the report lies in their range."""
+    of five runs over its mean (3.1: all results are such averages); the report lies in their
+    range."""
     cases = case_of(found, "e0"), case_of(found, "c1")
     if found.single or None in cases or "curve" not in found.runs:
         return []
@@ -210,7 +288,8 @@ def fives(runs, case):
     "Although the density has increased by a factor of 10, the maximum change in drag force is 21.8%",
 )
 def density_changes_little(found):
-    """For every shape, on the same beds, ten times the density changes the mean drag by less than 21.8 %."""
+    """For every shape, on the same beds, ten times the density changes the mean drag by less than
+    21.8 %."""
     return _densities(found, 0.218)
 
 
@@ -233,35 +312,33 @@ def _densities(found, within):
 
 @claim("3.4", "there is little effect of velocity on drag behavior")
 def velocity_hardly_matters(found):
-    """On the same beds, the mean drag of c1 at all other velocities, up to five times the paper's, is
-    that at the paper's to within the margin."""
+    """On the same beds, the mean drag of c1 at all other velocities, up to five times the paper's,
+    is that at the paper's to within the margin."""
     speeds = [x for x in found.velocity["case"].values.tolist() if x <= SLOW and x != 1.0]
     allowed = near(found.margin)
     parts = (ratio(found.velocity, "drag", x, 1.0, **allowed, paired=True) for x in speeds)
-    return [each._replace(words=f"drag, {x:g} times the velocity over 1")
-            for x, each in zip(speeds, all_of(*parts), strict=False)]  # fmt: skip
+    return [
+        each._replace(words=f"drag, {x:g} times the velocity over 1")
+        for x, each in zip(speeds, all_of(*parts), strict=False)
+    ]
 
 
 @claim("3.4", "the compaction forces and friction contribute significantly to the drag force")
 def compaction_and_friction_matter(found):
-    """Over the design, from the lowest to the highest packing fraction, and friction between granules,
-    the drag of c1 grows by more than the margin."""
+    """Over the design, from the lowest to the highest packing fraction, and friction between
+    granules, the drag of c1 grows by more than the margin."""
     points = found.points
     drag = values(points, "drag", find(points, "c1")) if points["case"].size else None
-    if drag is None:
+    fitted = None if drag is None else slopes(points, drag)
+    if fitted is None:
         return []
-    names = points["factor"].values.tolist()
-    place = points["at"].sel(case=find(points, "c1")).values
-    good = np.isfinite(drag) & (drag > 0.0)
-    if good.sum() < len(names) + 4:
-        return []
-    unit = (place - np.nanmin(place, axis=0)) / np.ptp(place[good], axis=0)
-    slope, error, free = plane(unit[good], np.log(drag[good]))
+    names, _, _, (slope, error, free) = fitted
+    low, growths = 1.0 + found.margin, dict(zip(names, zip(slope, error, strict=True), strict=True))
     return [
-        Growth(f"drag of c1, over the range of {path}", slope[n], error[n], free, 1.0 + found.margin, INFINITE)
-        for path in ("packing.fraction", "friction.granule") if path in names
-        for n in [names.index(path)]
-    ]  # fmt: skip
+        Growth(f"drag of c1, over the range of {path}", *growths[path], free, low, INFINITE)
+        for path in ("packing.fraction", "friction.granule")
+        if path in growths
+    ]
 
 
 @claim(
@@ -269,8 +346,8 @@ def compaction_and_friction_matter(found):
     "The flow pattern in elliptical granules is also shown to be much more irregular compared with that of cylindrical and dumbbell-shaped granules",
 )
 def ellipses_flow_irregularly(found):
-    """Non-affine motion (D2min over the squared diameter) in e3, the longest, is above that in c1 and
-    in d1 by more than the margin."""
+    """Non-affine motion (D2min over the squared diameter) in e3, the longest, is above that in c1
+    and in d1 by more than the margin."""
     return shapes(found, "non_affine", "e3", "c1", "d1", low=1.0 + found.margin)
 
 
@@ -298,8 +375,9 @@ def long_ellipses_mix(found):
     "This drop in drag force could result from the ability of elongated particles to align with the particle flow direction during drag",
 )
 def ellipses_align(found):
-    """A necessary condition: near the cylinder the long axes of e1, e2 and e3 lie along the motion of
-    the granules (mean of cos 2(angle - direction)) more than they would with their angles at the start."""
+    """A necessary condition: near the cylinder the long axes of e1, e2 and e3 lie along the motion
+    of the granules (mean of cos 2(angle - direction)) more than they would with their angles at the
+    start."""
     parts = []
     for case in (case_of(found, shape) for shape in ("e1", "e2", "e3")):
         now, before = (values(found.runs, name, case) for name in ("alignment", "alignment_start"))
@@ -311,8 +389,8 @@ def ellipses_align(found):
 
 @claim("4", "the granule shape strongly influences the drag force")
 def shape_matters(found):
-    """Mean drags of d1, e1 and e3 over that of c1 differ from 1, in any sense, by more than the margin;
-    at equal packing fraction, not at equal distance from jamming."""
+    """Mean drags of d1, e1 and e3 over that of c1 differ from 1, in any sense, by more than the
+    margin; at equal packing fraction, not at equal distance from jamming."""
     allowed = near(found.margin)
     parts = (
         shapes(found, "drag", one, "c1", **allowed, outside=True) for one in ("d1", "e1", "e3")

@@ -1,25 +1,16 @@
-"""`python -m studies claims`: what the sentences are about, and which hold."""
+"""`python -m studies claims test`."""
 
 from pathlib import Path
-from typing import Annotated
-
-import typer
 
 from dem.base.errors import InputError
-from dem.cli.terminal import Verbs, bar
-from studies.common.verbs import table_of
-
-app = Verbs(help="Study of which of the paper's claims hold.", no_args_is_help=True)
-app.command()(table_of("claims"))
+from dem.cli.options import argument, option
+from dem.cli.terminal import bar
 
 
-@app.command()
 def test(
-    data: Annotated[Path, typer.Argument(help="claims.nc, or drag.nc of any sweep.")],
-    name: Annotated[str | None, typer.Option("--claim", help="Show one claim in detail.")] = None,
-    margin: Annotated[
-        float, typer.Option(help="Relative difference that counts as significant, 0 to 1.")
-    ] = 0.18,
+    data: argument(Path, "claims.nc, or drag.nc of any sweep."),
+    name: option(str | None, "Show one claim in full.", "--claim") = None,
+    margin: option(float, "Relative difference that counts as significant, 0 to 1.") = 0.18,
 ):
     """Print which claims these runs support, contradict or leave undecided.
 
@@ -30,7 +21,49 @@ def test(
     from dem.cli.show import PlainConsole
 
     with bar(f"testing claims on {data}"):
-        from studies.claims.report import verdicts  # this may take longer than the file
+        from dem.io.dataset import content_of
+        from studies.claims.findings import detail, table_of
+        from studies.claims.verdicts import judge
 
-        found = verdicts(data, name, margin)
-    PlainConsole(width=160).print(found)
+        with content_of(data):
+            verdicts = {each.claim.name: each for each in judge(_read(data, margin))}
+    if name is None:
+        shown = table_of(verdicts.values())
+    elif name in verdicts:
+        shown = detail(verdicts[name])
+    else:
+        raise InputError(f"claim is {name!r}; there are {', '.join(verdicts)}.")
+    PlainConsole(width=160).print(shown)
+
+
+def _read(path: Path, margin: float):
+    """Runs in claims.nc, or in drag.nc with the flow.nc beside it; raises InputError."""
+    from dem.io.lazily import open_lazily, require
+    from dem.sweep.combine import open_combined
+    from studies.claims.evidence import from_study, from_sweep
+    from studies.claims.irregularity import MEASURES
+    from studies.claims.results import VARIABLES
+
+    window = "window_start", "window_stop"
+    with open_lazily(path) as dataset:
+        if "run_part" in dataset:
+            require(dataset, path, VARIABLES, ("run_drag",), window)
+            return from_study(dataset.load(), margin)
+        if "drag" not in dataset:
+            raise InputError(f"{path}: it holds no drag; name drag.nc.")
+    with open_combined(path) as dataset:
+        dims = dataset["run_id"].dims
+        if set(dims) != {"case", "seed"}:
+            raise InputError(f"{path}: its runs are over {', '.join(dims)}; claims compare cases.")
+        drag, flow, beside = dataset.load(), None, path.parent / "flow.nc"
+    if beside.is_file():
+        with open_lazily(beside) as dataset:
+            if all(
+                drag.indexes[name].equals(dataset.indexes.get(name)) for name in ("case", "seed")
+            ):
+                require(dataset, beside, {}, MEASURES, window)
+                flow = dataset.load()
+    return from_sweep(drag, flow, margin)
+
+
+VERBS = (test,)

@@ -1,22 +1,24 @@
-"""All claims against the same runs, at intervals that hold together."""
+"""All claims against the same runs, at intervals that hold together, and verdicts in words."""
 
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from scipy.stats import binomtest
 
-from dem.analysis.flow.layout import MEASURES
-from dem.base.errors import InputError
+from dem.analysis.compare import CONTRADICTED, SUPPORTED, UNDECIDED
 from dem.base.intervals import LEVEL
-from studies.claims.evidence import MARGIN, Evidence, from_study, from_sweep
-from studies.claims.numbers import simultaneous, together
+from studies.claims.evidence import Evidence
 from studies.claims.sentences import CLAIMS, Claim
+
+UNTESTED = "not tested"
 
 
 class Share(NamedTuple):
-    """In how many of how many single worlds a claim holds, with its interval; failed: worlds of which
-    a run failed, which do not count."""
+    """In what share of realisations, one bed of each case, a claim holds, with its interval.
+
+    points: Realisations without a failed run.
+    failed: Realisations with a failed run, which do not count.
+    """
 
     share: float
     low: float
@@ -24,10 +26,18 @@ class Share(NamedTuple):
     points: int
     failed: int
 
+    @property
+    def per_cent(self) -> str:
+        """In words."""
+        return f"{100 * self.share:.0f} ({100 * self.low:.0f}\N{EN DASH}{100 * self.high:.0f})"
+
 
 class Verdict(NamedTuple):
-    """A claim, what it is compared by, what that says at `level`, and in how much of the plausible
-    space, and of the runs at the paper's values, it holds bed by bed."""
+    """A claim on some runs.
+
+    comparisons: Numbers that decide. verdict: What they say at intervals of `level`. space, paper:
+    Shares of the plausible space, and of realisations at the paper's values, where it holds.
+    """
 
     claim: Claim
     comparisons: list
@@ -37,24 +47,36 @@ class Verdict(NamedTuple):
     paper: Share | None
 
 
-def judge(found: Evidence) -> list[Verdict]:
-    """Every claim; the level of the intervals grows with the number of comparisons."""
-    compared = [claim.compare(found) for claim in CLAIMS]
+def judge(evidence: Evidence) -> list[Verdict]:
+    """Every claim; the level of the intervals grows with the number of comparisons (Bonferroni)."""
+    compared = [claim.compare(evidence) for claim in CLAIMS]
     compared = [each if all(c.runs >= 2 for c in each) else [] for each in compared]
-    level = simultaneous(compared)
+    distinct = {each.words for comparisons in compared for each in comparisons}
+    level = 1.0 - (1.0 - LEVEL) / max(len(distinct), 1)  # a number of several claims counts once
+    points, runs = (evidence.one_by_one(each) for each in (evidence.points, evidence.runs))
     return [
-        Verdict(
-            claim, each, together(each, level), level,
-            share(claim, found.one_by_one(found.points)), share(claim, found.one_by_one(found.runs)),
-        )
+        Verdict(claim, each, together(each, level), level, share(claim, points), share(claim, runs))
         for claim, each in zip(CLAIMS, compared, strict=True)
-    ]  # fmt: skip
+    ]
 
 
-def share(claim: Claim, found: Evidence) -> Share | None:
-    """Share of the worlds, one bed each, in which a claim holds, by Wilson's interval; None where it is
-    not tested. Where an effect is small, the scatter of single beds counts as well."""
-    comparisons = claim.compare(found) if found.runs["case"].size else []
+def together(comparisons: list, level: float) -> str:
+    """Verdict on a claim of several parts: supported if all are, contradicted if one is."""
+    found = {each.verdict(level) for each in comparisons}
+    if not found:
+        return UNTESTED
+    if CONTRADICTED in found:
+        return CONTRADICTED
+    return SUPPORTED if found == {SUPPORTED} else UNDECIDED
+
+
+def share(claim: Claim, evidence: Evidence) -> Share | None:
+    """In what share of realisations a claim holds, by Wilson's interval; None where it is not
+    tested.
+
+    Where an effect is small, the scatter of single beds counts as well.
+    """
+    comparisons = claim.compare(evidence) if evidence.runs["case"].size else []
     if not comparisons or not all(hasattr(each, "holds") for each in comparisons):
         return None
     every = np.array([each.holds() for each in comparisons])
@@ -66,32 +88,16 @@ def share(claim: Claim, found: Evidence) -> Share | None:
     return Share(count / points, interval.low, interval.high, points, int((~good).sum()))
 
 
-def evidence_in(path: Path, margin: float = MARGIN) -> Evidence:
-    """Runs in claims.nc, or in drag.nc with the flow.nc beside it; raises InputError."""
-    from dem.analysis.flow.layout import VARIABLES as FLOW
-    from dem.io.dataset import content_of
-    from dem.io.lazily import open_lazily, require
-    from dem.sweep.combine import open_combined
-    from studies.claims.layout import VARIABLES
+def span(number, level: float = LEVEL) -> str:
+    """A number with its interval."""
+    low, high = number.interval(level)
+    return f"{number.estimate:.3g} ({low:.3g} to {high:.3g})"
 
-    with open_lazily(path) as dataset:
-        if "run_part" in dataset:
-            require(dataset, path, VARIABLES, ("run_drag",), ("window_start", "window_stop"))
-            return from_study(dataset.load(), margin)
-        if "drag" not in dataset:
-            raise InputError(f"{path}: it holds no drag; name drag.nc.")
-    flow = Path(path).parent / "flow.nc"
-    with open_combined(path) as dataset:
-        dims = dataset["run_id"].dims
-        if set(dims) != {"case", "seed"}:
-            raise InputError(f"{path}: its runs are over {', '.join(dims)}; claims compare cases.")
-        drag = dataset.load()
-    same = None
-    if flow.is_file():
-        with open_lazily(flow) as moves:
-            own, others = moves.indexes, drag.indexes
-            if all(name in own and own[name].equals(others[name]) for name in ("case", "seed")):
-                require(moves, flow, FLOW, MEASURES, ("window_start", "window_stop"))
-                same = moves.load()
-    with content_of(path):
-        return from_sweep(drag, same, margin)
+
+def claimed(number) -> str:
+    """The range that a claim gives for a number."""
+    if number.high == np.inf:
+        return f"above {number.low:.3g}"
+    if number.low == 0.0 and number.is_ratio:
+        return f"below {number.high:.3g}"
+    return f"{'not ' if number.outside else ''}{number.low:.5g} to {number.high:.5g}"

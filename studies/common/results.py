@@ -6,12 +6,12 @@ TITLE       what the file is about; it follows the title of the sweep where the 
 VARIABLES   the layout of the file, as in dem.io.dataset: name: (dimensions, units, long name)
 MEASURES    optional: True where `make` simulates or measures by itself, alone on the computer
 READS       optional: other files that `make` reads, as paths below the root of the checkout
-make        function: make(campaign, jobs, progress) -> values, attributes
+make        function: make(state, jobs, progress) -> values, attributes
 
-campaign: the sweep of the study (`sweep.yaml`, or `smoke.yaml`, in its folder), whose runs are
+state: the sweep of the study (`sweep.yaml`, or `smoke.yaml`, in its folder), whose runs are
 there; the sweep of the configuration where the study has none. jobs: processes that may work side
 by side. progress: called with the share done, 0 to 1. values: arrays by the names of VARIABLES.
-attributes: of the file, beside those that `write_results` gives to all. Where `is_smoke(campaign)`,
+attributes: of the file, beside those that `write_results` gives to all. Where `is_smoke(state)`,
 `make` does as little as shows that it works.
 
 Everything else follows from that: `python -m studies NAME make` and `info`, the target NAME of
@@ -29,17 +29,19 @@ import numpy as np
 from dem.base import provenance
 from dem.base.errors import InputError, RunError
 from dem.base.sources import run_hash
+from dem.experiment.config import Replicate
 from dem.io.dataset import global_attributes, read, write
-from dem.sweep.campaign import Campaign
-from dem.sweep.expand import Block, Run
+from dem.sweep.expand import Block
+from dem.sweep.precision import GridPoint
+from dem.sweep.state import SweepState
 from studies import has_sweep, package_of, sweep_of
 
 ORIGIN = ("versions", "git_revision", "source_hash")
 
 
-def is_smoke(campaign: Campaign) -> bool:
+def is_smoke(state: SweepState) -> bool:
     """Whether the sweep is the smallest one, which only shows that the study works."""
-    return campaign.sweep.studies == "smoke.yaml"
+    return state.sweep.studies == "smoke.yaml"
 
 
 def write_results(
@@ -51,9 +53,9 @@ def write_results(
 ) -> None:
     """Write the file of a study; config: the sweep that it reads, as of `make`."""
     results = import_module(f"{package_of(name)}.results")
-    campaign = Campaign.of(config or sweep_of(name))
-    values, more = results.make(campaign, jobs, progress)
-    sweep, sources, attributes, title = campaign.sweep, [], {}, results.TITLE
+    state = SweepState.of(config or sweep_of(name))
+    values, more = results.make(state, jobs, progress)
+    sweep, sources, attributes, title = state.sweep, [], {}, results.TITLE
     if has_sweep(name):
         title, (low, high) = f"{sweep.title}: {title}", sweep.record.window
         attributes = {
@@ -61,7 +63,7 @@ def write_results(
             "window_start": low,
             "window_stop": high,
         }
-        files = [file for block in sweep.blocks for file in campaign.files(block)]
+        files = [file for block in sweep.blocks for file in state.files(block)]
         sources += [read(file, ())[1] for file in dict.fromkeys(files)]
     if getattr(results, "MEASURES", False):
         measured = provenance.versions(), provenance.git_revision(), run_hash()
@@ -73,12 +75,12 @@ def write_results(
 
 
 def runs(
-    campaign: Campaign,
+    state: SweepState,
     names: Iterable[str],
     blocks: Iterable[str] = (),
     progress: Callable = lambda share: None,
-) -> Iterator[tuple[Block, Run, dict[str, np.ndarray]]]:
-    """The runs of a sweep in order: block, run, and values by name.
+) -> Iterator[tuple[Block, GridPoint, Replicate, dict[str, np.ndarray]]]:
+    """The runs of a sweep in order: block, grid point, run, and values by name.
 
     names: variables over `run`; blocks: names, all if empty. A block at a time is in memory. A run
     that failed is NaN or -1, and a RunError unless `failure` is one of names. Raises InputError for
@@ -86,10 +88,10 @@ def runs(
     """
     names = tuple(names)
     needed = tuple(dict.fromkeys((*names, "run_id", "failure", "failure_reason")))
-    blocks = list(blocks or campaign.sweep.blocks)
+    blocks = list(blocks or state.sweep.blocks)
     for done, name in enumerate(blocks):
-        block, files, rows = campaign.block(name), campaign.files(name), {}
-        wanted = {run.replicate.id: run.replicate for run in block.runs}
+        block, files, rows = state.block(name), state.files(name), {}
+        wanted = {run.id: run for run in block.runs.values()}
         for path in files:
             values, _ = read(path, needed)
             for at, run in enumerate(values["run_id"].tolist()):
@@ -100,12 +102,10 @@ def runs(
                         f"{wanted[run].words()} could not be made: {values['failure_reason'][at]}"
                     )
                 rows[run] = {key: values[key][at] for key in names}
-        for run in block.runs:
-            if run.replicate.id not in rows:
-                raise InputError(
-                    f"{run.replicate.words()} is in none of the {len(files)} files; run again."
-                )
-            yield block, run, rows[run.replicate.id]
+        for point, run in block.runs.items():
+            if run.id not in rows:
+                raise InputError(f"{run.words()} is in none of the {len(files)} files; run again.")
+            yield block, point, run, rows[run.id]
         progress((done + 1) / len(blocks))
 
 

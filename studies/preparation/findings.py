@@ -33,7 +33,8 @@ class Preparation(Findings):
         return self.drags.sel(shape=shape, packing_preparation=way, box=box).values
 
     def _over(self, one: tuple, other: tuple | None = None) -> Estimate:
-        """Mean drag of a shape in beds made in a way in a box, or its ratio to another on the same seeds."""
+        """Mean drag of a shape in beds made in a way in a box, or its ratio to another on the same
+        seeds."""
         over = None if other is None else self._drags(*other)
         found = Comparison("", self._drags(*one), over, 0.0, np.inf, paired=True)
         return Estimate(found.estimate, *found.interval())
@@ -63,18 +64,14 @@ class Preparation(Findings):
         beds = self.dataset["packing_coordination_number"]
         return f"{float(beds.sel(shape=shape, packing_preparation=way, box=box).mean()):.1f}"
 
-    def seeds(self) -> str:
-        """Beds of each kind."""
-        return f"{self.dataset.sizes['seed']}"
-
     def table(self) -> Table:
         """Drags of both ways, by box and shape."""
-        made = numbers("box", "shape", "relaxed, N", "grown, N", "grown over relaxed", words=2)
+        table = numbers("box", "shape", "relaxed, N", "grown, N", "grown over relaxed", words=2)
         for box, title in BOXES.items():
             for shape in self.dataset["shape"].values.tolist():
                 ways = [estimate(self._over((shape, way, box)), digits=0) for way in WAYS]
-                made.add_row(title, shape, *ways, self.grown(shape, box))
-        return made
+                table.add_row(title, shape, *ways, self.grown(shape, box))
+        return table
 
     def at(self, way: str, box: str = "1") -> xr.Dataset:
         """Runs of one way in a box, over shape and seed."""

@@ -1,17 +1,17 @@
-"""Drag of shapes over that of the first one, by the width of the box, of any sweep over boxes and shapes.
+"""Drag of shapes over that of the first one, by the width of the box, of any sweep over boxes and
+shapes.
 
-A `dataset` has the layout of drag.nc with the dimensions box and shape, and others such as
-confinement. Over the boxes that differ in width alone, a line in 1 / width is fitted to the mean drags
-of a shape, or to their inverse: to which, is decided by what lies nearer to lines, for all shapes at
-once. At 1 / width = 0 it gives the drag in a box without end. A top wall that yields to the force of a
-pressure bears in proportion to the width, which is in series with the bed: the inverses add. Walls
-that stay add to the drag in proportion to 1 / width. Intervals do not count that the choice may be wrong.
+A `dataset` has the layout of drag.nc with the dimensions box and shape. Over the boxes that differ in width alone, a line in 1 / width is fitted to the mean
+drags of a shape, or to their inverse: to which, is decided by what lies nearer to lines, for all
+shapes at once. At 1 / width = 0 it gives the drag in an infinitely wide box. A top wall that yields to
+the force of a pressure bears in proportion to the width, which is in series with the bed: the
+inverses add. Walls that stay add to the drag in proportion to 1 / width. Intervals do not count
+that the choice may be wrong.
 
-The scatter of a shape, over its drag, is taken from all its beds together, so that few beds in each box
-suffice for Student's t.
+The scatter of a shape, over its drag, is taken from all its beds together, so that few beds in each
+box suffice for Student's t.
 """
 
-from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -28,8 +28,8 @@ DRAWS = 20_000
 
 
 class Line(NamedTuple):
-    """drag^power = limit + slope / width, in N^power and in widths of the first box. limit and slope
-    are (1 + DRAWS,): as fitted, then drawn from their distribution."""
+    """drag^power = limit + slope / width, in N^power and in widths of the first box. limit and
+    slope are (1 + DRAWS,): as fitted, then drawn from their distribution."""
 
     power: float
     limit: np.ndarray
@@ -43,12 +43,17 @@ class Line(NamedTuple):
 
 
 class Widths:
-    """Drag by place on the other axes, such as ("pressure",), by shape and by box.
+    """Drag by shape and by box, of runs that differ in shape, box and seed alone.
 
-    means (N), counts (place, shape, box): of the drag, and of how many beds; scatter, freedom (place,
-    shape): standard deviation of a run over the mean of its box, and its degrees of freedom; width
-    (box,) over that of the first; along (box,): which boxes differ from the first in width alone;
-    series: names of these boxes; powers (place,): of the drag, that lines are fitted to.
+    shapes, boxes: Names.
+    means: (shape, box) in N, of the drag.
+    counts: (shape, box), numbers of beds.
+    scatter: (shape,), standard deviation of a run over the mean of its box.
+    freedom: (shape,), degrees of freedom of the scatter.
+    width: (box,) over that of the first box.
+    along: (box,), whether a box differs from the first in width alone.
+    series: Names of these boxes.
+    power: Of the drag, to which lines are fitted.
     """
 
     def __init__(self, dataset: xr.Dataset):
@@ -58,19 +63,14 @@ class Widths:
                 raise InputError(f"it has {runs.sizes.get(dim, 0)} of {dim}; a line takes {least}.")
         if "box_width" not in dataset or dataset["box_width"].dims != ("box",):
             raise InputError("its boxes do not differ in box_width.")
-        self.others = [
-            str(d) for d in runs.dims if d not in ("box", "shape", "seed") and runs.sizes[d] > 1
-        ]
-        runs = runs.squeeze([d for d in runs.dims if runs.sizes[d] == 1 and d not in LEAST])
-        runs = runs.transpose(*self.others, "shape", "box", "seed")
-        self.places = list(product(*(runs[d].values.astype(str).tolist() for d in self.others)))
-        self.shapes = runs["shape"].values.astype(str).tolist()
-        self.boxes = runs["box"].values.astype(str).tolist()
-        drags = runs.values.reshape(-1, *runs.shape[-3:])
-        self.counts = np.isfinite(drags).sum(axis=-1)
-        self.means = np.nanmean(drags, axis=-1)
+        runs = runs.squeeze([dim for dim in runs.dims if dim not in LEAST])
+        drags = runs.transpose("shape", "box", "seed").values
+        self.shapes, self.boxes = (
+            runs[dim].values.astype(str).tolist() for dim in ("shape", "box")
+        )
+        self.counts, self.means = np.isfinite(drags).sum(axis=-1), np.nanmean(drags, axis=-1)
         self.freedom = np.maximum(self.counts - 1, 0).sum(axis=-1)
-        rest = np.nansum((drags / self.means[..., None] - 1.0) ** 2, axis=(2, 3))
+        rest = np.nansum((drags / self.means[..., None] - 1.0) ** 2, axis=(1, 2))
         self.scatter = np.sqrt(rest / self.freedom)
         width = dataset["box_width"].values
         self.width = width / width[0]
@@ -83,79 +83,77 @@ class Widths:
         if len(set(width[self.along])) < LEAST["box"]:
             raise InputError(f"fewer than {LEAST['box']} of its boxes differ in width alone.")
         self.series = [box for box, along in zip(self.boxes, self.along, strict=True) if along]
-        far = [[self._missed(n, power) for power in (1.0, -1.0)] for n in range(len(self.places))]
-        self.powers = [(1.0, -1.0)[int(np.argmin(each))] for each in far]
+        self.power = min(1.0, -1.0, key=self._missed)
 
-    def _fit(self, n: int, s: int, power: float):
-        """Limit and slope, their covariance over the squared scatter, and the squares of what the line
-        misses, over the drag."""
-        y = self.means[n, s, self.along] ** power
-        weight = self.counts[n, s, self.along] / y**2
+    def _fit(self, s: int, power: float):
+        """Limit and slope, their covariance over the squared scatter, and the squares of what the
+        line misses, over the drag."""
+        y = self.means[s, self.along] ** power
+        weight = self.counts[s, self.along] / y**2
         design = np.column_stack([np.ones(len(y)), 1.0 / self.width[self.along]])
         covariance = np.linalg.inv(design.T @ (weight[:, None] * design))
         found = covariance @ (design.T @ (weight * y))
         return found, covariance, float((weight * (y - design @ found) ** 2).sum())
 
-    def _missed(self, n: int, power: float) -> float:
+    def _missed(self, power: float) -> float:
         """What the lines miss, over the scatter of their shapes."""
-        scatter = np.maximum(self.scatter[n], 1e-9)
-        return sum(self._fit(n, s, power)[2] / scatter[s] ** 2 for s in range(len(self.shapes)))
+        scatter = np.maximum(self.scatter, 1e-9)
+        return sum(self._fit(s, power)[2] / each**2 for s, each in enumerate(scatter))
 
-    def line(self, place: tuple, shape: str) -> Line:
+    def line(self, shape: str) -> Line:
         """The line of a shape."""
-        n, s = self.places.index(place), self.shapes.index(shape)
-        found, covariance, _ = self._fit(n, s, self.powers[n])
-        rng = np.random.default_rng(s)
-        free = self.freedom[n, s]
+        s = self.shapes.index(shape)
+        found, covariance, _ = self._fit(s, self.power)
+        rng, free = np.random.default_rng(s), self.freedom[s]
         unit = rng.standard_normal((DRAWS, 2)) @ np.linalg.cholesky(covariance).T
-        wide = self.scatter[n, s] / np.sqrt(rng.chisquare(free, (DRAWS, 1)) / free)
+        wide = self.scatter[s] / np.sqrt(rng.chisquare(free, (DRAWS, 1)) / free)
         limit, slope = np.vstack([found, found + wide * unit]).T
-        return Line(self.powers[n], limit, slope)
+        return Line(self.power, limit, slope)
 
-    def drag(self, place: tuple, shape: str, box: str) -> Estimate:
+    def drag(self, shape: str, box: str) -> Estimate:
         """Drag in a box (N)."""
-        return self._told(place, {(shape, box): 1.0})
+        return self._product({(shape, box): 1.0})
 
-    def ratio(self, place: tuple, shape: str, box: str) -> Estimate:
+    def ratio(self, shape: str, box: str) -> Estimate:
         """Drag over that of the first shape, in a box."""
-        return self._told(place, {(shape, box): 1.0, (self.shapes[0], box): -1.0})
+        return self._product({(shape, box): 1.0, (self.shapes[0], box): -1.0})
 
-    def change(self, place: tuple, shape: str, box: str) -> Estimate:
+    def change(self, shape: str, box: str) -> Estimate:
         """Drag in a box over that in the first box."""
-        return self._told(place, {(shape, box): 1.0, (shape, self.boxes[0]): -1.0})
+        return self._product({(shape, box): 1.0, (shape, self.boxes[0]): -1.0})
 
-    def _told(self, place: tuple, powers: dict[tuple[str, str], float]) -> Estimate:
+    def _product(self, powers: dict[tuple[str, str], float]) -> Estimate:
         """Product of powers of mean drags, by the delta method for its logarithm and Welch's degrees
         of freedom."""
-        n, value, parts = self.places.index(place), 1.0, np.zeros(len(self.shapes))
+        value, parts = 1.0, np.zeros(len(self.shapes))
         for (shape, box), power in powers.items():
             s, at = self.shapes.index(shape), self.boxes.index(box)
-            value *= float(self.means[n, s, at] ** power)
-            parts[s] += self.scatter[n, s] ** 2 / self.counts[n, s, at]
-        free = parts.sum() ** 2 / (parts**2 / self.freedom[n]).sum() if parts.any() else 1.0
+            value *= float(self.means[s, at] ** power)
+            parts[s] += self.scatter[s] ** 2 / self.counts[s, at]
+        free = parts.sum() ** 2 / (parts**2 / self.freedom).sum() if parts.any() else 1.0
         half = float(student(np.sqrt(parts.sum()), free))
         return Estimate(value, value * np.exp(-half), value * np.exp(half))
 
-    def drag_limit(self, place: tuple, shape: str) -> Estimate:
-        """Drag in a box without end (N)."""
-        return interval(self.line(place, shape).drag(np.inf))
+    def drag_limit(self, shape: str) -> Estimate:
+        """Drag at infinite width (N)."""
+        return interval(self.line(shape).drag(np.inf))
 
-    def limit(self, place: tuple, shape: str) -> Estimate:
-        """Drag over that of the first shape in a box without end."""
-        one, other = (self.line(place, each).drag(np.inf) for each in (shape, self.shapes[0]))
+    def limit(self, shape: str) -> Estimate:
+        """Drag over that of the first shape at infinite width."""
+        one, other = (self.line(each).drag(np.inf) for each in (shape, self.shapes[0]))
         with np.errstate(divide="ignore", invalid="ignore"):
             return interval(one / other)
 
-    def share(self, place: tuple, shape: str, width: float) -> Estimate:
-        """Drag in a box of this width over that of the first box, over the drag in one without end."""
-        line = self.line(place, shape)
+    def share(self, shape: str, width: float) -> Estimate:
+        """Drag in a box of this width over that of the first box, over the drag at infinite width."""
+        line = self.line(shape)
         with np.errstate(divide="ignore", invalid="ignore"):
             return interval(line.drag(width) / line.drag(np.inf))
 
-    def enough(self, place: tuple, shape: str) -> float:
+    def enough(self, shape: str) -> float:
         """Width, over that of the first box, from which on the line is NEAR its limit; infinite where
         the limit is no drag at all."""
-        line = self.line(place, shape)
+        line = self.line(shape)
         limit, slope = line.limit[0], line.slope[0]
         if not limit > 0.0:
             return np.inf
@@ -164,7 +162,8 @@ class Widths:
 
 
 def interval(samples: np.ndarray) -> Estimate:
-    """Of a number as fitted and of its draws, by their quantiles; ends are open where it has none."""
+    """Of a number as fitted and of its draws, by their quantiles; ends are open where it has
+    none."""
     drawn = np.sort(np.where(np.isnan(samples[1:]), np.inf, samples[1:]))
     tail = int(0.5 * (1.0 - LEVEL) * len(drawn))
     return Estimate(float(samples[0]), float(drawn[tail]), float(drawn[-1 - tail]))

@@ -1,4 +1,4 @@
-"""The catalogue, studies/stability/catalogue.yaml: experiments, shapes and the limits they must keep."""
+"""The catalogue, studies/stability/catalogue.yaml: experiments, shapes and limits."""
 
 from pathlib import Path
 from typing import Annotated, Literal
@@ -39,9 +39,7 @@ class Changes(Section):
     displacement: Positive | None = None  # of the cylinder, m
     steps: Annotated[Whole, Field(ge=1)] | None = None
     collisions: Annotated[Whole, Field(ge=1)] | None = None
-    step: Annotated[Positive, Field(le=1)] | None = (
-        None  # time step over the bound of the critical one
-    )
+    step: Annotated[Positive, Field(le=1)] | None = None  # over the bound of the critical one
 
 
 class Known(Section):
@@ -72,8 +70,8 @@ class Case(Section):
         return self
 
 
-class LimitsSection(Section):
-    """Of the bound of the critical step beside the true limit, of small linearised beds."""
+class Beds(Section):
+    """Small beds whose bound of the critical step is compared with the true limit."""
 
     shapes: tuple[Label, ...]
     granules: Annotated[Whole, Field(ge=10, le=200)]
@@ -84,23 +82,14 @@ class Catalogue(Section):
     """The whole file."""
 
     cases: Annotated[dict[Label, Case], Field(min_length=1)]
-    limits: LimitsSection
+    limits: Beds
 
     @property
     def shapes(self) -> list[str]:
-        """Shapes of the cases, one job each."""
+        """Shapes of the cases, several side by side."""
         return list(dict.fromkeys(s for case in self.cases.values() for s in case.shapes))
 
 
 def load(path: Path) -> Catalogue:
     """The catalogue in a YAML file; raises InputError."""
     return validated(Catalogue, read(path), str(path))
-
-
-def parts(path: Path) -> list[tuple[str, str]]:
-    """The scripts that a catalogue asks for, each with a shape."""
-    cases = load(path)
-    return [
-        *(("catalogue", shape) for shape in cases.shapes),
-        *(("limits", shape) for shape in cases.limits.shapes),
-    ]

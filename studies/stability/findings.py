@@ -1,6 +1,9 @@
 """Stiff and extreme cases."""
 
+from functools import cached_property
+
 import numpy as np
+import pandas as pd
 import xarray as xr
 from rich.table import Table
 
@@ -36,78 +39,70 @@ class Stability(Findings):
 
     def failed(self) -> int:
         """How many fail that are no known limit."""
-        return int(
-            ((self.dataset["check_passed"] == 0) & (self.dataset["check_known"] == "")).sum()
-        )
+        known = self.dataset["check_known"] != ""
+        return int(((self.dataset["check_passed"] == 0) & ~known).sum())
 
-    def known(self) -> str:
-        """One list item per case that exceeds a limit as is known."""
-        one = self.dataset
-        rows = zip(one["check_case"].values, one["check_known"].values, one["check_passed"].values,
-                   strict=True)  # fmt: skip
-        found = {str(case): str(words) for case, words, passed in rows if words and not passed}
-        return "\n".join(f"* **{case}**: {words}." for case, words in found.items())
+    def known(self) -> dict[str, str]:
+        """Why each case exceeds a limit that is known to."""
+        failed = self.checks[lambda row: (row.known != "") & (row.passed == 0)]
+        return dict(zip(failed.case, failed.known, strict=True))
+
+    @cached_property
+    def checks(self) -> pd.DataFrame:
+        """One row per case, shape and limit, columns by the names of the file."""
+        names = [name for name in self.dataset if name.startswith("check_")]
+        rows = self.dataset[names].to_dataframe()
+        return rows.rename(columns=lambda name: name.removeprefix("check_"))
 
     def catalogue(self) -> Table:
         """One row per case, shape and limit."""
-        made = numbers("case", "shape", "quantity", "worst", "limit", "outcome", "verdict", words=3)
-        names = "case", "shape", "quantity", "value", "limit", "outcome", "known", "passed"
-        columns = (self.dataset[f"check_{name}"].values for name in names)
-        for case, shape, quantity, value, limit, outcome, known, passed in zip(
-            *columns, strict=True
-        ):
-            made.add_row(
-                str(case), str(shape), str(quantity),
-                f"{value:.1e}" if np.isfinite(value) else "-",
-                f"{limit:.0e}" if np.isfinite(limit) else "-", str(outcome),
-                "passed" if passed else "known" if known else "FAILED",
-            )  # fmt: skip
-        return made
+        table = numbers(
+            "case", "shape", "quantity", "worst", "limit", "outcome", "verdict", words=3
+        )
+        for row in self.checks.itertuples():
+            table.add_row(
+                row.case,
+                row.shape,
+                row.quantity,
+                f"{row.value:.1e}" if np.isfinite(row.value) else "-",
+                f"{row.limit:.0e}" if np.isfinite(row.limit) else "-",
+                row.outcome,
+                "passed" if row.passed else "known" if row.known else "FAILED",
+            )
+        return table
 
     def limits(self) -> Table:
         """One row per shape: the bound beside the limit of linearised beds."""
-        made = numbers("small bed of", "bound, ns", "limit, ns", "limit over bound")
-        for shape in self.dataset["limit_shape"].values:
-            one = self.dataset.sel(limit_shape=shape)
-            bound, limit = 1e9 * float(one["limit_bound"]), 1e9 * float(one["limit_limit"])
-            made.add_row(str(shape), f"{bound:.0f}", f"{limit:.0f}", f"{limit / bound:.2f}")
-        return made
+        table = numbers("small bed of", "bound, ns", "limit, ns", "limit over bound")
+        names = "limit_shape", "limit_bound", "limit_limit"
+        for shape, bound, limit in zip(*(self.dataset[n].values for n in names), strict=True):
+            table.add_row(
+                str(shape), f"{1e9 * bound:.0f}", f"{1e9 * limit:.0f}", f"{limit / bound:.2f}"
+            )
+        return table
 
     def bound_holds(self) -> bool:
         """Whether the bound is below the limit for every shape."""
         return bool((self.dataset["limit_bound"] < self.dataset["limit_limit"]).all())
 
-    def worst(self) -> str:
-        """By how much energy is off at most on the map, at the least step at which it is off by 1 %."""
-        here = self.dataset["map_residual"].sel(map_fraction=edge(self.dataset, OFF))
-        return f"{100 * float(here.max()):.1f} %"
+    def edge(self, level: float = OFF) -> float:
+        """The least step over the bound at which energy is off by a share anywhere on the map."""
+        return edge(self.dataset, level)
 
-    def exceptions(self) -> str:
-        """Where on the map it is off so much there: shape, stiffness over the usual one, restitution."""
-        here = self.dataset["map_residual"].sel(map_fraction=edge(self.dataset, OFF))
-        found = here.where(here > OFF).stack(place=here.dims).dropna("place")
-        return "; ".join(
-            f"{shape}, stiffness times {stiffness:g}, restitution {restitution:g}"
-            for shape, stiffness, restitution in zip(
-                *(found[f"map_{name}"].values for name in ("shape", "stiffness", "restitution")), strict=True
-            )
-        )
-
-    def off(self) -> str:
-        """The least step over the bound at which energy is off by 1 % anywhere on the map."""
-        return f"{edge(self.dataset, OFF):g}"
-
-    def broken(self) -> str:
+    def broken(self) -> float:
         """The least step over the bound at which a run breaks anywhere on the map."""
-        return f"{edge(self.dataset, BROKEN):g}"
+        return edge(self.dataset, BROKEN)
+
+    @cached_property
+    def off(self) -> pd.Series:
+        """Residuals beyond 1 % on the map, at the least step that has any: shape, stiffness,
+        restitution."""
+        residual = self.dataset["map_residual"].sel(map_fraction=self.edge())
+        return residual.where(residual > OFF).to_series().dropna()
 
     def safe(self) -> bool:
         """Whether energy adds up on the whole map at the library's default step."""
-        return edge(self.dataset, OFF) > STEP_FRACTION
-
-    def residual(self) -> str:
-        """The worst residual of the energy ledger of the paper's cases."""
-        return f"{float(self.dataset['paper_residual'].max()):.0e}"
+        return self.edge() > STEP_FRACTION
 
 
 stability = Stability()

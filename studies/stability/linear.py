@@ -1,7 +1,7 @@
 """A bed near rest as a linear system, and the step at which its motions begin to grow.
 
-The limit belongs to the scheme itself: velocity Verlet with a dashpot that sees the velocity at full
-steps, by an acceleration extrapolated from the last two.
+The limit belongs to the scheme itself: velocity Verlet with a dashpot that sees the velocity at
+full steps, by an acceleration extrapolated from the last two.
 """
 
 import math
@@ -98,7 +98,8 @@ def growth(stiffness, damping, dt: float) -> float:
 
 
 def limit(stiffness, damping, start: float, grown: float) -> float:
-    """The step (s), to 1 %, from which motions grow by more than `grown`; start: one where none does."""
+    """The step (s), to 1 %, from which motions grow by more than `grown`; start: one where none
+    does."""
     low, high = start, 2.0 * start
     while growth(stiffness, damping, high) <= grown:
         low, high = high, 2.0 * high

@@ -16,7 +16,8 @@ from studies.stability.catalogue import Changes
 
 
 def changed(sweep: Sweep, shape: str, change: Changes, more: dict | None = None) -> Replicate:
-    """The first replicate of a shape with the changes of a case, and more by path; raises InputError."""
+    """The first replicate of a shape with the changes of a case, and more by path; raises
+    InputError."""
     values = {
         "material.young_modulus": sweep.material.young_modulus * change.stiffness,
         "material.restitution": change.restitution,
@@ -49,9 +50,12 @@ def start(replicate: Replicate, still: bool = False) -> Simulation:
     if still:
         scene = replace(scene, cylinder=replace(scene.cylinder, velocity=(0.0, 0.0)))
     return Simulation(
-        scene, bed.state, step_fraction=numerics.step_fraction, max_overlap=numerics.max_overlap,
+        scene,
+        bed.state,
+        step_fraction=numerics.step_fraction,
+        max_overlap=numerics.max_overlap,
         ledger=True,
-    )  # fmt: skip
+    )
 
 
 def set_free(scene: Scene, state: State, change: Changes) -> Simulation:
@@ -78,9 +82,12 @@ def granules(sweep: Sweep, shape: str, count: int, change: Changes, spread: floa
 def free(sweep: Sweep, shape, change: Changes, side: float, friction: bool = False) -> Scene:
     """A square box (m) for these granules, without a cylinder."""
     return Scene(
-        shape, material_of(sweep, change), Friction() if friction else None, box(side, side),
+        shape,
+        material_of(sweep, change),
+        Friction() if friction else None,
+        box(side, side),
         thickness=float(np.mean(shape.bounding_radius)),
-    )  # fmt: skip
+    )
 
 
 def scattered(shape, side: float, speed: float, seed: int = 1) -> State:

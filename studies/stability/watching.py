@@ -16,29 +16,26 @@ LOOKS = 20  # along a run
 
 
 def watch(simulation: Simulation, interval: float, between=lambda look: None) -> dict:
-    """Advance over LOOKS intervals (s) and keep the worst of what is seen."""
-    residual, excess, forces = 0.0, 0.0, []
+    """Advance over LOOKS intervals (s) and keep the worst of each quantity; NaN where one is."""
+    residuals, excesses, loads = [], [], []
     for look in range(LOOKS):
         between(look)
         record = simulation.record(interval, 1)
-        residual = worse(residual, simulation.ledger().residual)
-        excess = worse(excess, friction_excess(simulation))
-        forces.append((record.normal_force + record.tangential_force)[0])
-    late = np.array(forces[LOOKS // 2 :])
+        residuals.append(simulation.ledger().residual)
+        excesses.append(friction_excess(simulation))
+        loads.append((record.normal_force + record.tangential_force)[0])
+    late = np.array(loads[LOOKS // 2 :])
     size = np.linalg.norm(late, axis=1).max()
     return {
-        "residual": residual, "excess": excess, "kinetic": simulation.ledger().kinetic,
+        "residual": float(np.max(residuals)),
+        "excess": float(np.max(excesses)),
+        "kinetic": simulation.ledger().kinetic,
         "unsteady": float(np.ptp(late, axis=0).max() / size) if size > 0.0 else 0.0,
-    }  # fmt: skip
+    }
 
 
-def worse(one: float, other: float) -> float:
-    """The greater of two numbers, NaN if either is."""
-    return float(np.maximum(one, other))
-
-
-def friction_excess(simulation: Simulation) -> float:
-    """By how much |T| exceeds mu N at the cylinder, over the force, for the bed as it is.
+def friction_excess(simulation: Simulation, share: float = 1.0) -> float:
+    """By how much |T| exceeds mu N at the cylinder, over the force; share: of mu that counts.
 
     The forces are computed again, in a copy: the cylinder's contacts, which are the last and less
     than a block, are then in the lanes.
@@ -48,20 +45,16 @@ def friction_excess(simulation: Simulation) -> float:
         return 0.0
     world = writable(simulation.world)
     forces(world, 0.0, math.inf)
-    return excess(world)
-
-
-def excess(world) -> float:
-    """The same from the lanes as the last forces have left them."""
-    cylinder = world.cylinder
-    count = len(cylinder.contacts.constituent)
-    values = world.lanes.values
+    contacts, values = world.cylinder.contacts, world.lanes.values
+    count, mu = len(contacts.constituent), share * contacts.friction.coefficient
     nx, ny, fx, fy = (values[int(at) : int(at) + count] for at in (NX, NY, FORCE_X, FORCE_Y))
-    normal, tangential = np.abs(fx * nx + fy * ny), np.abs(fy * nx - fx * ny)
-    size = np.hypot(fx, fy)
+    normal, tangential, size = (
+        np.abs(fx * nx + fy * ny),
+        np.abs(fy * nx - fx * ny),
+        np.hypot(fx, fy),
+    )
     pressed = size > 0.0
-    beyond = (tangential - cylinder.contacts.friction.coefficient * normal)[pressed] / size[pressed]
-    return float(beyond.max(initial=0.0))
+    return float(((tangential - mu * normal)[pressed] / size[pressed]).max(initial=0.0))
 
 
 def momenta(simulation: Simulation):
@@ -75,25 +68,25 @@ def momenta(simulation: Simulation):
     return mass @ state.velocity, (orbits + spins).sum(), sizes
 
 
+def hertz(scene, radius: float) -> float:
+    """k (N m^-1.5) of Hertz's force k overlap^1.5; radius: R* (m)."""
+    return 4.0 / 3.0 * effective_modulus(scene.material, scene.material) * math.sqrt(radius)
+
+
 def contact_time(scene, speed: float) -> float:
-    """Duration (s) of a head-on elastic collision of two mean granules (Hertz)."""
-    modulus = effective_modulus(scene.material, scene.material)
+    """Duration (s) of a head-on elastic collision of two mean granules."""
     mass, radius = 0.5 * scene.mass.mean(), 0.5 * scene.shape.constituent_radius.mean()
-    stiffness = 4.0 / 3.0 * modulus * math.sqrt(radius)
-    deepest = (1.25 * mass * speed**2 / stiffness) ** 0.4
+    deepest = (1.25 * mass * speed**2 / hertz(scene, radius)) ** 0.4
     return 2.9432 * deepest / speed
 
 
 def unlisted(world: World) -> int:
-    """Number of pairs of circles around constituents that overlap (all of them) and are not listed."""
+    """Number of pairs of circles around constituents that overlap and are not listed."""
     per = len(world.constituents) // len(world.bodies)
     radius = world.shape.constituent_bounding_radius
     place = world.constituents[:, [X, Y]]
     apart = np.linalg.norm(place[:, None] - place, axis=2) - radius[:, None] - radius
-    first, second = np.nonzero(np.triu(apart < 0.0, 1))
-    strangers = first // per != second // per  # constituents of one granule do not touch
     listed = set(zip(world.pairs.constituent.tolist(), world.pairs.partner.tolist(), strict=True))
-    return sum(
-        (int(i), int(j)) not in listed
-        for i, j in zip(first[strangers], second[strangers], strict=True)
-    )
+    touching = np.argwhere(np.triu(apart < 0.0, 1)).tolist()
+    # constituents of one granule do not touch
+    return sum(i // per != j // per and (i, j) not in listed for i, j in touching)

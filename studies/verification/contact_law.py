@@ -1,6 +1,8 @@
-"""The law of docs/explanation/contact.md as a differential equation, solved by SciPy: no step to speak of.
+"""The law of docs/explanation/contact.md as a differential equation, solved by SciPy: no step to
+speak of.
 
-Written from the page, without the code of the library. Sliding and sticking are followed from event to event.
+Written from the page, without the code of the library. Sliding and sticking are followed from event
+to event.
 """
 
 import math
@@ -12,7 +14,8 @@ from scipy.optimize import brentq
 
 
 def restitution(zeta: float) -> float:
-    """Of a contact with this damping ratio that ends when its force does (Schwager and Poeschel 2007)."""
+    """Of a contact with this damping ratio that ends when its force does (Schwager and Poeschel
+    2007)."""
     if zeta < 1.0:
         return math.exp(-2.0 * math.acos(zeta) * math.tan(math.asin(zeta)))
     u = math.acosh(zeta)
@@ -25,12 +28,14 @@ def damping_ratio(e: float) -> float:
 
 
 def depth(zeta: float) -> float:
-    """Greatest overlap over that of an elastic impact: the same oscillator, up to its first turn."""
+    """Greatest overlap over that of an elastic impact: the same oscillator, up to its first
+    turn."""
     return math.exp(-0.8 * math.acos(zeta) * math.tan(math.asin(zeta)))
 
 
 class Contact(NamedTuple):
-    """A granule that meets a rigid wall, or (bodies = 2) its own image in a point: both do the same.
+    """A granule that meets a rigid wall, or (bodies = 2) its own image in a point: both do the
+    same.
 
     k: N m^-1.5; shear: 8 G* sqrt(R*) (N m^-1.5).
     """
@@ -70,10 +75,12 @@ class Contact(NamedTuple):
             limit = max(self.friction * normal, 0.0)
             force = max(-limit, min(limit, y[4] - 2.0 * ratio * c * slip(y)))
             return (
-                y[1], -self.bodies * normal / self.mass, force / self.mass,
+                y[1],
+                -self.bodies * normal / self.mass,
+                force / self.mass,
                 (self.radius - 0.5 * y[0]) * force / self.inertia,
                 slides * self.friction * change if slides else spring(y),
-            )  # fmt: skip
+            )
 
         def ends(t, y, slides):
             over = y[0] > small or y[1] > 0.0
@@ -95,9 +102,15 @@ class Contact(NamedTuple):
         y[4], t = slides * limit if slides else first, 0.0
         for _ in range(30):
             found = solve_ivp(
-                rates, (t, math.inf), y, "DOP853", events=(ends, switches), args=(slides,),
-                rtol=1e-10, atol=1e-10 * size,
-            )  # fmt: skip
+                rates,
+                (t, math.inf),
+                y,
+                "DOP853",
+                events=(ends, switches),
+                args=(slides,),
+                rtol=1e-10,
+                atol=1e-10 * size,
+            )
             t, y = found.t[-1], found.y[:, -1]
             if len(found.t_events[0]):
                 return np.array([y[2], -y[1] / self.bodies, y[3]])

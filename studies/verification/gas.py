@@ -1,4 +1,5 @@
-"""A gas of equal granules in a square that repeats itself, in units of what a gas has: temperature and stiffness."""
+"""A gas of equal granules in a square that repeats itself, in units of what a gas has: temperature
+and stiffness."""
 
 import numpy as np
 
@@ -10,12 +11,14 @@ FLIGHT = DIAMETER / SPEED  # s, unit of time
 
 
 def elastic(k: float, density: float, diameter: float) -> dem.Material:
-    """An elastic material of which two equal discs have Hertz's stiffness k = E d^(1/2) / 3 (N m^-1.5)."""
+    """An elastic material of which two equal discs have Hertz's stiffness k = E d^(1/2) / 3 (N
+    m^-1.5)."""
     return dem.Material(density, 3.0 * k / diameter**0.5, poisson_ratio=0.0, restitution=1.0)
 
 
 def gas(shape, fraction: float, softness: float, restitution: float = 1.0) -> dem.Scene:
-    """Granules at a packing fraction; softness: the overlap (T / k)^(2/5) over the diameter, as stiffness and temperature T ask for."""
+    """Granules at a packing fraction; softness: the overlap (T / k)^(2/5) over the diameter, as
+    stiffness and temperature T ask for."""
     mass = DENSITY * shape.area[0] * DIAMETER
     k = mass * SPEED**2 / (softness * DIAMETER) ** 2.5
     hard = elastic(k, DENSITY, DIAMETER)
@@ -25,7 +28,8 @@ def gas(shape, fraction: float, softness: float, restitution: float = 1.0) -> de
 
 
 def thermal(scene: dem.Scene, rng, along=(1.0, 1.0)) -> dem.State:
-    """Granules on a square lattice, at random angles, with normal velocities of temperature T (its part along x and y) and no momentum."""
+    """Granules on a square lattice, at random angles, with normal velocities of temperature T (its
+    part along x and y) and no momentum."""
     count, side = scene.granules, scene.periodic[0]
     lines = int(np.ceil(np.sqrt(count)))
     place = side / lines * (np.column_stack(np.divmod(np.arange(count), lines)) + 0.5)

@@ -1,6 +1,8 @@
-"""What the cases share: a sphere in planar motion, granules above a floor, one impact and its scales.
+"""What the cases share: a sphere in planar motion, granules above a floor, one impact and its
+scales.
 
-All scenes have friction, a wall and gravity, of zero where a case has none, so that few kernels are compiled.
+All scenes have friction, a wall and gravity, of zero where a case has none, so that few kernels are
+compiled.
 """
 
 import math
@@ -43,28 +45,37 @@ RATIO = {
 
 
 def scene(shape, material=None, friction=0.0, gravity=(0.0, 0.0), walls=FLOOR, **more):
-    """Granules over a floor at y = 0, with one coefficient of friction; spheres are 4 r / 3 thick."""
+    """Granules over a floor at y = 0, with one coefficient of friction; spheres are 4 r / 3
+    thick."""
     thickness = 4.0 / 3.0 * float(shape.radius[0]) if isinstance(shape, Sphere) else None
     return dem.Scene(
-        shape, material or dem.Material(), dem.Friction(*3 * [friction]), walls=walls,
-        gravity=gravity, thickness=thickness, **more,
-    )  # fmt: skip
+        shape,
+        material or dem.Material(),
+        dem.Friction(*3 * [friction]),
+        walls=walls,
+        gravity=gravity,
+        thickness=thickness,
+        **more,
+    )
 
 
 def hertz(material, elastic: int, radius: float) -> float:
-    """k (N m^-1.5) of the force k overlap^1.5 of one elastic body on a rigid one, or of two alike; radius: R* (m)."""
+    """k (N m^-1.5) of the force k overlap^1.5 of one elastic body on a rigid one, or of two alike;
+    radius: R* (m)."""
     modulus = material.young_modulus / (1.0 - material.poisson_ratio**2)
     return 4.0 / 3.0 * modulus / elastic * math.sqrt(radius)
 
 
 def mindlin(material, elastic: int, radius: float) -> float:
-    """8 G* sqrt(R*) (N m^-1.5) of the same: over the square root of the overlap, the tangential stiffness."""
+    """8 G* sqrt(R*) (N m^-1.5) of the same: over the square root of the overlap, the tangential
+    stiffness."""
     nu = material.poisson_ratio
     return 4.0 * material.young_modulus / ((2.0 - nu) * (1.0 + nu)) / elastic * math.sqrt(radius)
 
 
 class Impact(NamedTuple):
-    """Scales of an elastic head-on impact: stiffness, greatest overlap (m), greatest force (N), duration (s)."""
+    """Scales of an elastic head-on impact: stiffness, greatest overlap (m), greatest force (N),
+    duration (s)."""
 
     stiffness: float
     overlap: float
@@ -83,9 +94,10 @@ def impact(material, elastic: int, radius: float, mass: float, speed: float) -> 
 def within(e: float, speed: float, scales: Impact, step: float) -> float:
     """How far from e an impact may return, by its time step (s).
 
-    With h = v step / overlap: the sum over steps of a dashpot that begins as overlap^(1/4) is wrong by up to
-    -zeta(-1/4) = 0.321 of its value at h (Euler and Maclaurin), 0.80 z h^(5/4) of the speed at a damping ratio z; a
-    force that stops within a step is wrong by an eighth of its slope, 0.16 h^2.
+    With h = v step / overlap: the sum over steps of a dashpot that begins as overlap^(1/4) is wrong
+    by up to -zeta(-1/4) = 0.321 of its value at h (Euler and Maclaurin), 0.80 z h^(5/4) of the
+    speed at a damping ratio z; a force that stops within a step is wrong by an eighth of its slope,
+    0.16 h^2.
     """
     h = speed * step / scales.overlap
     return 0.80 * e * damping_ratio(e) * h**1.25 + 0.16 * h**2
@@ -94,7 +106,8 @@ def within(e: float, speed: float, scales: Impact, step: float) -> float:
 def on_floor(
     kind, radius, material, velocity, spin=0.0, friction=0.0, fraction=FINE, frames=1, lasts=3.0
 ):
-    """One granule that touches the floor and moves into it, through the impact: Hertz's scales and the run.
+    """One granule that touches the floor and moves into it, through the impact: Hertz's scales and
+    the run.
 
     Where there are frames, each is a step.
     """

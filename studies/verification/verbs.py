@@ -1,47 +1,28 @@
-"""`python -m studies verification`: run the cases."""
-
-from typing import Annotated
+"""`python -m studies verification check`."""
 
 import typer
 
-from dem.cli.options import OutputOption
-from dem.cli.terminal import Verbs, bar
-
-JobsOption = Annotated[int, typer.Option("--jobs", min=1, help="Cases side by side.")]
-app = Verbs(help="Known cases of the field, each against what is expected.", no_args_is_help=True)
+from dem.cli.options import argument, option
+from dem.cli.terminal import bar
 
 
-@app.command()
-def measure(output: OutputOption, jobs: JobsOption = 2):
-    """Run all cases and write what came out."""
-    from studies.verification.cases import NAMES
-    from studies.verification.measure import measure, write_verification
-
-    with bar("verification", 1.0) as update:
-        found = measure(NAMES, jobs, update)
-    write_verification(output, found)
-
-
-@app.command()
 def check(
-    cases: Annotated[list[str] | None, typer.Argument(help="Cases; all if none is named.")] = None,
-    jobs: JobsOption = 2,
+    cases: argument(list[str] | None, "Cases; all if none is named.") = None,
+    jobs: option(int, "Cases side by side.", min=1) = 2,
 ):
-    """Run cases and print every number of them; the status is 1 if one fails."""
+    """Run cases and print their numbers; the exit status is 1 if one is wrong."""
     import xarray as xr
 
     from dem.cli.show import print_or_write
-    from studies.verification.cases import NAMES
     from studies.verification.findings import verification
-    from studies.verification.layout import VARIABLES
-    from studies.verification.measure import case, measure, variables
+    from studies.verification.results import CASES, VARIABLES, measure
 
-    for name in cases or ():
-        case(name)
     with bar("verification", 1.0) as update:
-        values = variables(measure(cases or NAMES, jobs, update))
-    found = verification.of(
-        xr.Dataset({name: (VARIABLES[name][0], each) for name, each in values.items()})
-    )
+        values = measure(cases or tuple(CASES), jobs, update)
+    arrays = {name: (VARIABLES[name][0], value) for name, value in values.items()}
+    found = verification.of(xr.Dataset(arrays))
     print_or_write(found.rows(), None)
     raise typer.Exit(int(found.failed() > 0))
+
+
+VERBS = (check,)

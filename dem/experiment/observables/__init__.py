@@ -1,11 +1,11 @@
 """What a run records, by name: one module each, loaded when it is asked for.
 
-A new observable is a file here, or beside a sweep file. It has VARIABLES, a layout (name: dimensions, units,
-long name) that is read without running the file, and one or both of two functions that return values by
-these names: `look(simulation)` at each snapshot, and `measure(seen)` at the end,
-from what the run saw (dem.experiment.kinds.drag.Seen). Dimensions of its own are SIZES, AXIS and axes, as of
-kinds of experiment (dem.experiment.kinds). It has LEDGER = True if the simulation must keep an
-energy ledger.
+A new observable is a file here, or beside a sweep file. It has VARIABLES, a layout (name:
+dimensions, units, long name) that is read without running the file, and one or both of two
+functions that return values by these names: `look(simulation)` at each snapshot, and
+`measure(seen)` at the end, from what the run saw (dem.experiment.kinds.drag.Seen). Dimensions of
+its own are SIZES, AXIS and axes, as of kinds of experiment (dem.experiment.kinds). It has LEDGER =
+True if the simulation must keep an energy ledger.
 """
 
 from pathlib import Path

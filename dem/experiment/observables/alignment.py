@@ -1,7 +1,7 @@
 """Do long granules turn with the flow around the cylinder, as the paper explains their low drag?
 
-Granules pressed to the cylinder may align with its surface before anything flows: what the flow does
-is the difference to the angles at the start of the same granules.
+Granules pressed to the cylinder may align with its surface before anything flows: what the flow
+does is the difference to the angles at the start of the same granules.
 """
 
 import numpy as np
@@ -10,11 +10,19 @@ from dem.periodic import nearest_image
 
 S = ("snapshot",)
 VARIABLES = {
-    "alignment": (S, "1", "mean of cos 2(angle - direction of motion) of the granules near the cylinder"),
+    "alignment": (
+        S,
+        "1",
+        "mean of cos 2(angle - direction of motion) of the granules near the cylinder",
+    ),
     "alignment_start": (S, "1", "the same with the angles that these granules had at the start"),
-    "streaming": (S, "1", "mean of cos 2(angle - direction of motion past the cylinder) of the granules near it"),
+    "streaming": (
+        S,
+        "1",
+        "mean of cos 2(angle - direction of motion past the cylinder) of the granules near it",
+    ),
     "streaming_start": (S, "1", "the same with the angles that these granules had at the start"),
-}  # fmt: skip
+}
 NEAR = 2.0  # mean granule diameters from the surface of the cylinder
 MOVED = 0.01  # mean granule diameters: less motion than that has no direction
 
@@ -24,11 +32,11 @@ def alignment(
 ):
     """Mean of cos 2(angle - direction) of the granules near the cylinder; 1: along, 0: at random.
 
-    before, after (n, 2): centres (m) at both ends of a motion; angles (k, n): angles of the long axes
-    (rad), k times of them, such as now and at the start; cylinder (x, y), its axis (m), at the end;
-    drawn (m): how far it moved, upwards; periodic: periods of the box (m), as of dem.Scene. Returns (2, k): with the direction in which each granule
-    moves, and with that in which it passes the cylinder. NaN where no granule moves.
-    """
+    before, after (n, 2): centres (m) at both ends of a motion; angles (k, n): angles of the long
+    axes (rad), k times of them, such as now and at the start; cylinder (x, y), its axis (m), at
+    the end; drawn (m): how far it moved, upwards; periodic: periods of the box (m), as of
+    dem.Scene. Returns (2, k): with the direction in which each granule moves, and with that in
+    which it passes the cylinder. NaN where no granule moves."""
     gap = np.hypot(*nearest_image(after - np.asarray(cylinder), periodic).T) - radius
     near, found = gap < NEAR * diameter, []
     for moved in (after - before, after - before - np.array([0.0, drawn])):

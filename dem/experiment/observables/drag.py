@@ -10,12 +10,20 @@ VARIABLES = {
     "drag_normal": (D, "N", "part of the drag from normal contact forces"),
     "drag_tangential": (D, "N", "part of the drag from tangential contact forces"),
     "transverse_force": (D, "N", "force on the cylinder across its motion, to the right"),
-    "wall_force": (("wall", "displacement"), "N", "normal force of the granules on a wall, outwards; none at a periodic side"),
+    "wall_force": (
+        ("wall", "displacement"),
+        "N",
+        "normal force of the granules on a wall, outwards; none at a periodic side",
+    ),
     "kinetic_energy": (D, "J", "kinetic energy of the granules, end of the bin"),
-    "coordination_number": (D, "1", "contacts between granules, twice, over the number of granules, end of the bin"),
+    "coordination_number": (
+        D,
+        "1",
+        "contacts between granules, twice, over the number of granules, end of the bin",
+    ),
     "max_overlap": (D, "1", "greatest overlap over the smaller granule radius, end of the bin"),
     "time_step": (D, "s", "shortest time step in the bin"),
-}  # fmt: skip
+}
 
 
 def measure(seen) -> dict:

@@ -2,12 +2,20 @@
 
 VARIABLES = {
     "cylinder_y": (("snapshot",), "m", "height of the axis of the cylinder above the floor"),
-    "top_y": (("snapshot",), "m", "height of the top wall above the floor, where it holds a pressure"),
-    "granule_x": (("snapshot", "granule"), "m", "distance of the granule's centre from the left wall"),
+    "top_y": (
+        ("snapshot",),
+        "m",
+        "height of the top wall above the floor, where it holds a pressure",
+    ),
+    "granule_x": (
+        ("snapshot", "granule"),
+        "m",
+        "distance of the granule's centre from the left wall",
+    ),
     "granule_y": (("snapshot", "granule"), "m", "height of the granule's centre above the floor"),
     "granule_angle": (("snapshot", "granule"), "rad", "angle of the granule, anticlockwise"),
     "granule_diameter": (("granule",), "m", "volume diameter: diameter of the disc of equal area"),
-}  # fmt: skip
+}
 
 
 def measure(seen) -> dict:

@@ -9,10 +9,22 @@ VARIABLES = {
     "stress_xy": (S, "Pa", "stress of the contacts: force along x across lines with normal y"),
     "stress_yx": (S, "Pa", "stress of the contacts: force along y across lines with normal x"),
     "stress_yy": (S, "Pa", "stress of the contacts: force along y across lines with normal y"),
-    "kinetic_pressure": (S, "Pa", "mean normal stress of the motion of granules about their mean velocity"),
-    "fabric_anisotropy": (S, "1", "difference of the principal values of the fabric of contacts between granules"),
-    "fabric_angle": (S, "rad", "angle of the direction in which most contacts are, anticlockwise from x"),
-}  # fmt: skip
+    "kinetic_pressure": (
+        S,
+        "Pa",
+        "mean normal stress of the motion of granules about their mean velocity",
+    ),
+    "fabric_anisotropy": (
+        S,
+        "1",
+        "difference of the principal values of the fabric of contacts between granules",
+    ),
+    "fabric_angle": (
+        S,
+        "rad",
+        "angle of the direction in which most contacts are, anticlockwise from x",
+    ),
+}
 
 
 def look(simulation) -> dict:

@@ -13,7 +13,7 @@ D = ("displacement",)
 VARIABLES = {
     "top_height": (D, "m", "height of the top wall above the floor, end of the bin"),
     "bed_fraction": (D, "1", "packing fraction of the box below the top wall, end of the bin"),
-}  # fmt: skip
+}
 
 
 def measure(seen) -> dict:

@@ -1,5 +1,6 @@
 """The paper's sweep: the drag, how the beds flow, and the beds before the cylinder moves."""
 
+import json
 from functools import cached_property
 from pathlib import Path
 
@@ -12,7 +13,7 @@ from dem.analysis.tables import numbers
 from dem.base.intervals import Estimate, ratio_interval
 from studies.common.findings import Findings, estimate, interval, span
 
-__all__ = ["drag", "flow", "precise"]
+__all__ = ["drag", "flow", "precise", "snapshots"]
 
 DATA = Path(__file__).parents[2] / "data"
 PAPER = {"c1": "1295", "e0": "1405"}  # N, section 3.2
@@ -234,6 +235,17 @@ class Flow(Findings):
 
         return compared(self.dataset, name)
 
+    def more_irregular(self) -> bool:
+        """Whether any measure of e3 is above that of c1, interval included."""
+        found = [self._compared(name) for name in MEASURES]
+        return any(each.ratio - each.half > 1.0 for each in found)
+
+
+class Snapshots(Findings):
+    """Beds of the paper's sweep, snapshots.nc: the first seed of each case."""
+
+    name, command, folder = "snapshots", "snakemake -j2", DATA
+
     @cached_property
     def _ahead(self) -> np.ndarray:
         """Overlaps of discs over the smaller radius, ahead of the cylinder, at the snapshots of the
@@ -242,19 +254,21 @@ class Flow(Findings):
         Of one bed of c1: contacts in the path of the cylinder, up to one diameter before its
         surface.
         """
-        own, reach = self.dataset.sel(case="c1"), float(self.dataset.attrs["cylinder_diameter"])
-        diameter = own["bed_diameter"].dropna("granule").values
+        own, values = self.dataset.sel(case="c1").isel(seed=0), json.loads(self.dataset.attrs["configuration"])
+        reach = values["cylinder"]["diameter"]
+        diameter = own["granule_diameter"].dropna("granule").values
         one, two = np.triu_indices(len(diameter), 1)
         small = 0.5 * np.minimum(diameter[one], diameter[two])
         found = []
         for each in np.flatnonzero(self._in_window):
             x, y = (
-                own[name].values[each, : len(diameter)].astype(float) for name in ("bed_x", "bed_y")
+                own[name].values[each, : len(diameter)].astype(float)
+                for name in ("granule_x", "granule_y")
             )
             apart = np.hypot(x[one] - x[two], y[one] - y[two])
             overlap = (0.5 * (diameter[one] + diameter[two]) - apart) / small
-            aside = 0.5 * (x[one] + x[two]) - 0.5 * self.dataset.attrs["box_width"]
-            above = 0.5 * (y[one] + y[two]) - float(own["bed_cylinder_y"][each])
+            aside = 0.5 * (x[one] + x[two]) - 0.5 * values["box_width"]
+            above = 0.5 * (y[one] + y[two]) - float(own["cylinder_y"][each])
             near = (np.abs(aside) < 0.5 * reach) & (above > 0.0) & (above < 1.5 * reach)
             found.append(overlap[(overlap > 0.0) & near])
         return np.concatenate(found)
@@ -271,11 +285,5 @@ class Flow(Findings):
         """Mean overlap of discs ahead of the cylinder, over the smaller radius."""
         return float(self._ahead.mean())
 
-    @property
-    def more_irregular(self) -> bool:
-        """Whether any measure of e3 is above that of c1, interval included."""
-        found = [self._compared(name) for name in MEASURES]
-        return any(each.ratio - each.half > 1.0 for each in found)
 
-
-drag, precise, flow = Drag(), Precise(), Flow()
+drag, precise, flow, snapshots = Drag(), Precise(), Flow(), Snapshots()

@@ -40,12 +40,14 @@ def ratios(precise, claims, preparation, pressure) -> Table:
         found = judged["dumbbells_above_discs"].comparisons[0]
         ratio = estimate(Estimate(found.estimate, *found.interval()))
         made.add_row(_link(page), _name(file), PAPER, beds, "0.84", str(found.runs), ratio)
+    seeds = str(pressure.dataset.sizes["seed"])
     for way, beds, at in (
         ("fraction", "relaxed", "0.84"),
-        ("pressure", "pressed", pressure.asked()),
+        ("pressure", "pressed", f"{1e-6 * pressure.asked:.0f} MPa"),
     ):
-        ratio = pressure.ratio(way, "d1", pressure.widths.boxes[0])
-        made.add_row(_link("pressure"), _name(pressure), OPEN, beds, at, pressure.seeds(), ratio)
+        widths = pressure.widths[way]
+        ratio = estimate(widths.ratio("d1", widths.boxes[0]))
+        made.add_row(_link("pressure"), _name(pressure), OPEN, beds, at, seeds, ratio)
     return made
 
 

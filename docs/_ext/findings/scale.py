@@ -51,7 +51,6 @@ class Ensembles(Measured):
             "plan_each": "planning, a job each",
             "combine": "combining",
             "figure": "Figure 13",
-            "flow": "`flow.nc`",
         }
         found = numbers("runs", *heads.values(), words=0)
         for count in self.dataset["runs"].values:

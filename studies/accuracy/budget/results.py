@@ -31,23 +31,23 @@ VARIABLES = {
 STOPS = 10  # ends of the mean, evenly up to that of the averaging window
 
 
-def make(campaign, jobs: int, progress) -> tuple[dict, dict]:
+def make(state, jobs: int, progress) -> tuple[dict, dict]:
     """See studies.common.results."""
-    start, stop = campaign.sweep.record.window
+    start, stop = state.sweep.record.window
     stops = np.linspace(start, stop, STOPS + 1)[1:]
     rows = []
     names = "drag", "steps", "run_time", "spent", "failure"
-    for block, run, values in runs(campaign, names, progress=progress):
-        configuration, steps = run.replicate.configuration, int(values["steps"])
+    for block, _, run, values in runs(state, names, progress=progress):
+        configuration, steps = run.configuration, int(values["steps"])
         moved, cylinder = drag.axes(configuration)["displacement"], configuration.cylinder
         inside = moved >= start
         rows.append(
             {
                 "part": block.name,
-                "shape": run.replicate.label,
-                "seed": run.replicate.seed,
+                "shape": run.label,
+                "seed": run.seed,
                 "fraction": configuration.numerics.step_fraction,
-                "granules": run.replicate.shape.granules,
+                "granules": run.shape.granules,
                 "stroke": cylinder.stroke,
                 "drag": [values["drag"][inside & (moved <= end)].mean() for end in stops],
                 "time_step": cylinder.stroke / cylinder.velocity / steps if steps > 0 else np.nan,

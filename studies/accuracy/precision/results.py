@@ -112,10 +112,10 @@ def tried(rule: str, source: Source, target: float, samples: int, seed: int) -> 
     return rule, source.name, source.scatter, target, samples, *means, needed(source, until)
 
 
-def make(campaign, jobs: int, progress) -> tuple[dict, dict]:
+def make(state, jobs: int, progress) -> tuple[dict, dict]:
     """See studies.common.results."""
     every, found = list(rows(ROOT / READS[0])), []
-    samples = 3 if is_smoke(campaign) else SAMPLES
+    samples = 3 if is_smoke(state) else SAMPLES
     for number, row in enumerate(every):
         found.append(tried(*row, samples, number))
         progress((number + 1) / len(every))

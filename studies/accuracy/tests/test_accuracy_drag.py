@@ -10,8 +10,8 @@ from scipy.stats import t
 
 import dem
 from dem.sweep import batch as making
-from dem.sweep.campaign import Campaign
 from dem.sweep.config import load, parse
+from dem.sweep.state import SweepState
 from dem.sweep.store import Store
 from studies.accuracy import bias as biases
 from studies.accuracy import replicates
@@ -134,7 +134,7 @@ def blocks(**steps):
 
 def made(folder, data):
     """The sweep with its runs."""
-    work = Campaign(parse(data), Store(folder), root=folder)
+    work = SweepState(parse(data), Store(folder), root=folder)
     for name in work.sweep.blocks:
         work.begin(name)
         for each in work.batches(name):
@@ -175,7 +175,7 @@ def test_the_bins_are_as_wide_as_the_papers():
     paper, study = load(CONFIG / "paper.yaml"), load(HERE / "sweep.yaml")
     width = paper.cylinder.stroke / paper.record.bins
     for name in study.blocks:
-        configuration = study.block(name).runs[0].replicate.configuration
+        configuration = study.block(name).first.configuration
         assert configuration.cylinder.stroke / configuration.record.bins == width
 
 

@@ -21,7 +21,6 @@ BARS = {
     "LIGGGHTS": ("#d5eedd", "#0f5a30", "..."),
     "YADE": ("#f3d9e5", "#8a2f5b", "xx"),
 }
-OTHER = ("#d9d2ea", "#5b4a8a", "++")
 
 
 @style.styled
@@ -31,62 +30,47 @@ def plot(dataset: xr.Dataset) -> Figure:
     above, below = figure.subfigures(2, 1, height_ratios=(1.0, 1.15))  # margins of their own
     _codes(above.subplots(), 1e-6 * dataset["granule_steps_per_second"])
     _scenes(below.subplots(), 1e9 * dataset["variant_step_time"])
-    figure.suptitle(sentence(dataset))
+    others = times_faster(dataset).drop_sel(code=OURS).median("repeat", skipna=False).min("code")
+    found = others.dropna("scene").to_series().items()
+    words = ", ".join(f"{share:.1f} times for {scene}" for scene, share in found)
+    figure.suptitle(f"Speed against the fastest other code: {words or 'none is installed'}")
     return figure
-
-
-def sentence(dataset: xr.Dataset) -> str:
-    """The reading of the figure: how fast against the fastest other code, by bed."""
-    others = times_faster(dataset).drop_sel(code=OURS).median("repeat", skipna=False)
-    shares = others.min("code", skipna=True)
-    found = [f"{float(s):.1f} times for {s['scene'].item()}" for s in shares if np.isfinite(s)]
-    if found:
-        return f"Speed against the fastest other code: {', '.join(found)}"
-    ours = dataset["granule_steps_per_second"].sel(code=OURS).median("repeat")
-    return f"{1e-6 * float(ours.max()):.0f} million granule-steps a second"
 
 
 def _codes(axes, rates) -> None:
     """One group of bars per bed, one bar per code that ran on it."""
-    ticks = []
-    for place, scene in enumerate(rates["scene"].values):
+    scenes = rates["scene"].values.tolist()
+    for place, scene in enumerate(scenes):
         here = rates.sel(scene=scene).dropna("code", how="all")
         width = 0.8 / max(3, here.sizes["code"])
-        for number, code in enumerate(here["code"].values):
-            middle = place + width * (number - 0.5 * (here.sizes["code"] - 1))
-            values = here.sel(code=code).values
-            fill, edge, hatch = BARS.get(code, OTHER)
-            axes.bar(
-                middle, np.median(values), width, color=fill, edgecolor=edge, hatch=hatch,
-                label=code, linewidth=1.2,
-            )  # fmt: skip
-            style.show_runs(axes, middle, values, 0.5 * width)
-            style.write_above(axes, middle, values.max(), f"{np.median(values):.1f}")
-        ticks.append(scene)
-    axes.set_xticks(range(len(ticks)), ticks)
+        for number, code in enumerate(here["code"].values.tolist()):
+            x = place + width * (number - 0.5 * (here.sizes["code"] - 1))
+            values, (fill, edge, hatch) = here.sel(code=code).values, BARS[code]
+            look = {"color": fill, "edgecolor": edge, "hatch": hatch, "linewidth": 1.2}
+            axes.bar(x, np.median(values), width, label=code, **look)
+            style.show_runs(axes, x, values, 0.5 * width)
+            style.write_above(axes, x, values.max(), f"{np.median(values):.1f}")
+    axes.set_xticks(range(len(scenes)), scenes)
     axes.tick_params(axis="x", length=0)
     axes.set_ylim(0.0, 1.12 * axes.dataLim.ymax)
     axes.set_ylabel("Million granule-steps\na second")
     axes.set_title("Same bed, material and time step, one core", loc="left")
-    handles, names = axes.get_legend_handles_labels()
-    unique = {n: h for n, h in zip(names, handles, strict=True) if n != "single runs"}
-    dots = handles[names.index("single runs")]
-    axes.legend([*unique.values(), dots], [*unique, "single repeats"], loc="upper right")
+    handles, labels = axes.get_legend_handles_labels()
+    unique = dict(zip(labels, handles, strict=True))
+    axes.legend(unique.values(), unique, loc="upper right")
 
 
 def _scenes(axes, times) -> None:
     """One row per scene, the full ones on top: single repeats and their median."""
-    for place, variant in enumerate(times["variant"].values):
-        values = times.sel(variant=variant).values
-        middle = float(np.median(values))
+    variants = times["variant"].values.tolist()
+    for place, values in enumerate(times.transpose("variant", "repeat").values):
+        middle = np.median(values)
         axes.plot(values, place + np.linspace(-0.2, 0.2, len(values)), **style.RUN)
-        axes.plot(
-            middle, place, "|", color=BARS[OURS][1], markersize=15, markeredgewidth=2.5, zorder=6
-        )
-        axes.annotate(f"{middle:.1f}", (values.max(), place), (7, 0), textcoords="offset points",
-                      va="center")  # fmt: skip
+        axes.plot(middle, place, "|", color=BARS[OURS][1], markersize=15, markeredgewidth=2.5)
+        at = {"xytext": (7, 0), "textcoords": "offset points", "va": "center"}
+        axes.annotate(f"{middle:.1f}", (values.max(), place), **at)
     style.logarithmic(axes, "x")
-    axes.set_yticks(range(times.sizes["variant"]), times["variant"].values)
+    axes.set_yticks(range(len(variants)), variants)
     axes.tick_params(axis="y", length=0)
     axes.invert_yaxis()
     axes.grid(axis="x", visible=True)

@@ -1,37 +1,28 @@
-"""The benchmark without other codes."""
+"""The benchmark without other codes, and on other processors."""
+
+import re
 
 import numpy as np
 import pytest
-import xarray as xr
-from made import SMOKE, assert_shown_and_drawn
-from typer.testing import CliRunner
 
-from studies.__main__ import app
+from studies.benchmark.findings import elsewhere, speed
+from studies.benchmark.results import SMOKE, compare_codes
+from studies.benchmark.scenes import make_case
 from studies.common.peers import lammps
 
 
-@pytest.fixture
-def alone(monkeypatch):
-    """A computer without LAMMPS."""
-
-    def absent():
-        raise ImportError("no module named lammps")
-
-    monkeypatch.setattr(lammps, "_start", absent)
-    lammps.available.cache_clear()
-    yield
-    lammps.available.cache_clear()
+def test_without_other_codes_the_benchmark_times_this_one(monkeypatch, small_bed):
+    """What is missing is named."""
+    monkeypatch.setattr(lammps, "available", lambda: "LAMMPS is not installed.")
+    small = small_bed("disc")
+    values = compare_codes({"disc": make_case(small.scene(), small.state)}, SMOKE)
+    rates = dict(zip(values["code"], values["granule_steps_per_second"][0], strict=True))
+    assert np.isfinite(rates["dem"]).all() and np.isnan(rates["LAMMPS"]).all()
+    assert "not run: LAMMPS is not installed." in values["code_status"]
 
 
-def test_without_other_codes_the_benchmark_times_this_one(alone, tmp_path):
-    """In its smallest form: every number of ours is there, shown and drawn, and what is missing is named."""
-    path = tmp_path / "benchmark.nc"
-    words = ["benchmark", "measure", "--smoke", "--config", str(SMOKE), "-o", str(path)]
-    run = CliRunner().invoke(app, words)
-    assert run.exit_code == 0, run.output
-    with xr.open_dataset(path) as found:
-        ours = found["granule_steps_per_second"].sel(code="dem").values
-        assert np.isfinite(ours).all()
-        assert "not run" in str(found["code_status"].sel(code="LAMMPS").values)
-        assert (found["variant_code_size"] > 1000).all()
-    assert_shown_and_drawn("benchmark", path)
+@pytest.mark.parametrize("file", elsewhere, ids=lambda each: each.name)
+def test_a_benchmark_of_another_processor_is_named_after_it(file):
+    family, model = re.search(r"family(\d+)_model(\d+)", file.name).groups()
+    processor = file.dataset.attrs["processor"]
+    assert f"(family {family}, model {model})" in processor != speed.dataset.attrs["processor"]

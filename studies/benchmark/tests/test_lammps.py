@@ -5,7 +5,7 @@ import pytest
 
 import dem
 from studies.benchmark.drag import largest_step
-from studies.benchmark.measure import SMOKE, compare_codes, compare_motion
+from studies.benchmark.results import SMOKE, compare_codes, compare_motion
 from studies.benchmark.scenes import make_case
 from studies.common.peers import lammps
 
@@ -66,14 +66,16 @@ def test_with_our_law_lammps_follows_our_motion(small_bed, kind, seed):
 
 
 def test_softer_tangential_springs_are_handed_on(small_bed):
-    """friction.stiffness of a hundredth: LAMMPS with Mindlin's own springs is as far off as granules move."""
+    """friction.stiffness of a hundredth: LAMMPS with Mindlin's own springs is as far off as
+    granules move."""
     soft = dem.Friction(stiffness=0.01)
     distance, moved = apart(small_bed("disc"), 100, of=rms, same=True, friction=soft)
     assert distance < 0.1 * moved
 
 
 def test_a_collision_returns_the_coefficient_of_restitution():
-    """The dashpot that LAMMPS gets is the one for which discs part at e times the speed they met."""
+    """The dashpot that LAMMPS gets is the one for which discs part at e times the speed they
+    met."""
     size = 1e-3
     scene = dem.Scene(dem.Disc(np.full(2, size)), dem.Material(restitution=0.5), thickness=size)
     state = dem.State([[0.0, 0.0], [2.001 * size, 0.0]], [[0.5, 0.0], [-0.5, 0.0]])

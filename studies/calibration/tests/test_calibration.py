@@ -84,9 +84,9 @@ def test_other_runs_are_refused():
 def test_the_beds_are_none_of_the_papers_sweep():
     """Each is drawn at all moduli, about the one of the configuration."""
     paper, own = load("config/paper.yaml"), load("studies/calibration/sweep.yaml").block("drag")
-    seeds = {run.replicate.seed for run in own.runs}
-    assert not seeds & {run.replicate.seed for run in paper.block("drag").runs}
-    moduli = {run.replicate.configuration.material.young_modulus for run in own.runs}
+    seeds = {run.seed for run in own.runs.values()}
+    assert not seeds & {run.seed for run in paper.block("drag").runs.values()}
+    moduli = {run.configuration.material.young_modulus for run in own.runs.values()}
     assert len(own.runs) == len(seeds) * len(moduli) == 500
     assert min(moduli) < paper.material.young_modulus < max(moduli)
 

@@ -7,8 +7,8 @@ from matplotlib.figure import Figure
 from dem.analysis.compare import Comparison
 from dem.base.errors import InputError
 from dem.figures import style
-from studies.claims.evidence import reference
-from studies.claims.remains import EQUAL, remaining
+from studies.claims.findings import claims
+from studies.claims.remains import EQUAL
 from studies.common.marks import marks
 
 FILE = "claims"
@@ -26,47 +26,50 @@ GRIPS = (("o", "#17457d"), ("s", "#f5c49a"))
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
     """Left: where shapes jam; right: drag over the reference's at each state."""
-    case, _, fraction = reference(dataset)
-    found = [each for each in remaining(dataset) if each.shape != case]
+    base, *found = claims.of(dataset).remaining
     if not found:
         raise InputError("there are no runs of the part matched.")
     shapes = list(dict.fromkeys(each.shape for each in found))
     figure = Figure(figsize=(style.WIDTH + 2.0, 5.6))
     left, right = figure.subplots(1, 2, width_ratios=[1.0, 1.9])
-    _jamming(left, dataset, [str(dataset["reference_shape"].values), *shapes], fraction)
-    _drags(right, found, shapes, case)
+    _jamming(left, dataset, [str(dataset["reference_shape"].values), *shapes])
+    _drags(right, found, shapes)
+    right.set_ylabel(
+        f"Mean drag over that of {base.shape}\nat equal packing fraction (95 % interval)"
+    )
+    for axes in (left, right):
+        axes.legend(loc="lower center", bbox_to_anchor=(0.45, 1.0), ncols=2 if axes is right else 1)
     figure.suptitle(CAPTION, fontsize=12.5)
     return figure
 
 
-def _jamming(axes, dataset, shapes, fraction):
+def _jamming(axes, dataset, shapes):
     for friction, (marker, color) in zip(np.unique(dataset["jam_friction"]), GRIPS, strict=False):
         found = []
         for shape in shapes:
             here = (dataset["jam_shape"] == shape) & (dataset["jam_friction"] == friction)
-            each = Comparison("", dataset["jam_fraction"].values[here], None, 0.0, 1.0)
-            found.append((each.estimate, *each.interval()))
-        marks(axes, range(len(shapes)), found, marker=marker, color="0.15", markerfacecolor=color,
-              label=f"friction {friction:g}")  # fmt: skip
+            mean = Comparison("", dataset["jam_fraction"].values[here], None, 0.0, 1.0)
+            found.append((mean.estimate, *mean.interval()))
+        look = {"marker": marker, "color": "0.15", "markerfacecolor": color}
+        marks(axes, range(len(shapes)), found, label=f"friction {friction:g}", **look)
+    fraction = float(dataset["reference_packing"])
     axes.axhline(fraction, **style.REFERENCE, label=f"packing fraction of the runs, {fraction:g}")
     axes.set_xticks(range(len(shapes)), shapes)
     axes.set_ylabel("Packing fraction at which beds jam")
-    axes.legend(loc="lower center", bbox_to_anchor=(0.45, 1.0))
 
 
-def _drags(axes, found, shapes, case):
+def _drags(axes, found, shapes):
     states = [state for state in STATES if any(each.state == state for each in found)]
     width = 0.8 / len(states)
     for number, state in enumerate(states):
         here = [each for each in found if each.state == state]
         name, color, hatch = STATES[state]
-        place = np.array([shapes.index(each.shape) for each in here])
-        x, ratios = place + (number - 0.5 * (len(states) - 1)) * width, [e.ratio for e in here]
-        axes.bar(x, [value for value, *_ in ratios], width, color=color, hatch=hatch, label=name,
-                 edgecolor="0.15", linewidth=0.8)  # fmt: skip
+        x = np.array([shapes.index(each.shape) for each in here])
+        x = x + (number - 0.5 * (len(states) - 1)) * width
+        ratios = [each.ratio for each in here]
+        look = {"color": color, "hatch": hatch, "edgecolor": "0.15", "linewidth": 0.8}
+        axes.bar(x, [ratio.value for ratio in ratios], width, label=name, **look)
         marks(axes, x, ratios, **style.INTERVAL | {"capsize": 3})
     axes.axhline(1.0, color="0.3", linewidth=1.0)
     axes.set_xticks(range(len(shapes)), shapes)
     axes.tick_params(axis="x", length=0)
-    axes.set_ylabel(f"Mean drag over that of {case}\nat equal packing fraction (95 % interval)")
-    axes.legend(loc="lower center", bbox_to_anchor=(0.45, 1.0), ncols=2)

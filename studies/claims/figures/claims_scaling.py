@@ -13,28 +13,37 @@ FILE = "claims"
 CAPTION = "Drag against the sizes of cylinder and box and against velocity"
 VARIABLES = ("run_setting", "run_curve")
 PANELS = {
-    "velocity": "Velocity of the cylinder", "diameter": "Diameter of the cylinder",
-    "width": "Width of the box", "height": "Height of the box",
-}  # fmt: skip
+    "velocity": "Velocity of the cylinder",
+    "diameter": "Diameter of the cylinder",
+    "width": "Width of the box",
+    "height": "Height of the box",
+}
 LOOKS = (("o", "#17457d"), ("D", "#0f5a30"), ("s", "#b34700"))
-WAYS = (("", "equal packing fraction", "-", True),
-        (", equal distance", "equal distance from jamming", (0, (4, 2)), False))  # fmt: skip
+WAYS = {
+    "": ("equal packing fraction", "-"),
+    ", equal distance": ("equal distance from jamming", "--"),
+}
 
 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
     """One panel per quantity: drag over the drag at the paper's value, on one scale."""
-    part = rows(dataset, "scaling")
-    if not part.sizes["run"]:
+    runs = rows(dataset, "scaling")
+    if not runs.sizes["run"]:
         raise InputError("there are no runs of the part scaling.")
-    shapes = list(dict.fromkeys(part["run_case"].values.tolist()))
-    figure = Figure(figsize=(style.WIDTH + 1.0, 7.0))
-    panels = figure.subplots(2, 2, sharey=True)
-    for axes, (setting, name) in zip(panels.flat, PANELS.items(), strict=True):
-        for shape, look in zip(shapes, LOOKS, strict=False):
-            for suffix, words, line, filled in WAYS:
+    shapes = list(dict.fromkeys(runs["run_case"].values.tolist()))
+    figure, grid = style.panels(4, 2, 0.6, 3.2, sharey=True)
+    for axes, (setting, name) in zip(grid, PANELS.items(), strict=True):
+        for shape, (marker, color) in zip(shapes, LOOKS, strict=False):
+            for suffix, (words, line) in WAYS.items():
                 found = scaled_ratios(dataset, setting + suffix, shape)
-                _curve(axes, found, f"{shape}, {words}", look, line, filled)
+                if not found:
+                    continue
+                points = [(x, each.estimate, *each.interval()) for x, each in found.items()]
+                x, *ratios = np.transpose(sorted([*points, (1.0,) * 4]))
+                look = {"marker": marker, "linestyle": line, "color": color}
+                look |= {"markerfacecolor": "white" if suffix else color}
+                marks(axes, x, np.transpose(ratios), label=f"{shape}, {words}", **look)
         axes.axhspan(1.0 - MARGIN, 1.0 + MARGIN, **style.WINDOW)
         axes.axhline(1.0, **style.REFERENCE)
         axes.set_xscale("log")
@@ -43,22 +52,10 @@ def plot(dataset: xr.Dataset) -> Figure:
         axes.set_xticks(factors, [f"{x:g}" for x in factors])
         axes.set_xticks([], minor=True)
         axes.set_xlabel(f"{name}, over the paper's")
-    for axes in panels[:, 0]:
+    for axes in grid[::2]:
         axes.set_ylabel("Mean drag over that\nat the paper's value")
-    style.legend(figure, panels[1, 0], "outside lower center", ncols=2)
+    style.legend(figure, grid[2], "outside lower center", ncols=2)
     figure.suptitle(
-        "Is the drag slow, and is the box large enough?\n(grey: within 18 %; 95 % intervals)",
-        fontsize=12.5,
+        "Is the drag slow, is the box large enough?\n(grey: within 18 %; 95 % intervals)"
     )
     return figure
-
-
-def _curve(axes, found, name, look, line, filled):
-    """Points with intervals and the paper's own, at (1, 1), on one line."""
-    if not found:
-        return
-    marker, color = look
-    points = sorted([(x, e.estimate, *e.interval()) for x, e in found.items()] + [(1.0,) * 4])
-    x, *ratios = np.transpose(points)
-    marks(axes, x, np.transpose(ratios), marker=marker, linestyle=line, color=color, label=name,
-          markerfacecolor=color if filled else "white")  # fmt: skip

@@ -29,6 +29,7 @@ from dem.shapes.disc import Disc
 from dem.shapes.dumbbell import Dumbbell
 from studies.common.peers.material import hertz
 
+NAME, SHAPES = "LAMMPS", (Disc, Dumbbell)
 SKIN = 0.3  # of the mean radius; timings are flat about it
 NOTHING = 1e-100  # 1/(m s), for no damping
 SAMPLED = 10  # steps from one look at the force on the cylinder to the next

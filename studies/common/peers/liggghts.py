@@ -13,14 +13,48 @@ import numpy as np
 
 from dem.base.errors import RunError
 from dem.scene import Scene, State
+from dem.shapes.disc import Disc
 from studies.common.peers.material import RIGID
 from studies.common.peers.program import absent, last_lines, output
 
+NAME, SHAPES = "LIGGGHTS", (Disc,)
 PROGRAM = "liggghts"
 COMMAND = PROGRAM, "-log", "none"
 SKIN = 0.3  # of the mean radius
 HEAVY = 1e9
-MODEL = "model hertz tangential history"
+INPUT = """\
+units si
+hard_particles yes
+dimension 2
+boundary f f p
+newton off
+atom_style granular
+atom_modify map array
+communicate single vel yes
+read_data bed
+group granules type 1
+group cylinder type 3
+fix modulus all property/global youngsModulus peratomtype {modulus!r} {rigid!r} {rigid!r}
+fix poisson all property/global poissonsRatio peratomtype {poisson!r} {poisson!r} {poisson!r}
+fix restitution all property/global coefficientRestitution peratomtypepair 3 {restitution}
+fix friction all property/global coefficientFriction peratomtypepair 3 {friction}
+neighbor {skin:.17g} bin
+neigh_modify every 1 delay 0 check yes
+neigh_modify exclude group cylinder cylinder
+pair_style gran model hertz tangential history limitForce on
+pair_coeff * *
+timestep {time_step:.17g}
+fix left granules wall/gran model hertz tangential history primitive type 2 xplane 0 limitForce on
+fix right granules wall/gran model hertz tangential history primitive type 2 xplane {width:.17g} limitForce on
+fix floor granules wall/gran model hertz tangential history primitive type 2 yplane 0 limitForce on
+fix lid granules wall/gran model hertz tangential history primitive type 2 yplane {height:.17g} limitForce on
+fix motion cylinder move linear {speed[0]:.17g} {speed[1]:.17g} 0 units box
+fix steps granules nve/sphere
+fix plane granules enforce2d
+thermo 1000000
+run {warm}
+run {steps}
+"""
 
 
 def available() -> str | None:
@@ -39,9 +73,7 @@ def seconds(scene: Scene, state: State, time_step: float, warm: int, steps: int)
     """Time (s) that a number of steps takes after `warm` others, without starting and ending."""
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "bed").write_text(_bed(scene, state.checked(scene.granules)))
-        said = output(
-            *COMMAND, folder=folder, text="\n".join((*_input(scene, time_step, warm, steps), ""))
-        )
+        said = output(*COMMAND, folder=folder, text=_input(scene, time_step, warm, steps))
     times = re.findall(r"^Loop time of (\S+) ", said, re.M)
     if len(times) != 2:
         raise RunError(f"LIGGGHTS stopped: {last_lines(said)}")
@@ -61,42 +93,30 @@ def _bed(scene, state):
     lines = ["bed", "", f"{len(size)} atoms", "3 atom types", ""]
     lines += [f"0 {width:.17g} xlo xhi", f"0 {height:.17g} ylo yhi"]
     lines += [f"{-radius:.17g} {radius:.17g} zlo zhi", "", "Atoms", ""]
-    for k, (x, y) in enumerate(position):
-        lines.append(f"{k + 1} {kind[k]} {size[k]:.17g} {weight[k]:.17g} {x:.17g} {y:.17g} 0")
+    atoms = zip(kind, size, weight, *position.T, strict=True)
+    for k, (sort, *values) in enumerate(atoms, 1):
+        lines.append(" ".join((f"{k} {sort}", *(f"{each:.17g}" for each in values), "0")))
     lines += ["", "Velocities", ""]
-    for k, (u, v) in enumerate(velocity):
-        lines.append(f"{k + 1} {u:.17g} {v:.17g} 0 0 0 {spin[k]:.17g}")
+    for k, (u, v, turn) in enumerate(zip(*velocity.T, spin, strict=True), 1):
+        lines.append(f"{k} {u:.17g} {v:.17g} 0 0 0 {turn:.17g}")
     return "\n".join(lines) + "\n"
 
 
 def _input(scene, time_step, warm, steps):
-    material, friction = scene.material, scene.friction
-    (u, v), (width, height) = scene.cylinder.velocity, np.asarray(scene.walls)[[1, 3], 2]
-    each = [friction.granule, friction.wall, friction.cylinder]
-    table = [each[max(i, j)] for i in range(3) for j in range(3)]
-    stiff = RIGID * material.young_modulus
-    wanted = {
-        "youngsModulus peratomtype": [material.young_modulus, stiff, stiff],
-        "poissonsRatio peratomtype": [material.poisson_ratio] * 3,
-        "coefficientRestitution peratomtypepair 3": [material.restitution] * 9,
-        "coefficientFriction peratomtypepair 3": table,
-    }
-    yield from ("units si", "hard_particles yes", "dimension 2", "boundary f f p", "newton off")
-    yield from ("atom_style granular", "atom_modify map array", "communicate single vel yes")
-    yield from ("read_data bed", "group granules type 1", "group cylinder type 3")
-    for number, (name, values) in enumerate(wanted.items()):
-        yield f"fix material{number} all property/global {name} " + " ".join(map(repr, values))
-    yield f"neighbor {SKIN * scene.shape.radius.mean():.17g} bin"
-    yield from (
-        "neigh_modify every 1 delay 0 check yes",
-        "neigh_modify exclude group cylinder cylinder",
+    material, mu = scene.material, scene.friction
+    kinds = mu.granule, mu.wall, mu.cylinder
+    width, height = np.asarray(scene.walls)[[1, 3], 2]
+    return INPUT.format(
+        modulus=material.young_modulus,
+        rigid=RIGID * material.young_modulus,
+        poisson=material.poisson_ratio,
+        restitution=" ".join(9 * [repr(material.restitution)]),
+        friction=" ".join(repr(kinds[max(i, j)]) for i in range(3) for j in range(3)),
+        skin=SKIN * scene.shape.radius.mean(),
+        time_step=time_step,
+        width=width,
+        height=height,
+        speed=scene.cylinder.velocity,
+        warm=warm,
+        steps=steps,
     )
-    yield from (f"pair_style gran {MODEL} limitForce on", "pair_coeff * *")
-    yield f"timestep {time_step:.17g}"
-    walls = [("x", 0.0), ("x", width), ("y", 0.0), ("y", height)]
-    for number, (axis, place) in enumerate(walls):
-        plane = f"primitive type 2 {axis}plane {place:.17g} limitForce on"
-        yield f"fix wall{number} granules wall/gran {MODEL} {plane}"
-    yield f"fix motion cylinder move linear {u:.17g} {v:.17g} 0 units box"
-    yield from ("fix steps granules nve/sphere", "fix plane granules enforce2d")
-    yield from ("thermo 1000000", f"run {warm}", f"run {steps}")

@@ -14,9 +14,11 @@ import numpy as np
 
 from dem.base.errors import RunError
 from dem.scene import Scene, State
+from dem.shapes.disc import Disc
 from studies.common.peers.material import RIGID
 from studies.common.peers.program import absent, last_lines, output
 
+NAME, SHAPES = "YADE", (Disc,)
 PROGRAM = "yade"
 SKIN = 0.3  # of the mean radius; timings are flat about it
 SCRIPT = """\

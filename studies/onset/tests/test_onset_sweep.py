@@ -3,14 +3,14 @@
 from pathlib import Path
 
 from dem.experiment.bed import diameters
-from dem.experiment.fit import height_of_box
+from dem.experiment.box import height_of_box
 from dem.sweep.config import load
 
 HERE = Path(__file__).parent.parent
 
 
 def test_boxes_of_the_sweep_are_about_square():
-    for run in load(HERE / "sweep.yaml").block("drag").runs:
-        own = run.replicate.configuration
-        height = height_of_box(own, diameters(run.replicate))
+    for run in load(HERE / "sweep.yaml").block("drag").runs.values():
+        own = run.configuration
+        height = height_of_box(own, diameters(run))
         assert 0.8 < height / own.box_width < 1.25

@@ -1,6 +1,5 @@
-"""Drag by shape in beds that were made in several ways, and over that in beds made in the first way."""
-
-from itertools import product
+"""Drag by shape in beds that were made in several ways, and over that in beds made in the first
+way."""
 
 import numpy as np
 import xarray as xr
@@ -11,7 +10,7 @@ from dem.analysis.statistics import summarise
 from dem.analysis.values import along
 from dem.figures import style
 from dem.figures.sweep import heading
-from studies.common.marks import marks
+from studies.common.marks import marks, places
 
 FILE = "drag"
 CAPTION = "Drag of shapes in beds that were made in several ways"
@@ -25,21 +24,16 @@ APART = 0.3  # between the ways, where shapes are 1 apart
 def plot(dataset: xr.Dataset) -> Figure:
     """Means above, ratios of the same seeds below, by shape; one column per place on the other axes."""
     dataset = along(dataset, AXIS)
-    runs = summarise(dataset)["run_mean"].transpose(..., AXIS, "shape", "seed")
-    others = [str(dim) for dim in runs.dims[:-3] if runs.sizes[dim] > 1]
-    places = [
-        dict(zip(others, at, strict=True)) for at in product(*(runs[d].values for d in others))
-    ]
+    columns, runs = places(dataset, AXES), summarise(dataset)["run_mean"]
     shapes, ways = runs["shape"].values.tolist(), runs[AXIS].values.tolist()
-    figure = Figure(figsize=(style.WIDTH, 6.4))
-    rows = figure.subplots(2, len(places), sharex=True, sharey="row", squeeze=False)
-    for (above, below), place in zip(rows.T, places, strict=True):
-        above.set_title(heading(runs, place, len(places)) or "all runs")
-        here = runs.sel(place).squeeze([d for d in runs.dims[:-3] if runs.sizes[d] == 1]).values
+    size = {"sharex": True, "sharey": "row"}
+    figure, grid = style.panels(2 * len(columns), len(columns), 0.4, 3.0, **size)
+    for above, below, place in zip(grid, grid[len(columns) :], columns, strict=False):
+        above.set_title(heading(runs, place, len(columns)) or "all runs")
+        here = runs.sel(place).squeeze().transpose(AXIS, "shape", "seed").values
         for number, (way, drags) in enumerate(zip(ways, here, strict=True)):
-            look = {"color": style.CASES[number % len(style.CASES)], "label": way,
-                    "marker": MARKERS[number % len(MARKERS)],
-                    "markerfacecolor": "white" if number % 2 else None}  # fmt: skip
+            look = {"color": style.CASES[number % 7], "marker": MARKERS[number % 7], "label": way}
+            look["markerfacecolor"] = "white" if number % 2 else None
             x = np.arange(len(shapes)) + APART * (number - 0.5 * (len(ways) - 1))
             marks(above, x, [_compared(each) for each in drags], **look)
             if number:
@@ -49,16 +43,16 @@ def plot(dataset: xr.Dataset) -> Figure:
         below.set_xticks(range(len(shapes)), shapes)
         for axes in (above, below):
             style.logarithmic(axes)
-    rows[0, 0].set_ylabel(f"Mean drag from\n{style.window_text(dataset)} (N)")
-    rows[1, 0].set_ylabel(f"Drag over that of\nbeds that are {ways[0]}")
-    style.legend(figure, rows[0, 0], "outside lower center", ncols=len(ways))
-    figure.suptitle(
-        f"Drag by how the bed was made: {runs.sizes['seed']} runs each\n(bars: 95 % intervals)"
-    )
+    grid[0].set_ylabel(f"Mean drag from\n{style.window_text(dataset)} (N)")
+    grid[len(columns)].set_ylabel(f"Drag over that of\nbeds that are {ways[0]}")
+    style.legend(figure, grid[0], "outside lower center", ncols=len(ways))
+    count = runs.sizes["seed"]
+    figure.suptitle(f"Drag by how the bed was made: {count} runs each\n(bars: 95 % intervals)")
     return figure
 
 
 def _compared(drags, over=None) -> tuple[float, float, float]:
-    """Mean drag of some runs, or its ratio to that of others of the same seeds, with its interval."""
+    """Mean drag of some runs, or its ratio to that of others of the same seeds, with its
+    interval."""
     found = Comparison("", drags, over, 0.0, np.inf, paired=True)
     return found.estimate, *found.interval()

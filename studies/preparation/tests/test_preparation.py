@@ -26,11 +26,16 @@ def test_the_figure_shows_both_ways_and_their_ratio(tmp_path):
             "drag": ((*dims, "displacement"), drag[..., None]),
             "run_id": (dims, np.full(drag.shape, "x")),
         },
-        {"packing_preparation": ["relaxed", "grown"], "box": ["1", "2"], "shape": ["c1", "e1", "e3"],
-         "box_width": ("box", [0.02, 0.04], {"long_name": "width", "units": "m"}),
-         "seed": np.arange(4), "displacement": [2e-3]},
+        {
+            "packing_preparation": ["relaxed", "grown"],
+            "box": ["1", "2"],
+            "shape": ["c1", "e1", "e3"],
+            "box_width": ("box", [0.02, 0.04], {"long_name": "width", "units": "m"}),
+            "seed": np.arange(4),
+            "displacement": [2e-3],
+        },
         {"window_start": 1e-3, "window_stop": 3e-3},
-    )  # fmt: skip
+    )
     figure = plot(runs)
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["relaxed", "grown"]
     titles = [axes.get_title() for axes in figure.axes[:2]]

@@ -1,6 +1,5 @@
-"""Drag over that of the first shape against the width of the box, at equal pressure and fraction."""
-
-from itertools import product
+"""Drag over that of the first shape against the width of the box, at equal pressure and
+fraction."""
 
 import numpy as np
 import xarray as xr
@@ -8,7 +7,7 @@ from matplotlib.figure import Figure
 
 from dem.figures import style
 from dem.figures.sweep import heading
-from studies.common.marks import marks
+from studies.common.marks import marks, places
 from studies.pressure.widths import Widths
 
 FILE = "drag"
@@ -24,34 +23,31 @@ APART = 0.012  # between shapes, along 1 / width
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
     """Drags above and ratios below against 1 / width, one column per place on the other axes."""
-    found = Widths(dataset)
-    figure = Figure(figsize=(style.WIDTH, 7.4))
-    rows = figure.subplots(2, len(found.places), sharex=True, squeeze=False)
-    values = product(*(dataset[dim].values for dim in found.others))
-    for (above, below), place, at in zip(rows.T, found.places, values, strict=True):
-        named = dict(zip(found.others, at, strict=True))
-        above.set_title(heading(dataset, named, len(found.places)) or "all runs")
+    columns = places(dataset, AXES)
+    figure, grid = style.panels(2 * len(columns), len(columns), 0.4, 3.5, sharex=True)
+    for above, below, place in zip(grid, grid[len(columns) :], columns, strict=False):
+        above.set_title(heading(dataset, place, len(columns)) or "all runs")
+        found = Widths(dataset.sel(place))
+        base = found.line(found.shapes[0])
         for number, shape in enumerate(found.shapes):
             look = {"color": COLORS[number % len(COLORS)], "marker": MARKERS[number % len(MARKERS)]}
-            shift = APART * (number - 0.5 * (len(found.shapes) - 1))
-            drags = [found.drag(place, shape, box) for box in found.series]
             look["label"] = shape
-            line, base = found.line(place, shape), found.line(place, found.shapes[0])
-            _points(above, found, shift, drags, found.drag_limit(place, shape), line.drag, look)
+            shift, line = APART * (number - 0.5 * (len(found.shapes) - 1)), found.line(shape)
+            drags = [found.drag(shape, box) for box in found.series]
+            _points(above, found, shift, drags, found.drag_limit(shape), line.drag, look)
             if number:
-                ratios = [found.ratio(place, shape, box) for box in found.series]
-                over = _over(line, base)
-                _points(below, found, shift, ratios, found.limit(place, shape), over, look)
+                ratios = [found.ratio(shape, box) for box in found.series]
+                _points(below, found, shift, ratios, found.limit(shape), _over(line, base), look)
         below.axhline(1.0, **style.REFERENCE)
         below.set_xlabel("Width of the first box over the width")
         for axes in (above, below):
             style.logarithmic(axes)
-    rows[0, 0].set_ylabel(f"Mean drag from\n{style.window_text(dataset)} (N)")
-    rows[1, 0].set_ylabel(f"Drag over that of {found.shapes[0]}")
-    style.legend(figure, rows[0, 0], "outside lower center", ncols=len(found.shapes))
+    grid[0].set_ylabel(f"Mean drag from\n{style.window_text(dataset)} (N)")
+    grid[len(columns)].set_ylabel(f"Drag over that of {found.shapes[0]}")
+    style.legend(figure, grid[0], "outside lower center", ncols=len(found.shapes))
     figure.suptitle(
         "Drag against the width of the box, with the line in 1 / width of the drag or its inverse\n"
-        "(95 % intervals; open symbols: a box without end)"
+        "(95 % intervals; open symbols: infinite width)"
     )
     return figure
 
@@ -65,7 +61,7 @@ def _points(axes, found, shift, values, limit, curve, look):
     """Means in the boxes that differ in width alone, the limit, and the line through them."""
     x = 1.0 / found.width[found.along]
     marks(axes, x + shift, values, **look)
-    if limit.low > 0.0 and limit.high < np.inf:
+    if 0.0 < limit.low <= limit.high < np.inf:
         marks(axes, [shift], limit, markerfacecolor="white", **look | {"label": None})
     along = np.geomspace(0.5 * x.min(), x.max(), 50)
     y = np.array([curve(1.0 / each)[0] for each in along])

@@ -1,4 +1,4 @@
-"""Shapes in boxes of several widths: the line finds the box without end."""
+"""Shapes in boxes of several widths: the line finds the drag at infinite width."""
 
 from pathlib import Path
 
@@ -20,8 +20,8 @@ BOXES = ["1", "2", "4", "high"]
 
 
 def boxes(power=1.0, slope=(0.8, 1.5), seeds=4, noise=0.0, seed=1):
-    """A file of runs: drags of 1000 N and 500 N in a box without end, to which walls add in proportion
-    to 1 / width; or, with power -1, to the inverse of which a top wall does."""
+    """A file of runs: drags of 1000 N and 500 N at infinite width, to which walls add in
+    proportion to 1 / width; or, with power -1, to the inverse of which a top wall does."""
     rng = np.random.default_rng(seed)
     drag = np.array([[1000.0], [500.0]]) * (1.0 + np.array(slope)[:, None] / WIDTH) ** power
     drag = drag[..., None] * (1.0 + noise * rng.standard_normal((2, 4, seeds)))
@@ -32,22 +32,25 @@ def boxes(power=1.0, slope=(0.8, 1.5), seeds=4, noise=0.0, seed=1):
             "run_id": (dims, np.full(drag.shape, "x")),
         },
         {
-            "shape": ["c1", "e1"], "box": BOXES, "seed": np.arange(seeds),
-            "box_width": ("box", 20e-3 * WIDTH), "cylinder_start": ("box", [0.25] * 3 + [0.125]),
+            "shape": ["c1", "e1"],
+            "box": BOXES,
+            "seed": np.arange(seeds),
+            "box_width": ("box", 20e-3 * WIDTH),
+            "cylinder_start": ("box", [0.25] * 3 + [0.125]),
             "displacement": [0.5e-3, 1.5e-3, 2.5e-3],
         },
         {"window_start": 1e-3, "window_stop": 3e-3},
-    )  # fmt: skip
+    )
 
 
 @pytest.mark.parametrize("power", [1.0, -1.0])
 def test_the_line_finds_the_box_without_end(power):
     """And in which of both ways the walls count, and how wide is within 5 % of it."""
     found = Widths(boxes(power))
-    assert found.along.tolist() == [True, True, True, False] and found.powers == [power]
-    assert found.drag_limit((), "c1").value == pytest.approx(1000.0)
-    assert found.limit((), "e1").value == pytest.approx(0.5)
-    near = found.share((), "c1", found.enough((), "c1")).value
+    assert found.along.tolist() == [True, True, True, False] and found.power == power
+    assert found.drag_limit("c1").value == pytest.approx(1000.0)
+    assert found.limit("e1").value == pytest.approx(0.5)
+    near = found.share("c1", found.enough("c1")).value
     assert near == pytest.approx(1.0 + 0.05 * power)
 
 
@@ -63,19 +66,19 @@ def test_boxes_that_differ_in_any_other_value_are_not_of_the_line():
 
 
 def test_a_drag_that_only_walls_make_has_no_limit():
-    """A bed that is not jammed makes room in a box without end."""
+    """A bed that is not jammed makes room at infinite width."""
     found = Widths(boxes(slope=(0.8, 1e9), noise=0.1))
-    assert found.limit((), "e1").low == 0.0 and found.limit((), "e1").value < 0.5e6
+    assert found.limit("e1").low == 0.0 and found.limit("e1").value < 0.5e6
 
 
 @pytest.mark.parametrize("power", [1.0, -1.0])
 def test_intervals_hold_the_truth_as_often_as_they_say(power):
-    """Where the scatter is so small that the drags tell in which way the walls count; and of the drag
-    in a box that is as wide as the first."""
+    """Where the scatter is so small that the drags tell in which way the walls count; and of the
+    drag in a box that is as wide as the first."""
     held = []
     for seed in range(200):
         found = Widths(boxes(power, noise=0.02, seed=seed))
-        limit, change = found.limit((), "e1"), found.change((), "e1", "high")
+        limit, change = found.limit("e1"), found.change("e1", "high")
         held.append([limit.low < 0.5 < limit.high, change.low < 1.0 < change.high])
     share = np.mean(held, axis=0)
     assert (share >= 0.90).all() and (share <= 0.99).all()
@@ -106,9 +109,9 @@ def test_every_bed_of_the_study_has_the_same_shape_of_neighbourhood():
     """Boxes of all sizes have as many granules per area as the paper's, as thick as any other, and
     the cylinder as far from the floor."""
     paper, runs = load("config/paper.yaml"), load(HERE / "sweep.yaml").block("drag").runs
-    for run in runs:
-        own, shape = run.replicate.configuration, run.replicate.shape
+    for run in runs.values():
+        own, shape = run.configuration, run.shape
         size = own.box_width / paper.box_width * paper.cylinder.start / own.cylinder.start
-        assert shape.granules == pytest.approx(paper.shapes[run.replicate.label].granules * size)
+        assert shape.granules == pytest.approx(paper.shapes[run.label].granules * size)
         assert own.material.thickness == paper.shapes["c1"].diameter
         assert (own.packing.fraction is None) != (own.packing.pressure is None)

@@ -18,7 +18,8 @@ RANGE = (1e-7, 1.0)
 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
-    """One row per shape, one column per stiffness; the step of the sweep and the bound are marked."""
+    """One row per shape, one column per stiffness; the step of the sweep and the bound are
+    marked."""
     shapes, stiffness = dataset["map_shape"].values, dataset["map_stiffness"].values
     figure = Figure(figsize=(style.WIDTH, 1.4 + 1.9 * len(shapes)))
     grid = figure.subplots(len(shapes), len(stiffness), sharex=True, sharey=True, squeeze=False)
@@ -34,20 +35,18 @@ def plot(dataset: xr.Dataset) -> Figure:
     bar = figure.colorbar(image, ax=grid, label="Worst residual of the energy ledger", shrink=0.8)
     bar.ax.axhline(OFF, color="white", linewidth=1.5)
     figure.suptitle(
-        fill(title(dataset), 72)
+        fill(_title(dataset), 72)
         + "\n(cross: broken; dot: energy off; solid line: the paper's sweep; dotted: bound)",
         fontsize=11.5,
     )
     return figure
 
 
-def title(dataset: xr.Dataset) -> str:
+def _title(dataset: xr.Dataset) -> str:
     """Where energy is off and where runs break down."""
-    off, broken = edge(dataset, OFF), edge(dataset, BROKEN)
-    if np.isinf(off):
-        return "Energy adds up at all of these steps"
-    words = f"Energy is off by {OFF:.0%} from {off:g} of the bound"
-    return words if np.isinf(broken) else f"{words}; runs break down from {broken:g}"
+    parts = {"energy is off by 1 %": edge(dataset, OFF), "runs break down": edge(dataset, BROKEN)}
+    words = [f"{what} from {at:g} of the bound" for what, at in parts.items() if np.isfinite(at)]
+    return "; ".join(words).capitalize() or "Energy adds up at all of these steps"
 
 
 def _panel(axes, here, default):

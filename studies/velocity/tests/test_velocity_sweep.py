@@ -12,9 +12,9 @@ def test_every_bed_is_drawn_in_all_ways():
     """So that beds are their own control; without friction no contact has any."""
     block = load(HERE / "sweep.yaml").block("drag")
     beds = {}
-    for run in block.runs:
-        own = run.replicate.configuration
-        ways = beds.setdefault(run.replicate.bed_key(), set())
+    for run in block.runs.values():
+        own = run.configuration
+        ways = beds.setdefault(run.bed_key(), set())
         ways.add(
             (own.cylinder.velocity, own.friction.granule, own.friction.wall, own.friction.cylinder)
         )

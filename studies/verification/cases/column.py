@@ -1,20 +1,24 @@
 """Does the floor carry the weight of what is above it?
 
-Exact: what walls push is what the momentum of the granules gains, at any time; at rest, between frictionless sides, the floor carries the weight and both
-sides push alike. Eighty ellipses fall into a box and settle (MFiX and LAMMPS check the same of spheres).
+Exact: what walls push is what the momentum of the granules gains, at any time; at rest, between
+frictionless sides, the floor carries the weight and both sides push alike. Eighty ellipses fall
+into a box and settle (MFiX and LAMMPS check the same of spheres).
 
-Tolerances. The mean force over an interval counts the force at the end of each step, while the momentum counts that of both ends of the interval by half: they differ by half a step of the change of
-the load, which is below twice the weight. At rest the mean force over a time t differs from the weight by
-the change of momentum over t, which is at most 2 sqrt(2 M K) / t for mass M and kinetic energy K, the greater one of both ends.
+Tolerances. The mean force over an interval counts the force at the end of each step, while the
+momentum counts that of both ends of the interval by half: they differ by half a step of the change
+of the load, which is below twice the weight. At rest the mean force over a time t differs from the
+weight by the change of momentum over t, which is at most 2 sqrt(2 M K) / t for mass M and kinetic
+energy K, the greater one of both ends.
 """
 
 import numpy as np
 
 import dem
-from studies.verification.row import Row, named
+from studies.verification.row import Row
 
 TITLE = "Weight of a column on its floor"
 SOURCE = "Newton's second law"
+AXES = {"xlabel": "End of the interval (s)", "ylabel": "Load over the weight"}
 
 GRANULES, COLUMNS = 80, 8
 GRAVITY, SETTLE, FRAMES, STEP = 9.81, 1.2, 24, 4e-6  # m/s2, s, s
@@ -31,7 +35,9 @@ def measure() -> list[Row]:
         gravity=(0.0, -GRAVITY),
         thickness=1e-3,
     )
-    state = dem.State(1.5e-3 + 3e-3 * np.column_stack([column, row]), angle=rng.uniform(0.0, np.pi, GRANULES))
+    state = dem.State(
+        1.5e-3 + 3e-3 * np.column_stack([column, row]), angle=rng.uniform(0.0, np.pi, GRANULES)
+    )
     found = dem.simulate(scene, state, SETTLE, frames=FRAMES, time_step=STEP)
     mass, inertia = scene.mass, scene.inertia
     weight, interval = GRAVITY * mass.sum(), SETTLE / FRAMES
@@ -42,22 +48,24 @@ def measure() -> list[Row]:
     off = np.abs(floor - lid - weight - change[:, 1]), np.abs(left - right - change[:, 0])
     step = STEP / interval
     loads = [
-        Row("load on the floor over the weight", "1", force / weight, 1.0 + gained / weight, step, time)
+        Row(
+            "load on the floor over the weight",
+            "1",
+            force / weight,
+            1.0 + gained / weight,
+            step,
+            time,
+        )
         for force, gained, time in zip(floor - lid, change[:, 1], found.time[1:], strict=True)
-    ]  # fmt: skip
+    ]
     return loads[::3] + [
         Row("worst balance of momentum over the weight", "1", np.max(off) / weight, 0.0, step),
         Row("load on the floor at rest over the weight", "1", floor[-1] / weight, 1.0, rest),
-        Row("difference of both sides at rest over the weight", "1", (left - right)[-1] / weight, 0.0, rest),
+        Row(
+            "difference of both sides at rest over the weight",
+            "1",
+            (left - right)[-1] / weight,
+            0.0,
+            rest,
+        ),
     ]
-
-
-def plot(axes, rows) -> None:
-    found = named(rows, "load on the floor over the weight")
-    time = [row.x for row in found]
-    axes.plot(time, [row.expected for row in found], color="0.5", label="weight and change of momentum")
-    axes.plot(time, [row.value for row in found], "ko", markerfacecolor="white", label="floor")
-    axes.axhline(1.0, color="0.5", linestyle=":")
-    axes.set_xlabel("End of the interval (s)")
-    axes.set_ylabel("Load over the weight")
-    axes.legend()

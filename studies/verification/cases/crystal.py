@@ -1,22 +1,28 @@
 """How fast does sound run through a crystal of compressed discs?
 
-Closed form: the dynamical matrix of a triangular lattice, m omega^2 u = sum over six neighbours of (1 - cos(k r)) [K n n - (F / a)(1 - n n)] u,
-with Hertz's stiffness K = 3/2 k sqrt(overlap) and force F, the pressure's share included (Born and Huang 1954). Waves along a row of discs are longitudinal or transverse.
-All wavelengths swing at once in one periodic crystal; an amplitude a(t) obeys a(t + s) + a(t - s) = 2 cos(omega s) a(t), which a line fits.
+Closed form: the dynamical matrix of a triangular lattice, m omega^2 u = sum over six neighbours of
+(1 - cos(k r)) [K n n - (F / a)(1 - n n)] u, with Hertz's stiffness K = 3/2 k sqrt(overlap) and
+force F, the pressure's share included (Born and Huang 1954). Waves along a row of discs are
+longitudinal or transverse. All wavelengths swing at once in one periodic crystal; an amplitude a(t)
+obeys a(t + s) + a(t - s) = 2 cos(omega s) a(t), which a line fits.
 
-Tolerances. Verlet with the step h has the frequency 2 / h arcsin(omega h / 2), so is too high by about (omega h)^2 / 24 of it; amplitudes are 1e-4 of the overlap, so that a wave changes overlaps by
-4e-4 at most and its frequency by the square of that; rounding of positions is 1e-8 of the amplitudes: 1e-6 in all beside Verlet's error. Speeds are those of the longest wave, whose dispersion is below (k a)^2 / 12. The order in the step is 2, to
-log2(1 + (omega h)^2) = 0.1 at omega h = 0.3.
+Tolerances. Verlet with the step h has the frequency 2 / h arcsin(omega h / 2), so is too high by
+about (omega h)^2 / 24 of it; amplitudes are 1e-4 of the overlap, so that a wave changes overlaps by
+4e-4 at most and its frequency by the square of that; rounding of positions is 1e-8 of the
+amplitudes: 1e-6 in all beside Verlet's error. Speeds are those of the longest wave, whose
+dispersion is below (k a)^2 / 12. The order in the step is 2, to log2(1 + (omega h)^2) = 0.1 at
+omega h = 0.3.
 """
 
 import numpy as np
 
 import dem
 from studies.verification.gas import elastic
-from studies.verification.row import Row, named
+from studies.verification.row import Row
 
 TITLE = "Sound through a crystal"
 SOURCE = "Born and Huang 1954"
+AXES = {"xlabel": "Wave number times spacing (rad)", "ylabel": "Frequency (rad/s)"}
 
 COLUMNS, LINES, SPACING = 32, 6, 1e-3  # m
 OVERLAP, AMPLITUDE = 1e-3, 1e-7  # over the spacing
@@ -60,25 +66,23 @@ def measure() -> list[Row]:
     fine, coarse = (frequencies(scene, place, wave, each) for each in (step, 2.0 * step))
     off = np.arcsin(0.5 * step * expected) / (0.5 * step * expected) - 1.0 + 1e-6
     rows = [
-        Row(f"{way} frequency", "rad/s", fine[a, k], expected[a, k], off[a, k] * expected[a, k], wave[k] * SPACING)
+        Row(
+            f"{way} frequency",
+            "rad/s",
+            fine[a, k],
+            expected[a, k],
+            off[a, k] * expected[a, k],
+            wave[k] * SPACING,
+        )
         for a, way in enumerate(WAYS)
         for k in range(len(wave))
-    ]  # fmt: skip
+    ]
     small = 1e-3 / SPACING
     for a, way in enumerate(WAYS):
         speed, slow = fine[a, 0] / wave[0], exact(np.array([small]), scene.mass[0])[a, 0] / small
-        dispersion = (wave[0] * SPACING) ** 2 / 12.0  # leaves out less than this at the longest wavelength
+        dispersion = (
+            wave[0] * SPACING
+        ) ** 2 / 12.0  # leaves out less than this at the longest wavelength
         rows.append(Row(f"{way} speed of sound", "m/s", speed, slow, dispersion * slow))
     order = np.log2((coarse - expected)[0, -1] / (fine - expected)[0, -1])
     return rows + [Row("order in the step", "1", order, 2.0, 0.1)]
-
-
-def plot(axes, rows) -> None:
-    for way, mark in zip(WAYS, "os", strict=True):
-        found = named(rows, f"{way} frequency")
-        x = [row.x for row in found]
-        axes.plot(x, [1e-3 * row.expected for row in found], color="0.5")
-        axes.plot(x, [1e-3 * row.value for row in found], "k" + mark, markerfacecolor="white", label=way)
-    axes.set_xlabel("Wave number times spacing (rad)")
-    axes.set_ylabel("Frequency (rad/ms)")
-    axes.legend()

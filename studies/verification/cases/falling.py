@@ -1,14 +1,15 @@
 """Does a granule fall and bounce as it should?
 
 Dropped from a height h above a floor, it meets the floor with sqrt(2 g h), is pressed in by d with
-2/5 k d^(5/2) = m g (h + d) if it is elastic, and rises to h e^(2 n) after n bounces. MFiX has both with a linear
-spring; here it is Hertz's. A sphere in planar motion; nothing differs in two dimensions.
+2/5 k d^(5/2) = m g (h + d) if it is elastic, and rises to h e^(2 n) after n bounces. MFiX has both
+with a linear spring; here it is Hertz's. A sphere in planar motion; nothing differs in two
+dimensions.
 
-Tolerance: free fall is exact for the integrator, to rounding. A bounce changes e by `within`, so the n-th height
-by 2 n times that over e; besides, gravity acts during the contact: a share 2 g d / (e v)^2 of the energy of each bounce,
-with its own d and v. The
-frames miss a peak by at most g / 8 of their time squared. The greatest overlap: SAMPLED.
-The first run took the share of gravity of the last bounce for all; it passed, with a useless tolerance.
+Tolerance: free fall is exact for the integrator, to rounding. A bounce changes e by `within`, so
+the n-th height by 2 n times that over e; besides, gravity acts during the contact: a share 2 g d /
+(e v)^2 of the energy of each bounce, with its own d and v. The frames miss a peak by at most g / 8
+of their time squared. The greatest overlap: SAMPLED. The first run took the share of gravity of the
+last bounce for all; it passed, with a useless tolerance.
 """
 
 import math
@@ -17,11 +18,17 @@ import numpy as np
 from scipy.optimize import brentq
 
 import dem
-from studies.verification.row import Row, draw
+from studies.verification.row import Row
 from studies.verification.scenes import FINE, FRAMES, SAMPLED, G, Sphere, impact, scene, within
 
 TITLE = "Fall and bounces"
 SOURCE = "MFiX verification manual, DEM01 and DEM02"
+AXES = {
+    "xlabel": "Bounce",
+    "ylabel": "Height over the first",
+    "yscale": "log",
+    "xticks": (1, 2, 3, 4),
+}
 RADIUS, HEIGHT = 5e-3, 0.05  # m
 BOUNCES = 4
 RESTITUTIONS = (0.5, 0.7, 0.9, 1.0)
@@ -69,8 +76,3 @@ def bounced(e: float):
         found = height[(run.time > ends[n - 1]) & (run.time < ends[n])].max() / HEIGHT
         right = e ** (2 * n)
         yield Row(f"{HEIGHTS} {e:g}", "1", found, right, share * right + peak, n)
-
-
-def plot(axes, rows: list[Row]) -> None:
-    labels = {f"{HEIGHTS} {e:g}": f"restitution {e:g}" for e in RESTITUTIONS}
-    draw(axes, rows, labels, "Bounce", "Height over the first", yscale="log", xticks=(1, 2, 3, 4))

@@ -1,19 +1,24 @@
 """Do elastic dumbbells share their energy equally among x, y and rotation, and keep it?
 
-Exact: equipartition. All N dumbbells start with velocities along x alone. Without total momentum there are N - 1, N - 1 and N degrees of freedom, each with the same mean
-kinetic energy in the end. The total energy is constant.
+Exact: equipartition. All N dumbbells start with velocities along x alone. Without total momentum
+there are N - 1, N - 1 and N degrees of freedom, each with the same mean kinetic energy in the end.
+The total energy is constant.
 
-Tolerances. Shares: four standard errors by ten blocks. Energy: an elastic collision at the default step, 0.5 of the bound, changes its energy by 1 % at most, with order 2.5
-in the step (docs/tutorials/library.md, docs/results/accuracy.md), so by 1 % (0.05 / 0.5)^2.5 = 3e-5 at 0.05. There gains and losses of independent collisions make a random walk: C collisions of each of N
-granules change the energy by sqrt(2 C / N) of that, times four. Enskog's rate at a packing fraction of 0.3 is 2.4 per flight over a diameter, times 1.4 for the outline of a dumbbell: C = 670 in
-200 flights. At the default step errors add up, as documented: C 1 % is the most, with C = 34 in 10 flights. (Softer dumbbells stop there: one moves too far between two neighbour lists.)
+Tolerances. Shares: four standard errors by ten blocks. Energy: an elastic collision at the default
+step, 0.5 of the bound, changes its energy by 1 % at most, with order 2.5 in the step
+(docs/tutorials/library.md, docs/results/accuracy.md), so by 1 % (0.05 / 0.5)^2.5 = 3e-5 at 0.05.
+There gains and losses of independent collisions make a random walk: C collisions of each of N
+granules change the energy by sqrt(2 C / N) of that, times four. Enskog's rate at a packing fraction
+of 0.3 is 2.4 per flight over a diameter, times 1.4 for the outline of a dumbbell: C = 670 in 200
+flights. At the default step errors add up, as documented: C 1 % is the most, with C = 34 in 10
+flights. (Softer dumbbells stop there: one moves too far between two neighbour lists.)
 """
 
 import numpy as np
 
 import dem
 from studies.verification.gas import DIAMETER, FLIGHT, blocks, gas, thermal
-from studies.verification.row import Row, named
+from studies.verification.row import Row
 
 TITLE = "Energy of a gas of dumbbells"
 SOURCE = "equipartition"
@@ -52,14 +57,3 @@ def measure() -> list[Row]:
         Row("change of energy, default step", "1", rough, 0.0, 10.0 * COLLISIONS * WORST),
     ]
     return rows
-
-
-def plot(axes, rows) -> None:
-    found = [named(rows, f"share of {way}")[0] for way in WAYS]
-    x = range(len(WAYS))
-    axes.errorbar(x, [row.value for row in found], [row.tolerance for row in found], fmt="ko", markerfacecolor="white",
-                  capsize=3, label="dumbbells, bars: tolerance")  # fmt: skip
-    axes.plot(x, [row.expected for row in found], "_", color="0.5", markersize=30, label="equipartition")
-    axes.set_xticks(x, WAYS)
-    axes.set(xlim=(-0.5, 2.5), xlabel="Motion", ylabel="Share of the kinetic energy")
-    axes.legend()

@@ -1,21 +1,27 @@
 """Which pressure has a gas of elastic discs?
 
-Published: Henderson (1975, Mol. Phys. 30, 971) for hard discs of packing fraction phi, Z = P A / (N T) = (1 + phi^2/8) / (1 - phi)^2. Discs of the package are soft. The virial theorem
-gives Z = 1 + sum(F r) / 2K in two dimensions, K the kinetic energy; Z is measured at a typical overlap of 1 % and 2 % of the diameter and continued to 0 by a straight line.
+Published: Henderson (1975, Mol. Phys. 30, 971) for hard discs of packing fraction phi, Z = P A / (N
+T) = (1 + phi^2/8) / (1 - phi)^2. Discs of the package are soft. The virial theorem gives Z = 1 +
+sum(F r) / 2K in two dimensions, K the kinetic energy; Z is measured at a typical overlap of 1 % and
+2 % of the diameter and continued to 0 by a straight line.
 
-Tolerances. Four standard errors by ten blocks, and what is known of the formula and of the line: Henderson's formula is within 0.1 % at phi = 0.3 and 0.5 % at 0.5 of the virial series; a line leaves out
-2 (2.6 s dlnZ/dlnphi)^2 for the softness s = 0.01, as a soft disc of temperature T is a hard one smaller by 1.3 s (Barker and Henderson): 0.1 % and 0.6 %; numbers of 1/N for N = 1024 discs, 0.1 %.
-Together 0.3 % and 1.2 % of Z. The step is 0.2 of the bound: Z takes the temperature that there is, and energy drifts by less than 1 %.
+Tolerances. Four standard errors by ten blocks, and what is known of the formula and of the line:
+Henderson's formula is within 0.1 % at phi = 0.3 and 0.5 % at 0.5 of the virial series; a line
+leaves out 2 (2.6 s dlnZ/dlnphi)^2 for the softness s = 0.01, as a soft disc of temperature T is a
+hard one smaller by 1.3 s (Barker and Henderson): 0.1 % and 0.6 %; numbers of 1/N for N = 1024
+discs, 0.1 %. Together 0.3 % and 1.2 % of Z. The step is 0.2 of the bound: Z takes the temperature
+that there is, and energy drifts by less than 1 %.
 """
 
 import numpy as np
 
 import dem
 from studies.verification.gas import DIAMETER, FLIGHT, blocks, gas, thermal
-from studies.verification.row import Row, named
+from studies.verification.row import Row
 
 TITLE = "Pressure of a gas of discs"
 SOURCE = "Henderson 1975"
+AXES = {"xlabel": "Packing fraction", "ylabel": "Pressure over that of an ideal gas"}
 
 DISCS, MIXING, SAMPLES = 1024, 10.0, 2000  # MIXING: flights
 SYSTEMATIC = {0.3: 0.003, 0.5: 0.012}  # of Z, by packing fraction
@@ -50,14 +56,3 @@ def measure() -> list[Row]:
             Row("compressibility of rigid discs", "1", value, expected, tolerance, fraction),
         ]
     return rows
-
-
-def plot(axes, rows) -> None:
-    x = np.linspace(0.0, 0.6, 50)
-    axes.plot(x, henderson(x), color="0.5", label="Henderson")
-    found = named(rows, "compressibility of rigid discs")
-    axes.errorbar([row.x for row in found], [row.value for row in found], [row.tolerance for row in found], fmt="ko",
-                  markerfacecolor="white", capsize=3, label="discs, bars: tolerance")  # fmt: skip
-    axes.set_xlabel("Packing fraction")
-    axes.set_ylabel("Pressure over that of an ideal gas")
-    axes.legend()

@@ -1,20 +1,23 @@
 """Does a granule on an incline roll where it should, and slide where it must?
 
-With c = 1 + m r^2 / I (3 for discs, 3.5 for spheres) a granule at rest on an incline rolls up to tan(angle) = c mu, with
-the acceleration (1 - 1 / c) g sin(angle), and beyond it slides with g (sin - mu cos), at c mu / tan of the spin that
-rolling needs. In two dimensions c is that of discs; spheres in planar motion have that of three dimensions.
+With c = 1 + m r^2 / I (3 for discs, 3.5 for spheres) a granule at rest on an incline rolls up to
+tan(angle) = c mu, with the acceleration (1 - 1 / c) g sin(angle), and beyond it slides with g (sin
+- mu cos), at c mu / tan of the spin that rolling needs. In two dimensions c is that of discs;
+spheres in planar motion have that of three dimensions.
 
-Tolerance: the lever is shorter than the radius by half of the overlap d: 2 d / r in c, 4 d / r allowed.
+Tolerance: the lever is shorter than the radius by half of the overlap d: 2 d / r in c, 4 d / r
+allowed.
 """
 
 import math
 
 import dem
-from studies.verification.row import Row, draw
+from studies.verification.row import Row
 from studies.verification.scenes import RATIO, G, Sphere, hertz, scene
 
 TITLE = "A granule on an incline"
 SOURCE = "mechanics of a rigid body; Walton (1993)"
+AXES = {"xlabel": "tan(angle) over the limit of rolling", "ylabel": "Over g sin(angle)"}
 RADIUS, FRICTION = 1e-3, 0.3
 MATERIAL = dem.Material(2500.0, 1e8)
 SLOPES = (0.3, 0.7, 0.95, 1.05, 1.5, 2.5)  # tan(angle) over c mu
@@ -39,9 +42,3 @@ def released(kind, slope: float):
     name, near = kind.__name__.lower(), 4.0 * overlap / RADIUS
     yield Row(f"{name}: acceleration over g sin", "1", gains, 1.0 - held, near, slope)
     yield Row(f"{name}: r spin-up over g sin", "1", spins, (ratio - 1.0) * held, near, slope)
-
-
-def plot(axes, rows: list[Row]) -> None:
-    labels = {row.name: row.name for row in rows}
-    words = "tan(angle) over the limit of rolling", "Over g sin(angle)"
-    draw(axes, rows, labels, *words, ylim=(0.1, 1.4))

@@ -1,11 +1,14 @@
 """Which friction and packing fraction has a sheared bed of discs?
 
-Published: da Cruz, Emam, Prochnow, Roux and Chevoir (2005, Phys. Rev. E 72, 021309) for a friction of 0.4 between discs: mu = 0.25 + 1.1 I and phi = 0.81 - 0.3 I, for inertial numbers I of about 0.01 to 0.1.
-Nothing runs here: the flows are those of studies/shear/shear.nc, with their restitution (0.1), spread of diameters (20 %) and definition of I, measured in the middle half of the height.
+Published: da Cruz, Emam, Prochnow, Roux and Chevoir (2005, Phys. Rev. E 72, 021309) for a friction
+of 0.4 between discs: mu = 0.25 + 1.1 I and phi = 0.81 - 0.3 I, for inertial numbers I of about 0.01
+to 0.1. Nothing runs here: the flows are those of studies/shear/shear.nc, with their restitution
+(0.1), spread of diameters (20 %) and definition of I, measured in the middle half of the height.
 Ours are smaller (12 by 17 diameters) and have Hertzian contacts.
 
-Tolerances. Half of a 95 % interval over runs, by Student's t, and the last digits of what is published: 0.005 + 0.05 I of either. The mean excess over the three numbers
-averages errors of its own: a third of the root of their squares, and the mean of the last digits.
+Tolerances. Half of a 95 % interval over runs, by Student's t, and the last digits of what is
+published: 0.005 + 0.05 I of either. The mean excess over the three numbers averages errors of its
+own: a third of the root of their squares, and the mean of the last digits.
 """
 
 import numpy as np
@@ -13,10 +16,11 @@ import xarray as xr
 
 from dem.analysis.shear import rheology
 from studies import HERE
-from studies.verification.row import Row, named
+from studies.verification.row import Row
 
 TITLE = "Friction and packing fraction in shear"
 SOURCE = "da Cruz and others 2005"
+AXES = {"xlabel": "Inertial number", "ylabel": "Friction, packing fraction", "xscale": "log"}
 
 FILE = HERE / "shear/shear.nc"
 FRICTION = ("0.4",)  # between granules
@@ -37,7 +41,7 @@ def measure() -> list[Row]:
             tolerance = each[2] - each[0] + _digits(number)
             rows.append(Row(name, "1", each[0], expected, tolerance, number))
     for name in (MU, PHI):
-        of = named(rows, name)
+        of = [row for row in rows if row.name == name]
         digits = np.array([_digits(row.x) for row in of])
         errors = np.array([row.tolerance for row in of]) - digits
         excess = np.mean([row.value - row.expected for row in of])
@@ -49,17 +53,3 @@ def measure() -> list[Row]:
 def _digits(number: float) -> float:
     """What the published coefficients leave open."""
     return 0.005 + 0.05 * number
-
-
-def plot(axes, rows) -> None:
-    x = np.geomspace(LOW, HIGH, 30)
-    axes.semilogx(x, 0.25 + 1.1 * x, color="0.5", label="friction, da Cruz and others")
-    axes.semilogx(x, 0.81 - 0.3 * x, color="0.5", linestyle="--", label="packing fraction, da Cruz and others")
-    for name, mark in ((MU, "ko"), (PHI, "ks")):
-        found = named(rows, name)
-        axes.errorbar([row.x for row in found], [row.value for row in found], [row.tolerance for row in found],
-                      fmt=mark, markerfacecolor="white", capsize=3, label=f"{name}, bars: tolerance")  # fmt: skip
-    axes.set_xlabel("Inertial number")
-    axes.set_ylabel("Friction, packing fraction")
-    axes.set_ylim(0.0, 1.0)
-    axes.legend(fontsize=8, loc="center right")

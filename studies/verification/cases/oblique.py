@@ -1,16 +1,19 @@
 """What do oblique impacts with friction return, from sticking to gross sliding?
 
-Where v_t / v_n exceeds c mu (1 + e), with c = 1 + m r^2 / I (3 for discs, 3.5 for spheres), the granule slides all the
-time (Walton 1993): the tangential impulse is mu times the normal one, m (1 + e) v_n, and the spin is its moment. Below
-it the differential equation of the documented law says what returns. Spheres in planar motion have the values of
-Chung and Ooi's tests 4 (aluminium oxide, 3.9 m/s at 5 to 85 degrees, mu 0.092, e 0.98) and 5 (steel, v_n 5 m/s, mu 0.3,
-e 1), as other codes repeat them (Yade, PySPH), and MFiX's DEM05 is test 4 with a linear spring; discs have e 0.7.
-All is in units of mu (1 + e) v_n, so that sliding gives 1. Some impacts are 2 % beside the limit of gross sliding.
-Two discs that meet beside each other's centres keep their angular momentum, because both feel the force at one point.
+Where v_t / v_n exceeds c mu (1 + e), with c = 1 + m r^2 / I (3 for discs, 3.5 for spheres), the
+granule slides all the time (Walton 1993): the tangential impulse is mu times the normal one, m (1 +
+e) v_n, and the spin is its moment. Below it the differential equation of the documented law says
+what returns. Spheres in planar motion have the values of Chung and Ooi's tests 4 (aluminium oxide,
+3.9 m/s at 5 to 85 degrees, mu 0.092, e 0.98) and 5 (steel, v_n 5 m/s, mu 0.3, e 1), as other codes
+repeat them (Yade, PySPH), and MFiX's DEM05 is test 4 with a linear spring; discs have e 0.7. All is
+in units of mu (1 + e) v_n, so that sliding gives 1. Some impacts are 2 % beside the limit of gross
+sliding. Two discs that meet beside each other's centres keep their angular momentum, because both
+feel the force at one point.
 
-Tolerance: sliding is exact but for e (`within`) and half of the overlap over the radius in the lever. Below
-it the rim swings with up to 1.7 times the rate of the normal motion: at a hundred steps an impact the phase is late
-by (1.7 pi / 100)^2 / 24 of some 5 rad, 6e-4, and 1e-3 of v_t is allowed besides. Angular momentum is kept to rounding.
+Tolerance: sliding is exact but for e (`within`) and half of the overlap over the radius in the
+lever. Below it the rim swings with up to 1.7 times the rate of the normal motion: at a hundred
+steps an impact the phase is late by (1.7 pi / 100)^2 / 24 of some 5 rad, 6e-4, and 1e-3 of v_t is
+allowed besides. Angular momentum is kept to rounding.
 """
 
 import math
@@ -19,11 +22,17 @@ import numpy as np
 
 import dem
 from studies.verification.contact_law import Contact, damping_ratio
-from studies.verification.row import Row, draw
+from studies.verification.row import Row
 from studies.verification.scenes import RATIO, Sphere, mindlin, on_floor, scene, within
 
 TITLE = "Oblique impact with friction"
 SOURCE = "Walton (1993); MFiX DEM05; Chung and Ooi (2011), tests 4 and 5; own ODE"
+AXES = {
+    "xlabel": "v_t / v_n over the limit of sliding",
+    "ylabel": "Tangential impulse\nover mu times normal",
+    "xscale": "log",
+}
+DRAWN = ": impulse"  # rows of the figure
 OXIDE = (4000.0, 3.8e11, 0.23, 0.98)
 STEEL = (7850.0, 2.08e11, 0.30, 1.0)
 BESIDE = (0.98, 1.02)  # of the limit of sliding
@@ -68,9 +77,14 @@ def returned(name, kind, radius, material, friction, velocities):
         impulse, spin, tolerance = 1.0, 1.0 - ratio, near + 0.5 * scales.overlap / radius
         if along / unit < ratio:
             law = Contact(
-                mass, mass * radius**2 / (ratio - 1.0), radius, scales.stiffness,
-                mindlin(made, 1, radius), damping_ratio(e), friction,
-            )  # fmt: skip
+                mass,
+                mass * radius**2 / (ratio - 1.0),
+                radius,
+                scales.stiffness,
+                mindlin(made, 1, radius),
+                damping_ratio(e),
+                friction,
+            )
             after, _, spins = law.collide((along, down), 0.0)
             impulse, spin = (along - after) / unit, spins * radius / unit
             tolerance = near + 1e-3 * max(1.0, along / unit)
@@ -79,9 +93,3 @@ def returned(name, kind, radius, material, friction, velocities):
         yield Row(f"{name}: impulse", "1", value, impulse, tolerance, x)
         value = run.angular_velocity[-1, 0] * radius / unit
         yield Row(f"{name}: spin", "1", value, spin, (ratio - 1.0) * tolerance, x)
-
-
-def plot(axes, rows: list[Row]) -> None:
-    labels = {f"{each[0]}: impulse": each[0] for each in impacts()}
-    words = "v_t / v_n over the limit of sliding", "Tangential impulse\nover mu times normal"
-    draw(axes, rows, labels, *words, xscale="log")

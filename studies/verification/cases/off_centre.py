@@ -1,13 +1,14 @@
 """What returns where a granule is hit off its centre?
 
-A dumbbell and an ellipse fall on a smooth rigid floor at an angle. The normal force passes the centre at a distance q, so
-the mass that resists is m_c = m / (1 + m q^2 / I): the impulse is (1 + e_c) m_c v, the spin q times it over I. If the
-contact is elastic, e_c = 1. The dashpot of the documented law has the whole mass in it, so that its damping ratio is
-sqrt(m / m_c) times that of a central impact, and e_c follows by the formula for such a contact. The granule is of two
-dimensions; no published case has one that is not round.
+A dumbbell and an ellipse fall on a smooth rigid floor at an angle. The normal force passes the
+centre at a distance q, so the mass that resists is m_c = m / (1 + m q^2 / I): the impulse is (1 +
+e_c) m_c v, the spin q times it over I. If the contact is elastic, e_c = 1. The dashpot of the
+documented law has the whole mass in it, so that its damping ratio is sqrt(m / m_c) times that of a
+central impact, and e_c follows by the formula for such a contact. The granule is of two dimensions;
+no published case has one that is not round.
 
-Tolerance: the granule turns during the contact by up to the spin times its duration, and q with it: twice that
-turn. The restitution as `within`, by the smaller mass.
+Tolerance: the granule turns during the contact by up to the spin times its duration, and q with it:
+twice that turn. The restitution as `within`, by the smaller mass.
 """
 
 import itertools
@@ -15,11 +16,16 @@ import math
 
 import dem
 from studies.verification.contact_law import damping_ratio, restitution
-from studies.verification.row import Row, draw
+from studies.verification.row import Row
 from studies.verification.scenes import FINE, impact, scene, within
 
 TITLE = "Impact off the centre"
 SOURCE = "impulse of a rigid body; Schwager and Poeschel (2007)"
+AXES = {
+    "xlabel": "Angle of the long axis to the floor (degrees)",
+    "ylabel": "Velocity afterwards\nover that before",
+}
+DRAWN = ": velocity over before"  # rows of the figure
 LENGTH, SPEED = 1e-3, 0.01  # m, m/s
 ANGLES = (15.0, 30.0, 45.0, 60.0, 75.0, 90.0)  # degrees
 
@@ -57,10 +63,3 @@ def fallen(shape, e: float, angle: float):
     yield Row(f"{name}: velocity over before", "1", value, right, near, angle)
     value, unit = run.angular_velocity[-1, 0], SPEED / LENGTH
     yield Row(f"{name}: spin", "rad/s", value, -lever * impulse / inertia, near * unit, angle)
-
-
-def plot(axes, rows: list[Row]) -> None:
-    names = [name for name in dict.fromkeys(row.name for row in rows) if "velocity" in name]
-    labels = {name: name.partition(":")[0] for name in names}
-    words = "Angle of the long axis to the floor (degrees)", "Velocity afterwards\nover that before"
-    draw(axes, rows, labels, *words)

@@ -1,14 +1,17 @@
-"""Does a damped impact return the coefficient of restitution that was asked for, and at what order of the step?
+"""Does a damped impact return the coefficient of restitution that was asked for, and at what order
+of the step?
 
-The damping follows from the restitution by the closed form of Schwager and Poeschel (2007) for a contact that never
-pulls, so that e comes out at any speed: Chung and Ooi's test 3 (aluminium oxide, 3.9 m/s, a rigid plane) for e of 0.2
-to 1. The greatest overlap is exp(-(pi / 2 - psi) tan psi)^(4/5) of the elastic one, with sin psi the damping ratio. In the
-plane nothing changes, head-on.
+The damping follows from the restitution by the closed form of Schwager and Poeschel (2007) for a
+contact that never pulls, so that e comes out at any speed: Chung and Ooi's test 3 (aluminium oxide,
+3.9 m/s, a rigid plane) for e of 0.2 to 1. The greatest overlap is exp(-(pi / 2 - psi) tan
+psi)^(4/5) of the elastic one, with sin psi the damping ratio. In the plane nothing changes,
+head-on.
 
-Tolerance: `within`, at a tenth of the default step and at the default. It was corrected after a run: the first one, 2 % of e
-times (1/10)^(5/4), was exceeded for e of 0.2 to 0.6 by up to a half, and so was `within` with a wrong value of zeta(-1/4).
-The granule touches the plane at the start, the phase of the first step with the largest error. The order is the slope of the root-mean-square error over eight phases; the
-smooth part of the error is of order 2 and raises it: 5/4 with 1/4.
+Tolerance: `within`, at a tenth of the default step and at the default. It was corrected after a
+run: the first one, 2 % of e times (1/10)^(5/4), was exceeded for e of 0.2 to 0.6 by up to a half,
+and so was `within` with a wrong value of zeta(-1/4). The granule touches the plane at the start,
+the phase of the first step with the largest error. The order is the slope of the root-mean-square
+error over eight phases; the smooth part of the error is of order 2 and raises it: 5/4 with 1/4.
 """
 
 import math
@@ -17,11 +20,12 @@ import numpy as np
 
 import dem
 from studies.verification.contact_law import damping_ratio, depth
-from studies.verification.row import Row, named
+from studies.verification.row import Row
 from studies.verification.scenes import FINE, FRAMES, Sphere, on_floor, scene, within
 
 TITLE = "Restitution of damped impacts"
 SOURCE = "Schwager and Poeschel (2007); Chung and Ooi (2011), test 3"
+AXES = {"xlabel": "Coefficient of restitution", "ylabel": "Returned speed over that before"}
 RADIUS, SPEED = 0.0025, 3.9
 DEFAULT = 0.5  # step fraction
 FRACTIONS = (0.4, 0.2, 0.1, 0.05)
@@ -63,13 +67,3 @@ def order(e: float) -> Row:
         errors.append(math.sqrt(np.mean(np.square(found))))
     slope = np.polyfit(np.log(FRACTIONS), np.log(errors), 1)[0]
     return Row("order of its error in the step", "1", slope, 1.25, 0.25)
-
-
-def plot(axes, rows: list[Row]) -> None:
-    for name, marker in (("fine step", "o"), ("default step", "x")):
-        found = named(rows, f"restitution, {name}")
-        x, near = [row.x for row in found], [row.tolerance for row in found]
-        line = axes.plot(x, [abs(row.value - row.expected) for row in found], marker, label=name)[0]
-        axes.plot(x, near, "--", color=line.get_color(), linewidth=1.0, label="its tolerance")
-    axes.set(xlabel="Coefficient of restitution", ylabel="Error of what returns", yscale="log")
-    axes.legend(fontsize=8)

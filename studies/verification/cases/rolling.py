@@ -1,24 +1,27 @@
 """Does a granule that slips along a floor begin to roll when and as fast as it should?
 
-Thrown along a floor without spin, it slips under the force mu m g until its rim is at rest. With the ratio
-c = 1 + m r^2 / I (3 for discs, 3.5 for spheres) that takes v0 / (c mu g), and it then rolls at (c - 1) / c v0.
-In two dimensions: a disc keeps 2/3 of its velocity, a sphere 5/7; both are here.
+Thrown along a floor without spin, it slips under the force mu m g until its rim is at rest. With
+the ratio c = 1 + m r^2 / I (3 for discs, 3.5 for spheres) that takes v0 / (c mu g), and it then
+rolls at (c - 1) / c v0. In two dimensions: a disc keeps 2/3 of its velocity, a sphere 5/7; both are
+here.
 
 Force acts midway in the overlap d, at r - d / 2 from the centre, which is in c.
 
-Tolerance: of the speed, what still swings, 1e-6, and (d / r)^2. Of the time: the tangential spring is loaded within a slip
-of about mu d, and unloads within another, and two steps are its resolution: (4 mu d / v0 + 2 steps) over the time.
-The first run with this tolerance was too short: at frictions of 0.5 and 0.8 it ended while the contact still swung.
+Tolerance: of the speed, what still swings, 1e-6, and (d / r)^2. Of the time: the tangential spring
+is loaded within a slip of about mu d, and unloads within another, and two steps are its resolution:
+(4 mu d / v0 + 2 steps) over the time. The first run with this tolerance was too short: at frictions
+of 0.5 and 0.8 it ended while the contact still swung.
 """
 
 import numpy as np
 
 import dem
-from studies.verification.row import Row, draw
+from studies.verification.row import Row
 from studies.verification.scenes import RATIO, G, Sphere, hertz, scene
 
 TITLE = "Slip to roll on a floor"
 SOURCE = "MFiX verification manual, DEM04"
+AXES = {"xlabel": "Coefficient of friction", "ylabel": "Time, speed (scaled)"}
 RADIUS, SPEED = 1e-3, 0.05  # m, m/s
 MATERIAL = dem.Material(2500.0, 1e7)
 CALM = 0.006  # s, in which the contact swings to rest
@@ -46,8 +49,3 @@ def thrown(kind, friction: float):
     yield Row(f"{name}: time of slip", unit, lasts, 1.0 / ratio, late, friction)
     speed, near = run.velocity[-1, 0, 0] / SPEED, 1e-6 + near**2
     yield Row(f"{name}: speed of rolling", "v0", speed, 1.0 - 1.0 / ratio, near, friction)
-
-
-def plot(axes, rows: list[Row]) -> None:
-    labels = {row.name: row.name for row in rows}
-    draw(axes, rows, labels, "Coefficient of friction", "Time, speed (scaled)", ylim=(0.2, 1.3))

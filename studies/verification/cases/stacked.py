@@ -1,13 +1,14 @@
 """Are two stacked granules pressed between a floor and a lid as the balance of forces says?
 
-MFiX has two spheres of different density with linear springs; here one disc is larger, which makes it heavier, and the
-contacts are Hertz's. At rest the three forces k d^(3/2) differ by the weights, and the overlaps add up to what the
-lid takes away. On the way there the positions are those of the differential equation. The contacts never open, so that
-all is smooth and the order of the error in the step is 2.
+MFiX has two spheres of different density with linear springs; here one disc is larger, which makes
+it heavier, and the contacts are Hertz's. At rest the three forces k d^(3/2) differ by the weights,
+and the overlaps add up to what the lid takes away. On the way there the positions are those of the
+differential equation. The contacts never open, so that all is smooth and the order of the error in
+the step is 2.
 
-Tolerance: at rest that of rounding and of what still swings, 1e-6 of the force. The order is fitted at 128 to 512
-steps a swing, where the next term is of the order w step < 0.05 of the first, since a dashpot sees an extrapolated
-velocity: 0.1. An error: (w step)^2.
+Tolerance: at rest that of rounding and of what still swings, 1e-6 of the force. The order is fitted
+at 128 to 512 steps a swing, where the next term is of the order w step < 0.05 of the first, since a
+dashpot sees an extrapolated velocity: 0.1. An error: (w step)^2.
 """
 
 import math
@@ -17,13 +18,18 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import root
 
 import dem
-from dem.figures import style
 from studies.verification.contact_law import damping_ratio
-from studies.verification.row import Row, named
+from studies.verification.row import Row
 from studies.verification.scenes import FLOOR, G, hertz, scene
 
 TITLE = "Two granules pressed between walls"
 SOURCE = "MFiX verification manual, DEM03; own ODE"
+AXES = {
+    "xlabel": "Time step over the time of a swing",
+    "ylabel": "Error after a swing",
+    "xscale": "log",
+    "yscale": "log",
+}
 RADII = np.array([5e-3, 8e-3])
 MATERIAL = dem.Material(2500.0, 1e7, 0.22, 0.5)
 LID = 0.98 * 2.0 * RADII.sum()
@@ -63,15 +69,6 @@ def measure() -> list[Row]:
         y = dem.simulate(made, start, time, time_step=time / steps).position[-1, :, 1]
         error = np.abs(y - exact.y[:2, -1]).max() / rest[0]
         rows.append(Row(ERROR, "1", error, 0.0, (2.0 * math.pi / steps) ** 2, 1.0 / steps))
-    slope = -np.polyfit(np.log(STEPS), np.log([row.value for row in named(rows, ERROR)]), 1)[0]
+    errors = [row.value for row in rows[-len(STEPS) :]]
+    slope = -np.polyfit(np.log(STEPS), np.log(errors), 1)[0]
     return [*rows, Row("order of the error in the step", "1", slope, 2.0, 0.1)]
-
-
-def plot(axes, rows: list[Row]) -> None:
-    x, y = np.array([(row.x, row.value) for row in named(rows, ERROR)]).T
-    axes.loglog(x, y, "o", color="0.2", label=ERROR)
-    axes.loglog(x, y[-1] * (x / x[-1]) ** 2, "-", color="0.5", linewidth=1.0, label="order 2")
-    axes.set(xlabel="Time step over the time of a swing", ylabel="Error of a position")
-    for along in "xy":
-        style.logarithmic(axes, along)
-    axes.legend(fontsize=8)

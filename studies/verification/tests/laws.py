@@ -1,8 +1,9 @@
 """Which case notices which broken law?  python studies/verification/tests/laws.py [NUMBER ...]
 
-Each law is broken by one edit of a copy of the project, in which the cases of one contact then run. The script writes
-studies/verification/laws.json, which the page shows: by law and case how many numbers fail, or the error that ends
-the case. Kernels are compiled for each law: some two minutes of a processor each.
+Each law is broken by one edit of a copy of the project, in which the cases of one contact then run.
+The script writes studies/verification/laws.json, which the page shows: by law and case how many
+numbers fail, or the error that ends the case. Kernels are compiled for each law: some two minutes
+of a processor each.
 """
 
 import argparse
@@ -22,31 +23,110 @@ from docs.data.kernels import digest  # noqa: E402
 
 FILE = ROOT / "studies/verification/laws.json"
 CASES = (
-    "falling", "stacked", "rolling", "incline", "normal_impact", "restitution", "oblique", "spinning",
+    "falling",
+    "stacked",
+    "rolling",
+    "incline",
+    "normal_impact",
+    "restitution",
+    "oblique",
+    "spinning",
     "off_centre",
-)  # fmt: skip
+)
 LAW, LISTS = "contacts/force_law.py", "dynamics/neighbor_list.py"
 LAWS = (
-    Mutant(LAW, "friction of the wrong sign", "return spring * kept - stiffness", "return spring * kept + stiffness", "rolling"),
-    Mutant("contacts/response.py", "half of friction", "limit = friction.coefficient * normal", "limit = 0.5 * friction.coefficient * normal", "rolling"),
-    Mutant(LAW, "tangential spring not rescaled on unloading", "return spring * kept -", "return spring -", "oblique"),
-    Mutant(LAW, "damping by the formula of a contact that pulls", "-(math.pi - 2.0 * psi) * math.tan(psi)", "-math.pi * math.tan(psi)", "restitution"),
-    Mutant(LAW, "a contact that pulls at its end", "return max(elastic + damping * math.sqrt(sqrt_overlap) * rate, 0.0)", "return elastic + damping * math.sqrt(sqrt_overlap) * rate", "restitution"),
-    Mutant(LISTS, "mean of the radii for R*", "radius[i] * radius[j] / (radius[i] + radius[j])", "0.5 * (radius[i] + radius[j])", "normal_impact"),
-    Mutant(LISTS, "radius of the granule for R* at the cylinder", "return other * radius / (other + radius)", "return other", "spinning"),
-    Mutant("dynamics/assembly.py", "half of the mass in the dashpot", "mass=np.repeat(scene.mass, per)", "mass=0.5 * np.repeat(scene.mass, per)", "restitution"),
-    Mutant("dynamics/assembly.py", "half of the mass in motion", "inverse_mass, inverse_inertia = 1.0 / scene.mass,", "inverse_mass, inverse_inertia = 2.0 / scene.mass,", "normal_impact"),
-    Mutant("shapes/disc.py", "inertia of a sphere for discs", "return 0.5 * self.radius**2", "return 0.4 * self.radius**2", "rolling"),
-    Mutant("shapes/disc.py", "lever of the full radius between granules", "half = 0.5 * overlap", "half = 0.0 * overlap", "oblique"),
-    Mutant("contacts/blocks.py", "lever of the full radius at a wall", "n1 = reach - 0.5 * overlap", "n1 = reach - 0.0 * overlap", "rolling"),
-)  # fmt: skip
+    Mutant(
+        LAW,
+        "friction of the wrong sign",
+        "return spring * kept - stiffness",
+        "return spring * kept + stiffness",
+        "rolling",
+    ),
+    Mutant(
+        "contacts/response.py",
+        "half of friction",
+        "limit = friction.coefficient * normal",
+        "limit = 0.5 * friction.coefficient * normal",
+        "rolling",
+    ),
+    Mutant(
+        LAW,
+        "tangential spring not rescaled on unloading",
+        "return spring * kept -",
+        "return spring -",
+        "oblique",
+    ),
+    Mutant(
+        LAW,
+        "damping by the formula of a contact that pulls",
+        "-(math.pi - 2.0 * psi) * math.tan(psi)",
+        "-math.pi * math.tan(psi)",
+        "restitution",
+    ),
+    Mutant(
+        LAW,
+        "a contact that pulls at its end",
+        "return max(elastic + damping * math.sqrt(sqrt_overlap) * rate, 0.0)",
+        "return elastic + damping * math.sqrt(sqrt_overlap) * rate",
+        "restitution",
+    ),
+    Mutant(
+        LISTS,
+        "mean of the radii for R*",
+        "radius[i] * radius[j] / (radius[i] + radius[j])",
+        "0.5 * (radius[i] + radius[j])",
+        "normal_impact",
+    ),
+    Mutant(
+        LISTS,
+        "radius of the granule for R* at the cylinder",
+        "return other * radius / (other + radius)",
+        "return other",
+        "spinning",
+    ),
+    Mutant(
+        "dynamics/assembly.py",
+        "half of the mass in the dashpot",
+        "mass=np.repeat(scene.mass, per)",
+        "mass=0.5 * np.repeat(scene.mass, per)",
+        "restitution",
+    ),
+    Mutant(
+        "dynamics/assembly.py",
+        "half of the mass in motion",
+        "inverse_mass, inverse_inertia = 1.0 / scene.mass,",
+        "inverse_mass, inverse_inertia = 2.0 / scene.mass,",
+        "normal_impact",
+    ),
+    Mutant(
+        "shapes/disc.py",
+        "inertia of a sphere for discs",
+        "return 0.5 * self.radius**2",
+        "return 0.4 * self.radius**2",
+        "rolling",
+    ),
+    Mutant(
+        "shapes/disc.py",
+        "lever of the full radius between granules",
+        "half = 0.5 * overlap",
+        "half = 0.0 * overlap",
+        "oblique",
+    ),
+    Mutant(
+        "contacts/blocks.py",
+        "lever of the full radius at a wall",
+        "n1 = reach - 0.5 * overlap",
+        "n1 = reach - 0.0 * overlap",
+        "rolling",
+    ),
+)
 ASK = """
 import json, sys
-from studies.verification.measure import run
+from studies.verification.results import run
 found = {}
 for name in sys.argv[1:]:
     try:
-        found[name] = sum(not row.passed for row in run(name)[1])
+        found[name] = sum(not row.passed for row in run(name)[0])
     except Exception as error:
         found[name] = type(error).__name__
 print(json.dumps(found))
@@ -62,9 +142,12 @@ def notices(law: Mutant, *cases: str) -> dict[str, int | str]:
             "PYTHONPATH": str(copy),
         }
         ran = subprocess.run(
-            [sys.executable, "-P", "-c", ASK, *cases], cwd=copy, env=environment, capture_output=True,
+            [sys.executable, "-P", "-c", ASK, *cases],
+            cwd=copy,
+            env=environment,
+            capture_output=True,
             text=True,
-        )  # fmt: skip
+        )
         assert ran.returncode == 0, ran.stderr
         return json.loads(ran.stdout)
 

@@ -5,8 +5,8 @@ import pytest
 import xarray as xr
 from made import SMOKE, run_all
 
-from dem.sweep.campaign import Campaign
 from dem.sweep.config import parse
+from dem.sweep.state import SweepState
 from studies.accuracy.budget.findings import budget
 from studies.accuracy.budget.model import LEFT_OUT, PAPER, Model, Runs, Settings
 from studies.accuracy.budget.results import VARIABLES, make
@@ -200,7 +200,7 @@ def test_every_run_is_a_row_with_what_it_gave(tmp_path, monkeypatch):
         },
     }
     record = {"observables": ["drag"], "bins": 12}
-    work = Campaign(
+    work = SweepState(
         parse(
             {
                 "extends": str(SMOKE),
@@ -221,7 +221,7 @@ def test_every_run_is_a_row_with_what_it_gave(tmp_path, monkeypatch):
             "shape": str(own["run_shape"].values),
             "numerics_step_fraction": float(own["run_fraction"]),
         }
-        drags = xr.load_dataset(work.first(str(own["run_part"].values)))
+        drags = xr.load_dataset(work.combined(str(own["run_part"].values))[0])
         run = drags.sel({key: each for key, each in at.items() if key in drags.dims})
         inside = (run["displacement"] > drags.attrs["window_start"]) & (
             run["displacement"] < drags.attrs["window_stop"]

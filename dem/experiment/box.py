@@ -15,24 +15,24 @@ def sample_diameters(shape, spread: float, seed: int) -> np.ndarray:
     return shape.diameter * rng.uniform(1.0 - spread, 1.0 + spread, shape.granules)
 
 
-def height_of_box(configuration, diameters: np.ndarray | float, each: int = 1) -> float:
+def height_of_box(configuration, diameters: np.ndarray | float, count: int = 1) -> float:
     """Height (m) for granules of the sampled diameters, V_f = V_g / (W H - V_c) (equation 18).
 
-    each: how many granules there are of every diameter. Where packing.pressure is given, V_f is
+    count: how many granules there are of every diameter. Where packing.pressure is given, V_f is
     NOMINAL: the height by which the start of the cylinder is measured, near that of the bed.
     """
-    granules = 0.25 * math.pi * each * np.sum(np.square(diameters))
-    still = configuration.cylinder
-    cylinder = 0.25 * math.pi * still.diameter**2 if still else 0.0
+    granules = 0.25 * math.pi * count * np.sum(np.square(diameters))
+    cylinder = configuration.cylinder
+    area = 0.25 * math.pi * cylinder.diameter**2 if cylinder else 0.0
     fraction = configuration.packing.fraction or NOMINAL
-    return (granules / fraction + cylinder) / configuration.box_width
+    return (granules / fraction + area) / configuration.box_width
 
 
-def check_rooms(configuration, label: str, seeds) -> None:
+def check_room(configuration, label: str, *seeds: int) -> None:
     """Raise ValueError where cylinder or granules do not fit for one of the seeds.
 
-    What fits into the lowest box that could be, with the largest granule, fits for every seed:
-    only where it does not is each looked at.
+    What fits into the lowest box that could be, with the largest granule, fits for every seed: only
+    where it does not are the boxes of the seeds looked at.
     """
     shape, spread = configuration.shapes[label], configuration.packing.size_spread
     least, most = (shape.diameter * (1.0 + sign * spread) for sign in (-1.0, 1.0))
@@ -40,15 +40,8 @@ def check_rooms(configuration, label: str, seeds) -> None:
         _check_box(configuration, label, height_of_box(configuration, least, shape.granules), most)
     except ValueError:
         for seed in seeds:
-            check_room(configuration, label, seed)
-
-
-def check_room(configuration, label: str, seed: int) -> None:
-    """Raise ValueError where cylinder or granules of one seed do not fit into the box."""
-    diameters = sample_diameters(
-        configuration.shapes[label], configuration.packing.size_spread, seed
-    )
-    _check_box(configuration, label, height_of_box(configuration, diameters), diameters.max())
+            sizes = sample_diameters(shape, spread, seed)
+            _check_box(configuration, label, height_of_box(configuration, sizes), sizes.max())
 
 
 def _check_box(configuration, label: str, height: float, largest: float) -> None:
@@ -86,7 +79,8 @@ def _check_cylinder(configuration, height: float, where: str, turns: list[bool])
     for side, out in beyond.items():
         if out and not turns[1]:
             raise ValueError(
-                f"cylinder.start is {cylinder.start:g}: {where}, and the cylinder would begin {side}"
+                f"cylinder.start is {cylinder.start:g}: {where}, and the cylinder would begin "
+                f"{side}"
             )
     if top > height and not turns[1]:
         raise ValueError(

@@ -35,7 +35,8 @@ def checks(cases: dict[str, Case]) -> dict[str, Case]:
 
 
 def differences(case: Case, steps: tuple[int, ...]) -> np.ndarray:
-    """Greatest distance of a granule between the codes, over the mean radius, after `steps` each."""
+    """Greatest distance of a granule between the codes, over the mean radius, after `steps`
+    each."""
     scene, state, time_step = case
     ours = Simulation(scene, state, time_step)
     found, done = [], 0

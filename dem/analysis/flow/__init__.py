@@ -1,1 +1,0 @@
-"""How beds move: the motion of a replicate, measures of it, flow.nc."""

@@ -1,0 +1,312 @@
+"""State of a sweep: the files its blocks need, which exist, and how the others are made."""
+
+import json
+import math
+import os
+from collections.abc import Iterator
+from contextlib import suppress
+from functools import cached_property
+from itertools import takewhile
+from pathlib import Path
+
+import numpy as np
+
+from dem.base.errors import InputError
+from dem.base.files import Place, check_own
+from dem.base.yaml_file import read
+from dem.experiment.config import Replicate
+from dem.sweep.combined import combine_block, lost_runs, read_combined, refuse_foreign
+from dem.sweep.config import CONFIG, Sweep, file_of, load, parse, save
+from dem.sweep.expand import Block
+from dem.sweep.jobs import plan_batches
+from dem.sweep.precision import GridPoint, Numbers, counts
+from dem.sweep.store import FOLDER, Batch, Store
+from dem.sweep.workers import Workers, make_batches
+
+FASTEST = 0.1  # of the velocity of sound, beyond which a bed is shocked rather than sheared
+UNREAD = "batch", "figures", "results", "studies", "beside"  # nothing that is computed reads them
+
+
+class SweepState:
+    """A sweep and the store that holds its runs. Nothing is written before `begin`.
+
+    sweep: the configuration
+    store: where runs are
+    file:  what the sweep is known by; empty where it has none, None where nobody will ask
+    root:  folder that all paths of the sweep are in; the working folder if absent
+    notes: sentences to show in the end
+    """
+
+    def __init__(
+        self, sweep: Sweep, store: Store | None = None, file: str | None = None, root: Path = Path()
+    ):
+        self.sweep, self.file, self.root = sweep, file, Path(root)
+        self.store = store or Store(self.root / FOLDER)
+        self.notes: list[str] = []
+        self._rounds: dict[str, list[Block]] = {}  # of each block
+        self._plans: dict[tuple[str, int], list[Batch]] = {}  # by block and round
+        self._new: dict[str, list[Replicate]] = {}  # runs of batches whose plans are not written
+        self._numbers: dict[str, Numbers] = {}
+        self._ended: set[str] | None = None  # batches that `failed` has looked at
+        self._failed: set[str] = set()
+
+    @classmethod
+    def of(cls, path: Path, root: Path = Path()) -> "SweepState":
+        """The sweep of a file; a resolved configuration says its root itself."""
+        sweep = load(path)
+        resolved = f"{sweep.results}/{CONFIG}"
+        if str(path).endswith(f"/{resolved}"):
+            root = Path(str(path).removesuffix(resolved))
+        return cls(sweep, None, file_of(sweep, path), root)
+
+    @classmethod
+    def of_values(cls, values: dict, files: list, root: str = "") -> "SweepState":
+        """The sweep of the values that Snakemake has read of some files, and perhaps changed."""
+        names = [os.path.relpath(file) for file in files]
+        written = [read(Path(name)) for name in names]  # refuses what Snakemake reads otherwise
+        sweep = parse(values, ", ".join(names) or "the configuration")
+        return cls(sweep, None, file_of(sweep, names[0]) if written == [values] else "", root)
+
+    # Names of files
+
+    @property
+    def results(self) -> Path:
+        """Folder of results."""
+        return self.root / self.sweep.results
+
+    @cached_property
+    def folders(self) -> dict[str, str]:
+        """Block by the folder of its combined files, below the root."""
+        return {self.folder_of(name): name for name in self.sweep.blocks}
+
+    def folder_of(self, name: str) -> str:
+        """Folder of the combined files of a block, below the root."""
+        alone = list(self.sweep.blocks) == ["drag"]
+        return self.sweep.results if alone else f"{self.sweep.results}/{name}"
+
+    def observables(self, name: str) -> tuple[str, ...]:
+        """What the runs of a block record, each a combined file. Snapshots stay in the batches,
+        unless figures of beds by case can be drawn from them."""
+        block = self.block(name)
+        recorded = block.first.configuration.recorded
+        return tuple(each for each in recorded if each != "snapshots" or block.is_by_case)
+
+    def combined(self, name: str) -> list[Path]:
+        """The combined files of a block; the runs of the first one are compared."""
+        folder = self.root / self.folder_of(name)
+        return [folder / f"{observable}.nc" for observable in self.observables(name)]
+
+    def needed(self, name: str) -> list[Path]:
+        """Combined files of other blocks that the values of a block are derived from."""
+        return [path for other in self.sweep.needed(name) for path in self.combined(other)]
+
+    def is_known(self, name: str) -> bool:
+        """Whether all values of a block are known, because what they are derived from exists."""
+        return all(path.is_file() for path in self.needed(name))
+
+    # Runs, and replicates that are added until a mean is known well enough
+
+    def block(self, name: str, rounds: int | None = None) -> Block:
+        """All runs of a block; what is derived is as the file has it until it can be known.
+
+        rounds: of replicates after the first; if absent, all that the existing runs suffice for.
+        """
+        if name not in self._rounds:
+            if not self.is_known(name):
+                return self.sweep.block(name)
+            derived = None
+            if needed := self.needed(name):
+                from dem.sweep.derive import derived_by  # with xarray, which a plan does not need
+
+                derived = derived_by(self.sweep, needed)
+            self._rounds[name] = [self.sweep.block(name, derived)]
+            while self.grow(name):
+                pass
+        found = self._rounds[name]
+        return found[-1 if rounds is None else min(rounds, len(found) - 1)]
+
+    def grow(self, name: str) -> bool:
+        """Add a round to a block, where all its runs exist and it takes one."""
+        block = self._rounds[name][-1]
+        if block.until is None:
+            return False
+        values = self.values(block)
+        if any(len(values[place]) < count for place, count in block.counts.items()):
+            return False
+        every = np.concatenate(list(values.values()))
+        if np.isnan(every).sum() > self.sweep.failures * every.size:
+            return False  # more runs failed than may; combining says so
+        grown = counts(block.until, values, block.partners, len(self._rounds[name]))
+        if grown == block.counts:
+            return False
+        self._rounds[name].append(self.sweep.block(name, counts=grown))
+        return True
+
+    def rounds(self, name: str) -> Iterator[int]:
+        """The rounds of a block, one after another; each must be made before the next."""
+        if self.block(name).until:
+            for number, block in enumerate(self._rounds[name]):  # which grow meanwhile
+                yield number
+                if block is self._rounds[name][-1]:
+                    self.grow(name)
+
+    def values(self, block: Block) -> dict[GridPoint, np.ndarray]:
+        """What is wanted of the existing runs of a block, by place: one value a run, in the order
+        of the seeds, up to the first that does not exist."""
+        known = self.numbers(block.until.variable).of(block)
+        return {
+            place: np.array([known[run.id] for run in takewhile(lambda run: run.id in known, runs)])
+            for place, runs in block.replicates.items()
+        }
+
+    def numbers(self, variable: str) -> Numbers:
+        """What the runs of the store gave, by the name of a variable."""
+        return self._numbers.setdefault(variable, Numbers(self.store, variable))
+
+    def runs(self) -> set[str]:
+        """Identities of all runs, as far as they are known."""
+        return {run for name in self.sweep.blocks for run in self.block(name).points}
+
+    # Batches
+
+    def batches(self, name: str, rounds: int | None = None) -> list[Batch]:
+        """The batches that hold the runs of a block; in one process always the same.
+
+        rounds: as of `block`.
+        """
+        for path in self.needed(name):
+            if not path.is_file():
+                raise InputError(f"{path}: it is missing; the block {name} needs it first.")
+        for each in self.sweep.blocks:  # in one order, because blocks share runs
+            if each == name or self.is_known(each):
+                self.block(each)
+                for number, block in enumerate(self._rounds[each]):
+                    if (each, number) not in self._plans:
+                        planned = {b.id: b for batches in self._plans.values() for b in batches}
+                        known = (self.store.complete() | planned).values()
+                        self._plans[each, number], new = plan_batches(
+                            known, block.unique(), self.sweep.batch, self.sweep.results
+                        )
+                        self._new |= new
+        last = len(self._rounds[name]) - 1
+        return self._plans[name, last if rounds is None else min(rounds, last)]
+
+    def files(self, name: str) -> list[Path]:
+        """The files of the batches of a block."""
+        return [self.store.file_of(batch.id) for batch in self.batches(name)]
+
+    def begin(self, *names: str) -> str:
+        """Write what jobs read: the resolved configuration, whose path is returned, and what the
+        batches of some blocks are to make."""
+        path = self.results / CONFIG
+        save(self.sweep, path, self.file or "")  # first, so that pruning knows what is needed
+        for name in names:
+            self.batches(name)
+            for number in range(len(self._rounds[name])):
+                for batch in self._plans[name, number]:  # some may be planned for another block
+                    if batch.id in self._new:
+                        self.store.write_plan(batch, self.sweep.results, self._new.pop(batch.id))
+        return str(path)
+
+    def counts(self) -> tuple[int, int]:
+        """How many runs exist, also of batches that have not ended, and how many the sweep has."""
+        wanted = self.runs()
+        complete = {run for batch in self.store.complete().values() for run in batch.runs}
+        kept = [run for run in wanted - complete if self.store.run_of(run).is_file()]
+        return len(wanted & complete) + len(kept), len(wanted)
+
+    def failed(self) -> int:
+        """How many runs failed in batches that ended since this was first asked. Each file is read
+        once, and none that existed before: reading takes a hundredth of a second."""
+        complete = self.store.complete().keys()
+        if self._ended is None:
+            self._ended = set(complete)
+        for batch in complete - self._ended:
+            self._ended.add(batch)
+            with suppress(InputError, OSError):  # a damaged file is said by who needs it
+                self._failed |= self.store.failed(batch)
+        return len(self._failed & self.runs())
+
+    # All of it
+
+    def check(self) -> list[str]:
+        """Raise InputError where a file that the sweep writes is a link or of another kind, or
+        where the folder holds another sweep. Returns warnings: of a new store, of a cylinder that
+        is too fast, and of runs that will be gone."""
+        check_own(Place("the file to write", self.results / CONFIG))
+        warnings = [*self._new_store(), *self._fast_cylinder()]
+        for name in self.sweep.blocks:
+            for number, path in enumerate(self.combined(name)):
+                check_own(Place("the file to write", path))
+                combined = read_combined(path)
+                refuse_foreign(path, combined, self.sweep, self.file)
+                if number == 0 and not self.sweep.needed(name):
+                    warnings += lost_runs(path, combined, self.block(name).points)
+        return warnings
+
+    def _new_store(self) -> Iterator[str]:
+        """A warning where the sweep begins a store, because another folder has none of its runs."""
+        if self.store.is_there() or not self.file:
+            return
+        words = f"{self.store.folder.absolute()}: this store of runs is new, and has none yet"
+        for folder in Path(self.file).resolve().parents:
+            if (folder / FOLDER).is_dir():
+                yield f"{words}; to use the runs of {folder / FOLDER}, start in {folder}."
+                return
+        yield f"{words}; sweeps that are started in this folder share it."
+
+    def _fast_cylinder(self) -> Iterator[str]:
+        """A warning of the fastest run, where another unit was probably meant: mm/s for m/s, MPa
+        for Pa."""
+        velocities = {}  # by Mach number
+        for run in (run for name in self.sweep.blocks for run in self.block(name).unique()):
+            own = run.configuration
+            if own.experiment == "drag":
+                sound = math.sqrt(own.material.young_modulus / run.density)
+                velocities[own.cylinder.velocity / sound] = own.cylinder.velocity, sound
+        share = max(velocities, default=0.0)
+        if share > FASTEST:
+            velocity, sound = velocities[share]
+            yield (
+                f"Warning: cylinder.velocity is {velocity:g} m/s, {share:.2g} of the velocity of "
+                f"sound in a granule, sqrt(material.young_modulus / density) = {sound:.4g} m/s; it "
+                f"should be below {FASTEST:g}. Are all values in SI units?"
+            )
+
+    def retry(self) -> int:
+        """Let the failed runs be made again; returns how many there are."""
+        from dem.sweep.batch import retry  # with the kernels
+
+        known = [name for name in self.sweep.blocks if self.is_known(name)]
+        self.begin(*known)
+        batches = dict.fromkeys(batch.id for name in known for batch in self.batches(name))
+        return sum(retry(self.store, batch, self.store.replicates(batch)) for batch in batches)
+
+    def make(self, workers: Workers, progress=lambda done, failed, compiles: None) -> None:
+        """Make all that does not exist yet, on some workers; raises RunError.
+
+        progress is called with how many runs exist, how many of the new ones failed, and whether
+        any process compiles.
+        """
+        for name in self.sweep.blocks:  # a block comes after those that it needs
+            while True:
+                self.begin(name)
+                new = [b for b in self.batches(name) if not self.store.file_of(b.id).is_file()]
+                kept = sum(self.store.run_of(run).is_file() for batch in new for run in batch.runs)
+                before = self.counts()[0] - kept
+                make_batches(
+                    self.store, new, workers, lambda n, *more, n0=before: progress(n0 + n, *more)
+                )
+                self._plans.clear()  # some runs may have been put into batches of their own
+                self._new.clear()
+                if not self.grow(name):
+                    break
+            for observable, path in zip(self.observables(name), self.combined(name), strict=True):
+                combine_block(self, name, observable, path)
+
+    def text(self, name: str | None = None, *without: str) -> str:
+        """What is computed of the runs of a block, or of none, reads in the configuration, as
+        text."""
+        others = {*UNREAD, *without, *(() if name is None else ("sweep",))}
+        kept = {key: value for key, value in self.sweep.dump().items() if key not in others}
+        return json.dumps(kept) + ("" if name is None else json.dumps(self.sweep.blocks[name]))

@@ -1,0 +1,58 @@
+"""This code as one of those that are timed, and the machine code of a scene."""
+
+import importlib.metadata
+import time
+
+import numba
+from llvmlite.binding.object_file import ObjectFileRef
+
+from dem.dynamics.integration import advance
+from dem.dynamics.simulation import Simulation
+from dem.dynamics.world import World
+from dem.jit.compilation import OPTIONS
+from dem.jit.compilers import KernelCompiler
+from dem.scene import Scene, State
+from dem.shapes.disc import Disc
+from dem.shapes.dumbbell import Dumbbell
+from dem.shapes.ellipse import Ellipse
+
+NAME, SHAPES = "dem", (Disc, Dumbbell, Ellipse)
+WIDEST = {"zmm": 512, "ymm": 256}  # bits of the registers of x86
+
+
+def available() -> None:
+    """Always: the beds are made by it."""
+
+
+def version() -> str:
+    """Release of the package."""
+    return importlib.metadata.version("granular-drag")
+
+
+def seconds(scene: Scene, state: State, time_step: float, warm: int, steps: int) -> float:
+    """Time (s) that a number of steps takes after `warm` others."""
+    simulation = Simulation(scene, state, time_step)
+    simulation.advance(warm * time_step)
+    before, started = simulation.steps, time.perf_counter()
+    simulation.advance(steps * time_step)
+    spent = time.perf_counter() - started
+    return spent * steps / (simulation.steps - before)  # rounding may make it one step more
+
+
+def machine_code(world: World) -> tuple[int, int]:
+    """Size (bytes) of the machine code of dem.dynamics.integration.advance for a scene, with all it
+    calls, and width (bits) of the widest vector registers that it names.
+
+    The size is that of the text section of the object file, with the few hundred bytes that call it
+    from Python. It is compiled again, because Numba does not keep object files that it reads from
+    disk.
+    """
+    like = world, 0.5, 1.0, 1, 1.0, None  # as dem.dynamics.stepping calls it
+    signature = tuple(map(numba.typeof, like))
+    fresh = numba.jit(pipeline_class=KernelCompiler, **OPTIONS)(advance.py_func)
+    fresh.compile(signature)
+    code = fresh.overloads[signature].library._compiled_object
+    sections = ObjectFileRef.from_data(code).sections()
+    assembly = fresh.inspect_asm(signature)
+    width = next((bits for name, bits in WIDEST.items() if name in assembly), 128)
+    return sum(section.size() for section in sections if section.is_text()), width

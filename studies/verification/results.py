@@ -1,0 +1,64 @@
+"""verification.nc: the cases, each number of them beside what is expected."""
+
+import multiprocessing
+import time
+from concurrent.futures import ProcessPoolExecutor
+
+import numpy as np
+
+from dem.base.errors import InputError
+from dem.base.hints import choice
+from studies.common.results import columns, is_smoke
+from studies.verification import cases
+from studies.verification.row import Row
+
+TITLE = "Verification: known cases"
+MEASURES = True
+READS = ("studies/onset/onset.nc", "studies/shear/shear.nc")
+VARIABLES = {
+    "case": (("case",), None, "case: its file in studies/verification/cases"),
+    "case_title": (("case",), None, "what the case is about"),
+    "case_source": (("case",), None, "where what is expected comes from"),
+    "case_time": (("case",), "s", "time that the case took, with compiling where it was the first"),
+    "row_case": (("row",), None, "case that the number belongs to"),
+    "row_name": (("row",), None, "what the number is"),
+    "row_units": (("row",), None, "units of the number"),
+    "row_x": (("row",), "1", "abscissa of the number in the figure, NaN where it has none"),
+    "row_value": (("row",), "1", "what came out, in row_units"),
+    "row_expected": (("row",), "1", "what is expected, in row_units"),
+    "row_tolerance": (("row",), "1", "largest allowed error, in row_units"),
+    "row_passed": (("row",), "1", "1 where the value is within the tolerance"),
+}
+CASES = {name: each for name, each in vars(cases).items() if hasattr(each, "SOURCE")}
+QUICK = "chain", "jamming", "normal_impact", "restitution", "rolling"  # the smallest form
+
+
+def run(name: str) -> tuple[list[Row], float]:
+    """Rows of a case, and the time that it took (s)."""
+    start = time.perf_counter()
+    return CASES[name].measure(), time.perf_counter() - start
+
+
+def measure(names, jobs: int = 1, progress=lambda share: None) -> dict[str, np.ndarray]:
+    """Variables of some cases, several of them side by side; raises InputError for an unknown
+    one."""
+    for name in names:
+        if name not in CASES:
+            raise InputError(f"case is {name!r}; there is no such case{choice(name, CASES)}.")
+    rows, times = [], []
+    with ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn")) as pool:
+        for name, (numbers, seconds) in zip(names, pool.map(run, names), strict=True):
+            rows += [{"case": name, "passed": int(row.passed)} | row._asdict() for row in numbers]
+            times.append(seconds)
+            progress(len(times) / len(names))
+    return {
+        "case": np.array(names),
+        "case_title": np.array([CASES[name].TITLE for name in names]),
+        "case_source": np.array([CASES[name].SOURCE for name in names]),
+        "case_time": np.array(times),
+    } | columns("row", rows)
+
+
+def make(state, jobs: int, progress) -> tuple[dict, dict]:
+    """See studies.common.results."""
+    return measure(QUICK if is_smoke(state) else tuple(CASES), jobs, progress), {}
