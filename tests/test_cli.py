@@ -282,6 +282,7 @@ def test_a_failure_is_a_sentence_without_the_name_of_its_class(capsys, error, se
 BESIDE_A_BAR = """
 import time
 from dem.base.say import say
+from dem.cli.terminal import bar
 with bar("packing c1"):
     time.sleep(0.5)
     say("compiling")
