@@ -201,6 +201,8 @@ def _plain(node):
         return [_plain(each) for each in node if not _is_docstring(each)]
     if not isinstance(node, ast.AST):
         return ascii(node)
+    if isinstance(node, ast.JoinedStr):  # Python 3.12.1 puts empty texts between its values
+        node.values = [each for each in node.values if getattr(each, "value", None) != ""]
     fields = [(name, getattr(node, name, None)) for name in node._fields if name not in NO_CODE]
     return [
         type(node).__name__,
