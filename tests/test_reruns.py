@@ -43,7 +43,7 @@ def again(folder, configfile=SMOKE) -> dict[str, int]:
 
 
 RUNS = {"batch"}
-RESULTS = {"combine", "measure_flow", "flow", "figure", "results", "table"}
+RESULTS = {"combine", "figure", "results", "table"}
 HARMLESS = {
     "a comment": ("dem/contacts/loops.py", "\n# edited\n"),
     "an error sentence": (
@@ -102,8 +102,8 @@ def test_an_edit_makes_again_what_depends_on_it(made, edit):
 
 
 # (file, what it says, what is put instead): rules whose jobs run, with the chunks of new runs
-SHOWN = {"combine", "flow", "figure", "results", "table"}
-SWEEP = {"combine", "flow", "measure_flow", "figure"}
+SHOWN = {"combine", "figure", "results", "table"}
+SWEEP = {"combine", "figure"}
 VALUES = {
     "a title": ((SMOKE, "title: Smoke", "title: Some"), SHOWN, 0),
     "one more seed": ((SMOKE, "seed: [1, 2]", "seed: [1, 2, 3]"), SWEEP | {"batch"}, 3),

@@ -24,7 +24,6 @@ from dem.io.checksums import Changed, seal
 from dem.io.dataset import read as read_runs
 from dem.io.results_folder import hold
 from dem.report.info import drag_table
-from dem.report.status import _cells
 from dem.sweep import batch as making
 from dem.sweep import store as stores
 from dem.sweep.axis import changes_of_words
@@ -472,7 +471,6 @@ def test_values_that_hardly_differ_are_told_apart(tmp_path):
     work = done(small({"shape": "c1", "friction.granule": [2, 2.0000001]}), tmp_path)
     table, _ = drag_table(combined(work, tmp_path))
     assert list(table.columns[1].cells) == ["2", "2.0000001"]
-    assert [_cells(work.block("drag").axes[1], at)[0] for at in (0, 1)] == ["2", "2.0000001"]
 
 
 def test_a_run_that_no_file_holds_is_named(tmp_path):
