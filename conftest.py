@@ -27,9 +27,11 @@ from dem.sweep.config import load
 # Compiling takes seconds, so no deadlines; the same examples each time, so no surprises.
 hypothesis.settings.register_profile("suite", deadline=None, derandomize=True, max_examples=100)
 hypothesis.settings.register_profile("night", deadline=None, max_examples=2000)
-# The same examples, but none is made smaller, which takes minutes: mutants.py asks only whether one fails.
+# The same examples, but none is made smaller, which takes minutes: tests/nightly/mutants.py asks only whether one fails.
 hypothesis.settings.register_profile(
-    "mutants", hypothesis.settings.get_profile("suite"), phases=[hypothesis.Phase.explicit, hypothesis.Phase.generate]
+    "mutants",
+    hypothesis.settings.get_profile("suite"),
+    phases=[hypothesis.Phase.explicit, hypothesis.Phase.generate],
 )
 hypothesis.settings.load_profile("suite")
 
@@ -53,7 +55,7 @@ LONGEST = ["claims", "superellipse", "test_workflow", "disc", "ellipse", "dumbbe
 
 # What `pytest -m quick` runs, in this order: of these files, tests whose names hold one of these parts
 # and none of SLOW. They take a minute in all on two processors, and notice four of five faults of
-# mutants.py. That file and --durations=0 say what to add or to leave out.
+# tests/nightly/mutants.py. That file and --durations=0 say what to add or to leave out.
 QUICK = {
     "test_twin.py": ("",),
     "test_statistics.py": ("",),
@@ -83,9 +85,19 @@ QUICK = {
     "test_neighbors.py": ("lowest_patch",),
 }
 SLOW = (
-    "superellipse-", "[superellipse]", "two_sweeps_at_once", "any_corruption", "records_the_stress",
-    "page_on_stress", "jam_with", "close_one[ellipse", "residual_falls", "the_figure", "[e3]", "bits_of_single_runs",
-)  # fmt: skip
+    "superellipse-",
+    "[superellipse]",
+    "two_sweeps_at_once",
+    "any_corruption",
+    "records_the_stress",
+    "page_on_stress",
+    "jam_with",
+    "close_one[ellipse",
+    "residual_falls",
+    "the_figure",
+    "[e3]",
+    "bits_of_single_runs",
+)
 
 
 def is_quick(item):
@@ -141,9 +153,11 @@ class Small(NamedTuple):
     def scene(self, **changes):
         """Scene with friction, damping, walls and cylinder: one compilation a kind of granule."""
         usual = {
-            "friction": dem.Friction(), "walls": self.bed.walls,
-            "cylinder": self.cylinder, "thickness": 1e-3,
-        }  # fmt: skip
+            "friction": dem.Friction(),
+            "walls": self.bed.walls,
+            "cylinder": self.cylinder,
+            "thickness": 1e-3,
+        }
         return dem.Scene(self.shape, **usual | changes)
 
     @property
@@ -178,8 +192,15 @@ def browser():
 
     options = webdriver.ChromeOptions()
     options.binary_location = chromium
-    for flag in ("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-sync",
-                 "--disable-background-networking", "--disable-component-update"):  # fmt: skip
+    for flag in (
+        "--headless",
+        "--no-sandbox",
+        "--disable-gpu",
+        "--no-first-run",
+        "--disable-sync",
+        "--disable-background-networking",
+        "--disable-component-update",
+    ):
         options.add_argument(flag)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
     opened = webdriver.Chrome(options, Service(driver))
@@ -190,9 +211,10 @@ def browser():
 def assert_alone(browser):
     """The page that is open has asked for nothing but itself, and no script has failed."""
     asked = [
-        line["message"] for line in browser.get_log("performance")
+        line["message"]
+        for line in browser.get_log("performance")
         if "Network.requestWillBeSent" in line["message"]
-    ]  # fmt: skip
+    ]
     assert asked and all(re.search(r'"url":"(file|data|blob):', one) for one in asked), asked
     assert not [line for line in browser.get_log("browser") if line["level"] == "SEVERE"]
 
@@ -207,9 +229,10 @@ def places_shown(axes):
         places = np.concatenate([path.vertices for path in each.get_paths()] or [np.empty((0, 2))])
         held += [(each.get_transform(), places), (each.get_offset_transform(), each.get_offsets())]
     of_data = [
-        np.ma.filled(places, np.nan) for transform, places in held
+        np.ma.filled(places, np.nan)
+        for transform, places in held
         if all(transform.contains_branch_seperately(axes.transData))
-    ]  # fmt: skip
+    ]
     places = np.concatenate([*of_data, np.empty((0, 2))])
     return places[np.isfinite(places).all(axis=1)]
 

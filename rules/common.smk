@@ -10,7 +10,7 @@ import sys
 from functools import cache
 from pathlib import Path
 
-from dem.base.say import say
+from dem.base.messages import say
 from dem.base.sources import code_hash, codes, files_of, run_codes, with_imports
 from dem.experiment.config import EXPERIMENTS
 from dem.experiment.observables import OBSERVABLES
@@ -36,11 +36,9 @@ SWEEP = SweepState.of_values(config, workflow.configfiles, ROOT)
 RESULTS = SWEEP.sweep.results
 WARNINGS = SWEEP.check()
 
-# Jobs run the Python that runs Snakemake, for any PATH, and this package, for any working folder. Ctrl-C
-# reaches a job only when it can answer (dem.cli.stopping), because Python would show a traceback while
-# it starts.
+# Jobs run the Python that runs Snakemake, for any PATH, and this package, for any working folder.
 shell.prefix(
-    "set -euo pipefail; trap '' INT; export PATH={}:$PATH PYTHONPATH={}:${{{{PYTHONPATH:-}}}}; ".format(
+    "set -euo pipefail; export PATH={}:$PATH PYTHONPATH={}:${{{{PYTHONPATH:-}}}}; ".format(
         *(shlex.quote(str(path)).replace("{", "{{").replace("}", "}}") for path in (Path(sys.executable).parent, HERE))
     )
 )
@@ -143,6 +141,39 @@ def code_of_figure(figure):
     figures = {f"dem/figures/{name}.py" for name in FIGURES} - {"dem/figures/sweep.py"}
     shared = {file.relative_to(HERE).as_posix() for file in files_of(["dem/figures"], HERE)} - figures
     return code_of(f"{figure.module.replace('.', '/')}.py", *sorted(shared), "dem/analysis")
+
+
+NOT_READ = "record", "sweep", "title", "failures"  # by a study without runs
+
+
+def read_by(name):
+    """The files that a study reads beside the batches of its runs: those that it names, and the
+    combined files that some of its runs are derived from."""
+    found = [os.path.relpath(HERE / path) for path in REPORTED[name].get("READS", ())]
+    if has_sweep(name):
+        own = study(name)
+        needed = [each for block in own.sweep.blocks for each in own.sweep.needed(block)]
+        for block in dict.fromkeys(needed):
+            found += [f"{own.folder_of(block)}/{each}.nc" for each in own.observables(block)]
+    return found
+
+
+def folder_of(name):
+    """The folder of a study, below the checkout."""
+    return package_of(name).replace(".", "/")
+
+
+def measures(name):
+    """Whether a study measures by itself."""
+    return REPORTED[name].get("MEASURES", False)
+
+
+def batches_of(name, derived=False):
+    """The batches of those blocks of a study whose values are derived from others, or of the others."""
+    own = study(name)
+    blocks = own.folders.items()
+    folders = [folder for folder, block in blocks if bool(own.needed(block)) == derived]
+    return list(dict.fromkeys(batch for folder in folders for batch in batches_in(folder)))
 
 
 def pictures(names, folder=RESULTS):

@@ -12,39 +12,6 @@ OUTPUTS
 """
 
 
-NOT_READ = "record", "sweep", "title", "failures"  # by a study without runs
-
-
-def read_by(name):
-    """The files that a study reads beside the batches of its runs: those that it names, and the
-    combined files that some of its runs are derived from."""
-    found = [os.path.relpath(HERE / path) for path in REPORTED[name].get("READS", ())]
-    if has_sweep(name):
-        own = study(name)
-        needed = [each for block in own.sweep.blocks for each in own.sweep.needed(block)]
-        for block in dict.fromkeys(needed):
-            found += [f"{own.folder_of(block)}/{each}.nc" for each in own.observables(block)]
-    return found
-
-
-def folder_of(name):
-    """The folder of a study, below the checkout."""
-    return package_of(name).replace(".", "/")
-
-
-def measures(name):
-    """Whether a study measures by itself."""
-    return REPORTED[name].get("MEASURES", False)
-
-
-def batches_of(name, derived=False):
-    """The batches of those blocks of a study whose values are derived from others, or of the others."""
-    own = study(name)
-    blocks = own.folders.items()
-    folders = [folder for folder, block in blocks if bool(own.needed(block)) == derived]
-    return list(dict.fromkeys(batch for folder in folders for batch in batches_in(folder)))
-
-
 rule results:
     message:
         "Write {output}"

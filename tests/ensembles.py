@@ -12,8 +12,8 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from faults import Place
 from measured import arguments, report
+from nightly.faults import Place
 
 from dem.experiment.bed import make_bed
 from dem.experiment.kinds import drag

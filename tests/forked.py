@@ -12,8 +12,13 @@ import tempfile
 from pathlib import Path
 
 LIBRARIES = [
-    "snakemake.cli", "snakemake.report.html_reporter", "numba", "pydantic", "scipy.stats", "xarray",
-]  # fmt: skip
+    "snakemake.cli",
+    "snakemake.report.html_reporter",
+    "numba",
+    "pydantic",
+    "scipy.stats",
+    "xarray",
+]
 SMOKE = "config/smoke.yaml"
 
 

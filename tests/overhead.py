@@ -13,8 +13,8 @@ import time
 from pathlib import Path
 
 import netCDF4
-from faults import Place, varied
 from measured import arguments, processor_time, report
+from nightly.faults import Place, varied
 
 from dem.base.errors import RunError
 from dem.experiment.bed import make_bed

@@ -142,9 +142,12 @@ def test_hertz_contact_time_and_overlap():
 def errors(restitution, depth, friction):
     """Relative errors of speed and overlap within a contact, in ever smaller steps."""
     scene, state = head_on(
-        [[1e-3, 1e-3]], [1.0], -depth, material=Material(restitution=restitution),
+        [[1e-3, 1e-3]],
+        [1.0],
+        -depth,
+        material=Material(restitution=restitution),
         friction=friction,
-    )  # fmt: skip
+    )
     law, mass = Law(scene, "granule"), 0.5 * scene.mass[0]
 
     def motion(t, y):
@@ -160,10 +163,14 @@ def errors(restitution, depth, friction):
 @pytest.mark.parametrize(
     ("restitution", "depth", "order", "friction"),
     [
-        (1.0, 0.0, 2.0, None), (1.0, 3e-6, 2.0, None), (0.5, 3e-6, 2.0, None), (0.5, 0.0, 1.25, None),
-        (0.5, 3e-6, 2.0, SLIPPERY), (0.5, 0.0, 1.25, SLIPPERY),
+        (1.0, 0.0, 2.0, None),
+        (1.0, 3e-6, 2.0, None),
+        (0.5, 3e-6, 2.0, None),
+        (0.5, 0.0, 1.25, None),
+        (0.5, 3e-6, 2.0, SLIPPERY),
+        (0.5, 0.0, 1.25, SLIPPERY),
     ],
-)  # fmt: skip
+)
 def test_order_of_convergence(restitution, depth, order, friction):
     """Second order in the time step, elastic and damped; an impact with a dashpot is of order 5/4,
     because its force begins like the fourth root of time. Where nothing can turn, the kernel is another."""
@@ -234,9 +241,12 @@ def test_elastic_collisions_at_the_default_step_err_by_a_tenth_of_a_per_cent(par
 def floor(**properties):
     """Scene of one disc of 5 mm above a floor, with gravity."""
     return Scene(
-        Disc(np.array([5e-3])), walls=box(10.0, 1.0), gravity=(0.0, -9.81), thickness=1e-2,
+        Disc(np.array([5e-3])),
+        walls=box(10.0, 1.0),
+        gravity=(0.0, -9.81),
+        thickness=1e-2,
         **properties,
-    )  # fmt: skip
+    )
 
 
 @pytest.mark.parametrize("partner", ["disc", "floor"])
@@ -313,9 +323,13 @@ def test_momentum_and_angular_momentum_are_conserved(kind):
 def test_oblique_impact_makes_no_energy(kind, restitution):
     """Random frictional impacts, most of them grazing, never gain kinetic energy."""
     scene, state = volley(
-        SHAPES[kind](sizes(400)), 1, 1000.0,
-        material=Material(restitution=restitution), friction=SLIPPERY, **AROUND[kind],
-    )  # fmt: skip
+        SHAPES[kind](sizes(400)),
+        1,
+        1000.0,
+        material=Material(restitution=restitution),
+        friction=SLIPPERY,
+        **AROUND[kind],
+    )
     gain = gains(scene, state, 0.05)
     assert gain.max() < 1e-5
     assert gain.min() < -0.3  # some do lose much

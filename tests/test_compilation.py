@@ -24,11 +24,10 @@ quantised(0.1)
 print(*(sum(count.values()) for count in (quantised.stats.cache_hits, quantised.stats.cache_misses)))
 """
 ASK_OF_A_SHAPE = """
-import numpy as np
 from dem import Disc
-from dem.shapes.check import _feel as feel
-feel(Disc([1.0]), (1.0,), np.ones((1, 2)), np.ones((1, 2)))
-print(*(sum(count.values()) for count in (feel.stats.cache_hits, feel.stats.cache_misses)))
+from dem.shapes.check import Two, _pair
+Two(Disc([1.0, 1.0])).pair((1.5, 0.0, 0.0, 0.0))
+print(*(sum(count.values()) for count in (_pair.stats.cache_hits, _pair.stats.cache_misses)))
 """
 
 
@@ -43,9 +42,10 @@ def asked(folder, cache, words):
 
 
 @pytest.mark.parametrize(
-    ("words", "edited"), [(ASK, "jit/columns.py"), (ASK_OF_A_SHAPE, "shapes/disc.py")],
+    ("words", "edited"),
+    [(ASK, "jit/columns.py"), (ASK_OF_A_SHAPE, "shapes/disc.py")],
     ids=["a kernel", "a shape"],
-)  # fmt: skip
+)
 def test_copies_share_kernels_and_edits_do_not(tmp_path, words, edited):
     """Another copy of the same sources compiles nothing, nor does a comment; a line of code does, also
     one of a shape, which no kernel imports."""
@@ -266,40 +266,3 @@ def test_a_full_disk_does_not_stop_a_run(tmp_path):
     assert ran.returncode == 0, ran.stderr
     hits = list(map(int, ran.stdout.split()))
     assert_not_kept(tmp_path, hits, told(hits, ran.stderr))
-
-
-INTERRUPTED = """
-import random, signal
-import numpy as np
-import dem
-
-signal.signal(signal.SIGALRM, signal.default_int_handler)
-scene = dem.Scene(
-    dem.Disc(np.full(2, 5e-4)), friction=dem.Friction(), walls=dem.box(1e-2, 1e-2),
-    cylinder=dem.Cylinder(1e-3, (5e-3, 5e-3), (0.0, 1.0)), thickness=1e-3,
-)
-run = dem.Simulation(scene, dem.State([[1e-3, 1e-3], [3e-3, 1e-3]]), time_step=1e-9)
-caught = 0
-
-def interrupt():
-    global caught
-    try:
-        signal.setitimer(signal.ITIMER_REAL, random.uniform(1e-5, 1e-3))
-        while True:
-            run.advance(1e-12)
-    except KeyboardInterrupt:
-        caught += 1
-
-run.advance(1e-12)
-for _ in range(2000):
-    interrupt()
-print(caught)
-"""
-
-
-@posix
-def test_a_signal_between_python_and_machine_code_is_an_exception():
-    """Handlers that raise, as that of Ctrl-C does, never see values that are made by halves."""
-    command = [sys.executable, "-c", INTERRUPTED]
-    ran = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
-    assert (ran.returncode, ran.stdout) == (0, "2000\n"), ran.stderr

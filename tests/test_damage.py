@@ -12,7 +12,7 @@ from test_stopping import combined, planned, smoke
 from typer.testing import CliRunner
 
 from dem.base.errors import InputError
-from dem.base.plain import plain
+from dem.base.messages import printable
 from dem.cli.app import app
 from dem.experiment.observables.drag import VARIABLES as DRAG
 from dem.experiment.observables.snapshots import VARIABLES as SNAPSHOTS
@@ -114,7 +114,10 @@ def test_other_programs_notice_damage_to_arrays(made):
         with netCDF4.Dataset(made / name) as file:
             for variable in file.variables.values():
                 if variable.dtype is not str and "S" not in str(variable.dtype) and variable.ndim:
-                    unguarded = variable.name in (*AXES, *LABELS) and name in ("drag.nc", "snapshots.nc")
+                    unguarded = variable.name in (*AXES, *LABELS) and name in (
+                        "drag.nc",
+                        "snapshots.nc",
+                    )
                     assert variable.filters()["fletcher32"] or unguarded, variable.name
 
 
@@ -190,12 +193,21 @@ def foreign(path, layout, skip=(), text_as_number=False, attrs=(), size=3, fill=
     return path
 
 
-BEDS = {name: entry for name, entry in COMBINED.items() if name not in DRAG} | {name: ((*CASE_AND_SEED, *dims), *rest) for name, (dims, *rest) in SNAPSHOTS.items()}
+BEDS = {name: entry for name, entry in COMBINED.items() if name not in DRAG} | {
+    name: ((*CASE_AND_SEED, *dims), *rest) for name, (dims, *rest) in SNAPSHOTS.items()
+}
 ATTRS = {
-    "title": "t", "history": "h", "git_revision": "g", "source_hash": "s", "versions": "v",
-    "references": "r", "configuration": "{}", "window_start": 0.0, "window_stop": 1.0,
+    "title": "t",
+    "history": "h",
+    "git_revision": "g",
+    "source_hash": "s",
+    "versions": "v",
+    "references": "r",
+    "configuration": "{}",
+    "window_start": 0.0,
+    "window_stop": 1.0,
     "cylinder_velocity": 1.0,
-}  # fmt: skip
+}
 VERBS = {
     "info": lambda file, out: ("info", file),
     "figure": lambda file, out: ("figure", "all", file, "-o", out),
@@ -261,4 +273,4 @@ def test_text_of_a_file_is_shown_on_the_terminal_and_not_obeyed(hostile, name):
     """Neither escape sequences nor markup of rich."""
     status, output = told("info", hostile / name)
     assert status == 0 and "[red]title[/red]" in output and "[/nothing]" in output
-    assert output == plain(output) and not set("\x1b\x07\x9b\u202e\u2069") & set(output)
+    assert output == printable(output) and not set("\x1b\x07\x9b\u202e\u2069") & set(output)

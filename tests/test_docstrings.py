@@ -23,9 +23,24 @@ NAMES = [
 # of numpydoc.validate: sections in order, one line of summary that ends with a full stop, and the
 # parameters of the signature, each with a type and a description
 CODES = {
-    "GL03", "GL06", "GL07", "GL08", "SS01", "SS02", "SS03", "SS06", "PR01", "PR02", "PR03", "PR04",
-    "PR05", "PR07", "PR10", "RT01", "YD01",
-}  # fmt: skip
+    "GL03",
+    "GL06",
+    "GL07",
+    "GL08",
+    "SS01",
+    "SS02",
+    "SS03",
+    "SS06",
+    "PR01",
+    "PR02",
+    "PR03",
+    "PR04",
+    "PR05",
+    "PR07",
+    "PR10",
+    "RT01",
+    "YD01",
+}
 NUMBER = re.compile(r"\b(float|int|ndarray|array_like)\b")
 UNIT = r"(m|m/s2?|s|rad|rad/s|N|N m|N s|N s/m|J|Pa|kg|kg/m3|SI units)"
 STATED = re.compile(rf"\({UNIT}\)|\bin {UNIT}\b|without unit")

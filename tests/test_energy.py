@@ -14,9 +14,12 @@ def pair(small, velocity, restitution=0.5):
     """Two equal discs that meet, anywhere but near the walls."""
     shape = dem.Disc(np.full(2, 0.5e-3))
     scene = replace(
-        small.scene(), shape=shape, material=dem.Material(restitution=restitution),
-        walls=dem.box(FAR, FAR), cylinder=dem.Cylinder(1e-3, (0.9 * FAR, 0.9 * FAR)),
-    )  # fmt: skip
+        small.scene(),
+        shape=shape,
+        material=dem.Material(restitution=restitution),
+        walls=dem.box(FAR, FAR),
+        cylinder=dem.Cylinder(1e-3, (0.9 * FAR, 0.9 * FAR)),
+    )
     middle = 0.5 * FAR
     place = [[middle, middle], [middle + 1.01e-3, middle]]
     return dem.Simulation(scene, dem.State(place, velocity), ledger=True, step_fraction=0.05)
@@ -129,10 +132,12 @@ def test_a_wall_without_friction_turns_no_disc():
     """Two discs that rub on each other between smooth walls: both spins change alike."""
     r = 1e-3
     scene = dem.Scene(
-        dem.Disc([r, r]), friction=dem.Friction(granule=0.3, wall=0.0),
-        walls=[[-1.0, 0.0, 0.0], [1.0, 0.0, 4 * r * 0.9999]], thickness=r,
+        dem.Disc([r, r]),
+        friction=dem.Friction(granule=0.3, wall=0.0),
+        walls=[[-1.0, 0.0, 0.0], [1.0, 0.0, 4 * r * 0.9999]],
+        thickness=r,
         cylinder=dem.Cylinder(r, (2 * r, FAR)),
-    )  # fmt: skip
+    )
     state = dem.State([[r, 0.0], [3 * r * 0.9999, 0.0]], angular_velocity=[0.0, 100.0])
     spin = dem.simulate(scene, state, duration=1e-4).state.angular_velocity
     assert spin[0] == pytest.approx(spin[1] - 100.0, rel=1e-9)

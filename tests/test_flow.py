@@ -42,9 +42,18 @@ def results(tmp_path_factory):
 def swept(tmp_path_factory):
     """Results of a sweep over three axes."""
     folder = tmp_path_factory.mktemp("swept")
-    made(folder, sweep={"shape": ["c1", "d1"], "friction.granule": [0.1, 0.3],
-                        "box": {"wide": {"box_width": 10e-3, "shapes.c1.granules": 75},
-                                "same": {"box_width": 8e-3}}, "seed": "1 to 2"})  # fmt: skip
+    made(
+        folder,
+        sweep={
+            "shape": ["c1", "d1"],
+            "friction.granule": [0.1, 0.3],
+            "box": {
+                "wide": {"box_width": 10e-3, "shapes.c1.granules": 75},
+                "same": {"box_width": 8e-3},
+            },
+            "seed": "1 to 2",
+        },
+    )
     return folder / "results"
 
 
@@ -235,7 +244,11 @@ def test_a_film_is_a_film(motion, tmp_path):
 def test_export_for_paraview(request, tmp_path, data, run):
     """Polygons with the area of their granule, two a dumbbell; a file a snapshot, and one that lists them."""
     folder = request.getfixturevalue(data)
-    select = run.split() if "=" in run else [f"shape={run}", "friction.granule=0.3", "box=same", "seed=1"]
+    select = (
+        run.split()
+        if "=" in run
+        else [f"shape={run}", "friction.granule=0.3", "box=same", "seed=1"]
+    )
     motion = read_motion(folder / "drag.nc", select)
     export(motion, tmp_path / "vtk/bed.pvd")
     snapshots, granules = motion.angle.shape
@@ -255,7 +268,9 @@ def test_export_for_paraview(request, tmp_path, data, run):
     # what the granules went since the snapshot before, and the cylinder at its velocity
     cylinder = motion.replicate.configuration.cylinder
     time = np.diff(motion.displacement)[-1] / cylinder.velocity
-    went = np.append(np.diff(motion.position[-2:], axis=0)[0], [[0.0, np.diff(motion.cylinder_y)[-1]]], axis=0)
+    went = np.append(
+        np.diff(motion.position[-2:], axis=0)[0], [[0.0, np.diff(motion.cylinder_y)[-1]]], axis=0
+    )
     np.testing.assert_allclose(values["velocity"][:, :2] * time, went, rtol=1e-6, atol=1e-12)
     contacts = motion.contacts(snapshots - 1)
     assert (mesh.cell_data["granule"][1] == -2).all() and len(lines) == len(contacts.force)

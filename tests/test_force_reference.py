@@ -90,7 +90,9 @@ def guarded(value, rows):
         return value
     place = value.ctypes.data  # one array may have two names
     if place not in rows:
-        whole = np.full((len(value) + 2 * GUARDS, *value.shape[1:]), NO_NUMBER[value.dtype.kind], value.dtype)
+        whole = np.full(
+            (len(value) + 2 * GUARDS, *value.shape[1:]), NO_NUMBER[value.dtype.kind], value.dtype
+        )
         whole[GUARDS:-GUARDS] = value
         rows[place] = whole
     return rows[place][GUARDS:-GUARDS]

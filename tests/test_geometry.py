@@ -135,11 +135,13 @@ def test_roles_frame_and_mirror(ratio, method):
         overlap, nx, ny, n1, t1, n2, t2 = contact(d, first, second, method=method)
         swapped = contact(-d, second, first, method=method)
         assert_allclose(swapped, (overlap, -nx, -ny, n2, -t2, n1, -t1), atol=1e-9)
-        turned = contact((-d[1], d[0]), *((-s, c, a, b) for c, s, a, b in (first, second)),
-                         method=method)  # fmt: skip
+        turned = contact(
+            (-d[1], d[0]), *((-s, c, a, b) for c, s, a, b in (first, second)), method=method
+        )
         assert_allclose(turned, (overlap, -ny, nx, n1, t1, n2, t2), atol=1e-9)
-        mirrored = contact((-d[0], d[1]), *((-c, s, a, b) for c, s, a, b in (first, second)),
-                           method=method)  # fmt: skip
+        mirrored = contact(
+            (-d[0], d[1]), *((-c, s, a, b) for c, s, a, b in (first, second)), method=method
+        )
         assert_allclose(mirrored, (overlap, -nx, ny, n1, -t1, n2, -t2), atol=1e-9)
 
 
@@ -178,9 +180,7 @@ def test_geometric_potential_takes_the_deepest_points(ratio):
         mine, theirs = middle + 0.5 * length * n, middle - 0.5 * length * n
         assert_allclose(potential(first, mine), 0.0, atol=1e-9)
         assert_allclose(potential(second, theirs - d), 0.0, atol=1e-9)
-        for point, own, other, shift in (
-            (mine, first, second, d), (theirs - d, second, first, -d)
-        ):  # fmt: skip
+        for point, own, other, shift in ((mine, first, second, d), (theirs - d, second, first, -d)):
             sampled = potential(other, outline(own, 20_000) - shift)
             assert abs(potential(other, point - shift) - sampled.min()) < 1e-6
             assert sampled.min() < 0.0
@@ -206,9 +206,11 @@ def test_inclined_ellipse_at_a_wall(small_bed, angle):
     reach, arm = points[np.argmax(points[:, 0])]
     bed = small_bed("ellipse")
     scene = Scene(
-        Ellipse(np.array([a]), np.array([b])), friction=Friction(), walls=bed.scene().walls,
+        Ellipse(np.array([a]), np.array([b])),
+        friction=Friction(),
+        walls=bed.scene().walls,
         cylinder=bed.cylinder,
-    )  # fmt: skip
+    )
     for side, x in ((1.0, bed.bed.width - reach + overlap), (-1.0, reach - overlap)):
         state = State([[x, height]], angle=[angle])
         fx, fy, torque, _ = Simulation(scene, state).world.force[0]
@@ -254,9 +256,11 @@ def test_dumbbells_are_two_rigidly_joined_discs():
     away = rng.uniform(0.0, 2.0 * np.pi, n)
     there = here + 2.2e-3 * np.column_stack([np.cos(away), np.sin(away)])
     state = State(
-        np.concatenate([here, there]), rng.normal(size=(2 * n, 2)),
-        rng.uniform(0.0, 7.0, 2 * n), 1e3 * rng.normal(size=2 * n),
-    )  # fmt: skip
+        np.concatenate([here, there]),
+        rng.normal(size=(2 * n, 2)),
+        rng.uniform(0.0, 7.0, 2 * n),
+        1e3 * rng.normal(size=2 * n),
+    )
     far = {"walls": box(10.0, 10.0) + [0.0, 0.0, 5.0], "cylinder": Cylinder(1.0, (3.0, 3.0))}
     scene = Scene(Dumbbell(radius), friction=Friction(0.4, 0.0, 0.0), **far)
     force = Simulation(scene, state).world.force

@@ -45,11 +45,17 @@ def swarm(side=40, seed=1):
     assert n > PATCH
     grid = PITCH * (np.stack(np.meshgrid(*2 * [np.arange(side)]), -1).reshape(-1, 2) + 0.5)
     scene = Scene(
-        Disc(rng.uniform(0.3, 0.49, n + 1) * PITCH), Material(2500.0, 1e9, 0.3, 0.7), Friction(),
-        box(side * PITCH, (side + 2) * PITCH)[2:], Cylinder(PITCH, (0.0, -1.0)),
-        gravity=(0.0, 0.0), thickness=PITCH,
-        periodic=(side * PITCH, None), wall_motion=[STILL, STILL], held=[Held([n])],
-    )  # fmt: skip
+        Disc(rng.uniform(0.3, 0.49, n + 1) * PITCH),
+        Material(2500.0, 1e9, 0.3, 0.7),
+        Friction(),
+        box(side * PITCH, (side + 2) * PITCH)[2:],
+        Cylinder(PITCH, (0.0, -1.0)),
+        gravity=(0.0, 0.0),
+        thickness=PITCH,
+        periodic=(side * PITCH, None),
+        wall_motion=[STILL, STILL],
+        held=[Held([n])],
+    )
     place = np.concatenate([grid, [[0.5 * PITCH, (side + 1.5) * PITCH]]])
     velocity, spin = rng.normal(size=(n + 1, 2)), rng.normal(size=n + 1)
     velocity[n] = 0.0

@@ -18,9 +18,11 @@ STATE = {"position": [[2e-3, 2e-3], [6e-3, 2e-3]], "velocity": [[1.0, 0.0], [0.0
 def discs(**changes):
     """Two discs in a box with a cylinder, at rest but for one."""
     usual = {
-        "shape": dem.Disc(SIZES), "friction": dem.Friction(), "walls": dem.box(2e-2, 1e-2),
+        "shape": dem.Disc(SIZES),
+        "friction": dem.Friction(),
+        "walls": dem.box(2e-2, 1e-2),
         "cylinder": dem.Cylinder(1e-3, (1.5e-2, 5e-3), (0.0, 1.0)),
-    }  # fmt: skip
+    }
     return dem.Scene(**usual | changes)
 
 
@@ -30,11 +32,22 @@ def test_a_result_is_a_dataset_with_units(tmp_path):
     dataset = result.to_dataset()
     assert dict(dataset.sizes) == {"time": 4, "granule": 2, "axis": 2, "wall": 4}
     assert {name: each.attrs["units"] for name, each in dataset.items()} == {
-        "position": "m", "angle": "rad", "velocity": "m s-1", "angular_velocity": "rad s-1",
-        "cylinder_force": "N", "wall_force": "N", "time_step": "s", "cylinder_position": "m",
-        "cylinder_diameter": "m", "wall_normal": "1", "wall_offset": "m", "mass": "kg",
-        "bounding_radius": "m", "cylinder_torque": "N m", "wall_tangential_force": "N",
-    }  # fmt: skip
+        "position": "m",
+        "angle": "rad",
+        "velocity": "m s-1",
+        "angular_velocity": "rad s-1",
+        "cylinder_force": "N",
+        "wall_force": "N",
+        "time_step": "s",
+        "cylinder_position": "m",
+        "cylinder_diameter": "m",
+        "wall_normal": "1",
+        "wall_offset": "m",
+        "mass": "kg",
+        "bounding_radius": "m",
+        "cylinder_torque": "N m",
+        "wall_tangential_force": "N",
+    }
     assert dataset["time"].attrs["units"] == "s"
     assert all(each.attrs["long_name"] for each in dataset.variables.values())
     assert result.held_force is None
@@ -63,10 +76,13 @@ def test_thickness_is_the_mean_volume_diameter_unless_it_is_given():
         assert dem.Scene(made).thickness == pytest.approx(3e-3, rel=1e-6)
 
 
-@pytest.mark.parametrize("make", [
-    lambda **words: dem.Ellipse(2.0 * SIZES, SIZES, **words),
-    lambda **words: dem.Ellipse.of_size(2.0 * SIZES, 2.0, **words),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda **words: dem.Ellipse(2.0 * SIZES, SIZES, **words),
+        lambda **words: dem.Ellipse.of_size(2.0 * SIZES, 2.0, **words),
+    ],
+)
 def test_words_choose_how_ellipses_meet(make):
     """Texts stop at the class; the kernels get types, and scenes, pickles and changes keep them."""
     usual, other = make(), make(contact="geometric_potential", hertz_radius="local")
@@ -80,10 +96,16 @@ def test_words_choose_how_ellipses_meet(make):
     assert dem.Scene(usual._replace(contact="geometric_potential")).shape.contact == other.contact
 
 
-@pytest.mark.parametrize(("words", "sentence"), [
-    ({"contact": "chord"}, "contact is 'chord'; it must be 'common_normal' or 'geometric_potential'"),
-    ({"hertz_radius": "global"}, "hertz_radius is 'global'; it must be 'volume' or 'local'."),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (
+            {"contact": "chord"},
+            "contact is 'chord'; it must be 'common_normal' or 'geometric_potential'",
+        ),
+        ({"hertz_radius": "global"}, "hertz_radius is 'global'; it must be 'volume' or 'local'."),
+    ],
+)
 def test_other_words_are_refused_with_those_that_there_are(words, sentence):
     with pytest.raises(dem.InputError) as error:
         dem.Ellipse(SIZES, SIZES, **words)

@@ -68,10 +68,38 @@ def of_shape(*shape):
 
 
 NOTHING_TAKES = [
-    "text", "", b"1", 1j, float("nan"), float("inf"), -float("inf"), 10**400, 1e300, {}, [], [[]], object(), print,
-    np.ma.masked, masked(1), np.array(1e-3, object), np.array(1j), np.array("a"), np.timedelta64(1, "s"), *of_shape(1), *of_shape(3), [1.0, [2.0]], ["a", "b"],
-    np.zeros(0), np.zeros((0, 2)), np.zeros((2, 0)), dem.Disc, dem.box, [True, False], [[1e-3, True]] * 2,
-]  # fmt: skip
+    "text",
+    "",
+    b"1",
+    1j,
+    float("nan"),
+    float("inf"),
+    -float("inf"),
+    10**400,
+    1e300,
+    {},
+    [],
+    [[]],
+    object(),
+    print,
+    np.ma.masked,
+    masked(1),
+    np.array(1e-3, object),
+    np.array(1j),
+    np.array("a"),
+    np.timedelta64(1, "s"),
+    *of_shape(1),
+    *of_shape(3),
+    [1.0, [2.0]],
+    ["a", "b"],
+    np.zeros(0),
+    np.zeros((0, 2)),
+    np.zeros((2, 0)),
+    dem.Disc,
+    dem.box,
+    [True, False],
+    [[1e-3, True]] * 2,
+]
 NUMBER = [True, np.True_, [1.0], (1.0,), np.ones(1)]
 POSITIVE = [None, 0, 0.0, -1, -1e-3, 1e-300, *NUMBER]
 NOT_NEGATIVE = [None, -1, -1e-300, *NUMBER]
@@ -79,7 +107,15 @@ COUNT = [None, 0, -1, 1.5, 2.0, 2**63, 2**64, np.float64(1.0), *NUMBER]
 VECTOR = [0.0, True, (1.0,), (1.0, 2.0, 3.0), (0.0, None), (0.0, "a"), *of_shape(2)]
 THING = [None, True, 1, 1.5, [1.0], (1.0, 2.0), np.ones(2)]
 SIZES = [None, 1e-3, True, [0.0, 1e-3], [-1e-3, 1e-3], [[1e-3, 1e-3]], [masked(1)], *of_shape(2)]
-PLACE = [1.0, True, [0.0, 0.0], [[0.0, 0.0]], [[0.0, 0.0]] * 3, [masked(2), masked(2)], *of_shape(2, 2)]  # fmt: skip
+PLACE = [
+    1.0,
+    True,
+    [0.0, 0.0],
+    [[0.0, 0.0]],
+    [[0.0, 0.0]] * 3,
+    [masked(2), masked(2)],
+    *of_shape(2, 2),
+]
 ANGLE = [1.0, True, [[0.0, 0.0]], [0.0], *of_shape(2)]
 FRACTION = [None, 0.0, -0.1, 101.0, *NUMBER]
 FLAG = [0.5, 2, 1, [True], np.ones(1)]
@@ -98,15 +134,24 @@ ARGUMENTS = {
     "Cylinder position": (lambda v: dem.Cylinder(1.0, v), [None, *VECTOR]),
     "Cylinder velocity": (lambda v: dem.Cylinder(1.0, (0.0, 0.0), v), [None, *VECTOR]),
     "Cylinder spin": (lambda v: dem.Cylinder(1.0, (0.0, 0.0), spin=v), [None, *NUMBER]),
-    "Path time": (lambda v: dem.PrescribedMotion(v, [[0.0, 0.0], [1.0, 1.0]]), [None, 1.0, [1.0, 0.0], [[0.0, 1.0]]]),
+    "Path time": (
+        lambda v: dem.PrescribedMotion(v, [[0.0, 0.0], [1.0, 1.0]]),
+        [None, 1.0, [1.0, 0.0], [[0.0, 1.0]]],
+    ),
     "Path velocity": (lambda v: dem.PrescribedMotion([0.0, 1.0], v), [None, *PLACE]),
     "Path spin": (lambda v: dem.PrescribedMotion([0.0, 1.0], PLACES, v), ANGLE),
-    "Drive force": (lambda v: dem.Drive(v, 1.0), [None, 0.0, True, (1.0,), (1.0, "a"), *of_shape(2)]),
+    "Drive force": (
+        lambda v: dem.Drive(v, 1.0),
+        [None, 0.0, True, (1.0,), (1.0, "a"), *of_shape(2)],
+    ),
     "Drive mass": (lambda v: dem.Drive((1.0, None), v), POSITIVE),
     "Drive damping": (lambda v: dem.Drive((1.0, None), 1.0, v), NOT_NEGATIVE),
     "Drive velocity": (lambda v: dem.Drive((1.0, None), 1.0, velocity=v), [None, *VECTOR]),
     "Held motion": (lambda v: dem.Held([0], v), [None, *VECTOR]),
-    "Scene wall_motion": (lambda v: scene(wall_motion=v), [1.0, [None], [1.0] * 4, *of_shape(4, 2)]),
+    "Scene wall_motion": (
+        lambda v: scene(wall_motion=v),
+        [1.0, [None], [1.0] * 4, *of_shape(4, 2)],
+    ),
     "box width": (lambda v: dem.box(v, 1.0), POSITIVE),
     "box height": (lambda v: dem.box(1.0, v), POSITIVE),
     "Disc radius": (dem.Disc, SIZES),
@@ -131,7 +176,10 @@ ARGUMENTS = {
     "Scene gravity": (lambda v: scene(gravity=v), VECTOR),
     "Scene thickness": (lambda v: scene(thickness=v), POSITIVE[1:]),
     "Scene boundary": (lambda v: scene(boundary=v), THING[1:]),
-    "Scene periodic": (lambda v: scene(periodic=v), [1e-2, "x", (1e-2,), (0.0, None), (True, None)]),
+    "Scene periodic": (
+        lambda v: scene(periodic=v),
+        [1e-2, "x", (1e-2,), (0.0, None), (True, None)],
+    ),
     "State position": (lambda v: state(position=v), [None, *PLACE]),
     "State velocity": (lambda v: state(velocity=v), PLACE),
     "State angle": (lambda v: state(angle=v), ANGLE),
@@ -146,7 +194,8 @@ ARGUMENTS = {
     "Simulation ledger": (lambda v: simulation(ledger=v), [None, *FLAG]),
     "Simulation allow_unstable": (lambda v: simulation(allow_unstable=v), [None, *FLAG]),
     "set_cylinder_velocity velocity": (
-        lambda v: simulation().set_cylinder_velocity(v), [None, *VECTOR]
+        lambda v: simulation().set_cylinder_velocity(v),
+        [None, *VECTOR],
     ),
     "advance duration": (lambda v: simulation().advance(v), [1e15, *NOT_NEGATIVE]),
     "check_duration duration": (lambda v: simulation().check_duration(v), [1e15, *POSITIVE]),
@@ -171,7 +220,7 @@ ARGUMENTS = {
     "pack cylinder": (lambda v: pack(cylinder=v), THING[1:]),
     "pack seed": (lambda v: pack(seed=v), [None, -1, 1.5, 2.0, 2**63, *NUMBER]),
     "pack periodic": (lambda v: pack(periodic=v), [None, "yx", True, (1e-2, None)]),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("argument", ARGUMENTS)
@@ -203,7 +252,7 @@ MISTAKES = {
     "the nearest is friction": lambda: dem.run_experiment(SMOKE | {"frction": {"granule": 0.1}}),
     "the nearest is c1": lambda: dem.run_experiment(SMOKE | {"shape": "C1"}),
     "it must be a number, in m": lambda: dem.run_experiment(SMOKE | {"box_width": "8 mm"}),
-    "the nearest is config/smoke.yaml": lambda: dem.load_sweep("config/smoek.yaml"),
+    "the nearest is smoke.yaml": lambda: dem.load_sweep("config/smoek.yaml"),
 }
 SMOKE = {"extends": "config/smoke.yaml", "shape": "c1"}
 
@@ -249,17 +298,25 @@ def test_granules_have_the_areas_of_discs_of_their_diameters(monkeypatch):
 
 
 KINDS = {
-    "lists": lambda a: a.tolist(), "tuples": lambda a: tuple(map(tuple, a)) if a.ndim > 1 else tuple(a),
-    "float32": lambda a: a.astype("f4"), "integers": lambda a: a.astype("i4"), "big-endian": lambda a: a.astype(">f8"),
-    "every other": lambda a: np.repeat(a, 2, axis=0)[::2], "by column": np.asfortranarray,
-}  # fmt: skip
+    "lists": lambda a: a.tolist(),
+    "tuples": lambda a: tuple(map(tuple, a)) if a.ndim > 1 else tuple(a),
+    "float32": lambda a: a.astype("f4"),
+    "integers": lambda a: a.astype("i4"),
+    "big-endian": lambda a: a.astype(">f8"),
+    "every other": lambda a: np.repeat(a, 2, axis=0)[::2],
+    "by column": np.asfortranarray,
+}
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_real_numbers_of_any_kind_are_taken_alike(kind):
     """Lists, integers, float32, strides: the bits of float64 arrays, and the input is left alone."""
     as_given = KINDS[kind]
-    arrays = [np.array([1.0, 1.0]), np.array([[0.0, 0.0], [3.0, 0.0]]), np.array([[1.0, 0.0], [0.0, 2.0]])]  # fmt: skip
+    arrays = [
+        np.array([1.0, 1.0]),
+        np.array([[0.0, 0.0], [3.0, 0.0]]),
+        np.array([[1.0, 0.0], [0.0, 2.0]]),
+    ]
     arrays += [np.array([1.0, 2.0]), np.array([[-1.0, 0.0, 4.0], [1.0, 0.0, 8.0]])]
 
     def run(radius, position, velocity, spin, walls):
@@ -293,7 +350,9 @@ def test_a_scene_does_not_follow_the_arrays_of_its_user():
             array += 1.0
 
 
-@pytest.mark.parametrize("path", ["walls.planes", "boundaries.motion", "bodies", "pairs.constituent"])  # fmt: skip
+@pytest.mark.parametrize(
+    "path", ["walls.planes", "boundaries.motion", "bodies", "pairs.constituent"]
+)
 def test_nothing_that_moves_can_be_moved_in_place(path):
     """Contact lists know nothing of it: granules would pass unseen."""
     world = simulation().world
@@ -349,7 +408,9 @@ EXTREMES = {
     "without friction": {"friction": None},
 }
 BEDS = [(kind, each) for each in EXTREMES for kind in dem.shapes.KINDS]
-BEDS = [each for each in BEDS if each[1] != "without friction" or each[0] == "disc"]  # its own kernels
+BEDS = [
+    each for each in BEDS if each[1] != "without friction" or each[0] == "disc"
+]  # its own kernels
 
 
 @pytest.mark.parametrize(("kind", "extreme"), BEDS)

@@ -25,9 +25,12 @@ from dem.sweep.axis import POINT
 
 FILES = [
     ROOT / path
-    for path in ("docs/data/precise.nc", *(f"studies/{name}/{name}.nc" for name in ("pressure", "shear", "velocity")))
+    for path in (
+        "docs/data/precise.nc",
+        *(f"studies/{name}/{name}.nc" for name in ("pressure", "shear", "velocity")),
+    )
     if (ROOT / path).is_file()
-]  # fmt: skip
+]
 
 
 @pytest.fixture
@@ -38,13 +41,21 @@ def file(tmp_path):
         rng = np.random.default_rng(2)
         drag = 100.0 + shift + rng.normal(0.0, 5.0, (3, 4, 6))
         dataset = xr.Dataset(
-            {"drag": (("point", "seed", "displacement"), drag, {"units": "N"}),
-             "run_id": (("point", "seed"), [[f"{shift:g} {4 * k + n}" for n in range(4)] for k in range(3)])},
-            {"point": ("point", [0, 1, 2], {"long_name": POINT, "units": "1"}),
-             "friction_granule": ("point", [0.1, 0.2, 0.3], {"units": "1"}),
-             "seed": [1, 2, 3, 4], "displacement": np.arange(6) * 1e-3},
+            {
+                "drag": (("point", "seed", "displacement"), drag, {"units": "N"}),
+                "run_id": (
+                    ("point", "seed"),
+                    [[f"{shift:g} {4 * k + n}" for n in range(4)] for k in range(3)],
+                ),
+            },
+            {
+                "point": ("point", [0, 1, 2], {"long_name": POINT, "units": "1"}),
+                "friction_granule": ("point", [0.1, 0.2, 0.3], {"units": "1"}),
+                "seed": [1, 2, 3, 4],
+                "displacement": np.arange(6) * 1e-3,
+            },
             {"window_start": 1e-3, "window_stop": 4e-3, "title": "three points"},
-        )  # fmt: skip
+        )
         dataset.isel(point=list(points)).to_netcdf(tmp_path / name)
         seal(tmp_path / name)
         return tmp_path / name
@@ -61,7 +72,11 @@ def test_the_mean_of_a_place_is_that_of_its_runs_within_the_window(file, tmp_pat
     half = stats.t.ppf(0.975, 3) * runs.std(1, ddof=1) / 2.0
     assert [float(row["drag_half_interval (N)"]) for row in rows] == pytest.approx(half)
     # the values that vary, and not the number of the point
-    assert [row["friction_granule"] for row in rows] == ["0.1", "0.2", "0.3"] and "point" not in rows[0]
+    assert [row["friction_granule"] for row in rows] == [
+        "0.1",
+        "0.2",
+        "0.3",
+    ] and "point" not in rows[0]
     assert {row["drag_runs"] for row in rows} == {"4"}
 
 
@@ -74,8 +89,12 @@ def test_means_can_be_opened_as_results(file, tmp_path):
 def test_two_sweeps_are_compared_where_both_have_a_place(file):
     found = compared(file(), file("other.nc", shift=50.0, points=(1, 2)), "drag")
     assert found["point"].values.tolist() == [1, 2]
-    assert found["ratio"].values == pytest.approx((found["first"].values + 50.0) / found["first"].values)
-    assert (found["ratio_low"] < found["ratio"]).all() and (found["ratio"] < found["ratio_high"]).all()
+    assert found["ratio"].values == pytest.approx(
+        (found["first"].values + 50.0) / found["first"].values
+    )
+    assert (found["ratio_low"] < found["ratio"]).all() and (
+        found["ratio"] < found["ratio_high"]
+    ).all()
 
 
 def test_the_terminal_shows_one_quantity_by_what_varies(file):
@@ -90,7 +109,10 @@ def test_the_terminal_shows_one_quantity_by_what_varies(file):
     [
         (lambda f, d: write_means(means(f()), d / "means.txt"), "it must end in .csv or .nc"),
         (lambda f, d: compared(f(), f("o.nc"), "lift"), "it has no lift; it has drag"),
-        (lambda f, d: compared(f(points=[0]), f("o.nc", points=[2]), "drag"), "have no place in common"),
+        (
+            lambda f, d: compared(f(points=[0]), f("o.nc", points=[2]), "drag"),
+            "have no place in common",
+        ),
     ],
 )
 def test_what_cannot_be_shown_is_refused(file, tmp_path, call, words):
@@ -116,7 +138,9 @@ def changed(path, edit):
 
 def test_each_quantity_counts_its_own_runs(file):
     def edit(dataset):
-        lift = dataset["drag"].where(dataset["seed"] < 3).mean("displacement").assign_attrs(units="N")
+        lift = (
+            dataset["drag"].where(dataset["seed"] < 3).mean("displacement").assign_attrs(units="N")
+        )
         return dataset.assign(lift=lift)
 
     found = means(changed(file(), edit))
@@ -134,13 +158,17 @@ def test_an_infinite_result_counts_as_none_wherever_means_are_shown(file):
         of_drag = summarise(dataset)
     wanted = mean_interval(of_drag["run_mean"][0])
     assert found["drag"][0] == pytest.approx(wanted.value) == of_drag["mean"][0]
-    assert found["drag_half_interval"][0] == pytest.approx(wanted.half) == of_drag["half_interval"][0]
+    assert (
+        found["drag_half_interval"][0] == pytest.approx(wanted.half) == of_drag["half_interval"][0]
+    )
     assert found["drag_runs"][0] == 3
 
 
 def test_points_of_different_designs_are_no_pairs(file):
     """They have numbers, and the same number means nothing."""
-    other = changed(file("other.nc"), lambda d: d.assign_coords(friction_granule=d["friction_granule"] + 0.1))
+    other = changed(
+        file("other.nc"), lambda d: d.assign_coords(friction_granule=d["friction_granule"] + 0.1)
+    )
     third = changed(file("third.nc"), lambda d: d.rename(friction_granule="friction_boundary"))
     for path in (other, third):
         with pytest.raises(InputError, match="have no place in common"):
@@ -168,7 +196,9 @@ def test_places_of_a_name_are_compared_whatever_their_granules_are(file):
     def named(granules):
         coordinates = {"case": ("point", ["a", "b", "c"]), "granules": ("point", granules)}
         return lambda d: (
-            d.drop_vars(["point", "friction_granule"]).assign_coords(coordinates).swap_dims(point="case")
+            d.drop_vars(["point", "friction_granule"])
+            .assign_coords(coordinates)
+            .swap_dims(point="case")
         )
 
     one = changed(file("one.nc"), named([60, 60, 60]))
@@ -181,7 +211,9 @@ def test_the_summary_counts_the_runs_of_each_quantity(file):
     def edit(dataset):
         lift = dataset["drag"].where(dataset["seed"] < 3).mean("displacement")
         origin = dict.fromkeys(("history", "git_revision", "source_hash", "versions"), "-")
-        return dataset.assign(lift=lift, fall=dataset["drag"]).drop_vars("drag").assign_attrs(origin)
+        return (
+            dataset.assign(lift=lift, fall=dataset["drag"]).drop_vars("drag").assign_attrs(origin)
+        )
 
     text = text_of(summary(changed(file(), edit)))
     assert "fall_runs" in text and "lift_runs" in text
@@ -199,7 +231,9 @@ def test_no_number_of_a_table_is_cut(width):
 
 
 def test_a_pipe_gets_tables_as_wide_as_they_are(file, capsys):
-    names = {f"quantity_of_a_long_name_{number:02d}": ("point", [1.0 / 3.0] * 3) for number in range(20)}
+    names = {
+        f"quantity_of_a_long_name_{number:02d}": ("point", [1.0 / 3.0] * 3) for number in range(20)
+    }
     print_or_write(TextTable(table_of(xr.Dataset(names))), None)
     assert capsys.readouterr().out.splitlines()[0].split() == ["point", *names]
 

@@ -39,9 +39,11 @@ def test_pairs_are_those_of_an_all_pairs_search(bed, per):
     listed = [(i, j) for i in range(n) for j in other[first[i] : first[i + 1]]]
     distance = np.hypot(*(rows[:, None, :2] - rows[None, :, :2]).transpose(2, 0, 1))
     expected = [
-        (i, j) for i in range(n) for j in range(i + 1, n)
+        (i, j)
+        for i in range(n)
+        for j in range(i + 1, n)
         if i // per != j // per and distance[i, j] < radius[i] + radius[j] + skin
-    ]  # fmt: skip
+    ]
     assert listed == expected
 
 
@@ -69,7 +71,11 @@ def test_a_patch_knows_the_lowest_patch_whose_pairs_push_it(per):
     one, other = pairs[np.lexsort(pairs.T[::-1])].astype(np.uint32).T
     row, found = share_out(True, one, other, patches * PATCH, per)
     expected = [min(one[other // size == patch] // size, default=patch) for patch in range(patches)]
-    assert found.lowest.tolist() == np.minimum(expected, np.arange(patches)).tolist() == [0, 0, 0, 0, 2]
+    assert (
+        found.lowest.tolist()
+        == np.minimum(expected, np.arange(patches)).tolist()
+        == [0, 0, 0, 0, 2]
+    )
     across = one // size != other // size
     assert_array_equal(row[~across], other[~across])
     assert_array_equal(found.target, other[across])

@@ -87,8 +87,11 @@ def test_granules_that_too_few_contacts_hold_are_rattlers():
     assert onset.backbone(contacts(*square), 8).tolist() == [True] * 4 + [False] * 4
     assert onset.backbone(contacts(*square, (3, 4), (4, 5), (5, 6), (5, 3)), 8)[4:].sum() == 0
     assert onset.backbone(contacts(*square, *chain, (6, 0), (4, -1)), 8)[4:].tolist() == [
-        True, True, True, False,
-    ]  # fmt: skip
+        True,
+        True,
+        True,
+        False,
+    ]
 
 
 # Configuration
@@ -140,9 +143,10 @@ def swept(fraction, contact, granules=(50, 100, 200), beds=4, noise=1e-3, seed=1
         },
         {
             "granules": (("shape", "size"), [list(granules)]),
-            "aspect_ratio": (("shape", "ratio"), [[1.0, 1.5]]), "seed": np.arange(beds),
+            "aspect_ratio": (("shape", "ratio"), [[1.0, 1.5]]),
+            "seed": np.arange(beds),
         },
-    )  # fmt: skip
+    )
 
 
 def test_lines_find_what_beds_without_end_have():
@@ -172,8 +176,11 @@ def test_rattlers_count_neither_as_granules_nor_for_contacts():
 
 @pytest.mark.parametrize(
     ("granules", "beds", "words"),
-    [((50, 100), 4, "number of granules; a line takes 3"), ((50, 100, 200), 2, "2 beds of each size")],
-)  # fmt: skip
+    [
+        ((50, 100), 4, "number of granules; a line takes 3"),
+        ((50, 100, 200), 2, "2 beds of each size"),
+    ],
+)
 def test_too_few_beds_for_a_line_are_refused(granules, beds, words):
     with pytest.raises(InputError, match=words):
         limits(swept(lambda n: 0.84 + 0.0 * n, lambda n: 4.0 + 0.0 * n, granules, beds))

@@ -95,8 +95,9 @@ def test_overlaps_of_ellipses_are_as_reported():
     """The greatest overlap and the number of contacts are those of sampled outlines."""
     small = make_small_bed("ellipse", fraction=0.88)
     bed, shape = small.bed, small.shape
-    granules = list(zip(np.cos(bed.angle), np.sin(bed.angle), shape.semi_major, shape.semi_minor,
-                        strict=True))  # fmt: skip
+    granules = list(
+        zip(np.cos(bed.angle), np.sin(bed.angle), shape.semi_major, shape.semi_minor, strict=True)
+    )
     overlaps = []
     for i, own in enumerate(granules):
         for j in range(i):

@@ -84,18 +84,37 @@ def test_no_page_types_a_result(page):
 
 @pytest.mark.parametrize(
     "text",
-    ["1257 N", "c1 gives 1257 ± 181.", "1257 +- 181", "takes 5 min", "in 12 ns a contact", "1.5-hour runs",
-     "76.6 GPa", "at 2 m/s", r"$3 \pm 1$", "```{note}\nIt takes 65 minutes.\n```", "| c1 | 1295 N |"],
-)  # fmt: skip
+    [
+        "1257 N",
+        "c1 gives 1257 ± 181.",
+        "1257 +- 181",
+        "takes 5 min",
+        "in 12 ns a contact",
+        "1.5-hour runs",
+        "76.6 GPa",
+        "at 2 m/s",
+        r"$3 \pm 1$",
+        "```{note}\nIt takes 65 minutes.\n```",
+        "| c1 | 1295 N |",
+    ],
+)
 def test_a_typed_result_is_found(text):
     assert results_typed(text)[0]
 
 
 @pytest.mark.parametrize(
     "text",
-    ["{{ drag.mean('c1') }}", "`sleep 5 s`", "```yaml\nvelocity: 2 # 2 m/s\n```", "the 1990s", "5 mm of stroke",
-     "---\ngiven: [1295 N]\n---\nThe paper reports 1295 N.", "five runs", "section 3.3 says"],
-)  # fmt: skip
+    [
+        "{{ drag.mean('c1') }}",
+        "`sleep 5 s`",
+        "```yaml\nvelocity: 2 # 2 m/s\n```",
+        "the 1990s",
+        "5 mm of stroke",
+        "---\ngiven: [1295 N]\n---\nThe paper reports 1295 N.",
+        "five runs",
+        "section 3.3 says",
+    ],
+)
 def test_an_input_passes(text):
     assert results_typed(text) == ([], [])
 
@@ -131,7 +150,9 @@ def test_numbers_and_pictures_are_of_todays_kernels(path):
     """What is written by hand has what `python docs/data/kernels.py` prints."""
     said = KERNELS[path.suffix](path)
     hashes = said.values() if isinstance(said, dict) else [said]
-    assert holds(path.name, *hashes), f"{path.name} is stale; docs/data/README.md says how it is made."
+    assert holds(path.name, *hashes), (
+        f"{path.name} is stale; docs/data/README.md says how it is made."
+    )
 
 
 @pytest.mark.parametrize("file", [*RELEASED, *MEASURED], ids=lambda each: each.name)
@@ -207,8 +228,11 @@ def dry_run(folder, name, text):
     (folder / name).write_text(text, encoding="utf-8")
     ran = subprocess.run(
         [sys.executable, "-P", "-m", "dem", "sweep", name, "--dry-run"],
-        cwd=folder, env=os.environ | {"PYTHONPATH": str(folder)}, text=True, capture_output=True,
-    )  # fmt: skip
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": str(folder)},
+        text=True,
+        capture_output=True,
+    )
     return ran.stderr if ran.returncode else ""
 
 

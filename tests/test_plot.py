@@ -67,9 +67,15 @@ def test_a_disc_is_drawn_at_its_place_with_its_radius(results, frame):
     assert_allclose(center, 1e3 * result.cylinder_position[frame])
 
 
-@pytest.mark.parametrize("planes", [
-    WEDGE, dem.box(4e-3, 3e-3), [[0.0, -1.0, 1e-3]], [[0.6, 0.8, 2e-3], [-0.6, -0.8, 1e-3]],
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "planes",
+    [
+        WEDGE,
+        dem.box(4e-3, 3e-3),
+        [[0.0, -1.0, 1e-3]],
+        [[0.6, 0.8, 2e-3], [-0.6, -0.8, 1e-3]],
+    ],
+)
 def test_what_is_hatched_is_what_no_granule_can_enter(planes):
     """A point of the view is outside the space that is drawn where n.x > offset of some wall, and
     lines of walls lie on that edge."""
@@ -153,33 +159,73 @@ def of_one_frame(result):
     return result._replace(time=result.time[:1], position=result.position[:1])
 
 
-@pytest.mark.parametrize(("call", "sentence"), [
-    (lambda r, p: dem.plot.bed(r, frame=4), "frame is 4; it must be a whole number, -4 to 3."),
-    (lambda r, p: dem.plot.bed(r, frame=1.5), "frame is 1.5; it must be a whole number, -4 to 3."),
-    (lambda r, p: r.contacts(-5), "frame is -5; it must be a whole number, -4 to 3."),
-    (lambda r, p: dem.plot.bed(r, color="mauve"),
-     "color is 'mauve'; it must be one of speed, force, layer."),
-    (lambda r, p: dem.plot.bed(r, color=["speed"]),
-     "color is ['speed']; it must be one of speed, force, layer."),
-    (lambda r, p: dem.plot.bed(3), "result is 3; it must be a dem.Result"),
-    (lambda r, p: dem.plot.forces(None), "result is None; it must be a dem.Result"),
-    (lambda r, p: dem.plot.forces(r), "result has no forces: its scene has neither cylinder nor walls."),
-    (lambda r, p: dem.film(r, p / "new" / "run.mp4", color="mauve"),
-     "color is 'mauve'; it must be one of speed, force, layer."),
-    (lambda r, p: dem.film(r, "run.avi"),
-     "path is 'run.avi'; it must be the path of a file that ends in .mp4 or .gif."),
-    (lambda r, p: dem.film(r, 3), "path is 3; it must be the path of a file that ends in .mp4 or .gif."),
-    (lambda r, p: dem.film(STATE, p / "run.gif"), "it must be a dem.Result"),
-    (lambda r, p: dem.film(of_one_frame(r), p / "run.gif"),
-     "result has 1 frame; a film needs two: simulate with more frames."),
-    (lambda r, p: r.to_netcdf("run.txt"), "path is 'run.txt'; it must be the path of a file that ends in .nc."),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda r, p: dem.plot.bed(r, frame=4), "frame is 4; it must be a whole number, -4 to 3."),
+        (
+            lambda r, p: dem.plot.bed(r, frame=1.5),
+            "frame is 1.5; it must be a whole number, -4 to 3.",
+        ),
+        (lambda r, p: r.contacts(-5), "frame is -5; it must be a whole number, -4 to 3."),
+        (
+            lambda r, p: dem.plot.bed(r, color="mauve"),
+            "color is 'mauve'; it must be one of speed, force, layer.",
+        ),
+        (
+            lambda r, p: dem.plot.bed(r, color=["speed"]),
+            "color is ['speed']; it must be one of speed, force, layer.",
+        ),
+        (lambda r, p: dem.plot.bed(3), "result is 3; it must be a dem.Result"),
+        (lambda r, p: dem.plot.forces(None), "result is None; it must be a dem.Result"),
+        (
+            lambda r, p: dem.plot.forces(r),
+            "result has no forces: its scene has neither cylinder nor walls.",
+        ),
+        (
+            lambda r, p: dem.film(r, p / "new" / "run.mp4", color="mauve"),
+            "color is 'mauve'; it must be one of speed, force, layer.",
+        ),
+        (
+            lambda r, p: dem.film(r, "run.avi"),
+            "path is 'run.avi'; it must be the path of a file that ends in .mp4 or .gif.",
+        ),
+        (
+            lambda r, p: dem.film(r, 3),
+            "path is '3'; it must be the path of a file that ends in .mp4 or .gif.",
+        ),
+        (lambda r, p: dem.film(STATE, p / "run.gif"), "it must be a dem.Result"),
+        (
+            lambda r, p: dem.film(of_one_frame(r), p / "run.gif"),
+            "result has 1 frame; a film needs two: simulate with more frames.",
+        ),
+        (
+            lambda r, p: r.to_netcdf("run.txt"),
+            "path is 'run.txt'; it must be the path of a file that ends in .nc.",
+        ),
+    ],
+)
 def test_what_cannot_be_drawn_is_refused(results, tmp_path, call, sentence):
     """In one sentence, with nothing written."""
     with pytest.raises(dem.InputError) as error:
         call(results["empty space"], tmp_path)
     assert sentence in str(error.value) and "\n" not in str(error.value)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("name", ["run.mp4", "run.gif", "run.nc"])
+def test_a_folder_and_a_file_of_another_kind_are_kept(results, tmp_path, name):
+    """A path that is a folder, or whose suffix is another one, is refused and stays."""
+    result, folder, notes = results["walls"], tmp_path / name, tmp_path / "notes.md"
+    folder.mkdir()
+    notes.write_text("notes")
+    for path, words in (
+        (folder, "must be a file"),
+        (notes, "must be the path of a file that ends"),
+    ):
+        with pytest.raises(dem.InputError, match=words):
+            result.to_netcdf(path) if name.endswith(".nc") else dem.film(result, path)
+    assert not list(folder.iterdir()) and notes.read_text() == "notes"
 
 
 AS_DISCS = ", drawn as discs of equal area"

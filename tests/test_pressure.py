@@ -28,9 +28,11 @@ PRESSURE, HIGH = 60e6, 150e6  # Pa
 def asked(pressure=PRESSURE, **changes):
     """A run of the small bed of discs under a pressure."""
     values = {
-        "packing.fraction": None, "packing.pressure": pressure, "periodic": "x",
+        "packing.fraction": None,
+        "packing.pressure": pressure,
+        "periodic": "x",
         "record.observables": ["drag", "snapshots", "top"],
-    }  # fmt: skip
+    }
     sweep = load(CONFIG / "smoke.yaml")
     return sweep.changed(values | changes, "c1").replicate("c1", 3900.0, 1)
 

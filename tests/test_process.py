@@ -225,7 +225,7 @@ WRONG = {  # what is put instead of the result: why the run failed
     "1} and {'other': 1": "the variable other must be both in VARIABLES and in what product.py gives.",
     "1} and None or {0": "the variable product must be both in VARIABLES and in what product.py gives.",
     "1, 'other': set()": "the variable other must be both in VARIABLES and in what product.py gives.",
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("wrong", WRONG)
@@ -279,9 +279,10 @@ def test_an_error_in_an_observable_of_ones_own_fails_its_run_only(tmp_path, monk
 def test_workers_end_with_the_process_that_started_them(tmp_path, compiles):
     """However it ends: they would keep memory, and a pipe that somebody reads."""
     write(
-        tmp_path, "sweep.yaml",
+        tmp_path,
+        "sweep.yaml",
         f"extends: {CONFIG}/smoke.yaml\nresults: results/many\nsweep: {{case: [c1], seed: 1 to 400}}\n",
-    )  # fmt: skip
+    )
     cache = tmp_path / "cache" if compiles else sources.cache_folder()
     command = [sys.executable, "-m", "dem", "sweep", "sweep.yaml", "-j2"]
     environment = os.environ | {"NUMBA_CACHE_DIR": str(cache), "PYTHONPATH": str(sources.ROOT)}

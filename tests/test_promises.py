@@ -36,9 +36,11 @@ OURS = "dem", "studies"
 
 # Who shows a command: pages, and the docstrings of rules, modules and verbs.
 PAGES = [
-    *sorted(ROOT.glob("*.md")), *sorted(ROOT.glob("docs/**/*.md")), *sorted(ROOT.glob("studies/*/page.md")),
+    *sorted(ROOT.glob("*.md")),
+    *sorted(ROOT.glob("docs/**/*.md")),
+    *sorted(ROOT.glob("studies/*/page.md")),
     *sorted(ROOT.glob("dem/**/*.md")),
-]  # fmt: skip
+]
 # what the build writes, and the template of README.md
 LEFT_OUT = {"_build", "_generated", "jupyter_execute", "readme.md"}
 PAGES = [path for path in PAGES if not LEFT_OUT & set(path.parts)]
@@ -216,9 +218,10 @@ def test_every_verb_is_shown_or_called_by_a_rule():
     """So that what runs above, and the targets below, enter all of them; what is neither has no use."""
     called = set(called_by_rules())
     unused = [
-        shlex.join(verb) for verb in verbs()
+        shlex.join(verb)
+        for verb in verbs()
         if not any(words[: len(verb)] == verb for words in SHOWN) and verb[-1] not in called
-    ]  # fmt: skip
+    ]
     assert unused == []
 
 

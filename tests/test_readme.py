@@ -6,7 +6,6 @@ from pathlib import Path
 import matplotlib
 import numpy as np
 import pytest
-from mutants import MUTANTS
 
 ROOT = Path(__file__).parent.parent
 TUTORIAL = "docs/tutorials/library.md"
@@ -84,8 +83,3 @@ def test_the_files_that_a_document_names_exist(name):
     text = (ROOT / name).read_text()
     named = re.findall(r"\b(?:dem|tests|rules|config|docs(?!/_build))/[\w/.]*\w", text)
     assert [each for each in named if not (ROOT / each).exists()] == []
-
-
-def test_a_mutant_finds_the_line_that_it_breaks():
-    for mutant in MUTANTS:
-        assert (ROOT / "dem" / mutant.file).read_text().count(mutant.right) == 1, mutant

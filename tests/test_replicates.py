@@ -169,7 +169,10 @@ def test_snakemake_makes_the_same_replicates(sweep):
     ran = snakemake(Path.cwd(), *map(str, words), configfile="sweep.yaml")
     assert ran.returncode == 0, ran.stderr
     xr.testing.assert_equal(result().drop_attrs(), whole)
-    assert "Nothing to be done" in snakemake(Path.cwd(), *map(str, words), configfile="sweep.yaml").stderr
+    assert (
+        "Nothing to be done"
+        in snakemake(Path.cwd(), *map(str, words), configfile="sweep.yaml").stderr
+    )
 
 
 def test_the_file_says_what_was_asked_for(sweep):
@@ -197,7 +200,9 @@ def test_blocks_that_share_runs_are_made(sweep):
     text = sweep().read_text().partition("sweep:")[0]
     blocks = f"    one: {{case: a, seed: {SEED}}}\n    two: {{case: a, seed: 1 to 30}}\n"
     Path("sweep.yaml").write_text(f"{text}sweep:\n  blocks:\n{blocks}")
-    state = SweepState.of(Path("sweep.yaml"))  # as Snakemake asks: round by round, all in one process
+    state = SweepState.of(
+        Path("sweep.yaml")
+    )  # as Snakemake asks: round by round, all in one process
     for _ in state.rounds("one"):
         state.begin("one")
         for batch in state.batches("one"):
@@ -210,7 +215,10 @@ def test_blocks_that_share_runs_are_made(sweep):
 def test_a_place_that_stops_at_the_cap_is_said(sweep):
     state = of_file(sweep("{until: 1 %, of: force, most: 12}"))
     (sentence,) = state.notes
-    assert "2 of 2 places are not as well known as asked for" in sentence and "after 12 replicates" in sentence
+    assert (
+        "2 of 2 places are not as well known as asked for" in sentence
+        and "after 12 replicates" in sentence
+    )
     assert result()["replicates"].values.tolist() == [12, 12]
 
 
@@ -288,11 +296,20 @@ def test_fieller_s_interval_is_where_the_difference_is_significant():
         ("{until: 5 %, of: force, least: 50, most: 20}", "least is 50, above most, 20"),
         ("{until: 500 %, of: force}", "until is 500 %; it must be below 100 %"),
         ("{until: 5 %, of: force, first: 2147483640}", "the last seed must be below 2147483648"),
-        ("{until: 5 %, of: forze}", "forze is no number that these runs record; the nearest is force"),
+        (
+            "{until: 5 %, of: forze}",
+            "forze is no number that these runs record; the nearest is force",
+        ),
         ("{until: 5 %, of: run_time}", "run_time is no number that these runs record"),
-        ("{until: 5 %, of: force / z}", "'z' is no case or shape that this block varies; there are a, b"),
+        (
+            "{until: 5 %, of: force / z}",
+            "'z' is no case or shape that this block varies; there are a, b",
+        ),
         ("{until: 5 N, of: force / a}", "sweep.seed.until is '5 N'; it must be a percentage"),
-        ("{until: 5 %, of: force, confidence: 5}", "it must be a percentage between 50 % and 99.99 %"),
+        (
+            "{until: 5 %, of: force, confidence: 5}",
+            "it must be a percentage between 50 % and 99.99 %",
+        ),
         ("{untl: 5 %}", "sweep.seed.untl is not a known key; the nearest is until"),
     ],
 )
@@ -304,7 +321,11 @@ def test_a_precision_that_cannot_be_is_refused_with_its_key(sweep, seed, words):
 
 def test_replicates_of_a_derived_block_are_listed(sweep):
     with pytest.raises(InputError, match="seed has until, and needs first; list the seeds"):
-        more = "    first: {case: a, seed: 1}\n    second: {needs: first, case: a, seed: " + SEED + "}\n"
+        more = (
+            "    first: {case: a, seed: 1}\n    second: {needs: first, case: a, seed: "
+            + SEED
+            + "}\n"
+        )
         text = sweep().read_text().partition("sweep:")[0] + "sweep:\n  blocks:\n" + more
         Path("sweep.yaml").write_text(text)
         SweepState.of(Path("sweep.yaml"))
@@ -333,7 +354,9 @@ def test_status_tells_which_run_a_process_is_at(sweep):
     run = next(state.block("drag").unique())
     with state.store.locked(state.store.run_of(run.id, ".lock")):
         assert "1 run is under way and 19 wait" in said(SweepState.of(Path("sweep.yaml")))
-    assert "0 runs are under way and 20 wait" in said(SweepState.of(Path("sweep.yaml")))  # a lock that is left
+    assert "0 runs are under way and 20 wait" in said(
+        SweepState.of(Path("sweep.yaml"))
+    )  # a lock that is left
 
 
 def test_a_partial_file_holds_what_is_there_and_says_so(sweep):

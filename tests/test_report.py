@@ -27,18 +27,35 @@ from dem.sweep.combine import open_combined
 ROOT = Path(__file__).parent.parent
 BOXES = {"wide": {"box_width": 10e-3, "shapes.c1.granules": 75}, "same": {"box_width": 8e-3}}
 SWEEPS = {
-    "grid": {"shape": ["c1", "d1"], "friction.granule": [0.1, 0.2, 0.3], "box": BOXES,
-             "seed": "1 to 2"},
+    "grid": {
+        "shape": ["c1", "d1"],
+        "friction.granule": [0.1, 0.2, 0.3],
+        "box": BOXES,
+        "seed": "1 to 2",
+    },
     "names": {"shape": ["c1", "d1"], "box": BOXES},
-    "many": {"shape": ["c1"], "material.restitution": [0.2, 0.4, 0.6, 0.8], "box": BOXES,
-             "friction.granule": [0.1, 0.2, 0.3], "friction.wall": [0.1, 0.3]},
+    "many": {
+        "shape": ["c1"],
+        "material.restitution": [0.2, 0.4, 0.6, 0.8],
+        "box": BOXES,
+        "friction.granule": [0.1, 0.2, 0.3],
+        "friction.wall": [0.1, 0.3],
+    },
     "point": {"shape": ["c1"], "friction.granule": [0.3], "seed": "1 to 2"},
-    "design": {"shape": ["c1", "d1"], "point": {
-        "design": "latin_hypercube", "points": 6, "first_seed": 11,
-        "over": {"friction.granule": {"low": 0.1, "high": 0.5},
-                 "ellipse.curvature": {"choices": ["volume", "local"]},
-                 "material.young_modulus": {"low": 1e10, "high": 1e11, "scale": "log"}}}},
-}  # fmt: skip
+    "design": {
+        "shape": ["c1", "d1"],
+        "point": {
+            "design": "latin_hypercube",
+            "points": 6,
+            "first_seed": 11,
+            "over": {
+                "friction.granule": {"low": 0.1, "high": 0.5},
+                "ellipse.curvature": {"choices": ["volume", "local"]},
+                "material.young_modulus": {"low": 1e10, "high": 1e11, "scale": "log"},
+            },
+        },
+    },
+}
 
 
 @pytest.fixture(scope="module")
@@ -166,13 +183,18 @@ def test_axes_of_a_sweep_have_names_and_units(swept):
         "names": {"Box"},
         "many": {"Coefficient of restitution (1)"},
         "point": {"Friction between granules (1)"},
-        "design": {"Friction between granules (1)", "Radius of ellipses in Hertz's law",
-                   "Young's modulus (Pa)"},
-    }  # fmt: skip
+        "design": {
+            "Friction between granules (1)",
+            "Radius of ellipses in Hertz's law",
+            "Young's modulus (Pa)",
+        },
+    }
     assert labels == wanted[name]
     if name not in ("point", "many"):
         assert [text.get_text() for text in figure.legends[0].get_texts()] == [
-            "shape: c1", "shape: d1"]  # fmt: skip
+            "shape: c1",
+            "shape: d1",
+        ]
 
 
 def test_an_axis_is_logarithmic_where_values_are_far_apart(swept):
@@ -188,11 +210,17 @@ def test_an_axis_is_logarithmic_where_values_are_far_apart(swept):
 @pytest.mark.parametrize(
     ("values", "logarithmic"),
     [
-        ([0.5, 1.0, 2.0], False), ([1.0, 2.0, 5.0, 10.0], True), ([0.6, 1.2, 2.4, 6.0], True),
-        ([0.1, 0.3, 0.5], False), ([0.82, 0.84, 0.86], False), ([0.0, 0.1, 1.0], False),
-        ([1.0, 10.0], True), ([1.0, 2.0, 3.0, 4.0], False), ([1.0, 100.0], True),
+        ([0.5, 1.0, 2.0], False),
+        ([1.0, 2.0, 5.0, 10.0], True),
+        ([0.6, 1.2, 2.4, 6.0], True),
+        ([0.1, 0.3, 0.5], False),
+        ([0.82, 0.84, 0.86], False),
+        ([0.0, 0.1, 1.0], False),
+        ([1.0, 10.0], True),
+        ([1.0, 2.0, 3.0, 4.0], False),
+        ([1.0, 100.0], True),
     ],
-)  # fmt: skip
+)
 def test_a_list_over_more_than_the_fivefold_has_a_logarithmic_axis(values, logarithmic):
     assert is_logarithmic(np.array(values)) == logarithmic
 
@@ -226,7 +254,9 @@ def test_info_and_report_have_a_row_a_place(swept):
 
 
 def test_a_long_table_says_how_much_is_left_out():
-    assert "... and 3 rows more" in text_of(TextTable(pd.DataFrame({"a": range(63), "b": range(63)})))
+    assert "... and 3 rows more" in text_of(
+        TextTable(pd.DataFrame({"a": range(63), "b": range(63)}))
+    )
 
 
 def test_a_figure_of_cases_is_not_drawn_of_other_sweeps(swept):

@@ -47,15 +47,17 @@ RESULTS = {"combine", "figure", "results", "table"}
 HARMLESS = {
     "a comment": ("dem/contacts/loops.py", "\n# edited\n"),
     "an error sentence": (
-        "dem/experiment/config.py", ("has no such shape", "knows no such shape"),
+        "dem/experiment/config.py",
+        ("has no such shape", "knows no such shape"),
     ),
     "one more observable": ("dem/experiment/observables/heat.py", "VARIABLES = {}\n"),
     "the command line": ("dem/cli/app.py", LINE),
     "runs a batch": (SMOKE, ("title: Smoke", "batch: 3\ntitle: Smoke")),
     "order of keys": (
-        SMOKE, ("  fraction: 0.84\n  size_spread: 0.2", "  size_spread: 0.2\n  fraction: 0.84"),
+        SMOKE,
+        ("  fraction: 0.84\n  size_spread: 0.2", "  size_spread: 0.2\n  fraction: 0.84"),
     ),
-}  # fmt: skip
+}
 EDITS = {
     "the style of figures": ("dem/figures/style.py", LINE, {"figure"}),
     "one figure": ("dem/figures/figure13.py", LINE, {"figure"}),
@@ -110,9 +112,10 @@ VALUES = {
     "window": ((SMOKE, "window: [0.4e-3,", "window: [0.5e-3,"), SHOWN, 0),
     "another study's sweep": (
         ("studies/accuracy/smoke.yaml", "seed: 1001 to 1003", "seed: 1001 to 1004"),
-        {"batch", "results", "table", "figure"}, None,
+        {"batch", "results", "table", "figure"},
+        None,
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("value", VALUES)

@@ -34,12 +34,18 @@ def values(**more):
         "samples": 300,
     }
     return {
-        "experiment": "shear", "box_width": 9e-3, "periodic": "x",
+        "experiment": "shear",
+        "box_width": 9e-3,
+        "periodic": "x",
         "packing": {"fraction": 0.83, "size_spread": 0.2},
         "material": {"young_modulus": 5e9, "poisson_ratio": 0.3, "restitution": 0.1},
-        "friction": same, "shapes": {"disc": {"kind": "disc", "diameter": 1e-3, "granules": 72}},
-        "shear": asked, "shape": "disc", "density": 2500.0, "seed": 1,
-    } | more  # fmt: skip
+        "friction": same,
+        "shapes": {"disc": {"kind": "disc", "diameter": 1e-3, "granules": 72}},
+        "shear": asked,
+        "shape": "disc",
+        "density": 2500.0,
+        "seed": 1,
+    } | more
 
 
 @cache
@@ -159,12 +165,15 @@ def swept(friction, fraction=0.8, noise=0.02, seeds=3, strain=4, seed=0):
             "run_id": (dims[:-1], np.full(shape[:-1], "x")),
         },
         {
-            "friction": [str(k) for k in range(len(friction))], AXIS: NUMBERS,
-            "seed": np.arange(seeds), "diameter": 1e-3, "density": 2500.0,
+            "friction": [str(k) for k in range(len(friction))],
+            AXIS: NUMBERS,
+            "seed": np.arange(seeds),
+            "diameter": 1e-3,
+            "density": 2500.0,
             "shear_strain": 0.1 * np.arange(1, samples + 1),
         },
         {"configuration": json.dumps({"shear": asked})},
-    )  # fmt: skip
+    )
 
 
 def test_curves_tell_places_apart():
@@ -233,9 +242,7 @@ def test_points_that_differ_in_inertial_number_alone_are_its_axis():
     runs = swept([[0.1, 0.2]])
     points = runs.rename({AXIS: "point"}).assign_coords(point=[0, 1])
     points = points.assign_coords({AXIS: ("point", NUMBERS)})
-    np.testing.assert_array_equal(
-        rheology(points)[()].friction, rheology(runs)[()].friction
-    )
+    np.testing.assert_array_equal(rheology(points)[()].friction, rheology(runs)[()].friction)
 
 
 def test_runs_of_one_inertial_number_are_refused():

@@ -96,19 +96,33 @@ def test_wrong_input_is_named(sentence):
 EXTREME = st.sampled_from(
     [NAN, math.inf, -math.inf, 1e300, -1e300, 1e-300, 0.0, -1e-3, 1e150, 3e-3, 1e-20, 1e12, -1e40]
 )
-ARRAYS = {"position": (2, 2), "velocity": (2, 2), "angle": (2,), "angular_velocity": (2,), "radius": (2,)}  # fmt: skip
+ARRAYS = {
+    "position": (2, 2),
+    "velocity": (2, 2),
+    "angle": (2,),
+    "angular_velocity": (2,),
+    "radius": (2,),
+}
 
 
 @settings(deadline=None, max_examples=200)
-@given(st.sampled_from(list(ARRAYS)), EXTREME, st.integers(0, 3), st.sampled_from(["", "longer", "deeper", "flat"]))  # fmt: skip
+@given(
+    st.sampled_from(list(ARRAYS)),
+    EXTREME,
+    st.integers(0, 3),
+    st.sampled_from(["", "longer", "deeper", "flat"]),
+)
 def test_any_array_is_simulated_or_refused(name, value, place, form):
     """One bad number, or a wrong shape, in an array of the user: finite motion or an error with a name."""
     arrays = {"position": np.array([[0.0, 0.0], [3e-3, 0.0]]), "radius": np.full(2, 1e-3)}
     array = arrays.setdefault(name, np.zeros(ARRAYS[name]))
     array.flat[place % array.size] = value
     arrays[name] = {
-        "": array, "longer": np.concatenate([array, array]), "deeper": array[..., None], "flat": array.ravel()[:1]
-    }[form]  # fmt: skip
+        "": array,
+        "longer": np.concatenate([array, array]),
+        "deeper": array[..., None],
+        "flat": array.ravel()[:1],
+    }[form]
     try:
         shape = dem.Disc(arrays.pop("radius"))
         run = call(two_discs(shape=shape), arrays.pop("position"), 1e-9, **arrays)

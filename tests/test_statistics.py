@@ -18,9 +18,10 @@ def runs(drag):
     """A file of runs (case, seed, displacement) of one case."""
     middle = 1e-3 * (np.arange(drag.shape[-1]) + 0.5)  # m
     return xr.Dataset(
-        {"drag": (("case", "seed", "displacement"), drag)}, {"displacement": middle},
+        {"drag": (("case", "seed", "displacement"), drag)},
+        {"displacement": middle},
         {"window_start": middle[1], "window_stop": middle[-2]},
-    )  # fmt: skip
+    )
 
 
 def test_the_interval_of_a_mean_is_that_of_student():
@@ -68,9 +69,10 @@ def test_a_figure_that_averages_uses_all_runs_and_joins_values_in_their_order():
     """One place has four seeds and the other ten, of which six are of it alone."""
     sizes = {name: 2 for name in "abcde"} | {"seed": 10, "displacement": 1}
     drag = xr.DataArray(
-        np.random.default_rng(5).normal(100.0, 5.0, tuple(sizes.values())), dims=list(sizes),
+        np.random.default_rng(5).normal(100.0, 5.0, tuple(sizes.values())),
+        dims=list(sizes),
         coords={name: [4.0, 3.0] for name in "abcde"} | {"seed": range(10), "displacement": [2e-3]},
-    )  # fmt: skip
+    )
     drag = drag.where((drag["seed"] < 4) | (drag["e"] == 3.0)).assign_attrs(units="N")
     runs = xr.full_like(drag.isel(displacement=0, drop=True), "run", dtype=object)
     window = {"window_start": 1e-3, "window_stop": 5e-3}
@@ -88,5 +90,7 @@ def test_a_figure_that_averages_uses_all_runs_and_joins_values_in_their_order():
 
 def test_a_curve_is_joined_in_the_order_of_its_axis():
     axes = Figure().subplots()
-    style.intervals(axes, [3.0, 1.0, 2.0], [[30.0, 29.0, 31.0], [10.0, 9.0, 11.0], [20.0, 19.0, 21.0]])
+    style.intervals(
+        axes, [3.0, 1.0, 2.0], [[30.0, 29.0, 31.0], [10.0, 9.0, 11.0], [20.0, 19.0, 21.0]]
+    )
     assert axes.lines[0].get_xydata().tolist() == [[1.0, 10.0], [2.0, 20.0], [3.0, 30.0]]

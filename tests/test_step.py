@@ -90,10 +90,12 @@ def test_galilean_invariance(speed):
     still, moves = (
         dem.simulate(
             dem.Scene(dem.Disc(sizes), dem.Material(restitution=0.9)),
-            dem.State(place, blow + [v, 0.0]), duration=1e-3, frames=3,
+            dem.State(place, blow + [v, 0.0]),
+            duration=1e-3,
+            frames=3,
         )
         for v in (0.0, speed)
-    )  # fmt: skip
+    )
     assert np.abs(still.state.velocity[:, 0]).min() > 1e-4  # all have been hit
     assert_allclose(moves.state.velocity - [speed, 0.0], still.state.velocity, atol=1e-12)
     assert_allclose(moves.state.position - [1e-3 * speed, 0.0], still.state.position, atol=1e-14)

@@ -53,9 +53,7 @@ def column():
     row, place = np.divmod(np.arange(120), 8)
     shape = dem.Disc(0.5e-3 * rng.uniform(0.8, 1.2, 120))
     walls = dem.box(10e-3, 30e-3)
-    scene = dem.Scene(
-        shape, SOFT, SMOOTH_SIDES, walls, gravity=(0.0, -G), thickness=THICKNESS
-    )  # fmt: skip
+    scene = dem.Scene(shape, SOFT, SMOOTH_SIDES, walls, gravity=(0.0, -G), thickness=THICKNESS)
     place = 1e-3 + 1.14e-3 * place + 0.1e-3 * (row % 2)
     run = dem.Simulation(scene, dem.State(np.column_stack([place, 1e-3 + 1.3e-3 * row])))
     run.advance(1.0)
@@ -237,7 +235,7 @@ def test_friction_drags_the_floor_along():
     """A disc that slides to the right pulls the floor to the right, with Coulomb's force."""
     scene = dem.Scene(
         dem.Disc([1e-3]), SOFT, dem.Friction(wall=0.3), [[0.0, -1.0, 0.0]], gravity=(0.0, -G)
-    )  # fmt: skip
+    )
     run = dem.Simulation(scene, dem.State([[0.0, 0.999e-3]], velocity=[[1.0, 0.0]]))
     run.advance(2e-3)
     contacts = run.contacts()
@@ -271,13 +269,19 @@ def test_the_edges_of_bins_close_a_wedge():
     assert run.stress(y=[0.0, 2e-3]).contact[0, 1, 1] == pytest.approx(moment / 4e-6)
 
 
-@pytest.mark.parametrize(("edges", "sentence"), [
-    ({"x": [0.0, 1e-3], "y": [0.0, 1e-3]}, "x and y are both given; give edges along one of them"),
-    ({"y": [0.0]}, "y must hold two or more edges of bins"),
-    ({"y": [0.0, 2e-3, 1e-3]}, r"y must hold two or more edges of bins \(m\) that rise"),
-    ({"x": [0.0, np.nan]}, "x of edge 1 is nan; it must be finite"),
-    ({"x": 10}, "x is 10; it must hold real numbers"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("edges", "sentence"),
+    [
+        (
+            {"x": [0.0, 1e-3], "y": [0.0, 1e-3]},
+            "x and y are both given; give edges along one of them",
+        ),
+        ({"y": [0.0]}, "y must hold two or more edges of bins"),
+        ({"y": [0.0, 2e-3, 1e-3]}, r"y must hold two or more edges of bins \(m\) that rise"),
+        ({"x": [0.0, np.nan]}, "x of edge 1 is nan; it must be finite"),
+        ({"x": 10}, "x is 10; it must hold real numbers"),
+    ],
+)
 def test_edges_that_are_none_are_refused(small_bed, edges, sentence):
     run = shaken(small_bed("disc"))
     with pytest.raises(dem.InputError, match=sentence):
@@ -321,9 +325,15 @@ def endless():
     bed = dem.pack(shape, 7e-3, 7e-3, cylinder, 1, "x")
     velocity = np.random.default_rng(2).normal(size=(50, 2))
     scene = dem.Scene(
-        shape, SOFT, dem.Friction(), bed.walls, cylinder, thickness=THICKNESS,
-        periodic=bed.periodic, wall_motion=AT_REST,
-    )  # fmt: skip
+        shape,
+        SOFT,
+        dem.Friction(),
+        bed.walls,
+        cylinder,
+        thickness=THICKNESS,
+        periodic=bed.periodic,
+        wall_motion=AT_REST,
+    )
     return dem.Simulation(scene, replace(bed.state, velocity=velocity))
 
 
@@ -351,10 +361,15 @@ def test_a_ring_of_discs_has_the_stress_of_its_contacts():
     radius, count, height = 1e-3, 5, 4e-3
     length = 2.0 * count * radius * (1.0 - 1e-4)
     scene = dem.Scene(
-        dem.Disc([radius] * count), SOFT, dem.Friction(), dem.box(length, height)[2:],
+        dem.Disc([radius] * count),
+        SOFT,
+        dem.Friction(),
+        dem.box(length, height)[2:],
         dem.Cylinder(1e-9, (0.0, 0.1 * height)),  # it meets nothing: its machine code serves
-        thickness=THICKNESS, periodic=(length, None), wall_motion=AT_REST,
-    )  # fmt: skip
+        thickness=THICKNESS,
+        periodic=(length, None),
+        wall_motion=AT_REST,
+    )
     x = length * (np.arange(count) + 0.3) / count
     run = dem.Simulation(scene, dem.State(np.column_stack([x, np.full(count, 0.5 * height)])))
     contacts = run.contacts()

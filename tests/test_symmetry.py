@@ -23,8 +23,9 @@ def start(small):
     rng = np.random.default_rng(4)
     n = len(small.diameters)
     cylinder = Cylinder(small.cylinder.diameter, small.cylinder.position, (0.7, 2.0))
-    state = State(small.bed.position, rng.normal(size=(n, 2)), small.bed.angle,
-                  rng.normal(scale=1e3, size=n))  # fmt: skip
+    state = State(
+        small.bed.position, rng.normal(size=(n, 2)), small.bed.angle, rng.normal(scale=1e3, size=n)
+    )
     return small.scene(cylinder=cylinder), state
 
 
@@ -37,17 +38,20 @@ def mapped(scene, state, matrix):
         scene.cylinder.diameter,
         *(tuple(matrix @ np.array(v)) for v in (scene.cylinder.position, scene.cylinder.velocity)),
     )
-    new = Scene(scene.shape, scene.material, scene.friction, walls, cylinder,
-                thickness=scene.thickness)  # fmt: skip
+    new = Scene(
+        scene.shape, scene.material, scene.friction, walls, cylinder, thickness=scene.thickness
+    )
     return new, map_state(state, matrix, hand)
 
 
 def map_state(state, matrix, hand):
     turn = np.arctan2(matrix[1, 0], matrix[0, 0])
     return State(
-        state.position @ matrix.T, state.velocity @ matrix.T,
-        turn + hand * state.angle, hand * state.angular_velocity,
-    )  # fmt: skip
+        state.position @ matrix.T,
+        state.velocity @ matrix.T,
+        turn + hand * state.angle,
+        hand * state.angular_velocity,
+    )
 
 
 def agree(state, expected, size):
@@ -61,9 +65,10 @@ def agree(state, expected, size):
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize(
-    "matrix", [[[-1, 0], [0, 1]], [[0, -1], [1, 0]], [[0, 1], [1, 0]]],
+    "matrix",
+    [[[-1, 0], [0, 1]], [[0, -1], [1, 0]], [[0, 1], [1, 0]]],
     ids=["mirror", "quarter turn", "diagonal mirror"],
-)  # fmt: skip
+)
 def test_mirrors_and_quarter_turns(small_bed, kind, matrix):
     """A mirrored or turned scene moves as the mirror image of the scene, forces included."""
     small = small_bed(kind)
@@ -88,8 +93,14 @@ def test_the_order_of_granules_does_not_matter(small_bed, kind):
     )
     fields = "position", "velocity", "angle", "angular_velocity"
     shuffled = State(**{name: getattr(state, name)[order] for name in fields})
-    other = Scene(shape, scene.material, scene.friction, scene.walls, scene.cylinder,
-                  thickness=scene.thickness)  # fmt: skip
+    other = Scene(
+        shape,
+        scene.material,
+        scene.friction,
+        scene.walls,
+        scene.cylinder,
+        thickness=scene.thickness,
+    )
     found, *_ = run(other, shuffled)
     expected = State(**{name: getattr(after, name)[order] for name in fields})
     agree(found, expected, small.diameters.mean())

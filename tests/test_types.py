@@ -69,8 +69,11 @@ def told(tmp_path_factory):
     modules = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["mypy"]["files"]
     found = subprocess.run(
         [*command, *modules, *folder.iterdir()],
-        cwd=ROOT, env=environment, capture_output=True, text=True,
-    )  # fmt: skip
+        cwd=ROOT,
+        env=environment,
+        capture_output=True,
+        text=True,
+    )
     assert f"{len(modules) + len(scripts)} source files" in found.stdout, (
         found.stdout + found.stderr
     )

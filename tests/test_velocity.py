@@ -32,14 +32,18 @@ def swept(drag, velocity=VELOCITY, density=4000.0):
             "run_id": (dims, np.full(drag.shape, "x")),
         },
         {
-            "friction": [str(i) for i in range(drag.shape[0])], AXIS: velocity,
-            "seed": np.arange(drag.shape[2]), "displacement": bins,
+            "friction": [str(i) for i in range(drag.shape[0])],
+            AXIS: velocity,
+            "seed": np.arange(drag.shape[2]),
+            "displacement": bins,
         },
         {
-            "window_start": 1e-3, "window_stop": 3e-3, AXIS: 2.0,
+            "window_start": 1e-3,
+            "window_stop": 3e-3,
+            AXIS: 2.0,
             "configuration": json.dumps({"cylinder": {"diameter": 3e-3}}),
         },
-    )  # fmt: skip
+    )
     return found.assign_coords(diameter=1e-3, density=density).expand_dims("shape")
 
 
@@ -118,8 +122,16 @@ def test_too_little_for_a_law_is_refused(drag, words):
 @pytest.mark.parametrize(
     ("name", "values", "factors"),
     [
-        ("density", [4e3, 1.6e4], (1.0, 2.0)),  # granules four times as dense come back half as fast
-        ("cylinder_diameter", [3e-3, 6e-3], (1.0, 0.5)),  # twice the diameter is half the rate of shear
+        (
+            "density",
+            [4e3, 1.6e4],
+            (1.0, 2.0),
+        ),  # granules four times as dense come back half as fast
+        (
+            "cylinder_diameter",
+            [3e-3, 6e-3],
+            (1.0, 0.5),
+        ),  # twice the diameter is half the rate of shear
     ],
 )
 def test_the_inertial_number_is_a_ratio_of_two_times(name, values, factors):

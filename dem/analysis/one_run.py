@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dem.base.errors import InputError
-from dem.base.hints import is_number, is_written, meant
+from dem.base.messages import did_you_mean
+from dem.base.schema import as_number, is_written
 from dem.experiment.config import Replicate, of_values
 from dem.experiment.motion import Motion
 from dem.io.dataset import LABELS, content_of
@@ -134,7 +135,7 @@ def selected(runs: pd.DataFrame, select: list[str]) -> str:
             raise InputError(f"{word!r} selects no run; write NAME=VALUE, such as seed=1.")
         if (name := names.get(key.replace(".", "_"))) is None:
             varied = ", ".join(name for name in runs if runs[name].nunique() > 1)
-            hint = meant(key.replace(".", "_"), names) or f"; they differ in {varied}"
+            hint = did_you_mean(key.replace(".", "_"), names, f"; they differ in {varied}")
             raise InputError(f"its runs have no value named {key}{hint}.")
         found = left[_like(left[name], text)]
         if found.empty:
@@ -156,7 +157,8 @@ def selected(runs: pd.DataFrame, select: list[str]) -> str:
 
 def _like(values: pd.Series, text: str) -> np.ndarray:
     """Which values a text means: those that are equal to it, else those that are printed so."""
-    equal = np.array([is_number(text) and each == float(text) for each in values])
+    number = as_number(text)
+    equal = np.array([number is not None and each == number for each in values])
     printed = (is_written(v, text) if isinstance(v, Real) else str(v) == text for v in values)
     return equal if equal.any() else np.array(list(printed))
 

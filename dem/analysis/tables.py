@@ -9,7 +9,12 @@ from rich.text import Text
 
 WIDE = 10_000  # characters: no table is wider
 ROWS = 60  # of a table on a terminal, at most
-NUMBER = "{:.5g}".format
+
+
+def number(value: float) -> str:
+    """A number that a file gives, whole, and one that was measured, to five digits."""
+    given = f"{value:.10g}"
+    return given if float(given) == value else f"{value:.5g}"
 
 
 class TextTable:
@@ -22,7 +27,8 @@ class TextTable:
     def __rich_console__(self, console, options):
         first, width = self.frame.columns[0], options.max_width
         rows = self.frame.head(ROWS).set_index(first).rename_axis(index=None, columns=first)
-        yield Text(rows.to_string(line_width=width, na_rep="-", float_format=NUMBER))
+        rows.index = [number(at) if isinstance(at, float) else at for at in rows.index]
+        yield Text(rows.to_string(line_width=width, na_rep="-", float_format=number))
         if (more := len(self.frame) - ROWS) > 0:
             yield Text(f"... and {more} rows more")
 

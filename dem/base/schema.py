@@ -3,6 +3,7 @@
 import math
 import re
 from contextlib import suppress
+from numbers import Integral
 from typing import Annotated, Any, get_args
 
 import numpy as np
@@ -10,7 +11,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, Field, TypeAdap
 from pydantic.fields import FieldInfo
 
 from dem.base.errors import InputError
-from dem.base.hints import choice, is_number
+from dem.base.messages import did_you_mean
 from dem.base.validate import shown
 
 # the bounds keep products of values, and of their squares, finite and above zero
@@ -19,8 +20,11 @@ MOST = 1_000_000  # seeds of a list, and runs of a block
 SEEDS = 2**31  # beyond all seeds
 NEEDED = object()
 LIMITS = {
-    "ge": "minimum", "gt": "exclusiveMinimum", "le": "maximum", "lt": "exclusiveMaximum",
-}  # of values, and their words in a schema  # fmt: skip
+    "ge": "minimum",
+    "gt": "exclusiveMinimum",
+    "le": "maximum",
+    "lt": "exclusiveMaximum",
+}  # of values, and their words in a schema
 
 
 def value(units: str | None, about: str, default: Any = ..., before=NEEDED, **limits) -> Any:
@@ -40,12 +44,30 @@ def number(value):
             value = float(value)
     if isinstance(value, bool) or not isinstance(value, int | float):
         decimal = str(value).replace(",", ".")
-        raise ValueError(f"it must be a number{f', such as {decimal}' if is_number(decimal) else ''}")
+        raise ValueError(
+            f"it must be a number{f', such as {decimal}' if as_number(decimal) is not None else ''}"
+        )
     if not abs(value) < math.inf:
         raise ValueError("it must be a finite number")
     if not abs(value) <= MOST_NUMBER:  # before an integer of any size is made a float
         raise ValueError(f"its magnitude must be at most {MOST_NUMBER:g}")
     return value + 0  # -0.0 is 0.0
+
+
+def as_number(text: str) -> float | None:
+    """The finite number that a text says, if any."""
+    with suppress(ValueError):
+        if math.isfinite(said := float(text)):
+            return said
+    return None
+
+
+def is_written(value: float, text: str) -> bool:
+    """Whether a number is what a text says, exactly or as tables print it, with five digits."""
+    said = as_number(text)
+    if said is None or isinstance(value, Integral):
+        return said == value
+    return math.isclose(value, said, rel_tol=5e-5)
 
 
 def whole(value):
@@ -178,7 +200,7 @@ def _sentence(fault, at: str, section, field: FieldInfo | None) -> str:
     if kind == "missing":
         return f"{key} is missing{_about(field)}."
     if kind == "extra_forbidden":
-        return f"{key} is not a known key{choice(place[-1], section.model_fields)}."
+        return f"{key} is not a known key{did_you_mean(place[-1], section.model_fields)}."
     if kind == "value_error" and isinstance(given, dict | BaseModel) and inner:
         return f"{key + ': ' if key else ''}{limits['error']}."
     said = f"{key or 'the whole'} is {written(given)}"

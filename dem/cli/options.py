@@ -1,25 +1,18 @@
 """How verbs declare their options, and the options that several of them share."""
 
 from pathlib import Path
-from typing import Annotated, NamedTuple
+from typing import Annotated
 
 import typer
 
-from dem.base.files import FOLDER
 
-
-class Writes(NamedTuple):
-    """Marks a path that a verb writes; a verb only reads all others.
-
-    kind: as in dem.base.files.Place.
-    """
-
-    kind: str = ""
+class Writes(str):
+    """Marks a path that a verb writes: how it must end, or "". A verb only reads all others."""
 
 
 def argument(kind, about: str, writes: str | None = None, **more):
-    """Annotation of an argument of a verb. writes: kind of the file that the verb writes there, as
-    of Writes; more: as of typer.Argument."""
+    """Annotation of an argument of a verb. writes: how a path must end that the verb writes;
+    more: as of typer.Argument."""
     return _marked(kind, typer.Argument(help=about, **more), writes)
 
 
@@ -35,9 +28,7 @@ def _marked(kind, made, writes: str | None):
 OUTPUT = "-o", "--output"
 ConfigOption = option(Path, "Configuration file (YAML).")
 OutputOption = option(Path, "netCDF file to write.", *OUTPUT, writes=".nc")
-FolderOption = option(
-    Path | None, "Folder; figures/ next to the data if absent.", *OUTPUT, writes=FOLDER
-)
+FolderOption = option(Path | None, "Folder; figures/ next to the data if absent.", *OUTPUT)
 TextOption = option(
     Path | None, "Text file (.txt); the terminal if absent.", *OUTPUT, writes=".txt"
 )

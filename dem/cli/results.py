@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-from dem.base.files import ANY
 from dem.cli.options import OUTPUT, FolderOption, TextOption, argument, option
 from dem.cli.show import draw_figure, print_or_write
 from dem.cli.terminal import bar, start_lean
@@ -28,7 +27,7 @@ def means(
     other: argument(Path | None, "Another one, to set the means of both side by side.") = None,
     quantity: option(str, "What is shown, or compared with the other file.", "--of") = "drag",
     output: option(
-        Path | None, "Table to write (.csv or .nc); the terminal if absent.", *OUTPUT, writes=ANY
+        Path | None, "Table to write (.csv or .nc); the terminal if absent.", *OUTPUT, writes=""
     ) = None,
 ):
     """Means of the runs of a file, one row a place; or of two files, with their ratio.
@@ -93,11 +92,11 @@ def draw(
     """
     start_lean()
     from dem.analysis.one_run import read_motion
-    from dem.base.target import file_of
+    from dem.base.files import check_output
     from dem.figures.export import export
     from dem.figures.film import FILMS, PICTURES, film, picture
 
-    output = file_of(*FILMS, *PICTURES, ".pvd")("output", output)
+    output = check_output("output", output, (*FILMS, *PICTURES, ".pvd"))
     with bar("reading the run"):
         motion = read_motion(run, select or [], shapes)
     with bar(f"drawing {output}", 1.0) as update:

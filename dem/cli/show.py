@@ -10,9 +10,8 @@ from rich.live import Live
 from rich.segment import Segment
 
 from dem.analysis.tables import WIDE
-from dem.base.files import FOLDER, Place, atomic, check_paths
-from dem.base.plain import plain
-from dem.cli.streams import nobody_reads
+from dem.base.files import atomic, check_output
+from dem.base.messages import printable
 from dem.cli.terminal import bar
 
 
@@ -26,9 +25,9 @@ class PlainConsole(Console):
         super().__init__(markup=False, emoji=False, **options)
 
     def render(self, renderable, options=None):
-        """Segments of what is shown, their text made plain."""
+        """Segments of what is shown, their text printable."""
         for text, style, control in super().render(renderable, options):
-            yield Segment(text if control else plain(text), style, control)
+            yield Segment(text if control else printable(text), style, control)
 
 
 def draw_figure(
@@ -38,13 +37,13 @@ def draw_figure(
     from dem.figures.catalogue import draw
 
     folder = output or data.parent / "figures"
-    check_paths([Place("output", folder, FOLDER)])
+    check_output("output", folder / f"{name}.svg")
     with bar(f"drawing {name}"):
         draw(name, data, folder, figures, of)
 
 
 def watched(look) -> None:
-    """Show a table every few s, in place on a terminal, until nothing is left or nobody reads it.
+    """Show a table every few s, in place on a terminal, until nothing is left.
 
     look: gives the table, and whether anything is left.
     """
@@ -57,7 +56,7 @@ def watched(look) -> None:
                 live.update(table, refresh=True)
             else:
                 console.print(table)
-            if not left or nobody_reads():
+            if not left:
                 return
             time.sleep(3.0)
 

@@ -3,11 +3,9 @@
 import shlex
 from pathlib import Path
 
-from dem.base.files import ANY
-from dem.base.say import say
+from dem.base.messages import say
 from dem.cli.options import PAPER, ConfigOption, OutputOption, argument, option
 from dem.cli.show import print_or_write, watched
-from dem.cli.stopping import Stopped
 from dem.cli.terminal import bar, show, start_lean
 
 FileArgument = argument(Path, "Configuration file of a sweep (YAML).")
@@ -61,10 +59,10 @@ def sweep(
         for sentence in state.notes:
             say(sentence)
         say(outcome(state, state.counts()[0] - before))
-    except Stopped as stop:
+    except KeyboardInterrupt as stop:
         how = ["--scheduler", scheduler] if scheduler else ["-j", str(jobs)]
         again = shlex.join(["dem", "sweep", str(file), *how])
-        stop.kept = interrupted(state, f"to go on, type: {again}")
+        stop.add_note(interrupted(state, f"to go on, type: {again}"))
         raise
     finally:
         lock.release()
@@ -178,7 +176,7 @@ def simulate(
     checkpoint: option(
         Path | None,
         "File that saves the run every minute; a stopped run resumes from it.",
-        writes=ANY,
+        writes="",
     ) = None,
 ):
     """Make one run: draw the cylinder through one bed and record the forces on it.

@@ -1,6 +1,7 @@
-"""What all verbs share: checks of paths, sentences instead of tracebacks, progress bars."""
+"""What all verbs share: exit statuses, sentences instead of tracebacks, progress bars."""
 
 import functools
+import signal
 import sys
 import time
 from contextlib import contextmanager
@@ -10,29 +11,28 @@ from typing import get_type_hints
 import typer
 
 from dem.base.errors import InputError, RunError
-from dem.base.files import Place, check_paths, reason
-from dem.base.plain import plain
-from dem.base.say import say
+from dem.base.files import check_output, reason
+from dem.base.messages import printable, say
 from dem.cli.options import Writes
-from dem.cli.stopping import STOPS, Stopped, Stops, end_at_once
-from dem.cli.streams import open_streams, what_was_lost
 from dem.io.progress import EVERY
+
+RECEIVED = []  # signals; callbacks of the compiler lose what a handler raises, and it fails later
+
+
+def _interrupt(number, frame):
+    RECEIVED.append(number)
+    raise KeyboardInterrupt
 
 
 class Verbs(typer.Typer):
-    """Commands that check what they read and write before they work, and end in one sentence."""
+    """Commands that check what they write before they work, and end in one sentence."""
 
     def __call__(self, *arguments, **options):
-        output = open_streams()
-        try:
-            return super().__call__(*arguments, **options)
-        except SystemExit as end:
-            if end.code in [128 + each for each in STOPS]:
-                end_at_once(end.code)
-            if not end.code and (sentence := what_was_lost(output)):
-                say(sentence)
-                sys.exit(1)
-            raise
+        for number in (signal.SIGINT, signal.SIGTERM):  # clusters send SIGTERM when time is over
+            signal.signal(number, _interrupt)
+        for stream in (sys.stdout, sys.stderr):
+            stream.reconfigure(errors="replace")  # letters that the encoding lacks
+        return super().__call__(*arguments, **options)
 
     def command(self, *arguments, **options):
         add = super().command(*arguments, **options)
@@ -45,55 +45,47 @@ def _verb(function):
     @functools.wraps(function)
     def run(**values):
         with reported():
-            check_paths(*places(hints, values))
+            check_outputs(hints, values)
             return function(**values)
 
     return run
 
 
-def places(hints: dict, values: dict) -> tuple[list[Place], list[Place]]:
-    """Paths that a verb writes and those that it reads, by its annotations and values."""
-    targets, sources = [], []
-    for name, value in values.items():
-        marks = getattr(hints.get(name), "__metadata__", ())
-        writes = next((mark for mark in marks if isinstance(mark, Writes)), None)
-        for path in value if isinstance(value, list) else [value]:
-            if isinstance(path, Path):
-                place = Place(name, path, writes.kind if writes else "")
-                (targets if writes else sources).append(place)
-    return targets, sources
-
-
-def sentence_of(error: Exception) -> str:
-    """What an error says: ours are sentences, those of the system name a file and a reason."""
-    if isinstance(error, OSError) and error.errno is not None:
-        where = f"{error.filename}: " if error.filename else ""
-        return f"{where}{reason(error)}."
-    return str(error)
-
-
-def show(text: str) -> None:
-    """Show a result on standard output."""
-    print(plain(text))
+def check_outputs(hints: dict, values: dict) -> None:
+    """Check the paths that a verb writes, by its annotations and values."""
+    paths = {name: value for name, value in values.items() if isinstance(value, Path)}
+    for name, path in paths.items():
+        for mark in getattr(hints[name], "__metadata__", ()):
+            if isinstance(mark, Writes):
+                others = [path for other, path in paths.items() if other != name]
+                check_output(name, path, (mark,) if mark else (), others)
 
 
 @contextmanager
 def reported():
     """One sentence and an exit status instead of a traceback."""
-    with Stops() as stops:
-        try:
-            yield
-        except (Stopped, Exception) as error:
-            stops.end()
-            if stops.asked:  # what lost a stop may fail later, as LLVM does
-                say(f"Interrupted; {getattr(error, 'kept', Stopped.kept)}")
-                raise typer.Exit(128 + stops.asked[0]) from None
-            if not isinstance(error, InputError | RunError | OSError):
-                raise
-            say(
-                plain(sentence_of(error))
-            )  # control characters from a file or a path have no effect
-            raise typer.Exit(2 if isinstance(error, InputError) else 1) from None
+    try:
+        yield
+    except (KeyboardInterrupt, Exception) as error:
+        if RECEIVED or isinstance(error, KeyboardInterrupt):
+            notes = getattr(error, "__notes__", ["no half-written file is left."])
+            say(f"Interrupted; {notes[0]}")
+            raise typer.Exit(128 + (RECEIVED or [signal.SIGINT])[0]) from None
+        if isinstance(error, BrokenPipeError):
+            raise  # whoever reads the pipe has seen enough, and typer ends
+        if not isinstance(error, InputError | RunError | OSError):
+            raise
+        message = str(error)
+        if isinstance(error, OSError) and error.errno is not None:
+            where = f"{error.filename}: " if error.filename else ""
+            message = f"{where}{reason(error)}."
+        say(message)
+        raise typer.Exit(2 if isinstance(error, InputError) else 1) from None
+
+
+def show(text: str) -> None:
+    """Show a result on standard output."""
+    print(printable(text))
 
 
 @contextmanager
@@ -113,7 +105,7 @@ def bar(label: str, total: float | None = None):
         with Progress(
             *columns, console=Console(stderr=True), transient=True, **streams
         ) as progress:
-            task = progress.add_task(label, total=total)
+            task = progress.add_task(printable(label), total=total)
             yield lambda done, label=None: progress.update(task, completed=done, description=label)
         return
     last = time.monotonic()

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from dem.base.files import atomic
-from dem.base.target import file_of
-from dem.base.validate import checked, whole
+from dem.base.files import atomic, check_output
+from dem.base.validate import whole
 from dem.dynamics.contact_list import ContactList
 from dem.dynamics.world import World
 from dem.jit.columns import VX, VY, W, X, Y
@@ -280,7 +279,6 @@ class Result(NamedTuple):
         # a netCDF dimension of size zero would be one without end
         return dataset.drop_dims([name for name, size in dataset.sizes.items() if not size])
 
-    @checked(path=file_of(".nc"))
     def to_netcdf(self, path: str | os.PathLike[str]) -> Path:
         """Write to_dataset() to one netCDF file, whole or not at all.
 
@@ -312,7 +310,7 @@ class Result(NamedTuple):
         ...     result.to_netcdf(folder + "/collision.nc").name
         'collision.nc'
         """
-        path = Path(path)
+        path = check_output("path", path, (".nc",))
         with atomic(path) as part:
             self.to_dataset().to_netcdf(part, engine="netcdf4", format="NETCDF4_CLASSIC")
         return path

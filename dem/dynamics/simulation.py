@@ -267,8 +267,7 @@ class Simulation:
 
     @property
     def state(self) -> State:
-        """Copy of positions (m), velocities (m/s), angles (rad), angular velocities (rad/s) and
-        `boundaries`."""
+        """Copy of positions (m), angles (rad), their rates (1/s) and `boundaries`."""
         back = np.argsort(self._order)
         bodies, angle = self._seen.bodies[back], self._seen.angle[back]
         reached = bearings(self.scene, self._seen)

@@ -15,7 +15,7 @@ from pydantic import Field, create_model, model_validator
 from pydantic.fields import FieldInfo
 
 from dem.base.errors import InputError
-from dem.base.hints import choice
+from dem.base.messages import did_you_mean
 from dem.base.provenance import compilers
 from dem.base.schema import (
     Label,
@@ -55,13 +55,20 @@ SECTIONS = {
 UNREAD = ("beside", "shapes", "record.window")  # by runs; of the shapes, each reads its own
 # what a bed depends on, beside its shape and how densely it is packed
 OF_BED = (
-    "box_width", "periodic", "cylinder.diameter", "cylinder.start", "packing.size_spread",
+    "box_width",
+    "periodic",
+    "cylinder.diameter",
+    "cylinder.start",
+    "packing.size_spread",
     "packing.preparation",
-)  # fmt: skip
+)
 PACKED = "packing.fraction", "packing.friction"
 PRESSED_BY = (
-    "packing.pressure", "material.young_modulus", "material.poisson_ratio", "material.thickness",
-)  # fmt: skip
+    "packing.pressure",
+    "material.young_modulus",
+    "material.poisson_ratio",
+    "material.thickness",
+)
 
 
 class Configuration(Section):
@@ -188,7 +195,7 @@ class Configuration(Section):
         """One run; raises InputError if it is impossible."""
         own = validated(OwnSection, {"shape": shape, "density": density, "seed": seed})
         if shape not in self.shapes:
-            hint = choice(shape, self.shapes)
+            hint = did_you_mean(shape, self.shapes)
             raise InputError(f"shape is {shape!r}; the configuration has no such shape{hint}.")
         try:
             check_room(self, shape, seed)

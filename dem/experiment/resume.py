@@ -12,7 +12,7 @@ import numpy as np
 from dem.base import provenance
 from dem.base.errors import InputError
 from dem.base.files import atomic
-from dem.base.say import say
+from dem.base.messages import say
 from dem.dynamics.result import Record
 from dem.dynamics.simulation import Simulation
 from dem.experiment.config import Replicate

@@ -37,7 +37,10 @@ class PackingSection(Section):
     size_spread: NotNegative = value("1", "diameters are uniform within +- this share", lt=1)
     friction: NotNegative = value("1", "friction of all contacts while the bed is packed", 0.0)
     pressure: Positive | None = value(
-        "Pa", "pressure on the top wall, which holds it; none: packing.fraction is given", None, None
+        "Pa",
+        "pressure on the top wall, which holds it; none: packing.fraction is given",
+        None,
+        None,
     )
     preparation: Literal["relaxed", "grown"] = value(
         None, "how granules grow: energy minimised, or in motion", "relaxed", "relaxed"

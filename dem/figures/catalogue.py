@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from dem.base.constants import described
 from dem.base.errors import InputError
-from dem.base.hints import choice
+from dem.base.messages import did_you_mean
 from dem.io.lazily import open_lazily, require
 
 CHECK = "e0"  # ellipse code at aspect ratio 1: a check, and no shape of its own
@@ -74,7 +74,7 @@ def wanted(block, names: list[str] | None, figures: dict[str, FigureSpec] = FIGU
     found = possible(block, figures)
     for name in names or ():
         if name not in found:
-            hint = choice(name, found)
+            hint = did_you_mean(name, found)
             raise InputError(f"figures has {name!r}, for which these runs do not suffice{hint}.")
     return found if names is None else names
 
@@ -139,7 +139,7 @@ def draw(
     figure.
     """
     if name not in (known := [*sorted(figures), "all"]):
-        raise InputError(f"figure is {name!r}; there is no such figure{choice(name, known)}.")
+        raise InputError(f"figure is {name!r}; there is no such figure{did_you_mean(name, known)}.")
     names = [name]
     if name == "all":
         of_drag = {name: figure for name, figure in figures.items() if figure.file == "drag"}

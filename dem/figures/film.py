@@ -12,9 +12,7 @@ from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 
 from dem.base.errors import InputError
-from dem.base.files import atomic
-from dem.base.target import file_of
-from dem.base.validate import checked
+from dem.base.files import atomic, check_output
 from dem.dynamics.result import Result
 from dem.experiment.motion import Motion
 from dem.figures import bed, style
@@ -141,7 +139,6 @@ def encoder() -> str:
         ) from None
 
 
-@checked(path=file_of(*FILMS))
 def film(
     result: Result | Motion,
     path: str | os.PathLike[str],
@@ -190,7 +187,7 @@ def film(
     ...     dem.film(result, folder + "/collision.gif").name
     'collision.gif'
     """
-    path, frames = Path(path), frames_of(result)
+    path, frames = check_output("path", path, tuple(FILMS)), frames_of(result)
     count, encoded = len(frames.position), path.suffix.lower() == ".mp4"
     if count < 2:
         raise InputError(f"result has {count} frame; a film needs two: simulate with more frames.")

@@ -36,21 +36,49 @@ LABELS = {
     "seed": ((), "1", "seed of the replicate"),
 }
 OF_RUN = {
-    "run_time": ((), "s", "processor time of the run; the first run of a process loads or compiles kernels too"),
+    "run_time": (
+        (),
+        "s",
+        "processor time of the run; the first run of a process loads or compiles kernels too",
+    ),
     "steps": ((), "1", "number of time steps of the run"),
     "box_height": ((), "m", "height of the box"),
     "packing_pressure": ((), "Pa", "mean normal stress on the walls before the cylinder moves"),
-    "packing_coordination_number": ((), "1", "contacts between granules, twice, over the number of granules, before the cylinder moves"),
-    "packing_net_force": ((), "1", "greatest net force on a granule in the bed at rest over E* R^2"),
-    "packing_max_overlap": ((), "1", "greatest overlap over the smaller granule radius, before the cylinder moves"),
-}  # fmt: skip
+    "packing_coordination_number": (
+        (),
+        "1",
+        "contacts between granules, twice, over the number of granules, before the cylinder moves",
+    ),
+    "packing_net_force": (
+        (),
+        "1",
+        "greatest net force on a granule in the bed at rest over E* R^2",
+    ),
+    "packing_max_overlap": (
+        (),
+        "1",
+        "greatest overlap over the smaller granule radius, before the cylinder moves",
+    ),
+}
 OF_STORE = {  # of a run in a file of many
-    "run_id": ((), None, "identity of the run: a hash of the values that it reads and the code that it runs"),
-    "bed_family": ((), None, "all that beds like that of the run depend on, but packing fraction, friction and seed"),
-    "spent": ((), "s", "processor time of bed, run and observables, with compiling where it was the first"),
+    "run_id": (
+        (),
+        None,
+        "identity of the run: a hash of the values that it reads and the code that it runs",
+    ),
+    "bed_family": (
+        (),
+        None,
+        "all that beds like that of the run depend on, but packing fraction, friction and seed",
+    ),
+    "spent": (
+        (),
+        "s",
+        "processor time of bed, run and observables, with compiling where it was the first",
+    ),
     "failure": ((), None, "why there is no run, and its values are missing"),
     "failure_reason": ((), None, "the error that stopped the run, empty where none did"),
-}  # fmt: skip
+}
 REPLICATES = "replicates"  # where seeds have no end
 OF_SWEEP = {
     "case": ((), None, "case: a shape at a density, labels of Tables 1 and 2"),

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dem.base.errors import InputError
-from dem.base.hints import of_missing_file
 from dem.io.checksums import is_sealed
 from dem.io.dataset import content_of
 
@@ -52,7 +51,7 @@ def open_results(path: str | Path) -> xr.Dataset:
     import xarray as xr
 
     if not Path(path).is_file():
-        raise InputError(f"{path}: there is no such file{of_missing_file(path)}.")
+        raise InputError(f"{path}: there is no such file.")
     with content_of(path):
         if small := Path(path).stat().st_size <= CHECKED:
             is_sealed(path)

@@ -3,7 +3,7 @@
 import logging
 import time
 
-from dem.base.say import say
+from dem.base.messages import say
 
 EVERY = 30.0  # s between two lines of a log
 

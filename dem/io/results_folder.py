@@ -1,4 +1,4 @@
-"""Prepare a folder of results for a workflow: lock it, and remove what killed processes left."""
+"""Folder of results: one process works in it, and what killed processes left is removed."""
 
 import socket
 import time
@@ -7,8 +7,8 @@ from pathlib import Path
 
 from filelock import FileLock, Timeout
 
-from dem.base.errors import InputError, RunError
-from dem.base.files import PART, check_file, is_full, reason
+from dem.base.errors import RunError
+from dem.base.files import PART, is_full, reason
 
 DAY = 86400.0  # s
 
@@ -19,21 +19,13 @@ def prepare(folder: Path, store: Path) -> tuple[FileLock, list[str]]:
     The folder is held until the process ends, however it ends: no lock is left behind by a run that
     was killed. Raises RunError where another run works in it, OSError where it cannot be written.
     """
-    held, gone = hold(folder), clear_parts(folder) + clear_parts(store)
-    words = f"{folder}: {gone} half-written files of killed processes are cleared away."
-    return held, [words] if gone else []
-
-
-def lock_of(path: Path, timeout: float = -1) -> FileLock:
-    """A lock that is a file; raises InputError where something else is there."""
-    check_file(path)
-    if Path(path).is_symlink():  # the lock follows none
-        raise InputError(f"{path}: it is a link, and must be a file; remove it.")
-    return FileLock(path, timeout=timeout)
+    lock, count = hold(folder), clear_parts(folder) + clear_parts(store)
+    words = f"{folder}: {count} half-written files of killed processes are cleared away."
+    return lock, [words] if count else []
 
 
 def is_held(path: Path) -> bool:
-    """Whether a process holds a lock, which is not touched; where that cannot be asked, whether it is there."""
+    """Whether a process holds a lock, which is not touched; on Windows, whether it exists."""
     try:
         import fcntl
 
@@ -48,10 +40,9 @@ def is_held(path: Path) -> bool:
 
 def hold(folder: Path) -> FileLock:
     """Hold a folder for this process; raises RunError where another does."""
-    folder = Path(folder)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        lock = lock_of(folder / ".lock", timeout=0)
+        lock = FileLock(folder / ".lock", timeout=0)
         lock.acquire()
     except Timeout:
         raise RunError(
@@ -68,7 +59,7 @@ def hold(folder: Path) -> FileLock:
 
 def on_failure(folder: Path, kept: str) -> str:
     """What to do after a workflow has stopped early; kept: what it has so far."""
-    # Here, because jobs cannot write their logs to a full disk.
+    # Jobs cannot write their logs to a full disk.
     full = "the disk is full; make room. " if is_full(folder) else ""
     return f"{folder}: {full}{kept}"
 
@@ -80,14 +71,16 @@ def clear_parts(folder: Path) -> int:
     """
     from psutil import pid_exists  # os.kill(process, 0) is Ctrl-C on Windows
 
-    gone, here = 0, socket.gethostname()
+    count = 0
     for part in Path(folder).rglob(".*.dem.part"):
-        owner = PART.fullmatch(part.name)
+        if not (name := PART.fullmatch(part.name)):
+            continue  # not ours
         with suppress(OSError):
-            if owner is None or not part.is_file() or part.is_symlink():
-                continue  # not ours
-            late = time.time() - part.stat().st_mtime > DAY
-            if not pid_exists(int(owner[2])) if owner[1].endswith(f".{here}") else late:
+            if name[1].endswith(f".{socket.gethostname()}"):
+                alive = pid_exists(int(name[2]))
+            else:
+                alive = time.time() - part.stat().st_mtime < DAY
+            if not alive:
                 part.unlink()
-                gone += 1
-    return gone
+                count += 1
+    return count

@@ -24,8 +24,8 @@ from numba.core.serialize import dumps
 
 from dem.base.errors import InputError
 from dem.base.files import atomic
+from dem.base.messages import say
 from dem.base.plugins import note
-from dem.base.say import say
 from dem.base.sources import (
     PACKAGE,
     UNREADABLE,

@@ -13,7 +13,7 @@ from PIL import Image
 from plotly.io import to_html
 
 from dem.analysis.statistics import by_case, running_mean
-from dem.analysis.tables import NUMBER, ROWS
+from dem.analysis.tables import ROWS, number
 from dem.base.errors import InputError
 from dem.base.files import atomic
 from dem.figures import style
@@ -54,7 +54,7 @@ def build(drag: Path, output: Path) -> None:
         parts,
         legend=LEGEND if has_drag else "Means over the runs, with half the 95 % interval.",
         table=Markup(
-            table.head(ROWS).to_html(index=False, border=0, na_rep="-", float_format=NUMBER)
+            table.head(ROWS).to_html(index=False, border=0, na_rep="-", float_format=number)
         ),
         more=len(table) - ROWS,
         figures=map(embedded, pictures),
@@ -77,14 +77,14 @@ def drag_curves(dataset: xr.Dataset) -> str:
     """Drag against displacement as HTML: a curve a run, whose legend shows and hides it."""
     figure, x = go.Figure(), style.millimetres(dataset["displacement"])[::EVERY]
     smooth = running_mean(dataset.isel(seed=slice(CURVES)), style.SMOOTHING)
-    for number, case in enumerate(smooth["case"].values):
+    for k, case in enumerate(smooth["case"].values):
         for place, curve in enumerate(smooth.sel(case=case).dropna("seed").transpose("seed", ...)):
             figure.add_scatter(
                 x=x.round(4),
                 y=curve.values[::EVERY].round(1),
                 name=f"{case}, seed {curve['seed'].item()}",
                 legendgroup=case,
-                line={"color": style.CASES[number % len(style.CASES)], "width": 1.6},
+                line={"color": style.CASES[k % len(style.CASES)], "width": 1.6},
                 visible=True if case in BEGINS and place == 0 else "legendonly",
                 hovertemplate="%{x:.2f} mm: %{y:.0f} N",
             )

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal, NamedTuple, NoReturn
 from pydantic import BeforeValidator, TypeAdapter
 
 from dem.base.errors import InputError
-from dem.base.hints import choice, meant
+from dem.base.messages import did_you_mean
 from dem.base.schema import (
     Factor,
     Label,
@@ -153,7 +153,7 @@ def changes(values, place: Place) -> dict:
 
 def _known(path, paths, place: Place) -> None:
     if path not in paths:
-        hint = meant(path, paths)
+        hint = did_you_mean(path, paths, "")
         raise InputError(f"{place.where}: {path} is no value that can vary{hint}.")
 
 
@@ -167,7 +167,7 @@ def _derived(path: str, asked: dict, here: Place) -> Derive:
             "has a friction; equal_load holds for beds without friction, leave friction out"
         )
     if found.shape not in (None, *here.sweep.shapes):
-        here.refuse(f"has the shape {found.shape!r}{choice(found.shape, here.sweep.shapes)}")
+        here.refuse(f"has the shape {found.shape!r}{did_you_mean(found.shape, here.sweep.shapes)}")
     return found
 
 
@@ -209,7 +209,7 @@ def _values(spec, entry: Entry, here: Place) -> list:
     for each in found if known is not None else ():
         if each not in known:
             here.refuse(
-                f"is {each!r}, which is not one of {tables[entry.path]}{choice(each, known)}"
+                f"is {each!r}, which is not one of {tables[entry.path]}{did_you_mean(each, known)}"
             )
     _once(found, here)
     return sorted(found) if entry.path == "seed" else found

@@ -10,17 +10,16 @@ import traceback
 from pathlib import Path
 
 import numpy as np
+from filelock import FileLock
 
 from dem.base import provenance
 from dem.base.errors import InputError, RunError
-from dem.base.files import check_file
 from dem.base.sources import PACKAGE, cache_folder, digest, run_codes, with_imports
 from dem.experiment import resume
 from dem.experiment.bed import make_bed, periods
 from dem.experiment.config import Replicate
 from dem.experiment.warmup import compile_kernels
 from dem.io.dataset import FAILURES, LABELS, OF_STORE, global_attributes, read, write
-from dem.io.results_folder import lock_of
 from dem.packing.random import Bed
 from dem.sweep.jobs import kernel_key
 from dem.sweep.store import Store
@@ -34,7 +33,6 @@ def make(store: Store, batch: str, progress=lambda done, failed, compiles=False:
     first.
     """
     path, replicates = store.file_of(batch), store.replicates(batch)
-    check_file(path)  # not when its runs are made
     if is_whole(path, replicates):
         return path
     rows, failed = [], 0
@@ -65,7 +63,7 @@ def _compile(replicate: Replicate, before) -> None:
     if not mark.exists():
         before()
         mark.parent.mkdir(parents=True, exist_ok=True)
-        with lock_of(mark.with_suffix(".lock")):
+        with FileLock(mark.with_suffix(".lock")):
             if not mark.exists():
                 compile_kernels(replicate)
                 mark.touch()

@@ -13,7 +13,7 @@ from pydantic import AfterValidator, Field, model_validator
 
 from dem.base.errors import InputError
 from dem.base.files import atomic
-from dem.base.hints import choice, meant
+from dem.base.messages import did_you_mean
 from dem.base.plugins import refresh, with_folder
 from dem.base.schema import Label, NotNegative, Positive, Section, Whole, validated, value
 from dem.base.sources import ROOT
@@ -87,7 +87,7 @@ class Sweep(Configuration):
             if case.shape not in self.shapes:
                 raise ValueError(
                     f"cases.{label}.shape is {case.shape!r}, which is not one of shapes"
-                    f"{choice(case.shape, self.shapes)}"
+                    f"{did_you_mean(case.shape, self.shapes)}"
                 )
             twin = seen.setdefault((case.shape, case.density), label)
             if twin != label:
@@ -139,7 +139,7 @@ class Sweep(Configuration):
         """What a file says of a block; raises InputError where there is no such block."""
         if name not in self.blocks:
             raise InputError(
-                f"block is {name!r}; the sweep has no such block{choice(name, self.blocks)}."
+                f"block is {name!r}; the sweep has no such block{did_you_mean(name, self.blocks)}."
             )
         return self.blocks[name]
 
@@ -201,7 +201,7 @@ def extended(data, source: str, depth: int = 0):
         )
     if "results" not in own:
         raise InputError(
-            f"{source}: results is missing{meant('results', own)}; a file that extends another needs a "
+            f"{source}: results is missing{did_you_mean('results', own, '')}; a file that extends another needs a "
             "folder of its own."
         )
     base = found(name, Path(source).parent)

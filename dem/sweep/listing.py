@@ -6,7 +6,8 @@ from contextlib import suppress
 from rich.table import Column, Table
 
 from dem.base.errors import InputError
-from dem.base.hints import is_number, is_written, meant
+from dem.base.messages import did_you_mean
+from dem.base.schema import as_number, is_written
 from dem.experiment.config import Replicate, entries
 from dem.sweep.axis import OWN
 from dem.sweep.prune import sweeps
@@ -68,10 +69,10 @@ def wanted_values(words: Iterable[str]) -> dict[str, str]:
         values = entries(shape)
         known = [*values, *OWN]
         if not equal or path not in known:
-            hint = meant(path, known) or ", such as shape=c1 or friction.granule=0.3"
+            hint = did_you_mean(path, known, ", such as shape=c1 or friction.granule=0.3")
             raise InputError(f"{word!r} names no value of a run; write PATH=VALUE{hint}.")
         text = path == "shape" or (path in values and values[path].units is None)
-        if not (text or value.lower() in ("none", "true", "false") or is_number(value)):
+        if not (text or value.lower() in ("none", "true", "false") or as_number(value) is not None):
             raise InputError(f"{word!r}: {path} is a number; write it as the list of runs does.")
         wanted[path] = value
     return wanted

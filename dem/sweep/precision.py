@@ -19,8 +19,8 @@ import numpy as np
 from pydantic import BeforeValidator, model_validator
 
 from dem.base.errors import InputError, RunError
-from dem.base.hints import choice
 from dem.base.intervals import Estimate, mean_interval, ratio_interval
+from dem.base.messages import did_you_mean
 from dem.base.schema import MOST, SEEDS, Section, Seed, Whole, value
 from dem.io.dataset import AXES, OF_RUN, OF_STORE, read
 
@@ -114,12 +114,12 @@ class Until(Section):
         if self.variable not in numbers:
             raise InputError(
                 f"{where}.of is {self.of!r}; {self.variable} is no number that these runs record"
-                f"{choice(self.variable, numbers)}."
+                f"{did_you_mean(self.variable, numbers)}."
             )
         if "/" in self.of and self.reference not in labels:
             raise InputError(
                 f"{where}.of is {self.of!r}; {self.reference!r} is no case or shape that this block "
-                f"varies{choice(self.reference, labels)}."
+                f"varies{did_you_mean(self.reference, labels)}."
             )
         unit, units = _quantity(self.until)[1], layout[self.variable][1]
         if unit != "%" and (self.reference or unit != units):
@@ -194,7 +194,10 @@ def replicates_needed(estimate: Estimate, runs: int, until: Until) -> float:
 
 
 def counts(
-    until: Until, values: dict[GridPoint, np.ndarray], partners: dict[GridPoint, GridPoint | None], rounds: float
+    until: Until,
+    values: dict[GridPoint, np.ndarray],
+    partners: dict[GridPoint, GridPoint | None],
+    rounds: float,
 ) -> dict[GridPoint, int]:
     """How many replicates each place has after as many rounds as its runs so far allow.
 

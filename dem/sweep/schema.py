@@ -31,11 +31,16 @@ def schema() -> dict:
     values = {name: _one(entry) for name, entry in (entries(()) | RUNS).items()}
     block = {name: _many(one) for name, one in values.items()}
     names = {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]}
-    shared = {name: {"anyOf": [one, {"type": "object"}]} for name, one in values.items()}  # factors, or derived
+    shared = {
+        name: {"anyOf": [one, {"type": "object"}]} for name, one in values.items()
+    }  # factors, or derived
     block |= {"needs": names, "values": {"type": "object", "properties": shared}}
     block["blocks"] = {"type": "object", "additionalProperties": {"$ref": "#/$defs/Block"}}
     found["$defs"]["Block"] = {"type": "object", "properties": block}
-    found["additionalProperties"] = {"type": "object", "description": "values of an experiment of your own"}
+    found["additionalProperties"] = {
+        "type": "object",
+        "description": "values of an experiment of your own",
+    }
     found["properties"]["sweep"] = {"$ref": "#/$defs/Block"}
     found["patternProperties"] = {"^x-": {}}  # for anchors
     found["properties"]["extends"] = {"type": "string", "description": "file that this one changes"}

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from dem.base.errors import InputError
-from dem.base.files import Place, check_own
+from dem.base.files import check_output
 from dem.base.yaml_file import read
 from dem.experiment.config import Replicate
 from dem.sweep.combined import combine_block, lost_runs, read_combined, refuse_foreign
@@ -230,14 +230,14 @@ class SweepState:
     # All of it
 
     def check(self) -> list[str]:
-        """Raise InputError where a file that the sweep writes is a link or of another kind, or
-        where the folder holds another sweep. Returns warnings: of a new store, of a cylinder that
-        is too fast, and of runs that will be gone."""
-        check_own(Place("the file to write", self.results / CONFIG))
+        """Raise InputError where a file that the sweep writes cannot be one, or where the folder
+        holds another sweep. Returns warnings: of a new store, of a cylinder that is too fast, and
+        of runs that will be gone."""
+        check_output("the file to write", self.results / CONFIG)
         warnings = [*self._new_store(), *self._fast_cylinder()]
         for name in self.sweep.blocks:
             for number, path in enumerate(self.combined(name)):
-                check_own(Place("the file to write", path))
+                check_output("the file to write", path)
                 combined = read_combined(path)
                 refuse_foreign(path, combined, self.sweep, self.file)
                 if number == 0 and not self.sweep.needed(name):

@@ -19,12 +19,12 @@ import numpy as np
 from filelock import FileLock
 
 from dem.base.errors import InputError
-from dem.base.files import atomic, check_file
+from dem.base.files import atomic
 from dem.base.plugins import refresh
 from dem.experiment.config import Replicate, of_values
 from dem.io.checksums import Changed, is_sealed, seal
 from dem.io.dataset import read
-from dem.io.results_folder import is_held, lock_of
+from dem.io.results_folder import is_held
 
 FOLDER = Path("results/store")
 NAMES = {  # of the files in each folder; others are not the store's
@@ -115,7 +115,6 @@ class Store:
     def replicates(self, batch: str) -> list[Replicate]:
         """What the runs of a batch are; raises InputError where its plan is not of today's code."""
         path = self.plan_of(batch)
-        check_file(path)
         for prepare in (lambda: None, refresh):  # files may have changed since they were read
             prepare()
             # what is wrong with a plan does not matter, because it is made again
@@ -141,7 +140,6 @@ class Store:
             of.append([row, run])
         text = f"{json.dumps([results, *batch.runs])}\n{json.dumps([values, of])}\n"
         path = self.plan_of(batch.id)
-        check_file(path)
         if not path.exists() or path.read_bytes() != text.encode():
             with atomic(path) as part:
                 part.write_bytes(text.encode())
@@ -174,7 +172,7 @@ class Store:
     def locked(self, path: Path) -> FileLock:
         """A lock of the store, so that one process at a time makes something."""
         path.parent.mkdir(parents=True, exist_ok=True)
-        return lock_of(path)
+        return FileLock(path)
 
     def keep(self, run: str, values: dict) -> None:
         """Keep what a run gave until its batch is whole."""
@@ -218,7 +216,6 @@ def _save(path: Path, values: dict) -> None:
 
 
 def _load(path: Path) -> dict | None:
-    check_file(path)
     try:
         if path.is_file() and is_sealed(path):
             with np.load(path) as file:

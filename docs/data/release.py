@@ -33,23 +33,44 @@ PICTURE = ROOT / "docs/images/bed.png"
 LEFT_OUT = {  # on no page, in no figure
     "drag": ("wall_force", "transverse_force", "kinetic_energy"),
     "precise": (
-        "wall_force", "transverse_force", "kinetic_energy", "drag_normal", "drag_tangential",
-        "coordination_number", "max_overlap", "time_step",
+        "wall_force",
+        "transverse_force",
+        "kinetic_energy",
+        "drag_normal",
+        "drag_tangential",
+        "coordination_number",
+        "max_overlap",
+        "time_step",
     ),
     "velocity": (
-        "wall_force", "transverse_force", "kinetic_energy", "drag_normal", "coordination_number",
+        "wall_force",
+        "transverse_force",
+        "kinetic_energy",
+        "drag_normal",
+        "coordination_number",
         "time_step",
     ),
     "pressure": (
-        "transverse_force", "kinetic_energy", "drag_normal", "drag_tangential", "coordination_number",
-        "max_overlap", "time_step",
+        "transverse_force",
+        "kinetic_energy",
+        "drag_normal",
+        "drag_tangential",
+        "coordination_number",
+        "max_overlap",
+        "time_step",
     ),
     "preparation": (
-        "wall_force", "transverse_force", "kinetic_energy", "drag_normal", "drag_tangential",
-        "coordination_number", "max_overlap", "time_step",
+        "wall_force",
+        "transverse_force",
+        "kinetic_energy",
+        "drag_normal",
+        "drag_tangential",
+        "coordination_number",
+        "max_overlap",
+        "time_step",
     ),
     "shear": ("shear_height", "steps"),
-}  # fmt: skip
+}
 # No page shows more digits of these than float32 has.
 ROUNDED = ("granule_x", "granule_y", "granule_angle", "run_curve", "wall_force")
 

@@ -81,9 +81,7 @@ def make(state, jobs: int, progress) -> tuple[dict, dict]:
         configuration, failure = run.configuration, int(values["failure"])
         if block.name == REPLICATES:
             if failure:
-                raise RunError(
-                    f"{run.words()} could not be made; replicates must all run."
-                )
+                raise RunError(f"{run.words()} could not be made; replicates must all run.")
             replicates.append((run, values))
             continue
         cylinder = configuration.cylinder

@@ -7,7 +7,8 @@ import xarray as xr
 
 from dem.analysis.compare import Comparison
 from dem.analysis.statistics import summarise, within
-from studies.claims.irregularity import MEASURES, in_window
+from studies.claims import MEASURES
+from studies.claims.irregularity import in_window
 
 NOTHING = xr.Dataset(coords={"case": [], "seed": []})
 NAMES = {"run_factor": "at"}  # values of the design are not those of its axis

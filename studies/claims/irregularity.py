@@ -9,12 +9,6 @@ from dem.analysis.compare import Comparison
 from dem.analysis.statistics import find
 from dem.base.intervals import log_ratio_error, student
 
-MEASURES = {  # of how irregularly beds move, as dem.experiment.observables.flow names them
-    "non_affine": "non-affine displacement",
-    "fluctuation": "motion apart from the neighbours",
-    "mixing": "mixing of layers",
-    "contacts_lost": "contacts lost",
-}
 SHAPES = "e3", "c1"
 
 

@@ -14,7 +14,7 @@ from dem.io.dataset import FAILURES
 from dem.sweep.design import Choice, Design, Range
 from dem.sweep.expand import Block
 from dem.sweep.precision import GridPoint
-from studies.claims.irregularity import MEASURES
+from studies.claims import MEASURES
 from studies.common.results import columns, runs
 
 TITLE = "which claims hold"

@@ -40,8 +40,8 @@ def _read(path: Path, margin: float):
     """Runs in claims.nc, or in drag.nc with the flow.nc beside it; raises InputError."""
     from dem.io.lazily import open_lazily, require
     from dem.sweep.combine import open_combined
+    from studies.claims import MEASURES
     from studies.claims.evidence import from_study, from_sweep
-    from studies.claims.irregularity import MEASURES
     from studies.claims.results import VARIABLES
 
     window = "window_start", "window_stop"

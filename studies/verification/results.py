@@ -7,7 +7,7 @@ from concurrent.futures import ProcessPoolExecutor
 import numpy as np
 
 from dem.base.errors import InputError
-from dem.base.hints import choice
+from dem.base.messages import did_you_mean
 from studies.common.results import columns, is_smoke
 from studies.verification import cases
 from studies.verification.row import Row
@@ -44,7 +44,7 @@ def measure(names, jobs: int = 1, progress=lambda share: None) -> dict[str, np.n
     one."""
     for name in names:
         if name not in CASES:
-            raise InputError(f"case is {name!r}; there is no such case{choice(name, CASES)}.")
+            raise InputError(f"case is {name!r}; there is no such case{did_you_mean(name, CASES)}.")
     rows, times = [], []
     with ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn")) as pool:
         for name, (numbers, seconds) in zip(names, pool.map(run, names), strict=True):

@@ -187,7 +187,9 @@ class Experiment:
     def lengths(self, configuration) -> dict[str, int]:
         """Length of the dimensions that all runs of a configuration share."""
         sizes = self.said(configuration, "SIZES").items()
-        return {dim: configuration.at(size) if isinstance(size, str) else size for dim, size in sizes}
+        return {
+            dim: configuration.at(size) if isinstance(size, str) else size for dim, size in sizes
+        }
 
     def axes(self, configuration) -> dict:
         """Values along these dimensions, by the names of `along`."""

@@ -44,10 +44,14 @@ class Seen(NamedTuple):
         """The snapshots."""
         _, start = cylinder(self.replicate, self.bed.height).position
         return Motion(
-            self.replicate, self.height, self.moved, start + self.moved,
+            self.replicate,
+            self.height,
+            self.moved,
+            start + self.moved,
             np.stack([state.position for state in self.states]),
-            np.stack([state.angle for state in self.states]), diameters(self.replicate),
-        )  # fmt: skip
+            np.stack([state.angle for state in self.states]),
+            diameters(self.replicate),
+        )
 
     @property
     def height(self) -> np.ndarray:

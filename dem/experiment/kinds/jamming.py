@@ -18,9 +18,13 @@ from dem.packing.compaction import START, Press
 VARIABLES = {
     "jam_fraction": ((), "1", "packing fraction at which the bed jams"),
     "jam_slope": ((), "1", "slope of load^(2/3) against packing fraction"),
-    "jam_load": (("jam_at",), "1", "load: mean normal force on the walls per length, over E* and the mean diameter"),
+    "jam_load": (
+        ("jam_at",),
+        "1",
+        "load: mean normal force on the walls per length, over E* and the mean diameter",
+    ),
     "jam_friction": ((), "1", "coefficient of friction while the granules grow"),
-}  # fmt: skip
+}
 SECTIONS = {"cylinder": False, "record": True}
 ASKS = {"packing.pressure": (None, "the bed is compressed")}
 BED_ALONE = True

@@ -18,10 +18,18 @@ from dem.packing.compaction import Press
 
 VARIABLES = {
     "onset_fraction": ((), "1", "packing fraction at the onset of jamming"),
-    "onset_load": ((), "1", "load of the bed whose contacts are counted, over E* and the mean diameter"),
+    "onset_load": (
+        (),
+        "1",
+        "load of the bed whose contacts are counted, over E* and the mean diameter",
+    ),
     "onset_contacts": ((), "1", "contacts between granules that are no rattlers"),
-    "onset_rattlers": ((), "1", "granules that are held by too few contacts, left out of the contacts"),
-}  # fmt: skip
+    "onset_rattlers": (
+        (),
+        "1",
+        "granules that are held by too few contacts, left out of the contacts",
+    ),
+}
 SECTIONS = {"cylinder": False, "record": True}
 ASKS = {
     "packing.pressure": (None, "the bed is compressed"),

@@ -21,16 +21,28 @@ from dem.packing.random import Bed
 from dem.scene import Scene, State
 
 VARIABLES = {
-    "run_time": ((), "s", "processor time of the run; the first run of a process loads or compiles kernels too"),
+    "run_time": (
+        (),
+        "s",
+        "processor time of the run; the first run of a process loads or compiles kernels too",
+    ),
     "steps": ((), "1", "number of time steps of the run"),
     "shear_stress": (("shear_strain",), "Pa", "shear stress in the middle of the bed"),
     "normal_stress": (("shear_strain",), "Pa", "stress across the flow in the middle of the bed"),
     "shear_rate": (("shear_strain",), "s-1", "gradient of the velocity in the middle of the bed"),
     "shear_fraction": (("shear_strain",), "1", "packing fraction in the middle of the bed"),
-    "lid_shear_stress": (("shear_strain",), "Pa", "shear stress on the lid, mean since the sample before"),
-    "lid_normal_stress": (("shear_strain",), "Pa", "normal stress on the lid, mean since the sample before"),
+    "lid_shear_stress": (
+        ("shear_strain",),
+        "Pa",
+        "shear stress on the lid, mean since the sample before",
+    ),
+    "lid_normal_stress": (
+        ("shear_strain",),
+        "Pa",
+        "normal stress on the lid, mean since the sample before",
+    ),
     "shear_height": (("shear_strain",), "m", "distance between the mean heights of both walls"),
-}  # fmt: skip
+}
 AXIS = {
     "shear_strain": (
         ("shear_strain",),
@@ -86,9 +98,13 @@ def make_cell(replicate: Replicate, bed: Bed) -> Cell:
     damping = bed.width / diameter * np.sqrt(scene.mass.mean() * force / bed.width)
     drive = Drive((None, -force), float(scene.mass[lid].sum()), float(damping), (speed, 0.0))
     scene = Scene(
-        scene.shape, scene.material, scene.friction, thickness=scene.thickness,
-        periodic=scene.periodic, held=[Held(floor), Held(lid, drive)],
-    )  # fmt: skip
+        scene.shape,
+        scene.material,
+        scene.friction,
+        thickness=scene.thickness,
+        periodic=scene.periodic,
+        held=[Held(floor), Held(lid, drive)],
+    )
     flow = np.clip(rate * (height - low), 0.0, speed)
     state = State(bed.position, np.column_stack([flow, np.zeros_like(flow)]), bed.angle)
     fall = np.sqrt(2.0 * bed.height * scene.mass.sum() / force)

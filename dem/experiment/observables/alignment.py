@@ -55,8 +55,13 @@ def measure(seen) -> dict:
         for now in range(1, found.shape[1]):
             cylinder = 0.5 * own.box_width, motion.cylinder_y[now]
             found[:, now] = alignment(
-                motion.position[now - 1], motion.position[now], motion.angle[[now, 0]], cylinder,
-                0.5 * own.cylinder.diameter, seen.replicate.shape.diameter,
-                float(np.diff(motion.displacement[now - 1 : now + 1])[0]), motion.periodic,
-            ).ravel()  # fmt: skip
+                motion.position[now - 1],
+                motion.position[now],
+                motion.angle[[now, 0]],
+                cylinder,
+                0.5 * own.cylinder.diameter,
+                seen.replicate.shape.diameter,
+                float(np.diff(motion.displacement[now - 1 : now + 1])[0]),
+                motion.periodic,
+            ).ravel()
     return dict(zip(VARIABLES, found, strict=True))

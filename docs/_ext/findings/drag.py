@@ -235,6 +235,7 @@ class Flow(Findings):
 
         return compared(self.dataset, name)
 
+    @property
     def more_irregular(self) -> bool:
         """Whether any measure of e3 is above that of c1, interval included."""
         found = [self._compared(name) for name in MEASURES]
@@ -254,7 +255,10 @@ class Snapshots(Findings):
         Of one bed of c1: contacts in the path of the cylinder, up to one diameter before its
         surface.
         """
-        own, values = self.dataset.sel(case="c1").isel(seed=0), json.loads(self.dataset.attrs["configuration"])
+        own, values = (
+            self.dataset.sel(case="c1").isel(seed=0),
+            json.loads(self.dataset.attrs["configuration"]),
+        )
         reach = values["cylinder"]["diameter"]
         diameter = own["granule_diameter"].dropna("granule").values
         one, two = np.triu_indices(len(diameter), 1)

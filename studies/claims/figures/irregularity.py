@@ -7,7 +7,8 @@ from dem.analysis.statistics import find, table1
 from dem.base.intervals import half_interval
 from dem.experiment.observables.flow import lag_of
 from dem.figures import style
-from studies.claims.irregularity import MEASURES, SHAPES, compared
+from studies.claims import MEASURES
+from studies.claims.irregularity import SHAPES, compared
 
 FILE = "flow"
 CAPTION = "How irregular the flow is, by shape: four measures against displacement"
@@ -37,7 +38,7 @@ def plot(dataset: xr.Dataset) -> Figure:
             shown = case in cases or None in cases
             axes.plot(x, mean, linewidth=2.0 if shown else 1.0, label=str(case), **look)
             if shown:
-                style.band(axes, x, mean, half, look["color"], 0.16)
+                style.band(axes, x, mean, half, look["color"], alpha=0.16)
         axes.set_ylabel(LABELS[name])
         found = compared(dataset, name)
         title = f"e3 over c1: {found.ratio:.2f} ± {found.half:.2f}" if found else MEASURES[name]

@@ -254,7 +254,9 @@ def test_a_run_that_failed_is_a_row_with_its_error():
     values = {
         name: np.full([sizes[dim] for dim in dims], np.nan) for name, (dims, *_) in layout.items()
     }
-    row = results.row_of_run(block, next(iter(block.runs)), run, values | {"failure": 3, "spent": 1.0}, {})
+    row = results.row_of_run(
+        block, next(iter(block.runs)), run, values | {"failure": 3, "spent": 1.0}, {}
+    )
     assert row["status"] == "StateError" and np.isnan(row["drag"]) and np.isnan(row["curve"]).all()
 
 

@@ -16,7 +16,7 @@ from tempfile import TemporaryDirectory
 
 ROOT = Path(__file__).parents[3]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
-from mutants import Mutant, made  # noqa: E402
+from nightly.mutants import Mutant, made  # noqa: E402
 
 from dem.base import provenance  # noqa: E402
 from docs.data.kernels import digest  # noqa: E402
@@ -66,8 +66,8 @@ LAWS = (
     Mutant(
         LAW,
         "a contact that pulls at its end",
-        "return max(elastic + damping * math.sqrt(sqrt_overlap) * rate, 0.0)",
-        "return elastic + damping * math.sqrt(sqrt_overlap) * rate",
+        "return max(elastic + damping * overlap_quarter * rate, 0.0)",
+        "return elastic + damping * overlap_quarter * rate",
         "restitution",
     ),
     Mutant(
@@ -80,8 +80,8 @@ LAWS = (
     Mutant(
         LISTS,
         "radius of the granule for R* at the cylinder",
-        "return other * radius / (other + radius)",
-        "return other",
+        "reduced = reduced * radius / (reduced + radius)",
+        "reduced = reduced",
         "spinning",
     ),
     Mutant(

@@ -1,30 +1,21 @@
-"""Does the quick part of the suite notice a broken program?  python tests/mutants.py [NUMBER ...]
+"""Faults of which the quick part of the suite must notice every one (test_nightly.py).
 
 Each mutant is one fault, put into a copy of the project: in `file` of dem/, `right` becomes `wrong`. The
 quick part (pytest -m quick) must fail on it. A kernel that is changed is compiled again, half a minute a
-kind of scene; so the runner first asks the test that is most likely to fail, one of the quick part,
-and the whole of it only if that passes. All take about an hour of a processor. Results are kept in
-a file of JSON lines, and those that are there are not made again:
-
-    python tests/mutants.py --kept mutants.jsonl           # all, one after another
-    python tests/mutants.py --kept mutants.jsonl 3 7       # numbers 3 and 7, counted from 0
+kind of scene; so the test that is most likely to fail is asked first, and all others only if it passes.
 """
 
-import argparse
-import collections
-import json
 import os
 import shutil
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 from typing import NamedTuple
 
 from dem.base.sources import cache_folder
 
-PROJECT = Path(__file__).parent.parent
+PROJECT = Path(__file__).parents[2]
 COPIED = (
     "dem",
     "tests",
@@ -154,10 +145,10 @@ MUTANTS = (
     Mutant("sweep/combine.py", "missing call", "            _check(sweep, block, sorted(failed))\n", "            pass\n", FAILED),
     Mutant("sweep/combine.py", "comparison", "if count == groups[group]:", "if count > groups[group]:", "tests/test_faults.py::test_a_case_without_any_run_stops_a_sweep"),
     Mutant("base/files.py", "order", "        yield part\n        part.replace(path)\n", "        try:\n            yield part\n        finally:\n            part.replace(path)\n", WHOLE),
-    Mutant("base/files.py", "missing call", "            part.unlink(missing_ok=True)\n", "            pass\n", WHOLE),
+    Mutant("base/files.py", "missing call", "        part.unlink(missing_ok=True)\n", "        pass\n", WHOLE),
     Mutant("io/checksums.py", "limit", "for start in range(0, size, BLOCK)", "for start in range(0, size - BLOCK, BLOCK)", "tests/test_damage.py"),
     Mutant("io/checksums.py", "comparison", "if stored != _checksum(file, size):", "if stored == mark:", "tests/test_damage.py"),
-    Mutant("io/results_folder.py", "condition", "else late:\n", "else not late:\n", STORE),
+    Mutant("io/results_folder.py", "condition", "            if not alive:\n", "            if alive:\n", STORE),
     Mutant("sweep/precision.py", "limit", "GROWTH * now[each]", "100 * now[each]", ROUNDS.format("a_round_at_most_doubles_the_replicates")),
     Mutant("base/intervals.py", "sign", "for sign in (-1.0, 1.0))", "for sign in (1.0, -1.0))", ROUNDS.format("fieller_s_interval_is_where_the_difference_is_significant")),
     Mutant("sweep/precision.py", "condition", "array[failed] = np.nan", "array[failed] = 0.0", ROUNDS.format("a_failed_run_counts_and_is_not_replaced")),
@@ -230,45 +221,8 @@ def _limited():
     resource.setrlimit(resource.RLIMIT_CPU, (int(LONGEST), int(LONGEST) + 5))
 
 
-def notices(mutant: Mutant, whole: bool) -> str | None:
-    """The first quick test that fails on a mutant, None if it survives; whole: ask all if one passes."""
+def notices(mutant: Mutant) -> str | None:
+    """The first quick test that fails on a mutant, None if it survives."""
     with tempfile.TemporaryDirectory() as folder:
         copy = made(mutant, Path(folder))
-        return asked(copy, mutant.asks) or (asked(copy) if whole else None)
-
-
-def main():
-    words = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    words.add_argument("numbers", nargs="*", type=int, help="of the mutants; all if there is none")
-    words.add_argument("--kept", type=Path, help="file of results, which are not made again")
-    words.add_argument(
-        "--first", action="store_true", help="ask only the test that each mutant names"
-    )
-    given = words.parse_args()
-    done = {}
-    if given.kept and given.kept.exists():
-        done = {each["mutant"]: each for each in map(json.loads, given.kept.open())}
-    for number in given.numbers or range(len(MUTANTS)):
-        mutant = MUTANTS[number]
-        if str(number) in done:
-            continue
-        began = time.monotonic()
-        found = notices(mutant, not given.first)
-        done[str(number)] = one = {
-            "mutant": str(number), "file": mutant.file, "kind": mutant.kind, "killed": found,
-            "seconds": round(time.monotonic() - began, 1),
-        }  # fmt: skip
-        if given.kept:
-            with given.kept.open("a") as file:
-                file.write(json.dumps(one) + "\n")
-        print(
-            f"{number:2} {mutant.file}, {mutant.kind}: {found or 'SURVIVED'} ({one['seconds']:.0f} s)",
-            flush=True,
-        )
-    count = collections.Counter(each["killed"] is not None for each in done.values())
-    print(f"{len(done)} mutants, {count[True]} killed, {count[False]} survived")
-    return int(count[False] > 0)
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+        return asked(copy, mutant.asks) or asked(copy)

@@ -2,8 +2,7 @@
 
 Two sweeps share a store. Hypothesis chooses what happens and in which order; runs cost nothing here. No finished
 run is made again unless its file was damaged or nobody needed it, no file of a user's is touched, and what is
-read is right, or refused with its name. A thousand examples: `pytest tests/test_store_states.py
---hypothesis-profile=night`.
+read is right, or refused with its name.
 """
 
 import contextlib
@@ -117,15 +116,26 @@ class Sweeps(RuleBasedStateMachine):
         self.state(name).begin("drag")
 
     @precondition(lambda self: any(self.seeds.values()))
-    @rule(end=st.sampled_from(ENDS), when=st.integers(1, 30), both=st.booleans(), name=st.sampled_from(NAMES))
+    @rule(
+        end=st.sampled_from(ENDS),
+        when=st.integers(1, 30),
+        both=st.booleans(),
+        name=st.sampled_from(NAMES),
+    )
     def make(self, end, when, both, name):
         """One sweep, or both at a time, planned first and made in turns."""
         names = [each for each in (NAMES if both else (name,)) if self.seeds[each]]
         self.left = {end: when}
         try:
             at_work = [self.state(each) for each in names]
-            jobs = [[(work, b.id) for b in work.batches("drag") if not work.store.file_of(b.id).exists()]
-                    for work in at_work]  # fmt: skip
+            jobs = [
+                [
+                    (work, b.id)
+                    for b in work.batches("drag")
+                    if not work.store.file_of(b.id).exists()
+                ]
+                for work in at_work
+            ]
             for work in at_work:
                 work.begin("drag")
             for turn in zip(*jobs, strict=False):
@@ -183,9 +193,11 @@ class Sweeps(RuleBasedStateMachine):
     def prune(self):
         """What no sweep needs goes, and nothing else; where that cannot be known, nothing goes."""
         runs = [
-            run for name in NAMES if self.seeds[name]
+            run
+            for name in NAMES
+            if self.seeds[name]
             for run in self.state(name).block("drag").unique()
-        ]  # fmt: skip
+        ]
         needed, beds = {run.id for run in runs}, {run.bed_id for run in runs}
         before = self.files()
         try:
@@ -198,7 +210,9 @@ class Sweeps(RuleBasedStateMachine):
             gone = {path.name.partition(".")[0] for path in set(before) - set(self.files())}
             assert not gone & (needed | beds)  # checkpoints and beds too
 
-    @rule(name=st.sampled_from(["store/batches/notes.txt", "store/beds/ab/mine.npz", "a/notes.txt"]))
+    @rule(
+        name=st.sampled_from(["store/batches/notes.txt", "store/beds/ab/mine.npz", "a/notes.txt"])
+    )
     def own_file(self, name):
         """The user puts a file of his own somewhere."""
         path = Path("results") / name
@@ -240,4 +254,6 @@ class Sweeps(RuleBasedStateMachine):
 
 
 TestSweeps = Sweeps.TestCase
-TestSweeps.settings = settings(max_examples=settings().max_examples // 2, stateful_step_count=20)
+TestSweeps.settings = settings(
+    settings.get_profile("night"), max_examples=1000, stateful_step_count=20
+)

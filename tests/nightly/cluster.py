@@ -1,0 +1,179 @@
+"""A sweep on a Dask cluster that does not see the client's folder, and what kills do to it.
+
+Starts a scheduler and two workers in a mount namespace (as root) with an empty cache, makes the sweep on
+them and beside it on this machine alone, and compares all values. Then kills workers, scheduler and client
+at random moments, starts again what was killed, goes on, and compares again.
+"""
+
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+import yaml
+from distributed import Client
+
+ROOT = Path(__file__).parents[2]
+DEM = [sys.executable, "-m", "dem"]
+CLOCKS = {"run_time", "spent"}
+PORT = 8797
+SCHEDULER = f"tcp://127.0.0.1:{PORT}"
+
+
+class Machine:
+    """A scheduler and two workers that see an empty folder where the client has its files."""
+
+    def __init__(self, folder: Path, hidden: Path):
+        self.folder, self.hidden, self.parts = folder, hidden, {}
+        for name in ("scheduler", "worker 1", "worker 2"):
+            self.start(name)
+
+    def start(self, name: str) -> None:
+        """Start the scheduler, or a worker of one thread."""
+        kind = name.split(maxsplit=1)[0]
+        own = (
+            f"--port {PORT}"
+            if kind == "scheduler"
+            else f"{SCHEDULER} --nthreads 1 --local-directory local"
+        )
+        command = (
+            f"mount -t tmpfs none {self.hidden}; cd {self.folder}; export NUMBA_CACHE_DIR={self.folder}/cache; "
+            f"exec {sys.executable} -m dask {kind} {own} --no-dashboard"
+        )
+        log = (self.folder / f"{name}.log").open("a")
+        self.parts[name] = subprocess.Popen(
+            ["unshare", "--mount", "bash", "-c", command],
+            stdout=log,
+            stderr=log,
+            start_new_session=True,
+        )
+
+    def kill(self, name: str) -> None:
+        """Kill one, with its processes, as the end of power would."""
+        subprocess.run(["pkill", "-9", "-g", str(self.parts[name].pid)], check=False)
+        self.parts.pop(name).wait()
+
+    def whole(self) -> None:
+        """Start again what is not there; the workers too where they have lost their scheduler."""
+        for name in ("scheduler", "worker 1", "worker 2"):
+            if name not in self.parts or self.parts[name].poll() is not None:
+                self.start(name)
+
+    def executed(self) -> dict[str, int]:
+        """How many tasks each worker has executed."""
+        with Client(SCHEDULER) as client:
+            return client.run(lambda dask_worker: dask_worker.state.executed_count)
+
+
+def sweep(place: Path, file: str, *options: str, **more) -> subprocess.Popen:
+    """Start a sweep of a file in a folder."""
+    command = [*DEM, "sweep", file, *options]
+    return subprocess.Popen(command, cwd=place, stderr=subprocess.PIPE, text=True, **more)
+
+
+def values(path: Path) -> dict:
+    """All values of a file but times of processors."""
+    with netCDF4.Dataset(path) as file:
+        file.set_auto_mask(False)
+        return {name: v[...] for name, v in file.variables.items() if name not in CLOCKS}
+
+
+def differing(one: Path, other: Path) -> list[str]:
+    """Names of the values in which two folders of results differ."""
+    found = []
+    for path in sorted(one.rglob("*.nc")):
+        if "flow/" in str(path):
+            continue  # by batches, whose names may differ
+        mine, theirs = values(path), values(other / path.relative_to(one))
+        found += [
+            f"{path.name}:{name}"
+            for name in mine.keys() | theirs.keys()
+            if name not in mine
+            or name not in theirs
+            or not np.array_equal(mine[name], theirs[name], equal_nan=mine[name].dtype.kind == "f")
+        ]
+    return found
+
+
+def finished(place: Path) -> dict[Path, bytes]:
+    """The sealed batches of a store."""
+    return {path: path.read_bytes() for path in (place / "results/store/batches").glob("*.nc")}
+
+
+def main(file: str = "config/smoke.yaml", kills: int = 20, seed: int = 1) -> None:
+    chance, base = random.Random(seed), Path(tempfile.mkdtemp(prefix="cluster"))
+    alone, client, worker = (base / name for name in ("alone", "client", "worker"))
+    for folder in (alone, client, worker):
+        folder.mkdir()
+    more = {
+        "failures": 0.3,
+        "sweep": {"case": ["c1", "d1", "c12"], "seed": "1 to 8"},
+    }  # lasts longer
+    for folder in (alone, client):
+        shutil.copytree(ROOT / "config", folder / "config")
+        (folder / "many.yaml").write_text(
+            yaml.dump(
+                {"extends": file, "results": "results/many", "batch": 2} | (more if kills else {})
+            )
+        )
+    machine = Machine(worker, client)
+    try:
+        spent = {}
+        for turn in range(2):  # the second without compiling
+            for name, place, options in (
+                ("processes", alone, ("-j2",)),
+                ("cluster", client, ("--scheduler", SCHEDULER)),
+            ):
+                shutil.rmtree(place / "results", ignore_errors=True)
+                started = time.monotonic()
+                run = sweep(place, "many.yaml", *options)
+                said = run.communicate()[1]
+                assert run.returncode == 0, said
+                spent[name] = time.monotonic() - started
+            print(f"turn {turn}:", {name: f"{each:.1f} s" for name, each in spent.items()})
+        print("tasks executed:", machine.executed())
+        print("values that differ:", differing(alone / "results/many", client / "results/many"))
+        lost = 0
+        for number in range(kills):
+            shutil.rmtree(client / "results")
+            shutil.rmtree(worker / "cache/stores", ignore_errors=True)
+            victim = chance.choice(["worker 1", "worker 2", "scheduler", "client", "Ctrl-C"])
+            run = sweep(client, "many.yaml", "--scheduler", SCHEDULER)
+            time.sleep(chance.uniform(3.0, 0.9 * spent["cluster"]))  # it takes some to connect
+            if victim in machine.parts:
+                machine.kill(victim)
+                time.sleep(1.0)
+                if victim != "scheduler":
+                    machine.whole()
+            else:
+                run.send_signal(signal.SIGKILL if victim == "client" else signal.SIGINT)
+            started = time.monotonic()
+            said = run.communicate()[1].splitlines()[-1:]
+            took, status, before = time.monotonic() - started, run.returncode, finished(client)
+            if victim == "scheduler":  # its workers end within some seconds
+                machine.kill("worker 1")
+                machine.kill("worker 2")
+            machine.whole()
+            again = sweep(client, "many.yaml", "--scheduler", SCHEDULER)
+            words = again.communicate()[1]
+            assert again.returncode == 0, words
+            now = finished(client)
+            lost += sum(now.get(path) != content for path, content in before.items())
+            differ = differing(alone / "results/many", client / "results/many")
+            parts = list(client.rglob("*.part"))
+            print(
+                f"{number} {victim}: status {status} after {took:.1f} s, {len(before)} batches kept, "
+                f"lost {lost}, differ {differ}, half-written {len(parts)}; {said}",
+                flush=True,
+            )
+            assert not (lost or differ or parts)
+    finally:
+        for name in list(machine.parts):
+            machine.kill(name)
+        shutil.rmtree(base, ignore_errors=True)

@@ -1,0 +1,44 @@
+"""What a night finds out: faults of the code that no quick test notices, and sweeps that are disturbed."""
+
+import os
+import random
+import shutil
+
+import pytest
+from nightly import cluster, faults
+from nightly.mutants import MUTANTS, notices
+
+
+@pytest.mark.parametrize("mutant", MUTANTS, ids=lambda each: f"{each.file} {each.kind}")
+def test_a_quick_test_notices_a_fault_of_the_code(mutant):
+    assert notices(mutant)
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    """A copy of the sources with a sweep that nobody disturbed."""
+    changes = {"sweep": faults.varied([1, 2]), "batch": 2, "figures": ["figure10", "figure13"]}
+    found = faults.Place(tmp_path_factory.mktemp("place"), **changes)
+    found.sweep("whole")
+    found.finish("whole")
+    return found
+
+
+@pytest.mark.parametrize("fault", faults.FAULTS, ids=lambda each: each.__name__)
+def test_a_disturbed_sweep_goes_on_to_the_same_bits(place, fault):
+    print(fault(place))
+
+
+@pytest.mark.parametrize(
+    ("kills", "count"),
+    [(faults.kills_of_compiling, 10), (faults.kills_of_a_run, 10), (faults.kills, 80)],
+)
+def test_kills_lose_nothing(place, kills, count):
+    print(kills(place, count, random.Random(0)))
+
+
+@pytest.mark.skipif(
+    os.name != "posix" or os.geteuid() or not shutil.which("unshare"), reason="to mount needs root"
+)
+def test_a_dask_cluster_without_the_files_of_the_client_gives_the_same_values():
+    cluster.main()
