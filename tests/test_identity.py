@@ -90,10 +90,9 @@ NO_NUMBERS = {
             "errors",
             "files",
             "plugins",
-            "say",
+            "messages",
             "schema",
             "sources",
-            "target",
         )
     ),
     "experiment/config.py",  # values, which are part of the identity themselves
