@@ -258,6 +258,7 @@ def planes(rows: np.ndarray) -> np.ndarray:
     return fixed(rows)
 
 
+Walls = Annotated[np.ndarray, finite(None, 3), AfterValidator(planes)]
 OR_NONE = WrapValidator(lambda value, take: None if value is None else take(value))
 WallMotion = Annotated[
     Sequence[Sliding | None],
@@ -353,7 +354,7 @@ class Scene(Kept):
     shape: Granules
     material: InstanceOf[Material] = field(default_factory=Material)
     friction: InstanceOf[Friction] | None = None
-    walls: Annotated[np.ndarray, finite(None, 3), AfterValidator(planes)] | None = None
+    walls: Walls | None = None
     cylinder: InstanceOf[Cylinder] | None = None
     gravity: Acceleration | None = None
     # a number once the scene is made

@@ -29,8 +29,6 @@ from pydantic.fields import FieldInfo
 from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
 
-NO_BITS = "checks values, which are part of what a run is known by"
-
 # Sizes of numbers: products and quotients of several of them stay finite.
 LEAST, MOST = 1e-20, 1e20
 LISTED = 20  # sentences of one error; the rest are counted

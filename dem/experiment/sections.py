@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field, model_validator
 
-from dem.base.outside import is_outside
+from dem.base.plugins import is_plugin
 from dem.base.types import (
     AspectRatio,
     Coefficient,
@@ -32,8 +32,6 @@ from dem.experiment.observables import OBSERVABLES
 from dem.scene import Friction
 from dem.shapes import KINDS
 
-NO_BITS = "describes values, which are part of what a run is known by"
-
 Share = Annotated[Ratio, Field(lt=1)]
 
 
@@ -41,7 +39,7 @@ def or_file(known: Iterable[str]) -> AfterValidator:
     """A name of the package, or of a file of a user's own, which is looked up later."""
 
     def check(name: str) -> str:
-        if name in tuple(known) or is_outside(name):
+        if name in tuple(known) or is_plugin(name):
             return name
         *others, last = map(repr, known)
         raise ValueError(f"it must be {', '.join(others)} or {last}")

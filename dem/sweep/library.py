@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from dem.base import plugins
 from dem.base.errors import InputError
-from dem.base.outside import loaded, placed, reread
 from dem.experiment.config import of_values
 from dem.io.dataset import LABELS, attributes, global_attributes
 from dem.io.lazily import open_results
@@ -95,8 +95,8 @@ def run_sweep(path: str | Path, executor=None, block: str | None = None) -> xr.D
     workers = workers_of(executor, state.store)
     if executor is None:
         for name in blocks:
-            for module in {each for run in state.block(name).unique() for each in run.modules}:
-                loaded(module)  # what cannot be is said before anything is written
+            for file in {each for run in state.block(name).unique() for each in run.files}:
+                plugins.load(file)  # what cannot be is said before anything is written
     lock, _ = prepare(state.results, state.store.folder)
     try:
         with workers:
@@ -137,7 +137,7 @@ def run_experiment(values: dict) -> xr.Dataset:
     >>> found["drag"].dims, found["drag"].attrs["units"]
     (('displacement',), 'N')
     """
-    reread()
+    plugins.refresh()
     replicate = of_values(_whole(values))
     own = replicate.configuration
     own.check_files()
@@ -160,7 +160,7 @@ def _whole(values: dict) -> dict:
     """Values merged over the file that they extend."""
     if not isinstance(values, dict):
         raise InputError(f"values is {values!r}; it must be a dict.")
-    values = placed(values, Path())
+    values = plugins.with_folder(values, Path())
     if "extends" not in values:
         return values
     if "shape" not in values:
