@@ -171,7 +171,7 @@ def of_one_frame(result):
         ),
         (
             lambda r, p: dem.plot.bed(r, color=["speed"]),
-            "color is ['speed']; it must be a valid string.",
+            "color is ['speed']; it must be text.",
         ),
         (lambda r, p: dem.plot.bed(3), "result is 3; it must be an instance of Result."),
         (lambda r, p: dem.plot.forces(None), "result is None; it must be an instance of Result."),

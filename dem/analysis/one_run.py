@@ -7,7 +7,6 @@ of a sweep, whose runs are in the store.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,7 +15,7 @@ import numpy as np
 
 from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
-from dem.experiment.config import Replicate, of_values
+from dem.experiment.config import Replicate, by_path, of_values
 from dem.experiment.motion import Motion
 from dem.io.dataset import LABELS, content_of
 from dem.io.lazily import open_lazily
@@ -51,15 +50,6 @@ def open_run(path: Path, select: list[str]) -> tuple[Replicate, dict]:
         if dataset["run_id"].dims == ("run",):
             return _row(path, dataset, run)
     return read_run(batch_of(path, run), run)
-
-
-def flat(values: dict, head: str = "") -> Iterator[tuple[str, object]]:
-    """Values of groups by path; lists as tuples."""
-    for name, value in values.items():
-        if isinstance(value, dict):
-            yield from flat(value, f"{head}{name}.")
-        else:
-            yield f"{head}{name}", tuple(value) if isinstance(value, list) else value
 
 
 def read_run(path: Path, run: str) -> tuple[Replicate, dict]:
@@ -108,12 +98,12 @@ def values_of_runs(dataset: xr.Dataset) -> pd.DataFrame:
 
     ids = dataset["run_id"]
     if ids.dims == ("run",):
-        rows = [dict(flat(each)) for each in json.loads(dataset.attrs.get("values", "[]"))]
+        rows = [by_path(each) for each in json.loads(dataset.attrs.get("values", "[]"))]
         found = {name: dataset[name].values for name in LABELS if name in dataset.variables}
         # a label is no other value of the configuration, and lists tell no runs of a file apart
         for path in dict.fromkeys(path for row in rows for path in row):
             values = [row.get(path) for row in rows]
-            if path not in found and not any(isinstance(each, tuple) for each in values):
+            if path not in found and not any(isinstance(each, list) for each in values):
                 found[path] = values
     else:
         labels = (str(name) for name in dataset.coords if set(dataset[name].dims) <= set(ids.dims))

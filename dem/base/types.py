@@ -264,6 +264,10 @@ WORDS = {
     "model_type": "be a group of keys",
     "dict_type": "be a group of keys",
     "tuple_type": "be a list",
+    "list_type": "be a list",
+    "string_type": "be text",
+    "bool_type": "be true or false",
+    "bool_parsing": "be true or false",
 }
 
 
