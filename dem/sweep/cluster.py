@@ -1,6 +1,7 @@
 """Make batches on a Dask cluster."""
 
 import logging
+import sys
 import uuid
 import warnings
 from pathlib import Path
@@ -96,14 +97,16 @@ def _make_there(task: Task) -> bytes | None:
     from distributed import get_worker
 
     worker = get_worker()
-    key = worker.get_current_task()
+    key, folder = worker.get_current_task(), Path(worker.local_directory)
+    # the scheduler of a LocalCluster has its copies of the files in a folder beside the worker's
+    sys.path[:] = [path for path in sys.path if Path(path).parent != folder.parent]
 
     def heartbeat(*progress):
         state = worker.state.tasks.get(key)
         if state is None or state.state == "cancelled":
             raise Abandoned(key)
 
-    return make_task(task, heartbeat, worker.local_directory)
+    return make_task(task, heartbeat, str(folder))
 
 
 def connected(where: str, patience: float):

@@ -11,7 +11,6 @@ import os
 import platform
 import shutil
 import signal
-import sys
 import threading
 from collections import deque
 from concurrent import futures
@@ -106,8 +105,6 @@ def _store_of(task: Task, beside: str | None) -> Store:
     store, (head, body) = Store(_folder(task.store)), task.text.splitlines()
     if beside is not None:
         values, runs = json.loads(body)
-        clients = {each.get("beside") for each in values}  # which a process of the client inherits
-        sys.path[:] = [folder for folder in sys.path if folder not in clients]
         body = json.dumps([[each | {"beside": beside} for each in values], runs])
     with atomic(store.plan_of(task.plan.stem)) as part:
         part.write_text(f"{head}\n{body}\n", encoding="utf-8")
