@@ -486,7 +486,7 @@ class State:
             if (rows := np.shape(value)[0]) != count:
                 raise InputError(f"{name} has {rows} rows; it must have {count}, as position.")
             setattr(self, name, value)
-        self.boundaries = boundaries
+        self.boundaries = boundaries  # type: ignore[assignment]  # an array by now
 
     def checked(self, granules: int) -> "State":
         """A copy of the state, after a check that a simulation can start from it.

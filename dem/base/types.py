@@ -96,7 +96,7 @@ def array(*shape: int | None, low: float = -np.inf, high: float = np.inf) -> Pla
         fits = all(n in (None, size) and size for n, size in zip(shape, rows.shape, strict=False))
         if rows.ndim != len(shape) or not fits:
             raise ValueError(f"it must have shape {axes}, not {rows.shape}")
-        wrong = np.argwhere(~((rows >= low) & (rows <= high))) if ranged else ()
+        wrong = np.argwhere(ranged & ~((rows >= low) & (rows <= high)))
         if len(wrong):
             at = tuple(wrong[0].tolist())
             raise ValueError(
@@ -275,7 +275,7 @@ def _sentence(fault: Any, key: str, field: FieldInfo, show: Callable[[Any], str]
     """What is wrong, and what to write instead, from an error of pydantic."""
     kind, value, context = fault["type"], fault["input"], fault.get("ctx", {})
     names = [name for name in map(str, fault["loc"]) if not name.startswith(("function-", "[key]"))]
-    section = None
+    section: Any = None
     for name in names:
         section = section_of(field.annotation)
         field = getattr(section, "model_fields", {}).get(name, field)
