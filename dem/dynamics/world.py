@@ -231,7 +231,7 @@ class World(NamedTuple):
         Walls, cylinder and held groups.
     walls, cylinder : Surface or None
         Contacts with them.
-    gravity : ndarray of shape (2,) or None
+    gravity : tuple of float
         Acceleration (m/s2).
     lanes : Lanes
         Scratch memory.
@@ -256,7 +256,7 @@ class World(NamedTuple):
     boundaries: Boundaries
     walls: Surface | None
     cylinder: Surface | None
-    gravity: np.ndarray | None
+    gravity: tuple[float, float]
     lanes: Lanes
     patches: Patches | None
     held: HeldGroups | None
