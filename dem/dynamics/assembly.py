@@ -215,26 +215,24 @@ def boundaries(scene: Scene) -> Boundaries:
     )
 
 
-def surfaces(
-    scene: Scene, table: GranuleTable, drive: np.ndarray
-) -> tuple[Surface | None, Surface | None]:
+def surfaces(scene: Scene, table: GranuleTable, drive: np.ndarray) -> tuple[Surface, Surface]:
     """Walls and cylinder; drive: of Boundaries."""
-    count, walls, cylinder = number_of_walls(scene), None, None
-    if scene.walls is not None:
-        listed = contacts(scene, table, "wall", drive)
-        walls = Surface(
-            first=0, end=count, planes=np.array(scene.walls), radius=None, contacts=listed
-        )
-    if scene.cylinder is not None:
-        listed = contacts(scene, table, "cylinder", drive)
-        cylinder = Surface(
-            first=count,
-            end=count + 1,
-            planes=None,
-            radius=0.5 * scene.cylinder.diameter,
-            contacts=listed,
-        )
-    return walls, cylinder
+    count, cylinder = number_of_walls(scene), scene.cylinder
+    walls = Surface(
+        first=0,
+        end=count,
+        planes=np.empty((0, 3)) if scene.walls is None else np.array(scene.walls),
+        radius=None,
+        contacts=contacts(scene, table, "wall", drive),
+    )
+    round_one = Surface(
+        first=count,
+        end=count + (cylinder is not None),
+        planes=None,
+        radius=0.5 * cylinder.diameter if cylinder else 0.0,
+        contacts=contacts(scene, table, "cylinder", drive),
+    )
+    return walls, round_one
 
 
 def held_groups(scene: Scene, bodies: np.ndarray, motion: np.ndarray) -> HeldGroups | None:

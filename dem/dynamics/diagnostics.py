@@ -142,8 +142,6 @@ def scan_surface(surface, world, table, bounds, worst):
 
     Returns the greatest relative overlap with its constituent; worst: that so far.
     """
-    if surface is None:
-        return worst
     boundaries, rows = world.boundaries, bounds.rows
     granules, motion = world.bodies, world.constituents
     contact = geometries(world.shape, motion, world.orientation, boundaries.motion, surface)

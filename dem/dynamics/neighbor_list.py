@@ -230,15 +230,13 @@ def near_surface(surface, motion, rows, table):
     """Constituents near walls or cylinder, and the boundary that each is near."""
     if surface.planes is not None:
         return near_planes(surface.planes, rows, table.bounding, table.skin)
-    place = motion[surface.first]
-    return near_circle(surface.radius, place, rows, table.bounding, table.skin, table.period)
+    there = motion[surface.first : surface.end]
+    return near_circle(surface.radius, there, rows, table.bounding, table.skin, table.period)
 
 
 @inlined
 def list_surface(surface, world, table):
     """Renew the list of contacts of walls, or of the cylinder."""
-    if surface is None:
-        return
     motion, drive, rows = world.boundaries.motion, world.boundaries.drive, world.constituents
     radius, first, per = surface.radius, surface.first, table.per
     constituent, partner = near_surface(surface, motion, rows, table)

@@ -195,13 +195,12 @@ def later(time, steps, dt):
 @compiled
 def first_outside(walls, bodies):
     """The first granule whose centre is behind a wall, or -1."""
-    if walls is not None:
-        planes = walls.planes
-        for i in range(bodies.shape[0]):
-            for k in range(planes.shape[0]):
-                height = bodies[i, X] * planes[k, 0] + bodies[i, Y] * planes[k, 1]
-                if height > planes[k, 2]:
-                    return i
+    planes = walls.planes
+    for i in range(bodies.shape[0]):
+        for k in range(planes.shape[0]):
+            height = bodies[i, X] * planes[k, 0] + bodies[i, Y] * planes[k, 1]
+            if height > planes[k, 2]:
+                return i
     return -1
 
 
@@ -236,7 +235,7 @@ def measure(row, impulses, rate, world, table, frame):
     """Fill a row of the record but for the step; impulses: those that go on, of which those seen
     are taken off."""
     world = by_address(world)
-    motion, seen, walls = world.boundaries.motion, world.boundaries.impulses, world.walls
+    motion, seen, planes = world.boundaries.motion, world.boundaries.impulses, world.walls.planes
     row[ENERGY] = kinetic(world, 0.0, frame)[0]
     touching, row[OVERLAP], _ = contact_summary(world, table)
     row[CONTACTS] = 2.0 * touching / world.bodies.shape[0]
@@ -246,9 +245,8 @@ def measure(row, impulses, rate, world, table, frame):
             row[at + c] = seen[b, c] * rate
             impulses[b, c] -= seen[b, c]
         row[at + PLACE], row[at + PLACE + 1] = motion[b, X], motion[b, Y]
-    if walls is not None:  # the place of a wall is its offset (m)
-        for k in range(walls.planes.shape[0]):
-            row[OF_BED + OF_BOUNDARY * k + PLACE] = walls.planes[k, 2]
+    for k in range(planes.shape[0]):  # the place of a wall is its offset (m)
+        row[OF_BED + OF_BOUNDARY * k + PLACE] = planes[k, 2]
 
 
 @inlined
@@ -273,8 +271,7 @@ def look(world, pending_kick, ahead):
     boundaries.motion, boundaries.impulses = boundaries.motion.copy(), boundaries.impulses.copy()
     boundaries.previous_acceleration = boundaries.previous_acceleration.copy()
     boundaries.time = boundaries.time.copy()
-    if walls is not None:
-        walls.planes = walls.planes.copy()
+    walls.planes = walls.planes.copy()
     seen.lanes = Lanes(motion=lanes.motion, values=lanes.values, account=copied(lanes.account))
     look_ahead(seen, pending_kick, ahead)
     return given(seen)
@@ -393,7 +390,7 @@ def run_steps(world, table, rules, schedule, before, record, threads):
             if n < record.shape[0] and n < intervals:
                 row, seen = record[n], look(view, pending_kick, within(ends - time, dt))
                 row[STEP], impulses = interval_dt, view.boundaries.impulses
-                measure(row, impulses, 1.0 / interval, seen, table, rules.frame)
+                measure(row, impulses, 1.0 / interval, by_address(seen), table, rules.frame)
                 budget -= 1
             shortest, interval_dt = min(shortest, interval_dt), dt
             n += 1
