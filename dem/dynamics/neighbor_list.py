@@ -226,20 +226,16 @@ def list_pairs(world, table):
 
 
 @inlined
-def near_surface(surface, motion, rows, table):
-    """Constituents near walls or cylinder, and the boundary that each is near."""
-    if surface.planes is not None:
-        return near_planes(surface.planes, rows, table.bounding, table.skin)
-    there = motion[surface.first : surface.end]
-    return near_circle(surface.radius, there, rows, table.bounding, table.skin, table.period)
-
-
-@inlined
 def list_surface(surface, world, table):
     """Renew the list of contacts of walls, or of the cylinder."""
     motion, drive, rows = world.boundaries.motion, world.boundaries.drive, world.constituents
     radius, first, per = surface.radius, surface.first, table.per
-    constituent, partner = near_surface(surface, motion, rows, table)
+    bounding, skin, period = table.bounding, table.skin, table.period
+    if radius is None:
+        constituent, partner = near_planes(surface.planes, rows, bounding, skin)
+    else:
+        there = motion[first : surface.end]
+        constituent, partner = near_circle(radius, there, rows, bounding, skin, period)
     for p in range(partner.shape[0]):
         partner[p] += first
     new = renewed(surface.contacts, None, constituent, partner, partner, None)
@@ -253,7 +249,7 @@ def list_surface(surface, world, table):
         if radius is not None:
             reduced = reduced * radius / (reduced + radius)
         set_constants(new, p, reduced, table.mass[i], table.alpha, inverse_masses)
-        set_image(new, p, motion[b, X] - rows[i, X], motion[b, Y] - rows[i, Y], table.period)
+        set_image(new, p, motion[b, X] - rows[i, X], motion[b, Y] - rows[i, Y], period)
     reach_patches(world.patches, constituent, per)
     surface.contacts = new
 

@@ -105,16 +105,9 @@ def by_address(held):
     return held
 
 
-@type_callable(by_address)
-def _type_by_address(context):
-    return handed
-
-
 @lower_builtin(by_address, types.Any)
 def _lower_by_address(context, builder, signature, arguments):
-    if isinstance(signature.args[0], types.BaseTuple) and isinstance(
-        signature.return_type, Address
-    ):
+    if signature.args[0] != signature.return_type:
         return cgutils.alloca_once_value(builder, arguments[0])
     return impl_ret_borrowed(context, builder, signature.return_type, arguments[0])
 
@@ -122,11 +115,6 @@ def _lower_by_address(context, builder, signature, arguments):
 def another(held):
     """The address of a copy of a named tuple, whose members can be replaced until it is `given`."""
     return held
-
-
-@type_callable(another)
-def _type_another(context):
-    return handed
 
 
 @lower_builtin(another, types.Any)
@@ -143,16 +131,15 @@ def changeable(held):
     return held
 
 
-@type_callable(changeable)
-def _type_changeable(context):
-    return handed
-
-
 @lower_builtin(changeable, types.Any)
 def _lower_changeable(context, builder, signature, arguments):
     if isinstance(signature.args[0], Address):
         return arguments[0]
     return _lower_another(context, builder, signature, arguments)
+
+
+for _function in by_address, another, changeable:
+    type_callable(_function)(lambda context: handed)
 
 
 def given(copy):
