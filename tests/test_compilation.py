@@ -11,11 +11,12 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from numba.core.registry import cpu_target
+from numba.core.runtime import rtsys
 
 from conftest import posix
 from dem.base.sources import ROOT
 from dem.jit import compilation
-from dem.jit.address import FEW, by_address, local
+from dem.jit.address import FEW, another, as_before, by_address, changeable, given, local
 from dem.jit.compilation import compiled, inlined
 
 ASK = """
@@ -106,6 +107,35 @@ def test_what_is_behind_an_address_is_the_tuple_itself():
     expected = 2.0 * sum(NUMBERS)
     assert add_up_behind_an_address(outer) == 0.5 + 2.0 * expected
     assert added[0] == 0.5 + expected
+
+
+@compiled(allocates=True)
+def grow(outer):
+    """Replace an array of the tuple in a tuple, often."""
+    view = changeable(outer)
+    for _ in range(9):
+        view.inner.added = np.append(view.inner.added, view.scale)
+    return as_before(view, outer)
+
+
+@compiled(allocates=True)
+def grown_twice(outer):
+    """Grow a copy, and what is given itself."""
+    copy = another(outer)
+    return given(grow(copy)), grow(outer)
+
+
+def test_what_replaces_a_member_lives_on_and_what_it_replaces_does_not():
+    """The tuple that is given stays as it is, and all memory is given back."""
+    outer = Outer(Inner(NUMBERS, np.array([0.5])), 2.0, NUMBERS)
+    before = rtsys.get_allocation_stats()
+    for found in grown_twice(outer):
+        assert found.inner.added.tolist() == [0.5, *9 * [2.0]]
+        assert found.numbers == NUMBERS
+    assert outer.inner.added.tolist() == [0.5]
+    del found
+    now = rtsys.get_allocation_stats()
+    assert now.mi_alloc - before.mi_alloc == now.mi_free - before.mi_free > 0
 
 
 def test_the_kernel_of_the_readme_runs(capsys):

@@ -157,11 +157,11 @@ def test_pairs_are_those_of_an_all_images_search(bed, per):
 @given(repeated(), st.floats(0.01, 3.0))
 def test_the_cylinder_lists_every_part_near_one_of_its_images(bed, size):
     rows, radius, skin, period = bed
-    x, y = rows[0, :2] + 0.5
+    there = rows[:1, :2] + 0.5
     part, other = near_circle(
-        size, (x, y), rows, radius, skin, tuple(each or 0.0 for each in period)
+        size, there, rows, radius, skin, tuple(each or 0.0 for each in period)
     )
-    gaps = np.hypot(*least_image(rows[:, :2] - [x, y], period).T) - radius - size
+    gaps = np.hypot(*least_image(rows[:, :2] - there, period).T) - radius - size
     assert list(part) == list(np.flatnonzero(gaps < skin)) and not other.any()
 
 

@@ -78,7 +78,7 @@ def bearings(scene: Scene, world: World) -> np.ndarray:
     """Offsets (m) of walls, place (x, y) in m of the cylinder, and velocities (m/s, rad/s) of all
     boundaries."""
     motion = world.boundaries.motion
-    offsets = np.empty(0) if world.walls is None else world.walls.planes[:, 2]
+    offsets = world.walls.planes[:, 2]
     place = shares(scene, motion)[1][[X, Y]]
     return np.concatenate([offsets, place, motion[:, [VX, VY, W]].ravel()])
 

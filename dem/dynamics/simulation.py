@@ -450,7 +450,7 @@ class Simulation:
         if x is not None and y is not None:
             raise InputError("x and y are both given; give edges along one of them.")
         world = self._seen
-        planes = np.empty((0, 3)) if world.walls is None else world.walls.planes
+        planes = world.walls.planes
         _, place, _ = shares(self.scene, world.boundaries.motion)
         bins = next(((k, np.asarray(e)) for k, e in enumerate((x, y)) if e is not None), None)
         return stress(self.contacts(), self.state, self.scene, planes, place, bins)
@@ -887,7 +887,6 @@ class Simulation:
                 f"{value:.4g} s, {when}: make it shorter, leave it out, or set allow_unstable."
             )
         if outcome == OUTSIDE:
-            assert self._world.walls is not None
             planes = self._world.walls.planes
             beyond = planes[:, :2] @ self._world.bodies[granule, :2] - planes[:, 2]
             raise StateError(
@@ -1005,9 +1004,9 @@ def _frame(run: Simulation, interval: float) -> dict[str, Any]:
         "cylinder_force": (cylinder[:2] + cylinder[2:4]) / interval,
         "wall_force": walls[:, 0] / interval,
         "wall_tangential_force": walls[:, 3] / interval,
-        "wall_offset": np.empty(0) if world.walls is None else world.walls.planes[:, 2],
+        "wall_offset": world.walls.planes[:, 2],
     }
-    if world.cylinder is not None:
+    if run.scene.cylinder is not None:
         frame["cylinder_position"] = world.boundaries.motion[world.cylinder.first, :2]
         frame["cylinder_torque"] = cylinder[4] / interval
     if world.held is not None:

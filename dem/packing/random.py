@@ -341,7 +341,7 @@ def finished(shape: Any, room: Room, world: World, rest: Rest, net_force: float)
 
 def pressure_of(world: World, room: Room) -> float:
     """Pressure of a soft Bed."""
-    if world.walls is None:
+    if world.walls.end == 0:  # none
         stress = mean_stress(world, room.periods, room.width * room.height)
     else:
         x, y = SIDES[room.periodic]
@@ -355,11 +355,10 @@ def mean_stress(world: World, periodic: Periods, area: float) -> float:
 
     Half the sum over contacts of force times the branch from centre to centre, over the area.
     """
-    place = world.bodies[:, [X, Y]]
-    contacts = list_contacts(world, np.arange(len(place)))
-    if world.cylinder is not None:  # its number as a partner is -1
-        axis = world.boundaries.motion[world.cylinder.first, [X, Y]]
-        place = np.vstack([place, axis])
+    contacts, cylinder = list_contacts(world, np.arange(len(world.bodies))), world.cylinder
+    # the number of the cylinder as a partner is -1
+    moving = np.vstack([world.bodies, world.boundaries.motion[cylinder.first : cylinder.end]])
+    place = moving[:, [X, Y]]
     branch = nearest_image(place[contacts.partner] - place[contacts.granule], periodic)
     work = contacts.force * (contacts.normal * branch).sum(axis=1)
     return float(work.sum()) / (2.0 * area)

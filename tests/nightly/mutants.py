@@ -94,7 +94,7 @@ MUTANTS = (
     Mutant("dynamics/cell_list.py", "missing term", "reach = radius[i] + radius[j] + skin", "reach = radius[i] + radius[j]", BOX),
     Mutant("dynamics/cell_list.py", "comparison", "old_partner[q] < j)", "old_partner[q] <= j)", BOX),
     Mutant("dynamics/stepping.py", "comparison", "if steps - candidate_since >= QUIET:", "if candidate_dt < math.inf:", HELD),
-    Mutant("dynamics/stepping.py", "missing call", "world = rebuild_neighbor_list(world, table)  # by value", "world = world  # by value", BOX),
+    Mutant("dynamics/stepping.py", "missing call", "view = rebuild_neighbor_list(view, table)\n            budget", "budget", BOX),
     Mutant("dynamics/stepping.py", "not cleared", "impulses[b, c] -= seen[b, c]", "impulses[b, c] -= 0.0", RUN),
     Mutant("dynamics/critical_step.py", "constant", "* 2.0 / max(rate + root", "* 4.0 / max(rate + root", "tests/test_simulate.py"),
     Mutant("dynamics/energy.py", "constant", "energy += 0.5 * squared", "energy += squared", RUN),
@@ -111,7 +111,7 @@ MUTANTS = (
     Mutant("shapes/smooth.py", "constant", "return 0.25 * _integral", "return 0.5 * _integral", SUPER),
     Mutant("shapes/superellipse.py", "sign", "root + (1.0 - q) * root", "root - (1.0 - q) * root", SUPER),
     # beds
-    Mutant("packing/minimise.py", "missing call", "        forces(world, 0.0, math.inf)\n    return", "    return", BED),
+    Mutant("packing/minimise.py", "missing call", "        forces(view, 0.0, math.inf)\n    return", "    return", BED),
     Mutant("packing/random.py", "missing term", "(r + radius[near]) ** 2", "radius[near] ** 2", BED),
     Mutant("packing/swelling.py", "missing factor", "KEPT * end.velocity", "end.velocity", BED),
     # runs
