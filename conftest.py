@@ -24,6 +24,8 @@ from dem.experiment.box import height_of_box, sample_diameters
 from dem.experiment.sections import ShapeSection
 from dem.sweep.config import load
 
+pytest_plugins = ["kinds"]
+
 # Compiling takes seconds, so no deadlines; the same examples each time, so no surprises.
 hypothesis.settings.register_profile("suite", deadline=None, derandomize=True, max_examples=100)
 hypothesis.settings.register_profile("night", deadline=None, max_examples=2000)

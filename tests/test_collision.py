@@ -25,14 +25,16 @@ from dem.contacts.force_law import damping_from_restitution, restitution_from_da
 
 SLIPPERY = Friction(0.5, 0.5, 0.5)
 HEAVY = {"thickness": 1.0}  # m: contacts last long enough for the time steps of these tests
-# Walls and a cylinder that nothing meets. With them the machine code is that of drawn beds; discs
-# are tested in empty space.
+# Walls and a cylinder that nothing meets: with them the kernels are those of drawn beds.
 FAR = 1e3  # m
 APART = {
     "walls": [[1.0, 0.0, FAR], [-1.0, 0.0, FAR], [0.0, 1.0, FAR], [0.0, -1.0, FAR]],
     "cylinder": Cylinder(1e-3, (0.9 * FAR, 0.9 * FAR)),
 }
-AROUND = {"disc": {}, "dumbbell": APART, "ellipse": APART}
+# The limit of no friction and no damping, with the kernels of drawn beds too.
+ELASTIC = Material(restitution=1.0 - 1e-12)
+LEAST = {"friction": Friction(1e-15, 1e-15, 1e-15), **APART}
+ROUGH = {"friction": SLIPPERY, **APART}
 
 
 def head_on(radii, speeds, gap=0.0, **properties):
@@ -139,15 +141,10 @@ def test_hertz_contact_time_and_overlap():
     assert_allclose(speed[-1], -speeds, rtol=1e-6)
 
 
-def errors(restitution, depth, friction):
+def errors(restitution, depth, properties):
     """Relative errors of speed and overlap within a contact, in ever smaller steps."""
-    scene, state = head_on(
-        [[1e-3, 1e-3]],
-        [1.0],
-        -depth,
-        material=Material(restitution=restitution),
-        friction=friction,
-    )
+    material = Material(restitution=restitution)
+    scene, state = head_on([[1e-3, 1e-3]], [1.0], -depth, material=material, **properties)
     law, mass = Law(scene, "granule"), 0.5 * scene.mass[0]
 
     def motion(t, y):
@@ -161,20 +158,20 @@ def errors(restitution, depth, friction):
 
 
 @pytest.mark.parametrize(
-    ("restitution", "depth", "order", "friction"),
+    ("restitution", "depth", "order", "properties"),
     [
-        (1.0, 0.0, 2.0, None),
-        (1.0, 3e-6, 2.0, None),
-        (0.5, 3e-6, 2.0, None),
-        (0.5, 0.0, 1.25, None),
-        (0.5, 3e-6, 2.0, SLIPPERY),
-        (0.5, 0.0, 1.25, SLIPPERY),
+        (1.0, 0.0, 2.0, {}),
+        (1.0, 3e-6, 2.0, {}),
+        (0.5, 3e-6, 2.0, {}),
+        (0.5, 0.0, 1.25, {}),
+        (0.5, 3e-6, 2.0, ROUGH),
+        (0.5, 0.0, 1.25, ROUGH),
     ],
 )
-def test_order_of_convergence(restitution, depth, order, friction):
+def test_order_of_convergence(restitution, depth, order, properties):
     """Second order in the time step, elastic and damped; an impact with a dashpot is of order 5/4,
     because its force begins like the fourth root of time. Where nothing can turn, the kernel is another."""
-    steps, wrong = errors(restitution, depth, friction)
+    steps, wrong = errors(restitution, depth, properties)
     for error in wrong:
         slope = -np.polyfit(np.log(steps), np.log(error), 1)[0]
         assert_allclose(slope, order, atol=0.12)
@@ -185,9 +182,7 @@ def test_restitution_is_as_asked_for_at_any_speed(restitution):
     """Rebound over approach is the coefficient asked for, whatever the speed and the masses."""
     radii = np.array([[1.0, 1.0], [1.0, 1.0], [1.0, 1.0], [0.5, 2.0]]) * 1e-3
     speeds = np.array([0.02, 0.3, 5.0, 1.0])
-    scene, state = head_on(
-        radii, speeds, material=Material(restitution=restitution), friction=SLIPPERY
-    )
+    scene, state = head_on(radii, speeds, material=Material(restitution=restitution), **ROUGH)
     after = simulate(scene, state, 1e-3, step_fraction=0.01).state
     assert_allclose(-approach(after.velocity) / speeds, restitution, rtol=3e-3)
 
@@ -197,7 +192,7 @@ def test_restitution_holds_at_the_default_time_step(restitution):
     """At the library's own step restitution is met to 4 % of itself, down to the least allowed."""
     material = Material(restitution=restitution)
     scene, state = head_on(
-        [[1e-3, 1e-3]] * 5, [1.0] * 5, np.arange(5) * 2e-8, material=material, friction=SLIPPERY
+        [[1e-3, 1e-3]] * 5, [1.0] * 5, np.arange(5) * 2e-8, material=material, **ROUGH
     )
     after = simulate(scene, state, 5e-3).state
     assert_allclose(-approach(after.velocity), restitution, rtol=0.04)
@@ -211,7 +206,7 @@ def test_a_collision_off_the_centre_returns_less_than_restitution(restitution):
     """
     a = 0.5e-3
     state = State([[0.0, 0.0], [2.0 * a, 2.0 * a]], [[0.5, 0.0], [-0.5, 0.0]], [0.5 * np.pi] * 2)
-    scene = Scene(Dumbbell([a, a]), Material(restitution=restitution), **HEAVY)
+    scene = Scene(Dumbbell([a, a]), Material(restitution=restitution), **HEAVY, **LEAST)
     after = simulate(scene, state, 1e-4, step_fraction=0.01).state
     speed = after.velocity[:, 0] - a * after.angular_velocity * [1.0, -1.0]
     alpha = damping_from_restitution(restitution) * np.sqrt(5.0 / 3.0)
@@ -223,13 +218,13 @@ def test_elastic_collisions_at_the_default_step_err_by_a_tenth_of_a_per_cent(par
     """The root mean square over many collisions, and the worst of them, as docs/scope.md says."""
     rng, n, radius = np.random.default_rng(1), 200, 0.5e-3
     gap, speed = rng.uniform(0.0, 1e-4, n), 10.0 ** rng.uniform(-1.0, 0.5, n)
-    material = Material(restitution=1.0)
     if partner == "disc":
-        thin = {"material": material, "thickness": 1e-3}
+        thin = {"material": Material(restitution=1.0), "thickness": 1e-3}
         scene, state = head_on(np.full((n, 2), radius), 2.0 * speed, gap, **thin)
     else:
         x, y = -radius - gap, 4.0 * radius * np.arange(n)
-        scene = Scene(Disc(np.full(n, radius)), material, walls=[[1.0, 0.0, 0.0]])
+        walls = {"walls": [[1.0, 0.0, 0.0], *APART["walls"][1:]]}
+        scene = Scene(Disc(np.full(n, radius)), ELASTIC, **LEAST | walls)
         state = State(np.column_stack([x, y]), np.column_stack([speed, np.zeros(n)]))
     after = simulate(scene, state, 6e-3).state
     assert (after.velocity[:, 0] * state.velocity[:, 0] < 0.0).all()
@@ -260,7 +255,8 @@ def test_oblique_impact_in_gross_sliding(partner, sign):
         state = State([[5.0, radius]], [[vt, -vn]])
     else:
         radius = 1e-3
-        scene, state = head_on([[radius, radius]], [2.0 * vn], thickness=1e-3, **properties)
+        properties |= APART | {"thickness": 1e-3}
+        scene, state = head_on([[radius, radius]], [2.0 * vn], **properties)
         state.velocity[:, 1] = -vt, vt  # the left disc slides along its right side
     after = simulate(scene, state, 5e-4, step_fraction=0.01).state
     tangential = after.velocity[0, 0] if partner == "floor" else -after.velocity[0, 1]
@@ -301,7 +297,7 @@ def test_momentum_and_angular_momentum_are_conserved(kind):
     grid = pitch * np.stack(np.meshgrid(np.arange(6.0), np.arange(6.0)), -1).reshape(-1, 2)
     velocity = rng.normal(size=(n, 2)) - 200.0 * (grid - grid.mean(axis=0))
     state = State(grid, velocity, rng.uniform(0.0, 7.0, n), rng.normal(scale=500.0, size=n))
-    scene = Scene(SHAPES[kind](sizes(n)), friction=SLIPPERY, **HEAVY, **AROUND[kind])
+    scene = Scene(SHAPES[kind](sizes(n)), **HEAVY, **ROUGH)
     after = simulate(scene, state, 8e-3, time_step=8e-3 / 2**16).state
     m = scene.mass[:, None]
 
@@ -318,7 +314,7 @@ def test_momentum_and_angular_momentum_are_conserved(kind):
 
 @pytest.mark.parametrize(
     ("kind", "restitution"),
-    [("disc", 1.0), ("disc", 0.9), ("dumbbell", 0.9), ("ellipse", 0.9)],
+    [("disc", ELASTIC.restitution), ("disc", 0.9), ("dumbbell", 0.9), ("ellipse", 0.9)],
 )
 def test_oblique_impact_makes_no_energy(kind, restitution):
     """Random frictional impacts, most of them grazing, never gain kinetic energy."""
@@ -327,36 +323,35 @@ def test_oblique_impact_makes_no_energy(kind, restitution):
         1,
         1000.0,
         material=Material(restitution=restitution),
-        friction=SLIPPERY,
-        **AROUND[kind],
+        **ROUGH,
     )
     gain = gains(scene, state, 0.05)
     assert gain.max() < 1e-5
     assert gain.min() < -0.3  # some do lose much
 
 
-def bounces(method):
-    """Frictionless bounces of ellipses of many aspect ratios."""
+def bounces(method, friction):
+    """Elastic bounces of ellipses of many aspect ratios."""
     r = sizes(400)
     root = np.sqrt(np.resize([1.125, 1.25, 1.375, 2.0], r.size))
     shape = Ellipse(r * root, r / root, method)
-    return gains(*volley(shape, 2, 300.0, material=Material(restitution=1.0)), 0.0125)
+    return gains(*volley(shape, 2, 300.0, material=ELASTIC, friction=friction, **APART), 0.0125)
 
 
 def test_elastic_bounces_of_ellipses_conserve_energy():
     """A frictionless elastic bounce of ellipses by their common normal conserves energy."""
-    assert np.abs(bounces(CommonNormal())).max() < 1e-6
+    assert np.abs(bounces(CommonNormal(), LEAST["friction"])).max() < 1e-6
 
 
 def test_the_contact_normal_of_the_paper_does_not_conserve_energy():
     """The paper's contact normal, the chord of the two deepest points, does not conserve energy."""
-    gain = bounces(GeometricPotential())
+    gain = bounces(GeometricPotential(), None)
     assert gain.max() > 0.1 and np.sqrt(np.mean(gain**2)) > 0.01
 
 
 def test_newtons_third_law():
     """The forces on two granules that touch are opposite, whatever their order."""
-    scene, state = volley(Ellipse(1.4 * sizes(2), sizes(2)), 5, 300.0, friction=SLIPPERY, **APART)
+    scene, state = volley(Ellipse(1.4 * sizes(2), sizes(2)), 5, 300.0, **ROUGH)
     state.position[1] = state.position[0] + 0.8 * (state.position[1] - state.position[0])
     force = Simulation(scene, state).world.force
     assert np.abs(force[0, :2]).max() > 0.0

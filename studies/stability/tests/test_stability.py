@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from test_collision import APART
 
 import dem
 from dem.dynamics.checkpoint import writable
@@ -88,9 +89,7 @@ def test_momenta_of_a_known_motion(small_bed):
     state = dem.State(
         [[1e-2, 0.0], [-1e-2, 0.0]], [[0.0, 3.0], [0.0, -3.0]], angular_velocity=[5.0, 5.0]
     )
-    run = dem.Simulation(
-        replace(small_bed("disc").scene(walls=None, cylinder=None), shape=shape), state
-    )
+    run = dem.Simulation(replace(small_bed("disc").scene(**APART), shape=shape), state)
     mass = run.scene.mass[0]
     momentum, turning, sizes = momenta(run)
     assert np.abs(momentum).max() < 1e-15 * sizes[0]
