@@ -507,7 +507,7 @@ def test_a_run_with_all_motions_goes_on_from_a_checkpoint_with_the_same_bits(sma
     for a, b in zip(vars(whole.state).values(), vars(second.state).values(), strict=True):
         assert_array_equal(a, b)
     assert np.ptp(one.wall_offset, axis=0)[[LEFT, TOP]].min() > 0.0
-    for changes in ({"wall_motion": [STILL] * 4}, {"held": made.held[:1]}):
+    for changes in ({"wall_motion": [STILL] * 4}, {"held": made.held[1:]}):
         with pytest.raises(dem.InputError, match="another scene"):
             dem.Simulation(replace(made, **changes), start).restore(whole.checkpoint())
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from test_collision import APART, ELASTIC, LEAST
+from test_motion import ANCHOR
 
 import dem
 from dem.contacts.force_law import mean_overlap_quarter
@@ -262,7 +263,8 @@ def test_impulses_are_the_change_of_momentum(bed):
     """Of walls, cylinder and held groups, to rounding, wherever in a step a run ends and whatever its steps."""
     scene, state = bed
     far = np.argsort(np.hypot(*(state.position - scene.cylinder.position).T))[-8:]
-    held = [dem.Held(np.sort(far[:4]), (1.0, 0.0)), dem.Held(np.sort(far[4:]), (0.0, -1.0))]
+    held = [dem.Held(np.sort(far[:4]), (1.0, 0.0)), dem.Held(np.sort(far[4:7]), (0.0, -1.0))]
+    held.append(dem.Held(far[7:], ANCHOR))
     scene = replace(scene, held=held, gravity=(0.0, 0.0))
     run = dem.Simulation(scene, state)
     free, normal = np.where(scene.is_held, 0.0, scene.mass)[:, None], scene.walls[:, :2]

@@ -64,23 +64,10 @@ def combined(work, folder):
     return path
 
 
-def simulate(output, checkpoint):
+def simulate(output, *options):
     """A command line that runs one replicate."""
-    return [
-        "simulate",
-        "--config",
-        str(CONFIG / "smoke.yaml"),
-        "--shape",
-        "c1",
-        "--density",
-        "3900",
-        "--seed",
-        "1",
-        "-o",
-        str(output),
-        "--checkpoint",
-        str(checkpoint),
-    ]
+    words = f"simulate --config {CONFIG}/smoke.yaml --shape c1 --density 3900 --seed 1"
+    return [*words.split(), "-o", str(output), *map(str, options)]
 
 
 class Killed(BaseException):
@@ -128,7 +115,7 @@ def test_a_checkpoint_is_there_until_the_result_is(tmp_path, monkeypatch, writes
     checkpoint, output = tmp_path / "run.npz", tmp_path / "run.nc"
     if not writes:
         monkeypatch.setattr(making, "write_one", write)
-    result = CliRunner().invoke(app, simulate(output, checkpoint))
+    result = CliRunner().invoke(app, simulate(output, "--checkpoint", checkpoint))
     assert result.exit_code == (0 if writes else 1)
     assert (output.exists(), checkpoint.exists()) == (writes, not writes)
 
@@ -205,7 +192,7 @@ def test_the_command_deletes_no_file_that_it_did_not_write(tmp_path, fault):
     checkpoint, output = tmp_path / "run.npz", tmp_path / "run.nc"
     FOREIGN[fault](checkpoint)
     before = checkpoint.read_bytes()
-    result = CliRunner().invoke(app, simulate(output, checkpoint))
+    result = CliRunner().invoke(app, simulate(output, "--checkpoint", checkpoint))
     assert result.exit_code == 2 and "it is no checkpoint" in result.stderr, result.output
     assert checkpoint.read_bytes() == before and not output.exists()
 
