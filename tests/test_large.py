@@ -97,22 +97,6 @@ def test_several_threads_scan_a_bed_as_one_does(small_bed, kind):
             assert diagnose_together(pool, run._world, run._table, 0.0, (0.0, 0.0)) == alone
 
 
-def test_a_large_bed_goes_on_from_a_checkpoint_with_the_same_bits():
-    """Chunks, and their forces, are restored too; a bed in another order of memory is refused."""
-    scene, state = swarm()
-    whole, second = dem.Simulation(scene, state), dem.Simulation(scene, state)
-    whole.record(4e-5, 1)
-    second.restore(whole.checkpoint())
-    for run in (whole, second):
-        run.record(4e-5, 1)
-    assert np.abs(whole.state.position - state.position).max() > 0.1 * PITCH
-    for a, b in zip(vars(whole.state).values(), vars(second.state).values(), strict=True):
-        assert_array_equal(a, b)
-    other = replace(scene, material=dem.Material(2500.0, 2e9, 0.3, 0.7))
-    with pytest.raises(dem.InputError, match="another scene"):
-        dem.Simulation(other, state).restore(whole.checkpoint())
-
-
 def test_contacts_of_a_large_bed_name_the_granules_of_the_input():
     """Every touching pair, found by brute force among all, and no other."""
     scene, state = swarm()

@@ -441,17 +441,24 @@ def bits(run, record):
     return {**run.checkpoint(), **record._asdict()}
 
 
-@pytest.mark.parametrize("bed", [*KINDS, "a crowd", "a crowd of two threads", "smooth"])
+BEDS = [*KINDS, "a crowd", "a crowd of two threads", "smooth"]
+
+
+def moving(small_bed, bed):
+    """Scene, state, threads and a time (s) of a bed by its name."""
+    if "crowd" in bed:
+        return *crowd(), 1 + (bed != "a crowd"), 1e-5
+    small = small_bed("disc" if bed == "smooth" else bed)
+    smooth = {"friction": None} if bed == "smooth" else {}
+    return small.scene(**smooth), small.state, 1, 3e-5
+
+
+@pytest.mark.parametrize("bed", BEDS)
 def test_bits_do_not_depend_on_how_often_the_kernel_returns(small_bed, monkeypatch, bed):
     """After every step, after every seventh, or never: also with motions, threads and a ledger."""
     monkeypatch.setattr(simulation, "BRIEF", 0.0)
     monkeypatch.setattr(simulation, "LONG", math.inf)
-    if "crowd" in bed:
-        scene, state, threads, duration = *crowd(), 1 + (bed != "a crowd"), 1e-5
-    else:
-        small = small_bed("disc" if bed == "smooth" else bed)
-        scene, state, threads, duration = small.scene(), small.state, 1, 3e-5
-        scene = replace(scene, friction=None) if bed == "smooth" else scene
+    scene, state, threads, duration = moving(small_bed, bed)
     found = []
     for budget in (2**60, 1, 7):
         run = dem.Simulation(scene, state, threads=threads)
@@ -460,6 +467,26 @@ def test_bits_do_not_depend_on_how_often_the_kernel_returns(small_bed, monkeypat
     for other in found[1:]:
         for name, values in found[0].items():
             assert_array_equal(other[name], values, name)
+
+
+@pytest.mark.parametrize("bed", BEDS)
+def test_a_simulation_goes_on_from_a_checkpoint_on_disk_with_the_same_bits(
+    small_bed, tmp_path, bed
+):
+    """Loaded into another one, which lists other pairs."""
+    scene, state, threads, duration = moving(small_bed, bed)
+    whole, second = (dem.Simulation(scene, state, threads=threads) for _ in range(2))
+    whole.advance(13 * duration)
+    if "crowd" not in bed:
+        partners = (run.world.pairs.partner for run in (whole, second))
+        assert not np.array_equal(*partners)
+    np.savez(tmp_path / "saved.npz", **whole.checkpoint())
+    with np.load(tmp_path / "saved.npz") as saved:
+        second.restore(saved)
+    one, other = (bits(run, run.record(duration / 6, 4)) for run in (whole, second))
+    for name, values in one.items():
+        assert_array_equal(other[name], values, name)
+    assert np.abs(whole.state.position - state.position).max() > 1e-6
 
 
 class Alarm:

@@ -183,7 +183,8 @@ def test_what_is_asked_for_is_made_again_with_the_same_bits(finished, tmp_path):
     shutil.copytree(finished, folder, symlinks=True)
     results, kernel = folder / "results/smoke", folder / "dem/contacts/loops.py"
     batch, *others = SweepState.of(folder / SMOKE, folder).files("drag")
-    before, there = contents(batch), stamps(others)
+    combined, there = [results / f"{name}.nc" for name in ("drag", "snapshots")], stamps(others)
+    before = [contents(path) for path in (batch, *combined)]
     (tmp_path / "dem").mkdir()
     (tmp_path / "dem/__init__.py").write_text("raise SystemExit('another dem')")
     words = "-j1", "-f", str(batch.relative_to(folder)), "--configfile", SMOKE
@@ -195,9 +196,12 @@ def test_what_is_asked_for_is_made_again_with_the_same_bits(finished, tmp_path):
         env=os.environ | {"PATH": "/usr/bin:/bin", "PYTHONPATH": str(tmp_path)},
     )
     assert run.returncode == 0, run.stdout + run.stderr
-    assert there == stamps(others)
-    assert differing(contents(batch), before) == []
-    assert planned(folder, "results/smoke/drag.nc", "-R", "combine") == {"combine": 1}
+    targets = [str(path.relative_to(folder)) for path in combined]
+    assert planned(folder, *targets) == {"combine": 2}
+    run = snakemake(folder, "-j1", *targets)
+    assert run.returncode == 0 and there == stamps(others), run.stderr
+    for path, values in zip((batch, *combined), before, strict=True):
+        assert differing(contents(path), values) == []
     stamp, text = kernel.stat(), kernel.read_text()
     kernel.write_text(text + "\nEDITED = True\n")
     made, drawn = stamps(results.rglob("*.nc")), stamps((results / "figures").iterdir())
