@@ -15,4 +15,4 @@ def test_bad_input_ends_in_a_sentence_and_loses_nothing(good, kind):  # noqa: F8
 class TestSweeps(Sweeps.TestCase):
     """Two sweeps that share a store, planned, made, stopped, extended, pruned and damaged in any order."""
 
-    settings = settings(settings.get_profile("suite"), max_examples=5, stateful_step_count=20)
+    settings = settings(settings.get_profile("suite"), max_examples=3, stateful_step_count=20)

@@ -10,7 +10,7 @@ from studies.benchmark.scenes import make_case
 from studies.common.peers import lammps
 
 pytestmark = pytest.mark.skipif(lammps.available() is not None, reason=str(lammps.available()))
-ELASTIC = dem.Material(restitution=1.0 - 1e-15)  # with the kernel of beds without friction
+ELASTIC = dem.Material(restitution=1.0)
 
 
 def rms(values):
