@@ -232,8 +232,8 @@ def smallest(tmp_path_factory):
 
 
 def test_the_smallest_form_is_shown_and_drawn(smallest):
-    state, _ = smallest
-    assert_shown_and_drawn("claims", state.root / "claims.nc")
+    _, dataset = smallest
+    assert_shown_and_drawn("claims", Path(dataset.encoding["source"]))
 
 
 def test_every_run_of_the_study_is_a_row(smallest):
