@@ -25,7 +25,7 @@ def contents(path: Path, without=CLOCKS) -> dict:
     """All values of a netCDF file but times of processors."""
     with netCDF4.Dataset(path) as file:
         file.set_auto_mask(False)
-        return {n: v[...] for n, v in file.variables.items() if n not in without}
+        return {n: np.array(v[...]) for n, v in file.variables.items() if n not in without}
 
 
 def differing(one: dict, other: dict) -> list[str]:
