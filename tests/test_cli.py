@@ -3,6 +3,7 @@
 import importlib.metadata
 import os
 import re
+import shlex
 import shutil
 import signal
 import subprocess
@@ -26,17 +27,7 @@ from dem.figures import film
 from dem.sweep.listing import is_written
 
 ROOT = Path(__file__).parent.parent
-RUN = [
-    "simulate",
-    "--config",
-    "config/smoke.yaml",
-    "--shape",
-    "c1",
-    "--density",
-    "3900",
-    "--seed",
-    "1",
-]
+RUN = shlex.split("simulate --config config/smoke.yaml --shape c1 --density 3900 --seed 1")
 
 
 def dem(*arguments):

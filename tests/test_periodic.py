@@ -43,12 +43,11 @@ def packed(periodic="xy", cylinder=CYLINDER):
 
 
 def crowd(kind):
-    """Granules on a grid that press on each other across the sides, shaken, around a cylinder; discs
-    in a box that repeats itself along x and y, dumbbells in one that is open along x."""
+    """Granules on a grid that press on each other across the sides, shaken, around a cylinder, in a box
+    that repeats itself along x and y."""
     rng, side = np.random.default_rng(1), 7
     place = PITCH * np.stack(np.meshgrid(*2 * [np.arange(side)]), -1).reshape(-1, 2)
-    period = np.full(2, side * PITCH)
-    periodic = tuple(period) if kind == "disc" else (None, period[1])
+    periodic = 2 * (side * PITCH,)
     away = np.hypot(*least_image(place - CYLINDER.position, periodic).T)
     place = place[away > 0.5 * CYLINDER.diameter + 0.4 * PITCH]
     n = len(place)

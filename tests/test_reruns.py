@@ -59,7 +59,6 @@ HARMLESS = {
     ),
 }
 EDITS = {
-    "the style of figures": ("dem/figures/style.py", LINE, {"figure"}),
     "one figure": ("dem/figures/figure13.py", LINE, {"figure"}),
     "sentences of the claims": ("studies/claims/sentences.py", LINE, {"table", "figure"}),
     "a kernel": ("dem/contacts/loops.py", LINE, RUNS | RESULTS),

@@ -61,7 +61,8 @@ class StateError(RunError):
     Examples
     --------
     >>> import dem
-    >>> scene = dem.Scene(dem.Disc([1e-3]), walls=dem.box(width=1e-2, height=1e-2))
+    >>> box = dem.box(width=1e-2, height=1e-2)
+    >>> scene = dem.Scene(dem.Disc([1e-3]), friction=dem.Friction(), walls=box, gravity=(0, -9.81))
     >>> dem.simulate(scene, dem.State([[-2e-3, 5e-3]]), duration=1e-5)
     Traceback (most recent call last):
     ...

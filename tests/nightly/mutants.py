@@ -6,6 +6,7 @@ kind of scene; so the test that is most likely to fail is asked first, and all o
 """
 
 import os
+import shlex
 import shutil
 import subprocess
 import sys
@@ -16,18 +17,8 @@ from typing import NamedTuple
 from dem.base.sources import cache_folder
 
 PROJECT = Path(__file__).parents[2]
-COPIED = (
-    "dem",
-    "tests",
-    "conftest.py",
-    "studies",
-    "config",
-    "rules",
-    "docs",
-    "profiles",
-    "pyproject.toml",
-    "Snakefile",
-    "README.md",
+COPIED = shlex.split(
+    "dem tests conftest.py studies config rules docs profiles pyproject.toml Snakefile README.md"
 )
 LONGEST = 600.0  # s of the processor, for one mutant
 TWIN = "tests/test_twin.py::test_a_run_is_that_of_the_model[{}]"
@@ -71,7 +62,7 @@ MUTANTS = (
     Mutant("contacts/response.py", "order", "    force = capped(force, limit)\n", "", BOX),
     Mutant("contacts/blocks.py", "sign", "gx, gy, -torque, 0.0)", "gx, gy, torque, 0.0)", BOX),
     Mutant("contacts/blocks.py", "index", "+= rows[j + FIVE]", "+= rows[j + SIX]", SMOOTH),
-    Mutant("contacts/blocks.py", "sign", "motion[at] += shift[p]", "motion[at] -= shift[p]", SMOOTH),
+    Mutant("contacts/blocks.py", "sign", "motion[at] += shift[p]", "motion[at] -= shift[p]", DUMBBELLS),
     Mutant("contacts/loops.py", "not summed", "loads[b, 0] += normal", "loads[b, 0] = normal", BOX),
     Mutant("contacts/loops.py", "missing term", "on[b, FX] += shares[0] + shares[2]", "on[b, FX] += shares[0]", DISCS),
     # motion
@@ -186,19 +177,8 @@ def made(mutant: Mutant, folder: Path) -> Path:
 
 def asked(copy: Path, *words: str) -> str | None:
     """The first test that fails in a copy of the project, as pytest names it; None if none does."""
-    command = [
-        sys.executable,
-        "-m",
-        "pytest",
-        "-x",
-        "-n0",
-        "-p",
-        "no:cacheprovider",
-        "--hypothesis-profile=mutants",
-        "-m",
-        "quick",
-        *words,
-    ]
+    options = "-x -n0 -p no:cacheprovider --hypothesis-profile=mutants -m quick"
+    command = [sys.executable, "-m", "pytest", *options.split(), *words]
     environment = os.environ | {"NUMBA_CACHE_DIR": str(copy / ".numba"), "PYTHONPATH": str(copy)}
     ran = subprocess.Popen(
         command, cwd=copy, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,

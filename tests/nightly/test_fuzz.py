@@ -390,9 +390,10 @@ KINDS = (
 )
 
 
-@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)
-def test_bad_input_ends_in_a_sentence_and_loses_nothing(good, kind):
-    @settings(settings.get_profile("night"), max_examples=500)
+def spoil(good, kind, chosen):
+    """Spoil input of a kind in copies of a folder, as often as settings of hypothesis say."""
+
+    @chosen
     @given(st.integers(0, 2**32))
     def one(seed):
         with tempfile.TemporaryDirectory() as name:
@@ -404,3 +405,8 @@ def test_bad_input_ends_in_a_sentence_and_loses_nothing(good, kind):
                     check_sentences(str(error))
 
     one()
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)
+def test_bad_input_ends_in_a_sentence_and_loses_nothing(good, kind):
+    spoil(good, kind, settings(settings.get_profile("night"), max_examples=500))
