@@ -9,8 +9,9 @@ import subprocess
 import sys
 from pathlib import Path
 
-from findings import FILES, ROOT
+from findings import FILES
 
+from dem.base.sources import ROOT
 from dem.figures.catalogue import draw, drawable_from
 from dem.io.lazily import open_lazily
 from studies import catalogue

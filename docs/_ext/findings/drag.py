@@ -2,15 +2,18 @@
 
 import json
 from functools import cached_property
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from rich.console import Console
 from rich.table import Table
 
 from dem.analysis.statistics import change, summarise
-from dem.analysis.tables import numbers
+from dem.analysis.tables import TextTable, numbers
 from dem.base.intervals import Estimate, ratio_interval
+from dem.report.info import drag_table
 from studies.common.findings import Findings, estimate, interval, span
 
 __all__ = ["drag", "flow", "precise", "snapshots"]
@@ -42,6 +45,12 @@ class Drag(Findings):
     def _mean(self, case: str) -> tuple[float, float]:
         one = self.summary.sel(case=case)
         return float(one["mean"]), float(one["half_interval"])
+
+    def printed(self, rows: int) -> str:
+        """The first rows of the table that `dem info` prints."""
+        console = Console(width=160, file=StringIO())
+        console.print(TextTable(drag_table(self.dataset).iloc[:rows]))
+        return "\n".join(line.rstrip() for line in console.file.getvalue().splitlines())
 
     def cases(self) -> Table:
         """One row per shape: mean drag, the paper's value, mean drag at ten times the density."""

@@ -52,7 +52,8 @@ def ratios(precise, claims, preparation, pressure) -> Table:
 
 
 def _link(page: str) -> str:
-    return f"[{page}]({page}.md)"
+    place = f"{page}.md" if page == "drag" else f"../../studies/{page}/README.md"
+    return f"[{page}]({place})"
 
 
 def _name(file) -> str:
