@@ -152,7 +152,7 @@ def ratio(runs, measure, one, other, low=0.0, high=INFINITE, **how) -> list[Comp
     a, b = values(runs, measure, one), values(runs, measure, other)
     if a is None or b is None:
         return []
-    return [Comparison(f"{measure.replace('_', ' ')}, {one} over {other}", a, b, low, high, **how)]
+    return [Comparison(f"{measure.replace('_', ' ')}, {one} / {other}", a, b, low, high, **how)]
 
 
 def shapes(found: Evidence, measure, one: str, *others: str, low=0.0, high=INFINITE, **how):
@@ -263,7 +263,7 @@ def means_and_scatter_as_reported(found):
     (e_mean, e_scatter), (c_mean, c_scatter) = drawn
     count, (e0, c1) = PAPERS_RUNS, cases
     return [
-        Prediction(f"five runs: drag, {e0} over {c1}", e_mean / c_mean, count, 1.0845, 1.0855),
+        Prediction(f"five runs: drag, {e0} / {c1}", e_mean / c_mean, count, 1.0845, 1.0855),
         Prediction(f"five runs: scatter of {e0}", e_scatter, count, 0.165, 0.175),
         Prediction(f"five runs: scatter of {c1}", c_scatter, count, 0.175, 0.185),
     ]
@@ -318,7 +318,7 @@ def velocity_hardly_matters(found):
     allowed = near(found.margin)
     parts = (ratio(found.velocity, "drag", x, 1.0, **allowed, paired=True) for x in speeds)
     return [
-        each._replace(words=f"drag, {x:g} times the velocity over 1")
+        each._replace(words=f"drag at {x:g} times the velocity, relative to 1")
         for x, each in zip(speeds, all_of(*parts), strict=False)
     ]
 
