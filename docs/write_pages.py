@@ -22,6 +22,7 @@ ROOT = Path(__file__).parent.parent
 sys.path[:0] = [str(ROOT), str(ROOT / "docs/_ext")]
 import picture  # noqa: E402
 from findings import FILES, fill  # noqa: E402
+from gallery import OF_MEANS  # noqa: E402
 
 from dem.base.files import atomic  # noqa: E402
 from dem.base.sources import _read  # noqa: E402
@@ -32,7 +33,6 @@ FOLDERS = "*.md.in", "docs/**/*.md.in", "studies/**/*.md.in"
 TEMPLATES = sorted(path for each in FOLDERS for path in ROOT.glob(each))
 FRONT_MATTER = re.compile(r"\A---\n.*?\n---\n+", re.S)  # for tests/test_pages.py
 SHOWN = re.compile(r"!\[[^\]]*\]\(([^)\s]*images/(\w+)\.png)\)")
-OF_MEANS = {"figure13": "precise", "figure14": "precise"}  # which has more beds than drag.nc
 NOTE = "<!-- Written by docs/write_pages.py: edit {}. -->\n\n"
 WIDTH, COLORS, LARGEST = 1100, 96, 120_000  # of a picture: pixels, colours, bytes
 
@@ -64,7 +64,9 @@ def sources_of(name: str) -> tuple[Path, ...]:
         return Path(picture.__file__), *(released[each] for each in picture.FILES)
     figure = figures()[name]
     module = Path(find_spec(figure.module).origin)
-    return module, released[OF_MEANS.get(name) or (name if name in released else figure.file)]
+    return module, released[
+        "precise" if name in OF_MEANS else name if name in released else figure.file
+    ]
 
 
 def origin_of(name: str) -> str:

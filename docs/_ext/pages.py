@@ -26,6 +26,7 @@ BAR = """
 
 Drag <drag>
 Claims <../_generated/studies/claims>
+Elongated granules <elongated>
 Preparation <../_generated/studies/preparation>
 Velocity <../_generated/studies/velocity>
 Pressure <../_generated/studies/pressure>
