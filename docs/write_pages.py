@@ -25,7 +25,7 @@ from findings import FILES, fill  # noqa: E402
 from gallery import OF_MEANS  # noqa: E402
 
 from dem.base.files import atomic  # noqa: E402
-from dem.base.sources import _read  # noqa: E402
+from dem.base.sources import codes  # noqa: E402
 from dem.figures.catalogue import draw  # noqa: E402
 from studies.catalogue import figures  # noqa: E402
 
@@ -72,7 +72,7 @@ def sources_of(name: str) -> tuple[Path, ...]:
 def origin_of(name: str) -> str:
     """A hash of what a picture is drawn from; comments do not count."""
     module, *files = sources_of(name)
-    found = hashlib.sha256(_read(module).code.encode())
+    found = hashlib.sha256(str(codes([module])).encode())
     for path in files:
         found.update(path.read_bytes())
     return found.hexdigest()[:16]

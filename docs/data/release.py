@@ -2,11 +2,10 @@
 
     python docs/data/release.py results
 
-Those of a study go into its folder. Each file names the command and the revision that made it, and holds a hash of every module of the
-package that decides how granules move (`kernels`). tests/test_pages.py compares them with today's.
+Those of a study go into its folder. Each file names the command and the revision that made it, and holds a hash of the code that
+decides how granules move (`kernels`). tests/test_pages.py compares it with today's.
 """
 
-import json
 import subprocess
 import sys
 import tarfile
@@ -25,7 +24,7 @@ HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE.parent.parent), str(HERE.parent / "_ext")]
 from findings import FILES  # noqa: E402
 
-from docs.data.kernels import kernels  # noqa: E402
+from docs.data.kernels import digest  # noqa: E402
 
 LEFT_OUT = {  # on no page, in no figure
     "drag": ("wall_force", "transverse_force", "kinetic_energy"),
@@ -82,7 +81,7 @@ def release(results: Path) -> None:
         with xr.open_dataset(source) as dataset:
             kept = dataset.drop_vars(LEFT_OUT.get(each.name, ()), errors="ignore").load()
         kept.attrs["made_with"] = each.command
-        kept.attrs["kernels"] = json.dumps(kernels_at(kept.attrs["git_revision"]))
+        kept.attrs["kernels"] = digest_at(kept.attrs["git_revision"])
         for name in ROUNDED:
             if name in kept:
                 kept[name] = kept[name].astype("float32")
@@ -97,17 +96,17 @@ def release(results: Path) -> None:
         print(f"{each.path}: {each.path.stat().st_size / 1e6:.2f} MB")
 
 
-def kernels_at(revision: str) -> dict[str, str]:
-    """The same of a revision; if it is several ("a; b"), they must agree."""
-    found = [_kernels_at(each.strip()) for each in revision.split(";")]
-    if any(each != found[0] for each in found):
+def digest_at(revision: str) -> str:
+    """The hash of a revision; if it is several ("a; b"), they must agree."""
+    found = [_digest_at(each.strip()) for each in revision.split(";")]
+    if len(set(found)) > 1:
         raise ValueError(
             f"The kernels differ between the revisions {revision}; run all of it again."
         )
     return found[0]
 
 
-def _kernels_at(revision: str) -> dict[str, str]:
+def _digest_at(revision: str) -> str:
     if not revision.isalnum():
         raise ValueError(f"git_revision is {revision}: edited files made it; commit and run again.")
     command = ["git", "archive", revision, "dem"]
@@ -115,7 +114,7 @@ def _kernels_at(revision: str) -> dict[str, str]:
     with TemporaryDirectory() as folder:
         with tarfile.open(fileobj=BytesIO(archive)) as tar:
             tar.extractall(folder, filter="data")
-        return kernels(Path(folder) / "dem")
+        return digest(Path(folder) / "dem")
 
 
 if __name__ == "__main__":
