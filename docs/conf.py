@@ -1,8 +1,9 @@
 """Sphinx configuration: `make docs` builds docs/_build/html, without a network, warnings as errors.
 
 Sphinx with myst-nb and numpydoc is what NumPy, SciPy and xarray use: the reference comes from the
-docstrings, tutorials are notebooks that run in the build, and pages are Markdown. The builder
-`linkcheck` of Sphinx looks at links to other sites; it needs a network.
+docstrings, tutorials are notebooks that run in the build, and pages are Markdown, with the numbers
+that docs/write_pages.py has written. The builder `linkcheck` of Sphinx looks at links to other
+sites; it needs a network.
 """
 
 import sys
@@ -28,9 +29,9 @@ extensions = [
     "sphinx_copybutton",
     "sphinx_design",
     "sphinxcontrib.video",
-    "pages",  # docs/_ext: fills in numbers, draws the gallery, sets mathematics
+    "pages",  # docs/_ext: pages of studies, gallery, reference, mathematics
 ]
-exclude_patterns = ["_build", "_ext", "data", "readme.md"]
+exclude_patterns = ["_build", "_ext", "data"]
 templates_path = ["_templates"]
 
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath", "fieldlist"]
@@ -59,6 +60,7 @@ html_theme_options = {
     "show_prev_next": True,
     "secondary_sidebar_items": ["page-toc"],
     "navbar_align": "left",
+    "header_links_before_dropdown": 8,
     "show_nav_level": 1,
     "footer_start": ["copyright"],
     "footer_end": ["sphinx-version"],

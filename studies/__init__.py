@@ -1,6 +1,7 @@
 """Questions with runs of their own, each a folder with all that is about it.
 
-page.md       what came out, a page of the documentation
+README.md     what came out, a page of the documentation; written from README.md.in with the
+              numbers of NAME.nc and the pictures in images/ (docs/write_pages.py)
 sweep.yaml    the runs; smoke.yaml: the smallest ones that show that it works
 results.py    the file of results NAME.nc and what makes it, where the sweep alone does not;
               see studies/common/results.py

@@ -12,7 +12,6 @@ import textwrap
 import pytest
 import xarray as xr
 import yaml
-from PIL import Image
 
 from conftest import needs_study, posix
 from dem.base.sources import ROOT
@@ -20,8 +19,10 @@ from docs.data.kernels import digest
 
 DOCS = ROOT / "docs"
 BUILT = "_build", "_generated", "jupyter_execute", "data"
+# as they are read, and as they are written: the template of a page instead of the page
 PAGES = sorted(path for path in DOCS.rglob("*.md") if path.relative_to(DOCS).parts[0] not in BUILT)
-PAGES += sorted(ROOT.glob("studies/*/page.md"))
+PAGES += [ROOT / "README.md", *sorted(ROOT.glob("studies/*/README.md"))]
+WRITTEN = [path if not (by := path.with_suffix(".md.in")).exists() else by for path in PAGES]
 FRONT_MATTER = re.compile(r"\A---\n(.*?)\n---\n", re.S)
 NO_PROSE = re.compile(
     r"^(?P<fence>`{3,}|~{3,})(?!\{(?!code)).*?^(?P=fence)[`~]*\s*$"  # code; {note} and the like are prose
@@ -47,16 +48,16 @@ def load(path):
 
 
 release = load(DOCS / "data/release.py")
+write = load(DOCS / "write_pages.py")
 findings = sys.modules["findings"]
 # pages quote the findings of all studies
-whole = needs_study(*findings.PAGES)
+whole = needs_study(*(path.parent.name for path in write.TEMPLATES if "studies" in path.parts))
 RELEASED = [each for each in findings.FILES if each.path.is_file()]
 MEASURED = [each for each in findings.MEASURED if each.path.is_file()]
-# Numbers and pictures that no command copies: each has one hash of the kernels, or one for each entry.
+# Numbers that no command copies: each has one hash of the kernels, or one for each entry.
 KERNELS = {
     ".yaml": lambda path: yaml.safe_load(path.read_text(encoding="utf-8")).get("kernels"),
     ".json": lambda path: json.loads(path.read_text(encoding="utf-8")).get("kernels"),
-    ".png": lambda path: Image.open(path).info.get("kernels"),
 }
 NO_NUMBERS = (
     {"sweep", "extends", "cases"},
@@ -76,9 +77,9 @@ def results_typed(text):
     return RESULT.findall(prose), vain
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.relative_to(ROOT).as_posix())
+@pytest.mark.parametrize("page", WRITTEN, ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_no_page_types_a_result(page):
-    """Take the number from docs/_ext/findings.py, or list it as `given` if no run made it."""
+    """Take the number from docs/_ext/findings, or list it as `given` if no run made it."""
     assert results_typed(page.read_text(encoding="utf-8")) == ([], [])
 
 
@@ -127,8 +128,8 @@ def test_a_released_file_names_what_made_it(file):
 
 
 def by_hand():
-    """The files of numbers and pictures beside the pages and in the studies that release.py does not copy."""
-    for path in sorted((*DOCS.glob("data/*"), *DOCS.glob("images/*"), *ROOT.glob("studies/*/*"))):
+    """The files of numbers beside the pages and in the studies that release.py does not copy."""
+    for path in sorted((*DOCS.glob("data/*"), *ROOT.glob("studies/*/*"))):
         if path.suffix in KERNELS and path.name not in NO_NUMBERS[1]:
             text = path.read_text(encoding="utf-8") if path.suffix == ".yaml" else "{}"
             if not NO_NUMBERS[0] & set(yaml.safe_load(text)):
@@ -146,7 +147,7 @@ def holds(name, *hashes):
 
 
 @pytest.mark.parametrize("path", list(by_hand()), ids=lambda path: path.name)
-def test_numbers_and_pictures_are_of_todays_kernels(path):
+def test_numbers_written_by_hand_are_of_todays_kernels(path):
     """What is written by hand has what `python docs/data/kernels.py` prints."""
     said = KERNELS[path.suffix](path)
     hashes = said.values() if isinstance(said, dict) else [said]
@@ -184,24 +185,29 @@ LINK = re.compile(r"\]\(([^)#\s]*)[^)\s]*\)")
 @whole
 @pytest.mark.parametrize("page", PAGES, ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_the_links_of_a_page_lead_somewhere_in_a_checkout(page):
-    """What the build makes is linked by a role ({doc}`...`) or shown by a directive."""
-    text = re.sub(r"\{\{.*?\}\}", "", page.read_text(encoding="utf-8"))
-    folder = ROOT if page.name == "readme.md" else page.parent  # the README's template
-    links = [each for each in LINK.findall(text) if each and "://" not in each]
-    assert [each for each in links if not (folder / each).exists()] == []
+    """To no template, either. What the build makes is linked by a role ({doc}`...`) or shown by a
+    directive."""
+    links = [each for each in LINK.findall(page.read_text(encoding="utf-8")) if "://" not in each]
+    assert [each for each in links if not (page.parent / each).exists()] == []
+    assert [each for each in links if each.endswith(".in")] == []
 
 
-def test_the_page_of_results_says_what_each_page_is_about():
-    text = (DOCS / "results/index.md").read_text(encoding="utf-8")
-    pages = sorted(path.name for path in (DOCS / "results").glob("*.md") if path.stem != "index")
-    assert [each for each in pages if not re.search(rf"\]\({each}\) \w.*\.", text)] == []
+@whole
+def test_the_page_of_results_and_its_bar_name_each_page():
+    folder, bar = DOCS / "results", (DOCS / "_ext/pages.py").read_text(encoding="utf-8")
+    text = (folder / "index.md").read_text(encoding="utf-8")
+    for page in {path.stem for path in folder.glob("*.md")} - {"index"}:
+        assert f"]({page}.md) " in text and f"<{page}>" in bar
+    for page in ROOT.glob("studies/*/README.md"):
+        assert f"](../../studies/{page.parent.name}/README.md) " in text
+        assert f"<../_generated/studies/{page.parent.name}>" in bar
 
 
 @whole
 @pytest.mark.parametrize("page", PAGES, ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_no_table_gives_an_interval_of_nothing(page):
     """An interval from zero to zero is said in words."""
-    text = findings.fill(page.read_text(encoding="utf-8")).replace("\N{NO-BREAK SPACE}", " ")
+    text = page.read_text(encoding="utf-8").replace("\N{NO-BREAK SPACE}", " ")
     assert not re.findall(r"\b0(?:\.0+)? \(0(?:\.0+)? to 0(?:\.0+)?\)", text)
 
 
@@ -274,12 +280,23 @@ def test_a_figure_and_an_experiment_are_one_file_each(extended):
 
 
 @whole
-def test_the_readme_is_its_template_filled_in():
-    """Rewrite it by `python docs/write_readme.py`."""
-    script = load(DOCS / "write_readme.py")
-    if not script.TEMPLATE.is_file():
-        pytest.skip("docs/readme.md is not there yet")
-    assert script.README.read_text(encoding="utf-8") == script.filled()
+@pytest.mark.parametrize("template", write.TEMPLATES, ids=lambda path: f"{path.relative_to(ROOT)}")
+def test_a_page_is_its_template_filled_in(template):
+    """Rewrite them by `python docs/write_pages.py`."""
+    assert write.page_of(template).read_text(encoding="utf-8") == write.text_of(template)
+
+
+@whole
+@pytest.mark.parametrize("path", write.pictures(), ids=lambda path: path.stem)
+def test_a_picture_is_of_the_released_file_and_of_its_code(path):
+    """Draw them by `python docs/write_pages.py`. None weighs more than a checkout should carry."""
+    assert write.note_of(path) == write.origin_of(write.pictures()[path])
+    assert path.stat().st_size <= write.LARGEST
+
+
+def test_no_picture_is_left_that_no_page_shows():
+    there = {*DOCS.glob("images/*"), *ROOT.glob("studies/*/images/*")}
+    assert there == set(write.pictures())
 
 
 def test_a_sentence_that_the_data_contradicts_ends_the_build():

@@ -38,11 +38,11 @@ OURS = "dem", "studies"
 PAGES = [
     *sorted(ROOT.glob("*.md")),
     *sorted(ROOT.glob("docs/**/*.md")),
-    *sorted(ROOT.glob("studies/*/page.md")),
+    *sorted(ROOT.glob("studies/*/README.md")),
     *sorted(ROOT.glob("dem/**/*.md")),
 ]
-# what the build writes, and the template of README.md
-LEFT_OUT = {"_build", "_generated", "jupyter_execute", "readme.md"}
+# what the build writes
+LEFT_OUT = {"_build", "_generated", "jupyter_execute"}
 PAGES = [path for path in PAGES if not LEFT_OUT & set(path.parts)]
 SOURCES = [path for room in OURS for path in sorted((ROOT / room).rglob("*.py"))]
 RULES = [ROOT / "Snakefile", *sorted(ROOT.glob("rules/*.smk"))]
@@ -120,7 +120,7 @@ NOT_RUN = {
     "dem figure scatter": "a figure of one's own, which test_pages.py puts into a copy of the package",
     "python -m studies calibration fit": "its interval takes hundreds of runs; test_calibration.py has them",
     "python docs/data/release.py": "it writes the files of this checkout; test_pages.py reads it",
-    "python docs/write_readme.py": "it writes the README of this checkout; test_pages.py compares that",
+    "python docs/write_pages.py": "it writes the pages of this checkout; test_pages.py compares them",
 }
 
 

@@ -71,7 +71,7 @@ def test_restitution_at_the_default_step(partner, restitution):
 
 @pytest.mark.parametrize("frames", [7, 100])
 def test_restitution_does_not_depend_on_frames(frames):
-    """The example of the README, whose frames are shorter than a collision."""
+    """Nor on whether they are shorter than a collision."""
     scene = dem.Scene(dem.Disc([1e-3, 1e-3]), dem.Material(restitution=0.5))
     state = dem.State([[0.0, 0.0], [2.1e-3, 0.0]], velocity=[[1.0, 0.0], [-1.0, 0.0]])
     after = dem.simulate(scene, state, duration=2e-4, frames=frames).state.velocity[:, 0]

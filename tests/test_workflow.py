@@ -103,7 +103,7 @@ def test_claims_of_small_beds(claimed):
     """The study of claims, from its runs to a table and five figures; nothing is made twice."""
     results = claimed / "results/smoke"
     table = (results / "claims.txt").read_text()
-    assert "dumbbells above discs" in table and "drag over that of c1" in table
+    assert "dumbbells above discs" in table and "drag relative to c1" in table
     pictures = list((results / "figures").glob("claims_*.png"))
     assert len(pictures) == 5
     for picture in pictures:

@@ -4,7 +4,7 @@ A place begins with `least` replicates. While its interval is wider than asked f
 makes as many as the scatter so far says that it takes, but at most twice what there are: looking
 often would stop by chance, and the scatter of ten runs is not known well. So an interval is also
 taken a little wider. Decisions need whole rounds only, from the first on, so they are the same in
-any order of the runs, and after any stop. docs/results/accuracy.md says how often the true mean is
+any order of the runs, and after any stop. studies/accuracy/README.md says how often the true mean is
 as near as that.
 """
 

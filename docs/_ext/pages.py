@@ -1,23 +1,64 @@
 """What Sphinx does with the pages of this project, beside what it does for everyone.
 
-* A page is a Jinja template: `{{ drag.mean("c1") }}` is filled in from docs/data (findings.py).
-  An unknown name is an error.
+* The page of a study, studies/NAME/README.md, is read from _generated/studies, and links to it lead
+  there. docs/write_pages.py has put the numbers into all pages.
 * The pages that are generated (gallery.py, reference.py) are written before the build.
 * Mathematics becomes MathML, which browsers draw themselves: a page loads nothing from a network.
 """
 
+import re
+from os.path import normpath, relpath
 from pathlib import Path
 
-import findings
 import gallery
 import reference
 from docutils.nodes import SkipNode
 from latex2mathml.converter import convert
 
+from dem.base.sources import ROOT
 
-def _fill_page(app, docname, source):
-    if Path(app.env.doc2path(docname)).suffix == ".md":
-        source[0] = findings.fill(source[0])
+STUDIES = ROOT / "docs/_generated/studies"
+LINK = re.compile(r"\]\(([^)\s#:]+)(#[^)\s]*)?\)")
+# what is beside the results; on their page a code host would show it as code
+BAR = """
+```{toctree}
+:hidden:
+
+Drag <drag>
+Claims <../_generated/studies/claims>
+Elongated granules <elongated>
+Preparation <../_generated/studies/preparation>
+Velocity <../_generated/studies/velocity>
+Pressure <../_generated/studies/pressure>
+Jamming of ellipses <../_generated/studies/onset>
+Simple shear <../_generated/studies/shear>
+Verification <../_generated/studies/verification>
+Accuracy <../_generated/studies/accuracy>
+Stability <../_generated/studies/stability>
+Speed <../_generated/studies/benchmark>
+```
+"""
+
+
+def _linked(text: str, folder: Path, to: Path) -> str:
+    """The text of a page in one folder for another: its links lead where they led, but to pages of
+    studies where the build has them."""
+
+    def link(found):
+        path = Path(normpath(folder / found[1]))
+        if path.name == "README.md" and path.parent.parent == ROOT / "studies":
+            path = STUDIES / f"{path.parent.name}.md"
+        return f"]({Path(relpath(path, to)).as_posix()}{found[2] or ''})"
+
+    return LINK.sub(link, text)
+
+
+def _read_page(app, docname, source):
+    path = Path(app.env.doc2path(docname))
+    if path.suffix == ".md":
+        source[0] = _linked(source[0], path.parent, path.parent)
+    if docname == "results/index":
+        source[0] += BAR
 
 
 def _inline_math(self, node):
@@ -36,6 +77,10 @@ def _skip_fields(app, what, name, member, skip, options):
 
 
 def _write_pages(app):
+    STUDIES.mkdir(parents=True, exist_ok=True)
+    for path in ROOT.glob("studies/*/README.md"):
+        text = _linked(path.read_text(encoding="utf-8"), path.parent, STUDIES)
+        (STUDIES / f"{path.parent.name}.md").write_text(text, encoding="utf-8")
     reference.write(Path(app.srcdir))
     gallery.write(Path(app.srcdir))
 
@@ -44,6 +89,6 @@ def setup(app):
     app.add_html_math_renderer("mathml", (_inline_math, None), (_display_math, None))
     app.config.html_math_renderer = "mathml"
     app.connect("builder-inited", _write_pages)
-    app.connect("source-read", _fill_page)
+    app.connect("source-read", _read_page)
     app.connect("autodoc-skip-member", _skip_fields)
     return {"parallel_read_safe": True}

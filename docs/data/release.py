@@ -1,5 +1,4 @@
-"""Copy into docs/data what the pages show of a folder of results: the variables they need, compressed. Draw the
-picture of the README.
+"""Copy into docs/data what the pages show of a folder of results: the variables they need, compressed.
 
     python docs/data/release.py results
 
@@ -15,8 +14,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import xarray as xr
-from PIL import Image
-from PIL.PngImagePlugin import PngInfo
 
 from dem.base.files import atomic
 from dem.base.sources import ROOT
@@ -29,7 +26,6 @@ from findings import FILES  # noqa: E402
 
 from docs.data.kernels import digest  # noqa: E402
 
-PICTURE = ROOT / "docs/images/bed.png"
 LEFT_OUT = {  # on no page, in no figure
     "drag": ("wall_force", "transverse_force", "kinetic_energy"),
     "precise": (
@@ -121,16 +117,5 @@ def _digest_at(revision: str) -> str:
         return digest(Path(folder) / "dem")
 
 
-def draw(results: Path) -> None:
-    """Draw the picture of the README, from the runs behind drag.nc, with their kernels as text of the PNG."""
-    run = [results / "drag.nc", "case=e3", "seed=1", "--forces", "-o", PICTURE]
-    subprocess.run([sys.executable, "-m", "dem", "draw", *map(str, run)], cwd=ROOT, check=True)
-    with xr.open_dataset(results / "drag.nc") as dataset, Image.open(PICTURE) as picture:
-        note = PngInfo()
-        note.add_text("kernels", digest_at(dataset.attrs["git_revision"]))
-        picture.save(PICTURE, pnginfo=note)
-
-
 if __name__ == "__main__":
     release(Path(sys.argv[1]))
-    draw(Path(sys.argv[1]).resolve())

@@ -93,7 +93,7 @@ class Accuracy(Findings):
     def steps(self) -> Table:
         """By shape and step fraction: change of the mean drag against the paper's step over the
         same beds."""
-        made = numbers("shape", "step fraction", "beds", "change", "failed", "s a run")
+        made = numbers("shape", "step fraction", "beds", "change", "failed", "s per run")
         runs = pd.DataFrame(
             {
                 name: self.dataset[f"trial_{name}"].values

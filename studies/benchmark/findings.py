@@ -62,16 +62,16 @@ class Speed(Findings):
         sizes, apart = (own[f"{name}_step_time"].sel(size=MILLION) for name in ("size", "apart"))
         small = own["size_step_time"].sel(size=SMALL, threads=1)
         return {
-            "speed over that of LAMMPS, discs": over.sel(scene="discs"),
+            "speed relative to LAMMPS, discs": over.sel(scene="discs"),
             "the same, dumbbells": over.sel(scene="dumbbells"),
-            "time of a listed pair, ellipses over discs": pairs.sel(scene="ellipses")
+            "time of a listed pair, ellipses / discs": pairs.sel(scene="ellipses")
             / pairs.sel(scene="discs"),
-            "time of a step, without friction and rotation over full": scenes.sel(variant=SMOOTH)
+            "time of a step, without friction and rotation / full": scenes.sel(variant=SMOOTH)
             / scenes.sel(variant=FULL),
-            "time of a granule-step, a million discs over 400": sizes.sel(threads=1) / small,
-            "speed of a million discs, two threads over one": sizes.sel(threads=1)
+            "time of a granule-step, a million discs / 400": sizes.sel(threads=1) / small,
+            "speed of a million discs, two threads / one": sizes.sel(threads=1)
             / sizes.sel(threads=2),
-            "speed of two separate beds of a million over one": apart.sel(threads=1)
+            "speed of two separate beds of a million / one": apart.sel(threads=1)
             / apart.sel(threads=2),
         }
 
@@ -119,7 +119,7 @@ class Speed(Findings):
     def scenes(self) -> Table:
         """By scene, contacts held as they are by short time steps; against full: median of what each
         turn gave; code: machine code of one step."""
-        heads = "scene", "ns a granule-step", "lowest, highest", "against full", "code, bytes"
+        heads = "scene", "ns a granule-step", "lowest, highest", "relative to full", "code, bytes"
         table = numbers(*heads)
         every = 1e9 * self.dataset["variant_step_time"]
         full = every.sel(variant=FULL)
@@ -141,10 +141,10 @@ class Speed(Findings):
             "threads",
             "ns a granule-step",
             "lowest, highest",
-            "against\nsmallest",
-            "against\none thread",
-            "separate beds,\nagainst one",
-            "LAMMPS on ranks,\nagainst one",
+            "relative to\nsmallest",
+            "relative to\none thread",
+            "separate beds,\nrelative to one",
+            "LAMMPS on ranks,\nrelative to one",
             "bytes a granule",
         )
         every = [self.dataset[f"{name}_step_time"] for name in ("size", "apart", "ranks")]

@@ -111,10 +111,16 @@ class Claims(Findings):
     def states(self) -> Table:
         """One row per shape and state: drag over that of c1."""
         rows = (
-            (each.shape, each.state, f"{each.fraction:.3f}", estimate(each.ratio))
+            (
+                each.shape,
+                each.state,
+                f"{each.fraction:.3f}",
+                estimate(each.ratio),
+                str(each.runs),
+            )
             for each in self.remaining[1:]
         )
-        return numbers("shape", "state", "V_f", "drag over that of c1", words=2, rows=rows)
+        return numbers("shape", "state", "V_f", "drag relative to c1", "beds", words=2, rows=rows)
 
     def ratio(self, shape: str, state: str) -> Estimate:
         """Drag over that of c1, of a shape at a state."""
@@ -137,12 +143,12 @@ class Claims(Findings):
 
     def decides(self) -> Table:
         """One row per value of influence: by how much responses grow over its range."""
-        heads = "response", "decided by", "grows over the range by", "share of variance"
+        heads = "quantity", "value", "factor over its range", "share of variance"
         table = numbers(*heads, words=2)
         for name, found in self.influences.items():
             for each in list(found.values())[:RANKED]:
                 growth = f"{each.growth:.2f} ({each.low:.2f} to {each.high:.2f})"
-                table.add_row(name, f"`{each.factor}`", growth, f"{each.share:.2f}")
+                table.add_row(name, f"`{each.factor}`", growth, f"{max(each.share, 0.0):.2f}")
                 name = ""
         return table
 
@@ -155,7 +161,7 @@ class Claims(Findings):
             for x, drag in scaled_ratios(self.dataset, setting, shape).items()
         )
         return numbers(
-            "varied", "shape", "times", "drag over that at 1", "runs", words=2, rows=rows
+            "varied", "shape", "factor", "drag relative to factor 1", "runs", words=2, rows=rows
         )
 
     def scaled(self, setting: str, shape: str, factor: float) -> str:
@@ -204,7 +210,7 @@ def table_of(verdicts) -> Table:
     table = numbers(*heads, words=3)
     for each in sorted(verdicts, key=lambda each: order.index(each.verdict)):
         parts = "\n".join(
-            f"{part.words}: {_one_line(span(part))}; claimed {claimed(part)}"
+            f"{part.words}: {_one_line(span(part))}; claimed {claimed(part)}; n = {part.runs}"
             for part in each.comparisons
         )
         space = each.space.per_cent if each.space else "-"

@@ -17,12 +17,13 @@ EQUAL = "equal fraction"
 
 
 class Remaining(NamedTuple):
-    """A shape at a state: packing fraction, and mean drag over that of the reference."""
+    """A shape at a state: packing fraction, mean drag relative to the reference, and beds."""
 
     shape: str
     state: str
     fraction: float
     ratio: Estimate
+    runs: int
 
 
 class Mean(NamedTuple):
@@ -54,7 +55,7 @@ def remaining(dataset: xr.Dataset) -> list[Remaining]:
     base = mean_of(with_case(replicates, case))
     if base is None:
         return []
-    found = [Remaining(case, EQUAL, fraction, Estimate(1.0, 1.0, 1.0))]
+    found = [Remaining(case, EQUAL, fraction, Estimate(1.0, 1.0, 1.0), base.runs)]
     for shape in dict.fromkeys(matched["run_case"].values.tolist()):
         states, equal = with_case(matched, shape), with_case(replicates, shape)
         if mean_of(equal) is None:
@@ -70,7 +71,8 @@ def remaining(dataset: xr.Dataset) -> list[Remaining]:
             free = min(mean.runs, base.runs) - 1
             half = float(t.ppf(0.5 + 0.5 * LEVEL, free)) * math.sqrt(variance)
             ratio = Estimate(*map(math.exp, (log, log - half, log + half)))
-            found.append(Remaining(shape, state, float(runs["run_packing"][0]), ratio))
+            packing = float(runs["run_packing"][0])
+            found.append(Remaining(shape, state, packing, ratio, mean.runs))
     return found
 
 

@@ -152,7 +152,7 @@ def ratio(runs, measure, one, other, low=0.0, high=INFINITE, **how) -> list[Comp
     a, b = values(runs, measure, one), values(runs, measure, other)
     if a is None or b is None:
         return []
-    return [Comparison(f"{measure.replace('_', ' ')}, {one} over {other}", a, b, low, high, **how)]
+    return [Comparison(f"{measure.replace('_', ' ')}, {one} / {other}", a, b, low, high, **how)]
 
 
 def shapes(found: Evidence, measure, one: str, *others: str, low=0.0, high=INFINITE, **how):
@@ -178,7 +178,7 @@ def near(share: float) -> dict[str, float]:
     "abstract", "the drag in dumbbell-shaped granules is higher than that in cylindrical granules"
 )
 def dumbbells_above_discs(found):
-    """Mean drag of d1 over that of c1 is above 1."""
+    """Mean drag in d1 relative to c1 is above 1."""
     return shapes(found, "drag", "d1", "c1", low=1.0)
 
 
@@ -187,7 +187,7 @@ def dumbbells_above_discs(found):
     "dumbbell-shaped particles exhibit less drag than cylindrical particles of equal effective diameter",
 )
 def dumbbells_below_discs(found):
-    """Mean drag of d1 over that of c1 is below 1: the opposite of the sentence before."""
+    """Mean drag in d1 relative to c1 is below 1: the opposite of the previous claim."""
     return shapes(found, "drag", "d1", "c1", high=1.0)
 
 
@@ -196,7 +196,7 @@ def dumbbells_below_discs(found):
     "dumbbell-shaped particles show significantly higher drag than cylindrical particles if the diameter of the two sub-particles in the dumbbell is equal to the cylinder diameter",
 )
 def dumbbells_above_small_discs(found):
-    """Mean drag of d1 over that of c2, discs of the size of its halves, is above 1 by more than the
+    """Mean drag in d1 relative to c2, discs of the size of its lobes, is above 1 by more than the
     margin."""
     return shapes(found, "drag", "d1", "c2", low=1.0 + found.margin)
 
@@ -205,7 +205,7 @@ def dumbbells_above_small_discs(found):
     "3.3", "there is a remarkable drop in drag force when the granules are made slightly elliptical"
 )
 def slight_ellipses_drop(found):
-    """Mean drag of e1 over that of c1 is below 1 by more than the margin."""
+    """Mean drag in e1 relative to c1 is below 1 by more than the margin."""
     return shapes(found, "drag", "e1", "c1", high=1.0 - found.margin)
 
 
@@ -214,7 +214,7 @@ def slight_ellipses_drop(found):
     "Further increases in aspect ratio for cases e2 and e3 result in further drops in the calculated drag force",
 )
 def longer_ellipses_drop(found):
-    """Mean drag of e2 over that of e1, and of e3 over that of e2, are both below 1."""
+    """Mean drag in e2 relative to e1, and in e3 relative to e2, are both below 1."""
     return all_of(
         shapes(found, "drag", "e2", "e1", high=1.0), shapes(found, "drag", "e3", "e2", high=1.0)
     )
@@ -242,7 +242,7 @@ def drag_falls_with_aspect_ratio(found):
     "The differences in these drag force values are within the standard deviation of the drag force itself",
 )
 def codes_agree(found):
-    """Mean drag of e0 over that of c1, on the same beds, is 1 to within the margin."""
+    """Mean drag in e0 relative to c1, on the same beds, is 1 to within the margin."""
     return shapes(found, "drag", "e0", "c1", **near(found.margin), paired=True)
 
 
@@ -252,7 +252,7 @@ def codes_agree(found):
 )
 def means_and_scatter_as_reported(found):
     """What five runs give: the ratio of the means, and the standard deviation along the mean curve
-    of five runs over its mean (3.1: all results are such averages); the report lies in their
+    of five runs relative to its mean (3.1: all results are such averages); the report lies in their
     range."""
     cases = case_of(found, "e0"), case_of(found, "c1")
     if found.single or None in cases or "curve" not in found.runs:
@@ -263,7 +263,7 @@ def means_and_scatter_as_reported(found):
     (e_mean, e_scatter), (c_mean, c_scatter) = drawn
     count, (e0, c1) = PAPERS_RUNS, cases
     return [
-        Prediction(f"five runs: drag, {e0} over {c1}", e_mean / c_mean, count, 1.0845, 1.0855),
+        Prediction(f"five runs: drag, {e0} / {c1}", e_mean / c_mean, count, 1.0845, 1.0855),
         Prediction(f"five runs: scatter of {e0}", e_scatter, count, 0.165, 0.175),
         Prediction(f"five runs: scatter of {c1}", c_scatter, count, 0.175, 0.185),
     ]
@@ -318,7 +318,7 @@ def velocity_hardly_matters(found):
     allowed = near(found.margin)
     parts = (ratio(found.velocity, "drag", x, 1.0, **allowed, paired=True) for x in speeds)
     return [
-        each._replace(words=f"drag, {x:g} times the velocity over 1")
+        each._replace(words=f"drag at {x:g} times the velocity, relative to 1")
         for x, each in zip(speeds, all_of(*parts), strict=False)
     ]
 
@@ -346,7 +346,7 @@ def compaction_and_friction_matter(found):
     "The flow pattern in elliptical granules is also shown to be much more irregular compared with that of cylindrical and dumbbell-shaped granules",
 )
 def ellipses_flow_irregularly(found):
-    """Non-affine motion (D2min over the squared diameter) in e3, the longest, is above that in c1
+    """Non-affine motion (D2min relative to the squared diameter) in e3, the longest, is above that in c1
     and in d1 by more than the margin."""
     return shapes(found, "non_affine", "e3", "c1", "d1", low=1.0 + found.margin)
 
@@ -389,7 +389,7 @@ def ellipses_align(found):
 
 @claim("4", "the granule shape strongly influences the drag force")
 def shape_matters(found):
-    """Mean drags of d1, e1 and e3 over that of c1 differ from 1, in any sense, by more than the
+    """Mean drags in d1, e1 and e3 relative to c1 differ from 1, in any sense, by more than the
     margin; at equal packing fraction, not at equal distance from jamming."""
     allowed = near(found.margin)
     parts = (

@@ -100,4 +100,4 @@ def claimed(number) -> str:
         return f"above {number.low:.3g}"
     if number.low == 0.0 and number.is_ratio:
         return f"below {number.high:.3g}"
-    return f"{'not ' if number.outside else ''}{number.low:.5g} to {number.high:.5g}"
+    return f"{'not ' if number.outside else ''}{number.low:.4g} to {number.high:.4g}"

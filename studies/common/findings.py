@@ -139,9 +139,8 @@ class Findings:
 
     @cached_property
     def revision(self) -> str:
-        """Of the code that made the results; several where files of several revisions were
-        combined."""
-        return ", ".join(each.strip()[:7] for each in self.dataset.attrs["git_revision"].split(";"))
+        """Of the code that made the results: the last of several, which contains the others."""
+        return self.dataset.attrs["git_revision"].split(";")[-1].strip()[:7]
 
     @cached_property
     def made(self) -> str:
@@ -149,15 +148,9 @@ class Findings:
         attrs = self.dataset.attrs
         day = attrs["history"].split("T")[0]
         return (
-            f"*Computed by `{attrs['made_with']}` at {_revisions(self.revision)} on {day}; "
+            f"*Computed by `{attrs['made_with']}` at revision `{self.revision}` on {day}; "
             f"file `{self.place}`.*"
         )
-
-
-def _revisions(names: str) -> str:
-    """One revision, or several: revisions `a` and `b`."""
-    several = "revisions" if ", " in names else "revision"
-    return f"{several} `{'` and `'.join(names.split(', '))}`"
 
 
 def clock(seconds: float) -> str:

@@ -66,7 +66,7 @@ class Preparation(Findings):
 
     def table(self) -> Table:
         """Drags of both ways, by box and shape."""
-        table = numbers("box", "shape", "relaxed, N", "grown, N", "grown over relaxed", words=2)
+        table = numbers("box", "shape", "relaxed, N", "grown, N", "grown / relaxed", words=2)
         for box, title in BOXES.items():
             for shape in self.dataset["shape"].values.tolist():
                 ways = [estimate(self._over((shape, way, box)), digits=0) for way in WAYS]

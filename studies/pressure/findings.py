@@ -104,8 +104,8 @@ class Pressure(Findings):
         found = self.widths[way]
         first, base = found.boxes[0], found.shapes[0]
         others = [box for box in OTHERS if box in found.boxes]
-        heads = [f"{box} over box {first}" for box in others]
-        heads += [f"over {base}, {box}" for box in (f"box {first}", *others)]
+        heads = [f"{box} / box {first}" for box in others]
+        heads += [f"{box}, relative to {base}" for box in (f"box {first}", *others)]
         rows = []
         for shape in found.shapes:
             ratios = (found.ratio(shape, box) for box in (first, *others))

@@ -35,8 +35,8 @@ class Shear(Findings):
             "friction of the bed",
             "in the middle",
             "packing fraction",
-            "pressure over the one asked for",
-            "rate in the middle over the one asked for",
+            "pressure / prescribed",
+            "rate in the middle / prescribed",
         )
         curves = self._curves(friction)
         rows = (
@@ -74,7 +74,7 @@ class Shear(Findings):
         own = json.loads(self.dataset.attrs["configuration"])
         material = own["material"]
         modulus = 0.5 * material["young_modulus"] / (1.0 - material["poisson_ratio"] ** 2)
-        return f"{modulus / own['shear']['pressure']:.0f}"
+        return f"{modulus / own['shear']['pressure']:.2g}"
 
 
 shear = Shear()

@@ -9,7 +9,7 @@ from rich.table import Table
 from dem.analysis.statistics import within
 from dem.analysis.tables import numbers
 from dem.analysis.velocity import Law, Rates, inertial_number, rates
-from dem.base.intervals import Estimate
+from dem.base.intervals import Estimate, mean_interval
 from studies.common.findings import Findings, estimate
 
 __all__ = ["velocity"]
@@ -100,12 +100,14 @@ class Velocity(Findings):
         slowest = self._means(friction, self.rates.velocity[0])
         return self.rates.interval(100.0 * (self._means(friction, PAPER) / slowest - 1.0))
 
-    def tangential(self, velocity: float) -> float:
-        """Share of tangential forces on the cylinder in the drag with friction."""
+    def tangential(self, velocity: float) -> tuple[float, float]:
+        """Share of tangential forces on the cylinder in the drag with friction, mean over the beds
+        and half its interval."""
         runs = self.dataset.sel(friction="0.3", cylinder_velocity=velocity)
         window = self.dataset.attrs["window_start"], self.dataset.attrs["window_stop"]
         part, whole = (within(runs[name], *window) for name in ("drag_tangential", "drag"))
-        return float(part.mean() / whole.mean())
+        found = mean_interval(part / whole)
+        return found.value, found.half
 
     def misses(self, friction: str) -> float:
         """By how much the law misses a mean at most, over the mean."""

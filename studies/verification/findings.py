@@ -41,7 +41,7 @@ class Verification(Findings):
     def overview(self) -> Table:
         """By case: numbers compared, numbers that pass, and the largest error over its
         tolerance."""
-        heads = "case", "source", "numbers", "passed", "largest error over tolerance"
+        heads = "case", "source", "numbers", "passed", "largest error / tolerance"
         table = numbers(*heads, words=2)
         sources = self.dataset["case_source"].values
         for (_, title, rows), source in zip(self.by_case, sources, strict=True):

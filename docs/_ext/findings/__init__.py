@@ -2,20 +2,16 @@
 
 A page calls a finding by its name: `{{ drag.mean("c1") }}`, `{{ table(claims.verdicts()) }}`. No
 result is typed on a page; tests/test_pages.py looks for those that are. A sentence that depends on
-a result says on which: `{{ holds("Ellipses drag less than discs", drag.falls("c1", "e1")) }}`. `{{
-page("claims") }}` is the page of a study. Nothing here needs Sphinx.
+a result says on which: `{{ holds("Ellipses drag less than discs", drag.falls("c1", "e1")) }}`.
+docs/write_pages.py writes the pages.
 """
 
-import re
 from importlib import import_module
-from os.path import relpath
-from pathlib import Path
 
 from jinja2 import Environment, StrictUndefined
 
 import studies
 from studies.common.findings import (
-    ROOT,
     Findings,
     clock,
     estimate,
@@ -35,7 +31,6 @@ TEMPLATES = Environment(
 )
 FORMATS = {"clock": clock, "estimate": estimate, "interval": interval, "percent": percent}
 TEMPLATES.filters |= FORMATS
-FRONT_MATTER = re.compile(r"\A---\n.*?\n---\n+", re.S)  # not shown
 OF_STUDIES = [import_module(f"{studies.package_of(name)}.findings") for name in studies.NAMES]
 NAMES = (
     FORMATS
@@ -61,29 +56,3 @@ MEASURED = [scale.ensembles, scale.overhead]  # by scripts
 def fill(text: str) -> str:
     """A page with its numbers."""
     return TEMPLATES.from_string(text).render(NAMES)
-
-
-def page(name: str) -> str:
-    """The page of a study, for docs/results, with its numbers; links lead from there."""
-    folder = ROOT / "studies" / name
-
-    def link(found):
-        target, mark, place = found[1].partition("#")
-        if not target or ":" in target:
-            return found[0]
-        path = Path(relpath(folder / target, ROOT / "docs/results"))
-        if path.name == "page.md":
-            path = Path(PAGES[path.parent.name])
-        return f"]({path.as_posix()}{mark}{place})"
-
-    text = FRONT_MATTER.sub("", (folder / "page.md").read_text(encoding="utf-8"))
-    return fill(re.sub(r"\]\(([^)\s]+)\)", link, text))
-
-
-NAMES["page"] = page
-# page of the documentation by study
-PAGES = {
-    found[1]: path.name
-    for path in (ROOT / "docs/results").glob("*.md")
-    if (found := re.search(r'page\("(\w+)"\)', path.read_text(encoding="utf-8")))
-}

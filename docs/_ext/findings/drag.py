@@ -2,15 +2,18 @@
 
 import json
 from functools import cached_property
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from rich.console import Console
 from rich.table import Table
 
 from dem.analysis.statistics import change, summarise
-from dem.analysis.tables import numbers
+from dem.analysis.tables import TextTable, numbers
 from dem.base.intervals import Estimate, ratio_interval
+from dem.report.info import drag_table
 from studies.common.findings import Findings, estimate, interval, span
 
 __all__ = ["drag", "flow", "precise", "snapshots"]
@@ -42,6 +45,12 @@ class Drag(Findings):
     def _mean(self, case: str) -> tuple[float, float]:
         one = self.summary.sel(case=case)
         return float(one["mean"]), float(one["half_interval"])
+
+    def printed(self, rows: int) -> str:
+        """The first rows of the table that `dem info` prints."""
+        console = Console(width=160, file=StringIO())
+        console.print(TextTable(drag_table(self.dataset).iloc[:rows]))
+        return "\n".join(line.rstrip() for line in console.file.getvalue().splitlines())
 
     def cases(self) -> Table:
         """One row per shape: mean drag, the paper's value, mean drag at ten times the density."""
@@ -143,7 +152,7 @@ class Drag(Findings):
     def beds(self) -> Table:
         """Means over the seeds before the cylinder moves, per case of one density."""
         made = numbers(
-            "case", "pressure on the walls (MPa)", "contacts per granule", "greatest overlap"
+            "case", "pressure on the walls, MPa", "contacts per granule", "greatest overlap"
         )
         beds = self.dataset.sel(case=[c for c in self.dataset["case"].values if len(c) == 2])
         for case in beds["case"].values:
@@ -208,8 +217,9 @@ class Precise(Drag):
         return f"{max(100.0 * each.half / each.value for each in found):.1f} %"
 
     def cases(self) -> Table:
-        """One row per case: mean drag, over c1, and the beds that it took."""
-        made = numbers("case", "granules", "mean drag, N", "over c1", "beds", words=2)
+        """One row per case: mean drag, the same relative to c1, and the number of beds."""
+        heads = "case", "granules", "mean drag, N", "relative to c1", "beds"
+        made = numbers(*heads, words=2)
         for case in self.dataset["case"].values.tolist():
             over = "" if case == "c1" else self.over(case)
             row = self.granules(case), interval(*self._mean(case)), over, self.beds_of(case)
@@ -224,7 +234,7 @@ class Flow(Findings):
 
     def measures(self) -> Table:
         """One row per measure: mean of e3 over that of c1."""
-        made = numbers("measure of irregularity", "e3 over c1")
+        made = numbers("measure of irregularity", "e3 relative to c1")
         for name, words in MEASURES.items():
             found = self._compared(name)
             made.add_row(words, interval(found.ratio, found.half, digits=2))

@@ -18,7 +18,14 @@ def ratios(precise, claims, preparation, pressure) -> Table:
     these studies.
     """
     made = numbers(
-        "page", "file", "box", "beds made", "compared at", "beds a shape", "d1 over c1", words=5
+        "page",
+        "file",
+        "box",
+        "preparation",
+        "compared at",
+        "beds per shape",
+        "d1 relative to c1",
+        words=5,
     )
     made.add_row(
         _link("drag"),
@@ -52,7 +59,8 @@ def ratios(precise, claims, preparation, pressure) -> Table:
 
 
 def _link(page: str) -> str:
-    return f"[{page}]({page}.md)"
+    place = f"{page}.md" if page == "drag" else f"../../studies/{page}/README.md"
+    return f"[{page}]({place})"
 
 
 def _name(file) -> str:

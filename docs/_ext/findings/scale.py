@@ -1,4 +1,4 @@
-"""What was measured beside the sweeps: times, and what the held time step changed (docs/data)."""
+"""What was measured beside the sweeps: times, restitution and the energy of gases (docs/data)."""
 
 from pathlib import Path
 
@@ -121,7 +121,7 @@ def worst(name: str, least: float = 0.0) -> float:
     """Greatest excess of the restitution of any phase, either way, in %; of restitutions from
     `least` on.
 
-    name: before, half (now, at a step fraction of 0.5) or now.
+    name: half (at a step fraction of 0.5) or now (at the default, 0.3).
     """
     rows = (row[name] for e, row in steps["restitution"].items() if e >= least)
     return max(max(abs(low), abs(high)) for _, low, high in rows)

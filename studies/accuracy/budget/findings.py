@@ -126,7 +126,7 @@ class Budget(Findings):
             "budget",
             "step fraction",
             "granules",
-            "mean to mm",
+            "mean to, mm",
             "runs",
             "error",
             "default",
@@ -151,15 +151,15 @@ class Budget(Findings):
         and its power, times."""
         made = numbers(
             "shape",
-            "mean N",
+            "mean, N",
             "step 0.95",
             "200 granules",
             "800 granules",
             "mean to 3 mm",
             "scatter",
             "power",
-            "bed s",
-            "run s",
+            "bed, s",
+            "run, s",
         )
         for name, shape in self.shapes.items():
             own = shape.model
@@ -214,7 +214,14 @@ class Budget(Findings):
     def checks(self) -> Table:
         """The model at places that it was not fitted to, against runs there: time of a run, its
         scatter over the mean, change of the mean."""
-        heads = "time, model s", "found s", "scatter, model", "found", "change, model", "found"
+        heads = (
+            "time, model, s",
+            "time, runs, s",
+            "scatter, model",
+            "scatter, runs",
+            "change, model",
+            "change, runs",
+        )
         made = numbers("shape", "granules", "step fraction", *heads)
         for name, at, times, *parts in self._checked:
             cells = [f"{time:.2f}" for time in times]
@@ -231,7 +238,7 @@ class Budget(Findings):
     def trial(self) -> Table:
         """The same processor time spent in three ways, ten times each: error by these means, by
         all their runs, and by the model."""
-        heads = "runs", "time s", "error", "by all runs", "by the model"
+        heads = "runs", "time, s", "error", "by all runs", "by the model"
         made = numbers("shape", "way", *heads, words=2)
         for name, ways in self.ways.items():
             for way, found in ways.items():
@@ -287,7 +294,7 @@ class Budget(Findings):
     def levels(self) -> Table:
         """Two steps of the same beds: correlation of their drags, and time of one level over
         that of two for the same error."""
-        made = numbers("shape", "steps", "correlation", "time of one over two levels", words=2)
+        made = numbers("shape", "steps", "correlation", "time, one level / two levels", words=2)
         for name, some in self.every_level.items():
             for each in some:
                 steps = f"{each.coarse:g} and {each.fine:g}"

@@ -8,7 +8,7 @@ Ernst 1998, Granul. Matter 1, 57). The slope is fitted over a time in which T fa
 four; later vortices form in large boxes.
 
 Tolerances. A single impact loses more than 1 - e^2, because the dashpot is of order 1.25 in the
-step (docs/results/accuracy.md); the loss expected is that of single head-on impacts at the same
+step (studies/accuracy/README.md); the loss expected is that of single head-on impacts at the same
 step, measured here at the mean normal velocity of the gas. To four standard errors by seeds come: a
 soft disc is smaller by 1.3 times the softness of 0.5 %, and its contacts last: 1 %; correlated
 velocities slow the cooling by a per cent or two (Kawahara and Nakanishi 2004): 2 %; what the fourth

@@ -6,7 +6,7 @@ The total energy is constant.
 
 Tolerances. Shares: four standard errors by ten blocks. Energy: an elastic collision at the default
 step, 0.5 of the bound, changes its energy by 1 % at most, with order 2.5 in the step
-(docs/tutorials/library.md, docs/results/accuracy.md), so by 1 % (0.05 / 0.5)^2.5 = 3e-5 at 0.05.
+(docs/tutorials/library.md, studies/accuracy/README.md), so by 1 % (0.05 / 0.5)^2.5 = 3e-5 at 0.05.
 There gains and losses of independent collisions make a random walk: C collisions of each of N
 granules change the energy by sqrt(2 C / N) of that, times four. Enskog's rate at a packing fraction
 of 0.3 is 2.4 per flight over a diameter, times 1.4 for the outline of a dumbbell: C = 670 in 200

@@ -1,0 +1,114 @@
+"""Write the pages that state results, X.md from its template X.md.in, and the pictures they show.
+
+python docs/write_pages.py
+
+The text is always written, a picture only if its data or its code has changed: a note in the PNG
+says from which it was drawn.
+"""
+
+import hashlib
+import re
+import sys
+from importlib.util import find_spec
+from io import BytesIO
+from os.path import relpath
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from PIL import Image
+from PIL.PngImagePlugin import PngInfo
+
+ROOT = Path(__file__).parent.parent
+sys.path[:0] = [str(ROOT), str(ROOT / "docs/_ext")]
+import picture  # noqa: E402
+from findings import FILES, fill  # noqa: E402
+from gallery import OF_MEANS  # noqa: E402
+
+from dem.base.files import atomic  # noqa: E402
+from dem.base.sources import codes  # noqa: E402
+from dem.figures.catalogue import draw  # noqa: E402
+from studies.catalogue import figures  # noqa: E402
+
+FOLDERS = "*.md.in", "docs/**/*.md.in", "studies/**/*.md.in"
+TEMPLATES = sorted(path for each in FOLDERS for path in ROOT.glob(each))
+FRONT_MATTER = re.compile(r"\A---\n.*?\n---\n+", re.S)  # for tests/test_pages.py
+SHOWN = re.compile(r"!\[[^\]]*\]\(([^)\s]*images/(\w+)\.png)\)")
+NOTE = "<!-- Written by docs/write_pages.py: edit {}. -->\n\n"
+WIDTH, COLORS, LARGEST = 1100, 96, 120_000  # of a picture: pixels, colours, bytes
+
+
+def page_of(template: Path) -> Path:
+    """The page that a template becomes."""
+    return template.with_suffix("")
+
+
+def text_of(template: Path) -> str:
+    """The page with the numbers of the released files."""
+    text = FRONT_MATTER.sub("", template.read_text(encoding="utf-8"))
+    return NOTE.format(template.name) + fill(text)
+
+
+def pictures() -> dict[Path, str]:
+    """Names of the pictures that the pages show, by path."""
+    return {
+        (template.parent / path).resolve(): name
+        for template in TEMPLATES
+        for path, name in SHOWN.findall(template.read_text(encoding="utf-8"))
+    }
+
+
+def sources_of(name: str) -> tuple[Path, ...]:
+    """What a picture is drawn from: its module, then the released files."""
+    released = {each.name: each.path for each in FILES}
+    if name == picture.NAME:
+        return Path(picture.__file__), *(released[each] for each in picture.FILES)
+    figure = figures()[name]
+    module = Path(find_spec(figure.module).origin)
+    return module, released[
+        "precise" if name in OF_MEANS else name if name in released else figure.file
+    ]
+
+
+def origin_of(name: str) -> str:
+    """A hash of what a picture is drawn from; comments do not count."""
+    module, *files = sources_of(name)
+    found = hashlib.sha256(str(codes([module])).encode())
+    for path in files:
+        found.update(path.read_bytes())
+    return found.hexdigest()[:16]
+
+
+def note_of(path: Path) -> str | None:
+    """The hash of what a picture was drawn from; None without the picture."""
+    return Image.open(path).info.get("origin") if path.is_file() else None
+
+
+def draw_picture(name: str, path: Path) -> None:
+    """Draw a picture, small enough to be kept in the repository, with the hash of its origin."""
+    with TemporaryDirectory() as folder:
+        if name == picture.NAME:
+            drawn = picture.draw(*sources_of(name)[1:], Path(folder))
+        else:
+            drawn = draw(name, sources_of(name)[1], Path(folder), figures())
+        image = Image.open(next(each for each in drawn if each.suffix == ".png")).convert("RGB")
+    note = PngInfo()
+    note.add_text("origin", origin_of(name))
+    width, content = WIDTH, BytesIO()
+    while not 0 < content.tell() <= LARGEST:
+        content = BytesIO()
+        small = image.resize((width, image.height * width // image.width), Image.Resampling.LANCZOS)
+        small = small.quantize(COLORS, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
+        small.save(content, format="PNG", optimize=True, pnginfo=note)
+        width = width * 9 // 10
+    path.parent.mkdir(exist_ok=True)
+    with atomic(path) as part:
+        part.write_bytes(content.getvalue())
+
+
+if __name__ == "__main__":
+    for path, name in pictures().items():
+        if note_of(path) != origin_of(name):
+            draw_picture(name, path)
+            print(f"{relpath(path)}: {path.stat().st_size / 1e3:.0f} kB")
+    for template in TEMPLATES:
+        page_of(template).write_text(text_of(template), encoding="utf-8")
