@@ -437,6 +437,10 @@ class Entry(NamedTuple):
     about: str
     field: FieldInfo | None = None
 
+    def __reduce__(self):
+        """Without the field for another process: its checks are functions that cannot be sent."""
+        return Entry, self[:3]
+
 
 def entries(
     shapes: Iterable[str], fields: dict[str, FieldInfo] = Configuration.read, head: str = ""
