@@ -533,7 +533,7 @@ def test_an_interrupt_is_answered_and_leaves_what_was_simulated(call, threads):
     began = time.monotonic()
     with Alarm(0.5), pytest.raises(KeyboardInterrupt):
         ENDLESS[call](run)
-    assert time.monotonic() - began < 5.0  # s, on a busy computer
+    assert time.monotonic() - began < 60.0  # s, on a busy computer; the run takes hours
     at, steps, state = run.time, run.steps, run.state
     time.sleep(0.3)
     assert (run.time, run.steps) == (at, steps) and steps > 100
