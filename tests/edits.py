@@ -79,7 +79,7 @@ KEPT = {
         '"""The scene of the run."""',
         '"""Another word."""',
     ),
-    "an annotation": ("dem/experiment/kinds/drag.py", "threads: int = 1,", "threads: float = 1,"),
+    "an annotation": ("dem/experiment/kinds/drag.py", "checkpoint: Path | None", "checkpoint: str | None"),
     "a local variable of a kernel": ("dem/contacts/force_law.py", "kept", "held"),
     "a local variable of the reader": ("dem/experiment/config.py", "plain", "bare"),
     "an import for types": (

@@ -88,7 +88,7 @@ EDITS = {
     ),
     "an annotation": (
         "dem/experiment/kinds/drag.py",
-        ("threads: int = 1,", "threads: float = 1,"),
+        ("checkpoint: Path | None", "checkpoint: str | None"),
         set(),
     ),
     "another error": (

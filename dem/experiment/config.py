@@ -23,6 +23,7 @@ from dem.base.schema import (
     NotNegative,
     Positive,
     Section,
+    Whole,
     known_by,
     section_of,
     units_of,
@@ -49,13 +50,15 @@ from dem.shapes import Kind, kind_of
 
 NO_BITS = "reads values, which are part of what a run is known by"
 
+MOST_THREADS = 1024
 LAYOUT = 1  # of the files of runs: raise it where a variable comes, goes or has another meaning
 # sections that only some experiments read, by these
 SECTIONS = {
     name: tuple(kind for kind, own in EXPERIMENTS.items() if name in own["SECTIONS"])
     for name in ("cylinder", "record", "shear")
 }
-UNREAD = ("beside", "shapes", "record.window")  # by runs; of the shapes, each reads its own
+# by what runs give; of the shapes, each reads its own
+UNREAD = ("beside", "shapes", "record.window", "threads")
 # what a bed depends on, beside its shape and how densely it is packed
 OF_BED = (
     "box_width",
@@ -94,6 +97,9 @@ class Configuration(Section):
     gravity: NotNegative = value("m s-2", "gravity, downwards", 0.0)
     ellipse: EllipseSection = EllipseSection()
     shapes: dict[Label, ShapeSection] = Field(min_length=1)
+    threads: Whole = value(
+        "1", "threads of a run, for beds of thousands of granules", 1, ge=1, le=MOST_THREADS
+    )
     beside: str | None = value(None, "folder of files of your own; that of this file", None)
     record: RecordSection | None = value(None, "what is recorded", None, None)
     shear: ShearSection | None = value(None, "how the bed is sheared", None, None)
@@ -448,7 +454,7 @@ def entries(
                     visit(section.model_fields, f"{path}.{label}.")
             elif section:
                 visit(section.model_fields, f"{path}.")
-            elif path not in ("record.window", "record.observables", "beside"):
+            elif path not in ("record.window", "record.observables", "beside", "threads"):
                 found[path] = Entry(path, units_of(field), field.description, field)
 
     visit(read, "")
