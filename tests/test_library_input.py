@@ -220,6 +220,8 @@ ARGUMENTS = {
     "pack cylinder": (lambda v: pack(cylinder=v), THING[1:]),
     "pack seed": (lambda v: pack(seed=v), [None, -1, 1.5, 2.0, 2**63, *NUMBER]),
     "pack periodic": (lambda v: pack(periodic=v), [None, "yx", True, (1e-2, None)]),
+    "pack threads": (lambda v: pack(threads=v), [100_000, *COUNT]),
+    "pack checkpoint": (lambda v: pack(checkpoint=v), ["."]),
 }
 
 

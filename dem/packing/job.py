@@ -89,7 +89,7 @@ class Job:
         world = replaced(world, saved)
         if alone:  # one array where a granule is its own only constituent
             world = world._replace(force=world.constituent_force)
-        return world, saved[MEMORY], int(saved[LEFT]) or left
+        return world, saved[MEMORY], int(saved[LEFT])
 
     def reached(self, done: int, net_force: float, **arrays: Any) -> None:
         """Where a minimisation is after some more iterations: it is reported, and kept now and then.
@@ -102,10 +102,11 @@ class Job:
         if time.monotonic() - self._saved_at > SAVED_EVERY:
             self.save()
 
-    def save(self) -> None:
-        """Keep what is reached, whole or not at all."""
+    def save(self, **changes: Any) -> None:
+        """Keep what is reached, but for some changes, whole or not at all."""
         if self.path is None or not self._arrays:
             return
+        self._arrays |= changes
         stage = self.stage | {"iterations": self.iterations}
         stage = {f"{STAGE}{name}": value for name, value in stage.items()}
         arrays = written(**self._arrays, **stage, **{BED: self._bed})

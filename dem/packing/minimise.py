@@ -390,6 +390,11 @@ def minimise(
     try:
         with nullcontext() if size == 1 else Threads(size) as threads:
             while True:
+                if large and enough is None and memory[0] > 0.0:
+                    force = list_contacts(world, order).force
+                    share = SHARE_OF_CONTACT * force.mean() if len(force) else 0.0
+                    bound = np.clip(share, REST * unit, MOST_REST * unit)
+                    goal = goal._replace(enough=float(bound))
                 before = left
                 with signals_deferred():
                     world, left, *rest = run(world, table, goal, memory, left, sums, threads)
@@ -399,11 +404,6 @@ def minimise(
                 job.reached(before - left, rest[0] / unit, **kept)
                 if left == 0 or rest[0] <= goal.enough:
                     break
-                if large and enough is None:
-                    force = list_contacts(world, order).force
-                    share = SHARE_OF_CONTACT * force.mean() if len(force) else 0.0
-                    bound = np.clip(share, REST * unit, MOST_REST * unit)
-                    goal = goal._replace(enough=float(bound))
     except KeyboardInterrupt:
         job.save()
         raise

@@ -324,7 +324,7 @@ def at_rest(shape: Any, room: Room, state: State, job: Job) -> Bed:
     limit = most_iterations(len(shape.area), fraction)
     bed = minimise(room.scene(shape), state, limit, None, job)
     if not bed.net_force <= bed.enough:
-        job.save()
+        job.save(left=limit)  # whoever tries again goes on
         unit = unit_of(shape)
         hint = isinstance(shape, Disc) and near_jamming(len(shape.area), fraction)
         raise PackingError(
