@@ -50,7 +50,6 @@ from dem.shapes import Kind, kind_of
 
 NO_BITS = "reads values, which are part of what a run is known by"
 
-MOST_THREADS = 1024
 LAYOUT = 1  # of the files of runs: raise it where a variable comes, goes or has another meaning
 # sections that only some experiments read, by these
 SECTIONS = {
@@ -98,7 +97,7 @@ class Configuration(Section):
     ellipse: EllipseSection = EllipseSection()
     shapes: dict[Label, ShapeSection] = Field(min_length=1)
     threads: Whole = value(
-        "1", "threads of a run, for beds of thousands of granules", 1, ge=1, le=MOST_THREADS
+        "1", "threads of a run, for beds of thousands of granules", 1, ge=1, le=64
     )
     beside: str | None = value(None, "folder of files of your own; that of this file", None)
     record: RecordSection | None = value(None, "what is recorded", None, None)

@@ -15,7 +15,6 @@ from dem.dynamics.world import World
 NO_BITS = "keeps a bed while it is packed, and says how far it is"
 SAVED_EVERY = 60.0  # s between two times that a bed is kept
 STAGE = "stage_"  # how names of arrays begin that are not the minimiser's
-BED, ORDER, MEMORY, LEFT = "bed", "order", "memory", "left"
 
 
 def ignored(iterations: int, net_force: float) -> None:
@@ -64,8 +63,8 @@ class Job:
         try:
             with np.load(self.path) as file:
                 saved = read(file)
-            if not np.array_equal(saved[BED], self._bed):
-                raise InputError("it is of another bed.")
+            if not np.array_equal(saved["bed"], self._bed):
+                raise InputError("it is of another bed")
         except Exception as error:
             raise InputError(
                 f"{self.path}: no packing can go on from it ({error}); delete it, or name another file."
@@ -78,7 +77,7 @@ class Job:
 
     def order(self, compute: Callable[[], np.ndarray]) -> np.ndarray:
         """The order of granules in memory: that of a minimisation that was stopped, or a new one."""
-        return compute() if self._saved is None else self._saved[ORDER]
+        return compute() if self._saved is None else self._saved["order"]
 
     def take_up(self, world: World, memory: np.ndarray, left: int) -> tuple[World, np.ndarray, int]:
         """The arrays of a minimisation that was stopped, once; else as they are."""
@@ -89,7 +88,7 @@ class Job:
         world = replaced(world, saved)
         if alone:  # one array where a granule is its own only constituent
             world = world._replace(force=world.constituent_force)
-        return world, saved[MEMORY], int(saved[LEFT])
+        return world, saved["memory"], int(saved["left"])
 
     def reached(self, done: int, net_force: float, **arrays: Any) -> None:
         """Where a minimisation is after some more iterations: it is reported, and kept now and then.
@@ -109,7 +108,7 @@ class Job:
         self._arrays |= changes
         stage = self.stage | {"iterations": self.iterations}
         stage = {f"{STAGE}{name}": value for name, value in stage.items()}
-        arrays = written(**self._arrays, **stage, **{BED: self._bed})
+        arrays = written(**self._arrays, **stage, bed=self._bed)
         with atomic(self.path) as part, part.open("wb") as file:
             np.savez(file, **arrays)
         self._saved_at = time.monotonic()

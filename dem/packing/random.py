@@ -25,7 +25,6 @@ from dem.packing.job import Job
 from dem.packing.minimise import Minimum, minimise
 from dem.periodic import SIDES, Periods, nearest_image, periods_of, wrapped
 from dem.scene import Cylinder, Friction, Material, Scene, State, granules, walls_of
-from dem.shapes.disc import Disc
 
 LOOSE = 0.3  # area fraction of the bounding circles at the start
 GROWTH = 1.02  # of all lengths, in one step
@@ -326,7 +325,7 @@ def at_rest(shape: Any, room: Room, state: State, job: Job) -> Bed:
     if not bed.net_force <= bed.enough:
         job.save(left=limit)  # whoever tries again goes on
         unit = unit_of(shape)
-        hint = isinstance(shape, Disc) and near_jamming(len(shape.area), fraction)
+        hint = None if shape.needs_angle else near_jamming(len(shape.area), fraction)
         raise PackingError(
             f"{room.name(shape)} is not at rest after {limit} iterations: net force "
             f"{bed.net_force / unit:.2g} E* R^2, asked for {bed.enough / unit:.2g}"

@@ -118,7 +118,7 @@ def main(
             rows.append(measured(case))
             print(rows[-1], flush=True)
             with TABLE.open("w", newline="") as file:
-                writer = csv.DictWriter(file, rows[-1])
+                writer = csv.DictWriter(file, rows[-1], lineterminator="\n")
                 writer.writeheader()
                 writer.writerows(rows)
     draw()
