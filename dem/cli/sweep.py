@@ -190,8 +190,7 @@ def simulate(
     from dem.base.errors import InputError
     from dem.experiment import resume
     from dem.experiment.bed import make_bed
-    from dem.experiment.box import NOMINAL
-    from dem.packing.cost import progress
+    from dem.packing.cost import UNDER_PRESSURE, progress
     from dem.sweep.axis import changes_of_words
     from dem.sweep.batch import write_one
     from dem.sweep.config import load
@@ -213,7 +212,10 @@ def simulate(
         half_packed = checkpoint.with_name(f"{checkpoint.name}.bed.npz")
     for sentence in slow_beds([run]):
         say(sentence)
-    words, fraction = f"packing {shape}, seed {seed}", run.configuration.packing.fraction or NOMINAL
+    words, fraction = (
+        f"packing {shape}, seed {seed}",
+        run.configuration.packing.fraction or UNDER_PRESSURE,
+    )
     with bar(words, 1.0) as update:
 
         def report(iterations, net_force):

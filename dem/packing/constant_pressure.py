@@ -12,6 +12,7 @@ import numpy as np
 
 from dem.base.errors import PackingError
 from dem.contacts.force_law import effective_modulus
+from dem.dynamics.world import PATCH
 from dem.packing.cost import LONGEST
 from dem.packing.job import Job
 from dem.packing.minimise import minimise
@@ -23,7 +24,8 @@ STEPS = 100  # at most
 FAR = 1e-3  # of the height: less tells no slope
 NEAR = 1e-3  # of the pressure: how near it is met
 PATIENCE = 20_000  # iterations between two steps
-RESTING = 1e-4  # of the force of the pressure on a granule: enough between two steps
+# of the force of the pressure on a granule: enough between two steps, and in beds of several patches
+RESTING, RESTING_OF_LARGE = 1e-4, 3e-3
 
 
 def pack_under(shape: Any, room: Room, pressure: float, job: Job | None = None) -> Bed:
@@ -35,7 +37,8 @@ def pack_under(shape: Any, room: Room, pressure: float, job: Job | None = None) 
     """
     job = job or Job()
     modulus = effective_modulus(SOFT, SOFT)
-    near = RESTING * pressure * modulus * 2.0 * shape.constituent_radius.mean()
+    resting = RESTING if len(shape.area) <= PATCH else RESTING_OF_LARGE
+    near = resting * pressure * modulus * 2.0 * shape.constituent_radius.mean()
     seen: list[tuple[float, float]] = []  # heights (m), pressure^(2/3) over what is asked
     met = False
     if "height" in job.stage:  # of a bed that was stopped; the job has the places of its granules

@@ -11,6 +11,7 @@ import numpy as np
 
 CLOSE_PACKING = 0.842  # random close packing of discs in a box without end
 NEAR = 0.009  # of the packing fraction: so near to it large beds are slow
+UNDER_PRESSURE = 0.86  # packing fraction of a bed that takes about as long as one under a pressure
 LARGE = 2_000  # granules: smaller beds are made denser by their walls
 LONGEST = 100_000  # iterations of the last relaxation, at least
 PATIENT = 3.0  # times those expected: they scatter by 2

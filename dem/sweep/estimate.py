@@ -12,7 +12,7 @@ from dem.base.errors import InputError
 from dem.experiment.config import Replicate, of_values
 from dem.io.dataset import read
 from dem.io.progress import span
-from dem.packing.cost import packing_time
+from dem.packing.cost import UNDER_PRESSURE, packing_time
 from dem.sweep.state import SweepState
 from dem.sweep.store import Store
 from dem.sweep.why import reasons
@@ -21,7 +21,6 @@ from dem.sweep.why import reasons
 GUESS = {"disc": 3e-8, "dumbbell": 6e-8, "ellipse": 6e-8}
 ITERATED = 6e-7  # the same of shapes whose contacts are found by iteration, as of superellipses
 DAMPED = 30.0  # by how much damping bounds the step, over how much stiffness does, a damping ratio
-UNDER_PRESSURE = 0.86  # packing fraction of a bed that takes about as long
 NEWEST = 40  # batches of the store whose times are read
 REASONS = 10  # that are listed
 

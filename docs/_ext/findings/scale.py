@@ -8,8 +8,7 @@ from rich.table import Table
 
 from dem.analysis.tables import numbers
 from dem.contacts.force_law import damping_from_restitution, restitution_from_damping
-from dem.packing.cost import packing_time
-from dem.sweep.estimate import UNDER_PRESSURE
+from dem.packing.cost import UNDER_PRESSURE, packing_time
 from studies.common.findings import Findings
 
 __all__ = ["ensembles", "large_beds", "off_centre", "overhead", "steps", "timings", "worst"]
