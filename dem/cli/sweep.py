@@ -190,7 +190,7 @@ def simulate(
     from dem.base.errors import InputError
     from dem.experiment import resume
     from dem.experiment.bed import make_bed
-    from dem.packing.cost import UNDER_PRESSURE, progress
+    from dem.packing.cost import progress
     from dem.sweep.axis import changes_of_words
     from dem.sweep.batch import write_one
     from dem.sweep.config import load
@@ -214,7 +214,7 @@ def simulate(
         say(sentence)
     words, fraction = (
         f"packing {shape}, seed {seed}",
-        run.configuration.packing.fraction or UNDER_PRESSURE,
+        run.configuration.packing.fraction,
     )
     with bar(words, 1.0) as update:
 

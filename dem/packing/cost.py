@@ -11,7 +11,7 @@ import numpy as np
 
 CLOSE_PACKING = 0.842  # random close packing of discs in a box without end
 NEAR = 0.009  # of the packing fraction: so near to it large beds are slow
-UNDER_PRESSURE = 0.86  # packing fraction of a bed that takes about as long as one under a pressure
+UNDER_PRESSURE = 0.86, 3.0  # a bed takes so many times as long as one at that packing fraction
 LARGE = 2_000  # granules: smaller beds are made denser by their walls
 LONGEST = 100_000  # iterations of the last relaxation, at least
 PATIENT = 3.0  # times those expected: they scatter by 2
@@ -26,11 +26,12 @@ ITERATIONS = (
 START, ITERATION = 65e-6, 30e-9  # s of a usual processor: a granule, and an iteration of it
 
 
-def expected_iterations(granules: int, fraction: float) -> float:
-    """Iterations of a bed of discs, about half or twice."""
+def expected_iterations(granules: int, fraction: float | None) -> float:
+    """Iterations of a bed of discs, about half or twice; fraction: None under a pressure."""
     fractions, factors, powers = np.transpose(ITERATIONS)
     logs = np.log(factors) + powers * math.log(granules)
-    return math.exp(np.interp(fraction, fractions, logs))
+    fraction, times = (fraction, 1.0) if fraction else UNDER_PRESSURE
+    return times * math.exp(np.interp(fraction, fractions, logs))
 
 
 def most_iterations(granules: int, fraction: float) -> int:
@@ -47,7 +48,7 @@ def progress(
     return min(iterations / expected, 0.99), words
 
 
-def packing_time(granules: int, fraction: float) -> float:
+def packing_time(granules: int, fraction: float | None) -> float:
     """Processor time (s) of a bed of discs."""
     return granules * (START + ITERATION * expected_iterations(granules, fraction))
 

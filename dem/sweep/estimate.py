@@ -12,7 +12,7 @@ from dem.base.errors import InputError
 from dem.experiment.config import Replicate, of_values
 from dem.io.dataset import read
 from dem.io.progress import span
-from dem.packing.cost import UNDER_PRESSURE, packing_time
+from dem.packing.cost import packing_time
 from dem.sweep.state import SweepState
 from dem.sweep.store import Store
 from dem.sweep.why import reasons
@@ -23,11 +23,6 @@ ITERATED = 6e-7  # the same of shapes whose contacts are found by iteration, as 
 DAMPED = 30.0  # by how much damping bounds the step, over how much stiffness does, a damping ratio
 NEWEST = 40  # batches of the store whose times are read
 REASONS = 10  # that are listed
-
-
-def bed_time(run: Replicate) -> float:
-    """Processor time (s) of the bed of a run, as if its granules were discs."""
-    return packing_time(run.shape.granules, run.configuration.packing.fraction or UNDER_PRESSURE)
 
 
 def summary(state: SweepState, jobs: int, retry: bool = False) -> str:
@@ -56,10 +51,11 @@ def summary(state: SweepState, jobs: int, retry: bool = False) -> str:
         lines += [f"  {count} because {reason}." for reason, count in why]
         coming += new
     if coming:
-        seconds, how = time_of(state.store, coming, min(jobs, len(coming)))
+        processes = min(jobs, len(coming))
+        seconds, how = time_of(state.store, coming, processes)
         lines.append(
-            f"About {span(seconds)} with {jobs} processes ({how}), and some minutes where kernels "
-            "are not compiled yet."
+            f"About {span(seconds)} with {processes} process{'es' if processes > 1 else ''} ({how}), "
+            "and some minutes where kernels are not compiled yet."
         )
     return "\n".join(lines)
 
@@ -96,7 +92,8 @@ def guessed(runs: list[Replicate], packed: set[str]) -> Iterator[float]:
         speed = GUESS.get(run.shape.kind, ITERATED)
         seconds = speed * effort(run)
         if run.configuration.module.observed and run.bed_id not in packed:
-            seconds += bed_time(run) * speed / GUESS["disc"]
+            time = packing_time(run.shape.granules, run.configuration.packing.fraction)
+            seconds += time * speed / GUESS["disc"]  # as if its granules were discs
             packed.add(run.bed_id)
         yield seconds
 

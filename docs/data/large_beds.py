@@ -48,6 +48,7 @@ class Case(NamedTuple):
 
 CASES = [
     *(Case(*each) for each in product((1600, 6400, 25_600), FRACTIONS, range(1, 6))),
+    *(Case(granules, 0.0, 1) for granules in (6400, 25_600)),
     *(Case(25_600, 0.86, seed, threads=2) for seed in range(1, 6)),
     *(
         Case(25_600, fraction, 1, kind)
