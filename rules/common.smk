@@ -11,6 +11,7 @@ from functools import cache
 from pathlib import Path
 
 from dem.base.messages import say
+from dem.base.sources import code_hash, codes, files_of, run_codes, with_imports
 from dem.experiment.config import EXPERIMENTS
 from dem.experiment.observables import OBSERVABLES
 from dem.figures.catalogue import FIGURES, wanted
@@ -127,6 +128,21 @@ def keep_whole(files):
             workflow.persistence.cleanup_metadata(file)
 
 
+# Code is a parameter of a rule, and not an input, so that an edit of a comment or a docstring reruns no job. Batches
+# need none: the code is part of the identity of their runs.
+def code_of(*names, runs=False):
+    """Hash of the code of files and folders, and of what they import of studies; runs: also of what makes runs."""
+    files = [each for file in files_of(names, HERE) for each in with_imports(file)]
+    return code_hash(codes(files, HERE) | (run_codes() if runs else {}))
+
+
+def code_of_figure(figure):
+    """The same of a figure, and of what all figures share; no other figure but that whose headings some have."""
+    figures = {f"dem/figures/{name}.py" for name in FIGURES} - {"dem/figures/sweep.py"}
+    shared = {file.relative_to(HERE).as_posix() for file in files_of(["dem/figures"], HERE)} - figures
+    return code_of(f"{figure.module.replace('.', '/')}.py", *sorted(shared), "dem/analysis")
+
+
 NOT_READ = "record", "sweep", "title", "failures"  # by a study without runs
 
 
@@ -142,6 +158,11 @@ def read_by(name):
     return found
 
 
+def folder_of(name):
+    """The folder of a study, below the checkout."""
+    return package_of(name).replace(".", "/")
+
+
 def measures(name):
     """Whether a study measures by itself."""
     return REPORTED[name].get("MEASURES", False)
@@ -153,12 +174,6 @@ def batches_of(name, derived=False):
     blocks = own.folders.items()
     folders = [folder for folder, block in blocks if bool(own.needed(block)) == derived]
     return list(dict.fromkeys(batch for folder in folders for batch in batches_in(folder)))
-
-
-# Code is a parameter of a rule, and not an input: the hash of what its module and the shapes depend on,
-# without comments, docstrings and sentences of errors. Other edits rerun no job. Batches need no such
-# parameter, because the code is part of the identity of their runs.
-code_of = SWEEP.sweep.code_of
 
 
 def pictures(names, folder=RESULTS):

@@ -24,7 +24,7 @@ rule figure:
         ),
         "{folder}/figures/{figure}.png",
     params:
-        code=lambda w: code_of(KNOWN_FIGURES[w.figure].module),
+        code=lambda w: code_of_figure(KNOWN_FIGURES[w.figure]),
         caption=lambda w: KNOWN_FIGURES[w.figure].caption,
         folder=lambda w, output: os.path.dirname(output[0]),
         by=lambda w: "dem" if w.figure in FIGURES else "python -P -m studies",

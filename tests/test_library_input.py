@@ -268,10 +268,10 @@ def test_a_refused_argument_comes_with_its_remedy(monkeypatch, remedy):
     assert remedy in str(error.value), str(error.value)
 
 
-def of_class(monkeypatch, module, name):
+def of_class(monkeypatch, file, name):
     """A run whose granules are of another class, which must be refused before any bed is packed."""
     monkeypatch.chdir(CONFIG.parent)
-    monkeypatch.setitem(shapes.KINDS, "disc", shapes.Kind(module, name, 1.0))
+    monkeypatch.setitem(shapes.KINDS, "disc", shapes.Kind(file, name, 1.0))
     with pytest.raises(dem.InputError) as error:
         dem.run_experiment(SMOKE)
     return str(error.value)
@@ -284,7 +284,7 @@ def test_what_granules_refuse_is_said_with_the_shape(monkeypatch):
         raise dem.InputError("bulge is 1.0; it must lie in 0 to 0.12.")
 
     monkeypatch.setattr(dem.Superellipse, "of_size", of_size)
-    said = of_class(monkeypatch, "dem.shapes.superellipse", "Superellipse")
+    said = of_class(monkeypatch, shapes.KINDS["superellipse"].file, "Superellipse")
     assert said == "shapes.c1 (disc): bulge is 1.0; it must lie in 0 to 0.12."
 
 
@@ -292,7 +292,7 @@ def test_granules_have_the_areas_of_discs_of_their_diameters(monkeypatch):
     """Others would make a bed of another packing fraction: refused with the class and both areas."""
     right = dem.Superellipse.of_size
     monkeypatch.setattr(dem.Superellipse, "of_size", lambda size, ratio: right(1.001 * size, ratio))
-    said = of_class(monkeypatch, "dem.shapes.superellipse", "Superellipse")
+    said = of_class(monkeypatch, shapes.KINDS["superellipse"].file, "Superellipse")
     assert said.startswith("shapes.c1 (disc): Superellipse.of_size gives a granule of ")
     found, diameter, wanted = map(float, re.findall(r"\S+e-\d+|0\.\d+", said))
     assert found / wanted == pytest.approx(1.001**2, rel=1e-6)

@@ -50,8 +50,6 @@ HARMLESS = {
         "dem/experiment/config.py",
         ("has no such shape", "knows no such shape"),
     ),
-    "a shape that the sweep has not": ("dem/shapes/superellipse.py", LINE),
-    "one more shape": ("dem/shapes/triangle.py", 'SHAPE = "Triangle"\n'),
     "one more observable": ("dem/experiment/observables/heat.py", "VARIABLES = {}\n"),
     "the command line": ("dem/cli/app.py", LINE),
     "runs a batch": (SMOKE, ("title: Smoke", "batch: 3\ntitle: Smoke")),
@@ -101,7 +99,8 @@ def test_nothing_is_made_again_for_what_changes_no_result(made):
 def test_an_edit_makes_again_what_depends_on_it(made, edit):
     name, change, rules = EDITS[edit]
     with edited(made, [(name, change)]):
-        assert set(again(made)) == rules
+        jobs = again(made)
+    assert set(jobs) == rules and (edit != "one figure" or jobs["figure"] == 1)
 
 
 # (file, what it says, what is put instead): rules whose jobs run, with the chunks of new runs

@@ -31,6 +31,7 @@ from dem.sweep.axis import changes_of_words
 from dem.sweep.combine import about, combine
 from dem.sweep.combined import combine_block
 from dem.sweep.config import load, merged, parse
+from dem.sweep.jobs import kernel_key, plan_batches
 from dem.sweep.prune import prune, sweeps
 from dem.sweep.state import SweepState
 
@@ -450,7 +451,7 @@ def test_runs_that_compute_the_same_motion_share_machine_code():
     def kernels(path="seed", value=1, observables=("drag", "snapshots"), **values):
         record = SMALL["record"] | {"observables": list(observables)}
         sweep = small({"shape": "c1", path: [value]}, record=record, **values)
-        return stores.kernels_of(sweep.block("drag").first)
+        return kernel_key(sweep.block("drag").first)
 
     first = kernels()
     assert first == kernels("friction.wall", 0.0) == kernels(observables=["drag"])
@@ -510,16 +511,16 @@ def test_chunks_are_filled_and_runs_of_one_bed_stay_together(tmp_path):
     """Two beds of two runs are one chunk of four, and two chunks of at most three."""
     block = small({"shape": "c1", "seed": [1, 2], "friction.granule": [0.1, 0.2]}).block("drag")
     for size, runs in ((5, [4]), (4, [4]), (3, [2, 2]), (1, [1, 1, 1, 1])):
-        chunks, _ = stores.plan((), block.unique(), size, "results")
+        chunks, _ = plan_batches((), block.unique(), size, "results")
         assert [len(chunk.runs) for chunk in chunks] == runs
 
 
 def test_a_sweep_keeps_to_its_batches_while_another_makes_their_runs():
     """All its jobs find the same ones, however many the other puts together."""
     runs = list(small({"shape": "c1", "seed": [1, 2, 3, 4]}).block("drag").unique())
-    mine, _ = stores.plan((), runs, 1, "results/mine")
-    others, _ = stores.plan((), runs, 4, "results/other")
-    found, new = stores.plan(others + mine, runs, 1, "results/mine")
+    mine, _ = plan_batches((), runs, 1, "results/mine")
+    others, _ = plan_batches((), runs, 4, "results/other")
+    found, new = plan_batches(others + mine, runs, 1, "results/mine")
     assert set(found) == set(mine) and not new
 
 
@@ -626,9 +627,9 @@ def test_a_file_that_was_damaged_on_its_way_is_not_put_into_the_store(tmp_path, 
     path.write_bytes(bytes(1000))
     seal(path)
     with pytest.raises(Changed):
-        store.put("ab", damage(path.read_bytes()))
+        store.add("ab", damage(path.read_bytes()))
     assert not list(store.folder.rglob("*.*"))
-    store.put("ab", path.read_bytes())
+    store.add("ab", path.read_bytes())
     assert store.file_of("ab").read_bytes() == path.read_bytes()
 
 

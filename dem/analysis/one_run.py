@@ -7,6 +7,7 @@ of a sweep, whose runs are in the store.
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -21,7 +22,6 @@ from dem.experiment.motion import Motion
 from dem.io.dataset import LABELS, content_of
 from dem.io.lazily import open_lazily
 from dem.sweep.store import Store
-from dem.sweep.why import flat
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -53,6 +53,15 @@ def open_run(path: Path, select: list[str]) -> tuple[Replicate, dict]:
     return read_run(batch_of(path, run), run)
 
 
+def flat(values: dict, head: str = "") -> Iterator[tuple[str, object]]:
+    """Values of groups by path; lists as tuples."""
+    for name, value in values.items():
+        if isinstance(value, dict):
+            yield from flat(value, f"{head}{name}.")
+        else:
+            yield f"{head}{name}", tuple(value) if isinstance(value, list) else value
+
+
 def read_run(path: Path, run: str) -> tuple[Replicate, dict]:
     """A run of a batch by its identity, and its variables by name."""
     with open_lazily(path) as dataset:
@@ -64,7 +73,7 @@ def batch_of(path: Path, run: str) -> Path:
     none."""
     for folder in Path(path).resolve().parents:
         store = Store(folder / "store")
-        for batch in store.sealed().values():
+        for batch in store.complete().values():
             if run in batch.runs:
                 return store.file_of(batch.id)
     raise InputError(

@@ -1,7 +1,5 @@
 """Errors with a name: what went wrong, where and when, in one sentence."""
 
-NO_BITS = "names errors"
-
 
 class InputError(ValueError):
     """A value that the user gave cannot be used; nothing was written.

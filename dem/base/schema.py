@@ -14,8 +14,6 @@ from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
 from dem.base.validate import shown
 
-NO_BITS = "checks values, which are part of what a run is known by"
-
 # the bounds keep products of values, and of their squares, finite and above zero
 MOST_NUMBER, LEAST_POSITIVE = 1e15, 1e-15
 MOST = 1_000_000  # seeds of a list, and runs of a block

@@ -4,7 +4,6 @@ SI units throughout. Workflow, command line and library read values only through
 refuses values that cannot be simulated with one sentence per fault, which names key and value.
 """
 
-import hashlib
 import json
 from collections.abc import Iterable
 from functools import cached_property
@@ -30,7 +29,7 @@ from dem.base.schema import (
     validated,
     value,
 )
-from dem.base.sources import code_hash
+from dem.base.sources import digest, run_hash
 from dem.experiment.box import check_room
 from dem.experiment.kinds import EXPERIMENTS, Experiment
 from dem.experiment.sections import (
@@ -47,8 +46,6 @@ from dem.experiment.sections import (
     or_file,
 )
 from dem.shapes import Kind, kind_of
-
-NO_BITS = "reads values, which are part of what a run is known by"
 
 LAYOUT = 1  # of the files of runs: raise it where a variable comes, goes or has another meaning
 # sections that only some experiments read, by these
@@ -231,10 +228,6 @@ class Configuration(Section):
         self.module.check(self)
         return self
 
-    def code_of(self, *modules: str, shapes: Iterable[str] = ()) -> str:
-        """SHA-256 of the code that modules and some shapes depend on."""
-        return code_hash(*modules, *sorted({self.kind_of(shape).module for shape in shapes}))
-
     def changed(self, changes: dict[str, Any], shape: str) -> "Configuration":
         """These values with some changed by path, and one shape only; raises InputError.
 
@@ -337,7 +330,7 @@ class Replicate:
     def bed_family(self) -> str:
         """Hash of all that the bed depends on, except packing fraction or pressure, friction and
         seed."""
-        return _digest(self._bed())
+        return digest(self._bed())
 
     def bed_key(self) -> str:
         """All that the bed depends on, as text."""
@@ -354,34 +347,29 @@ class Replicate:
         return f"{c._known_as_text[self.label]} {self.density} {self.seed}"
 
     @property
-    def modules(self) -> tuple[str, ...]:
-        """The modules that make the run: experiment, observables and shape."""
+    def files(self) -> tuple[Path, ...]:
+        """The files of its experiment, observables and shape."""
         c = self.configuration
-        return *c.module.places(c), self.kind.module
+        return *c.module.files(c), self.kind.file
 
     @property
     def source_hash(self) -> str:
-        """SHA-256 of the code that decides the bits of this run, and of what compiles it."""
-        return _digest(code_hash(*self.modules, bits=True), compilers())
+        """Hash of the code that decides the numbers of this run, and of what compiles it."""
+        return digest(run_hash(*self.files), compilers())
 
     @cached_property
     def id(self) -> str:
         """Identity of the run: hash of the values that it reads and the code that it runs."""
-        return _digest(self.run_key(), self.source_hash, str(LAYOUT))
+        return digest(self.run_key(), self.source_hash, str(LAYOUT))
 
     @property
     def bed_id(self) -> str:
         """Identity of the bed of the run."""
-        code = code_hash("dem.experiment.bed", self.kind.module, bits=True)
-        return _digest(self.bed_key(), compilers(), code)
+        return digest(self.bed_key(), compilers(), run_hash(self.kind.file))
 
 
 # machine code of a bed that is pressed with friction, as kinds of experiment describe theirs
 PRESSED = (True, True, False, False, False, str(EllipseSection()))
-
-
-def _digest(*texts: str) -> str:
-    return hashlib.sha256("\n".join(texts).encode()).hexdigest()[:32]
 
 
 def of_values(data: dict, source: str = "values") -> Replicate:

@@ -5,19 +5,17 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, model_validator
 
-from dem.base.outside import is_outside
+from dem.base.plugins import is_plugin
 from dem.base.schema import NotNegative, Number, Positive, Section, Seed, Whole, value
 from dem.experiment.observables import OBSERVABLES
 from dem.shapes import KINDS
-
-NO_BITS = "describes values, which are part of what a run is known by"
 
 
 def or_file(known: Iterable[str]) -> BeforeValidator:
     """A name of the package, or of a file of a user's own, which is looked up where a file is read."""
 
     def check(name):
-        if name in tuple(known) or is_outside(name):
+        if name in tuple(known) or is_plugin(name):
             return name
         *others, last = map(repr, known)
         raise ValueError(f"it must be {', '.join(others)} or {last}")

@@ -19,7 +19,7 @@ from numba.core.untyped_passes import DeadBranchPrune
 
 from dem.jit.address import by_address, local
 
-# LLVM uses vectors of 256 bits on processors of Intel that have some of 512. This attribute of a function changes
+# LLVM uses vectors of 256 bits on processors of Intel that have some of 512. This attribute changes
 # that; other processors ignore it.
 WIDE_VECTORS = '"prefer-vector-width"="512"'
 

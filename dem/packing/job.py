@@ -12,7 +12,6 @@ from dem.base.files import atomic
 from dem.dynamics.checkpoint import fingerprint, read, replaced, written
 from dem.dynamics.world import World
 
-NO_BITS = "keeps a bed while it is packed, and says how far it is"
 SAVED_EVERY = 60.0  # s between two times that a bed is kept
 STAGE = "stage_"  # how names of arrays begin that are not the minimiser's
 

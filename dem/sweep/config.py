@@ -14,7 +14,7 @@ from pydantic import AfterValidator, Field, model_validator
 from dem.base.errors import InputError
 from dem.base.files import atomic
 from dem.base.messages import did_you_mean
-from dem.base.outside import placed, reread
+from dem.base.plugins import refresh, with_folder
 from dem.base.schema import Label, NotNegative, Positive, Section, Whole, validated, value
 from dem.base.sources import ROOT
 from dem.base.yaml_file import read
@@ -188,7 +188,7 @@ def parse(data, source: str = "configuration") -> Sweep:
 
 def extended(data, source: str, depth: int = 0):
     """A file's content merged over the file that it extends; raises InputError."""
-    data = placed(data, _folder_of(source))
+    data = with_folder(data, _folder_of(source))
     if isinstance(data, dict):  # keys for anchors of YAML, as Docker Compose has them
         data = {key: each for key, each in data.items() if not str(key).startswith("x-")}
     if not isinstance(data, dict) or "extends" not in data:
@@ -236,7 +236,7 @@ def found(name: str | Path, beside: Path = Path()) -> Path:
 
 def load(path: Path) -> Sweep:
     """Sweep from a YAML file; raises InputError with one sentence per fault."""
-    reread()
+    refresh()
     path = found(path)
     return parse(read(path), str(path))
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from dem.base import plugins
 from dem.base.errors import InputError
-from dem.base.outside import loaded, placed, reread
 from dem.experiment.config import of_values
 from dem.io.dataset import LABELS, attributes, global_attributes
 from dem.io.lazily import open_results
@@ -95,8 +95,8 @@ def run_sweep(path: str | Path, executor=None, block: str | None = None) -> xr.D
     workers = workers_of(executor, state.store)
     if executor is None:
         for name in blocks:
-            for module in {each for run in state.block(name).unique() for each in run.modules}:
-                loaded(module)  # what cannot be is said before anything is written
+            for file in {each for run in state.block(name).unique() for each in run.files}:
+                plugins.load(file)  # what cannot be is said before anything is written
     lock, _ = prepare(state.results, state.store.folder)
     try:
         with workers:
@@ -137,8 +137,8 @@ def run_experiment(values: dict) -> xr.Dataset:
     >>> found["drag"].dims, found["drag"].attrs["units"]
     (('displacement',), 'N')
     """
-    reread()
-    replicate = of_values(placed(_whole(values), Path()))
+    plugins.refresh()
+    replicate = of_values(plugins.with_folder(_whole(values), Path()))
     own = replicate.configuration.checked()
     experiment = own.module
     found = experiment.run(replicate)

@@ -25,7 +25,7 @@ def listing(store: Store, wanted: dict[str, str]) -> Table:
         users += sweeps(store)
     except InputError:  # a configuration whose files are away
         unknown = "not known"
-    for batch in store.known():
+    for batch in store.batches():
         failed, needed = "not made", [str(f) for f, ids, _ in users if ids & {*batch.runs}]
         with suppress(InputError):
             failed = str(len(store.failed(batch.id)))

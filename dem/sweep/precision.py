@@ -241,7 +241,7 @@ class Numbers:
         same after any stop.
         """
         replicates = {run.id: run for run in block.unique()}
-        for batch in self.store.sealed().values():
+        for batch in self.store.complete().values():
             if batch.id not in self._read and not replicates.keys().isdisjoint(batch.runs):
                 self._read.add(batch.id)
                 names = "run_id", "failure", "failure_reason", self.variable

@@ -102,7 +102,7 @@ def differing(one: Path, other: Path) -> list[str]:
 
 
 def finished(place: Path) -> dict[Path, bytes]:
-    """The sealed batches of a store."""
+    """The batches of a store."""
     return {path: path.read_bytes() for path in (place / "results/store/batches").glob("*.nc")}
 
 

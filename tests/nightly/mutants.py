@@ -122,8 +122,8 @@ MUTANTS = (
     Mutant("experiment/kinds/onset.py", "constant", "HOLDING = 3", "HOLDING = 2", "tests/test_onset.py"),
     Mutant("experiment/config.py", "missing term", 'PACKED = "packing.fraction", "packing.friction"', 'PACKED = ("packing.fraction",)', SWEEP),
     # sweeps, their store, files and numbers
-    Mutant("sweep/store.py", "comparison", "if some and len(some) + len(bed) > size:", "if some and len(some) + len(bed) >= size:", SWEEP),
-    Mutant("sweep/store.py", "index", "for run in mine:\n", "for run in mine[1:]:\n", SWEEP),
+    Mutant("sweep/jobs.py", "comparison", "if part and len(part) + len(bed) > size:", "if part and len(part) + len(bed) >= size:", SWEEP),
+    Mutant("sweep/jobs.py", "index", "for run in shared:\n", "for run in shared[1:]:\n", SWEEP),
     Mutant("sweep/batch.py", "missing call", "    store.keep(replicate.id, found)\n", "", STORE),
     Mutant("sweep/batch.py", "comparison", 'return values["run_id"].tolist() == [', 'return values["run_id"].tolist() != [', STORE),
     Mutant("sweep/batch.py", "order", "    if not is_whole(path, replicates):  # another", "    store.forget(replicate.id for replicate in replicates)\n    if not is_whole(path, replicates):  # another", f"{STORE}::test_a_chunk_that_cannot_be_written_loses_no_run"),
@@ -134,11 +134,11 @@ MUTANTS = (
     Mutant("sweep/batch.py", "condition", 'if rows and rows[replicate.id]["failure"] == 0:', "if rows:", "tests/test_faults.py::test_a_run_that_failed_in_another_batch_is_tried_again"),
     Mutant("sweep/store.py", "missing call", "        file.close()\n        seal(part)\n", "        file.close()\n", STOPPED),
     Mutant("sweep/store.py", "missing call", "            if not is_sealed(part):\n", "            if not content:\n", f"{SWEEP}::test_a_file_that_was_damaged_on_its_way_is_not_put_into_the_store"),
-    Mutant("sweep/store.py", "order", "return batch_id(results, *batch.runs) != batch.id, -len", "return -len", f"{SWEEP}::test_a_sweep_keeps_to_its_batches_while_another_makes_their_runs"),
+    Mutant("sweep/jobs.py", "order", "return batch_id(results, *batch.runs) != batch.id, -len", "return -len", f"{SWEEP}::test_a_sweep_keeps_to_its_batches_while_another_makes_their_runs"),
     Mutant("sweep/prune.py", "index", 'path.name.partition(".")[0] not in', "path.stem not in", UNDER_WAY),
     Mutant("sweep/prune.py", "missing term", "runs.union(beds, (batch.id", "runs.union((batch.id", UNDER_WAY),
     Mutant("sweep/prune.py", "missing term", "if not batch.runs or runs.intersection", "if runs.intersection", f"{SWEEP}::test_prune_removes_nothing_whose_runs_are_unknown"),
-    Mutant("sweep/prune.py", "missing term", "{run for each in earlier for run in each.runs}, set()", "set(), set()", PRUNED),
+    Mutant("sweep/prune.py", "missing term", "{run for file in combined for run in file.runs}, set()", "set(), set()", PRUNED),
     Mutant("sweep/prune.py", "order", "list(store.files()), list(", "store.files(), list(", f"{SWEEP}::test_prune_leaves_the_plans_of_a_sweep_that_starts_meanwhile"),
     Mutant("sweep/combine.py", "index", "for _, row in some]", "for _, row in some[::-1]]", ROWS),
     Mutant("sweep/combine.py", "condition", "        elif left:\n", "        elif left and not file.dimensions:\n", f"{SWEEP}::test_a_run_that_no_file_holds_is_named"),
@@ -157,7 +157,7 @@ MUTANTS = (
     Mutant("base/intervals.py", "constant", "stdtrit(freedom, 0.5 + 0.5 * level)", "stdtrit(freedom, level)", "tests/test_statistics.py"),
     Mutant("analysis/onset.py", "sign", "return y @ share - slope * middle", "return y @ share + slope * middle", "tests/test_onset.py"),
     # how kernels are compiled
-    Mutant("jit/compilation.py", "missing term", " {_code_of(each)}\" for", "\" for", "tests/test_compilation.py"),
+    Mutant("jit/compilation.py", "missing term", "*map(str, key), *code)", "*map(str, key))", "tests/test_plugins.py"),
     Mutant("jit/optional.py", "sign", "return lambda a, b: -b", "return lambda a, b: b", ELLIPSES),
     Mutant("jit/block_memory.py", "index", "(table[row],) + rows_like(like[1:], table, row + 1)", "(table[row],) + rows_like(like[1:], table, row)", ELLIPSES),
 )  # fmt: skip
