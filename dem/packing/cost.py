@@ -19,9 +19,9 @@ PATIENT = 3.0  # times those expected: they scatter by 2
 ITERATIONS = (
     (0.80, 3_000.0, 0.0),
     (0.82, 5_000.0, 0.0),
-    (0.84, 9.0, 0.9),
+    (0.84, 8.0, 0.9),
     (0.86, 240.0, 0.44),
-    (0.90, 240.0, 0.4),
+    (0.90, 1_000.0, 0.235),
 )
 START, ITERATION = 65e-6, 30e-9  # s of a usual processor: a granule, and an iteration of it
 
